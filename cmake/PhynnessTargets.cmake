@@ -1,0 +1,42 @@
+# One way to declare a library or a test, so that language level, warnings and include paths are set in one place.
+include(GNUInstallDirs)
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+function(phynness_warnings target)
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wconversion -Wno-sign-conversion>)
+  if(PHYNNESS_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Werror>)
+  endif()
+endfunction()
+
+# phynness_library(NAME sources...): static library phynness_NAME with alias phynness::NAME, C++20, public headers in include/
+function(phynness_library name)
+  add_library(phynness_${name} STATIC ${ARGN})
+  add_library(phynness::${name} ALIAS phynness_${name})
+  target_compile_features(phynness_${name} PUBLIC cxx_std_20)
+  target_include_directories(phynness_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
+  target_include_directories(phynness_${name} PRIVATE src)
+  phynness_warnings(phynness_${name})
+endfunction()
+
+# phynness_test(NAME SOURCES ... LIBRARIES ...): a Google Test program whose cases CTest discovers.
+function(phynness_test name)
+  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LIBRARIES" ${ARGN})
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 300)
+  endif()
+  add_executable(test_${name} ${arg_SOURCES})
+  target_link_libraries(test_${name} PRIVATE ${arg_LIBRARIES} GTest::gtest_main)
+  target_compile_features(test_${name} PRIVATE cxx_std_20)
+  phynness_warnings(test_${name})
+  # Folders beside the repository that a test may read; it skips with a message where they are absent.
+  target_compile_definitions(test_${name} PRIVATE
+    PHYNNESS_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared" PHYNNESS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  gtest_discover_tests(test_${name} TEST_PREFIX "${name}/" DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1")
+endfunction()

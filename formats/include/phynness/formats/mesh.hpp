@@ -1,0 +1,55 @@
+// The mesh as every stage sees it: plain arrays, SI units, 0-based indices.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace phynness {
+
+/// n x 3, row-major: one point or vector per row.
+using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using Triangles = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using Cells = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// A body made of tetrahedra (4 columns in `cells`); shells of triangles (3 columns) use the same arrays.
+/// Node numbers are those of the mesh file's own node list after unreferenced nodes have been dropped.
+struct Mesh {
+  Points nodes;        ///< n_nodes x 3 [m], reference configuration X
+  Cells cells;         ///< n_cells x 4, positively oriented
+  Triangles surface;   ///< n_triangles x 3, boundary faces of `cells`, normals outward
+  std::map<std::string, std::vector<std::int32_t>> groups;  ///< physical groups of the file: name -> sorted nodes
+
+  std::int32_t n_nodes() const { return static_cast<std::int32_t>(nodes.rows()); }
+  std::int32_t n_cells() const { return static_cast<std::int32_t>(cells.rows()); }
+};
+
+/// The nodes a scene selects on a mesh; each list sorted ascending without repeats.
+struct NodeSets {
+  std::vector<std::int32_t> fixed;   ///< u = 0
+  std::vector<std::int32_t> active;  ///< probed one at a time
+  std::vector<std::int32_t> output;  ///< their displacements are stored and modelled
+};
+
+/// Boundary faces of tetrahedra, normals outward, in the order of the cells they belong to.
+/// @pre cells has 4 columns and positive orientation.
+Triangles boundary_triangles(const Cells& cells);
+
+/// Sorted list of the nodes on `surface`.
+std::vector<std::int32_t> surface_nodes(const Triangles& surface);
+
+/// Area-weighted outward unit normals, one row per node of the mesh; zero rows for interior nodes.
+Points node_normals(const Mesh& mesh);
+
+/// 64-bit FNV-1a over the little-endian bytes of nodes then cells, as 16 lower-case hexadecimal digits.
+/// Identifies the mesh in databases and models.
+std::string mesh_hash(const Mesh& mesh);
+
+/// mesh.txt: text, hexadecimal floats, exact round trip (formats/model.md). `fixed` travels along for display.
+std::string write_mesh_text(const Mesh& mesh);
+/// @throws Error naming the line and the defect
+Mesh read_mesh_text(const std::string& text, const std::string& source_name);
+
+}  // namespace phynness

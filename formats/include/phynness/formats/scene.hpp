@@ -1,0 +1,144 @@
+// A scene: what is simulated, how it is probed, what is made of it. Key by key in formats/scene.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace phynness {
+
+/// Where in a scene file a value stands, for messages: "file.toml:12".
+struct SourceLocation {
+  std::string file;
+  int line = 0;
+  std::string str() const { return file + ":" + std::to_string(line); }
+};
+
+using Vec3 = std::array<double, 3>;
+
+enum class Shape { none, liver, block, cylinder, tube };
+
+/// Exactly one of `shape` and `file` is given.
+struct MeshSpec {
+  Shape shape = Shape::none;
+  std::filesystem::path file;             ///< absolute, resolved against the scene file's folder
+  double scale_to_m = 1.0;                ///< file units -> m
+  std::optional<int> target_nodes;        ///< built-in shapes: wanted number of nodes ...
+  std::optional<double> target_size_m;    ///< ... or edge length; surfaces (.stl, .obj): edge length to fill with
+  Vec3 size_m{0, 0, 0};                   ///< block: edges; liver: bounding box; 0 = the shape's default
+  double radius_m = 0, inner_radius_m = 0, length_m = 0;  ///< cylinder, tube
+  bool repair = false;                    ///< allow named repairs (flip cells, keep the largest component, ...)
+  SourceLocation where;
+};
+
+enum class Law { linear, st_venant_kirchhoff, neo_hookean, mooney_rivlin };
+
+/// All moduli are filled in whatever pair the scene gave.
+/// linear, (7), (8): shear_modulus_Pa (mu), lame_lambda_Pa; (9): c10_Pa, c01_Pa, bulk_modulus_Pa, mu = 2 (C10 + C01).
+struct Material {
+  Law law = Law::neo_hookean;
+  double shear_modulus_Pa = 0, lame_lambda_Pa = 0, bulk_modulus_Pa = 0;
+  double c10_Pa = 0, c01_Pa = 0;
+  SourceLocation where;
+  double bulk_to_shear() const { return bulk_modulus_Pa / shear_modulus_Pa; }
+};
+
+enum class Element { p1, p2, taylor_hood, p1_p1 };
+
+struct SolverSpec {
+  Element element = Element::p1;
+  double relative_tolerance = 1e-8;  ///< |free residual| / |reactions|
+  int max_iterations = 25;
+  int max_cutbacks = 6;              ///< an increment is cut to at most 2^-max_cutbacks of its length
+};
+
+/// One selector; a selection is the union of a list of them.
+struct Selector {
+  enum class Kind { box, sphere, plane, half_space, group, nodes, nearest, surface, free_surface, free_nodes, all };
+  Kind kind = Kind::surface;
+  Vec3 a{}, b{};              ///< box: min, max; sphere: center; plane/half_space: point, normal; nearest: point
+  double radius_m = 0;        ///< sphere: radius; plane: tolerance (distance from the plane)
+  bool fraction = false;      ///< a and b (positions, not normals) are fractions of the bounding box, not metres
+  bool surface_only = false;  ///< keep surface nodes only
+  std::string group;
+  std::vector<std::int32_t> nodes;
+  SourceLocation where;
+};
+using Selection = std::vector<Selector>;
+
+enum class ProbeKind { node, patch };
+enum class Directions { three, twenty_six, hemisphere };
+
+struct ProbeSpec {
+  ProbeKind kind = ProbeKind::node;
+  double tool_radius_m = 0;  ///< patch only
+  Directions directions = Directions::twenty_six;
+  int increments = 6;
+  double max_displacement_m = 0;
+  SourceLocation where;
+};
+
+struct DatabaseSpec {
+  bool tangents = false;         ///< store the condensed 3x3 tangent of every increment
+  bool float64 = false;          ///< displacements as float64 instead of float32
+};
+
+enum class Family { rbfn, modal, linear };
+
+struct TrainingSpec {
+  Family family = Family::rbfn;
+  int deformation_neurons = 200;
+  int force_neurons = 60;
+  double deformation_spread = 0.75;  ///< in scaled inputs; <= 0: search
+  double force_spread = 0;           ///< in scaled inputs; <= 0: search
+  int samples = 5000;                ///< training points per deformation network
+  double target_mse = 0;             ///< of scaled outputs; 0: grow to the maximum
+  std::uint64_t seed = 1;
+};
+
+struct ValidationSpec {
+  int probes = 200;
+  std::uint64_t seed = 1;
+};
+
+struct Scene {
+  std::string title;
+  MeshSpec mesh;
+  Material material;
+  SolverSpec solver;
+  Selection fixed, active, output;
+  SourceLocation fixed_where, active_where, output_where;
+  ProbeSpec probe;
+  DatabaseSpec database;
+  TrainingSpec training;
+  ValidationSpec validation;
+  std::string text;         ///< the file, verbatim
+  std::string source_name;  ///< file name for messages
+};
+
+/// @throws Error (input) "file:line: what: value, remedy" on unknown keys, wrong types, missing or impossible values
+Scene read_scene(const std::filesystem::path& file);
+/// `folder`: where relative mesh paths start.
+Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder);
+
+/// Hash (16 hexadecimal digits) of everything that decides a solve: material, element, tolerances, selections,
+/// probe and mesh specification; not training, validation, title, comments or layout of the file.
+std::string physics_hash(const Scene& scene);
+/// The same, one "key = value" per line, so that two scenes can be compared by a person.
+std::string physics_summary(const Scene& scene);
+
+const char* name(Shape);
+const char* name(Law);
+const char* name(Element);
+const char* name(ProbeKind);
+const char* name(Directions);
+const char* name(Family);
+
+/// The exploratory directions of a kind, unit vectors, in the fixed order of formats/database.md
+/// (`hemisphere` has the 26; which of them are solved depends on the node's inward normal).
+std::vector<Vec3> exploratory_directions(Directions kind);
+
+}  // namespace phynness
