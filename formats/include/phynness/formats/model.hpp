@@ -4,33 +4,39 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <phynness/formats/mesh.hpp>
+#include <phynness/formats/scene.hpp>
 #include <string>
 #include <vector>
 
-#include <phynness/formats/mesh.hpp>
-#include <phynness/formats/scene.hpp>
-
 namespace phynness {
 
-/// Gaussian network (11)-(12) on scaled inputs and outputs: scaled = (value - center) / half_range, in [-1, 1].
-/// y_j = b_j + sum_i w_ij exp(-|x - c_i|^2 / spread^2).
+/// Gaussian network (11)-(12) on scaled inputs and outputs: scaled = (value - center) / half_range, in [-1,
+/// 1]. y_j = b_j + sum_i w_ij exp(-|x - c_i|^2 / spread^2).
 struct RbfNetwork {
   Eigen::VectorXd input_center, input_half_range;    ///< n_inputs
   Eigen::VectorXd output_center, output_half_range;  ///< 3
   double spread = 1;                                 ///< in scaled inputs
-  Eigen::MatrixXd centers;                           ///< n_neurons x n_inputs, scaled
-  Eigen::MatrixXd weights;                           ///< n_neurons x 3
+  /// Every center is a training point: an imposed displacement (row of Model::displacements) and, in
+  /// deformation networks, an output node (position in Model::output). n_neurons each; `center_output` is
+  /// empty in force networks. The file holds these; `centers` follows from them, see fill_centers.
+  std::vector<std::int32_t> center_displacement, center_output;
+  Eigen::MatrixXd centers;  ///< n_neurons x n_inputs, scaled
+  Eigen::MatrixXd weights;  ///< n_neurons x 3
   Eigen::Vector3d bias{0, 0, 0};
 };
 
 /// One active node of the `rbfn` family.
 struct ActiveNodeModel {
-  std::int32_t node = 0;                ///< mesh node number
-  std::vector<std::int32_t> prescribed; ///< nodes moved by the probe itself, with `prescribed_weight` (node probe: one, weight 1)
+  std::int32_t node = 0;  ///< mesh node number
+  Vec3 point{0, 0, 0};    ///< its reference coordinates [m]
+  std::vector<std::int32_t>
+      prescribed;  ///< nodes moved by the probe itself, with `prescribed_weight` (node probe: one, weight 1)
   std::vector<double> prescribed_weight;
   std::vector<double> trained_depth_m;  ///< per direction: last good increment; 0 if none
-  RbfNetwork force;                     ///< d [m] -> force [N]
-  RbfNetwork deformation;               ///< (d, X) [m] -> u [m]
+  std::int32_t n_incomplete = 0;  ///< directions asked for that stopped short of the largest displacement
+  RbfNetwork force;               ///< d [m] -> force [N]
+  RbfNetwork deformation;         ///< (d, X) [m] -> u [m]
 };
 
 struct Model {
@@ -39,13 +45,23 @@ struct Model {
   std::string mesh_hash, physics_hash, software_version;
   std::vector<Vec3> directions;
   double max_displacement_m = 0;
+  Points displacements;  ///< n_directions * n_increments x 3 [m], row direction * n_increments + increment
+  std::int32_t n_mesh_nodes = 0;
   std::vector<std::int32_t> fixed, output;  ///< mesh node numbers, ascending
+  Points output_points;                     ///< n_output x 3 [m], reference coordinates of the output nodes
   std::vector<ActiveNodeModel> nodes;       ///< ascending by node
 };
 
+/// Computes network.centers from its indices: (value - input_center) / input_half_range per column, a
+/// subtraction and a division, so that every IEEE 754 reader gets the same bits.
+/// @pre input_center and input_half_range are set, the indices lie within the model's tables
+void fill_centers(const Model& model, RbfNetwork& network);
+
 /// model.txt as one string. Bit-for-bit round trip: write(read(write(m))) == write(m).
+/// @throws Error (failure) on a model that the format cannot hold: other family, unequal counts, NaN,
+/// infinity
 std::string write_model_text(const Model& model);
-/// @throws Error: truncated, corrupted (checksum), wrong version, malformed number: each its own message
+/// @throws Error: truncated, corrupted (checksum), wrong version, malformed number, ...: each its own message
 Model read_model_text(const std::string& text, const std::string& source_name);
 
 /// MODEL_DIR: exactly model.txt and mesh.txt. Written beside and renamed, so a reader never sees half of one.

@@ -1,0 +1,75 @@
+// MODEL_DIR: model.txt and mesh.txt side by side, replaced whole or not at all.
+#include <fstream>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/model.hpp>
+#include <sstream>
+#include <system_error>
+
+namespace phynness {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read_file(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) {
+    throw input_error("model directory lacks a file that can be read", file.string(),
+                      "name the directory that `phynness train -o` wrote");
+  }
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (stream.bad()) throw failure("reading failed", file.string(), "check the disk");
+  return std::move(text).str();
+}
+
+void write_file(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  stream.close();
+  if (!stream) {
+    std::error_code ignored;
+    fs::remove(file, ignored);
+    throw failure("writing failed", file.string(), "check free space and permissions");
+  }
+}
+
+void rename_over(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::rename(from, to, error);
+  if (error) throw failure("renaming failed (" + error.message() + ")", to.string(), "check permissions");
+}
+
+}  // namespace
+
+void write_model_dir(const fs::path& dir, const Model& model, const Mesh& mesh) {
+  if (mesh_hash(mesh) != model.mesh_hash) {
+    throw failure("model belongs to another mesh", model.mesh_hash, "write it with the mesh of its database");
+  }
+  const std::string model_text = write_model_text(model), mesh_text = write_mesh_text(mesh);
+  std::error_code error;
+  fs::create_directories(dir, error);
+  if (error)
+    throw input_error("directory cannot be made (" + error.message() + ")", dir.string(),
+                      "choose another -o");
+  write_file(dir / "mesh.txt.part", mesh_text);
+  write_file(dir / "model.txt.part", model_text);
+  // The model names its mesh by hash, so a reader between the two renames refuses instead of mixing them.
+  rename_over(dir / "mesh.txt.part", dir / "mesh.txt");
+  rename_over(dir / "model.txt.part", dir / "model.txt");
+}
+
+ModelDir read_model_dir(const fs::path& dir) {
+  ModelDir found;
+  found.model_text = read_file(dir / "model.txt");
+  found.mesh_text = read_file(dir / "mesh.txt");
+  found.model = read_model_text(found.model_text, (dir / "model.txt").string());
+  found.mesh = read_mesh_text(found.mesh_text, (dir / "mesh.txt").string());
+  if (mesh_hash(found.mesh) != found.model.mesh_hash) {
+    throw input_error("mesh.txt is not the mesh of model.txt",
+                      mesh_hash(found.mesh) + " instead of " + found.model.mesh_hash,
+                      "copy both files of one model directory");
+  }
+  return found;
+}
+
+}  // namespace phynness

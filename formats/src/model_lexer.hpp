@@ -1,0 +1,122 @@
+// Lines and tokens of model.txt for the host reader: strict, locale-free, every refusal names file and line.
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <limits>
+#include <phynness/formats/error.hpp>
+#include <string>
+#include <string_view>
+
+namespace phynness {
+
+/// Walks over text in which tokens are separated by exactly one space and lines end with one newline.
+class ModelLexer {
+ public:
+  /// @param text  must outlive the lexer
+  ModelLexer(std::string_view text, std::string source_name) : _text(text), _source(std::move(source_name)) {}
+
+  /// Next token of the line. @throws Error if the line has no further one
+  std::string_view token(std::string_view what) {
+    if (!_line_start) {
+      if (_at >= _text.size() || _text[_at] != ' ') refuse("value missing", what);
+      ++_at;
+    }
+    const std::size_t end = std::min(_text.find_first_of(" \n", _at), _text.size());
+    const std::string_view found = _text.substr(_at, end - _at);
+    if (found.empty()) refuse("value missing", what);
+    _at = end;
+    _line_start = false;
+    return found;
+  }
+
+  void end_line() {
+    if (_at >= _text.size() || _text[_at] != '\n')
+      refuse("line holds more than it should", _text.substr(_at, 20));
+    ++_at;
+    ++_line;
+    _line_start = true;
+  }
+
+  void keyword(std::string_view word) {
+    const std::string_view found = token(word);
+    if (found != word) refuse("expected '" + std::string(word) + "'", found);
+  }
+
+  /// Everything up to the end of the line, the separating space excluded; may be empty.
+  std::string rest_of_line() {
+    if (_at < _text.size() && _text[_at] == ' ') ++_at;
+    const std::size_t end = std::min(_text.find('\n', _at), _text.size());
+    std::string found(_text.substr(_at, end - _at));
+    _at = end;
+    return found;
+  }
+
+  std::int32_t integer(std::string_view what, std::int64_t low, std::int64_t high) {
+    const std::string_view found = token(what);
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(found.data(), found.data() + found.size(), value);
+    if (error == std::errc::result_out_of_range) refuse(std::string(what) + " is out of range", found);
+    if (error != std::errc{} || end != found.data() + found.size()) malformed(found);
+    if (value < low || value > high) {
+      refuse(std::string(what) + " is out of range " + std::to_string(low) + " ... " + std::to_string(high),
+             found);
+    }
+    return static_cast<std::int32_t>(value);
+  }
+
+  /// Number of lines that follow; a count that the rest of the text cannot hold is refused before anything is
+  /// allocated.
+  std::int32_t count(std::string_view what, std::int64_t low = 0) {
+    const std::int32_t n = integer(what, low, std::numeric_limits<std::int32_t>::max());
+    if (static_cast<std::size_t>(n) > (_text.size() - _at) / 2) {
+      refuse("count of '" + std::string(what) + "' is larger than the rest of the file", std::to_string(n));
+    }
+    return n;
+  }
+
+  /// Hexadecimal float as std::to_chars writes it, finite.
+  double real(std::string_view what) {
+    const std::string_view found = token(what);
+    for (const char c : found) {
+      const bool allowed =
+          (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || c == '.' || c == 'p' || c == '-' || c == '+';
+      if (!allowed) malformed(found);
+    }
+    double value = 0;
+    const auto [end, error] =
+        std::from_chars(found.data(), found.data() + found.size(), value, std::chars_format::hex);
+    if (error != std::errc{} || end != found.data() + found.size() ||
+        found.find('p') == std::string_view::npos) {
+      malformed(found);
+    }
+    return value;
+  }
+
+  bool at_end() const { return _at == _text.size(); }
+
+  [[noreturn]] void refuse(const std::string& what, std::string_view value) const {
+    throw input_error(
+        _source + ":" + std::to_string(_line) + ": " + what, std::string(value),
+        "write the model again with `phynness train`; the format is described in formats/model.md");
+  }
+
+ private:
+  [[noreturn]] void malformed(std::string_view found) const {
+    if (found.find(',') != std::string_view::npos) {
+      refuse("number with a comma: a program with a comma locale wrote this file", found);
+    }
+    if (found.find("nan") != std::string_view::npos || found.find("inf") != std::string_view::npos) {
+      refuse("number is not finite", found);
+    }
+    refuse("malformed number", found);
+  }
+
+  std::string_view _text;
+  std::string _source;
+  std::size_t _at = 0;
+  int _line = 1;
+  bool _line_start = true;
+};
+
+}  // namespace phynness
