@@ -47,9 +47,12 @@ Points node_normals(const Mesh& mesh);
 /// Identifies the mesh in databases and models.
 std::string mesh_hash(const Mesh& mesh);
 
-/// mesh.txt: text, hexadecimal floats, exact round trip (formats/model.md). `fixed` travels along for display.
-std::string write_mesh_text(const Mesh& mesh);
-/// @throws Error naming the line and the defect
-Mesh read_mesh_text(const std::string& text, const std::string& source_name);
+/// mesh.txt: text, hexadecimal floats, exact round trip (formats/mesh.md). `fixed` travels along for display.
+/// @throws Error if a group's name is empty or holds a line break
+std::string write_mesh_text(const Mesh& mesh, const std::vector<std::int32_t>& fixed = {});
+/// @param fixed  where to put the fixed nodes that travelled along; may be null
+/// @throws Error: truncated, corrupted (checksum), another version, malformed (with the line): each its own message
+Mesh read_mesh_text(const std::string& text, const std::string& source_name,
+                    std::vector<std::int32_t>* fixed = nullptr);
 
 }  // namespace phynness
