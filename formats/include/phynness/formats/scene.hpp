@@ -121,8 +121,17 @@ struct Scene {
 
 /// @throws Error (input) "file:line: what: value, remedy" on unknown keys, wrong types, missing or impossible values
 Scene read_scene(const std::filesystem::path& file);
+/// Whether a mesh file that the scene names must be there. A scene kept in a database has its mesh beside it.
+enum class MeshFile { must_exist, may_be_absent };
 /// `folder`: where relative mesh paths start.
-Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder);
+Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
+                  MeshFile mesh_file = MeshFile::must_exist);
+
+/// What is allowed but deserves a word before hours are spent on it, one sentence each with file and line.
+std::vector<std::string> scene_warnings(const Scene& scene);
+
+/// Every key the parser knows as "section.key"; the keys of selectors as "selector.key" and "selector.box.key".
+std::vector<std::string> scene_keys();
 
 /// Hash (16 hexadecimal digits) of everything that decides a solve: material, element, tolerances, selections,
 /// probe and mesh specification; not training, validation, title, comments or layout of the file.

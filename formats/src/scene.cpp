@@ -1,0 +1,80 @@
+// A scene from its text: the sections in turn, then what only shows across sections.
+#include <fstream>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/scene.hpp>
+#include <sstream>
+
+#include "scene_sections.hpp"
+
+namespace phynness {
+namespace sd = scene_detail;
+
+Scene read_scene(const std::filesystem::path& file) {
+  std::error_code code;
+  if (!std::filesystem::exists(file, code))
+    throw input_error("the scene file does not exist", file.string(), "correct the path");
+  if (!std::filesystem::is_regular_file(file, code))
+    throw input_error("the scene is not a file", file.string(), "give the path of a TOML file");
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw input_error("the scene file cannot be read", file.string(), "check its permissions");
+  return parse_scene(text.str(), file.string(), std::filesystem::absolute(file).parent_path());
+}
+
+Scene parse_scene(const std::string& text, const std::string& source_name,
+                  const std::filesystem::path& folder, MeshFile mesh_file) {
+  toml::table root;
+  try {
+    root = toml::parse(std::string_view(text), source_name);
+  } catch (const toml::parse_error& error) {
+    const auto at = error.source().begin;
+    const std::string reason(error.description());
+    throw input_error(source_name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
+                          ": the file is not valid TOML",
+                      reason, "mend the syntax at this line and column (https://toml.io)");
+  }
+
+  const sd::SceneTable top(root, "", source_name);
+  const auto section = [&](const char* name) {
+    const auto* node = top.find(name);
+    if (!node) return sd::SceneTable(name, source_name);
+    const auto* table = node->as_table();
+    if (!table)
+      top.reject(name, "must be a section", "write [" + std::string(name) + "] on a line of its own");
+    return sd::SceneTable(*table, name, source_name);
+  };
+  // Every section is opened before any is parsed: a misspelt key says more than the missing one it leaves
+  // behind.
+  const auto mesh = section("mesh"), material = section("material"), solver = section("solver");
+  const auto nodes = section("nodes"), probe = section("probe"), database = section("database");
+  const auto training = section("training"), validation = section("validation");
+
+  Scene scene;
+  scene.text = text;
+  scene.source_name = source_name;
+  scene.title = top.text("title").value_or("");
+  scene.mesh = sd::parse_mesh(mesh, folder, mesh_file);
+  scene.material = sd::parse_material(material);
+  scene.solver = sd::parse_solver(solver, scene.material);
+  sd::parse_nodes(nodes, scene);
+  scene.probe = sd::parse_probe(probe);
+  scene.database = sd::parse_database(database);
+  scene.training = sd::parse_training(training);
+  scene.validation = sd::parse_validation(validation);
+  return scene;
+}
+
+std::vector<std::string> scene_warnings(const Scene& scene) {
+  std::vector<std::string> warnings;
+  const Material& m = scene.material;
+  constexpr double locking_ratio = 20;
+  if (scene.solver.element == Element::p1 && m.bulk_to_shear() > locking_ratio)
+    warnings.push_back(
+        m.where.str() + ": K/mu = " + sd::shortest(m.bulk_to_shear()) +
+        ": P1 tetrahedra lock at this ratio, so that the body feels several times too stiff; elements "
+        "p1-p1, taylor-hood and P2 do not lock (taylor-hood and p1-p1 least)");
+  return warnings;
+}
+
+}  // namespace phynness

@@ -1,0 +1,140 @@
+#include "scene_keys.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <numeric>
+#include <phynness/formats/scene.hpp>
+
+namespace phynness {
+namespace scene_detail {
+namespace {
+
+struct Table {
+  std::string_view name;
+  std::vector<std::string_view> keys;
+};
+
+const std::vector<Table>& tables() {
+  static const std::vector<Table> all = {
+      {"", {"title", "mesh", "material", "solver", "nodes", "probe", "database", "training", "validation"}},
+      {"mesh",
+       {"shape", "file", "scale_to_m", "target_nodes", "target_size_m", "size_m", "radius_m",
+        "inner_radius_m", "length_m", "repair"}},
+      {"material",
+       {"law", "youngs_modulus_Pa", "poisson_ratio", "shear_modulus_Pa", "lame_lambda_Pa", "bulk_modulus_Pa",
+        "c10_Pa", "c01_Pa", "d1_per_Pa"}},
+      {"solver", {"element", "relative_tolerance", "max_iterations", "max_cutbacks"}},
+      {"nodes", {"fixed", "active", "output"}},
+      {"probe", {"kind", "tool_radius_m", "directions", "increments", "max_displacement_m"}},
+      {"database", {"tangents", "displacement_precision"}},
+      {"training",
+       {"family", "deformation_neurons", "force_neurons", "deformation_spread", "force_spread", "samples",
+        "target_mse", "seed"}},
+      {"validation", {"probes", "seed"}},
+      {"selector", {"box", "sphere", "plane", "half_space", "group", "nodes", "nearest", "surface_only"}},
+      {"selector.box", {"min_m", "max_m", "min_fraction", "max_fraction"}},
+      {"selector.sphere", {"center_m", "center_fraction", "radius_m"}},
+      {"selector.plane", {"point_m", "point_fraction", "normal", "tolerance_m"}},
+      {"selector.half_space", {"point_m", "point_fraction", "normal"}},
+      {"selector.nearest", {"point_m", "point_fraction"}},
+  };
+  return all;
+}
+
+// Longest first, so that "_per_Pa" is not taken for "_Pa".
+constexpr std::array<std::string_view, 5> units = {"_per_Pa", "_to_m", "_fraction", "_Pa", "_m"};
+
+std::string_view unit_of(std::string_view key) {
+  for (auto unit : units)
+    if (key.size() > unit.size() && key.ends_with(unit)) return unit;
+  return {};
+}
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string bracketed(std::string_view table) {
+  std::string text = "the top level";
+  if (!table.empty()) text.assign("[").append(table).append("]");
+  return text;
+}
+
+}  // namespace
+
+const std::vector<std::string_view>& keys_of(std::string_view table) {
+  const auto found =
+      std::find_if(tables().begin(), tables().end(), [&](const Table& t) { return t.name == table; });
+  static const std::vector<std::string_view> none;
+  return found == tables().end() ? none : found->keys;
+}
+
+std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates) {
+  std::string_view best;
+  std::size_t best_distance = 0;
+  for (auto candidate : candidates) {
+    const std::size_t distance = edit_distance(lower(word), lower(candidate));
+    if (best.empty() || distance < best_distance) best = candidate, best_distance = distance;
+  }
+  const std::size_t tolerated = std::max<std::size_t>(2, word.size() / 3);
+  return best_distance <= tolerated ? best : std::string_view{};
+}
+
+std::string listed(const std::vector<std::string_view>& words, const char* last_joint) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i > 0) text += i + 1 == words.size() ? last_joint : ", ";
+    text += words[i];
+  }
+  return text;
+}
+
+std::string remedy_for_unknown_key(std::string_view table, std::string_view key) {
+  const auto& known = keys_of(table);
+  for (auto candidate : known) {
+    const auto unit = unit_of(candidate);
+    if (unit.empty()) continue;
+    const auto stem = candidate.substr(0, candidate.size() - unit.size());
+    if (key == stem)
+      return "a value with a unit carries it in its key: write " + std::string(candidate) +
+             " and give it in " + (unit == "_per_Pa" ? "1/Pa" : std::string(unit.substr(1)));
+    if (key.starts_with(stem) && key.size() > stem.size() && key[stem.size()] == '_' &&
+        key.size() <= stem.size() + 5)
+      return "values are plain SI numbers: write " + std::string(candidate) + " and convert the value";
+  }
+  if (const auto near = nearest(key, known); !near.empty()) return "did you mean " + std::string(near) + "?";
+  for (const auto& other : tables())
+    if (std::find(other.keys.begin(), other.keys.end(), key) != other.keys.end())
+      return "move it to " + bracketed(other.name) + ", which knows it";
+  return "remove it; " + bracketed(table) + " knows " + listed(known, " and ");
+}
+
+}  // namespace scene_detail
+
+std::vector<std::string> scene_keys() {
+  std::vector<std::string> keys;
+  for (const auto& table : scene_detail::tables())
+    for (auto key : table.keys)
+      keys.push_back((table.name.empty() ? "" : std::string(table.name) + ".") + std::string(key));
+  return keys;
+}
+
+}  // namespace phynness

@@ -1,0 +1,196 @@
+// What of a scene decides a solve, as text for people and as a hash for databases and models; and names of
+// the choices.
+#include <phynness/formats/hash.hpp>
+#include <phynness/formats/scene.hpp>
+
+#include "scene_table.hpp"
+
+namespace phynness {
+namespace {
+
+using scene_detail::shortest;
+
+std::string text(const Vec3& v) {
+  std::string result = "[";
+  return result.append(shortest(v[0]))
+      .append(", ")
+      .append(shortest(v[1]))
+      .append(", ")
+      .append(shortest(v[2]))
+      .append("]");
+}
+
+std::string text(const Selector& s) {
+  const std::string unit = s.fraction ? "_fraction = " : "_m = ";
+  std::string result;
+  switch (s.kind) {
+    case Selector::Kind::box:
+      result = "box { min" + unit + text(s.a) + ", max" + unit + text(s.b) + " }";
+      break;
+    case Selector::Kind::sphere:
+      result = "sphere { center" + unit + text(s.a) + ", radius_m = " + shortest(s.radius_m) + " }";
+      break;
+    case Selector::Kind::plane:
+      result = "plane { point" + unit + text(s.a) + ", normal = " + text(s.b) +
+               ", tolerance_m = " + shortest(s.radius_m) + " }";
+      break;
+    case Selector::Kind::half_space:
+      result = "half_space { point" + unit + text(s.a) + ", normal = " + text(s.b) + " }";
+      break;
+    case Selector::Kind::group:
+      result = "group \"" + s.group + "\"";
+      break;
+    case Selector::Kind::nodes:
+      result = "nodes [";
+      for (std::size_t i = 0; i < s.nodes.size(); ++i) result += (i ? ", " : "") + std::to_string(s.nodes[i]);
+      result += "]";
+      break;
+    case Selector::Kind::nearest:
+      result = "nearest { point" + unit + text(s.a) + " }";
+      break;
+    case Selector::Kind::surface:
+      result = "surface";
+      break;
+    case Selector::Kind::free_surface:
+      result = "free-surface";
+      break;
+    case Selector::Kind::free_nodes:
+      result = "free";
+      break;
+    case Selector::Kind::all:
+      result = "all";
+      break;
+  }
+  if (s.surface_only) result += " surface_only";
+  return result;
+}
+
+std::string text(const Selection& selection) {
+  std::string result;
+  for (const auto& s : selection) result += (result.empty() ? "" : " + ") + text(s);
+  return result;
+}
+
+}  // namespace
+
+std::string physics_summary(const Scene& scene) {
+  std::string lines;
+  const auto add = [&](const std::string& key, const std::string& value) {
+    lines += key + " = " + value + "\n";
+  };
+  const MeshSpec& mesh = scene.mesh;
+  if (mesh.shape == Shape::none) {
+    // The folder is left out: the mesh hash says whether the content is the same.
+    add("mesh.file", mesh.file.filename().string());
+    add("mesh.scale_to_m", shortest(mesh.scale_to_m));
+    add("mesh.repair", mesh.repair ? "true" : "false");
+  } else {
+    add("mesh.shape", name(mesh.shape));
+    add("mesh.size_m", text(mesh.size_m));
+    add("mesh.radius_m", shortest(mesh.radius_m));
+    add("mesh.inner_radius_m", shortest(mesh.inner_radius_m));
+    add("mesh.length_m", shortest(mesh.length_m));
+  }
+  if (mesh.target_nodes) add("mesh.target_nodes", std::to_string(*mesh.target_nodes));
+  if (mesh.target_size_m) add("mesh.target_size_m", shortest(*mesh.target_size_m));
+
+  const Material& m = scene.material;
+  add("material.law", name(m.law));
+  if (m.law == Law::mooney_rivlin) {
+    add("material.c10_Pa", shortest(m.c10_Pa));
+    add("material.c01_Pa", shortest(m.c01_Pa));
+    add("material.bulk_modulus_Pa", shortest(m.bulk_modulus_Pa));
+  } else {
+    add("material.shear_modulus_Pa", shortest(m.shear_modulus_Pa));
+    add("material.lame_lambda_Pa", shortest(m.lame_lambda_Pa));
+  }
+
+  add("solver.element", name(scene.solver.element));
+  add("solver.relative_tolerance", shortest(scene.solver.relative_tolerance));
+  add("solver.max_iterations", std::to_string(scene.solver.max_iterations));
+  add("solver.max_cutbacks", std::to_string(scene.solver.max_cutbacks));
+
+  add("nodes.fixed", text(scene.fixed));
+  add("nodes.active", text(scene.active));
+  add("nodes.output", text(scene.output));
+
+  add("probe.kind", name(scene.probe.kind));
+  if (scene.probe.kind == ProbeKind::patch) add("probe.tool_radius_m", shortest(scene.probe.tool_radius_m));
+  add("probe.directions", name(scene.probe.directions));
+  add("probe.increments", std::to_string(scene.probe.increments));
+  add("probe.max_displacement_m", shortest(scene.probe.max_displacement_m));
+  return lines;
+}
+
+std::string physics_hash(const Scene& scene) {
+  Fnv1a64 hash;
+  hash.add(physics_summary(scene));
+  return hash.hex();
+}
+
+const char* name(Shape shape) {
+  switch (shape) {
+    case Shape::none:
+      return "none";
+    case Shape::liver:
+      return "liver";
+    case Shape::block:
+      return "block";
+    case Shape::cylinder:
+      return "cylinder";
+    case Shape::tube:
+      return "tube";
+  }
+  return "?";
+}
+const char* name(Law law) {
+  switch (law) {
+    case Law::linear:
+      return "linear";
+    case Law::st_venant_kirchhoff:
+      return "st-venant-kirchhoff";
+    case Law::neo_hookean:
+      return "neo-hookean";
+    case Law::mooney_rivlin:
+      return "mooney-rivlin";
+  }
+  return "?";
+}
+const char* name(Element element) {
+  switch (element) {
+    case Element::p1:
+      return "P1";
+    case Element::p2:
+      return "P2";
+    case Element::taylor_hood:
+      return "taylor-hood";
+    case Element::p1_p1:
+      return "p1-p1";
+  }
+  return "?";
+}
+const char* name(ProbeKind kind) { return kind == ProbeKind::node ? "node" : "patch"; }
+const char* name(Directions directions) {
+  switch (directions) {
+    case Directions::three:
+      return "3";
+    case Directions::twenty_six:
+      return "26";
+    case Directions::hemisphere:
+      return "hemisphere";
+  }
+  return "?";
+}
+const char* name(Family family) {
+  switch (family) {
+    case Family::rbfn:
+      return "rbfn";
+    case Family::modal:
+      return "modal";
+    case Family::linear:
+      return "linear";
+  }
+  return "?";
+}
+
+}  // namespace phynness

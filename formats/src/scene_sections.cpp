@@ -1,0 +1,196 @@
+// [mesh], [solver], [probe], [database], [training] and [validation].
+#include "scene_sections.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+
+#include "scene_keys.hpp"
+
+namespace phynness::scene_detail {
+namespace {
+
+constexpr Range length{0, 1e3, true, false};
+constexpr int default_target_nodes = 739;  // the paper's liver
+constexpr std::int64_t most_nodes = 5'000'000;
+
+void refuse_keys(const SceneTable& table, std::initializer_list<const char*> keys, const std::string& why,
+                 const std::string& remedy) {
+  for (const char* key : keys)
+    if (table.has(key)) table.reject(key, why, remedy);
+}
+
+void parse_mesh_file(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file,
+                     MeshSpec& spec) {
+  const std::filesystem::path given = *table.text("file");
+  spec.file = std::filesystem::absolute(given.is_absolute() ? given : folder / given).lexically_normal();
+  static const std::vector<std::string_view> readable = {".msh", ".vtk", ".stl", ".obj"};
+  std::string extension = given.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (std::find(readable.begin(), readable.end(), extension) == readable.end())
+    table.reject("file", "is of no kind that can be read", "give a " + listed(readable) + " file");
+  std::error_code code;
+  if (mesh_file == MeshFile::must_exist && !std::filesystem::is_regular_file(spec.file, code))
+    table.reject("file", "names a mesh that is not there (looked for " + spec.file.string() + ")",
+                 "correct the path; a relative one starts at the scene file's folder");
+  refuse_keys(table, {"target_nodes", "size_m", "radius_m", "inner_radius_m", "length_m"},
+              "belongs to a built-in shape, but the mesh comes from a file", "remove it");
+  spec.scale_to_m = table.number_or("scale_to_m", 1.0, {0, 1e6, true, false});
+}
+
+void parse_built_in_shape(const SceneTable& table, MeshSpec& spec) {
+  refuse_keys(table, {"scale_to_m", "repair"}, "belongs to a mesh file, but the mesh is a built-in shape",
+              "remove it");
+  const bool round = spec.shape == Shape::cylinder || spec.shape == Shape::tube;
+  const std::string shape = phynness::name(spec.shape);
+  if (round)
+    refuse_keys(table, {"size_m"}, "does not apply to shape " + shape, "give radius_m and length_m");
+  else
+    refuse_keys(table, {"radius_m", "inner_radius_m", "length_m"}, "does not apply to shape " + shape,
+                "give size_m = [x, y, z]");
+  if (spec.shape == Shape::cylinder)
+    refuse_keys(table, {"inner_radius_m"}, "does not apply to a cylinder", "use shape = \"tube\"");
+
+  if (const auto size = table.vector("size_m", length)) spec.size_m = *size;
+  spec.radius_m = table.number_or("radius_m", 0, length);
+  spec.inner_radius_m = table.number_or("inner_radius_m", 0, length);
+  spec.length_m = table.number_or("length_m", 0, length);
+  if (table.has("inner_radius_m") && table.has("radius_m") && spec.inner_radius_m >= spec.radius_m)
+    table.reject("inner_radius_m", "must be less than radius_m", "leave a wall between the two radii");
+
+  if (table.has("target_nodes") && table.has("target_size_m"))
+    table.reject("target_size_m", "stands beside target_nodes, which decides the size",
+                 "keep one of the two");
+  if (const auto nodes = table.integer("target_nodes", 8, most_nodes))
+    spec.target_nodes = static_cast<int>(*nodes);
+  if (!spec.target_nodes && !spec.target_size_m) spec.target_nodes = default_target_nodes;
+}
+
+Directions parse_directions(const SceneTable& table) {
+  const auto* node = table.find("directions");
+  if (!node) return Directions::twenty_six;
+  std::string word;
+  if (const auto* number = node->as_integer())
+    word = std::to_string(number->get());
+  else if (const auto* text = node->as_string())
+    word = text->get();
+  for (auto kind : {Directions::three, Directions::twenty_six, Directions::hemisphere})
+    if (word == phynness::name(kind)) return kind;
+  table.reject("directions", "is none of those known", "write 26, 3 or \"hemisphere\"");
+}
+
+/// A spread, or <= 0 for "search".
+double parse_spread(const SceneTable& table, std::string_view key, double otherwise) {
+  const auto* node = table.find(key);
+  if (!node) return otherwise;
+  if (const auto* word = node->as_string()) {
+    if (word->get() == "search") return 0;
+    table.reject(key, "is neither a number nor \"search\"", "write \"search\" or a number greater than 0");
+  }
+  return *table.number(key, {0, 1e3, true, false});
+}
+
+}  // namespace
+
+MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file) {
+  MeshSpec spec;
+  spec.where = table.where();
+  if (table.has("shape") && table.has("file"))
+    table.reject("file", "stands beside shape", "keep one of the two: a built-in shape or a file");
+  if (!table.has("shape") && !table.has("file"))
+    table.missing("shape", ", and so is file",
+                  "add shape = \"liver\", \"block\", \"cylinder\" or \"tube\", or file = \"body.msh\"");
+  if (const auto size = table.number("target_size_m", length)) spec.target_size_m = *size;
+  spec.repair = table.flag_or("repair", false);
+  if (table.has("file")) {
+    parse_mesh_file(table, folder, mesh_file, spec);
+  } else {
+    spec.shape = *table.choice<Shape>("shape", {{"liver", Shape::liver},
+                                                {"block", Shape::block},
+                                                {"cylinder", Shape::cylinder},
+                                                {"tube", Shape::tube}});
+    parse_built_in_shape(table, spec);
+  }
+  return spec;
+}
+
+SolverSpec parse_solver(const SceneTable& table, const Material& material) {
+  SolverSpec spec;
+  spec.element = table
+                     .choice<Element>("element", {{"P1", Element::p1},
+                                                  {"P2", Element::p2},
+                                                  {"taylor-hood", Element::taylor_hood},
+                                                  {"p1-p1", Element::p1_p1}})
+                     .value_or(spec.element);
+  spec.relative_tolerance = table.number_or("relative_tolerance", spec.relative_tolerance, {1e-14, 1e-2});
+  spec.max_iterations = static_cast<int>(table.integer_or("max_iterations", spec.max_iterations, 1, 1000));
+  spec.max_cutbacks = static_cast<int>(table.integer_or("max_cutbacks", spec.max_cutbacks, 0, 30));
+  const bool mixed = spec.element == Element::taylor_hood || spec.element == Element::p1_p1;
+  if (mixed && !(material.lame_lambda_Pa > 0))
+    refuse(table.where("element"),
+           std::string("element ") + phynness::name(spec.element) +
+               " divides by the Lame parameter lambda, which must be positive",
+           "lambda = " + shortest(material.lame_lambda_Pa) + " Pa",
+           "use element = \"P1\" or \"P2\": a material this compressible does not lock");
+  return spec;
+}
+
+ProbeSpec parse_probe(const SceneTable& table) {
+  ProbeSpec spec;
+  spec.where = table.where();
+  spec.kind = table.choice<ProbeKind>("kind", {{"node", ProbeKind::node}, {"patch", ProbeKind::patch}})
+                  .value_or(spec.kind);
+  const auto radius = table.number("tool_radius_m", length);
+  if (spec.kind == ProbeKind::node && radius)
+    table.reject("tool_radius_m", "is for patch probes, but kind is \"node\"",
+                 "remove it, or write kind = \"patch\"");
+  if (spec.kind == ProbeKind::patch && !radius)
+    table.missing("tool_radius_m", ", which a patch probe needs",
+                  "add tool_radius_m in metres, such as 0.01");
+  spec.tool_radius_m = radius.value_or(0);
+  spec.directions = parse_directions(table);
+  spec.increments = static_cast<int>(table.integer_or("increments", spec.increments, 1, 1000));
+  const auto depth = table.number("max_displacement_m", {0, 10, true, false});
+  if (!depth)
+    table.missing("max_displacement_m", "", "add max_displacement_m in metres, such as 0.028 for 28 mm");
+  spec.max_displacement_m = *depth;
+  return spec;
+}
+
+DatabaseSpec parse_database(const SceneTable& table) {
+  DatabaseSpec spec;
+  spec.tangents = table.flag_or("tangents", spec.tangents);
+  spec.float64 = table.choice<bool>("displacement_precision", {{"float32", false}, {"float64", true}})
+                     .value_or(spec.float64);
+  return spec;
+}
+
+TrainingSpec parse_training(const SceneTable& table) {
+  TrainingSpec spec;
+  spec.family =
+      table
+          .choice<Family>("family",
+                          {{"rbfn", Family::rbfn}, {"modal", Family::modal}, {"linear", Family::linear}})
+          .value_or(spec.family);
+  spec.deformation_neurons =
+      static_cast<int>(table.integer_or("deformation_neurons", spec.deformation_neurons, 1, 100'000));
+  spec.force_neurons = static_cast<int>(table.integer_or("force_neurons", spec.force_neurons, 1, 100'000));
+  spec.deformation_spread = parse_spread(table, "deformation_spread", spec.deformation_spread);
+  spec.force_spread = parse_spread(table, "force_spread", spec.force_spread);
+  spec.samples = static_cast<int>(table.integer_or("samples", spec.samples, 1, 10'000'000));
+  spec.target_mse = table.number_or("target_mse", spec.target_mse, {0, 1});
+  spec.seed = static_cast<std::uint64_t>(table.integer_or("seed", static_cast<std::int64_t>(spec.seed), 0,
+                                                          std::numeric_limits<std::int64_t>::max()));
+  return spec;
+}
+
+ValidationSpec parse_validation(const SceneTable& table) {
+  ValidationSpec spec;
+  spec.probes = static_cast<int>(table.integer_or("probes", spec.probes, 1, 1'000'000));
+  spec.seed = static_cast<std::uint64_t>(table.integer_or("seed", static_cast<std::int64_t>(spec.seed), 0,
+                                                          std::numeric_limits<std::int64_t>::max()));
+  return spec;
+}
+
+}  // namespace phynness::scene_detail

@@ -1,0 +1,18 @@
+// The sections of a scene, each parsed by one function from its table.
+#pragma once
+
+#include "scene_table.hpp"
+
+namespace phynness::scene_detail {
+
+MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file);
+Material parse_material(const SceneTable& table);
+SolverSpec parse_solver(const SceneTable& table, const Material& material);
+/// Fills fixed, active and output with their locations.
+void parse_nodes(const SceneTable& table, Scene& scene);
+ProbeSpec parse_probe(const SceneTable& table);
+DatabaseSpec parse_database(const SceneTable& table);
+TrainingSpec parse_training(const SceneTable& table);
+ValidationSpec parse_validation(const SceneTable& table);
+
+}  // namespace phynness::scene_detail

@@ -1,0 +1,216 @@
+#include "scene_table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <locale>
+#include <phynness/formats/error.hpp>
+#include <sstream>
+
+#include "scene_keys.hpp"
+
+namespace phynness::scene_detail {
+namespace {
+
+const char* type_name(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "an array";
+    case toml::node_type::string:
+      return "text";
+    case toml::node_type::integer:
+      return "an integer";
+    case toml::node_type::floating_point:
+      return "a number with a decimal point";
+    case toml::node_type::boolean:
+      return "true or false";
+    default:
+      return "a date or time";
+  }
+}
+
+std::string range_text(Range r) {
+  const bool low = std::isfinite(r.low), high = std::isfinite(r.high);
+  std::string text;
+  if (low) text += (r.low_open ? "greater than " : "at least ") + shortest(r.low);
+  if (low && high) text += " and ";
+  if (high) text += (r.high_open ? "less than " : "at most ") + shortest(r.high);
+  return text;
+}
+
+}  // namespace
+
+std::string shortest(double value) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  return {buffer.data(), end};
+}
+
+std::string shown(const toml::node& node) {
+  if (const auto* number = node.as_floating_point()) return shortest(number->get());
+  std::ostringstream stream;
+  stream.imbue(std::locale::classic());
+  if (const auto* table = node.as_table()) {
+    stream << "{ ";
+    bool first = true;
+    for (const auto& [key, value] : *table) {
+      stream << (first ? "" : ", ") << key.str() << " = " << shown(value);
+      first = false;
+    }
+    stream << (first ? "}" : " }");
+  } else if (const auto* array = node.as_array()) {
+    stream << "[";
+    for (std::size_t i = 0; i < array->size(); ++i) stream << (i ? ", " : "") << shown((*array)[i]);
+    stream << "]";
+  } else {
+    stream << toml::default_formatter{node};
+  }
+  std::string text = stream.str();
+  constexpr std::size_t longest = 120;
+  if (text.size() > longest) text = text.substr(0, longest) + " ...";
+  return text;
+}
+
+void refuse(const SourceLocation& where, const std::string& what, const std::string& value,
+            const std::string& remedy) {
+  throw input_error(where.str() + ": " + what, value, remedy);
+}
+
+SceneTable::SceneTable(const toml::table& table, std::string name, const std::string& file)
+    : _table(&table),
+      _name(std::move(name)),
+      _file(file),
+      _where{file, static_cast<int>(table.source().begin.line)} {
+  if (_where.line < 1) _where.line = 1;
+  const auto& known = keys_of(_name);
+  for (const auto& [key, value] : table) {
+    if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
+    SourceLocation at{file, static_cast<int>(key.source().begin.line)};
+    if (at.line < 1) at = where(value);
+    refuse(at, std::string("unknown key") + (_name.empty() ? "" : " in [" + _name + "]"),
+           std::string(key.str()) + " = " + shown(value), remedy_for_unknown_key(_name, key.str()));
+  }
+}
+
+SceneTable::SceneTable(std::string name, const std::string& file)
+    : _name(std::move(name)), _file(file), _where{file, 1} {}
+
+const toml::node* SceneTable::find(std::string_view key) const { return _table ? _table->get(key) : nullptr; }
+bool SceneTable::has(std::string_view key) const { return find(key) != nullptr; }
+
+SourceLocation SceneTable::where(const toml::node& node) const {
+  const auto line = static_cast<int>(node.source().begin.line);
+  return {_file, line > 0 ? line : _where.line};
+}
+SourceLocation SceneTable::where(std::string_view key) const {
+  const auto* node = find(key);
+  return node ? where(*node) : _where;
+}
+std::string SceneTable::label(std::string_view key) const {
+  return (_name.empty() ? "" : "[" + _name + "] ") + std::string(key);
+}
+
+void SceneTable::missing(std::string_view key, const std::string& why, const std::string& remedy) const {
+  refuse(_where, label(key) + " is missing" + why, "", remedy);
+}
+void SceneTable::reject(std::string_view key, const std::string& what, const std::string& remedy) const {
+  const auto* node = find(key);
+  refuse(where(key), label(key) + " " + what, node ? shown(*node) : "", remedy);
+}
+void SceneTable::wrong_type(std::string_view key, const toml::node& node, const char* wanted,
+                            const std::string& remedy) const {
+  refuse(where(node), label(key) + " must be " + wanted + ", not " + type_name(node), shown(node), remedy);
+}
+void SceneTable::refuse_choice(std::string_view key, const std::string& given,
+                               const std::vector<std::string_view>& names) const {
+  const auto near = nearest(given, names);
+  refuse(where(key), label(key) + " is none of those known", "\"" + given + "\"",
+         "write one of " + listed(names) +
+             (near.empty() ? "" : "; did you mean \"" + std::string(near) + "\"?"));
+}
+
+double SceneTable::checked_number(std::string_view key, const toml::node& node, Range range) const {
+  double value = 0;
+  if (const auto* real = node.as_floating_point())
+    value = real->get();
+  else if (const auto* whole = node.as_integer())
+    value = static_cast<double>(whole->get());
+  else
+    wrong_type(key, node, "a number", "write a plain SI number without quotes, such as 0.028 or 2e4");
+  if (!std::isfinite(value))
+    refuse(where(node), label(key) + " must be a finite number", shown(node),
+           "write a number " + range_text(range));
+  const bool too_low = range.low_open ? value <= range.low : value < range.low;
+  const bool too_high = range.high_open ? value >= range.high : value > range.high;
+  if (too_low || too_high)
+    refuse(where(node), label(key) + " must be " + range_text(range), shown(node),
+           key.ends_with("_m")    ? "correct the value; it is in metres, not in mm"
+           : key.ends_with("_Pa") ? "correct the value; it is in Pa, not in kPa"
+                                  : "correct the value");
+  return value;
+}
+
+std::optional<double> SceneTable::number(std::string_view key, Range range) const {
+  const auto* node = find(key);
+  return node ? std::optional(checked_number(key, *node, range)) : std::nullopt;
+}
+double SceneTable::number_or(std::string_view key, double otherwise, Range range) const {
+  return number(key, range).value_or(otherwise);
+}
+
+std::optional<std::int64_t> SceneTable::integer(std::string_view key, std::int64_t low,
+                                                std::int64_t high) const {
+  const auto* node = find(key);
+  if (!node) return std::nullopt;
+  const auto* whole = node->as_integer();
+  if (!whole) {
+    const auto* real = node->as_floating_point();
+    wrong_type(key, *node, "an integer",
+               real && std::isfinite(real->get()) && std::abs(real->get()) < 1e15
+                   ? "write it without a decimal point, such as " + shortest(std::round(real->get()))
+                   : "write a whole number without quotes");
+  }
+  const auto value = whole->get();
+  if (value < low || value > high)
+    refuse(where(*node),
+           label(key) + " must be between " + std::to_string(low) + " and " + std::to_string(high),
+           shown(*node), "correct the value");
+  return value;
+}
+std::int64_t SceneTable::integer_or(std::string_view key, std::int64_t otherwise, std::int64_t low,
+                                    std::int64_t high) const {
+  return integer(key, low, high).value_or(otherwise);
+}
+
+std::optional<std::string> SceneTable::text(std::string_view key) const {
+  const auto* node = find(key);
+  if (!node) return std::nullopt;
+  const auto* string = node->as_string();
+  if (!string) wrong_type(key, *node, "text", "put the value between double quotes");
+  return string->get();
+}
+
+bool SceneTable::flag_or(std::string_view key, bool otherwise) const {
+  const auto* node = find(key);
+  if (!node) return otherwise;
+  const auto* flag = node->as_boolean();
+  if (!flag) wrong_type(key, *node, "true or false", "write true or false, lower case and without quotes");
+  return flag->get();
+}
+
+std::optional<Vec3> SceneTable::vector(std::string_view key, Range range) const {
+  const auto* node = find(key);
+  if (!node) return std::nullopt;
+  const auto* array = node->as_array();
+  if (!array || array->size() != 3)
+    wrong_type(key, *node, "three numbers",
+               "write an array of exactly three numbers, such as [0.0, 0.0, 0.1]");
+  Vec3 value{};
+  for (std::size_t i = 0; i < 3; ++i) value[i] = checked_number(key, (*array)[i], range);
+  return value;
+}
+
+}  // namespace phynness::scene_detail

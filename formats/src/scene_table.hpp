@@ -1,0 +1,88 @@
+// One TOML table of a scene with typed access: every refusal names file, line, value and remedy.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <cstdint>
+#include <optional>
+#include <phynness/formats/scene.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace phynness::scene_detail {
+
+/// Allowed numbers: low .. high, with the ends themselves refused where `open`.
+struct Range {
+  double low, high;
+  bool low_open = false, high_open = false;
+};
+
+/// Shortest decimal text that reads back to the same number.
+std::string shortest(double value);
+
+/// The TOML text of a node, shortened where it is long.
+std::string shown(const toml::node& node);
+
+/// [file:line: what: value, remedy]; the one way in which a scene is refused.
+[[noreturn]] void refuse(const SourceLocation& where, const std::string& what, const std::string& value,
+                         const std::string& remedy);
+
+class SceneTable {
+ public:
+  /// `name` as in scene_keys.hpp. Keys the table does not know are refused here.
+  SceneTable(const toml::table& table, std::string name, const std::string& file);
+  /// A section that is absent: every key is missing, at line 1 of the file.
+  SceneTable(std::string name, const std::string& file);
+
+  bool has(std::string_view key) const;
+  const toml::node* find(std::string_view key) const;
+  SourceLocation where() const { return _where; }
+  /// The line of a key's value, or of the table if it has no such key.
+  SourceLocation where(std::string_view key) const;
+  SourceLocation where(const toml::node& node) const;
+  /// "[material] law", for messages.
+  std::string label(std::string_view key) const;
+  const std::string& file() const { return _file; }
+
+  std::optional<double> number(std::string_view key, Range range) const;
+  double number_or(std::string_view key, double otherwise, Range range) const;
+  std::optional<std::int64_t> integer(std::string_view key, std::int64_t low, std::int64_t high) const;
+  std::int64_t integer_or(std::string_view key, std::int64_t otherwise, std::int64_t low,
+                          std::int64_t high) const;
+  std::optional<std::string> text(std::string_view key) const;
+  bool flag_or(std::string_view key, bool otherwise) const;
+  std::optional<Vec3> vector(std::string_view key, Range range) const;
+
+  /// One of a few words, each standing for a value.
+  template <class T>
+  std::optional<T> choice(std::string_view key,
+                          const std::vector<std::pair<std::string_view, T>>& words) const {
+    const auto given = text(key);
+    if (!given) return std::nullopt;
+    for (const auto& [word, value] : words)
+      if (*given == word) return value;
+    std::vector<std::string_view> names;
+    for (const auto& [word, value] : words) names.push_back(word);
+    refuse_choice(key, *given, names);
+  }
+
+  /// Refuses the table because `key` is missing; `why` continues "... is missing".
+  [[noreturn]] void missing(std::string_view key, const std::string& why, const std::string& remedy) const;
+  /// Refuses a key that is there, showing its value.
+  [[noreturn]] void reject(std::string_view key, const std::string& what, const std::string& remedy) const;
+
+ private:
+  [[noreturn]] void refuse_choice(std::string_view key, const std::string& given,
+                                  const std::vector<std::string_view>& names) const;
+  [[noreturn]] void wrong_type(std::string_view key, const toml::node& node, const char* wanted,
+                               const std::string& remedy) const;
+  double checked_number(std::string_view key, const toml::node& node, Range range) const;
+
+  const toml::table* _table = nullptr;
+  std::string _name, _file;
+  SourceLocation _where;
+};
+
+}  // namespace phynness::scene_detail
