@@ -2,26 +2,37 @@
 #pragma once
 
 #include <functional>
-
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/model.hpp>
 
 namespace phynness {
 
 struct TrainingReport {
-  std::int32_t n_networks = 0;        ///< active nodes trained
-  std::int32_t n_skipped = 0;         ///< active nodes with no converged increment
-  double deformation_spread = 0, force_spread = 0;  ///< used, in scaled inputs
+  std::int32_t n_networks = 0;                          ///< active nodes trained
+  std::int32_t n_skipped = 0;                           ///< active nodes with no converged increment
+  double deformation_spread = 0, force_spread = 0;      ///< used, in scaled inputs
   double mean_deformation_mse = 0, mean_force_mse = 0;  ///< of scaled outputs, on the training points
+  double largest_diagonal_ratio = 1;        ///< worst NetworkFit::diagonal_ratio: how far weights may cancel
+  std::int64_t n_increments_used = 0;       ///< converged increments of the trained nodes
+  std::int64_t n_increments_failed = 0;     ///< asked for and not converged, in all nodes: never trained on
+  std::vector<std::int32_t> skipped_nodes;  ///< mesh node numbers behind n_skipped
   double seconds = 0;
 };
 
-/// Called as networks finish: (done, total). Return false to interrupt (an Error is thrown, nothing is written).
+/// Called as networks finish: (done, total). Return false to interrupt (an Error is thrown, nothing is
+/// written).
 using TrainingProgress = std::function<bool(std::int64_t, std::int64_t)>;
 
-/// @param spec      family, neurons, spreads, samples, seed
-/// @param threads   0: as many as there are cores; the result does not depend on it
-/// @throws Error    on a family not available, too few converged increments, ...
+/// Trains a force and a deformation network for every active node with at least one converged increment. A
+/// spread
+/// <= 0 is searched (spread_search.hpp), one value for all nodes. A network never has more neurons than
+/// `largest_neuron_share` of its points.
+/// @param spec      family, neurons, spreads [scaled inputs], samples, target MSE [scaled outputs], seed
+/// @param report    filled when the call returns
+/// @param progress  called by one thread at a time
+/// @param threads   0: as many as there are cores; the result does not depend on it, bit for bit
+/// @throws Error    input: a family not available, impossible numbers, no converged increment at all;
+///                  failure: interrupted, or the database holds values that are not finite
 Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report,
             const TrainingProgress& progress = {}, int threads = 0);
 

@@ -1,0 +1,288 @@
+#include <cassert>
+#include <cmath>
+#include <phynness/training/network_fit.hpp>
+
+#include "kernels.hpp"
+
+namespace phynness {
+namespace {
+
+using kernels::block;
+
+/// Center and half range of every column over the rows that `rows` names; a constant column keeps its unit.
+void transform_of(const Eigen::MatrixXd& table, const std::vector<std::int32_t>& rows, Eigen::Index at,
+                  Eigen::VectorXd& center, Eigen::VectorXd& half_range) {
+  for (Eigen::Index k = 0; k < table.cols(); ++k) {
+    double low = table(rows[0], k), high = low;
+    for (const std::int32_t row : rows) {
+      low = std::min(low, table(row, k));
+      high = std::max(high, table(row, k));
+    }
+    center[at + k] = low + (high - low) / 2;
+    // Rounding of the center must not push an end of the range past 1.
+    const double half = std::max(high - center[at + k], center[at + k] - low);
+    half_range[at + k] = half > 0 && std::isfinite(1 / half) ? half : 1;
+  }
+}
+
+Eigen::MatrixXd scaled(const Eigen::MatrixXd& table, Eigen::Index at, const RbfNetwork& net) {
+  Eigen::MatrixXd result(table.rows(), table.cols());
+  for (Eigen::Index k = 0; k < table.cols(); ++k) {
+    for (Eigen::Index i = 0; i < table.rows(); ++i) {
+      result(i, k) = (table(i, k) - net.input_center[at + k]) / net.input_half_range[at + k];
+    }
+  }
+  return result;
+}
+
+/// The two tables of exponentials whose product is the basis column of a center.
+class BasisColumns {
+ public:
+  BasisColumns(const NetworkPoints& points, const RbfNetwork& net)
+      : _points(points),
+        _displacements(scaled(points.displacements, 0, net)),
+        _places(scaled(points.places, points.displacements.cols(), net)),
+        _spread(net.spread),
+        _a(static_cast<std::size_t>(points.displacements.rows())),
+        _b(static_cast<std::size_t>(std::max<Eigen::Index>(points.places.rows(), 1)), 1.0),
+        _no_place(points.place.empty() ? points.size() : 0, 0) {}
+
+  void fill(std::int32_t center, double* column) {
+    factor(_displacements, _points.displacement[center], _a);
+    if (!_points.place.empty()) factor(_places, _points.place[center], _b);
+    kernels::product_column(_a.data(), _points.displacement.data(), _b.data(),
+                            _points.place.empty() ? _no_place.data() : _points.place.data(), column,
+                            _points.size());
+  }
+
+  Eigen::VectorXd scaled_point(std::int32_t p) const {
+    Eigen::VectorXd x(_points.n_inputs());
+    x.head(_displacements.cols()) = _displacements.row(_points.displacement[p]);
+    if (!_points.place.empty()) x.tail(_places.cols()) = _places.row(_points.place[p]);
+    return x;
+  }
+
+ private:
+  void factor(const Eigen::MatrixXd& table, std::int32_t center, std::vector<double>& values) const {
+    for (Eigen::Index i = 0; i < table.rows(); ++i) {
+      double square = 0;
+      for (Eigen::Index k = 0; k < table.cols(); ++k) {
+        const double t = (table(i, k) - table(center, k)) / _spread;
+        square += t * t;
+      }
+      values[i] = std::exp(-square);
+    }
+  }
+
+  const NetworkPoints& _points;
+  Eigen::MatrixXd _displacements, _places;
+  double _spread;
+  std::vector<double> _a, _b;
+  std::vector<std::int32_t> _no_place;
+};
+
+/// Growing thin QR factorization of the basis, bias first. Columns are padded with zeros to whole blocks, so
+/// the sweeps need no remainder; a padded column contributes nothing.
+class GrowingQr {
+ public:
+  GrowingQr(std::size_t n, int max_columns)
+      : _n(n),
+        _stride((n + 7) / 8 * 8),
+        _q((max_columns + block) * _stride, 0.0),
+        _r(Eigen::MatrixXd::Zero(max_columns, max_columns)) {}
+
+  int size() const { return _size; }
+  double* next() { return &_q[_size * _stride]; }
+  const double* column(int k) const { return &_q[k * _stride]; }
+  const Eigen::MatrixXd& r() const { return _r; }
+
+  /// Orthonormalizes next() against the columns so far and keeps it, or returns false and clears it if it is
+  /// dependent.
+  bool accept_next() {
+    double* h = next();
+    const double before = norm(h);
+    Eigen::VectorXd projection = Eigen::VectorXd::Zero(_size + block);
+    sweep(h, projection);
+    double after = norm(h);
+    // What cancellation left of an almost dependent column is no longer orthogonal: a second sweep repairs
+    // it.
+    if (after < reorthogonalize_below * before) {
+      sweep(h, projection);
+      after = norm(h);
+    }
+    if (!(after > dependence_threshold * before)) {
+      std::fill(h, h + _stride, 0.0);
+      return false;
+    }
+    for (std::size_t p = 0; p < _n; ++p) h[p] /= after;
+    _r.col(_size).head(_size) = projection.head(_size);
+    _r(_size, _size) = after;
+    ++_size;
+    return true;
+  }
+
+ private:
+  static constexpr double reorthogonalize_below = 0.05;
+
+  void sweep(double* h, Eigen::VectorXd& projection) {
+    double c[block];
+    // The block that holds h itself is done column by column below.
+    const int whole = _size / block * block;
+    for (int k = 0; k < whole; k += block) {
+      kernels::dot_block(column(k), _stride, h, _n, c);
+      kernels::subtract_block(column(k), _stride, c, h, _n);
+      for (int j = 0; j < block; ++j) projection[k + j] += c[j];
+    }
+    for (int k = whole; k < _size; ++k) {
+      const double* q = column(k);
+      double s = 0;
+      for (std::size_t p = 0; p < _n; ++p) s += q[p] * h[p];
+      for (std::size_t p = 0; p < _n; ++p) h[p] -= s * q[p];
+      projection[k] += s;
+    }
+  }
+
+  double norm(const double* h) const {
+    double sum = 0;
+    for (std::size_t p = 0; p < _n; ++p) sum += h[p] * h[p];
+    return std::sqrt(sum);
+  }
+
+  std::size_t _n, _stride;
+  std::vector<double> _q;
+  Eigen::MatrixXd _r;
+  int _size = 0;
+};
+
+std::int32_t worst_untried(const std::vector<double>& error, const std::vector<char>& tried) {
+  std::int32_t worst = -1;
+  double largest = -1;
+  for (std::size_t p = 0; p < error.size(); ++p) {
+    if (error[p] > largest && !tried[p]) {
+      largest = error[p];
+      worst = static_cast<std::int32_t>(p);
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+NetworkFit fit_network(const NetworkPoints& points, const FitOptions& options) {
+  const std::size_t n = points.size();
+  assert(n > 0 && options.spread > 0);
+  NetworkFit fit;
+  RbfNetwork& net = fit.network;
+  net.spread = options.spread;
+  net.input_center.resize(points.n_inputs());
+  net.input_half_range.resize(points.n_inputs());
+  transform_of(points.displacements, points.displacement, 0, net.input_center, net.input_half_range);
+  if (!points.place.empty()) {
+    transform_of(points.places, points.place, points.displacements.cols(), net.input_center,
+                 net.input_half_range);
+  }
+  net.output_center.resize(3);
+  net.output_half_range.resize(3);
+  std::vector<std::int32_t> all(n);
+  for (std::size_t p = 0; p < n; ++p) all[p] = static_cast<std::int32_t>(p);
+  transform_of(points.outputs, all, 0, net.output_center, net.output_half_range);
+
+  Eigen::MatrixXd targets(n, 3);
+  for (int k = 0; k < 3; ++k) {
+    targets.col(k) = (points.outputs.col(k).array() - net.output_center[k]) / net.output_half_range[k];
+  }
+  Eigen::MatrixXd residual = targets;
+  std::vector<double> error(n);
+  std::vector<char> tried(n, 0);
+
+  const int max_neurons = static_cast<int>(std::min<std::size_t>(std::max(options.max_neurons, 0), n));
+  GrowingQr qr(n, max_neurons + 1);
+  BasisColumns basis(points, net);
+  Eigen::MatrixXd z(max_neurons + 1, 3);
+
+  const auto project_out = [&] {
+    const int k = qr.size() - 1;
+    double c[3];
+    kernels::dot_residuals(qr.column(k), residual.data(), n, n, c);
+    const double sum = kernels::update_residuals(qr.column(k), c, residual.data(), n, error.data(), n);
+    z.row(k) << c[0], c[1], c[2];
+    fit.mse.push_back(sum / (3 * static_cast<double>(n)));
+  };
+  std::fill(qr.next(), qr.next() + n, 1.0);
+  qr.accept_next();
+  project_out();
+
+  int dependent_in_a_row = 0;
+  while (true) {
+    if (static_cast<int>(fit.centers.size()) == max_neurons) break;
+    if (fit.mse.back() <= options.target_mse) {
+      fit.stop = FitStop::target_mse;
+      break;
+    }
+    const std::int32_t worst = worst_untried(error, tried);
+    if (worst < 0) {
+      fit.stop = FitStop::all_points_tried;
+      break;
+    }
+    tried[worst] = 1;
+    basis.fill(worst, qr.next());
+    if (!qr.accept_next()) {
+      ++fit.n_dependent;
+      if (++dependent_in_a_row < max_dependent_in_a_row) continue;
+      fit.stop = FitStop::dependent;
+      break;
+    }
+    dependent_in_a_row = 0;
+    fit.centers.push_back(worst);
+    project_out();
+  }
+
+  const int size = qr.size();
+  const auto triangle = qr.r().topLeftCorner(size, size).triangularView<Eigen::Upper>();
+  Eigen::MatrixXd solution = triangle.solve(z.topRows(size));
+  // Refinement against the basis itself, not its factors: removes what Gram-Schmidt's rounding did to the
+  // weights.
+  Eigen::MatrixXd remainder = targets.rowwise() - solution.row(0);
+  std::vector<double> column(n);
+  for (int k = 1; k < size; ++k) {
+    basis.fill(fit.centers[k - 1], column.data());
+    const Eigen::Map<const Eigen::VectorXd> h(column.data(), static_cast<Eigen::Index>(n));
+    for (int j = 0; j < 3; ++j) remainder.col(j) -= solution(k, j) * h;
+  }
+  Eigen::MatrixXd correction(size, 3);
+  for (int k = 0; k < size; ++k) {
+    double c[3];
+    kernels::dot_residuals(qr.column(k), remainder.data(), n, n, c);
+    kernels::update_residuals(qr.column(k), c, remainder.data(), n, error.data(), n);
+    correction.row(k) << c[0], c[1], c[2];
+  }
+  solution += triangle.solve(correction);
+
+  const auto diagonal = qr.r().diagonal().head(size);
+  fit.diagonal_ratio = diagonal.maxCoeff() / diagonal.minCoeff();
+  net.bias = solution.row(0).transpose();
+  net.weights = solution.bottomRows(size - 1);
+  net.centers.resize(size - 1, points.n_inputs());
+  for (int k = 0; k + 1 < size; ++k) {
+    const std::int32_t p = fit.centers[k];
+    net.centers.row(k) = basis.scaled_point(p);
+    net.center_displacement.push_back(points.displacement[p]);
+    if (!points.place.empty()) net.center_output.push_back(points.place[p]);
+  }
+  return fit;
+}
+
+Eigen::Vector3d evaluate(const RbfNetwork& net, const Eigen::VectorXd& inputs) {
+  Eigen::Vector3d scaled_output = net.bias;
+  for (Eigen::Index i = 0; i < net.centers.rows(); ++i) {
+    double square = 0;
+    for (Eigen::Index k = 0; k < inputs.size(); ++k) {
+      const double t = (inputs[k] - net.input_center[k]) / net.input_half_range[k] - net.centers(i, k);
+      square += t * t;
+    }
+    scaled_output += net.weights.row(i).transpose() * std::exp(-square / (net.spread * net.spread));
+  }
+  return net.output_center + net.output_half_range.cwiseProduct(scaled_output);
+}
+
+}  // namespace phynness

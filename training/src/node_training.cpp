@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <cmath>
+#include <phynness/formats/error.hpp>
+#include <phynness/training/node_training.hpp>
+
+#include "sampling.hpp"
+
+namespace phynness {
+namespace {
+
+void require_finite(const double* values, std::size_t n, const char* what) {
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!std::isfinite(values[i])) {
+      throw failure(
+          std::string("database holds a ") + what + " that is not finite in an increment marked converged",
+          "", "precompute this database again");
+    }
+  }
+}
+
+/// (direction * n_increments + increment) of every converged increment, ascending.
+std::vector<std::int32_t> converged_increments(const TrainingTables& tables, const std::vector<Ray>& rays) {
+  std::vector<std::int32_t> found;
+  for (std::size_t direction = 0; direction < rays.size(); ++direction) {
+    for (std::int32_t i = 0; i < tables.n_increments; ++i) {
+      if (rays[direction].status[i] == Status::converged) {
+        found.push_back(static_cast<std::int32_t>(direction) * tables.n_increments + i);
+      }
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+TrainingTables training_tables(const DatabaseHeader& header) {
+  TrainingTables tables;
+  tables.n_increments = static_cast<std::int32_t>(header.magnitudes_m.size());
+  tables.magnitudes_m = header.magnitudes_m;
+  tables.displacements.resize(
+      static_cast<Eigen::Index>(header.directions.size() * header.magnitudes_m.size()), 3);
+  Eigen::Index row = 0;
+  for (const Vec3& e : header.directions) {
+    for (const double magnitude : header.magnitudes_m) {
+      tables.displacements.row(row++) << magnitude * e[0], magnitude * e[1], magnitude * e[2];
+    }
+  }
+  tables.output = header.sets.output;
+  tables.output_points.resize(static_cast<Eigen::Index>(tables.output.size()), 3);
+  for (std::size_t o = 0; o < tables.output.size(); ++o) {
+    tables.output_points.row(static_cast<Eigen::Index>(o)) = header.mesh.nodes.row(tables.output[o]);
+  }
+  return tables;
+}
+
+Prescribed prescribed_nodes(const Mesh& mesh, const NodeSets& sets, std::int32_t node, double tool_radius_m) {
+  Prescribed found;
+  if (!(tool_radius_m > 0)) return {{node}, {1.0}};
+  std::vector<std::int32_t> candidates = surface_nodes(mesh.surface);
+  if (!std::binary_search(candidates.begin(), candidates.end(), node)) {
+    candidates.insert(std::lower_bound(candidates.begin(), candidates.end(), node), node);
+  }
+  for (const std::int32_t i : candidates) {
+    const double s2 =
+        (mesh.nodes.row(i) - mesh.nodes.row(node)).squaredNorm() / (tool_radius_m * tool_radius_m);
+    if (i != node && (s2 >= 1 || std::binary_search(sets.fixed.begin(), sets.fixed.end(), i))) continue;
+    found.nodes.push_back(i);
+    found.weights.push_back((1 - s2) * (1 - s2));
+  }
+  return found;
+}
+
+NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>& rays) {
+  NetworkPoints points;
+  points.displacements = tables.displacements;
+  points.displacement = converged_increments(tables, rays);
+  points.outputs.resize(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const std::int32_t row = points.displacement[p];
+    const double* force = &rays[row / tables.n_increments].force[3 * (row % tables.n_increments)];
+    require_finite(force, 3, "force");
+    points.outputs.row(static_cast<Eigen::Index>(p)) << force[0], force[1], force[2];
+  }
+  return points;
+}
+
+NetworkPoints deformation_points(const TrainingTables& tables, const std::vector<Ray>& rays,
+                                 const Prescribed& prescribed, std::int32_t node, int samples,
+                                 std::uint64_t seed, NetworkPoints* held_out, int n_held_out) {
+  const std::vector<std::int32_t> increments = converged_increments(tables, rays);
+  std::vector<std::int32_t> places;
+  for (std::size_t o = 0; o < tables.output.size(); ++o) {
+    if (!std::binary_search(prescribed.nodes.begin(), prescribed.nodes.end(), tables.output[o])) {
+      places.push_back(static_cast<std::int32_t>(o));
+    }
+  }
+  const auto n_output = tables.output.size();
+  const auto pick = [&](std::vector<std::int32_t> drawn) {
+    // Sorted by displacement, then place: the tables behind a basis column are walked in order.
+    std::sort(drawn.begin(), drawn.end());
+    NetworkPoints points;
+    points.displacements = tables.displacements;
+    points.places = tables.output_points;
+    points.outputs.resize(static_cast<Eigen::Index>(drawn.size()), 3);
+    for (std::size_t p = 0; p < drawn.size(); ++p) {
+      const std::int32_t row = increments[drawn[p] / places.size()], place = places[drawn[p] % places.size()];
+      const Ray& ray = rays[row / tables.n_increments];
+      const double* u = &ray.displacement[3 * ((row % tables.n_increments) * n_output + place)];
+      require_finite(u, 3, "displacement");
+      points.displacement.push_back(row);
+      points.place.push_back(place);
+      points.outputs.row(static_cast<Eigen::Index>(p)) << u[0], u[1], u[2];
+    }
+    return points;
+  };
+  SplitMix64 random(node_seed(seed, node));
+  const auto n_train = static_cast<std::size_t>(std::max(samples, 0));
+  std::vector<std::int32_t> drawn = draw_without_replacement(
+      increments.size() * places.size(), n_train + static_cast<std::size_t>(std::max(n_held_out, 0)), random);
+  const auto split = drawn.begin() + static_cast<std::ptrdiff_t>(std::min(n_train, drawn.size()));
+  if (held_out) *held_out = pick({split, drawn.end()});
+  return pick({drawn.begin(), split});
+}
+
+int capped_neurons(int wanted, std::size_t n_points) {
+  return std::min(wanted, static_cast<int>(largest_neuron_share * static_cast<double>(n_points)));
+}
+
+NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
+                        const Prescribed& prescribed, const std::vector<Ray>& rays,
+                        const TrainingSpec& spec) {
+  NodeTraining result;
+  const NetworkPoints force = force_points(tables, rays);
+  if (force.size() == 0) return result;
+  const NetworkPoints deformation =
+      deformation_points(tables, rays, prescribed, node, spec.samples, spec.seed);
+  if (deformation.size() == 0) {
+    throw input_error("no output node is left to train on: the probe moves all of them",
+                      "node " + std::to_string(node), "select more output nodes");
+  }
+  result.force = fit_network(
+      force, {capped_neurons(spec.force_neurons, force.size()), spec.force_spread, spec.target_mse});
+  result.deformation = fit_network(deformation, {capped_neurons(spec.deformation_neurons, deformation.size()),
+                                                 spec.deformation_spread, spec.target_mse});
+  result.trained = true;
+
+  ActiveNodeModel& model = result.model;
+  model.node = node;
+  model.point = point;
+  model.prescribed = prescribed.nodes;
+  model.prescribed_weight = prescribed.weights;
+  model.force = result.force.network;
+  model.deformation = result.deformation.network;
+  for (const Ray& ray : rays) {
+    const auto stopped =
+        std::find_if(ray.status.begin(), ray.status.end(), [](Status s) { return s != Status::converged; });
+    const auto n_good = stopped - ray.status.begin();
+    model.trained_depth_m.push_back(n_good == 0 ? 0 : tables.magnitudes_m[n_good - 1]);
+    if (stopped != ray.status.end() && ray.status.front() != Status::not_requested) ++model.n_incomplete;
+  }
+  return result;
+}
+
+}  // namespace phynness

@@ -1,0 +1,194 @@
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <mutex>
+#include <phynness/formats/error.hpp>
+#include <phynness/training/spread_search.hpp>
+#include <phynness/training/training.hpp>
+#include <string>
+#include <thread>
+
+namespace phynness {
+namespace {
+
+/// Nodes that take part in a spread search, spread evenly over the list of active nodes.
+constexpr std::int32_t n_search_nodes = 5;
+
+/// Used where no node has enough points for a search.
+constexpr double fallback_spread = 1.0;
+
+void check(const TrainingSpec& spec) {
+  if (spec.family != Family::rbfn) {
+    throw input_error("family cannot be trained by this version", name(spec.family), "use --family rbfn");
+  }
+  if (spec.samples < 1)
+    throw input_error("samples must be at least 1", std::to_string(spec.samples), "the paper uses 5000");
+  if (spec.deformation_neurons < 1 || spec.force_neurons < 1) {
+    throw input_error("a network needs at least one neuron", "",
+                      "the paper uses 200 for deformation and about 60 for force");
+  }
+  if (!(spec.target_mse >= 0))
+    throw input_error("target_mse must not be negative", std::to_string(spec.target_mse), "use 0");
+}
+
+/// Runs job(i) for i = 0 ... n - 1 on `threads` threads; the first exception stops all and is rethrown here.
+template <class Job>
+void for_each_index(std::int32_t n, int threads, const Job& job) {
+  std::atomic<std::int32_t> next{0};
+  std::atomic<bool> stop{false};
+  std::exception_ptr problem;
+  std::mutex problem_mutex;
+  const auto work = [&] {
+    for (std::int32_t i = next++; i < n && !stop; i = next++) {
+      try {
+        job(i);
+      } catch (...) {
+        const std::lock_guard lock(problem_mutex);
+        if (!problem) problem = std::current_exception();
+        stop = true;
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> helpers;
+    for (int t = 1; t < std::min(threads, n); ++t) helpers.emplace_back(work);
+    work();
+  }
+  if (problem) std::rethrow_exception(problem);
+}
+
+class Training {
+ public:
+  Training(const Database& database, const TrainingSpec& spec)
+      : _database(database), _header(database.header()), _spec(spec), _tables(training_tables(_header)) {
+    const Scene scene =
+        parse_scene(_header.scene_text, _header.scene_name, _header.scene_folder, MeshFile::may_be_absent);
+    if (scene.probe.kind == ProbeKind::patch) _tool_radius_m = scene.probe.tool_radius_m;
+    _title = scene.title;
+  }
+
+  SearchNode read(std::int32_t active) {
+    const std::int32_t node = _header.sets.active[active];
+    SearchNode read{node, prescribed_nodes(_header.mesh, _header.sets, node, _tool_radius_m), {}};
+    // One HDF5 call at a time: the library need not be built thread-safe.
+    const std::lock_guard lock(_database_mutex);
+    read.rays = _database.rays(active);
+    return read;
+  }
+
+  void choose_spreads() {
+    if (_spec.deformation_spread > 0 && _spec.force_spread > 0) return;
+    const auto n_active = static_cast<std::int32_t>(_header.sets.active.size());
+    const std::int32_t n = std::min(n_active, n_search_nodes);
+    std::vector<SearchNode> nodes;
+    for (std::int32_t i = 0; i < n; ++i) nodes.push_back(read((2 * i + 1) * n_active / (2 * n)));
+    if (!(_spec.force_spread > 0)) _spec.force_spread = search_force_spread(_tables, nodes, _spec);
+    if (!(_spec.deformation_spread > 0))
+      _spec.deformation_spread = search_deformation_spread(_tables, nodes, _spec);
+    if (!(_spec.force_spread > 0)) _spec.force_spread = fallback_spread;
+    if (!(_spec.deformation_spread > 0)) _spec.deformation_spread = fallback_spread;
+  }
+
+  Model run(TrainingReport& report, const TrainingProgress& progress, int threads) {
+    struct Outcome {
+      NodeTraining training;
+      std::int64_t used = 0, failed = 0;
+    };
+    const auto n_active = static_cast<std::int32_t>(_header.sets.active.size());
+    std::vector<Outcome> outcomes(n_active);
+    std::mutex progress_mutex;
+    std::int64_t done = 0;
+    for_each_index(n_active, threads, [&](std::int32_t active) {
+      const SearchNode read_node = read(active);
+      Outcome& outcome = outcomes[active];
+      for (const Ray& ray : read_node.rays) {
+        for (const Status status : ray.status) {
+          outcome.used += status == Status::converged;
+          outcome.failed += status != Status::converged && status != Status::not_requested;
+        }
+      }
+      const auto x = _header.mesh.nodes.row(read_node.node);
+      outcome.training = train_node(_tables, read_node.node, {x[0], x[1], x[2]}, read_node.prescribed,
+                                    read_node.rays, _spec);
+      const std::lock_guard lock(progress_mutex);
+      if (progress && !progress(++done, n_active)) {
+        throw failure("training was interrupted",
+                      std::to_string(done) + " of " + std::to_string(n_active) + " nodes done",
+                      "run the same command again; nothing was written");
+      }
+    });
+
+    // Collected in the order of the nodes, so that sums and lists do not depend on who finished first.
+    Model model = empty_model();
+    for (std::int32_t active = 0; active < n_active; ++active) {
+      Outcome& outcome = outcomes[active];
+      report.n_increments_used += outcome.used;
+      report.n_increments_failed += outcome.failed;
+      if (!outcome.training.trained) {
+        report.skipped_nodes.push_back(_header.sets.active[active]);
+        continue;
+      }
+      report.mean_force_mse += outcome.training.force.mse.back();
+      report.mean_deformation_mse += outcome.training.deformation.mse.back();
+      report.largest_diagonal_ratio =
+          std::max({report.largest_diagonal_ratio, outcome.training.force.diagonal_ratio,
+                    outcome.training.deformation.diagonal_ratio});
+      model.nodes.push_back(std::move(outcome.training.model));
+    }
+    if (model.nodes.empty()) {
+      throw input_error(
+          "no active node has a converged increment", _header.scene_name,
+          "look at the reasons with `phynness info`, then precompute with a smaller displacement");
+    }
+    report.n_networks = static_cast<std::int32_t>(model.nodes.size());
+    report.n_skipped = static_cast<std::int32_t>(report.skipped_nodes.size());
+    report.mean_force_mse /= report.n_networks;
+    report.mean_deformation_mse /= report.n_networks;
+    report.force_spread = _spec.force_spread;
+    report.deformation_spread = _spec.deformation_spread;
+    return model;
+  }
+
+ private:
+  Model empty_model() const {
+    Model model;
+    model.title = _title;
+    model.mesh_hash = _header.mesh_hash;
+    model.physics_hash = _header.physics_hash;
+    model.software_version = _header.software_version;
+    model.directions = _header.directions;
+    model.max_displacement_m = _header.magnitudes_m.back();
+    model.displacements = _tables.displacements;
+    model.n_mesh_nodes = _header.mesh.n_nodes();
+    model.fixed = _header.sets.fixed;
+    model.output = _tables.output;
+    model.output_points = _tables.output_points;
+    return model;
+  }
+
+  const Database& _database;
+  const DatabaseHeader& _header;
+  TrainingSpec _spec;
+  TrainingTables _tables;
+  double _tool_radius_m = 0;
+  std::string _title;
+  std::mutex _database_mutex;
+};
+
+}  // namespace
+
+Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report,
+            const TrainingProgress& progress, int threads) {
+  const auto start = std::chrono::steady_clock::now();
+  check(spec);
+  if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  report = {};
+  Training training(database, spec);
+  training.choose_spreads();
+  Model model = training.run(report, progress, threads);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return model;
+}
+
+}  // namespace phynness
