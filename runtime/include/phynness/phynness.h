@@ -1,0 +1,97 @@
+/* phynness: reaction force and deformation of a trained object, in real time.
+ *
+ * Sizes first, memory second: every object lives in memory that the caller owns, nothing here allocates, frees, prints or
+ * reads a file. phn_model never changes after phn_model_init: share it between threads. phn_data is scratch: one per thread.
+ * Objects need no clean-up; their memory may be released when no thread uses them any more.
+ *
+ * Status of every function that returns int: 0 good; < 0 refused, outputs hold zeros; > 0 outputs are defined, but look:
+ * a sum of PHN_WARNING_*. phn_status_message says it in words. No output is ever NaN or infinite.
+ *
+ * Units are SI: m, N. Vectors are x, y, z in the frame of the mesh. Node numbers are those of the mesh (0-based).
+ * Force is what must be applied to the object to hold a displacement: a push into it has force . displacement > 0.
+ * A haptic device renders its negative. Equation numbers are those of the paper (doc: formats/model.md).
+ */
+#ifndef PHYNNESS_H
+#define PHYNNESS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct phn_model phn_model;
+typedef struct phn_data phn_data;
+
+enum {
+  PHN_OK = 0,
+  PHN_WARNING_OUTSIDE = 1,      /* a displacement is longer than what was trained in its direction */
+  PHN_WARNING_INCOMPLETE = 2,   /* some direction of a touched node stopped short of the full depth in training */
+  PHN_ERROR_ARGUMENT = -1,      /* null pointer, negative number, data of another model */
+  PHN_ERROR_NOT_ACTIVE = -2,    /* the node has no networks */
+  PHN_ERROR_NOT_FINITE = -3,    /* a displacement is NaN or infinite */
+  PHN_ERROR_BUFFER = -4,        /* memory smaller than the _size function asked for */
+  PHN_ERROR_TOOLS = -5,         /* more tools than phn_data was made for */
+  PHN_ERROR_SAME_NODE = -6,     /* two tools at one node */
+  PHN_ERROR_NOT_A_MODEL = -10,  /* text is not a model.txt */
+  PHN_ERROR_VERSION = -11,      /* model.txt of another version */
+  PHN_ERROR_TRUNCATED = -12,    /* model.txt ends early */
+  PHN_ERROR_CHECKSUM = -13,     /* model.txt was damaged */
+  PHN_ERROR_SYNTAX = -14,       /* a number or word of model.txt is malformed */
+  PHN_ERROR_RANGE = -15,        /* a count, index or value of model.txt is out of range */
+  PHN_ERROR_FAMILY = -16        /* model.txt holds a family that this version does not know */
+};
+
+/* Version of this library, "major.minor.patch". */
+const char *phn_version(void);
+
+/* One sentence for a status; never null. */
+const char *phn_status_message(int status);
+
+/* Checks the whole text of a model.txt (`length` bytes, need not end with 0) and tells the bytes that its model takes.
+ * Cost: one pass over the text, twice (checksum, structure); call it at start-up, not in a loop. */
+int phn_model_size(const char *text, size_t length, size_t *bytes);
+
+/* Builds the model in `memory` (any alignment). `text` may be released afterwards, `memory` not.
+ * On failure *model is null. */
+int phn_model_init(void *memory, size_t bytes, const char *text, size_t length, const phn_model **model);
+
+/* Scratch for up to `max_tools` tools (>= 1) at once. The model must outlive it. */
+int phn_data_size(const phn_model *model, int32_t max_tools, size_t *bytes);
+int phn_data_init(void *memory, size_t bytes, const phn_model *model, int32_t max_tools, phn_data **data);
+
+/* Numbers of nodes: of the mesh, with networks (active), with a modelled displacement (output); 0 for a null model. */
+int32_t phn_n_nodes(const phn_model *model);
+int32_t phn_n_active(const phn_model *model);
+int32_t phn_n_output(const phn_model *model);
+
+/* Mesh node numbers, ascending: n_active and n_output of them; owned by the model. */
+const int32_t *phn_active_nodes(const phn_model *model);
+const int32_t *phn_output_nodes(const phn_model *model);
+
+/* Reference coordinates of the output nodes, n_output x 3, row by row [m]; owned by the model. */
+const double *phn_output_points(const phn_model *model);
+
+/* Reaction force [N] at active node `node` displaced by d [m], (11)-(12). Cost: one exponential per force neuron. */
+int phn_force(const phn_model *model, phn_data *data, int32_t node, const double d[3], double force[3]);
+
+/* Displacements [m] of all output nodes, out: n_output x 3 row by row, with tool t at active node nodes[t] displaced by
+ * displacements[3 t ... 3 t + 2] [m]. Nodes differ from each other; n_tools = 0 gives zeros.
+ * One tool: the network (11)-(12); nodes that the probe itself moved in training move by their weight times d, so the
+ * touched node moves by exactly d. Several tools: the fields of the tools are averaged with the weights (15)-(16),
+ * inverse distances in the reference configuration; these are singular at the touched nodes, where each takes exactly
+ * its own displacement. The paper defines no force for several tools: phn_force is that of one tool alone.
+ * Cost: n_tools x n_output x neurons exponentials. */
+int phn_deform(const phn_model *model, phn_data *data, int32_t n_tools, const int32_t *nodes,
+               const double *displacements, double *out);
+
+/* How deep [m] `node` was trained in the exploratory direction nearest to d; for d = 0 the least of all directions that
+ * were trained. Returns PHN_WARNING_OUTSIDE if |d| is beyond. */
+int phn_trained_depth(const phn_model *model, int32_t node, const double d[3], double *depth);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,47 @@
+// Hands out pieces of the caller's memory; without memory it only counts, so size and init walk the same
+// path.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace phynness::runtime {
+
+inline constexpr std::size_t alignment = 64;
+
+class Arena {
+ public:
+  /// Counts what would be taken.
+  Arena() = default;
+  /// @param memory  any alignment
+  Arena(void* memory, std::size_t bytes) : _base(static_cast<unsigned char*>(memory)), _bytes(bytes) {
+    const std::size_t off = reinterpret_cast<std::uintptr_t>(memory) % alignment;
+    _used = off == 0 ? 0 : alignment - off;
+  }
+
+  /// `n` objects of T, uninitialized; null when counting or when the memory is used up.
+  template <class T>
+  T* take(std::size_t n) {
+    const std::size_t size = (n * sizeof(T) + alignment - 1) / alignment * alignment;
+    const std::size_t at = _used;
+    _used += size;
+    if (_base == nullptr) return nullptr;
+    if (_used > _bytes) {
+      _overflow = true;
+      return nullptr;
+    }
+    return reinterpret_cast<T*>(_base + at);
+  }
+
+  bool counting() const { return _base == nullptr; }
+  bool overflow() const { return _overflow; }
+  /// Bytes to ask for, whatever the alignment of the memory will be.
+  std::size_t needed() const { return _used + alignment - 1; }
+
+ private:
+  unsigned char* _base = nullptr;
+  std::size_t _bytes = 0, _used = 0;
+  bool _overflow = false;
+};
+
+}  // namespace phynness::runtime

@@ -1,0 +1,141 @@
+#include "evaluate.hpp"
+
+#include <cmath>
+
+namespace phynness::runtime {
+namespace {
+
+double scaled_input(const Network& net, int k, double value) {
+  return (value - net.input_center[k]) / net.input_half_range[k];
+}
+
+/// factor[i] = exp(-|x - c_i|^2 / r^2) over three inputs from `first`. Huge inputs give exp(-infinity) = 0.
+void gaussian_factors(const Network& net, int first, const double* x, double* factor) {
+  const double *c0 = net.center[first], *c1 = net.center[first + 1], *c2 = net.center[first + 2];
+  for (std::int32_t i = 0; i < net.n_neurons; ++i) {
+    const double t0 = x[0] - c0[i], t1 = x[1] - c1[i], t2 = x[2] - c2[i];
+    factor[i] = std::exp(-(t0 * t0 + t1 * t1 + t2 * t2) * net.inverse_square_spread);
+  }
+}
+
+double distance_between(const double* a, const double* b) {
+  const double t[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return length(t);
+}
+
+}  // namespace
+
+double length(const double* d) {
+  double largest = 0;
+  for (int k = 0; k < 3; ++k) largest = std::fmax(largest, std::fabs(d[k]));
+  if (!(largest > 0) || std::isinf(largest)) return largest;
+  // Scaled by a power of two, which is exact, the squares stay in range.
+  int exponent = 0;
+  std::frexp(largest, &exponent);
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double t = std::ldexp(d[k], -exponent);
+    sum += t * t;
+  }
+  return std::ldexp(std::sqrt(sum), exponent);
+}
+
+void evaluate_force(const Network& net, const double* d, double* force) {
+  double x[3], sum[3] = {net.bias[0], net.bias[1], net.bias[2]};
+  for (int k = 0; k < 3; ++k) x[k] = scaled_input(net, k, d[k]);
+  for (std::int32_t i = 0; i < net.n_neurons; ++i) {
+    double square = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double t = x[k] - net.center[k][i];
+      square += t * t;
+    }
+    const double h = std::exp(-square * net.inverse_square_spread);
+    for (int k = 0; k < 3; ++k) sum[k] += net.weight[k][i] * h;
+  }
+  for (int k = 0; k < 3; ++k) force[k] = net.output_center[k] + net.output_half_range[k] * sum[k];
+}
+
+void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* factor,
+                          double* field) {
+  const Network& net = node.deformation;
+  double x[3];
+  for (int k = 0; k < 3; ++k) x[k] = scaled_input(net, k, d[k]);
+  gaussian_factors(net, 0, x, factor);
+  const double *c0 = net.center[3], *c1 = net.center[4], *c2 = net.center[5];
+  const double *w0 = net.weight[0], *w1 = net.weight[1], *w2 = net.weight[2];
+  for (std::int32_t o = 0; o < model.n_output; ++o) {
+    for (int k = 0; k < 3; ++k) x[k] = scaled_input(net, 3 + k, model.output_points[3 * o + k]);
+    double s0 = net.bias[0], s1 = net.bias[1], s2 = net.bias[2];
+    for (std::int32_t i = 0; i < net.n_neurons; ++i) {
+      const double t0 = x[0] - c0[i], t1 = x[1] - c1[i], t2 = x[2] - c2[i];
+      const double h = factor[i] * std::exp(-(t0 * t0 + t1 * t1 + t2 * t2) * net.inverse_square_spread);
+      s0 += w0[i] * h;
+      s1 += w1[i] * h;
+      s2 += w2[i] * h;
+    }
+    field[3 * o] = net.output_center[0] + net.output_half_range[0] * s0;
+    field[3 * o + 1] = net.output_center[1] + net.output_half_range[1] * s1;
+    field[3 * o + 2] = net.output_center[2] + net.output_half_range[2] * s2;
+  }
+  for (std::int32_t p = 0; p < node.n_prescribed; ++p) {
+    for (int k = 0; k < 3; ++k) field[3 * node.prescribed[p] + k] = node.prescribed_weight[p] * d[k];
+  }
+}
+
+void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,
+                 const double* displacements, double* out) {
+  const auto tool = [&](std::int32_t t) -> const ActiveNode& {
+    return model.active[find_active(model, nodes[t])];
+  };
+  for (std::int32_t o = 0; o < model.n_output; ++o) {
+    const double* point = &model.output_points[3 * o];
+    double nearest = distance_between(point, tool(0).point);
+    for (std::int32_t t = 1; t < n_tools; ++t)
+      nearest = std::fmin(nearest, distance_between(point, tool(t).point));
+    // (16) with numerator and denominator multiplied by the smallest distance: every term lies in [0, 1].
+    double sum = 0;
+    for (std::int32_t t = 0; t < n_tools; ++t) {
+      const double distance = distance_between(point, tool(t).point);
+      sum += distance > 0 ? nearest / distance : 1;
+    }
+    data.nearest[o] = nearest;
+    data.weight_sum[o] = sum;
+    for (int k = 0; k < 3; ++k) out[3 * o + k] = 0;
+  }
+  for (std::int32_t t = 0; t < n_tools; ++t) {
+    evaluate_deformation(model, tool(t), &displacements[3 * t], data.displacement_factor, data.field);
+    for (std::int32_t o = 0; o < model.n_output; ++o) {
+      const double distance = distance_between(&model.output_points[3 * o], tool(t).point);
+      const double weight = (distance > 0 ? data.nearest[o] / distance : 1) / data.weight_sum[o];
+      for (int k = 0; k < 3; ++k) out[3 * o + k] += weight * data.field[3 * o + k];
+    }
+  }
+  // At a touched node the weights are singular; their limit is the node's own displacement.
+  for (std::int32_t t = 0; t < n_tools; ++t) {
+    if (tool(t).output < 0) continue;
+    for (int k = 0; k < 3; ++k) out[3 * tool(t).output + k] = displacements[3 * t + k];
+  }
+}
+
+double trained_depth(const phn_model& model, const ActiveNode& node, const double* d) {
+  const double size = length(d);
+  double depth = 0, best = -2;
+  for (std::int32_t i = 0; i < model.n_directions; ++i) {
+    const double* e = &model.directions[3 * i];
+    if (size > 0) {
+      // d is divided first: its squares could leave the range of double.
+      const double along = size < 1e-290 || size > 1e290
+                               ? (d[0] / size) * e[0] + (d[1] / size) * e[1] + (d[2] / size) * e[2]
+                               : (d[0] * e[0] + d[1] * e[1] + d[2] * e[2]) / size;
+      if (along > best) {
+        best = along;
+        depth = node.trained_depth[i];
+      }
+    } else if (node.trained_depth[i] > 0 && (depth == 0 || node.trained_depth[i] < depth)) {
+      depth = node.trained_depth[i];
+    }
+  }
+  return depth;
+}
+
+}  // namespace phynness::runtime

@@ -1,0 +1,35 @@
+// Evaluation of the networks (11)-(12) and of the blending of several tools (15)-(16).
+#pragma once
+
+#include "model.hpp"
+
+struct phn_data {
+  const phn_model* model;
+  std::int32_t max_tools;
+  double* displacement_factor;  ///< max_neurons: exp(-|u - c_u|^2 / r^2)
+  double* field;                ///< n_output x 3: the field of one tool
+  double* nearest;              ///< n_output: distance to the nearest tool [m]
+  double* weight_sum;           ///< n_output: sum of nearest / distance over the tools
+};
+
+namespace phynness::runtime {
+
+/// @param d  3 [m], finite; @param force 3 [N]
+void evaluate_force(const Network& net, const double* d, double* force);
+
+/// Field of one tool at all output nodes, nodes moved by the probe itself included.
+/// @param factor  scratch, n_neurons; @param field n_output x 3 [m]
+void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* factor,
+                          double* field);
+
+/// Several tools by (15)-(16). @param active positions of the tools among the active nodes, all different
+void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,
+                 const double* displacements, double* out);
+
+/// Depth trained in the direction nearest to d [m]; d = 0: the smallest positive one.
+double trained_depth(const phn_model& model, const ActiveNode& node, const double* d);
+
+/// |d| without overflow or underflow; infinite only where the value itself is beyond the largest double.
+double length(const double* d);
+
+}  // namespace phynness::runtime

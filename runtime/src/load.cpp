@@ -1,0 +1,280 @@
+// model.txt -> phn_model. Follows formats/model.md section by section.
+#include <cmath>
+#include <cstring>
+#include <initializer_list>
+
+#include "arena.hpp"
+#include "model.hpp"
+#include "text.hpp"
+
+namespace phynness::runtime {
+namespace {
+
+constexpr char magic[] = "phynness-model ";
+constexpr char first_line[] = "phynness-model 1\n";
+constexpr std::size_t checksum_line_length = sizeof("checksum 0123456789abcdef\n") - 1;
+constexpr double smallest_spread = 1e-6, largest_spread = 1e6;
+// Sums of outputs stay this far from the largest double, so that no addition of a few of them overflows.
+constexpr double largest_output = 1e300;
+
+/// Magic, version, completeness, checksum; on success `length` is shortened to the text before the checksum
+/// line.
+int check_envelope(const char* text, std::size_t& length) {
+  const std::size_t first = sizeof first_line - 1, magic_length = sizeof magic - 1;
+  if (length < first) {
+    const bool start_of_one = length > 0 && std::memcmp(text, first_line, length) == 0;
+    return start_of_one ? PHN_ERROR_TRUNCATED : PHN_ERROR_NOT_A_MODEL;
+  }
+  if (std::memcmp(text, magic, magic_length) != 0) return PHN_ERROR_NOT_A_MODEL;
+  if (std::memcmp(text, first_line, first) != 0) return PHN_ERROR_VERSION;
+  if (length < first + checksum_line_length || text[length - 1] != '\n') return PHN_ERROR_TRUNCATED;
+  const std::size_t end = length - checksum_line_length;
+  if (std::memcmp(text + end, "checksum ", 9) != 0) return PHN_ERROR_TRUNCATED;
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  for (std::size_t i = 0; i < end; ++i)
+    hash = (hash ^ static_cast<unsigned char>(text[i])) * 0x100000001b3ULL;
+  for (int i = 0; i < 16; ++i) {
+    if (text[end + 9 + i] != "0123456789abcdef"[hash >> (60 - 4 * i) & 15]) return PHN_ERROR_CHECKSUM;
+  }
+  length = end;
+  return PHN_OK;
+}
+
+/// An array that is filled if there is memory and merely read past if not.
+template <class T>
+class Column {
+ public:
+  Column(Arena& arena, std::int32_t n) : _values(arena.take<T>(static_cast<std::size_t>(n))) {}
+  void set(std::int32_t i, T value) {
+    if (_values) _values[i] = value;
+  }
+  T* get() const { return _values; }
+
+ private:
+  T* _values;
+};
+
+struct Tables {
+  std::int32_t n_displacements = 0;
+  const double *displacements = nullptr, *output_points = nullptr;
+};
+
+void real_line(TextReader& in, const char* keyword, double* values, int n, bool positive) {
+  in.keyword(keyword);
+  for (int k = 0; k < n; ++k) values[k] = positive ? in.positive_real() : in.real();
+  in.end_line();
+}
+
+std::int32_t count_line(TextReader& in, const char* keyword, std::int32_t low) {
+  in.keyword(keyword);
+  const std::int32_t n = in.count(low);
+  in.end_line();
+  return in.good() ? n : 0;
+}
+
+std::int32_t ascending_node(TextReader& in, std::int32_t n_nodes, std::int32_t& previous) {
+  const std::int32_t node = in.integer(0, n_nodes - 1);
+  if (node <= previous) in.fail(PHN_ERROR_RANGE);
+  return previous = node;
+}
+
+/// Table of n rows of 3 numbers, read to an array.
+const double* vector_table(TextReader& in, Arena& arena, std::int32_t n) {
+  Column<double> rows(arena, 3 * n);
+  for (std::int32_t i = 0; i < n && in.good(); ++i) {
+    for (int k = 0; k < 3; ++k) rows.set(3 * i + k, in.real());
+    in.end_line();
+  }
+  return rows.get();
+}
+
+void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, const Tables& tables,
+             std::int32_t n_output, Network& net) {
+  net.n_neurons = count_line(in, keyword, 0);
+  net.n_inputs = n_inputs;
+  real_line(in, "input_center", net.input_center, n_inputs, false);
+  real_line(in, "input_half_range", net.input_half_range, n_inputs, true);
+  real_line(in, "output_center", net.output_center, 3, false);
+  real_line(in, "output_half_range", net.output_half_range, 3, true);
+  double spread = 1;
+  real_line(in, "spread", &spread, 1, true);
+  if (!(spread >= smallest_spread && spread <= largest_spread)) in.fail(PHN_ERROR_RANGE);
+  net.inverse_square_spread = 1 / (spread * spread);
+  real_line(in, "bias", net.bias, 3, false);
+
+  double* center[6];
+  double* weight[3];
+  double largest[3];
+  const auto n = static_cast<std::size_t>(net.n_neurons);
+  for (int k = 0; k < n_inputs; ++k) net.center[k] = center[k] = arena.take<double>(n);
+  for (int k = 0; k < 3; ++k) {
+    net.weight[k] = weight[k] = arena.take<double>(n);
+    largest[k] = std::fabs(net.bias[k]);
+  }
+  const bool fill = !arena.counting() && !arena.overflow();
+  for (std::int32_t i = 0; i < net.n_neurons && in.good(); ++i) {
+    const std::int32_t displacement = in.integer(0, tables.n_displacements - 1);
+    const std::int32_t output = n_inputs == 6 ? in.integer(0, n_output - 1) : 0;
+    for (int k = 0; k < 3; ++k) {
+      const double value = in.real();
+      largest[k] += std::fabs(value);
+      if (fill) weight[k][i] = value;
+    }
+    in.end_line();
+    for (int k = 0; k < n_inputs && fill && in.good(); ++k) {
+      const double value =
+          k < 3 ? tables.displacements[3 * displacement + k] : tables.output_points[3 * output + k - 3];
+      const double scaled = (value - net.input_center[k]) / net.input_half_range[k];
+      if (!std::isfinite(scaled)) in.fail(PHN_ERROR_RANGE);
+      center[k][i] = scaled;
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    const double bound = std::fabs(net.output_center[k]) + net.output_half_range[k] * largest[k];
+    if (in.good() && !(bound < largest_output)) in.fail(PHN_ERROR_RANGE);
+  }
+}
+
+void prescribed(TextReader& in, Arena& arena, std::int32_t n_nodes, const phn_model& model,
+                ActiveNode& node) {
+  const std::int32_t n = count_line(in, "prescribed", 1);
+  Column<std::int32_t> positions(arena, n);
+  Column<double> weights(arena, n);
+  std::int32_t previous = -1, kept = 0;
+  for (std::int32_t i = 0; i < n && in.good(); ++i) {
+    const std::int32_t number = ascending_node(in, n_nodes, previous);
+    const double weight = in.real();
+    if (!(std::fabs(weight) <= 1)) in.fail(PHN_ERROR_RANGE);
+    in.end_line();
+    // Only output nodes are ever asked for.
+    const std::int32_t at = model.output_nodes ? find_sorted(model.output_nodes, model.n_output, number) : -1;
+    if (at < 0) continue;
+    positions.set(kept, at);
+    weights.set(kept++, weight);
+  }
+  node.n_prescribed = kept;
+  node.prescribed = positions.get();
+  node.prescribed_weight = weights.get();
+}
+
+void active_node(TextReader& in, Arena& arena, const Tables& tables, const phn_model& model,
+                 std::int32_t number, ActiveNode& node) {
+  real_line(in, "point", node.point, 3, false);
+  node.output = model.output_nodes ? find_sorted(model.output_nodes, model.n_output, number) : -1;
+  prescribed(in, arena, model.n_nodes, model, node);
+  in.keyword("incomplete");
+  node.incomplete = in.integer(0, model.n_directions) > 0;
+  in.end_line();
+  in.keyword("trained_depth");
+  in.end_line();
+  Column<double> depth(arena, model.n_directions);
+  for (std::int32_t i = 0; i < model.n_directions && in.good(); ++i) {
+    const double value = in.real();
+    if (!(value >= 0)) in.fail(PHN_ERROR_RANGE);
+    depth.set(i, value);
+    in.end_line();
+  }
+  node.trained_depth = depth.get();
+  network(in, arena, "force", 3, tables, model.n_output, node.force);
+  network(in, arena, "deformation", 6, tables, model.n_output, node.deformation);
+}
+
+std::int32_t larger(std::int32_t a, std::int32_t b) { return a > b ? a : b; }
+
+}  // namespace
+
+std::int32_t find_sorted(const std::int32_t* list, std::int32_t n, std::int32_t node) {
+  std::int32_t low = 0, high = n;
+  while (low < high) {
+    const std::int32_t middle = low + (high - low) / 2;
+    if (list[middle] < node) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low < n && list[low] == node ? low : -1;
+}
+
+std::int32_t find_active(const phn_model& model, std::int32_t node) {
+  return find_sorted(model.active_nodes, model.n_active, node);
+}
+
+int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** result) {
+  *result = nullptr;
+  const int envelope = check_envelope(text, length);
+  if (envelope != PHN_OK) return envelope;
+  TextReader in(text, length);
+  phn_model model = {};
+  auto* placed = arena.take<phn_model>(1);
+
+  in.rest_of_line();
+  in.end_line();
+  in.keyword("family");
+  const TextReader at_family = in;
+  in.keyword("rbfn");
+  if (at_family.good() && !in.good()) return PHN_ERROR_FAMILY;
+  in.end_line();
+  for (const char* key : {"title", "software", "mesh_hash", "physics_hash"}) {
+    in.keyword(key);
+    in.rest_of_line();
+    in.end_line();
+  }
+  double largest_displacement = 0;
+  real_line(in, "max_displacement_m", &largest_displacement, 1, true);
+  in.keyword("mesh_nodes");
+  model.n_nodes = in.integer(1, INT32_MAX);
+  in.end_line();
+  model.n_directions = count_line(in, "directions", 1);
+  model.directions = vector_table(in, arena, model.n_directions);
+  Tables tables;
+  tables.n_displacements = count_line(in, "displacements", 1);
+  if (in.good() && tables.n_displacements % model.n_directions != 0) in.fail(PHN_ERROR_RANGE);
+  tables.displacements = vector_table(in, arena, tables.n_displacements);
+
+  const std::int32_t n_fixed = count_line(in, "fixed", 0);
+  std::int32_t previous = -1;
+  for (std::int32_t i = 0; i < n_fixed && in.good(); ++i) {
+    ascending_node(in, model.n_nodes, previous);
+    in.end_line();
+  }
+  model.n_output = count_line(in, "output", 0);
+  Column<std::int32_t> output_nodes(arena, model.n_output);
+  Column<double> points(arena, 3 * model.n_output);
+  previous = -1;
+  for (std::int32_t i = 0; i < model.n_output && in.good(); ++i) {
+    output_nodes.set(i, ascending_node(in, model.n_nodes, previous));
+    for (int k = 0; k < 3; ++k) points.set(3 * i + k, in.real());
+    in.end_line();
+  }
+  model.output_nodes = output_nodes.get();
+  model.output_points = tables.output_points = points.get();
+
+  model.n_active = count_line(in, "active", 0);
+  Column<std::int32_t> active_nodes(arena, model.n_active);
+  Column<ActiveNode> active(arena, model.n_active);
+  previous = -1;
+  for (std::int32_t i = 0; i < model.n_active && in.good(); ++i) {
+    in.keyword("node");
+    const std::int32_t number = ascending_node(in, model.n_nodes, previous);
+    in.end_line();
+    active_nodes.set(i, number);
+    ActiveNode node = {};
+    active_node(in, arena, tables, model, number, node);
+    model.max_neurons = larger(model.max_neurons, larger(node.force.n_neurons, node.deformation.n_neurons));
+    active.set(i, node);
+    if (arena.overflow()) return PHN_ERROR_BUFFER;
+  }
+  model.active_nodes = active_nodes.get();
+  model.active = active.get();
+  if (in.good() && !in.at_end()) in.fail(PHN_ERROR_SYNTAX);
+  if (!in.good()) return in.status();
+  if (arena.overflow()) return PHN_ERROR_BUFFER;
+  if (placed) {
+    *placed = model;
+    *result = placed;
+  }
+  return PHN_OK;
+}
+
+}  // namespace phynness::runtime

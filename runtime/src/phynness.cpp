@@ -1,0 +1,194 @@
+// The C interface: argument checks and statuses; the work is in load.cpp and evaluate.cpp.
+#include <phynness/phynness.h>
+
+#include <cmath>
+
+#include "arena.hpp"
+#include "evaluate.hpp"
+#include "model.hpp"
+
+using phynness::runtime::ActiveNode;
+using phynness::runtime::Arena;
+
+namespace {
+
+bool finite(const double* d) { return std::isfinite(d[0]) && std::isfinite(d[1]) && std::isfinite(d[2]); }
+
+void zero(double* values, std::int32_t n) {
+  if (values == nullptr) return;
+  for (std::int32_t i = 0; i < n; ++i) values[i] = 0;
+}
+
+int warnings(const phn_model& model, const ActiveNode& node, const double* d) {
+  // The deepest increment itself is inside, however its direction was rounded.
+  const double slack = 1 + 1e-9;
+  const bool outside =
+      phynness::runtime::length(d) > slack * phynness::runtime::trained_depth(model, node, d);
+  return (outside ? PHN_WARNING_OUTSIDE : 0) | (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
+}
+
+struct DataParts {
+  phn_data* data;
+  phn_data value;
+};
+
+DataParts lay_out(Arena& arena, const phn_model& model, std::int32_t max_tools) {
+  DataParts parts = {};
+  const auto n_output = static_cast<std::size_t>(model.n_output);
+  parts.data = arena.take<phn_data>(1);
+  parts.value.model = &model;
+  parts.value.max_tools = max_tools;
+  parts.value.displacement_factor = arena.take<double>(static_cast<std::size_t>(model.max_neurons));
+  parts.value.field = arena.take<double>(3 * n_output);
+  parts.value.nearest = arena.take<double>(n_output);
+  parts.value.weight_sum = arena.take<double>(n_output);
+  return parts;
+}
+
+}  // namespace
+
+extern "C" {
+
+const char* phn_version(void) { return PHYNNESS_VERSION; }
+
+const char* phn_status_message(int status) {
+  switch (status) {
+    case PHN_OK:
+      return "good";
+    case PHN_WARNING_OUTSIDE:
+      return "displacement is beyond the depth trained in its direction";
+    case PHN_WARNING_INCOMPLETE:
+      return "in training some directions of this node stopped short of the full depth";
+    case PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE:
+      return "displacement is beyond the trained depth, and some directions of this node stopped short in "
+             "training";
+    case PHN_ERROR_ARGUMENT:
+      return "null pointer, number out of range, or data made for another model";
+    case PHN_ERROR_NOT_ACTIVE:
+      return "the node is not an active node of this model";
+    case PHN_ERROR_NOT_FINITE:
+      return "a displacement is NaN or infinite";
+    case PHN_ERROR_BUFFER:
+      return "memory is smaller than the size function asked for";
+    case PHN_ERROR_TOOLS:
+      return "more tools than the data was made for";
+    case PHN_ERROR_SAME_NODE:
+      return "two tools at the same node";
+    case PHN_ERROR_NOT_A_MODEL:
+      return "the text is not a phynness model";
+    case PHN_ERROR_VERSION:
+      return "the model text has another version";
+    case PHN_ERROR_TRUNCATED:
+      return "the model text ends early";
+    case PHN_ERROR_CHECKSUM:
+      return "the model text is damaged: its checksum differs";
+    case PHN_ERROR_SYNTAX:
+      return "a word or number of the model text is malformed";
+    case PHN_ERROR_RANGE:
+      return "a count, index or value of the model text is out of range";
+    case PHN_ERROR_FAMILY:
+      return "the model text holds a family that this version does not know";
+    default:
+      return "unknown status";
+  }
+}
+
+int phn_model_size(const char* text, size_t length, size_t* bytes) {
+  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
+  *bytes = 0;
+  if (text == nullptr) return PHN_ERROR_ARGUMENT;
+  Arena arena;
+  const phn_model* none = nullptr;
+  const int status = phynness::runtime::load_model(text, length, arena, &none);
+  if (status == PHN_OK) *bytes = arena.needed();
+  return status;
+}
+
+int phn_model_init(void* memory, size_t bytes, const char* text, size_t length, const phn_model** model) {
+  if (model == nullptr) return PHN_ERROR_ARGUMENT;
+  *model = nullptr;
+  if (memory == nullptr || text == nullptr) return PHN_ERROR_ARGUMENT;
+  Arena arena(memory, bytes);
+  return phynness::runtime::load_model(text, length, arena, model);
+}
+
+int phn_data_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
+  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
+  *bytes = 0;
+  if (model == nullptr || max_tools < 1) return PHN_ERROR_ARGUMENT;
+  Arena arena;
+  lay_out(arena, *model, max_tools);
+  *bytes = arena.needed();
+  return PHN_OK;
+}
+
+int phn_data_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data) {
+  if (data == nullptr) return PHN_ERROR_ARGUMENT;
+  *data = nullptr;
+  if (memory == nullptr || model == nullptr || max_tools < 1) return PHN_ERROR_ARGUMENT;
+  Arena arena(memory, bytes);
+  const DataParts parts = lay_out(arena, *model, max_tools);
+  if (arena.overflow()) return PHN_ERROR_BUFFER;
+  *parts.data = parts.value;
+  *data = parts.data;
+  return PHN_OK;
+}
+
+int32_t phn_n_nodes(const phn_model* model) { return model ? model->n_nodes : 0; }
+int32_t phn_n_active(const phn_model* model) { return model ? model->n_active : 0; }
+int32_t phn_n_output(const phn_model* model) { return model ? model->n_output : 0; }
+const int32_t* phn_active_nodes(const phn_model* model) { return model ? model->active_nodes : nullptr; }
+const int32_t* phn_output_nodes(const phn_model* model) { return model ? model->output_nodes : nullptr; }
+const double* phn_output_points(const phn_model* model) { return model ? model->output_points : nullptr; }
+
+int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3]) {
+  zero(force, 3);
+  if (model == nullptr || data == nullptr || data->model != model || d == nullptr || force == nullptr) {
+    return PHN_ERROR_ARGUMENT;
+  }
+  const int32_t at = phynness::runtime::find_active(*model, node);
+  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
+  if (!finite(d)) return PHN_ERROR_NOT_FINITE;
+  phynness::runtime::evaluate_force(model->active[at].force, d, force);
+  return warnings(*model, model->active[at], d);
+}
+
+int phn_deform(const phn_model* model, phn_data* data, int32_t n_tools, const int32_t* nodes,
+               const double* displacements, double* out) {
+  if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
+  zero(out, 3 * model->n_output);
+  if (data == nullptr || data->model != model || n_tools < 0) return PHN_ERROR_ARGUMENT;
+  if (n_tools == 0) return PHN_OK;
+  if (nodes == nullptr || displacements == nullptr) return PHN_ERROR_ARGUMENT;
+  if (n_tools > data->max_tools) return PHN_ERROR_TOOLS;
+  int status = PHN_OK;
+  for (int32_t t = 0; t < n_tools; ++t) {
+    const int32_t at = phynness::runtime::find_active(*model, nodes[t]);
+    if (at < 0) return PHN_ERROR_NOT_ACTIVE;
+    if (!finite(&displacements[3 * t])) return PHN_ERROR_NOT_FINITE;
+    for (int32_t s = 0; s < t; ++s) {
+      if (nodes[s] == nodes[t]) return PHN_ERROR_SAME_NODE;
+    }
+    status |= warnings(*model, model->active[at], &displacements[3 * t]);
+  }
+  if (n_tools == 1) {
+    const int32_t at = phynness::runtime::find_active(*model, nodes[0]);
+    phynness::runtime::evaluate_deformation(*model, model->active[at], displacements,
+                                            data->displacement_factor, out);
+  } else {
+    phynness::runtime::blend_tools(*model, *data, n_tools, nodes, displacements, out);
+  }
+  return status;
+}
+
+int phn_trained_depth(const phn_model* model, int32_t node, const double d[3], double* depth) {
+  zero(depth, 1);
+  if (model == nullptr || d == nullptr || depth == nullptr) return PHN_ERROR_ARGUMENT;
+  const int32_t at = phynness::runtime::find_active(*model, node);
+  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
+  if (!finite(d)) return PHN_ERROR_NOT_FINITE;
+  *depth = phynness::runtime::trained_depth(*model, model->active[at], d);
+  return warnings(*model, model->active[at], d) & PHN_WARNING_OUTSIDE;
+}
+
+}  // extern "C"

@@ -1,0 +1,125 @@
+#include "text.hpp"
+
+#include <cstring>
+
+namespace phynness::runtime {
+
+TextReader::Token TextReader::token() {
+  const Token none{_at, _at};
+  if (!good()) return none;
+  if (!_line_start) {
+    if (_at == _end || *_at != ' ') {
+      fail(PHN_ERROR_SYNTAX);
+      return none;
+    }
+    ++_at;
+  }
+  Token found{_at, _at};
+  while (found.end != _end && *found.end != ' ' && *found.end != '\n') ++found.end;
+  if (found.begin == found.end) fail(PHN_ERROR_SYNTAX);
+  _at = found.end;
+  _line_start = false;
+  return found;
+}
+
+void TextReader::keyword(const char* word) {
+  const Token found = token();
+  const std::size_t length = std::strlen(word);
+  if (static_cast<std::size_t>(found.end - found.begin) != length ||
+      std::memcmp(found.begin, word, length) != 0) {
+    fail(PHN_ERROR_SYNTAX);
+  }
+}
+
+void TextReader::rest_of_line() {
+  while (good() && _at != _end && *_at != '\n') ++_at;
+}
+
+void TextReader::end_line() {
+  if (!good()) return;
+  if (_at == _end || *_at != '\n') return fail(PHN_ERROR_SYNTAX);
+  ++_at;
+  _line_start = true;
+}
+
+std::int32_t TextReader::integer(std::int32_t low, std::int32_t high) {
+  const Token found = token();
+  std::int64_t value = 0;
+  // Nothing in the format is negative; ten digits cannot overflow 64 bits.
+  if (found.end - found.begin > 10) fail(PHN_ERROR_RANGE);
+  for (const char* c = found.begin; good() && c != found.end; ++c) {
+    if (*c < '0' || *c > '9') fail(PHN_ERROR_SYNTAX);
+    value = 10 * value + (*c - '0');
+  }
+  if (good() && (value < low || value > high)) fail(PHN_ERROR_RANGE);
+  return good() ? static_cast<std::int32_t>(value) : 0;
+}
+
+std::int32_t TextReader::count(std::int32_t low) {
+  const std::int32_t n = integer(low, INT32_MAX);
+  if (n > (_end - _at) / 2) fail(PHN_ERROR_RANGE);
+  return good() ? n : 0;
+}
+
+double TextReader::real() {
+  const Token found = token();
+  const char* c = found.begin;
+  const bool negative = c != found.end && *c == '-';
+  if (negative) ++c;
+  if (c == found.end || (*c != '0' && *c != '1')) {
+    fail(PHN_ERROR_SYNTAX);
+    return 0;
+  }
+  const bool leading_one = *c++ == '1';
+  std::uint64_t fraction = 0;
+  int n_digits = 0;
+  if (c != found.end && *c == '.') {
+    for (++c; c != found.end && *c != 'p'; ++c, ++n_digits) {
+      int digit = 0;
+      if (*c >= '0' && *c <= '9') {
+        digit = *c - '0';
+      } else if (*c >= 'a' && *c <= 'f') {
+        digit = *c - 'a' + 10;
+      } else {
+        fail(PHN_ERROR_SYNTAX);
+      }
+      if (n_digits == 13) fail(PHN_ERROR_SYNTAX);
+      if (!good()) return 0;
+      fraction = fraction << 4 | static_cast<std::uint64_t>(digit);
+    }
+    if (n_digits == 0) fail(PHN_ERROR_SYNTAX);
+  }
+  if (found.end - c < 3 || found.end - c > 6 || c[0] != 'p' || (c[1] != '+' && c[1] != '-'))
+    fail(PHN_ERROR_SYNTAX);
+  if (!good()) return 0;
+  const bool negative_exponent = c[1] == '-';
+  std::int32_t exponent = 0;
+  for (c += 2; c != found.end; ++c) {
+    if (*c < '0' || *c > '9') fail(PHN_ERROR_SYNTAX);
+    exponent = 10 * exponent + (*c - '0');
+  }
+  if (negative_exponent) exponent = -exponent;
+  fraction <<= 4 * (13 - n_digits);
+  // The text mirrors the fields of an IEEE 754 double, so the value is assembled, not computed.
+  std::uint64_t bits = fraction;
+  if (leading_one) {
+    if (exponent < -1022 || exponent > 1023) fail(PHN_ERROR_RANGE);
+    bits |= static_cast<std::uint64_t>(exponent + 1023) << 52;
+  } else if (exponent != (fraction == 0 ? 0 : -1022)) {
+    fail(PHN_ERROR_SYNTAX);
+  }
+  if (!good()) return 0;
+  bits |= static_cast<std::uint64_t>(negative) << 63;
+  double value = 0;
+  static_assert(sizeof value == sizeof bits, "double must be IEEE 754 binary64");
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+double TextReader::positive_real() {
+  const double value = real();
+  if (!(value > 0)) fail(PHN_ERROR_RANGE);
+  return good() ? value : 1;
+}
+
+}  // namespace phynness::runtime
