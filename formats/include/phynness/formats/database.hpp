@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,7 +44,7 @@ struct Ray {
   std::vector<double> displacement;  ///< x n_output x 3 [m]
 };
 
-/// Everything but the rays.
+/// Everything but the rays. Empty `mesh_hash` and `physics_hash` are filled in when a database is created.
 struct DatabaseHeader {
   Mesh mesh;
   NodeSets sets;
@@ -52,6 +53,17 @@ struct DatabaseHeader {
   bool tangents = false, float64 = false;
   std::string scene_text, scene_name, scene_folder;
   std::string physics_hash, mesh_hash, software_version;
+};
+
+/// The finished file in a few figures.
+struct DatabaseSummary {
+  std::map<Status, std::int64_t> states;  ///< increments per outcome; outcomes that do not occur are absent
+  std::int64_t rays = 0;                  ///< rays with at least one requested increment
+  std::int64_t failed_rays = 0;           ///< of them, rays with an increment that failed
+  std::int64_t newton_iterations = 0;
+  std::int64_t unstable_states = 0;       ///< converged with a negative pivot: the answer may depend on the path
+  double seconds = 0;                     ///< CPU time of all solves
+  double min_jacobian = 0;                ///< smallest J over all converged states; 0 if there is none
 };
 
 /// The finished file. Reading is random access by active node; h5py reads the same arrays.
@@ -71,11 +83,35 @@ class Database {
   /// Status of every increment, [active][direction][increment] flattened.
   std::vector<Status> statuses() const;
 
+  friend DatabaseSummary summarize(const Database& database);
+
  private:
   struct Impl;
   explicit Database(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> _impl;
 };
+
+/// Reads everything but the displacements.
+DatabaseSummary summarize(const Database& database);
+
+/// What is left of a log after its last whole record: dropped, and solved again on --resume.
+struct LogDamage {
+  std::filesystem::path log;
+  std::string reason;
+  std::int64_t dropped_bytes = 0;
+};
+/// How far an unfinished database has come.
+struct DatabaseProgress {
+  bool complete = false;
+  std::int64_t rays_logged = 0, rays_total = 0;
+  std::vector<LogDamage> damage;
+};
+/// @throws Error if the file is no database
+DatabaseProgress database_progress(const std::filesystem::path& file);
+
+/// The header of a finished or unfinished database.
+/// @throws Error if the file is no database, of another version, or damaged
+DatabaseHeader read_database_header(const std::filesystem::path& file);
 
 /// A database under construction. Rank 0 creates the header file and packs; every rank appends to a log of its own,
 /// FILE.log/rank-NNNN, so there is no shared lock and a killed process loses at most the record it was writing.
@@ -89,12 +125,17 @@ class DatabaseWriter {
   /// Which rays are in the logs: n_active x n_directions flags. Torn or corrupted records are dropped.
   static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header);
 
-  /// This process's log, opened for appending.
+  /// This process's log: a new file, as a resumed run may have another number of ranks.
+  /// @throws Error if it cannot be created
   DatabaseWriter(const std::filesystem::path& file, const DatabaseHeader& header, int rank);
   ~DatabaseWriter();
+  DatabaseWriter(DatabaseWriter&&) noexcept;
+  DatabaseWriter& operator=(DatabaseWriter&&) noexcept;
   /// Appends one ray: length, payload, checksum; flushed to the operating system before it returns.
   /// @throws Error on a full disk or any failed write; the log then ends at the last whole record
   void append(const Ray& ray);
+  /// Forces the log to the disk and closes it, reporting what the destructor cannot.
+  void close();
 
   /// Packs all logs into FILE (written beside it, then renamed) and removes FILE.log. Call on one process, after all
   /// have closed their logs.

@@ -1,0 +1,183 @@
+// Reading a finished database.
+#include <algorithm>
+#include <limits>
+#include <phynness/formats/database.hpp>
+#include <phynness/formats/error.hpp>
+
+#include "database_layout.hpp"
+#include "database_log.hpp"
+
+namespace phynness {
+namespace layout = database_layout;
+namespace path = database_layout::path;
+
+const char* name(Status status) {
+  switch (status) {
+    case Status::converged:
+      return "converged";
+    case Status::not_requested:
+      return "not_requested";
+    case Status::not_solved:
+      return "not_solved";
+    case Status::inverted:
+      return "inverted";
+    case Status::diverged:
+      return "diverged";
+    case Status::factorization:
+      return "factorization";
+    case Status::not_finite:
+      return "not_finite";
+    case Status::after_failure:
+      return "after_failure";
+  }
+  return "unknown";
+}
+
+struct Database::Impl {
+  hdf5::File file;
+  DatabaseHeader header;
+
+  std::size_t states_per_node() const { return header.directions.size() * header.magnitudes_m.size(); }
+  template <class T>
+  std::vector<T> of_node(const char* name, std::int32_t active, std::size_t per_state = 1) const {
+    std::vector<T> values(states_per_node() * per_state);
+    file.read_slab(name, static_cast<hsize_t>(active), 1, values.data());
+    return values;
+  }
+  template <class T>
+  std::vector<T> of_all(const char* name) const {
+    return file.read<T>(name,
+                        {header.sets.active.size(), header.directions.size(), header.magnitudes_m.size()});
+  }
+  void check_shapes() const;
+};
+
+void Database::Impl::check_shapes() const {
+  const hdf5::Shape states{header.sets.active.size(), header.directions.size(), header.magnitudes_m.size()};
+  const auto check = [&](const char* name, const hdf5::Shape& tail) {
+    hdf5::Shape expected = states;
+    expected.insert(expected.end(), tail.begin(), tail.end());
+    if (file.shape(name) != expected)
+      throw input_error(file.path().string() + ": " + name + " has a shape that does not match the sets", "",
+                        "the file is damaged: restore it from a copy, or compute it again");
+  };
+  for (const char* name : {path::status, path::energy, path::negative_pivots, path::iterations,
+                           path::cutbacks, path::min_jacobian, path::seconds})
+    check(name, {});
+  check(path::force, {3});
+  if (header.tangents) check(path::tangent, {3, 3});
+  check(path::displacement, {header.sets.output.size(), 3});
+}
+
+Database::Database(std::unique_ptr<Impl> impl) : _impl(std::move(impl)) {}
+Database::~Database() = default;
+Database::Database(Database&&) noexcept = default;
+Database& Database::operator=(Database&&) noexcept = default;
+
+bool Database::is_complete(const std::filesystem::path& file) {
+  return layout::read_complete(hdf5::File::open(file));
+}
+
+Database Database::open(const std::filesystem::path& file) {
+  auto opened = hdf5::File::open(file);
+  if (!layout::read_complete(opened)) {
+    opened.close();
+    const auto progress = database_progress(file);
+    throw input_error("the database " + file.string() + " is unfinished",
+                      std::to_string(progress.rays_logged) + " of " + std::to_string(progress.rays_total) +
+                          " rays are solved",
+                      "finish it with: phynness precompute SCENE -o " + file.string() + " --resume");
+  }
+  auto header = layout::read_header(opened);
+  auto impl = std::make_unique<Impl>(Impl{std::move(opened), std::move(header)});
+  impl->check_shapes();
+  return Database(std::move(impl));
+}
+
+const DatabaseHeader& Database::header() const { return _impl->header; }
+
+std::vector<Status> Database::statuses() const {
+  const auto codes = _impl->of_all<std::int8_t>(path::status);
+  std::vector<Status> result(codes.size());
+  std::transform(codes.begin(), codes.end(), result.begin(),
+                 [](std::int8_t code) { return static_cast<Status>(code); });
+  return result;
+}
+
+std::vector<Ray> Database::rays(std::int32_t active) const {
+  const auto& header = _impl->header;
+  if (active < 0 || active >= static_cast<std::int32_t>(header.sets.active.size()))
+    throw input_error("the database has no such active node", std::to_string(active),
+                      "give an index from 0 to " + std::to_string(header.sets.active.size() - 1));
+  const std::size_t output = 3 * header.sets.output.size();
+  const auto status = _impl->of_node<std::int8_t>(path::status, active);
+  const auto force = _impl->of_node<double>(path::force, active, 3);
+  const auto energy = _impl->of_node<double>(path::energy, active);
+  const auto tangent =
+      header.tangents ? _impl->of_node<double>(path::tangent, active, 9) : std::vector<double>{};
+  const auto pivots = _impl->of_node<std::int32_t>(path::negative_pivots, active);
+  const auto iterations = _impl->of_node<std::int32_t>(path::iterations, active);
+  const auto cutbacks = _impl->of_node<std::int32_t>(path::cutbacks, active);
+  const auto jacobian = _impl->of_node<double>(path::min_jacobian, active);
+  const auto seconds = _impl->of_node<double>(path::seconds, active);
+  const auto displacement = _impl->of_node<double>(path::displacement, active, output);
+
+  const std::size_t n = header.magnitudes_m.size();
+  std::vector<Ray> rays(header.directions.size());
+  for (std::size_t d = 0; d < rays.size(); ++d) {
+    const auto part = [&](const auto& values, std::size_t per_state) {
+      const auto begin = values.begin() + static_cast<std::ptrdiff_t>(d * n * per_state);
+      return std::decay_t<decltype(values)>(begin, begin + static_cast<std::ptrdiff_t>(n * per_state));
+    };
+    Ray& ray = rays[d];
+    ray.active = active;
+    ray.direction = static_cast<std::int32_t>(d);
+    for (std::int8_t code : part(status, 1)) ray.status.push_back(static_cast<Status>(code));
+    ray.force = part(force, 3);
+    ray.energy = part(energy, 1);
+    if (header.tangents) ray.tangent = part(tangent, 9);
+    ray.negative_pivots = part(pivots, 1);
+    ray.iterations = part(iterations, 1);
+    ray.cutbacks = part(cutbacks, 1);
+    ray.min_jacobian = part(jacobian, 1);
+    ray.seconds = part(seconds, 1);
+    ray.displacement = part(displacement, output);
+  }
+  return rays;
+}
+
+DatabaseSummary summarize(const Database& database) {
+  const auto& impl = *database._impl;
+  const auto statuses = database.statuses();
+  const auto pivots = impl.of_all<std::int32_t>(path::negative_pivots);
+  const auto iterations = impl.of_all<std::int32_t>(path::iterations);
+  const auto jacobians = impl.of_all<double>(path::min_jacobian);
+  const auto seconds = impl.of_all<double>(path::seconds);
+
+  DatabaseSummary summary;
+  double smallest = std::numeric_limits<double>::infinity();
+  const std::size_t n = impl.header.magnitudes_m.size();
+  for (std::size_t ray = 0; ray < statuses.size(); ray += n) {
+    bool requested = false, failed = false;
+    for (std::size_t i = ray; i < ray + n; ++i) {
+      ++summary.states[statuses[i]];
+      requested |= statuses[i] != Status::not_requested;
+      failed |= static_cast<std::int8_t>(statuses[i]) < 0;
+      summary.newton_iterations += iterations[i];
+      summary.seconds += seconds[i];
+      if (statuses[i] != Status::converged) continue;
+      summary.unstable_states += pivots[i] > 0;
+      smallest = std::min(smallest, jacobians[i]);
+    }
+    summary.rays += requested;
+    summary.failed_rays += failed;
+  }
+  if (summary.states.count(Status::converged)) summary.min_jacobian = smallest;
+  return summary;
+}
+
+DatabaseHeader read_database_header(const std::filesystem::path& file) {
+  return layout::read_header(hdf5::File::open(file));
+}
+
+}  // namespace phynness

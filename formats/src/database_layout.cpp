@@ -1,0 +1,222 @@
+#include "database_layout.hpp"
+
+#include <algorithm>
+#include <phynness/formats/error.hpp>
+
+namespace phynness::database_layout {
+namespace {
+
+const char* const format_name = "phynness database";
+
+template <class T>
+void write_array(hdf5::File& file, const char* name, const hdf5::Shape& shape, const T* values,
+                 const char* unit, const char* description) {
+  file.create_dataset(name, hdf5::Type<T>::stored(), shape, {}, unit, description);
+  if (std::find(shape.begin(), shape.end(), hsize_t{0}) == shape.end()) file.write(name, values);
+}
+
+void write_set(hdf5::File& file, const char* name, const std::vector<std::int32_t>& nodes,
+               const char* description) {
+  write_array(file, name, {nodes.size()}, nodes.data(), "1", description);
+}
+
+template <class T>
+std::vector<T> read_list(const hdf5::File& file, const std::string& name) {
+  auto shape = file.shape(name);
+  shape.resize(1);
+  return shape[0] == 0 ? std::vector<T>{} : file.read<T>(name, shape);
+}
+
+/// Rows of `columns` entries; the number of rows is the file's.
+template <class T>
+std::vector<T> read_rows(const hdf5::File& file, const char* name, hsize_t columns, hsize_t& rows) {
+  const auto shape = file.shape(name);
+  rows = shape.empty() ? 0 : shape[0];
+  return rows == 0 ? std::vector<T>{} : file.read<T>(name, {rows, columns});
+}
+
+void check_nodes(const std::vector<std::int32_t>& nodes, std::int32_t n_nodes, const std::string& what) {
+  const bool ascending =
+      std::adjacent_find(nodes.begin(), nodes.end(), std::greater_equal<>()) == nodes.end();
+  if (!ascending || (!nodes.empty() && (nodes.front() < 0 || nodes.back() >= n_nodes)))
+    throw input_error("the " + what + " nodes of a database must be ascending node numbers of its mesh",
+                      std::to_string(nodes.size()) + " nodes of " + std::to_string(n_nodes),
+                      "the file is damaged, or was written by a defective program");
+}
+
+}  // namespace
+
+void check_header(const DatabaseHeader& header) {
+  const auto require = [](bool good, const char* what) {
+    if (!good)
+      throw input_error(std::string("a database needs ") + what, "none",
+                        "check the selections and the probe of the scene");
+  };
+  require(header.mesh.n_nodes() > 0 && header.mesh.n_cells() > 0, "a mesh");
+  require(!header.sets.active.empty(), "an active node");
+  require(!header.sets.output.empty(), "an output node");
+  require(!header.directions.empty(), "a direction");
+  require(!header.magnitudes_m.empty(), "an increment");
+  check_nodes(header.sets.fixed, header.mesh.n_nodes(), "fixed");
+  check_nodes(header.sets.active, header.mesh.n_nodes(), "active");
+  check_nodes(header.sets.output, header.mesh.n_nodes(), "output");
+}
+
+void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete) {
+  file.write_attribute("/", "format", std::string(format_name));
+  file.write_attribute("/", "format_version", format_version);
+  file.write_attribute("/", "software_version", header.software_version);
+  file.write_attribute("/", "complete", std::int32_t{complete});
+  file.write_attribute("/", "physics_hash", header.physics_hash);
+  file.write_attribute("/", "mesh_hash", header.mesh_hash);
+  file.write_attribute("/", "tangents", std::int32_t{header.tangents});
+  file.write_attribute("/", "displacement_precision", std::string(header.float64 ? "float64" : "float32"));
+  file.write_attribute("/", "scene_name", header.scene_name);
+  file.write_attribute("/", "scene_folder", header.scene_folder);
+  // A dataset, as attributes end at 64 kB and a scene may list many nodes.
+  file.write_text(path::scene, header.scene_text, "the scene file, verbatim (TOML)");
+
+  const Mesh& mesh = header.mesh;
+  const auto rows = [](const auto& matrix) { return static_cast<hsize_t>(matrix.rows()); };
+  file.create_group("/mesh");
+  write_array(file, path::nodes, {rows(mesh.nodes), 3}, mesh.nodes.data(), "m",
+              "reference positions of the nodes");
+  write_array(file, path::cells, {rows(mesh.cells), static_cast<hsize_t>(mesh.cells.cols())},
+              mesh.cells.data(), "1", "node numbers of each cell, 0-based, positively oriented");
+  write_array(file, path::surface, {rows(mesh.surface), 3}, mesh.surface.data(), "1",
+              "node numbers of each boundary triangle, normal outward");
+  file.create_group(path::groups);
+  int number = 0;
+  for (const auto& [group, nodes] : mesh.groups) {
+    const std::string name = std::string(path::groups) + "/" + std::to_string(number++);
+    write_set(file, name.c_str(), nodes, "nodes of a physical group of the mesh file");
+    file.write_attribute(name, "name", group);
+  }
+
+  file.create_group("/sets");
+  write_set(file, path::fixed, header.sets.fixed, "node numbers where u = 0");
+  write_set(file, path::active, header.sets.active, "node numbers that are probed; axis A of the responses");
+  write_set(file, path::output, header.sets.output,
+            "node numbers whose displacement is stored; axis O of the responses");
+  std::vector<double> directions;
+  for (const auto& d : header.directions) directions.insert(directions.end(), d.begin(), d.end());
+  write_array(file, path::directions, {header.directions.size(), 3}, directions.data(), "1",
+              "unit vectors of the exploratory directions; axis D of the responses");
+  write_array(file, path::magnitudes, {header.magnitudes_m.size()}, header.magnitudes_m.data(), "m",
+              "prescribed displacement of each increment; axis I of the responses");
+}
+
+bool read_complete(const hdf5::File& file) {
+  if (!file.has_attribute("/", "format") || file.read_text_attribute("/", "format") != format_name)
+    throw input_error("the HDF5 file is no phynness database", file.path().string(),
+                      "give a file written by phynness precompute");
+  const auto version = file.read_int_attribute("/", "format_version");
+  if (version != format_version)
+    throw input_error(
+        "the database " + file.path().string() + " has a format version that this program does not read",
+        std::to_string(version) + " instead of " + std::to_string(format_version),
+        version > format_version ? "use a newer phynness" : "compute it again with this phynness");
+  return file.read_int_attribute("/", "complete") != 0;
+}
+
+DatabaseHeader read_header(const hdf5::File& file) {
+  read_complete(file);
+  DatabaseHeader header;
+  header.software_version = file.read_text_attribute("/", "software_version");
+  header.physics_hash = file.read_text_attribute("/", "physics_hash");
+  header.mesh_hash = file.read_text_attribute("/", "mesh_hash");
+  header.tangents = file.read_int_attribute("/", "tangents") != 0;
+  header.float64 = file.read_text_attribute("/", "displacement_precision") == "float64";
+  header.scene_name = file.read_text_attribute("/", "scene_name");
+  header.scene_folder = file.read_text_attribute("/", "scene_folder");
+  header.scene_text = file.read_text(path::scene);
+
+  hsize_t rows = 0;
+  const auto nodes = read_rows<double>(file, path::nodes, 3, rows);
+  header.mesh.nodes = Eigen::Map<const Points>(nodes.data(), static_cast<Eigen::Index>(rows), 3);
+  const auto cell_shape = file.shape(path::cells);
+  const hsize_t columns = cell_shape.size() == 2 ? cell_shape[1] : 0;
+  const auto cells = read_rows<std::int32_t>(file, path::cells, columns, rows);
+  header.mesh.cells = Eigen::Map<const Cells>(cells.data(), static_cast<Eigen::Index>(rows),
+                                              static_cast<Eigen::Index>(columns));
+  const auto surface = read_rows<std::int32_t>(file, path::surface, 3, rows);
+  header.mesh.surface = Eigen::Map<const Triangles>(surface.data(), static_cast<Eigen::Index>(rows), 3);
+  for (int number = 0;; ++number) {
+    const std::string name = std::string(path::groups) + "/" + std::to_string(number);
+    if (!file.exists(name)) break;
+    header.mesh.groups[file.read_text_attribute(name, "name")] = read_list<std::int32_t>(file, name);
+  }
+
+  header.sets.fixed = read_list<std::int32_t>(file, path::fixed);
+  header.sets.active = read_list<std::int32_t>(file, path::active);
+  header.sets.output = read_list<std::int32_t>(file, path::output);
+  const auto directions = read_rows<double>(file, path::directions, 3, rows);
+  for (hsize_t i = 0; i < rows; ++i)
+    header.directions.push_back({directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]});
+  header.magnitudes_m = read_list<double>(file, path::magnitudes);
+
+  check_header(header);
+  if (const auto hash = mesh_hash(header.mesh); hash != header.mesh_hash)
+    throw input_error(
+        "the mesh inside the database " + file.path().string() + " is not the one it was computed on",
+        "hash " + hash + " instead of " + header.mesh_hash,
+        "the file is damaged: restore it from a copy, or compute it again");
+  return header;
+}
+
+hsize_t nodes_per_chunk(const DatabaseHeader& header) {
+  // Sized by the forces; large enough to compress, small enough that reading one node does not unpack many.
+  constexpr hsize_t chunk_bytes = 64 * 1024;
+  const hsize_t per_node = header.directions.size() * header.magnitudes_m.size() * 3 * sizeof(double);
+  return std::clamp<hsize_t>(chunk_bytes / per_node, 1, header.sets.active.size());
+}
+
+void create_responses(hdf5::File& file, const DatabaseHeader& header) {
+  const hsize_t n_active = header.sets.active.size(), n_directions = header.directions.size();
+  const hsize_t n_increments = header.magnitudes_m.size(), n_output = header.sets.output.size();
+  const hsize_t nodes = nodes_per_chunk(header);
+  const auto add = [&](const char* name, hid_t type, hdf5::Shape tail, const char* unit,
+                       const char* description) {
+    hdf5::Shape shape{n_active, n_directions, n_increments}, chunk{nodes, n_directions, n_increments};
+    shape.insert(shape.end(), tail.begin(), tail.end());
+    chunk.insert(chunk.end(), tail.begin(), tail.end());
+    file.create_dataset(name, type, shape, chunk, unit, description);
+  };
+  const auto f64 = hdf5::Type<double>::stored(), i32 = hdf5::Type<std::int32_t>::stored();
+  file.create_group("/responses");
+  add(path::status, hdf5::Type<std::int8_t>::stored(), {}, "1",
+      "outcome of each increment; see flag_values and flag_meanings");
+  add(path::force, f64, {3}, "N", "force that must be applied at the probe to hold the displacement");
+  add(path::energy, f64, {}, "J", "stored strain energy");
+  if (header.tangents) add(path::tangent, f64, {3, 3}, "N/m", "condensed tangent dF/dd, row F and column d");
+  add(path::negative_pivots, i32, {}, "1",
+      "negative pivots of the tangent beyond those of the pressure; 0 is stable");
+  add(path::iterations, i32, {}, "1", "Newton iterations, those of cut-back attempts included");
+  add(path::cutbacks, i32, {}, "1", "times the step was halved");
+  add(path::min_jacobian, f64, {}, "1", "smallest J over all quadrature points");
+  add(path::seconds, f64, {}, "s", "CPU time");
+
+  const std::vector<Status> all = {Status::converged,  Status::not_requested, Status::not_solved,
+                                   Status::inverted,   Status::diverged,      Status::factorization,
+                                   Status::not_finite, Status::after_failure};
+  std::vector<std::int8_t> values;
+  std::string meanings;
+  for (auto status : all) {
+    values.push_back(static_cast<std::int8_t>(status));
+    if (!meanings.empty()) meanings += ' ';
+    meanings += phynness::name(status);
+  }
+  file.write_attribute(path::status, "flag_values", values);
+  file.write_attribute(path::status, "flag_meanings", meanings);
+
+  // One active node, and as many directions as fit in a megabyte.
+  constexpr hsize_t chunk_bytes = 1024 * 1024;
+  const hsize_t scalar = header.float64 ? sizeof(double) : sizeof(float);
+  const hsize_t per_direction = n_increments * n_output * 3 * scalar;
+  const hsize_t together = std::clamp<hsize_t>(chunk_bytes / per_direction, 1, n_directions);
+  file.create_dataset(path::displacement, header.float64 ? f64 : hdf5::Type<float>::stored(),
+                      {n_active, n_directions, n_increments, n_output, 3},
+                      {1, together, n_increments, n_output, 3}, "m", "displacement of the output nodes");
+}
+
+}  // namespace phynness::database_layout

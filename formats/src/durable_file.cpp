@@ -1,0 +1,104 @@
+#include "durable_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <phynness/formats/error.hpp>
+#include <system_error>
+#include <utility>
+
+namespace phynness {
+namespace {
+
+[[noreturn]] void fail(const char* what, const std::filesystem::path& path, int code) {
+  const char* remedy =
+      code == ENOSPC || code == EDQUOT || code == EFBIG
+          ? "free space or raise the limit, then run again with --resume: whole records are kept"
+      : code == EACCES || code == EPERM || code == EROFS
+          ? "make the folder writable, or choose another place"
+          : "check the disk, then run again with --resume: whole records are kept";
+  throw failure(std::string(what) + " " + path.string(), std::generic_category().message(code), remedy);
+}
+
+void sync_path(const std::filesystem::path& path, int flags) {
+  const Descriptor file(::open(path.c_str(), flags | O_CLOEXEC));
+  if (!file.is_open()) fail("cannot open", path, errno);
+  // Some network file systems refuse to sync a folder; the rename is then as durable as they make it.
+  if (::fsync(file.get()) != 0 && errno != EINVAL && errno != ENOTSUP) fail("cannot sync", path, errno);
+}
+
+}  // namespace
+
+Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
+  if (this != &other) reset(), _fd = other.release();
+  return *this;
+}
+int Descriptor::release() { return std::exchange(_fd, -1); }
+void Descriptor::reset() {
+  if (_fd >= 0) ::close(_fd);
+  _fd = -1;
+}
+
+AppendFile AppendFile::create(const std::filesystem::path& path) {
+  AppendFile file;
+  file._path = path;
+  file._descriptor = Descriptor(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
+  if (!file.is_open()) fail("cannot create", path, errno);
+  return file;
+}
+
+void AppendFile::append(const void* bytes, std::size_t size) {
+  const auto* from = static_cast<const char*>(bytes);
+  std::size_t done = 0;
+  while (done < size) {
+    const auto written =
+        ::pwrite(_descriptor.get(), from + done, size - done, _end + static_cast<std::int64_t>(done));
+    if (written > 0) {
+      done += static_cast<std::size_t>(written);
+      continue;
+    }
+    if (written < 0 && errno == EINTR) continue;
+    const int code = written < 0 ? errno : ENOSPC;
+    // A reader stops at a torn record anyway; truncating keeps what a later append adds reachable.
+    if (::ftruncate(_descriptor.get(), _end) != 0)
+      fail("cannot write, nor cut back to the last whole record,", _path, code);
+    fail("cannot write", _path, code);
+  }
+  _end += static_cast<std::int64_t>(size);
+}
+
+void AppendFile::close() {
+  if (!is_open()) return;
+  if (::fsync(_descriptor.get()) != 0 && errno != EINVAL) fail("cannot sync", _path, errno);
+  if (::close(_descriptor.release()) != 0 && errno != EINTR) fail("cannot close", _path, errno);
+}
+
+Descriptor open_for_reading(const std::filesystem::path& path) {
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.is_open()) fail("cannot open", path, errno);
+  return file;
+}
+
+std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset,
+                    void* bytes, std::size_t size) {
+  auto* to = static_cast<char*>(bytes);
+  std::size_t done = 0;
+  while (done < size) {
+    const auto got = ::pread(file.get(), to + done, size - done, offset + static_cast<std::int64_t>(done));
+    if (got == 0) break;
+    if (got > 0)
+      done += static_cast<std::size_t>(got);
+    else if (errno != EINTR)
+      fail("cannot read", path, errno);
+  }
+  return done;
+}
+
+void replace_durably(const std::filesystem::path& from, const std::filesystem::path& to) {
+  sync_path(from, O_RDONLY);
+  if (::rename(from.c_str(), to.c_str()) != 0) fail("cannot rename to", to, errno);
+  sync_path(std::filesystem::absolute(to).parent_path(), O_RDONLY | O_DIRECTORY);
+}
+
+}  // namespace phynness

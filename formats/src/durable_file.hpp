@@ -1,0 +1,57 @@
+// Files that must survive a killed process, a full disk or a power cut: checked writes, fsync, rename.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace phynness {
+
+/// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int fd) : _fd(fd) {}
+  ~Descriptor() { reset(); }
+  Descriptor(Descriptor&& other) noexcept : _fd(other.release()) {}
+  Descriptor& operator=(Descriptor&& other) noexcept;
+  int get() const { return _fd; }
+  bool is_open() const { return _fd >= 0; }
+  int release();
+  void reset();
+
+ private:
+  int _fd = -1;
+};
+
+/// A file that grows by whole records.
+class AppendFile {
+ public:
+  AppendFile() = default;
+  /// @throws Error (failure) if the file exists or cannot be created
+  static AppendFile create(const std::filesystem::path& path);
+  /// Writes all bytes; the operating system has them on return.
+  /// @throws Error (failure) on a full disk or any other failed write; the file then ends where it ended
+  /// before
+  void append(const void* bytes, std::size_t size);
+  /// Forces the file to the disk and closes it. @throws Error (failure)
+  void close();
+  bool is_open() const { return _descriptor.is_open(); }
+
+ private:
+  Descriptor _descriptor;
+  std::filesystem::path _path;
+  std::int64_t _end = 0;
+};
+
+/// Reads `size` bytes at `offset`; fewer only at the end of the file. @throws Error (failure)
+std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset,
+                    void* bytes, std::size_t size);
+Descriptor open_for_reading(const std::filesystem::path& path);
+
+/// Forces `from` to the disk, gives it the name `to` in one step, and makes that durable too. @throws Error
+/// (failure)
+void replace_durably(const std::filesystem::path& from, const std::filesystem::path& to);
+
+}  // namespace phynness
