@@ -21,6 +21,7 @@ function(phynness_library name)
   target_compile_features(phynness_${name} PUBLIC cxx_std_20)
   target_include_directories(phynness_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
   target_include_directories(phynness_${name} PRIVATE src)
+  target_compile_definitions(phynness_${name} PRIVATE PHYNNESS_VERSION="${PROJECT_VERSION}")
   phynness_warnings(phynness_${name})
 endfunction()
 

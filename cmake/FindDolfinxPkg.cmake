@@ -1,0 +1,61 @@
+# Finds dolfinx (0.5.2 ... 0.11) with PETSc, MPI, basix and ufcx.h through pkg-config, and ffcx through Python.
+# The pkg-config file of 0.5.2 quotes a macro in a way that breaks shells and asks for -fpermissive, so only include
+# paths and libraries are taken from it. Defines the target phynness_dolfinx and phynness_compile_forms().
+find_package(PkgConfig REQUIRED)
+find_package(MPI REQUIRED COMPONENTS C CXX)
+
+foreach(module IN ITEMS dolfinx dolfinx_real)
+  pkg_check_modules(DOLFINX QUIET ${module})
+  if(DOLFINX_FOUND)
+    break()
+  endif()
+endforeach()
+if(NOT DOLFINX_FOUND)
+  message(FATAL_ERROR "dolfinx was not found by pkg-config (dolfinx.pc or dolfinx_real.pc). "
+    "Install it (Debian: libdolfinx-dev, or run tools/install-deps), or configure with -DPHYNNESS_WITH_DOLFINX=OFF.")
+endif()
+pkg_check_modules(PETSC REQUIRED PETSc)
+
+# The system's Python, because that is where the package manager put ffcx.
+find_program(PHYNNESS_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
+if(NOT PHYNNESS_PYTHON)
+  find_program(PHYNNESS_PYTHON NAMES python3 REQUIRED)
+endif()
+execute_process(
+  COMMAND ${PHYNNESS_PYTHON} -c "import ffcx.codegeneration as c; print(c.get_include_path())"
+  OUTPUT_VARIABLE UFCX_INCLUDE_DIR OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_VARIABLE ffcx_error RESULT_VARIABLE ffcx_result)
+if(NOT ffcx_result EQUAL 0)
+  message(FATAL_ERROR "ffcx, the form compiler, was not found by ${PHYNNESS_PYTHON}: ${ffcx_error}\n"
+    "Install it (Debian: python3-ffcx).")
+endif()
+
+string(REGEX MATCH "^([0-9]+)\\.([0-9]+)" _ "${DOLFINX_VERSION}")
+math(EXPR DOLFINX_VERSION_NUMBER "${CMAKE_MATCH_1} * 100 + ${CMAKE_MATCH_2}")
+
+add_library(phynness_dolfinx INTERFACE)
+target_include_directories(phynness_dolfinx SYSTEM INTERFACE ${UFCX_INCLUDE_DIR} ${DOLFINX_INCLUDE_DIRS} ${PETSC_INCLUDE_DIRS})
+target_link_libraries(phynness_dolfinx INTERFACE ${DOLFINX_LINK_LIBRARIES} ${PETSC_LINK_LIBRARIES} MPI::MPI_CXX)
+find_library(PHYNNESS_BASIX_LIBRARY basix REQUIRED)
+target_link_libraries(phynness_dolfinx INTERFACE ${PHYNNESS_BASIX_LIBRARY})
+target_compile_definitions(phynness_dolfinx INTERFACE
+  DOLFINX_VERSION="${DOLFINX_VERSION}" PHYNNESS_DOLFINX=${DOLFINX_VERSION_NUMBER} OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
+message(STATUS "dolfinx ${DOLFINX_VERSION}, PETSc ${PETSC_VERSION}, ffcx include ${UFCX_INCLUDE_DIR}")
+
+# phynness_compile_forms(TARGET file.py ...): each UFL file becomes C by ffcx and joins TARGET; headers by file name.
+function(phynness_compile_forms target)
+  set(generated "${CMAKE_CURRENT_BINARY_DIR}/forms")
+  file(MAKE_DIRECTORY "${generated}")
+  set(mechanics "${PROJECT_SOURCE_DIR}/precompute_dolfinx/forms")
+  foreach(form IN LISTS ARGN)
+    get_filename_component(name "${form}" NAME_WE)
+    add_custom_command(
+      OUTPUT "${generated}/${name}.c" "${generated}/${name}.h"
+      COMMAND ${CMAKE_COMMAND} -E env "PYTHONPATH=${mechanics}" PYTHONDONTWRITEBYTECODE=1
+              ${PHYNNESS_PYTHON} -m ffcx -o "${generated}" "${form}"
+      DEPENDS "${form}" "${mechanics}/mechanics.py"
+      COMMENT "ffcx ${name}" VERBATIM)
+    target_sources(${target} PRIVATE "${generated}/${name}.c")
+    set_source_files_properties("${generated}/${name}.c" PROPERTIES COMPILE_OPTIONS "-O2;-w" SKIP_LINTING ON)
+  endforeach()
+  target_include_directories(${target} PRIVATE "${generated}")
+endfunction()

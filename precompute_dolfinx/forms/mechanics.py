@@ -1,0 +1,97 @@
+"""Kinematics of the paper, and the one way from a strain energy density to the forms of every element.
+
+A material file states two functions of the deformation gradient F = I + grad u (equation (3)):
+
+    shape(F)        energy density without its volumetric part
+    volumetric(F)   g(F), so that the energy density is  W = shape + kappa/2 g^2
+
+and the coefficient kappa. From these follow, for every element, in this order,
+
+    energy      Pi(w)                 stored energy; stationary at equilibrium without loads
+    residual    dPi(w; v)             the weak form (5): assembled, it is the nodal force that holds the state
+    tangent     d2Pi(w; v, dw)        its derivative, symmetric
+    jacobian    J = det F             at the quadrature points of the forms
+
+Displacement elements: w = u, Pi = int W. Mixed elements: w = (u, p), perturbed Lagrangian
+
+    Pi = int shape + p g - p^2 / (2 kappa)
+
+whose p is kappa g at the solution, where Pi has the value of int W with g weakly averaged. Equal order (p1-p1) adds
+the stabilization of Klaas, Maniatty & Shephard (1999), doi 10.1016/S0045-7825(99)00059-6:
+
+    - alpha h^2 / (2 mu) |F^-T grad p|^2,   h the cell diameter.
+
+All lengths and moduli arrive without dimension (see scaling.hpp).
+"""
+
+import basix
+from ufl import (
+    CellDiameter, Coefficient, Constant, FiniteElement, Identity, MixedElement, TestFunction, TrialFunction,
+    VectorElement, derivative, det, dot, dx, exp, grad, inner, inv, ln, split, sym, tetrahedron, tr,
+)
+
+cell = tetrahedron
+I = Identity(3)
+
+# Quadrature: P1 has a constant gradient. p1-p1 integrates p^2 exactly. The quadratic elements have non-polynomial
+# integrands; degree 4 integrates p (J - 1) of Taylor-Hood exactly.
+P1 = (VectorElement("Lagrange", cell, 1), 1)
+P2 = (VectorElement("Lagrange", cell, 2), 4)
+P1_P1 = (MixedElement(VectorElement("Lagrange", cell, 1), FiniteElement("Lagrange", cell, 1)), 2)
+TAYLOR_HOOD = (MixedElement(VectorElement("Lagrange", cell, 2), FiniteElement("Lagrange", cell, 1)), 4)
+
+
+def _points(degree):
+    return basix.make_quadrature(basix.CellType.tetrahedron, degree)[0]
+
+
+def _chain(energy, w, element):
+    residual = derivative(energy, w, TestFunction(element))
+    return energy, residual, derivative(residual, w, TrialFunction(element))
+
+
+def displacement(discretization, shape, volumetric, kappa):
+    """Forms of a displacement element: (energy, residual, tangent, (jacobian, points))."""
+    element, degree = discretization
+    u = Coefficient(element)
+    F = I + grad(u)
+    energy = (shape(F) + kappa / 2 * volumetric(F) ** 2) * dx(metadata={"quadrature_degree": degree})
+    return (*_chain(energy, u, element), (det(F), _points(degree)))
+
+
+def mixed(discretization, shape, volumetric, kappa, stabilization=None):
+    """Forms of a displacement-pressure element. `stabilization(F, p)` is an energy density, or None."""
+    element, degree = discretization
+    w = Coefficient(element)
+    u, p = split(w)
+    F = I + grad(u)
+    density = shape(F) + p * volumetric(F) - p**2 / (2 * kappa)
+    if stabilization is not None:
+        density -= stabilization(F, p)
+    energy = density * dx(metadata={"quadrature_degree": degree})
+    return (*_chain(energy, w, element), (det(F), _points(degree)))
+
+
+def klaas(alpha, mu, finite=True):
+    """Energy density of the p1-p1 stabilization; in the linear theory F = I."""
+
+    def density(F, p):
+        g = dot(inv(F).T, grad(p)) if finite else grad(p)
+        return alpha * CellDiameter(cell) ** 2 / (2 * mu) * inner(g, g)
+
+    return density
+
+
+def every_element(shape, volumetric, kappa, stabilization):
+    """What ffcx compiles, by name: {p1,p2,th,p1p1}_{energy,residual,tangent,jacobian}, `forms` and `expressions`."""
+    built = {
+        "p1": displacement(P1, shape, volumetric, kappa),
+        "p2": displacement(P2, shape, volumetric, kappa),
+        "th": mixed(TAYLOR_HOOD, shape, volumetric, kappa),
+        "p1p1": mixed(P1_P1, shape, volumetric, kappa, stabilization),
+    }
+    quantities = ("energy", "residual", "tangent", "jacobian")
+    names = {f"{e}_{q}": value for e, values in built.items() for q, value in zip(quantities, values)}
+    names["forms"] = [v for n, v in names.items() if not n.endswith("_jacobian")]
+    names["expressions"] = [v for n, v in names.items() if n.endswith("_jacobian")]
+    return names

@@ -1,0 +1,84 @@
+// One body under tools: solves of single displacements and of rays. In SI units; no dolfinx type in sight.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <phynness/formats/database.hpp>
+#include <phynness/formats/mesh.hpp>
+#include <phynness/formats/scene.hpp>
+#include <vector>
+
+namespace phynness {
+
+/// A tool holds a surface node (or a patch around it) at a displacement.
+struct Tool {
+  std::int32_t node = 0;
+  Vec3 displacement_m{};
+};
+
+/// One equilibrium state.
+struct Response {
+  Status status = Status::converged;
+  std::vector<Vec3> force_N;  ///< per tool: must be applied to hold the displacement
+  double energy_J = 0;
+  Points displacement_m;            ///< n_nodes x 3, all nodes of the mesh
+  Eigen::MatrixXd tangent_N_per_m;  ///< 3 n_tools square, dF/dd, if asked for
+  int negative_pivots = 0, iterations = 0, cutbacks = 0;
+  double min_jacobian = 1;
+  double relative_residual = 0;
+};
+
+/// What the undeformed body says about a probe: the linear predictor.
+struct RestResponse {
+  Eigen::MatrixXd stiffness_N_per_m;  ///< 3 n_tools square
+  Eigen::MatrixXd sensitivity;  ///< (3 n_nodes) x (3 n_tools): du/dd, row 3 i + k is component k at node i
+};
+
+/// Owns the discretized body on this process alone (serial; ranks share nothing).
+/// @pre a SolverSession lives as long as any ProbeSolver
+class ProbeSolver {
+ public:
+  /// Uses material, solver, probe and database specification of the scene.
+  /// @throws Error
+  ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
+  ~ProbeSolver();
+  ProbeSolver(ProbeSolver&&) noexcept;
+
+  /// Chooses the touched nodes. Rest stiffness is computed once for them and shared by what follows.
+  /// @throws Error if a node is not on the surface, is fixed, or named twice
+  void touch(const std::vector<std::int32_t>& nodes);
+  const RestResponse& rest() const;
+  /// Nodes moved by touched tool t, with weights w (u_i = w_i d); the touched node itself has weight 1.
+  std::vector<std::pair<std::int32_t, double>> prescribed(std::size_t tool = 0) const;
+
+  /// Moves tool t along displacement_m[t] * s for the ascending values of s, starting at rest.
+  /// `take` gets every value in order; return false to stop.
+  void follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values, bool tangents,
+              const std::function<bool(std::size_t, const Response&)>& take);
+
+  /// One displacement, reached in `increments` equal steps.
+  Response solve(const std::vector<Vec3>& displacement_m, int increments, bool tangents = false);
+
+  int n_dofs() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> _impl;
+};
+
+/// PETSc and MPI for the life of the program. argc and argv may hold MPI's and PETSc's own options.
+class SolverSession {
+ public:
+  SolverSession(int& argc, char**& argv);
+  ~SolverSession();
+  SolverSession(const SolverSession&) = delete;
+  int rank() const { return _rank; }
+  int size() const { return _size; }
+
+ private:
+  int _rank = 0, _size = 1;
+};
+
+}  // namespace phynness

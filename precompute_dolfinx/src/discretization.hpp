@@ -1,0 +1,75 @@
+// A mesh and an element as arrays: dofs of points, energy, residual and element tangents of a state.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <phynness/formats/mesh.hpp>
+#include <span>
+#include <vector>
+
+#include "form_set.hpp"
+
+namespace phynness {
+
+/// dolfinx's own messages: errors only.
+void quiet_logging();
+
+/// A state is one vector of n_dofs() values: displacements and, for mixed elements, pressures.
+/// Points are where displacements live: the mesh's nodes in their order and then, for quadratic elements, the
+/// middles of edges.
+class Discretization {
+ public:
+  /// @param mesh  lengths in units of Scaling::length_m
+  Discretization(const Mesh& mesh, const FormSet& forms);
+  ~Discretization();
+  Discretization(Discretization&&) noexcept;
+
+  int n_dofs() const { return _n_dofs; }
+  int n_points() const { return static_cast<int>(_point_dofs.size()); }
+  int n_nodes() const { return _n_nodes; }
+  /// Dofs of the three displacement components of a point.
+  const std::array<std::int32_t, 3>& dofs(int point) const { return _point_dofs[point]; }
+  /// Empty for displacement elements.
+  const std::vector<std::int32_t>& pressure_dofs() const { return _pressure_dofs; }
+  /// The two nodes whose middle a point beyond the nodes is.
+  const std::array<std::int32_t, 2>& edge(int point) const { return _edges[point - _n_nodes]; }
+  /// n_points x 3, in units of length_m.
+  const Points& points() const { return _points; }
+  /// True if the point lies on the boundary of the body.
+  bool on_surface(int point) const { return _on_surface[point] != 0; }
+
+  int n_cells() const { return _n_cells; }
+  int n_element_dofs() const { return _n_element_dofs; }
+  /// Dofs of a cell in element order, n_element_dofs() of them.
+  std::span<const std::int32_t> element_dofs(int cell) const {
+    return {_element_dofs.data() + static_cast<std::size_t>(cell) * _n_element_dofs,
+            static_cast<std::size_t>(_n_element_dofs)};
+  }
+
+  /// Stored energy.
+  double energy(std::span<const double> state);
+  /// Nodal forces that hold the state (and the pressure equations). @param out n_dofs, overwritten
+  void residual(std::span<const double> state, std::span<double> out);
+  /// Smallest J over all quadrature points.
+  double min_jacobian(std::span<const double> state);
+  /// Element tangents, row-major n_element_dofs x n_element_dofs, one call per cell in order.
+  void element_tangents(std::span<const double> state,
+                        const std::function<void(std::int32_t, std::span<const double>)>& take);
+  const FormSet& forms() const;
+
+ private:
+  struct Dolfinx;
+  void number_points(const Mesh& mesh);
+
+  std::unique_ptr<Dolfinx> _dolfinx;
+  int _n_dofs = 0, _n_nodes = 0, _n_cells = 0, _n_element_dofs = 0;
+  std::vector<std::array<std::int32_t, 3>> _point_dofs;
+  std::vector<std::array<std::int32_t, 2>> _edges;
+  std::vector<std::int32_t> _pressure_dofs, _element_dofs;
+  std::vector<char> _on_surface;
+  Points _points;
+};
+
+}  // namespace phynness

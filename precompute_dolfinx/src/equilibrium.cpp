@@ -1,0 +1,243 @@
+#include "equilibrium.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace phynness {
+
+struct Equilibrium::Impl {
+  Impl(Discretization& discretization, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& spec)
+      : body(discretization), options(spec), tangent(discretization, fixed_dofs) {
+    set_up_solver();
+  }
+
+  Discretization& body;
+  SolverSpec options;
+  TangentMatrix tangent;
+  Constraint constraint;
+  std::vector<std::int32_t> prescribed;  // unknowns of constraint.dofs
+  std::vector<char> is_free;             // per dof: neither fixed nor prescribed
+  std::vector<double> load, state, residual;
+  double reaction_norm = 0, load_norm = 0;  // of the latest residual
+  PetscVec x, r;
+  PetscSnes snes;
+
+  void set_up_solver();
+  void evaluate_residual();
+  double free_norm() const;
+  void gather(Vec from) const;
+
+  static PetscErrorCode form_function(SNES, Vec, Vec, void*);
+  static PetscErrorCode form_jacobian(SNES, Vec, Mat, Mat, void*);
+  static PetscErrorCode test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal,
+                                         SNESConvergedReason*, void*);
+};
+
+void Equilibrium::Impl::set_up_solver() {
+  state.assign(body.n_dofs(), 0.0);
+  residual.assign(body.n_dofs(), 0.0);
+  const auto n = static_cast<PetscInt>(tangent.n_unknowns());
+  PHYNNESS_PETSC(VecCreateSeq(PETSC_COMM_SELF, n, x.address()));
+  PHYNNESS_PETSC(VecDuplicate(x, r.address()));
+  PHYNNESS_PETSC(SNESCreate(PETSC_COMM_SELF, snes.address()));
+  PHYNNESS_PETSC(SNESSetOptionsPrefix(snes, "phynness_"));
+  PHYNNESS_PETSC(SNESSetFunction(snes, r, form_function, this));
+  PHYNNESS_PETSC(SNESSetJacobian(snes, tangent.matrix(), tangent.matrix(), form_jacobian, this));
+  PHYNNESS_PETSC(SNESSetConvergenceTest(snes, test_convergence, this, nullptr));
+  PHYNNESS_PETSC(SNESSetTolerances(snes, 0, 0, 0, options.max_iterations, 100 * options.max_iterations));
+  KSP ksp;
+  PC pc;
+  PHYNNESS_PETSC(SNESGetKSP(snes, &ksp));
+  PHYNNESS_PETSC(KSPSetType(ksp, KSPPREONLY));
+  PHYNNESS_PETSC(KSPGetPC(ksp, &pc));
+  // LDL^T tells the number of negative pivots, and copes with the saddle points of mixed elements.
+  PHYNNESS_PETSC(PCSetType(pc, PCCHOLESKY));
+  PHYNNESS_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  PHYNNESS_PETSC(SNESSetFromOptions(snes));
+}
+
+void Equilibrium::Impl::gather(Vec from) const {
+  const PetscScalar* values = nullptr;
+  PHYNNESS_PETSC(VecGetArrayRead(from, &values));
+  auto& full = const_cast<std::vector<double>&>(state);
+  for (int i = 0; i < tangent.n_unknowns(); ++i) full[tangent.dof_of()[i]] = values[i];
+  PHYNNESS_PETSC(VecRestoreArrayRead(from, &values));
+}
+
+void Equilibrium::Impl::evaluate_residual() {
+  body.residual(state, residual);
+  double reactions = 0;
+  for (int dof = 0; dof < body.n_dofs(); ++dof) {
+    if (!load.empty()) residual[dof] -= load[dof];
+    if (!is_free[dof]) reactions += residual[dof] * residual[dof];
+  }
+  reaction_norm = std::sqrt(reactions);
+}
+
+double Equilibrium::Impl::free_norm() const {
+  double sum = 0;
+  for (int dof = 0; dof < body.n_dofs(); ++dof)
+    if (is_free[dof]) sum += residual[dof] * residual[dof];
+  return std::sqrt(sum);
+}
+
+PetscErrorCode Equilibrium::Impl::form_function(SNES snes, Vec x, Vec r, void* context) {
+  auto& self = *static_cast<Impl*>(context);
+  self.gather(x);
+  self.evaluate_residual();
+  PetscScalar* out = nullptr;
+  PetscCall(VecGetArray(r, &out));
+  bool finite = true;
+  for (int i = 0; i < self.tangent.n_unknowns(); ++i) {
+    const auto dof = self.tangent.dof_of()[i];
+    out[i] = self.is_free[dof] ? self.residual[dof] : 0.0;
+    finite = finite && std::isfinite(out[i]);
+  }
+  PetscCall(VecRestoreArray(r, &out));
+  // ln J with J <= 0: the line search must back off instead of taking NaN for an answer.
+  if (!finite) PetscCall(SNESSetFunctionDomainError(snes));
+  return 0;
+}
+
+PetscErrorCode Equilibrium::Impl::form_jacobian(SNES, Vec x, Mat, Mat, void* context) {
+  auto& self = *static_cast<Impl*>(context);
+  self.gather(x);
+  self.tangent.assemble(self.body, self.state, self.constraint, self.prescribed);
+  return 0;
+}
+
+PetscErrorCode Equilibrium::Impl::test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal norm,
+                                                   SNESConvergedReason* reason, void* context) {
+  const auto& self = *static_cast<Impl*>(context);
+  *reason = SNES_CONVERGED_ITERATING;
+  if (!std::isfinite(norm))
+    *reason = SNES_DIVERGED_FNORM_NAN;
+  else if (norm <= self.options.relative_tolerance * (self.reaction_norm + self.load_norm))
+    *reason = SNES_CONVERGED_FNORM_RELATIVE;
+  return 0;
+}
+
+Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs,
+                         const SolverSpec& options)
+    : _impl(std::make_unique<Impl>(body, fixed_dofs, options)) {
+  prescribe({{}, Eigen::MatrixXd(0, 0)});
+}
+Equilibrium::~Equilibrium() = default;
+Equilibrium::Equilibrium(Equilibrium&&) noexcept = default;
+
+void Equilibrium::prescribe(Constraint constraint) {
+  auto& s = *_impl;
+  s.constraint = std::move(constraint);
+  s.is_free.assign(s.body.n_dofs(), 1);
+  for (int dof = 0; dof < s.body.n_dofs(); ++dof)
+    if (s.tangent.unknown_of()[dof] < 0) s.is_free[dof] = 0;
+  s.prescribed.clear();
+  for (const auto dof : s.constraint.dofs) {
+    s.prescribed.push_back(s.tangent.unknown_of()[dof]);
+    s.is_free[dof] = 0;
+  }
+}
+
+const Constraint& Equilibrium::constraint() const { return _impl->constraint; }
+
+void Equilibrium::set_load(std::vector<double> load) {
+  _impl->load_norm =
+      Eigen::Map<const Eigen::VectorXd>(load.data(), static_cast<Eigen::Index>(load.size())).norm();
+  _impl->load = std::move(load);
+}
+
+Equilibrium::Outcome Equilibrium::solve(std::span<double> state) {
+  auto& s = *_impl;
+  s.state.assign(state.begin(), state.end());
+  PetscScalar* values = nullptr;
+  PHYNNESS_PETSC(VecGetArray(s.x, &values));
+  for (int i = 0; i < s.tangent.n_unknowns(); ++i) values[i] = state[s.tangent.dof_of()[i]];
+  PHYNNESS_PETSC(VecRestoreArray(s.x, &values));
+
+  Outcome outcome;
+  PHYNNESS_PETSC(SNESSolve(s.snes, nullptr, s.x));
+  SNESConvergedReason reason;
+  PetscInt iterations = 0;
+  PHYNNESS_PETSC(SNESGetConvergedReason(s.snes, &reason));
+  PHYNNESS_PETSC(SNESGetIterationNumber(s.snes, &iterations));
+  outcome.iterations = static_cast<int>(iterations);
+  if (reason > 0) {
+    s.gather(s.x);
+    std::copy(s.state.begin(), s.state.end(), state.begin());
+    s.evaluate_residual();
+    const double scale = s.reaction_norm + s.load_norm;
+    outcome.relative_residual = scale > 0 ? s.free_norm() / scale : 0;
+    return outcome;
+  }
+  switch (reason) {
+    case SNES_DIVERGED_LINEAR_SOLVE:
+      outcome.status = Status::factorization;
+      break;
+    case SNES_DIVERGED_FUNCTION_DOMAIN:
+    case SNES_DIVERGED_FNORM_NAN:
+      outcome.status = Status::not_finite;
+      break;
+    default:
+      outcome.status = Status::diverged;
+  }
+  return outcome;
+}
+
+Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
+                                                  const Eigen::MatrixXd& directions) {
+  auto& s = *_impl;
+  s.state.assign(state.begin(), state.end());
+  const auto coupling = s.tangent.assemble(s.body, s.state, s.constraint, s.prescribed);
+  Linearization out;
+  KSP ksp;
+  PC pc;
+  PHYNNESS_PETSC(SNESGetKSP(s.snes, &ksp));
+  PHYNNESS_PETSC(KSPSetOperators(ksp, s.tangent.matrix(), s.tangent.matrix()));
+  PHYNNESS_PETSC(KSPGetPC(ksp, &pc));
+  PHYNNESS_PETSC(PCSetUp(pc));
+  PCFailedReason failed;
+  PHYNNESS_PETSC(PCGetFailedReason(pc, &failed));
+  if (failed != PC_NOERROR) {
+    out.status = Status::factorization;
+    return out;
+  }
+  Mat factor;
+  PetscInt negative = 0;
+  PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
+  PHYNNESS_PETSC(MatGetInertia(factor, &negative, nullptr, nullptr));
+  out.negative_pivots = static_cast<int>(negative) - static_cast<int>(s.body.pressure_dofs().size());
+
+  const Eigen::Index k = directions.cols();
+  out.sensitivity = Eigen::MatrixXd::Zero(s.body.n_dofs(), k);
+  out.tangent = coupling.corner * directions;
+  for (Eigen::Index c = 0; c < k; ++c) {
+    const Eigen::VectorXd rhs = -coupling.columns * directions.col(c);
+    PetscScalar* values = nullptr;
+    PHYNNESS_PETSC(VecGetArray(s.r, &values));
+    std::copy(rhs.data(), rhs.data() + rhs.size(), values);
+    PHYNNESS_PETSC(VecRestoreArray(s.r, &values));
+    PHYNNESS_PETSC(KSPSolve(ksp, s.r, s.x));
+    const PetscScalar* solution = nullptr;
+    PHYNNESS_PETSC(VecGetArrayRead(s.x, &solution));
+    const Eigen::Map<const Eigen::VectorXd> dx(solution, s.tangent.n_unknowns());
+    out.tangent.col(c) += coupling.columns.transpose() * dx;
+    for (int i = 0; i < s.tangent.n_unknowns(); ++i) out.sensitivity(s.tangent.dof_of()[i], c) = dx[i];
+    PHYNNESS_PETSC(VecRestoreArrayRead(s.x, &solution));
+    const Eigen::VectorXd prescribed = s.constraint.G * directions.col(c);
+    for (std::size_t i = 0; i < s.constraint.dofs.size(); ++i)
+      out.sensitivity(s.constraint.dofs[i], c) = prescribed[static_cast<Eigen::Index>(i)];
+  }
+  return out;
+}
+
+Eigen::VectorXd Equilibrium::force(std::span<const double> state) {
+  auto& s = *_impl;
+  s.state.assign(state.begin(), state.end());
+  s.evaluate_residual();
+  Eigen::VectorXd reaction(static_cast<Eigen::Index>(s.constraint.dofs.size()));
+  for (std::size_t i = 0; i < s.constraint.dofs.size(); ++i)
+    reaction[static_cast<Eigen::Index>(i)] = s.residual[s.constraint.dofs[i]];
+  return s.constraint.G.transpose() * reaction;
+}
+
+}  // namespace phynness

@@ -1,0 +1,61 @@
+// Equilibrium under prescribed displacements, by PETSc SNES: Newton with line search on the free rows of the
+// residual.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <phynness/formats/database.hpp>
+#include <span>
+#include <vector>
+
+#include "constraint.hpp"
+#include "discretization.hpp"
+#include "tangent_matrix.hpp"
+
+namespace phynness {
+
+/// Solves r(x) = load on the rows that are neither fixed nor prescribed. Fixed dofs keep the value they have
+/// in the state; prescribed dofs keep theirs during a solve: they are put there first, their rows of the
+/// Newton system are the identity with right-hand side zero, so no metre ever meets a newton in a norm.
+class Equilibrium {
+ public:
+  Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options);
+  ~Equilibrium();
+  Equilibrium(Equilibrium&&) noexcept;
+
+  /// Which dofs are prescribed from now on. @pre none of them fixed
+  void prescribe(Constraint constraint);
+  const Constraint& constraint() const;
+  /// Dead load: nodal forces, n_dofs; without dimension.
+  void set_load(std::vector<double> load);
+
+  struct Outcome {
+    Status status = Status::converged;
+    int iterations = 0;
+    double relative_residual = 0;  ///< |free rows| / |reactions|
+  };
+  /// Newton from `state`, whose prescribed dofs hold their values already. On failure `state` is left as it
+  /// was. Converged: |free rows of r - load| <= relative_tolerance * (|reactions| + |load|), Euclidean norms.
+  Outcome solve(std::span<double> state);
+
+  /// The tangent at an equilibrium state, factorized.
+  struct Linearization {
+    Status status = Status::converged;  ///< factorization or converged
+    int negative_pivots = 0;            ///< beyond those of the pressure block
+    Eigen::MatrixXd tangent;            ///< n_parameters^2: d(G^T r_c)/dq; symmetric
+    Eigen::MatrixXd sensitivity;        ///< n_dofs x n_parameters: dx/dq
+  };
+  /// @param directions  n_parameters x k: only dx/dq times these is computed (tangent and sensitivity then
+  /// have k
+  ///                    columns)
+  Linearization linearize(std::span<const double> state, const Eigen::MatrixXd& directions);
+
+  /// G^T r_c: what must be applied to hold the prescribed displacement; n_parameters.
+  Eigen::VectorXd force(std::span<const double> state);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> _impl;
+};
+
+}  // namespace phynness

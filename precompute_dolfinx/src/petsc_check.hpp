@@ -1,0 +1,47 @@
+// PETSc error codes become exceptions; handles are owned.
+#pragma once
+
+#include <petscsnes.h>
+
+#include <phynness/formats/error.hpp>
+#include <string>
+#include <utility>
+
+namespace phynness {
+
+inline void petsc_check(PetscErrorCode code, const char* call) {
+  if (code == 0) return;
+  const char* text = nullptr;
+  PetscErrorMessage(code, &text, nullptr);
+  throw failure(
+      std::string("PETSc failed in ") + call, text ? text : "error " + std::to_string(code),
+      "see PETSc's own message above; run on a smaller scene to tell a resource limit from a defect");
+}
+
+/// Owns a PETSc object; `Destroy` is its destructor function.
+template <typename T, PetscErrorCode (*Destroy)(T*)>
+class PetscHandle {
+ public:
+  PetscHandle() = default;
+  PetscHandle(PetscHandle&& other) noexcept : _object(std::exchange(other._object, nullptr)) {}
+  PetscHandle& operator=(PetscHandle&& other) noexcept {
+    std::swap(_object, other._object);
+    return *this;
+  }
+  ~PetscHandle() {
+    if (_object) Destroy(&_object);
+  }
+  T* address() { return &_object; }
+  operator T() const { return _object; }
+
+ private:
+  T _object = nullptr;
+};
+
+using PetscMat = PetscHandle<Mat, MatDestroy>;
+using PetscVec = PetscHandle<Vec, VecDestroy>;
+using PetscSnes = PetscHandle<SNES, SNESDestroy>;
+
+#define PHYNNESS_PETSC(call) ::phynness::petsc_check((call), #call)
+
+}  // namespace phynness

@@ -1,0 +1,167 @@
+#include <petscsys.h>
+
+#include <algorithm>
+#include <phynness/formats/error.hpp>
+#include <phynness/precompute/probe_solver.hpp>
+
+#include "discretization.hpp"
+#include "ray_solver.hpp"
+#include "scaling.hpp"
+
+namespace phynness {
+namespace {
+
+Mesh without_dimension(const Mesh& mesh, double length_m) {
+  Mesh scaled = mesh;
+  scaled.nodes /= length_m;
+  return scaled;
+}
+
+}  // namespace
+
+struct ProbeSolver::Impl {
+  Impl(const Scene& s, const Mesh& mesh, const NodeSets& sets)
+      : scene(s),
+        scaling(Scaling::of(mesh, s.material)),
+        body(without_dimension(mesh, scaling.length_m),
+             form_set(s.material, s.solver.element, scaling.modulus_Pa)),
+        fixed(fixed_points(body, sets.fixed)),
+        equilibrium(body, displacement_dofs(body, fixed), s.solver),
+        rays(body, equilibrium, s.solver) {}
+
+  Scene scene;
+  Scaling scaling;
+  Discretization body;
+  std::vector<char> fixed;
+  Equilibrium equilibrium;
+  RaySolver rays;
+  std::vector<std::vector<double>> weights;  // per tool and point
+  RaySolver::Rest rest;
+  RestResponse rest_SI;
+
+  Points displacement(std::span<const double> state) const {
+    Points u(body.n_nodes(), 3);
+    for (int i = 0; i < body.n_nodes(); ++i)
+      for (int k = 0; k < 3; ++k) u(i, k) = scaling.length_m * state[body.dofs(i)[k]];
+    return u;
+  }
+};
+
+ProbeSolver::ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets)
+    : _impl(std::make_unique<Impl>(scene, mesh, sets)) {}
+ProbeSolver::~ProbeSolver() = default;
+ProbeSolver::ProbeSolver(ProbeSolver&&) noexcept = default;
+
+int ProbeSolver::n_dofs() const { return _impl->body.n_dofs(); }
+
+void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
+  auto& s = *_impl;
+  s.weights.clear();
+  for (std::size_t t = 0; t < nodes.size(); ++t) {
+    const auto node = nodes[t];
+    const auto value = "node " + std::to_string(node);
+    if (node < 0 || node >= s.body.n_nodes())
+      throw input_error("no such node", value,
+                        "nodes are numbered 0 to " + std::to_string(s.body.n_nodes() - 1));
+    if (!s.body.on_surface(node))
+      throw input_error("the touched node is inside the body", value, "touch a node of the surface");
+    if (s.fixed[node]) throw input_error("the touched node is fixed", value, "touch a node that can move");
+    if (std::find(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(t), node) !=
+        nodes.begin() + static_cast<std::ptrdiff_t>(t))
+      throw input_error("two tools hold the same node", value, "give each tool a node of its own");
+    s.weights.push_back(tool_weights(s.body, s.scene.probe.kind,
+                                     s.scene.probe.tool_radius_m / s.scaling.length_m, node, s.fixed));
+  }
+  s.equilibrium.prescribe(tool_constraint(s.body, s.weights));
+  s.rest = s.rays.rest();
+
+  s.rest_SI.stiffness_N_per_m = s.rest.tangent * s.scaling.stiffness_N_per_m();
+  s.rest_SI.sensitivity.resize(3 * s.body.n_nodes(), s.rest.sensitivity.cols());
+  for (int i = 0; i < s.body.n_nodes(); ++i)
+    for (int k = 0; k < 3; ++k)
+      s.rest_SI.sensitivity.row(3 * i + k) = s.rest.sensitivity.row(s.body.dofs(i)[k]);
+}
+
+const RestResponse& ProbeSolver::rest() const { return _impl->rest_SI; }
+
+std::vector<std::pair<std::int32_t, double>> ProbeSolver::prescribed(std::size_t tool) const {
+  std::vector<std::pair<std::int32_t, double>> nodes;
+  for (int i = 0; i < _impl->body.n_nodes(); ++i)
+    if (const double w = _impl->weights.at(tool)[i]; w != 0) nodes.emplace_back(i, w);
+  return nodes;
+}
+
+void ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values,
+                         bool tangents, const std::function<bool(std::size_t, const Response&)>& take) {
+  auto& s = *_impl;
+  const std::size_t n_tools = s.weights.size();
+  if (displacement_m.size() != n_tools) throw std::logic_error("follow: one displacement per touched tool");
+  Eigen::VectorXd direction(static_cast<Eigen::Index>(3 * n_tools));
+  for (std::size_t t = 0; t < n_tools; ++t)
+    for (int k = 0; k < 3; ++k)
+      direction[static_cast<Eigen::Index>(3 * t) + k] = displacement_m[t][k] / s.scaling.length_m;
+
+  s.rays.follow(s.rest, direction, s_values, tangents,
+                [&](std::size_t i, const PathStep& step, const PathPoint& point) {
+                  Response response;
+                  response.status = step.status;
+                  response.iterations = step.iterations;
+                  response.cutbacks = step.cutbacks;
+                  response.force_N.assign(n_tools, Vec3{});
+                  if (step.status != Status::converged) {
+                    response.displacement_m = Points::Zero(s.body.n_nodes(), 3);
+                    return take(i, response);
+                  }
+                  for (std::size_t t = 0; t < n_tools; ++t)
+                    for (int k = 0; k < 3; ++k)
+                      response.force_N[t][k] =
+                          point.force[static_cast<Eigen::Index>(3 * t) + k] * s.scaling.force_N();
+                  response.energy_J = point.energy * s.scaling.energy_J();
+                  response.tangent_N_per_m = point.tangent * s.scaling.stiffness_N_per_m();
+                  response.negative_pivots = point.negative_pivots;
+                  response.min_jacobian = point.min_jacobian;
+                  response.displacement_m = s.displacement(point.state);
+                  return take(i, response);
+                });
+}
+
+Response ProbeSolver::solve(const std::vector<Vec3>& displacement_m, int increments, bool tangents) {
+  const bool at_rest = std::all_of(displacement_m.begin(), displacement_m.end(), [](const Vec3& d) {
+    return d == Vec3{0, 0, 0};
+  });
+  Response last;
+  if (at_rest) {
+    last.force_N.assign(displacement_m.size(), Vec3{});
+    last.displacement_m = Points::Zero(_impl->body.n_nodes(), 3);
+    last.negative_pivots = _impl->rest.negative_pivots;
+    if (tangents) last.tangent_N_per_m = _impl->rest_SI.stiffness_N_per_m;
+    return last;
+  }
+  std::vector<double> s_values;
+  for (int i = 1; i <= increments; ++i) s_values.push_back(static_cast<double>(i) / increments);
+  int iterations = 0, cutbacks = 0;
+  follow(displacement_m, s_values, tangents, [&](std::size_t, const Response& response) {
+    iterations += response.iterations;
+    cutbacks += response.cutbacks;
+    last = response;
+    return response.status == Status::converged;
+  });
+  last.iterations = iterations;
+  last.cutbacks = cutbacks;
+  return last;
+}
+
+SolverSession::SolverSession(int& argc, char**& argv) {
+  // PETSc must not take the command line for its own options: ours are parsed elsewhere.
+  PHYNNESS_PETSC(PetscInitialize(nullptr, nullptr, nullptr, nullptr));
+  static_cast<void>(argc);
+  static_cast<void>(argv);
+  PHYNNESS_PETSC(PetscPopSignalHandler());
+  quiet_logging();
+  MPI_Comm_rank(MPI_COMM_WORLD, &_rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &_size);
+}
+
+SolverSession::~SolverSession() { PetscFinalize(); }
+
+}  // namespace phynness

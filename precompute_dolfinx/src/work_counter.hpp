@@ -1,0 +1,47 @@
+// The next free task, for all ranks: a number on rank 0 that is fetched and added to.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+
+namespace phynness {
+
+/// Collective to create and destroy.
+class WorkCounter {
+ public:
+  explicit WorkCounter(MPI_Comm comm) : _comm(comm) {
+    int rank = 0;
+    MPI_Comm_rank(comm, &rank);
+    MPI_Win_allocate(rank == 0 ? 2 * sizeof(std::int64_t) : 0, sizeof(std::int64_t), MPI_INFO_NULL, comm,
+                     &_values, &_window);
+    if (rank == 0) _values[0] = _values[1] = 0;
+    MPI_Barrier(comm);
+    MPI_Win_lock_all(0, _window);
+  }
+  ~WorkCounter() {
+    MPI_Win_unlock_all(_window);
+    MPI_Barrier(_comm);
+    MPI_Win_free(&_window);
+  }
+  WorkCounter(const WorkCounter&) = delete;
+
+  /// The next task nobody has taken.
+  std::int64_t next() { return add(0, 1); }
+  /// Adds finished work; returns the total before.
+  std::int64_t add_done(std::int64_t n) { return add(1, n); }
+
+ private:
+  std::int64_t add(int slot, std::int64_t n) {
+    std::int64_t before = 0;
+    MPI_Fetch_and_op(&n, &before, MPI_INT64_T, 0, slot, MPI_SUM, _window);
+    MPI_Win_flush(0, _window);
+    return before;
+  }
+
+  MPI_Comm _comm;
+  MPI_Win _window{};
+  std::int64_t* _values = nullptr;
+};
+
+}  // namespace phynness
