@@ -60,20 +60,15 @@ void for_each_index(std::int32_t n, int threads, const Job& job) {
 
 class Training {
  public:
-  Training(const Database& database, const TrainingSpec& spec)
-      : _database(database), _header(database.header()), _spec(spec), _tables(training_tables(_header)) {
-    const Scene scene =
-        parse_scene(_header.scene_text, _header.scene_name, _header.scene_folder, MeshFile::may_be_absent);
-    if (scene.probe.kind == ProbeKind::patch) _tool_radius_m = scene.probe.tool_radius_m;
-    _title = scene.title;
-  }
+  Training(const ResponseSource& source, const TrainingSpec& spec)
+      : _source(source), _header(*source.header), _spec(spec), _tables(training_tables(_header)) {}
 
   SearchNode read(std::int32_t active) {
     const std::int32_t node = _header.sets.active[active];
-    SearchNode read{node, prescribed_nodes(_header.mesh, _header.sets, node, _tool_radius_m), {}};
-    // One HDF5 call at a time: the library need not be built thread-safe.
-    const std::lock_guard lock(_database_mutex);
-    read.rays = _database.rays(active);
+    SearchNode read{node, prescribed_nodes(_header.mesh, _header.sets, node, _source.tool_radius_m), {}};
+    // One read at a time: HDF5 need not be built thread-safe.
+    const std::lock_guard lock(_source_mutex);
+    read.rays = _source.rays(active);
     return read;
   }
 
@@ -153,7 +148,7 @@ class Training {
  private:
   Model empty_model() const {
     Model model;
-    model.title = _title;
+    model.title = _source.title;
     model.mesh_hash = _header.mesh_hash;
     model.physics_hash = _header.physics_hash;
     model.software_version = _header.software_version;
@@ -167,24 +162,22 @@ class Training {
     return model;
   }
 
-  const Database& _database;
+  const ResponseSource& _source;
   const DatabaseHeader& _header;
   TrainingSpec _spec;
   TrainingTables _tables;
-  double _tool_radius_m = 0;
-  std::string _title;
-  std::mutex _database_mutex;
+  std::mutex _source_mutex;
 };
 
 }  // namespace
 
-Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report,
+Model train(const ResponseSource& source, const TrainingSpec& spec, TrainingReport& report,
             const TrainingProgress& progress, int threads) {
   const auto start = std::chrono::steady_clock::now();
   check(spec);
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   report = {};
-  Training training(database, spec);
+  Training training(source, spec);
   training.choose_spreads();
   Model model = training.run(report, progress, threads);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

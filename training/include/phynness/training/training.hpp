@@ -23,6 +23,15 @@ struct TrainingReport {
 /// written).
 using TrainingProgress = std::function<bool(std::int64_t, std::int64_t)>;
 
+/// Where the responses come from: a database, or arrays made by a test or benchmark.
+struct ResponseSource {
+  const DatabaseHeader* header = nullptr;
+  std::function<std::vector<Ray>(std::int32_t active)>
+      rays;                  ///< as Database::rays; called by one thread at a time
+  double tool_radius_m = 0;  ///< of a patch probe; 0: node probe
+  std::string title;
+};
+
 /// Trains a force and a deformation network for every active node with at least one converged increment. A
 /// spread
 /// <= 0 is searched (spread_search.hpp), one value for all nodes. A network never has more neurons than
@@ -33,6 +42,10 @@ using TrainingProgress = std::function<bool(std::int64_t, std::int64_t)>;
 /// @param threads   0: as many as there are cores; the result does not depend on it, bit for bit
 /// @throws Error    input: a family not available, impossible numbers, no converged increment at all;
 ///                  failure: interrupted, or the database holds values that are not finite
+Model train(const ResponseSource& source, const TrainingSpec& spec, TrainingReport& report,
+            const TrainingProgress& progress = {}, int threads = 0);
+
+/// The same on a database; probe kind and title come from the scene that it holds.
 Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report,
             const TrainingProgress& progress = {}, int threads = 0);
 

@@ -1,0 +1,19 @@
+// A database as a source of responses.
+#include <phynness/training/training.hpp>
+
+namespace phynness {
+
+Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report,
+            const TrainingProgress& progress, int threads) {
+  const DatabaseHeader& header = database.header();
+  const Scene scene =
+      parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent);
+  ResponseSource source;
+  source.header = &header;
+  source.rays = [&](std::int32_t active) { return database.rays(active); };
+  source.tool_radius_m = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
+  source.title = scene.title;
+  return train(source, spec, report, progress, threads);
+}
+
+}  // namespace phynness
