@@ -1,0 +1,223 @@
+#include "body.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <phynness/formats/error.hpp>
+#include <sstream>
+
+#include "topology.hpp"
+
+namespace phynness::meshes {
+namespace {
+
+// Relative to the cube of the longest edge: coordinates stored as float leave about 1e-7 of noise in a flat
+// cell, and a cell this flat makes no sense to any solver.
+constexpr double zero_volume = 1e-9;
+// Relative to the bounding box: nodes this close are one place.
+constexpr double coincident = 1e-9;
+
+/// Cells that were tested, with room to drop some of them and the nodes that only they use.
+struct Body {
+  const std::string& source;
+  MeshResult result;
+  std::vector<std::int32_t> file_number;  // of each node: position in the file's list
+
+  Mesh& mesh() { return result.mesh; }
+  void note(const std::string& text) { result.notes.push_back(text); }
+
+  /// Keeps the cells that `keep` says, in their order, and the nodes they use.
+  template <class Keep>
+  std::vector<std::int32_t> reduce(Keep keep) {
+    Cells cells(mesh().cells.rows(), 4);
+    Eigen::Index n_cells = 0;
+    for (Eigen::Index c = 0; c < mesh().cells.rows(); ++c)
+      if (keep(c)) cells.row(n_cells++) = mesh().cells.row(c);
+    cells.conservativeResize(n_cells, 4);
+    std::vector<std::int32_t> position(static_cast<std::size_t>(mesh().nodes.rows()), -1), dropped;
+    for (Eigen::Index i = 0; i < cells.size(); ++i) position[cells.data()[i]] = 0;
+    std::int32_t n = 0;
+    for (std::int32_t i = 0; i < mesh().nodes.rows(); ++i) {
+      if (position[i] < 0) {
+        dropped.push_back(file_number[i]);
+        continue;
+      }
+      mesh().nodes.row(n) = mesh().nodes.row(i);
+      file_number[n] = file_number[i];
+      position[i] = n++;
+    }
+    mesh().nodes.conservativeResize(n, 3);
+    file_number.resize(static_cast<std::size_t>(n));
+    for (Eigen::Index i = 0; i < cells.size(); ++i) cells.data()[i] = position[cells.data()[i]];
+    mesh().cells = std::move(cells);
+    for (auto group = mesh().groups.begin(); group != mesh().groups.end();) {
+      auto& nodes = group->second;
+      for (auto& node : nodes) node = position[node];
+      std::erase(nodes, -1);
+      if (nodes.empty()) note("group '" + group->first + "' is empty once unused nodes are dropped");
+      group = nodes.empty() ? mesh().groups.erase(group) : std::next(group);
+    }
+    return dropped;
+  }
+};
+
+std::string cell_nodes(const Body& body, Eigen::Index c) {
+  std::string text = "nodes";
+  for (int k = 0; k < 4; ++k) text += ' ' + std::to_string(body.file_number[body.result.mesh.cells(c, k)]);
+  return text;
+}
+
+void orient_cells(Body& body) {
+  std::vector<std::int32_t> negative;
+  Mesh& mesh = body.mesh();
+  for (std::int32_t c = 0; c < mesh.n_cells(); ++c) {
+    const auto cell = mesh.cells.row(c);
+    const Eigen::RowVector3d a = mesh.nodes.row(cell(0)), u = mesh.nodes.row(cell(1)) - a,
+                             v = mesh.nodes.row(cell(2)) - a, w = mesh.nodes.row(cell(3)) - a;
+    for (int k = 0; k < 4; ++k)
+      if (!mesh.nodes.row(cell(k)).allFinite())
+        throw input_error(
+            body.source + ": cell " + std::to_string(c) + " has a node whose coordinates are not finite",
+            "node " + std::to_string(body.file_number[cell(k)]), "export the mesh again");
+    const double longest2 = std::max({u.squaredNorm(), v.squaredNorm(), w.squaredNorm(),
+                                      (u - v).squaredNorm(), (v - w).squaredNorm(), (w - u).squaredNorm()});
+    const double six_volumes = u.dot(v.cross(w));
+    if (!(std::abs(six_volumes) > zero_volume * longest2 * std::sqrt(longest2))) {
+      std::ostringstream value;
+      value << cell_nodes(body, c) << ", volume " << six_volumes / 6 << " m^3";
+      throw input_error(body.source + ": cell " + std::to_string(c) + " has no volume", value.str(),
+                        "mesh the body again without flat tetrahedra");
+    }
+    if (six_volumes < 0) negative.push_back(c);
+  }
+  for (const std::int32_t c : negative) std::swap(mesh.cells(c, 2), mesh.cells(c, 3));
+  if (negative.empty()) return;
+  if (static_cast<std::int32_t>(negative.size()) == mesh.n_cells())
+    body.note("flipped all " + std::to_string(mesh.n_cells()) +
+              " cells: the file numbers their nodes the other way round");
+  else
+    body.note("flipped " + counted(negative.size(), "cell", "cells") + " of " +
+              std::to_string(mesh.n_cells()) + " that ran the other way round: " + first_few(negative));
+}
+
+/// For each node the first node at the same place (itself if alone).
+std::vector<std::int32_t> coincident_nodes(const Points& nodes) {
+  const double tolerance = coincident * (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).norm();
+  std::vector<std::int32_t> by_x(static_cast<std::size_t>(nodes.rows())), first(by_x.size());
+  std::iota(by_x.begin(), by_x.end(), 0);
+  std::iota(first.begin(), first.end(), 0);
+  std::sort(by_x.begin(), by_x.end(), [&](std::int32_t p, std::int32_t q) {
+    return std::pair(nodes(p, 0), p) < std::pair(nodes(q, 0), q);
+  });
+  for (std::size_t i = 0; i < by_x.size(); ++i)
+    for (std::size_t j = i + 1; j < by_x.size() && nodes(by_x[j], 0) - nodes(by_x[i], 0) <= tolerance; ++j)
+      if ((nodes.row(by_x[i]) - nodes.row(by_x[j])).norm() <= tolerance) {
+        const auto [low, high] = std::minmax(by_x[i], by_x[j]);
+        first[high] = std::min(first[high], first[low]);
+      }
+  return first;
+}
+
+std::vector<std::int32_t> repeats(const std::vector<std::int32_t>& first) {
+  std::vector<std::int32_t> list;
+  for (std::size_t i = 0; i < first.size(); ++i)
+    if (first[i] != static_cast<std::int32_t>(i)) list.push_back(static_cast<std::int32_t>(i));
+  return list;
+}
+
+void require_one_component(Body& body, bool repair) {
+  Mesh& mesh = body.mesh();
+  CellTopology topology = cell_topology(mesh.cells, mesh.nodes.rows());
+  const std::vector<std::int32_t> first = coincident_nodes(mesh.nodes);
+  std::vector<std::int32_t> twins = repeats(first);
+  for (auto& node : twins) node = body.file_number[node];
+  const std::string twins_text =
+      counted(twins.size(), "node lies", "nodes lie") + " exactly on another one (" + first_few(twins) + ")";
+  if (topology.component_sizes.size() > 1 && repair && !twins.empty()) {
+    for (Eigen::Index i = 0; i < mesh.cells.size(); ++i) mesh.cells.data()[i] = first[mesh.cells.data()[i]];
+    for (auto& [name, nodes] : mesh.groups) {
+      for (auto& node : nodes) node = first[node];
+      std::sort(nodes.begin(), nodes.end());
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    }
+    body.reduce([](Eigen::Index) { return true; });
+    body.note("repair: merged coincident nodes: " + twins_text);
+    topology = cell_topology(mesh.cells, mesh.nodes.rows());
+  } else if (!twins.empty() && topology.component_sizes.size() == 1) {
+    body.result.warnings.push_back(twins_text + ": a slit in the body, unless they should have been merged");
+  }
+  const auto list = [&](const std::vector<std::int32_t>& cells) { return first_few(cells); };
+  if (!topology.crowded_cells.empty())
+    throw input_error(
+        body.source + ": faces that more than two cells share",
+        counted(topology.crowded_cells.size(), "cell", "cells") + ": " + list(topology.crowded_cells),
+        "remove repeated or overlapping cells");
+  if (!topology.folded_cells.empty())
+    throw input_error(
+        body.source + ": inverted cells: they lie on the same side of a face as their neighbour",
+        counted(topology.folded_cells.size(), "cell", "cells") + ": " + list(topology.folded_cells),
+        "mesh the body again; cells that overlap cannot be solved on");
+  if (topology.component_sizes.size() < 2) return;
+  const std::string components = describe_components(topology.component_sizes, "cells");
+  if (!repair)
+    throw input_error(
+        body.source + ": the body is not in one piece", components + (twins.empty() ? "" : "; " + twins_text),
+        twins.empty() ? "keep one piece, or set mesh.repair = true to keep the largest"
+                      : "merge coincident nodes and export again, or set mesh.repair = true to do so here");
+  const auto largest = std::max_element(topology.component_sizes.begin(), topology.component_sizes.end());
+  const auto keep = static_cast<std::int32_t>(largest - topology.component_sizes.begin());
+  body.reduce([&](Eigen::Index c) { return topology.component[c] == keep; });
+  body.note("repair: kept the largest of " + components);
+}
+
+}  // namespace
+
+MeshResult checked_body(const RawMesh& raw, double scale_to_m, bool repair, const std::string& source) {
+  Body body{source, {}, std::vector<std::int32_t>(raw.nodes.size())};
+  Mesh& mesh = body.mesh();
+  body.result.notes = raw.notes;
+  std::iota(body.file_number.begin(), body.file_number.end(), 0);
+  mesh.nodes.resize(static_cast<Eigen::Index>(raw.nodes.size()), 3);
+  for (std::size_t i = 0; i < raw.nodes.size(); ++i)
+    for (int k = 0; k < 3; ++k) mesh.nodes(static_cast<Eigen::Index>(i), k) = raw.nodes[i][k] * scale_to_m;
+  mesh.cells.resize(static_cast<Eigen::Index>(raw.tetrahedra.size()), 4);
+  for (std::size_t c = 0; c < raw.tetrahedra.size(); ++c)
+    for (int k = 0; k < 4; ++k) mesh.cells(static_cast<Eigen::Index>(c), k) = raw.tetrahedra[c][k];
+  mesh.groups = raw.groups;
+
+  if (const auto dropped = body.reduce([](Eigen::Index) { return true; }); !dropped.empty())
+    body.note("dropped " + counted(dropped.size(), "unreferenced node", "unreferenced nodes") +
+              " (numbers in the file's list, from 0): " + first_few(dropped, 20));
+  orient_cells(body);
+  require_one_component(body, repair);
+  mesh.surface = boundary_triangles(mesh.cells);
+  SurfaceTopology surface = surface_topology(mesh.surface);
+  for (auto& node : surface.pinched_nodes) node = body.file_number[node];
+  for (auto* edges : {&surface.open_edges, &surface.non_manifold_edges})
+    for (auto& edge : *edges)
+      for (auto& node : edge) node = body.file_number[node];
+  if (const std::string defects = describe_defects(surface, false); !defects.empty())
+    throw input_error(
+        source + ": the body's surface is not a closed manifold", defects,
+        "the body touches itself along an edge or at a node: thicken or separate it there and mesh it again");
+
+  body.result.quality = measure_quality(mesh);
+  const QualityReport& quality = body.result.quality;
+  if (quality.n_slivers > 0) {
+    std::ostringstream text;
+    text.precision(2);
+    text << counted(static_cast<std::size_t>(quality.n_slivers), "sliver", "slivers") << ", worst quality "
+         << quality.min_quality << " in cell " << quality.worst_cell;
+    body.result.warnings.push_back(text.str());
+  }
+  const double extent = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).maxCoeff();
+  if (extent > 10 || extent < 1e-4) {
+    std::ostringstream text;
+    text << "the body is " << extent << " m across: is mesh.scale_to_m = " << scale_to_m << " right?";
+    body.result.warnings.push_back(text.str());
+  }
+  return std::move(body.result);
+}
+
+}  // namespace phynness::meshes

@@ -1,0 +1,19 @@
+// From a file's or gmsh's tetrahedra to a mesh that a solver may trust.
+#pragma once
+
+#include <phynness/meshes/meshes.hpp>
+#include <string>
+#include <vector>
+
+#include "raw_mesh.hpp"
+
+namespace phynness::meshes {
+
+/// Scales, drops unreferenced nodes, orients cells, checks finiteness, volumes, overlaps, components and the
+/// surface. With `repair`, coincident nodes of separate pieces are merged and the largest of several
+/// components is kept.
+/// @return mesh with surface and groups, notes and warnings; quality filled in
+/// @throws Error naming the defect with its count and the first cells or nodes
+MeshResult checked_body(const RawMesh& raw, double scale_to_m, bool repair, const std::string& source);
+
+}  // namespace phynness::meshes

@@ -1,0 +1,62 @@
+// A closed triangulation that changes: edges are split, collapsed and flipped in place.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "surface.hpp"
+#include "topology.hpp"
+
+namespace phynness::meshes {
+
+/// Every operation keeps the surface closed and manifold; one that would not is refused and returns false.
+class ChangingSurface {
+ public:
+  using Vector = Eigen::RowVector3d;
+  /// Edges whose triangles' normals differ by more than `sharp_cosine` says are features.
+  ChangingSurface(const Surface& surface, double sharp_cosine);
+
+  std::vector<Edge> edges() const;
+  /// The two triangles of an edge; none if the edge is no longer there.
+  std::optional<std::array<std::int32_t, 2>> triangles_of(const Edge& edge) const;
+  bool is_feature(const Edge& edge) const { return _features.count(sorted(edge)) > 0; }
+  /// Number of feature edges that meet at a node.
+  int feature_degree(std::int32_t node) const { return _feature_degree[node]; }
+  const std::vector<std::int32_t>& triangles_at(std::int32_t node) const { return _at[node]; }
+  std::vector<std::int32_t> neighbours(std::int32_t node) const;
+  bool exists(std::int32_t node) const { return !_at[node].empty(); }
+  std::int32_t n_nodes() const { return static_cast<std::int32_t>(_x.size()); }
+  double length(const Edge& edge) const { return (_x[edge[0]] - _x[edge[1]]).norm(); }
+  const Vector& x(std::int32_t node) const { return _x[node]; }
+  void move(std::int32_t node, const Vector& x) { _x[node] = x; }
+  /// Twice the area times the normal, with one node put elsewhere.
+  Vector area_vector(std::int32_t triangle, std::int32_t moved_node, const Vector& moved_to) const;
+  Vector area_vector(std::int32_t triangle) const { return area_vector(triangle, -1, Vector::Zero()); }
+
+  /// Puts a node at `x` into the edge.
+  bool split(const Edge& edge, const Vector& x);
+  /// Removes `gone` by moving it onto `kept`. Refused if it would pinch the surface, turn a triangle over or
+  /// make an edge longer than `longest`.
+  bool collapse(std::int32_t gone, std::int32_t kept, double longest);
+  /// Joins the two opposite nodes instead. Refused on features and where a triangle would turn over.
+  bool flip(const Edge& edge);
+
+  Surface surface() const;
+
+ private:
+  static Edge sorted(Edge e) { return e[0] < e[1] ? e : Edge{e[1], e[0]}; }
+  std::int32_t opposite(std::int32_t triangle, const Edge& edge) const;
+  void replace(std::int32_t triangle, std::int32_t old_node, std::int32_t new_node);
+  void detach(std::int32_t triangle, std::int32_t node);
+  void set_feature(Edge edge, bool on);
+
+  std::vector<Vector> _x;
+  std::vector<Triangle> _triangles;  // a removed one has node -1
+  std::vector<std::vector<std::int32_t>> _at;
+  std::set<Edge> _features;
+  std::vector<int> _feature_degree;
+};
+
+}  // namespace phynness::meshes

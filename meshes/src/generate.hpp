@@ -1,0 +1,25 @@
+// Tetrahedra made by gmsh: inside a closed surface, or in a simple solid.
+#pragma once
+
+#include <phynness/formats/scene.hpp>
+
+#include "surface.hpp"
+
+namespace phynness::meshes {
+
+/// Tetrahedra inside the surface; its triangles become the boundary and its nodes keep their numbers.
+/// @throws Error if gmsh fails or its tetrahedra do not fill exactly the inside
+RawMesh fill(const Surface& surface);
+
+/// Dimensions with the defaults filled in.
+struct Solid {
+  Shape shape = Shape::block;
+  Vec3 size_m{};
+  double radius_m = 0, inner_radius_m = 0, length_m = 0;
+  double volume_m3() const;
+  double area_m2() const;
+};
+/// Block: [0, x] x [0, y] x [0, z]. Cylinder and tube: axis z from 0 to the length.
+RawMesh mesh_solid(const Solid& solid, double edge_m);
+
+}  // namespace phynness::meshes

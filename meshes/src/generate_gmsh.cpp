@@ -1,0 +1,99 @@
+#include <gmsh.h>
+
+#include <cmath>
+#include <numeric>
+#include <phynness/formats/error.hpp>
+
+#include "generate.hpp"
+#include "gmsh_session.hpp"
+
+namespace phynness::meshes {
+namespace {
+
+/// Reference volume of the raw mesh, whatever way its cells run.
+double volume(const RawMesh& raw) {
+  double six = 0;
+  for (const auto& cell : raw.tetrahedra) {
+    const auto& a = raw.nodes[cell[0]];
+    double e[3][3];
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) e[i][k] = raw.nodes[cell[i + 1]][k] - a[k];
+    six += std::abs(e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
+                    e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+                    e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]));
+  }
+  return six / 6;
+}
+
+}  // namespace
+
+RawMesh fill(const Surface& surface) {
+  // gmsh compares with absolute tolerances: let it work in units of the edge length, whatever the body's
+  // size.
+  const double unit = mean_edge(surface.nodes, surface.triangles);
+  const GmshSession session;
+  RawMesh raw;
+  session.run("fill the surface with tetrahedra", [&] {
+    gmsh::model::addDiscreteEntity(2, 1);
+    std::vector<std::size_t> tags(static_cast<std::size_t>(surface.nodes.rows()));
+    std::iota(tags.begin(), tags.end(), std::size_t{1});
+    std::vector<double> x;
+    for (Eigen::Index i = 0; i < surface.nodes.size(); ++i) x.push_back(surface.nodes.data()[i] / unit);
+    gmsh::model::mesh::addNodes(2, 1, tags, x);
+    std::vector<std::size_t> elements(static_cast<std::size_t>(surface.triangles.rows())), nodes;
+    std::iota(elements.begin(), elements.end(), std::size_t{1});
+    for (Eigen::Index i = 0; i < surface.triangles.size(); ++i)
+      nodes.push_back(static_cast<std::size_t>(surface.triangles.data()[i]) + 1);
+    gmsh::model::mesh::addElementsByType(1, 2, elements, nodes);
+    gmsh::model::geo::addSurfaceLoop({1}, 1);
+    gmsh::model::geo::addVolume({1}, 1);
+    gmsh::model::geo::synchronize();
+    gmsh::model::mesh::generate(3);
+    raw = session.tetrahedra();
+  });
+  // The given nodes come back exactly as they were, not divided and multiplied.
+  for (std::size_t i = 0; i < raw.nodes.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const auto row = static_cast<Eigen::Index>(i);
+      raw.nodes[i][k] = row < surface.nodes.rows() ? surface.nodes(row, k) : raw.nodes[i][k] * unit;
+    }
+  const double wanted = enclosed_volume(surface.nodes, surface.triangles), got = volume(raw);
+  if (!(std::abs(got - wanted) <= 1e-6 * wanted))
+    throw failure(
+        "gmsh's tetrahedra do not fill the inside of the surface",
+        std::to_string(got) + " of " + std::to_string(wanted) + " m^3",
+        "look for triangles of the surface that cut through each other, or change mesh.target_size_m");
+  return raw;
+}
+
+RawMesh mesh_solid(const Solid& solid, double edge_m) {
+  const double unit = edge_m;
+  const GmshSession session;
+  RawMesh raw;
+  session.run("mesh the built-in shape", [&] {
+    const double length = solid.length_m / unit, radius = solid.radius_m / unit,
+                 inner = solid.inner_radius_m / unit;
+    if (solid.shape == Shape::block) {
+      gmsh::model::occ::addBox(0, 0, 0, solid.size_m[0] / unit, solid.size_m[1] / unit,
+                               solid.size_m[2] / unit);
+    } else {
+      const int outer = gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, length, radius);
+      if (solid.shape == Shape::tube) {
+        const int hole = gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, length, inner);
+        gmsh::vectorpair result;
+        std::vector<gmsh::vectorpair> map;
+        gmsh::model::occ::cut({{3, outer}}, {{3, hole}}, result, map);
+      }
+    }
+    gmsh::model::occ::synchronize();
+    gmsh::option::setNumber("Mesh.MeshSizeMin", 1);
+    gmsh::option::setNumber("Mesh.MeshSizeMax", 1);
+    gmsh::model::mesh::generate(3);
+    raw = session.tetrahedra();
+  });
+  for (auto& x : raw.nodes)
+    for (double& value : x) value *= unit;
+  return raw;
+}
+
+}  // namespace phynness::meshes

@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <phynness/formats/error.hpp>
+#include <phynness/meshes/meshes.hpp>
+#include <sstream>
+
+#include "body.hpp"
+#include "generate.hpp"
+#include "liver_surface.hpp"
+#include "remesh.hpp"
+#include "sizing.hpp"
+
+namespace phynness {
+namespace {
+
+using namespace meshes;
+
+constexpr int default_nodes_liver = 739, default_nodes_solid = 500;
+constexpr Vec3 default_liver_m{0.20, 0.14, 0.05}, default_block_m{0.10, 0.10, 0.05};
+constexpr double default_cylinder_radius_m = 0.03, default_tube_radius_m = 0.01, default_length_m = 0.10;
+constexpr double default_wall = 0.75;  // inner over outer radius of a tube
+
+double or_default(double value, double fallback) { return value > 0 ? value : fallback; }
+
+std::string place(const MeshSpec& spec) {
+  return spec.where.file.empty() ? "mesh" : spec.where.str() + ": mesh";
+}
+
+void check_spec(const MeshSpec& spec) {
+  const auto refuse = [&](const char* what, const std::string& value, const char* remedy) {
+    throw input_error(place(spec) + ": " + what, value, remedy);
+  };
+  if ((spec.shape == Shape::none) == spec.file.empty())
+    refuse("needs exactly one of shape and file", "", "set mesh.shape or mesh.file");
+  if (!(spec.scale_to_m > 0) || !std::isfinite(spec.scale_to_m))
+    refuse("scale_to_m must be positive", std::to_string(spec.scale_to_m), "0.001 for a file in millimetres");
+  if (spec.target_size_m && !(*spec.target_size_m > 0 && std::isfinite(*spec.target_size_m)))
+    refuse("target_size_m must be positive", std::to_string(*spec.target_size_m),
+           "give an edge length in metres");
+  if (spec.target_nodes && *spec.target_nodes < 4)
+    refuse("target_nodes is too small", std::to_string(*spec.target_nodes), "a body has at least 4 nodes");
+  if (spec.target_nodes && spec.target_size_m)
+    refuse("has both target_nodes and target_size_m", "", "give one of them");
+  for (const double value :
+       {spec.size_m[0], spec.size_m[1], spec.size_m[2], spec.radius_m, spec.inner_radius_m, spec.length_m})
+    if (!(value >= 0) || !std::isfinite(value))
+      refuse("a dimension must be positive", std::to_string(value), "give metres");
+}
+
+Solid solid_of(const MeshSpec& spec) {
+  Solid solid;
+  solid.shape = spec.shape;
+  for (int k = 0; k < 3; ++k) solid.size_m[k] = or_default(spec.size_m[k], default_block_m[k]);
+  solid.radius_m = or_default(spec.radius_m,
+                              spec.shape == Shape::tube ? default_tube_radius_m : default_cylinder_radius_m);
+  solid.inner_radius_m = or_default(spec.inner_radius_m, default_wall * solid.radius_m);
+  solid.length_m = or_default(spec.length_m, default_length_m);
+  if (spec.shape == Shape::tube && solid.inner_radius_m >= solid.radius_m)
+    throw input_error(
+        place(spec) + ": a tube's inner radius must be smaller than its radius",
+        std::to_string(solid.inner_radius_m) + " m and " + std::to_string(solid.radius_m) + " m",
+        "set mesh.inner_radius_m below mesh.radius_m");
+  return solid;
+}
+
+/// Meshes at the wanted size or number of nodes and names what came of it.
+MeshResult sized(const MeshSpec& spec, const Extent& extent, std::optional<int> target_nodes,
+                 const std::string& source, const std::function<RawMesh(double)>& mesh_at) {
+  const auto checked = [&](double edge_m) {
+    require_affordable(extent, edge_m, place(spec));
+    return checked_body(mesh_at(edge_m), 1, spec.repair, source);
+  };
+  if (!target_nodes) return checked(*spec.target_size_m);
+  return meet_node_target(*target_nodes, extent, place(spec), checked);
+}
+
+MeshResult from_shape(const MeshSpec& spec) {
+  const bool is_liver = spec.shape == Shape::liver;
+  std::optional<int> target_nodes = spec.target_nodes;
+  if (!target_nodes && !spec.target_size_m)
+    target_nodes = is_liver ? default_nodes_liver : default_nodes_solid;
+  const std::string source = std::string("shape '") + name(spec.shape) + "'";
+  if (is_liver) {
+    Vec3 size_m = spec.size_m;
+    for (int k = 0; k < 3; ++k) size_m[k] = or_default(size_m[k], default_liver_m[k]);
+    const Surface liver = liver_surface(size_m);
+    const Extent extent{enclosed_volume(liver.nodes, liver.triangles), area(liver.nodes, liver.triangles)};
+    return sized(spec, extent, target_nodes, source,
+                 [&](double edge_m) { return fill(remeshed(liver, edge_m)); });
+  }
+  const Solid solid = solid_of(spec);
+  return sized(spec, {solid.volume_m3(), solid.area_m2()}, target_nodes, source,
+               [&](double edge_m) { return mesh_solid(solid, edge_m); });
+}
+
+MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::string& source) {
+  std::vector<std::string> notes = raw.notes;
+  const Surface surface = checked_surface(raw, spec.scale_to_m, spec.repair, source, notes);
+  const Extent extent{enclosed_volume(surface.nodes, surface.triangles),
+                      area(surface.nodes, surface.triangles)};
+  const double given_edge_m = mean_edge(surface.nodes, surface.triangles);
+  const auto as_given = [&] {
+    require_affordable(extent, given_edge_m, place(spec));
+    return checked_body(fill(surface), 1, spec.repair, source);
+  };
+  MeshResult result;
+  if (!spec.target_nodes && !spec.target_size_m) {
+    result = as_given();
+    notes.push_back(
+        "filled the file's own triangles: neither mesh.target_size_m nor mesh.target_nodes is given");
+  } else {
+    try {
+      result = sized(spec, extent, spec.target_nodes, source,
+                     [&](double edge_m) { return fill(remeshed(surface, edge_m)); });
+      notes.push_back("remeshed the surface of " + std::to_string(surface.triangles.rows()) +
+                      " triangles to " + std::to_string(result.mesh.surface.rows()));
+    } catch (const Error& error) {
+      if (error.kind() == Error::Kind::input) throw;
+      result = as_given();
+      std::string reason = error.what();
+      reason = reason.substr(0, reason.find('\n'));
+      result.warnings.push_back("the wanted size is NOT met: remeshing failed (" + reason +
+                                "), so the file's own triangles were filled");
+    }
+  }
+  result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
+  return result;
+}
+
+}  // namespace
+
+MeshResult make_mesh(const Scene& scene) {
+  const MeshSpec& spec = scene.mesh;
+  check_spec(spec);
+  if (spec.shape != Shape::none) return from_shape(spec);
+  const std::string source = spec.file.filename().string();
+  const RawMesh raw = read_mesh_file(spec.file);
+  if (raw.tetrahedra.empty()) return from_surface(spec, raw, source);
+  MeshResult result = checked_body(raw, spec.scale_to_m, spec.repair, source);
+  if (spec.target_nodes || spec.target_size_m)
+    result.warnings.push_back(
+        "the file holds tetrahedra, which are used as they are: mesh.target_nodes and mesh.target_size_m "
+        "mean nothing here");
+  return result;
+}
+
+}  // namespace phynness

@@ -1,0 +1,51 @@
+// What a mesh file holds before anything is checked or scaled.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <phynness/formats/mesh.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace phynness::meshes {
+
+using Tetrahedron = std::array<std::int32_t, 4>;
+using Triangle = std::array<std::int32_t, 3>;
+
+/// Nodes in the order of the file's own list, in the file's units; connectivity by 0-based position in that
+/// list.
+struct RawMesh {
+  std::vector<std::array<double, 3>> nodes;
+  std::vector<Tetrahedron> tetrahedra;
+  std::vector<Triangle> triangles;
+  std::map<std::string, std::vector<std::int32_t>> groups;  ///< physical groups: name -> sorted nodes
+  std::vector<std::string> notes;
+};
+
+/// Gathers physical groups as elements are read and names them once the whole file is known.
+class GroupBuilder {
+ public:
+  void name(int dimension, std::int64_t tag, std::string text) { _names[{dimension, tag}] = std::move(text); }
+  void add(int dimension, std::int64_t tag, const std::vector<std::int32_t>& nodes);
+  /// Groups by name, or by tag number where the file gives no name. A tag that several dimensions use without
+  /// a name becomes one group "7" of all of them and one group each, "line 7", "surface 7", with a note.
+  void finish(RawMesh& raw) const;
+
+ private:
+  std::map<std::pair<int, std::int64_t>, std::string> _names;
+  std::map<std::pair<int, std::int64_t>, std::vector<std::int32_t>> _nodes;
+};
+
+/// Readers: each throws Error naming the file, the place and the defect. `bytes` is the whole file.
+RawMesh read_msh(const std::string& bytes, const std::string& source);
+RawMesh read_vtk(const std::string& bytes, const std::string& source);
+RawMesh read_stl(const std::string& bytes, const std::string& source);
+RawMesh read_obj(const std::string& bytes, const std::string& source);
+
+/// Chooses the reader by the file's extension.
+RawMesh read_mesh_file(const std::filesystem::path& file);
+
+}  // namespace phynness::meshes

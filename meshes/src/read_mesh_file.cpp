@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <fstream>
+#include <phynness/formats/error.hpp>
+#include <sstream>
+
+#include "raw_mesh.hpp"
+
+namespace phynness::meshes {
+namespace {
+
+std::string read_bytes(const std::filesystem::path& file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error))
+    throw input_error("the mesh file is a folder", file.string(), "name a .msh, .vtk, .stl or .obj file");
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream)
+    throw input_error("cannot open the mesh file", file.string(), "check the path and its permissions");
+  std::ostringstream bytes;
+  if (stream.peek() != std::ifstream::traits_type::eof()) bytes << stream.rdbuf();
+  if (stream.bad()) throw failure("cannot read the mesh file", file.string(), "check the disk");
+  return std::move(bytes).str();
+}
+
+const char* dimension_name(int dimension) {
+  constexpr const char* names[] = {"point", "line", "surface", "volume"};
+  return names[dimension];
+}
+
+void sort_unique(std::vector<std::int32_t>& nodes) {
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+}
+
+}  // namespace
+
+void GroupBuilder::add(int dimension, std::int64_t tag, const std::vector<std::int32_t>& nodes) {
+  if (tag == 0) return;  // gmsh's "belongs to no physical group"
+  auto& list = _nodes[{dimension, tag}];
+  list.insert(list.end(), nodes.begin(), nodes.end());
+}
+
+void GroupBuilder::finish(RawMesh& raw) const {
+  std::map<std::int64_t, std::vector<int>> unnamed;
+  const auto join = [&raw](const std::string& name, const std::vector<std::int32_t>& nodes) {
+    auto& list = raw.groups[name];
+    list.insert(list.end(), nodes.begin(), nodes.end());
+  };
+  for (const auto& [key, nodes] : _nodes) {
+    const auto found = _names.find(key);
+    if (found == _names.end()) unnamed[key.second].push_back(key.first);
+    join(found == _names.end() ? std::to_string(key.second) : found->second, nodes);
+  }
+  for (const auto& [tag, dimensions] : unnamed) {
+    if (dimensions.size() < 2) continue;
+    std::string note = "physical tag " + std::to_string(tag) + " is used by several dimensions: group '" +
+                       std::to_string(tag) + "' holds all of them, and there are";
+    for (const int dimension : dimensions) {
+      const std::string name = std::string(dimension_name(dimension)) + ' ' + std::to_string(tag);
+      join(name, _nodes.at({dimension, tag}));
+      note += " '" + name + "'";
+    }
+    raw.notes.push_back(note);
+  }
+  for (auto& [name, nodes] : raw.groups) sort_unique(nodes);
+}
+
+RawMesh read_mesh_file(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  using Reader = RawMesh (*)(const std::string&, const std::string&);
+  const Reader reader = extension == ".msh"   ? &read_msh
+                        : extension == ".vtk" ? &read_vtk
+                        : extension == ".stl" ? &read_stl
+                        : extension == ".obj" ? &read_obj
+                                              : nullptr;
+  if (!reader)
+    throw input_error("mesh file of an unknown kind", file.string(),
+                      "give .msh (1, 2.2, 4.1), .vtk (legacy), .stl or .obj");
+  const std::string bytes = read_bytes(file);
+  if (bytes.empty()) throw input_error("the mesh file is empty", file.string(), "export the file again");
+  return reader(bytes, file.filename().string());
+}
+
+}  // namespace phynness::meshes

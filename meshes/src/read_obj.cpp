@@ -1,0 +1,61 @@
+#include "raw_mesh.hpp"
+#include "scanner.hpp"
+
+namespace phynness::meshes {
+namespace {
+
+std::string_view next_field(std::string_view& rest) {
+  const std::size_t begin = std::min(rest.find_first_not_of(" \t"), rest.size());
+  rest.remove_prefix(begin);
+  const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
+  const std::string_view field = rest.substr(0, end);
+  rest.remove_prefix(end);
+  return field;
+}
+
+}  // namespace
+
+RawMesh read_obj(const std::string& bytes, const std::string& source) {
+  Scanner scanner(bytes, source);
+  RawMesh raw;
+  std::size_t polygons = 0;
+  std::vector<std::int32_t> corners;
+  while (!scanner.at_end()) {
+    const Scanner here = scanner;  // errors name the line at hand, not the next one
+    std::string_view rest = scanner.line();
+    const std::string_view word = next_field(rest);
+    if (word == "v") {
+      auto& x = raw.nodes.emplace_back();
+      for (double& value : x) {
+        const std::string_view field = next_field(rest);
+        if (field.empty())
+          here.fail("a vertex has fewer than three coordinates", "", "export the file again");
+        value = here.parse<double>(field, "a vertex coordinate");
+      }
+    } else if (word == "f") {
+      corners.clear();
+      for (std::string_view field = next_field(rest); !field.empty(); field = next_field(rest)) {
+        const auto index = here.parse<std::int64_t>(field.substr(0, field.find('/')), "a face's vertex");
+        const auto n = static_cast<std::int64_t>(raw.nodes.size());
+        const std::int64_t position = index > 0 ? index - 1 : n + index;  // negative: counted back from here
+        if (index == 0 || position < 0 || position >= n)
+          here.fail("a face uses a vertex that is not defined above it", std::to_string(index),
+                    "export the file again");
+        corners.push_back(static_cast<std::int32_t>(position));
+      }
+      if (corners.size() < 3) here.fail("a face has fewer than three vertices", "", "export the file again");
+      if (corners.size() > 3) ++polygons;
+      for (std::size_t k = 2; k < corners.size(); ++k)
+        raw.triangles.push_back({corners[0], corners[k - 1], corners[k]});
+    }
+  }
+  if (raw.triangles.empty())
+    throw input_error(source + ": the file holds no faces", std::to_string(raw.nodes.size()) + " vertices",
+                      "export the surface with its faces");
+  if (polygons > 0)
+    raw.notes.push_back("split " + std::to_string(polygons) +
+                        " faces of more than three vertices into triangles");
+  return raw;
+}
+
+}  // namespace phynness::meshes

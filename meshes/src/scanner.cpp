@@ -1,0 +1,72 @@
+#include "scanner.hpp"
+
+#include <algorithm>
+
+namespace phynness::meshes {
+namespace {
+
+bool is_white(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f'; }
+
+}  // namespace
+
+void Scanner::fail(const std::string& what, const std::string& value, const std::string& remedy) const {
+  const auto end = _bytes.begin() + static_cast<std::ptrdiff_t>(std::min(_position, _bytes.size()));
+  const auto line = 1 + std::count(_bytes.begin(), end, '\n');
+  throw input_error(_source + ":" + std::to_string(line) + ": " + what, value, remedy);
+}
+
+void Scanner::truncated(const std::string& expected) const {
+  fail("the file is truncated: it ends where " + expected + " should stand", "",
+       "copy or export the file again");
+}
+
+void Scanner::skip_white() {
+  while (_position < _bytes.size() && is_white(_bytes[_position])) ++_position;
+}
+
+std::string_view Scanner::line() {
+  const std::size_t end = std::min(_bytes.find('\n', _position), _bytes.size());
+  std::string_view text = _bytes.substr(_position, end - _position);
+  _position = std::min(end + 1, _bytes.size());
+  if (text.ends_with('\r')) text.remove_suffix(1);
+  return text;
+}
+
+std::string_view Scanner::word_or_end() {
+  skip_white();
+  const std::size_t begin = _position;
+  while (_position < _bytes.size() && !is_white(_bytes[_position])) ++_position;
+  return _bytes.substr(begin, _position - begin);
+}
+
+std::string_view Scanner::word(const char* expected) {
+  const std::string_view text = word_or_end();
+  if (text.empty()) truncated(expected);
+  return text;
+}
+
+std::string_view Scanner::closed_word(const char* expected) {
+  const std::string_view text = word(expected);
+  if (at_end())
+    fail(std::string("the file ends right after ") + expected + ", perhaps in the middle of it",
+         std::string(text.substr(0, 40)),
+         "export the file again; if it is whole, end its last line with a line break");
+  return text;
+}
+
+std::size_t Scanner::checked_count(std::int64_t count, std::size_t bytes_each, const char* what) const {
+  if (count < 0)
+    fail(std::string("negative number of ") + what, std::to_string(count), "export the file again");
+  if (static_cast<std::uint64_t>(count) > remaining() / bytes_each)
+    fail("the file is truncated: it declares " + std::to_string(count) + " " + what +
+             " but is too short to hold them",
+         std::to_string(remaining()) + " bytes remain", "copy or export the file again");
+  return static_cast<std::size_t>(count);
+}
+
+void Scanner::skip(std::size_t bytes, const char* expected) {
+  if (remaining() < bytes) truncated(expected);
+  _position += bytes;
+}
+
+}  // namespace phynness::meshes

@@ -1,0 +1,86 @@
+// A cursor over a mesh file's bytes: words, lines and binary values, with errors that name the place.
+#pragma once
+
+#include <bit>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <phynness/formats/error.hpp>
+#include <string>
+#include <string_view>
+
+namespace phynness::meshes {
+
+class Scanner {
+ public:
+  Scanner(std::string_view bytes, std::string source) : _bytes(bytes), _source(std::move(source)) {}
+
+  bool at_end() const { return _position >= _bytes.size(); }
+  std::size_t remaining() const { return _bytes.size() - _position; }
+  const std::string& source() const { return _source; }
+
+  /// @throws Error with the current line (text) or byte (binary)
+  [[noreturn]] void fail(const std::string& what, const std::string& value, const std::string& remedy) const;
+  [[noreturn]] void truncated(const std::string& expected) const;
+
+  /// The rest of the current line without its line break; moves past the break.
+  std::string_view line();
+  /// The next word separated by white space; empty at the end of the file.
+  std::string_view word_or_end();
+  /// The next word. @throws Error if the file ends
+  std::string_view word(const char* expected);
+  /// The next word, which must be followed by white space: formats without an end marker show a cut number
+  /// this way.
+  std::string_view closed_word(const char* expected);
+
+  template <class Number>
+  Number number(const char* expected) {
+    return parse<Number>(word(expected), expected);
+  }
+  template <class Number>
+  Number closed_number(const char* expected) {
+    return parse<Number>(closed_word(expected), expected);
+  }
+  template <class Number>
+  Number parse(std::string_view text, const char* expected) const {
+    Number value{};
+    std::string_view digits = text;
+    if (digits.starts_with('+')) digits.remove_prefix(1);
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error == std::errc::result_out_of_range && is_underflow(digits)) return Number{};
+    if (error != std::errc{} || end != digits.data() + digits.size())
+      fail(std::string("expected a number for ") + expected, std::string(text.substr(0, 40)),
+           "the file is damaged or not of this format: export it again");
+    return value;
+  }
+
+  /// Binary value in the file's byte order.
+  template <class Value>
+  Value raw(const char* expected, bool swap) {
+    if (remaining() < sizeof(Value)) truncated(expected);
+    char buffer[sizeof(Value)];
+    std::memcpy(buffer, _bytes.data() + _position, sizeof buffer);
+    if (swap)
+      for (std::size_t i = 0; i < sizeof buffer / 2; ++i) std::swap(buffer[i], buffer[sizeof buffer - 1 - i]);
+    _position += sizeof buffer;
+    return std::bit_cast<Value>(buffer);
+  }
+
+  /// A count of items that each take at least `bytes_each`: a larger one than the file can hold is refused
+  /// before anything is allocated for it.
+  std::size_t checked_count(std::int64_t count, std::size_t bytes_each, const char* what) const;
+
+  void skip(std::size_t bytes, const char* expected);
+
+ private:
+  static bool is_underflow(std::string_view digits) {
+    return digits.find("e-") != digits.npos || digits.find("E-") != digits.npos;
+  }
+  void skip_white();
+
+  std::string_view _bytes;
+  std::string _source;
+  std::size_t _position = 0;
+};
+
+}  // namespace phynness::meshes

@@ -1,0 +1,100 @@
+#include "sizing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <phynness/formats/error.hpp>
+#include <sstream>
+
+#include "generate.hpp"
+
+namespace phynness::meshes {
+namespace {
+
+constexpr double most_nodes = 5e6;
+constexpr int most_meshings = 8;
+constexpr double good_enough = 0.005, far_off = 0.05;
+
+double edge_for(const Extent& extent, double nodes) {
+  double low = 1e-9 * std::cbrt(extent.volume_m3), high = 1e3 * std::sqrt(extent.area_m2);
+  for (int i = 0; i < 100; ++i) {
+    const double middle = std::sqrt(low * high);
+    (expected_nodes(extent, middle) > nodes ? low : high) = middle;
+  }
+  return std::sqrt(low * high);
+}
+
+}  // namespace
+
+double expected_nodes(const Extent& extent, double edge_m) {
+  // Equilateral triangles meet six at a node; in a Delaunay mesh about 5.5 tetrahedra come to one interior
+  // node, and the layer next to the surface holds none.
+  const double surface = extent.area_m2 / (std::sqrt(3.0) / 2 * edge_m * edge_m);
+  const double interior =
+      std::max(0.0, extent.volume_m3 - 0.5 * edge_m * extent.area_m2) / (0.65 * std::pow(edge_m, 3));
+  return surface + interior;
+}
+
+void require_affordable(const Extent& extent, double edge_m, const std::string& place) {
+  const double n = expected_nodes(extent, edge_m);
+  if (n <= most_nodes) return;
+  std::ostringstream value, remedy;
+  value << "edge length " << edge_m << " m gives about " << n << " nodes";
+  remedy << "at most " << most_nodes << " nodes are meshed: use an edge length above "
+         << edge_for(extent, most_nodes) << " m, or check mesh.scale_to_m";
+  throw input_error(place + ": the mesh would be too big", value.str(), remedy.str());
+}
+
+MeshResult meet_node_target(int target, const Extent& extent, const std::string& place,
+                            const std::function<MeshResult(double edge_m)>& mesh_at) {
+  std::optional<MeshResult> best;
+  std::optional<Error> last_error;
+  double best_edge = 0, log_edge = std::log(edge_for(extent, target));
+  double previous_edge = 0, previous_nodes = 0, slope = -2.5;
+  int meshings = 0;
+  const auto miss = [target](const MeshResult& r) { return std::abs(r.mesh.n_nodes() - target); };
+  while (meshings < most_meshings) {
+    ++meshings;
+    try {
+      MeshResult result = mesh_at(std::exp(log_edge));
+      const double log_nodes = std::log(static_cast<double>(result.mesh.n_nodes()));
+      // Two meshes of nearly the same size tell noise, not slope.
+      if (previous_nodes > 0 && std::abs(log_edge - previous_edge) > 0.01)
+        slope = std::clamp((log_nodes - previous_nodes) / (log_edge - previous_edge), -4.0, -1.5);
+      previous_edge = log_edge;
+      previous_nodes = log_nodes;
+      if (!best || miss(result) < miss(*best)) best = std::move(result), best_edge = std::exp(log_edge);
+      if (miss(*best) <= good_enough * target) break;
+      log_edge += (std::log(static_cast<double>(target)) - log_nodes) / slope;
+    } catch (const Error& error) {
+      if (error.kind() == Error::Kind::input) throw;
+      last_error = error;
+      log_edge -= 0.02;  // a slightly finer surface has other triangles
+    }
+  }
+  if (!best) throw *last_error;
+  std::ostringstream note;
+  note << "wanted " << target << " nodes, got " << best->mesh.n_nodes() << " with edge length " << best_edge
+       << " m (" << meshings << (meshings == 1 ? " meshing)" : " meshings)");
+  best->notes.push_back(note.str());
+  if (miss(*best) > far_off * target)
+    best->warnings.push_back(place + ": target_nodes is missed by more than 5 %: " +
+                             std::to_string(best->mesh.n_nodes()) + " instead of " + std::to_string(target));
+  return std::move(*best);
+}
+
+double Solid::volume_m3() const {
+  if (shape == Shape::block) return size_m[0] * size_m[1] * size_m[2];
+  const double hole = shape == Shape::tube ? inner_radius_m : 0;
+  return std::numbers::pi * (radius_m * radius_m - hole * hole) * length_m;
+}
+
+double Solid::area_m2() const {
+  if (shape == Shape::block)
+    return 2 * (size_m[0] * size_m[1] + size_m[1] * size_m[2] + size_m[2] * size_m[0]);
+  const double hole = shape == Shape::tube ? inner_radius_m : 0;
+  return 2 * std::numbers::pi * ((radius_m + hole) * length_m + radius_m * radius_m - hole * hole);
+}
+
+}  // namespace phynness::meshes

@@ -1,0 +1,122 @@
+#include <charconv>
+#include <fstream>
+#include <phynness/formats/error.hpp>
+#include <phynness/meshes/meshes.hpp>
+
+namespace phynness {
+namespace {
+
+using Groups = std::map<std::string, std::vector<std::int32_t>>;
+
+template <class Number>
+void append(std::string& text, Number value) {
+  char buffer[40];
+  // Without a format to_chars writes the shortest decimal that reads back as the same double.
+  const char* end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+  text.append(buffer, static_cast<std::size_t>(end - buffer));
+}
+
+/// Numbers separated by spaces, then a line break.
+template <class... Numbers>
+void line(std::string& text, Numbers... numbers) {
+  bool first = true;
+  ((first ? void() : void(text += ' '), first = false, append(text, numbers)), ...);
+  text += '\n';
+}
+
+void append_names(std::string& text, const Groups& groups) {
+  if (groups.empty()) return;
+  text += "$PhysicalNames\n";
+  line(text, groups.size());
+  int tag = 0;
+  for (const auto& [name, nodes] : groups) {
+    if (name.find_first_of("\"\r\n") != std::string::npos)
+      throw input_error("a physical group's name holds a quote or a line break", name, "rename the group");
+    text += "0 " + std::to_string(++tag) + " \"" + name + "\"\n";
+  }
+  text += "$EndPhysicalNames\n";
+}
+
+/// One point entity per group, one surface, one volume.
+void append_entities(std::string& text, const Mesh& mesh, const Groups& groups) {
+  const Eigen::RowVector3d low = mesh.nodes.colwise().minCoeff(), high = mesh.nodes.colwise().maxCoeff();
+  text += "$Entities\n";
+  line(text, groups.size(), 0, 1, 1);
+  int tag = 0;
+  for (const auto& [name, nodes] : groups) {
+    const Eigen::RowVector3d x = mesh.nodes.row(nodes.empty() ? 0 : nodes.front());
+    ++tag;
+    line(text, tag, x(0), x(1), x(2), 1, tag);
+  }
+  line(text, 1, low(0), low(1), low(2), high(0), high(1), high(2), 0, 0);
+  line(text, 1, low(0), low(1), low(2), high(0), high(1), high(2), 0, 1, 1);
+  text += "$EndEntities\n";
+}
+
+void append_nodes(std::string& text, const Mesh& mesh) {
+  const Eigen::Index n = mesh.nodes.rows();
+  text += "$Nodes\n";
+  line(text, 1, n, 1, n);
+  line(text, 3, 1, 0, n);  // all in the volume's block, so that their order is the mesh's own
+  for (Eigen::Index i = 1; i <= n; ++i) line(text, i);
+  for (Eigen::Index i = 0; i < n; ++i) line(text, mesh.nodes(i, 0), mesh.nodes(i, 1), mesh.nodes(i, 2));
+  text += "$EndNodes\n";
+}
+
+void append_elements(std::string& text, const Mesh& mesh, const Groups& groups) {
+  std::size_t n_points = 0;
+  for (const auto& [name, nodes] : groups) n_points += nodes.size();
+  const auto n = n_points + static_cast<std::size_t>(mesh.surface.rows() + mesh.cells.rows());
+  std::size_t tag = 0;
+  text += "$Elements\n";
+  line(text, groups.size() + 2, n, 1, n);
+  int group = 0;
+  for (const auto& [name, nodes] : groups) {
+    line(text, 0, ++group, 15, nodes.size());
+    for (const std::int32_t node : nodes) line(text, ++tag, node + 1);
+  }
+  line(text, 2, 1, 2, mesh.surface.rows());
+  for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t)
+    line(text, ++tag, mesh.surface(t, 0) + 1, mesh.surface(t, 1) + 1, mesh.surface(t, 2) + 1);
+  line(text, 3, 1, 4, mesh.cells.rows());
+  for (Eigen::Index c = 0; c < mesh.cells.rows(); ++c)
+    line(text, ++tag, mesh.cells(c, 0) + 1, mesh.cells(c, 1) + 1, mesh.cells(c, 2) + 1, mesh.cells(c, 3) + 1);
+  text += "$EndElements\n";
+}
+
+}  // namespace
+
+void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::path& file) {
+  if (mesh.cells.cols() != 4 || mesh.cells.rows() == 0)
+    throw input_error("cannot write the mesh: it has no tetrahedra", file.string(),
+                      "give a mesh of 4-node cells");
+  Groups groups = mesh.groups;
+  if (sets) {
+    groups["phynness_fixed"] = sets->fixed;
+    groups["phynness_active"] = sets->active;
+    groups["phynness_output"] = sets->output;
+  }
+  std::erase_if(groups, [](const auto& group) { return group.second.empty(); });
+  std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
+  append_names(text, groups);
+  append_entities(text, mesh, groups);
+  append_nodes(text, mesh);
+  append_elements(text, mesh, groups);
+
+  // Written beside and renamed: whoever reads never sees half a mesh.
+  std::filesystem::path partial = file;
+  partial += ".part";
+  std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
+  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  stream.close();
+  std::error_code error;
+  if (stream) std::filesystem::rename(partial, file, error);
+  if (!stream || error) {
+    std::error_code ignored;
+    std::filesystem::remove(partial, ignored);
+    throw failure("cannot write the mesh", file.string(),
+                  "check that the folder exists, is writable and has space left");
+  }
+}
+
+}  // namespace phynness
