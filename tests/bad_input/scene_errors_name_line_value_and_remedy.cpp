@@ -1,0 +1,342 @@
+// Claim: every way to get a scene wrong is refused with file and line, the value that did it, and a remedy.
+#include <algorithm>
+#include <vector>
+
+#include "scene_under_test.hpp"
+
+namespace phynness::test {
+namespace {
+
+/// `replacement` takes the place of `part` in the good scene; `at` is the text whose line must be named
+/// (`replacement` itself if empty).
+struct Mistake {
+  const char* name;
+  const char* part;
+  const char* replacement;
+  const char* at;
+  std::vector<const char*> said;  ///< value and words of the remedy
+};
+
+void PrintTo(const Mistake& mistake, std::ostream* stream) { *stream << mistake.name; }
+
+const char* const fixed_line = "fixed = { box = { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] } }";
+const char* const shear = "shear_modulus_Pa = 500.0";
+const char* const moduli = "shear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0";
+const char* const law_and_moduli =
+    "law = \"neo-hookean\"\nshear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0";
+const char* const shape = "shape = \"block\"";
+const char* const depth = "max_displacement_m = 0.02";
+const char* const increments = "increments = 4";
+
+class SceneMistake : public testing::TestWithParam<Mistake> {};
+
+TEST_P(SceneMistake, is_refused_with_line_value_and_remedy) {
+  const Mistake& mistake = GetParam();
+  const std::string text = with(good_scene, mistake.part, mistake.replacement);
+  const std::string message = refusal(text);
+  const std::string at = *mistake.at ? mistake.at : mistake.replacement;
+  EXPECT_EQ(message.find("body.toml:" + std::to_string(line_of(text, at)) + ":"), 0u) << message;
+  EXPECT_NE(message.find("\n  remedy: "), std::string::npos) << message;
+  for (const char* words : mistake.said)
+    EXPECT_NE(message.find(words), std::string::npos) << words << "\n" << message;
+}
+
+const std::vector<Mistake> keys = {
+    {"misspelt_key",
+     increments,
+     "incremnets = 4",
+     "",
+     {"unknown key in [probe]", "incremnets = 4", "did you mean increments?"}},
+    {"misspelt_section", "[training]", "[trainning]", "", {"unknown key", "did you mean training?"}},
+    {"key_of_another_section",
+     increments,
+     "increments = 4\nsamples = 5",
+     "samples = 5",
+     {"samples = 5", "[training]"}},
+    {"far_from_any_key", increments, "zzzzzz = 4", "", {"zzzzzz = 4", "[probe] knows", "max_displacement_m"}},
+    {"unit_forgotten",
+     shear,
+     "youngs_modulus = 20e3",
+     "",
+     {"youngs_modulus = 20000", "youngs_modulus_Pa", "in Pa"}},
+    {"unit_forgotten_length",
+     depth,
+     "max_displacement = 0.02",
+     "",
+     {"max_displacement = 0.02", "max_displacement_m"}},
+    {"other_unit",
+     depth,
+     "max_displacement_mm = 20",
+     "",
+     {"max_displacement_mm = 20", "max_displacement_m", "SI"}},
+    {"selector_key", fixed_line, "fixed = { bix = { min_m = [0,0,0] } }", "", {"bix", "did you mean box?"}},
+    {"selector_inner_key",
+     fixed_line,
+     "fixed = { sphere = { center_m = [0,0,0], radius = 1 } }",
+     "",
+     {"radius = 1", "radius_m"}},
+};
+INSTANTIATE_TEST_SUITE_P(keys, SceneMistake, testing::ValuesIn(keys),
+                         [](const auto& info) { return info.param.name; });
+
+const std::vector<Mistake> types = {
+    {"text_for_number",
+     depth,
+     "max_displacement_m = \"28 mm\"",
+     "",
+     {"must be a number, not text", "28 mm", "without quotes"}},
+    {"float_for_integer",
+     increments,
+     "increments = 4.0",
+     "",
+     {"must be an integer", "4", "without a decimal point"}},
+    {"number_for_text", "law = \"neo-hookean\"", "law = 3", "", {"must be text", "3", "quotes"}},
+    {"text_for_boolean",
+     "[training]",
+     "[database]\ntangents = \"yes\"\n[training]",
+     "tangents = \"yes\"",
+     {"true or false", "yes"}},
+    {"two_numbers_for_three",
+     shape,
+     "shape = \"block\"\nsize_m = [0.1, 0.2]",
+     "size_m",
+     {"three numbers", "[0.1, 0.2]"}},
+    {"not_a_number", depth, "max_displacement_m = nan", "", {"finite", "nan"}},
+    {"infinite", shear, "shear_modulus_Pa = inf", "", {"finite", "inf"}},
+    {"selection_of_number", fixed_line, "fixed = 3", "", {"[nodes] fixed", "3", "selector"}},
+    {"node_numbers_as_floats",
+     fixed_line,
+     "fixed = { nodes = [0, 1.5] }",
+     "",
+     {"node numbers", "1.5", "from 0"}},
+};
+INSTANTIATE_TEST_SUITE_P(types, SceneMistake, testing::ValuesIn(types),
+                         [](const auto& info) { return info.param.name; });
+
+const std::vector<Mistake> values = {
+    {"negative_modulus",
+     shear,
+     "shear_modulus_Pa = -500.0",
+     "",
+     {"shear_modulus_Pa", "greater than 0", "-500"}},
+    {"poisson_half",
+     moduli,
+     "youngs_modulus_Pa = 2e4\npoisson_ratio = 0.5",
+     "poisson_ratio",
+     {"less than 0.5", "0.5"}},
+    {"poisson_minus_one",
+     moduli,
+     "youngs_modulus_Pa = 2e4\npoisson_ratio = -1",
+     "poisson_ratio",
+     {"greater than -1", "-1"}},
+    {"lambda_too_negative",
+     moduli,
+     "shear_modulus_Pa = 3.0\nlame_lambda_Pa = -2.5",
+     "lame_lambda_Pa",
+     {"-2.5", "greater than -2"}},
+    {"young_above_nine_bulk",
+     moduli,
+     "youngs_modulus_Pa = 90.0\nbulk_modulus_Pa = 10.0",
+     "youngs_modulus_Pa",
+     {"90", "less than 90"}},
+    {"c10_zero", moduli, "c10_Pa = 0\nbulk_modulus_Pa = 10.0", "c10_Pa", {"c10_Pa", "greater than 0"}},
+    {"c01_negative",
+     law_and_moduli,
+     "law = \"mooney-rivlin\"\nc10_Pa = 2\nc01_Pa = -0.2\nbulk_modulus_Pa = 1e5",
+     "c01_Pa",
+     {"at least 0", "-0.2"}},
+    {"no_increment", increments, "increments = 0", "", {"increments", "0", "between 1 and 1000"}},
+    {"insane_increments", increments, "increments = 5000", "", {"5000", "between 1 and 1000"}},
+    {"no_depth", depth, "max_displacement_m = 0", "", {"greater than 0", "remedy"}},
+    {"depth_in_millimetres", depth, "max_displacement_m = 28", "", {"28", "not in mm"}},
+    {"insane_nodes",
+     shape,
+     "shape = \"block\"\ntarget_nodes = 6000000",
+     "target_nodes",
+     {"6000000", "5000000"}},
+    {"tool_radius_zero",
+     increments,
+     "increments = 4\nkind = \"patch\"\ntool_radius_m = 0",
+     "tool_radius_m",
+     {"greater than 0", "0"}},
+    {"unknown_law",
+     "law = \"neo-hookean\"",
+     "law = \"neohookean\"",
+     "",
+     {"\"neohookean\"", "did you mean \"neo-hookean\"?"}},
+    {"unknown_element", "element = \"P1\"", "element = \"P3\"", "", {"\"P3\"", "taylor-hood"}},
+    {"unknown_directions", "directions = 26", "directions = 27", "", {"27", "hemisphere"}},
+    {"unknown_word",
+     "active = \"free-surface\"",
+     "active = \"freesurface\"",
+     "",
+     {"\"freesurface\"", "did you mean \"free-surface\"?"}},
+    {"spread_word", "samples = 1000", "force_spread = \"find\"", "", {"find", "search"}},
+    {"normal_zero",
+     fixed_line,
+     "fixed = { plane = { point_m = [0,0,0], normal = [0,0,0] } }",
+     "",
+     {"no direction", "[0, 0, 0]"}},
+    {"box_upside_down",
+     fixed_line,
+     "fixed = { box = { min_m = [1,0,0], max_m = [0,1,1] } }",
+     "",
+     {"[1, 0, 0]", "swap"}},
+    {"negative_node", fixed_line, "fixed = { nodes = [-1] }", "", {"-1", "0 or greater"}},
+};
+INSTANTIATE_TEST_SUITE_P(values, SceneMistake, testing::ValuesIn(values),
+                         [](const auto& info) { return info.param.name; });
+
+const std::vector<Mistake> combinations = {
+    {"under_determined",
+     moduli,
+     "shear_modulus_Pa = 500.0",
+     "shear_modulus_Pa",
+     {"do not determine", "shear_modulus_Pa = 500", "bulk_modulus_Pa"}},
+    {"no_parameters",
+     moduli,
+     "",
+     "[material]",
+     {"do not determine", "none given", "youngs_modulus_Pa and poisson_ratio"}},
+    {"over_determined",
+     moduli,
+     "shear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0\nyoungs_modulus_Pa = 3",
+     "bulk_modulus_Pa",
+     {"over-determined", "youngs_modulus_Pa = 3", "keep exactly one"}},
+    {"bulk_modulus_twice",
+     moduli,
+     "shear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0\nd1_per_Pa = 1e-5",
+     "d1_per_Pa",
+     {"over-determined", "d1_per_Pa = 1e-05"}},
+    {"c10_in_linear_law",
+     law_and_moduli,
+     "law = \"linear\"\nc10_Pa = 250.0\nbulk_modulus_Pa = 1e5",
+     "bulk_modulus_Pa",
+     {"linear", "c10_Pa = 250", "exactly one"}},
+    {"mooney_without_c01",
+     law_and_moduli,
+     "law = \"mooney-rivlin\"\nc10_Pa = 2.0\nbulk_modulus_Pa = 1e5",
+     "bulk_modulus_Pa",
+     {"mooney-rivlin", "c01_Pa"}},
+    {"no_law", "law = \"neo-hookean\"", "", "[material]", {"law is missing", "neo-hookean"}},
+    {"shape_and_file",
+     shape,
+     "shape = \"block\"\nfile = \"a.msh\"",
+     "file",
+     {"beside shape", "a.msh", "keep one"}},
+    {"neither_shape_nor_file", shape, "", "[mesh]", {"shape is missing", "file"}},
+    {"file_not_there",
+     shape,
+     "file = \"no/such/mesh.msh\"",
+     "",
+     {"not there", "no/such/mesh.msh", "correct the path"}},
+    {"file_of_unknown_kind", shape, "file = \"body.step\"", "", {"body.step", ".msh"}},
+    {"nodes_and_size",
+     shape,
+     "shape = \"block\"\ntarget_nodes = 100\ntarget_size_m = 0.01",
+     "target_size_m",
+     {"0.01", "keep one"}},
+    {"scale_of_a_shape",
+     shape,
+     "shape = \"block\"\nscale_to_m = 0.001",
+     "scale_to_m",
+     {"0.001", "remove it"}},
+    {"radius_of_a_block", shape, "shape = \"block\"\nradius_m = 0.1", "radius_m", {"block", "size_m"}},
+    {"wall_without_thickness",
+     shape,
+     "shape = \"tube\"\nradius_m = 0.01\ninner_radius_m = 0.01",
+     "inner_radius_m",
+     {"less than radius_m", "0.01"}},
+    {"nothing_fixed", fixed_line, "", "[nodes]", {"fixed is missing", "singular", "box"}},
+    {"empty_selection", fixed_line, "fixed = []", "", {"empty list", "[]", "at least one"}},
+    {"empty_active",
+     "active = \"free-surface\"",
+     "active = []",
+     "",
+     {"[nodes] active", "empty list", "default"}},
+    {"empty_node_list", fixed_line, "fixed = { nodes = [] }", "", {"empty list", "at least one"}},
+    {"fixed_by_what_is_free", fixed_line, "fixed = \"free\"", "", {"\"free\"", "box"}},
+    {"everything_fixed", fixed_line, "fixed = \"all\"", "", {"no node to move", "a part"}},
+    {"two_shapes_in_a_selector",
+     fixed_line,
+     "fixed = { group = \"a\", nodes = [1] }",
+     "",
+     {"two selectors", "one table for each"}},
+    {"selector_without_shape",
+     fixed_line,
+     "fixed = { surface_only = true }",
+     "",
+     {"without a shape", "sphere"}},
+    {"half_a_box",
+     fixed_line,
+     "fixed = { box = { min_m = [0,0,0] } }",
+     "",
+     {"max_m is missing", "both corners"}},
+    {"box_in_two_measures",
+     fixed_line,
+     "fixed = { box = { min_m = [0,0,0], max_fraction = [1,1,1] } }",
+     "",
+     {"metres", "fractions"}},
+    {"sphere_without_radius",
+     fixed_line,
+     "fixed = { sphere = { center_m = [0,0,0] } }",
+     "",
+     {"radius_m is missing"}},
+    {"patch_without_radius",
+     increments,
+     "increments = 4\nkind = \"patch\"",
+     "[probe]",
+     {"tool_radius_m is missing", "0.01"}},
+    {"node_with_radius",
+     increments,
+     "increments = 4\ntool_radius_m = 0.01",
+     "tool_radius_m",
+     {"0.01", "patch"}},
+    {"no_depth_given", depth, "", "[probe]", {"max_displacement_m is missing", "0.028"}},
+    {"mixed_without_lambda",
+     "law = \"neo-hookean\"\nshear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0\n[solver]\nelement = \"P1\"",
+     "law = \"linear\"\nyoungs_modulus_Pa = 2e4\npoisson_ratio = 0\n[solver]\nelement = \"p1-p1\"",
+     "element",
+     {"lambda = 0 Pa", "P1", "P2"}},
+};
+INSTANTIATE_TEST_SUITE_P(combinations, SceneMistake, testing::ValuesIn(combinations),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(SceneSyntax, error_names_line_and_column) {
+  const std::string message = refusal("title = \"a\"\n[mesh\nshape = 1\n");
+  EXPECT_EQ(message.find("body.toml:2:"), 0u) << message;
+  EXPECT_NE(message.find("not valid TOML"), std::string::npos) << message;
+  EXPECT_NE(message.find("remedy"), std::string::npos) << message;
+}
+
+TEST(SceneSyntax, key_given_twice_is_refused) {
+  const std::string message = refusal(with(good_scene, "increments = 4", "increments = 4\nincrements = 5"));
+  EXPECT_EQ(message.find("body.toml:16:"), 0u) << message;
+}
+
+TEST(SceneSyntax, missing_section_is_refused_at_the_first_line) {
+  const std::string message = refusal(
+      "title = \"a\"\n[mesh]\nshape = \"block\"\n[material]\nlaw = \"linear\"\n"
+      "youngs_modulus_Pa = 1.0\npoisson_ratio = 0.3\n[probe]\nmax_displacement_m = 0.1\n");
+  EXPECT_EQ(message.find("body.toml:1: [nodes] fixed is missing"), 0u) << message;
+}
+
+TEST(SceneSyntax, section_that_is_no_table_is_refused) {
+  const std::string message = refusal("title = \"a\"\nmesh = 3\n");
+  EXPECT_EQ(message.find("body.toml:2: mesh must be a section: 3"), 0u) << message;
+}
+
+TEST(SceneFile, that_is_not_there_or_a_folder_is_refused) {
+  for (const char* path : {"/no/such/scene.toml", "/"}) {
+    try {
+      read_scene(path);
+      ADD_FAILURE() << path;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(path), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("remedy"), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace phynness::test

@@ -1,0 +1,60 @@
+// A scene that is right, to be broken one line at a time.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/scene.hpp>
+#include <string>
+
+namespace phynness::test {
+
+// The lines that the tests replace stand alone, so that the number of each is known: see line_of.
+inline const std::string good_scene = R"(title = "test"
+[mesh]
+shape = "block"
+[material]
+law = "neo-hookean"
+shear_modulus_Pa = 500.0
+bulk_modulus_Pa = 5000.0
+[solver]
+element = "P1"
+[nodes]
+fixed = { box = { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] } }
+active = "free-surface"
+[probe]
+directions = 26
+increments = 4
+max_displacement_m = 0.02
+[training]
+samples = 1000
+)";
+
+inline int line_of(const std::string& text, const std::string& part) {
+  const auto at = text.find(part);
+  EXPECT_NE(at, std::string::npos) << part;
+  return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+}
+
+inline std::string with(std::string text, const std::string& old_part, const std::string& new_part) {
+  const auto at = text.find(old_part);
+  EXPECT_NE(at, std::string::npos) << old_part;
+  return text.replace(at, old_part.size(), new_part);
+}
+
+inline Scene parsed(const std::string& text) { return parse_scene(text, "body.toml", "."); }
+
+/// The message of the refusal; fails the test if there is none.
+inline std::string refusal(const std::string& text) {
+  try {
+    parsed(text);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::input);
+    return error.what();
+  }
+  ADD_FAILURE() << "accepted:\n" << text;
+  return "";
+}
+
+}  // namespace phynness::test

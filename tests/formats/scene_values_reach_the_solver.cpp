@@ -1,0 +1,213 @@
+// Claims: a scene means the same whatever pair of moduli it is written with; its identity depends on the
+// physics and nothing else; its documentation names every key; what ships is valid; the locale of the process
+// plays no part.
+#include <clocale>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <locale>
+#include <sstream>
+
+#include "../bad_input/scene_under_test.hpp"
+
+namespace phynness::test {
+namespace {
+
+const std::string moduli = "shear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0";
+const std::string law_and_moduli = "law = \"neo-hookean\"\n" + moduli;
+
+// mu = 500 Pa and K = 5000 Pa in every pair; the conversions are a few operations, so rounding stays near
+// 1e-15.
+TEST(Material, is_the_same_in_every_pair_of_moduli) {
+  const double mu = 500, bulk = 5000, lambda = bulk - 2 * mu / 3;
+  const double young = 9 * bulk * mu / (3 * bulk + mu), poisson = (3 * bulk - 2 * mu) / (2 * (3 * bulk + mu));
+  const auto text = [](double x) {
+    std::ostringstream stream;
+    stream.precision(17);
+    stream << x;
+    return stream.str();
+  };
+  for (const std::string& pair :
+       {"youngs_modulus_Pa = " + text(young) + "\npoisson_ratio = " + text(poisson),
+        "shear_modulus_Pa = 500\nlame_lambda_Pa = " + text(lambda),
+        std::string("shear_modulus_Pa = 500\nbulk_modulus_Pa = 5000"),
+        std::string("shear_modulus_Pa = 500\nd1_per_Pa = 2e-4"),
+        "youngs_modulus_Pa = " + text(young) + "\nbulk_modulus_Pa = 5000",
+        "youngs_modulus_Pa = " + text(young) + "\nd1_per_Pa = 2e-4",
+        std::string("c10_Pa = 250\nbulk_modulus_Pa = 5000"), std::string("c10_Pa = 250\nd1_per_Pa = 2e-4")}) {
+    const Material m = parsed(with(good_scene, moduli, pair)).material;
+    EXPECT_NEAR(m.shear_modulus_Pa, mu, 1e-12 * mu) << pair;
+    EXPECT_NEAR(m.lame_lambda_Pa, lambda, 1e-12 * lambda) << pair;
+    EXPECT_NEAR(m.bulk_modulus_Pa, bulk, 1e-12 * bulk) << pair;
+    EXPECT_NEAR(m.c10_Pa, mu / 2, 1e-12 * mu) << pair;
+  }
+}
+
+TEST(Material, of_the_papers_cases_three_and_four) {
+  const Material three = parsed(with(good_scene, moduli, "c10_Pa = 250\nd1_per_Pa = 1e-5")).material;
+  EXPECT_DOUBLE_EQ(three.shear_modulus_Pa, 500);
+  EXPECT_NEAR(three.lame_lambda_Pa, 99'666.67, 0.01);
+  EXPECT_NEAR(three.bulk_to_shear(), 200, 1e-9);
+  const Material four =
+      parsed(with(good_scene, law_and_moduli,
+                  "law = \"mooney-rivlin\"\nc10_Pa = 2\nc01_Pa = 0.2\nbulk_modulus_Pa = 1e5"))
+          .material;
+  EXPECT_DOUBLE_EQ(four.shear_modulus_Pa, 4.4);
+  EXPECT_DOUBLE_EQ(four.c01_Pa, 0.2);
+}
+
+TEST(Material, may_be_auxetic_and_mooney_rivlin_may_lack_its_second_term) {
+  EXPECT_LT(parsed(with(good_scene, moduli, "youngs_modulus_Pa = 1e4\npoisson_ratio = -0.3"))
+                .material.lame_lambda_Pa,
+            0);
+  EXPECT_EQ(parsed(with(good_scene, law_and_moduli,
+                        "law = \"mooney-rivlin\"\nc10_Pa = 2\nc01_Pa = 0\nbulk_modulus_Pa = 1e5"))
+                .material.c01_Pa,
+            0);
+}
+
+TEST(Warnings, tell_of_locking_and_of_nothing_else) {
+  EXPECT_TRUE(scene_warnings(parsed(good_scene)).empty());
+  const std::string stiff = with(good_scene, "bulk_modulus_Pa = 5000.0", "bulk_modulus_Pa = 100e3");
+  const auto warnings = scene_warnings(parsed(stiff));
+  ASSERT_EQ(warnings.size(), 1u);
+  for (const char* words : {"body.toml:4", "200", "lock", "p1-p1", "taylor-hood", "P2"})
+    EXPECT_NE(warnings[0].find(words), std::string::npos) << words;
+  EXPECT_TRUE(scene_warnings(parsed(with(stiff, "\"P1\"", "\"p1-p1\""))).empty());
+}
+
+TEST(Selection, keeps_every_selector_with_its_line) {
+  const Scene scene = parsed(with(good_scene, "active = \"free-surface\"", R"(active = [
+  "surface",
+  { sphere = { center_fraction = [0.5, 0.5, 1], radius_m = 0.01 }, surface_only = true },
+  { plane = { point_m = [0, 0, 1], normal = [0, 0, 2], tolerance_m = 0.001 } },
+  { half_space = { point_m = [0, 0, 1], normal = [0, 3, 4] } },
+  { group = "lobe" }, { nodes = [0, 5, 7] },
+  { nearest = { point_fraction = [1, 1, 1] } },
+])"));
+  ASSERT_EQ(scene.active.size(), 7u);
+  EXPECT_EQ(scene.active[0].kind, Selector::Kind::surface);
+  EXPECT_TRUE(scene.active[1].fraction && scene.active[1].surface_only);
+  EXPECT_EQ(scene.active[1].where.line, 14);
+  EXPECT_EQ(scene.active[2].b, (Vec3{0, 0, 1}));
+  EXPECT_EQ(scene.active[2].radius_m, 0.001);
+  EXPECT_EQ(scene.active[3].b, (Vec3{0, 0.6, 0.8}));
+  EXPECT_EQ(scene.active[4].group, "lobe");
+  EXPECT_EQ(scene.active[5].nodes, (std::vector<std::int32_t>{0, 5, 7}));
+  EXPECT_EQ(scene.active[6].kind, Selector::Kind::nearest);
+  ASSERT_EQ(scene.output.size(), 1u);
+  EXPECT_EQ(scene.output[0].kind, Selector::Kind::free_surface);
+}
+
+TEST(Directions, may_be_written_as_number_or_text) {
+  EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = 3")).probe.directions,
+            Directions::three);
+  EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = \"26\"")).probe.directions,
+            Directions::twenty_six);
+  EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = \"hemisphere\"")).probe.directions,
+            Directions::hemisphere);
+}
+
+TEST(Directions, are_distinct_unit_vectors_closed_under_sign) {
+  const auto all = exploratory_directions(Directions::twenty_six);
+  ASSERT_EQ(all.size(), 26u);
+  EXPECT_EQ(all[0], (Vec3{-1, 0, 0}));
+  EXPECT_EQ(all[5], (Vec3{1, 0, 0}));
+  EXPECT_EQ(exploratory_directions(Directions::hemisphere), all);
+  EXPECT_EQ(exploratory_directions(Directions::three), (std::vector<Vec3>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
+  for (const auto& d : all) {
+    EXPECT_NEAR(std::hypot(d[0], d[1], d[2]), 1, 1e-15);
+    EXPECT_EQ(std::count(all.begin(), all.end(), d), 1);
+    EXPECT_EQ(std::count(all.begin(), all.end(), Vec3{-d[0], -d[1], -d[2]}), 1);
+  }
+}
+
+TEST(PhysicsHash, ignores_what_does_not_decide_a_solve) {
+  const auto hash = physics_hash(parsed(good_scene));
+  EXPECT_EQ(hash.size(), 16u);
+  EXPECT_EQ(physics_hash(parsed("# a comment\n" + good_scene)), hash);
+  EXPECT_EQ(physics_hash(parsed(with(good_scene, "samples = 1000", "samples = 9\nfamily = \"modal\""))),
+            hash);
+  EXPECT_EQ(physics_hash(parsed(with(good_scene, "title = \"test\"", "title = \"other\""))), hash);
+  EXPECT_EQ(physics_hash(parsed(with(good_scene, "500.0", "5e2"))), hash);
+  EXPECT_EQ(physics_hash(parsed(good_scene + "[validation]\nprobes = 3\n[database]\ntangents = true\n")),
+            hash);
+}
+
+TEST(PhysicsHash, follows_everything_that_decides_a_solve) {
+  const auto hash = physics_hash(parsed(good_scene));
+  const std::vector<std::pair<std::string, std::string>> changes = {
+      {"shape = \"block\"", "shape = \"liver\""},
+      {"shape = \"block\"", "shape = \"block\"\ntarget_nodes = 100"},
+      {"500.0", "501.0"},
+      {"law = \"neo-hookean\"", "law = \"linear\""},
+      {"element = \"P1\"", "element = \"P2\""},
+      {"element = \"P1\"", "relative_tolerance = 1e-6"},
+      {"[0.2, 1, 1]", "[0.3, 1, 1]"},
+      {"_fraction = [0.2, 1, 1] }", "_fraction = [0.2, 1, 1] }, surface_only = true"},
+      {"active = \"free-surface\"", "active = \"free\""},
+      {"directions = 26", "directions = 3"},
+      {"increments = 4", "increments = 5"},
+      {"0.02", "0.021"},
+      {"increments = 4", "increments = 4\nkind = \"patch\"\ntool_radius_m = 0.01"}};
+  for (const auto& [part, replacement] : changes)
+    EXPECT_NE(physics_hash(parsed(with(good_scene, part, replacement))), hash) << replacement;
+}
+
+TEST(Locale, with_decimal_commas_changes_nothing) {
+  const auto hash = physics_hash(parsed(good_scene));
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+  };
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  const char* c_locale = std::setlocale(LC_NUMERIC, "de_DE.UTF-8");  // where installed
+  const Scene scene = parsed(with(good_scene, "increments = 4", "increments = 1000"));
+  const auto again = physics_hash(parsed(good_scene));
+  const auto message = refusal(with(good_scene, "max_displacement_m = 0.02", "max_displacement_m = -1234.5"));
+  std::locale::global(before);
+  if (c_locale) std::setlocale(LC_NUMERIC, "C");
+  EXPECT_EQ(scene.probe.max_displacement_m, 0.02);
+  EXPECT_EQ(again, hash);
+  EXPECT_NE(message.find("-1234.5"), std::string::npos) << message;
+}
+
+TEST(Documentation, names_every_key_of_the_parser) {
+  std::ifstream stream(PHYNNESS_SOURCE_DIR "/formats/scene.md");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  ASSERT_FALSE(text.str().empty());
+  const auto keys = scene_keys();
+  EXPECT_GT(keys.size(), 50u);
+  for (const auto& key : keys)
+    EXPECT_NE(text.str().find("`" + key.substr(key.rfind('.') + 1) + "`"), std::string::npos) << key;
+}
+
+TEST(ShippedScenes, are_all_valid) {
+  int scenes = 0;
+  for (const auto& item : std::filesystem::directory_iterator(PHYNNESS_SOURCE_DIR "/scenes")) {
+    if (item.path().extension() != ".toml") continue;
+    ++scenes;
+    try {
+      EXPECT_FALSE(read_scene(item.path()).title.empty()) << item.path();
+    } catch (const Error& error) {
+      ADD_FAILURE() << error.what();
+    }
+  }
+  EXPECT_GE(scenes, 4);
+}
+
+TEST(MeshFile, is_found_from_the_scene_folder_and_may_be_absent_only_on_request) {
+  const std::string text =
+      with(good_scene, "shape = \"block\"", "file = \"sub/body.msh\"\nscale_to_m = 0.001");
+  const Scene scene = parse_scene(text, "body.toml", "/nowhere", MeshFile::may_be_absent);
+  EXPECT_EQ(scene.mesh.file, "/nowhere/sub/body.msh");
+  EXPECT_EQ(scene.mesh.shape, Shape::none);
+  EXPECT_EQ(physics_hash(scene),
+            physics_hash(parse_scene(text, "body.toml", "/elsewhere", MeshFile::may_be_absent)));
+  EXPECT_THROW(parse_scene(text, "body.toml", "/nowhere"), Error);
+}
+
+}  // namespace
+}  // namespace phynness::test
