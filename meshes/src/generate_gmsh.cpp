@@ -49,6 +49,7 @@ RawMesh fill(const Surface& surface) {
     gmsh::model::geo::addVolume({1}, 1);
     gmsh::model::geo::synchronize();
     gmsh::model::mesh::generate(3);
+
     raw = session.tetrahedra();
   });
   // The given nodes come back exactly as they were, not divided and multiplied.
@@ -86,6 +87,9 @@ RawMesh mesh_solid(const Solid& solid, double edge_m) {
       }
     }
     gmsh::model::occ::synchronize();
+    // The size itself rules faces and inside, not the whole number of pieces that each edge is cut into:
+    // otherwise the number of nodes jumps.
+    gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
     gmsh::option::setNumber("Mesh.MeshSizeMin", 1);
     gmsh::option::setNumber("Mesh.MeshSizeMax", 1);
     gmsh::model::mesh::generate(3);

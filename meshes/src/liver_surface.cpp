@@ -57,9 +57,10 @@ Eigen::RowVector3d organ_point(double u, double v, double w) {
   const double half_width = 1.0 - 0.45 * left;
   const double notch = 0.16 * std::exp(-std::pow((u - 0.25) / 0.16, 2)) * std::pow(std::max(0.0, -v), 2);
   const double y = half_width * v + 0.18 * left + notch;
-  const double half_thickness = (0.34 - 0.19 * left) * (1.0 + 0.25 * v);  // thick behind, sharp edge in front
-  const double dome = -0.55 * (u + 0.25) * (u + 0.25) - 0.42 * v * v;
-  return {u, y, dome + half_thickness * w};
+  const double half_thickness = (0.34 - 0.15 * left) * (1.0 + 0.25 * v);  // thick behind, thinner in front
+  const double dome = -0.45 * (u + 0.25) * (u + 0.25) - 0.375 * v * v;
+  const double blunt = w / std::sqrt(w * w + 0.2 * (1 - w * w));  // a round rim: a sharp one makes flat cells
+  return {u, y, dome + half_thickness * blunt};
 }
 
 }  // namespace

@@ -9,8 +9,11 @@
 #include "body.hpp"
 #include "generate.hpp"
 #include "liver_surface.hpp"
+#include "peel.hpp"
 #include "remesh.hpp"
+#include "self_crossing.hpp"
 #include "sizing.hpp"
+#include "topology.hpp"
 
 namespace phynness {
 namespace {
@@ -65,15 +68,40 @@ Solid solid_of(const MeshSpec& spec) {
   return solid;
 }
 
+/// A defect of a mesh that was made here is a failure of the work, not of the input: another size may go
+/// well.
+MeshResult generated_body(RawMesh raw, const std::string& source) {
+  const std::int32_t peeled = peel_slivers(raw);
+  try {
+    MeshResult result = checked_body(raw, 1, false, source);
+    if (peeled > 0)
+      result.notes.push_back("took " + counted(static_cast<std::size_t>(peeled), "flat cell", "flat cells") +
+                             " off the surface");
+    return result;
+  } catch (const Error& error) {
+    throw failure("the mesh that gmsh made is not sound", error.what(),
+                  "try another mesh.target_size_m or mesh.target_nodes");
+  }
+}
+
+MeshResult filled_at(const Surface& surface, double edge_m, const std::string& source) {
+  std::vector<std::string> notes;
+  Surface wanted = remeshed(surface, edge_m);
+  untangle(wanted, notes);
+  MeshResult result = generated_body(fill(wanted), source);
+  result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
+  return result;
+}
+
 /// Meshes at the wanted size or number of nodes and names what came of it.
 MeshResult sized(const MeshSpec& spec, const Extent& extent, std::optional<int> target_nodes,
-                 const std::string& source, const std::function<RawMesh(double)>& mesh_at) {
-  const auto checked = [&](double edge_m) {
+                 const std::function<MeshResult(double)>& mesh_at) {
+  const auto affordable = [&](double edge_m) {
     require_affordable(extent, edge_m, place(spec));
-    return checked_body(mesh_at(edge_m), 1, spec.repair, source);
+    return mesh_at(edge_m);
   };
-  if (!target_nodes) return checked(*spec.target_size_m);
-  return meet_node_target(*target_nodes, extent, place(spec), checked);
+  if (!target_nodes) return affordable(*spec.target_size_m);
+  return meet_node_target(*target_nodes, extent, place(spec), affordable);
 }
 
 MeshResult from_shape(const MeshSpec& spec) {
@@ -87,23 +115,23 @@ MeshResult from_shape(const MeshSpec& spec) {
     for (int k = 0; k < 3; ++k) size_m[k] = or_default(size_m[k], default_liver_m[k]);
     const Surface liver = liver_surface(size_m);
     const Extent extent{enclosed_volume(liver.nodes, liver.triangles), area(liver.nodes, liver.triangles)};
-    return sized(spec, extent, target_nodes, source,
-                 [&](double edge_m) { return fill(remeshed(liver, edge_m)); });
+    return sized(spec, extent, target_nodes, [&](double edge_m) { return filled_at(liver, edge_m, source); });
   }
   const Solid solid = solid_of(spec);
-  return sized(spec, {solid.volume_m3(), solid.area_m2()}, target_nodes, source,
-               [&](double edge_m) { return mesh_solid(solid, edge_m); });
+  return sized(spec, {solid.volume_m3(), solid.area_m2()}, target_nodes,
+               [&](double edge_m) { return generated_body(mesh_solid(solid, edge_m), source); });
 }
 
 MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::string& source) {
   std::vector<std::string> notes = raw.notes;
-  const Surface surface = checked_surface(raw, spec.scale_to_m, spec.repair, source, notes);
+  Surface surface = checked_surface(raw, spec.scale_to_m, spec.repair, source, notes);
+  untangle(surface, notes);
   const Extent extent{enclosed_volume(surface.nodes, surface.triangles),
                       area(surface.nodes, surface.triangles)};
   const double given_edge_m = mean_edge(surface.nodes, surface.triangles);
   const auto as_given = [&] {
     require_affordable(extent, given_edge_m, place(spec));
-    return checked_body(fill(surface), 1, spec.repair, source);
+    return generated_body(fill(surface), source);
   };
   MeshResult result;
   if (!spec.target_nodes && !spec.target_size_m) {
@@ -112,8 +140,8 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
         "filled the file's own triangles: neither mesh.target_size_m nor mesh.target_nodes is given");
   } else {
     try {
-      result = sized(spec, extent, spec.target_nodes, source,
-                     [&](double edge_m) { return fill(remeshed(surface, edge_m)); });
+      result = sized(spec, extent, spec.target_nodes,
+                     [&](double edge_m) { return filled_at(surface, edge_m, source); });
       notes.push_back("remeshed the surface of " + std::to_string(surface.triangles.rows()) +
                       " triangles to " + std::to_string(result.mesh.surface.rows()));
     } catch (const Error& error) {

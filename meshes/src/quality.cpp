@@ -5,22 +5,9 @@
 #include <limits>
 #include <phynness/meshes/meshes.hpp>
 
+#include "radius_ratio.hpp"
+
 namespace phynness {
-namespace {
-
-/// Radius ratio 3 r_in / r_circ of a tetrahedron with edges u, v, w from one node: r_in = 3 V / A,
-/// r_circ = |u^2 (v x w) + v^2 (w x u) + w^2 (u x v)| / (12 V).
-double radius_ratio(const Eigen::RowVector3d& u, const Eigen::RowVector3d& v, const Eigen::RowVector3d& w) {
-  const Eigen::RowVector3d vw = v.cross(w), wu = w.cross(u), uv = u.cross(v);
-  const double volume = u.dot(vw) / 6;
-  const double total_area = (vw.norm() + wu.norm() + uv.norm() + (v - u).cross(w - u).norm()) / 2;
-  const double twelve_v_r = (u.squaredNorm() * vw + v.squaredNorm() * wu + w.squaredNorm() * uv).norm();
-  if (!(total_area > 0) || !(twelve_v_r > 0)) return 0;
-  return 108 * volume * volume / (total_area * twelve_v_r);
-}
-
-}  // namespace
-
 QualityReport measure_quality(const Mesh& mesh) {
   QualityReport report;
   report.n_nodes = mesh.n_nodes();
@@ -40,7 +27,7 @@ QualityReport measure_quality(const Mesh& mesh) {
     const Eigen::RowVector3d u = mesh.nodes.row(cell(1)) - a, v = mesh.nodes.row(cell(2)) - a,
                              w = mesh.nodes.row(cell(3)) - a;
     report.volume_m3 += u.dot(v.cross(w)) / 6;
-    const double quality = radius_ratio(u, v, w);
+    const double quality = meshes::radius_ratio(u, v, w);
     report.n_slivers += quality < sliver_quality;
     if (quality < report.min_quality) {
       report.min_quality = quality;

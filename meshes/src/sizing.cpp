@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <phynness/formats/error.hpp>
@@ -13,8 +14,11 @@ namespace phynness::meshes {
 namespace {
 
 constexpr double most_nodes = 5e6;
-constexpr int most_meshings = 8;
+constexpr int most_meshings = 10;
+constexpr double least_step = 2e-4;  // of the logarithm of the edge length
 constexpr double good_enough = 0.005, far_off = 0.05;
+constexpr double good_enough_big = 0.02;  // big meshes take long and nobody counts their nodes
+constexpr int big = 10000;
 
 double edge_for(const Extent& extent, double nodes) {
   double low = 1e-9 * std::cbrt(extent.volume_m3), high = 1e3 * std::sqrt(extent.area_m2);
@@ -52,21 +56,28 @@ MeshResult meet_node_target(int target, const Extent& extent, const std::string&
   std::optional<Error> last_error;
   double best_edge = 0, log_edge = std::log(edge_for(extent, target));
   double previous_edge = 0, previous_nodes = 0, slope = -2.5;
+  // Sizes known to give too many and too few nodes: what lies outside them is not tried again.
+  double too_fine = -std::numeric_limits<double>::infinity(), too_coarse = -too_fine;
   int meshings = 0;
   const auto miss = [target](const MeshResult& r) { return std::abs(r.mesh.n_nodes() - target); };
   while (meshings < most_meshings) {
     ++meshings;
     try {
       MeshResult result = mesh_at(std::exp(log_edge));
-      const double log_nodes = std::log(static_cast<double>(result.mesh.n_nodes()));
+      const std::int32_t result_nodes = result.mesh.n_nodes();
+      const double log_nodes = std::log(static_cast<double>(result_nodes));
       // Two meshes of nearly the same size tell noise, not slope.
       if (previous_nodes > 0 && std::abs(log_edge - previous_edge) > 0.01)
         slope = std::clamp((log_nodes - previous_nodes) / (log_edge - previous_edge), -4.0, -1.5);
       previous_edge = log_edge;
       previous_nodes = log_nodes;
       if (!best || miss(result) < miss(*best)) best = std::move(result), best_edge = std::exp(log_edge);
-      if (miss(*best) <= good_enough * target) break;
+      if (miss(*best) <= (target > big ? good_enough_big : good_enough) * target) break;
+      (result_nodes > target ? too_fine : too_coarse) = log_edge;
       log_edge += (std::log(static_cast<double>(target)) - log_nodes) / slope;
+      if (too_coarse - too_fine < least_step) break;  // the number jumps over the target here
+      if (std::isfinite(too_coarse - too_fine) && (log_edge <= too_fine || log_edge >= too_coarse))
+        log_edge = (too_fine + too_coarse) / 2;
     } catch (const Error& error) {
       if (error.kind() == Error::Kind::input) throw;
       last_error = error;

@@ -107,18 +107,22 @@ std::string first_few_edges(const std::vector<Edge>& edges) {
 SurfaceTopology surface_topology(const Triangles& triangles) {
   SurfaceTopology topology;
   const std::vector<HalfEdge> edges = half_edges(triangles);
-  Sets sets(static_cast<std::size_t>(triangles.rows()));
   for_each_edge(edges, [&](std::size_t i, std::size_t j) {
-    for (std::size_t e = i + 1; e < j; ++e) sets.join(edges[i].triangle, edges[e].triangle);
     if (j - i == 1) topology.open_edges.push_back(edges[i].edge);
     if (j - i > 2) topology.non_manifold_edges.push_back(edges[i].edge);
     if (j - i == 2 && edges[i].forward == edges[i + 1].forward)
       topology.inconsistent_edges.push_back(edges[i].edge);
   });
   topology.pinched_nodes = pinched(triangles, edges);
-  std::vector<std::int32_t> all(static_cast<std::size_t>(triangles.rows()));
-  std::iota(all.begin(), all.end(), 0);
-  number_sets(sets, all, topology.component, topology.component_sizes, all.size());
+  const auto n_nodes = static_cast<std::size_t>(triangles.rows() == 0 ? 0 : triangles.maxCoeff() + 1);
+  Sets sets(n_nodes);
+  std::vector<std::int32_t> first_nodes;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    first_nodes.push_back(triangles(t, 0));
+    sets.join(triangles(t, 0), triangles(t, 1));
+    sets.join(triangles(t, 0), triangles(t, 2));
+  }
+  number_sets(sets, first_nodes, topology.component, topology.component_sizes, n_nodes);
   return topology;
 }
 

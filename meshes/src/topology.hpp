@@ -15,7 +15,7 @@ struct SurfaceTopology {
   std::vector<Edge> non_manifold_edges;     ///< edges of more than two triangles
   std::vector<std::int32_t> pinched_nodes;  ///< nodes whose triangles form more than one fan
   std::vector<Edge> inconsistent_edges;     ///< both triangles run along the edge the same way
-  std::vector<std::int32_t> component;  ///< of each triangle; triangles that share an edge belong together
+  std::vector<std::int32_t> component;      ///< of each triangle; triangles that share a node belong together
   std::vector<std::size_t> component_sizes;  ///< triangles, by component number
   bool closed_manifold() const {
     return open_edges.empty() && non_manifold_edges.empty() && pinched_nodes.empty();

@@ -1,0 +1,116 @@
+#include "self_crossing.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <phynness/formats/error.hpp>
+#include <sstream>
+
+#include "topology.hpp"
+
+namespace phynness::meshes {
+namespace {
+
+using Vector = Eigen::RowVector3d;
+constexpr int most_rounds = 60, rounds_per_ring = 4;
+
+double orientation(const Vector& a, const Vector& b, const Vector& c, const Vector& d) {
+  return (b - a).cross(c - a).dot(d - a);
+}
+
+bool segment_crosses(const Surface& s, std::int32_t p, std::int32_t q, std::int32_t triangle) {
+  const auto t = s.triangles.row(triangle);
+  if ((t.array() == p).any() || (t.array() == q).any()) return false;
+  const Vector a = s.nodes.row(t(0)), b = s.nodes.row(t(1)), c = s.nodes.row(t(2)), x = s.nodes.row(p),
+               y = s.nodes.row(q);
+  if (orientation(a, b, c, x) * orientation(a, b, c, y) > 0) return false;
+  const double u = orientation(x, y, a, b), v = orientation(x, y, b, c), w = orientation(x, y, c, a);
+  return (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
+}
+
+bool cross(const Surface& s, std::int32_t first, std::int32_t second) {
+  for (int k = 0; k < 3; ++k)
+    if (segment_crosses(s, s.triangles(first, k), s.triangles(first, (k + 1) % 3), second) ||
+        segment_crosses(s, s.triangles(second, k), s.triangles(second, (k + 1) % 3), first))
+      return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<std::array<std::int32_t, 2>> crossing_triangles(const Surface& surface) {
+  const Eigen::Index n = surface.triangles.rows();
+  Points low(n, 3), high(n, 3);
+  for (Eigen::Index t = 0; t < n; ++t) {
+    const Vector a = surface.nodes.row(surface.triangles(t, 0)),
+                 b = surface.nodes.row(surface.triangles(t, 1)),
+                 c = surface.nodes.row(surface.triangles(t, 2));
+    low.row(t) = a.cwiseMin(b).cwiseMin(c);
+    high.row(t) = a.cwiseMax(b).cwiseMax(c);
+  }
+  // Sweep along the longest axis: there the fewest boxes overlap.
+  Eigen::Index axis = 0;
+  (high.colwise().maxCoeff() - low.colwise().minCoeff()).maxCoeff(&axis);
+  std::vector<std::int32_t> order(static_cast<std::size_t>(n)), open;
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::int32_t p, std::int32_t q) {
+    return std::pair(low(p, axis), p) < std::pair(low(q, axis), q);
+  });
+  std::vector<std::array<std::int32_t, 2>> pairs;
+  for (const std::int32_t t : order) {
+    std::erase_if(open, [&](std::int32_t other) { return high(other, axis) < low(t, axis); });
+    for (const std::int32_t other : open)
+      if ((low.row(t).array() <= high.row(other).array()).all() &&
+          (low.row(other).array() <= high.row(t).array()).all() && cross(surface, t, other))
+        pairs.push_back({std::min(t, other), std::max(t, other)});
+    open.push_back(t);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+void untangle(Surface& surface, std::vector<std::string>& notes) {
+  auto pairs = crossing_triangles(surface);
+  if (pairs.empty()) return;
+  const std::size_t at_first = pairs.size();
+  const Points before = surface.nodes;
+  std::vector<std::vector<std::int32_t>> neighbours(static_cast<std::size_t>(surface.nodes.rows()));
+  for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k)
+      neighbours[surface.triangles(t, k)].push_back(surface.triangles(t, (k + 1) % 3));
+  std::vector<char> moving(neighbours.size(), 0);
+  for (int round = 0; round < most_rounds && !pairs.empty(); ++round) {
+    for (const auto& pair : pairs)
+      for (const std::int32_t t : pair)
+        for (int k = 0; k < 3; ++k) moving[surface.triangles(t, k)] = 1;
+    if (round % rounds_per_ring == 0) {
+      const std::vector<char> inner = moving;
+      for (std::size_t i = 0; i < inner.size(); ++i)
+        if (inner[i])
+          for (const std::int32_t other : neighbours[i]) moving[other] = 1;
+    }
+    const Points old = surface.nodes;
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      if (!moving[i]) continue;
+      Vector center = Vector::Zero();
+      for (const std::int32_t other : neighbours[i])
+        center += old.row(other) / static_cast<double>(neighbours[i].size());
+      surface.nodes.row(static_cast<Eigen::Index>(i)) = (old.row(static_cast<Eigen::Index>(i)) + center) / 2;
+    }
+    pairs = crossing_triangles(surface);
+  }
+  std::ostringstream text;
+  if (!pairs.empty()) {
+    text << counted(at_first, "pair", "pairs") << " of triangles, first " << pairs[0][0] << " and "
+         << pairs[0][1];
+    throw failure("the surface cuts through itself and smoothing does not untangle it", text.str(),
+                  "repair the surface in the program that made it");
+  }
+  text << "smoothed the surface where it cut through itself (" << counted(at_first, "pair", "pairs")
+       << " of triangles): moved " << std::count(moving.begin(), moving.end(), 1) << " nodes by at most "
+       << (surface.nodes - before).rowwise().norm().maxCoeff() << " m";
+  notes.push_back(text.str());
+}
+
+}  // namespace phynness::meshes
