@@ -1,6 +1,7 @@
 // Lines and tokens of model.txt for the host reader: strict, locale-free, every refusal names file and line.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -78,18 +79,11 @@ class ModelLexer {
   /// Hexadecimal float as std::to_chars writes it, finite.
   double real(std::string_view what) {
     const std::string_view found = token(what);
-    for (const char c : found) {
-      const bool allowed =
-          (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || c == '.' || c == 'p' || c == '-' || c == '+';
-      if (!allowed) malformed(found);
-    }
+    if (!is_hexadecimal_float(found)) malformed(found);
     double value = 0;
     const auto [end, error] =
         std::from_chars(found.data(), found.data() + found.size(), value, std::chars_format::hex);
-    if (error != std::errc{} || end != found.data() + found.size() ||
-        found.find('p') == std::string_view::npos) {
-      malformed(found);
-    }
+    if (error != std::errc{} || end != found.data() + found.size()) malformed(found);
     return value;
   }
 
@@ -102,6 +96,29 @@ class ModelLexer {
   }
 
  private:
+  /// [-]d[.h...]p(+|-)n...: d 0 or 1, up to 13 digits h, up to 4 digits n; 0 leads only zero and subnormal
+  /// numbers.
+  static bool is_hexadecimal_float(std::string_view text) {
+    const auto skip = [&](std::string_view allowed, std::size_t low, std::size_t high) {
+      const std::size_t n = std::min(text.find_first_not_of(allowed), text.size());
+      text.remove_prefix(n);
+      return n >= low && n <= high;
+    };
+    if (text.starts_with('-')) text.remove_prefix(1);
+    const bool subnormal = text.starts_with("0.") && text.find_first_not_of("0.") < text.find('p');
+    const bool zero = text.starts_with('0') && !subnormal;
+    if (!skip("01", 1, 1)) return false;
+    if (text.starts_with('.')) {
+      text.remove_prefix(1);
+      if (!skip("0123456789abcdef", 1, 13)) return false;
+    }
+    if (!text.starts_with("p+") && !text.starts_with("p-")) return false;
+    if (subnormal && text != "p-1022") return false;
+    if (zero && text.find_first_not_of("0", 2) != std::string_view::npos) return false;
+    text.remove_prefix(2);
+    return skip("0123456789", 1, 4) && text.empty();
+  }
+
   [[noreturn]] void malformed(std::string_view found) const {
     if (found.find(',') != std::string_view::npos) {
       refuse("number with a comma: a program with a comma locale wrote this file", found);

@@ -46,11 +46,11 @@ std::int32_t TextReader::integer(std::int32_t low, std::int32_t high) {
   const Token found = token();
   std::int64_t value = 0;
   // Nothing in the format is negative; ten digits cannot overflow 64 bits.
-  if (found.end - found.begin > 10) fail(PHN_ERROR_RANGE);
-  for (const char* c = found.begin; good() && c != found.end; ++c) {
+  for (const char* c = found.begin; c != found.end && good(); ++c) {
     if (*c < '0' || *c > '9') fail(PHN_ERROR_SYNTAX);
-    value = 10 * value + (*c - '0');
+    if (c - found.begin < 10) value = 10 * value + (*c - '0');
   }
+  if (found.end - found.begin > 10) fail(PHN_ERROR_RANGE);
   if (good() && (value < low || value > high)) fail(PHN_ERROR_RANGE);
   return good() ? static_cast<std::int32_t>(value) : 0;
 }

@@ -1,0 +1,61 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace {
+long n_allocations = 0;
+}
+
+// Replaces the allocator of this program: libstdc++'s operator new ends here, too.
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* malloc(std::size_t bytes) {
+  ++n_allocations;
+  return __libc_malloc(bytes);
+}
+void* calloc(std::size_t n, std::size_t bytes) {
+  ++n_allocations;
+  return __libc_calloc(n, bytes);
+}
+}
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+// Claim: from loading to evaluation with several tools the library allocates nothing; the counter is shown to
+// count.
+TEST(Memory, NothingIsAllocated) {
+  const std::string text = write_model_text(small_model());
+  const long at_start = n_allocations;
+  std::vector<char> model_memory(1 << 20), data_memory(1 << 20);
+  ASSERT_GT(n_allocations, at_start);
+  std::size_t bytes = 0;
+  const phn_model* model = nullptr;
+  phn_data* data = nullptr;
+  const std::int32_t tools[] = {3, 5, 8};
+  const double d[] = {0.001, 0.002, 0.003, -0.001, 0, 0, 0.02, 0, 0};
+  double out[36], depth = 0;
+
+  const long before = n_allocations;
+  int worst = phn_model_size(text.data(), text.size(), &bytes);
+  worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model));
+  worst = std::min(worst, phn_data_size(model, 3, &bytes));
+  worst = std::min(worst, phn_data_init(data_memory.data(), bytes, model, 3, &data));
+  worst = std::min(worst, phn_force(model, data, 3, d, out));
+  worst = std::min(worst, phn_deform(model, data, 1, tools, d, out));
+  worst = std::min(worst, phn_deform(model, data, 3, tools, d, out));
+  worst = std::min(worst, phn_trained_depth(model, 3, d, &depth));
+  const long after = n_allocations;
+
+  EXPECT_EQ(worst, 0);
+  EXPECT_EQ(after, before);
+}
+
+}  // namespace

@@ -1,0 +1,111 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
+                 inf = std::numeric_limits<double>::infinity();
+constexpr double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
+
+// Claim: NaN and infinity are refused with zeros; every finite displacement, huge or subnormal, gives finite
+// outputs.
+TEST(EveryInput, NeverNaNOut) {
+  const LoadedModel loaded(write_model_text(small_model()));
+  const double values[] = {nan, inf, -inf, huge, -huge, 1e200, tiny, -tiny, 1e-308, 0.0, -0.0, 0.01};
+  for (const double x : values) {
+    for (const double y : values) {
+      for (const double z : values) {
+        const double d[] = {x, y, z, z, x, y};
+        const bool finite = std::isfinite(x) && std::isfinite(y) && std::isfinite(z);
+        double force[3] = {nan, nan, nan}, depth = nan;
+        const int status = phn_force(loaded.model, loaded.data, 5, d, force);
+        EXPECT_EQ(status < 0, !finite);
+        for (const double f : force) EXPECT_TRUE(finite ? std::isfinite(f) : f == 0);
+        EXPECT_EQ(phn_trained_depth(loaded.model, 5, d, &depth) < 0, !finite);
+        EXPECT_TRUE(std::isfinite(depth));
+        const std::int32_t tools[] = {5, 8};
+        for (const int n_tools : {1, 2}) {
+          Points u = Points::Constant(12, 3, nan);
+          EXPECT_EQ(phn_deform(loaded.model, loaded.data, n_tools, tools, d, u.data()) < 0, !finite);
+          EXPECT_TRUE(u.allFinite());
+          if (!finite) {
+            EXPECT_EQ(u.norm(), 0);
+          }
+        }
+        if (finite && std::abs(x) > 1) {
+          EXPECT_TRUE(status & PHN_WARNING_OUTSIDE);
+        }
+      }
+    }
+  }
+}
+
+// Claim: each misuse has its own status and leaves zeros.
+TEST(EveryInput, MisuseIsNamed) {
+  const std::string text = write_model_text(small_model());
+  const LoadedModel loaded(text, 2), other(text, 2);
+  const double d[9] = {0.001, 0, 0, 0.001, 0, 0, 0.001, 0, 0};
+  double force[3] = {1, 1, 1};
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 4, d, force), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(force[0], 0);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, -1, d, force), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_force(nullptr, loaded.data, 3, d, force), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, nullptr, 3, d, force), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, other.data, 3, d, force), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, nullptr, force), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, nullptr), PHN_ERROR_ARGUMENT);
+  const std::int32_t three[] = {3, 5, 8}, twice[] = {3, 3}, stranger[] = {3, 4};
+  Points u = Points::Ones(12, 3);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 3, three, d, u.data()), PHN_ERROR_TOOLS);
+  EXPECT_EQ(u.norm(), 0);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 2, twice, d, u.data()), PHN_ERROR_SAME_NODE);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 2, stranger, d, u.data()), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, -1, three, d, u.data()), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 1, nullptr, d, u.data()), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_n_nodes(nullptr), 0);
+}
+
+// Claim: memory one byte too small is refused, at any alignment; memory of the stated size suffices at any
+// alignment.
+TEST(EveryInput, SizesSufficeAtAnyAlignment) {
+  const std::string text = write_model_text(small_model());
+  std::size_t bytes = 0;
+  ASSERT_EQ(phn_model_size(text.data(), text.size(), &bytes), PHN_OK);
+  std::vector<char> memory(bytes + 64);
+  for (int shift = 0; shift < 64; ++shift) {
+    const phn_model* model = nullptr;
+    ASSERT_EQ(phn_model_init(memory.data() + shift, bytes, text.data(), text.size(), &model), PHN_OK);
+    std::size_t data_bytes = 0;
+    ASSERT_EQ(phn_data_size(model, 1, &data_bytes), PHN_OK);
+    std::vector<char> data_memory(data_bytes + 1);
+    phn_data* data = nullptr;
+    EXPECT_EQ(phn_data_init(data_memory.data() + shift % 2, data_bytes, model, 1, &data), PHN_OK);
+    EXPECT_EQ(phn_data_init(data_memory.data(), data_bytes - 64, model, 1, &data), PHN_ERROR_BUFFER);
+    EXPECT_EQ(data, nullptr);
+  }
+  for (std::size_t less = 64; less <= bytes; less += 97) {
+    const phn_model* model = nullptr;
+    EXPECT_EQ(phn_model_init(memory.data(), bytes - less, text.data(), text.size(), &model),
+              PHN_ERROR_BUFFER);
+    EXPECT_EQ(model, nullptr);
+  }
+}
+
+// Claim: every status has its own sentence.
+TEST(EveryInput, StatusesHaveWords) {
+  std::vector<std::string> messages;
+  for (const int status : {0, 1, 2, 3, -1, -2, -3, -4, -5, -6, -10, -11, -12, -13, -14, -15, -16, -99}) {
+    for (const std::string& other : messages) EXPECT_NE(other, phn_status_message(status));
+    messages.push_back(phn_status_message(status));
+  }
+}
+
+}  // namespace

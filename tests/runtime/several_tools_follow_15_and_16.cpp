@@ -1,0 +1,97 @@
+#include <gtest/gtest.h>
+
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+const std::vector<std::int32_t> tools = {3, 8, 15};
+const double displacements[] = {0.004, 0.001, 0, 0, -0.006, 0.002, 0.003, 0.003, -0.001};
+
+Points deform(const LoadedModel& loaded, int n_tools, const std::int32_t* nodes, const double* d) {
+  Points u(phn_n_output(loaded.model), 3);
+  EXPECT_GE(phn_deform(loaded.model, loaded.data, n_tools, nodes, d, u.data()), 0);
+  return u;
+}
+
+// Claim: away from the touched nodes the field is sum Theta_I U_I with Theta_I of (16), here computed as
+// printed; U_I is the field of tool I alone. 1e-13 relative is rounding of a weighted sum.
+TEST(SeveralTools, FieldIsTheWeightedSum) {
+  const Model model = small_model();
+  const LoadedModel loaded(write_model_text(model));
+  const Points u = deform(loaded, 3, tools.data(), displacements);
+  for (Eigen::Index o = 0; o < u.rows(); ++o) {
+    Eigen::RowVector3d expected(0, 0, 0);
+    double sum = 0;
+    bool touched = false;
+    for (int t = 0; t < 3; ++t) {
+      const ActiveNodeModel& node = model.nodes[t == 0 ? 0 : t + 1];
+      const Eigen::RowVector3d x(node.point[0], node.point[1], node.point[2]);
+      const double distance = (model.output_points.row(o) - x).norm();
+      touched = touched || distance == 0;
+      sum += 1 / distance;
+      expected += 1 / distance * deform(loaded, 1, &tools[t], displacements + 3 * t).row(o);
+    }
+    if (!touched) {
+      EXPECT_LT((u.row(o) - expected / sum).norm(), 1e-13 * u.norm());
+    }
+  }
+}
+
+// Claim: where (16) is singular, at a touched node, that node takes exactly its own displacement.
+TEST(SeveralTools, TouchedNodesFollowExactly) {
+  const LoadedModel loaded(write_model_text(small_model()));
+  const Points u = deform(loaded, 3, tools.data(), displacements);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(u(3 - 2, k), displacements[k]);
+    EXPECT_EQ(u(8 - 2, k), displacements[3 + k]);
+  }
+}
+
+// Claim: the weights are a partition of unity. Networks that give the same constant field for every tool must
+// give that constant for all tools together; 1e-15 is one rounding of a number of order 1e-2.
+TEST(SeveralTools, WeightsSumToOne) {
+  Model model = small_model(0, 0);
+  for (ActiveNodeModel& node : model.nodes) {
+    node.deformation.bias.setZero();
+    node.deformation.output_center = Eigen::Vector3d(0.01, -0.02, 0.03);
+    node.prescribed = {19};
+    node.prescribed_weight = {1};
+  }
+  const LoadedModel loaded(write_model_text(model));
+  const Points u = deform(loaded, 3, tools.data(), displacements);
+  for (Eigen::Index o = 0; o < u.rows(); ++o) {
+    if (o == 3 - 2 || o == 8 - 2) continue;
+    EXPECT_LT((u.row(o) - Eigen::RowVector3d(0.01, -0.02, 0.03)).norm(), 1e-15);
+  }
+}
+
+// Claim: the order of the tools does not matter beyond rounding of the sums.
+TEST(SeveralTools, OrderDoesNotMatter) {
+  const LoadedModel loaded(write_model_text(small_model()));
+  const std::int32_t reversed[] = {15, 8, 3};
+  const double d[] = {0.003, 0.003, -0.001, 0, -0.006, 0.002, 0.004, 0.001, 0};
+  const Points u = deform(loaded, 3, tools.data(), displacements);
+  EXPECT_LT((u - deform(loaded, 3, reversed, d)).norm(), 1e-14 * u.norm());
+}
+
+// Claim: two nodes at one place (the lips of a slit) share the weight there instead of dividing by zero.
+TEST(SeveralTools, CoincidentNodesAreDefined) {
+  Model model = small_model(0, 0);
+  model.nodes[1].point = model.nodes[0].point;
+  model.output_points.row(3) = model.output_points.row(1);
+  const LoadedModel loaded(write_model_text(model));
+  const std::int32_t pair[] = {3, 5};
+  EXPECT_TRUE(deform(loaded, 2, pair, displacements).allFinite());
+}
+
+// Claim: no tool, no displacement.
+TEST(SeveralTools, NoToolLeavesTheObjectAtRest) {
+  const LoadedModel loaded(write_model_text(small_model()));
+  EXPECT_EQ(deform(loaded, 0, nullptr, nullptr).norm(), 0);
+}
+
+}  // namespace

@@ -1,0 +1,94 @@
+// A model small enough to damage byte by byte, with everything that the format can hold: several active
+// nodes, a patch, failed and missing directions, networks of different sizes.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <phynness/formats/model.hpp>
+
+namespace phynness::test {
+
+/// Repeatable numbers in [-1, 1].
+class Numbers {
+ public:
+  double next() {
+    _state = _state * 6364136223846793005ULL + 1442695040888963407ULL;
+    return static_cast<double>(_state >> 11) * 0x1p-52 - 1;
+  }
+
+ private:
+  std::uint64_t _state = 42;
+};
+
+inline RbfNetwork random_network(const Model& model, int n_neurons, bool deforms, Numbers& numbers) {
+  RbfNetwork net;
+  const int n_inputs = deforms ? 6 : 3;
+  net.input_center.resize(n_inputs);
+  net.input_half_range.resize(n_inputs);
+  for (int k = 0; k < n_inputs; ++k) {
+    net.input_center[k] = 0.001 * numbers.next();
+    net.input_half_range[k] = (k < 3 ? 0.01 : 0.05) * (1 + 0.1 * numbers.next());
+  }
+  net.output_center = Eigen::Vector3d(numbers.next(), numbers.next(), numbers.next()) * 0.001;
+  net.output_half_range =
+      Eigen::Vector3d(1.1 + numbers.next(), 1.1 + numbers.next(), 1.1 + numbers.next()) * 0.01;
+  net.spread = 0.8;
+  net.bias = Eigen::Vector3d(numbers.next(), numbers.next(), numbers.next());
+  net.weights.resize(n_neurons, 3);
+  for (int i = 0; i < n_neurons; ++i) {
+    net.center_displacement.push_back(i % static_cast<int>(model.displacements.rows()));
+    if (deforms) net.center_output.push_back((3 * i + 1) % static_cast<int>(model.output.size()));
+    for (int k = 0; k < 3; ++k) net.weights(i, k) = 3 * numbers.next();
+  }
+  fill_centers(model, net);
+  return net;
+}
+
+/// 20 mesh nodes; fixed 0, 1; output 2 ... 13; active 3, 5, 8 (a patch with 7 and 9) and 15, which is no
+/// output node.
+inline Model small_model(int n_deformation = 9, int n_force = 5) {
+  Numbers numbers;
+  Model model;
+  model.title = "small, for tests";
+  model.mesh_hash = "0123456789abcdef";
+  model.physics_hash = "fedcba9876543210";
+  model.software_version = "test";
+  const double s = 1 / std::sqrt(2.0);
+  model.directions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-s, 0, -s}};
+  model.max_displacement_m = 0.01;
+  model.displacements.resize(8, 3);
+  for (int i = 0; i < 8; ++i) {
+    for (int k = 0; k < 3; ++k)
+      model.displacements(i, k) = (i % 2 == 0 ? 0.005 : 0.01) * model.directions[i / 2][k];
+  }
+  model.n_mesh_nodes = 20;
+  model.fixed = {0, 1};
+  model.output_points.resize(12, 3);
+  for (int i = 0; i < 12; ++i) {
+    model.output.push_back(i + 2);
+    for (int k = 0; k < 3; ++k) model.output_points(i, k) = 0.05 * numbers.next();
+  }
+  for (const std::int32_t number : {3, 5, 8, 15}) {
+    ActiveNodeModel& node = model.nodes.emplace_back();
+    node.node = number;
+    for (int k = 0; k < 3; ++k) {
+      node.point[k] = number < 14 ? model.output_points(number - 2, k) : 0.05 * numbers.next();
+    }
+    node.prescribed = {number};
+    node.prescribed_weight = {1};
+    if (number == 8) {
+      node.prescribed = {7, 8, 9};
+      node.prescribed_weight = {0.25, 1, 0.5};
+    }
+    node.trained_depth_m = {0.01, 0.01, 0.01, 0.01};
+    if (number == 5) {
+      node.trained_depth_m[1] = 0.005;
+      node.n_incomplete = 1;
+    }
+    node.force = random_network(model, n_force, false, numbers);
+    node.deformation = random_network(model, n_deformation, true, numbers);
+  }
+  return model;
+}
+
+}  // namespace phynness::test
