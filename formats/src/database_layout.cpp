@@ -11,8 +11,10 @@ const char* const format_name = "phynness database";
 template <class T>
 void write_array(hdf5::File& file, const char* name, const hdf5::Shape& shape, const T* values,
                  const char* unit, const char* description) {
-  file.create_dataset(name, hdf5::Type<T>::stored(), shape, {}, unit, description);
-  if (std::find(shape.begin(), shape.end(), hsize_t{0}) == shape.end()) file.write(name, values);
+  // One chunk, so that it has a checksum.
+  const bool empty = std::find(shape.begin(), shape.end(), hsize_t{0}) != shape.end();
+  file.create_dataset(name, hdf5::Type<T>::stored(), shape, empty ? hdf5::Shape{} : shape, unit, description);
+  if (!empty) file.write(name, values);
 }
 
 void write_set(hdf5::File& file, const char* name, const std::vector<std::int32_t>& nodes,

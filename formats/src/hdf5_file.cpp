@@ -1,6 +1,11 @@
 #include "hdf5_file.hpp"
 
+#include <cerrno>
+#include <fstream>
 #include <phynness/formats/error.hpp>
+#include <system_error>
+
+#include "hdf5_steady_driver.hpp"
 
 namespace phynness::hdf5 {
 namespace {
@@ -14,6 +19,13 @@ Handle text_type() {
   H5Tset_size(type.id(), H5T_VARIABLE);
   H5Tset_cset(type.id(), H5T_CSET_UTF8);
   return type;
+}
+
+/// Without the times of writing, the same responses make the same file.
+Handle without_times(hid_t kind) {
+  Handle properties(H5Pcreate(kind), H5Pclose);
+  H5Pset_obj_track_times(properties.id(), false);
+  return properties;
 }
 
 Handle scalar_space() { return {H5Screate(H5S_SCALAR), H5Sclose}; }
@@ -46,6 +58,9 @@ std::string last_message() {
 
 void File::fail(const std::string& what) const {
   const std::string said = last_message();
+  if (const int code = _writing ? write_error() : 0)
+    throw failure("cannot write the database " + _path.string(), std::generic_category().message(code),
+                  not_written);
   if (_writing)
     throw failure("cannot write the database " + _path.string() + " (" + what + ")", said, not_written);
   throw input_error("cannot read the database " + _path.string() + " (" + what + ")", said, damaged);
@@ -54,7 +69,19 @@ void File::fail(const std::string& what) const {
 File File::create(const std::filesystem::path& path) {
   const Quiet quiet;
   File file({}, path, true);
-  file._file = Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  forget_write_error();
+  // The 1.10 format, unlike older ones, keeps checksums of everything but data; data has fletcher32.
+  if (!std::ofstream(path, std::ios::binary)) {
+    const int code = errno;
+    throw failure("cannot create the database " + path.string(), std::generic_category().message(code),
+                  not_written);
+  }
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  file.check(access.id(), "creating the file");
+  file.check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110), "creating the file");
+  file.check(use_steady_driver(access.id(), path.c_str()), "choosing the file driver");
+  const Handle creation = without_times(H5P_FILE_CREATE);
+  file._file = Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose);
   file.check(file._file.id(), "creating the file");
   return file;
 }
@@ -82,14 +109,22 @@ File File::open(const std::filesystem::path& path) {
   return file;
 }
 
+File::~File() {
+  const Quiet quiet;
+  _file.reset();
+}
+
 void File::close() {
   const Quiet quiet;
-  if (_file.id() >= 0) check(H5Fclose(_file.release()), "closing the file");
+  if (_file.id() < 0) return;
+  if (_writing) check(H5Fflush(_file.id(), H5F_SCOPE_GLOBAL), "flushing the file");
+  check(_file.close(), "closing the file");
 }
 
 void File::create_group(const std::string& name) {
   const Quiet quiet;
-  Handle group(H5Gcreate2(_file.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const Handle properties = without_times(H5P_GROUP_CREATE);
+  Handle group(H5Gcreate2(_file.id(), name.c_str(), H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Gclose);
   check(group.id(), name);
 }
 
@@ -103,7 +138,7 @@ void File::create_dataset(const std::string& name, hid_t stored_type, const Shap
   const Quiet quiet;
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
   check(space.id(), name);
-  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const Handle properties = without_times(H5P_DATASET_CREATE);
   check(properties.id(), name);
   if (!chunk.empty()) {
     // Level 2: higher levels cost several times the CPU for a few per cent on floating-point data.
@@ -154,7 +189,9 @@ std::size_t File::check_shape(const std::string& name, const Shape& expected) co
 
 void File::write_raw(const std::string& name, hid_t type, const void* values) {
   const Quiet quiet;
-  check(H5Dwrite(open_dataset(name).id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name);
+  Handle dataset = open_dataset(name);
+  check(H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name);
+  check(dataset.close(), name);
 }
 
 void File::read_raw(const std::string& name, hid_t type, void* values) const {
@@ -165,7 +202,7 @@ void File::read_raw(const std::string& name, hid_t type, void* values) const {
 void File::slab(const std::string& name, hsize_t first, hsize_t count, hid_t type, void* values,
                 bool write) const {
   const Quiet quiet;
-  const Handle dataset = open_dataset(name);
+  Handle dataset = open_dataset(name);
   Shape extent = shape(name), start(extent.size(), 0);
   extent[0] = count;
   start[0] = first;
@@ -175,6 +212,7 @@ void File::slab(const std::string& name, hsize_t first, hsize_t count, hid_t typ
   check(write ? H5Dwrite(dataset.id(), type, memory.id(), space.id(), H5P_DEFAULT, values)
               : H5Dread(dataset.id(), type, memory.id(), space.id(), H5P_DEFAULT, values),
         name + ", entry " + std::to_string(first));
+  check(dataset.close(), name);
 }
 
 void File::write_attribute(const std::string& object, const std::string& name, const std::string& text) {
@@ -237,13 +275,14 @@ std::int32_t File::read_int_attribute(const std::string& object, const std::stri
 
 void File::write_text(const std::string& name, const std::string& text, const std::string& description) {
   const Quiet quiet;
-  const Handle type = text_type(), space = scalar_space();
-  const Handle dataset(
-      H5Dcreate2(_file.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+  const Handle type = text_type(), space = scalar_space(), properties = without_times(H5P_DATASET_CREATE);
+  Handle dataset(
+      H5Dcreate2(_file.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
       H5Dclose);
   check(dataset.id(), name);
   const char* value = text.c_str();
   check(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, &value), name);
+  check(dataset.close(), name);
   write_attribute(name, "unit", "1");
   write_attribute(name, "description", description);
 }

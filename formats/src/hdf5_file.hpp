@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "hdf5_steady_driver.hpp"
+
 namespace phynness::hdf5 {
 
 /// While one lives, HDF5 prints nothing: what it has to say goes into our errors. The setting is the whole
@@ -44,8 +46,8 @@ class Handle {
     if (_id >= 0) _close(_id);
     _id = -1;
   }
-  /// Gives the identifier away, for a close whose code matters.
-  hid_t release() { return std::exchange(_id, -1); }
+  /// Closes where the code matters: data may be written only now.
+  herr_t close() { return _id < 0 ? 0 : _close(std::exchange(_id, -1)); }
 
  private:
   hid_t _id = -1;
@@ -90,6 +92,10 @@ class File {
   static File create(const std::filesystem::path& path);
   /// @throws Error if the file is missing, no HDF5 file, or truncated: each its own message
   static File open(const std::filesystem::path& path);
+
+  ~File();
+  File(File&&) noexcept = default;
+  File& operator=(File&&) noexcept = default;
 
   /// Closes and reports what closing had to say; the destructor cannot.
   void close();
@@ -143,7 +149,7 @@ class File {
   [[noreturn]] void fail(const std::string& what) const;
   template <class Code>
   Code check(Code code, const std::string& what) const {
-    if (code < 0) fail(what);
+    if (code < 0 || (_writing && write_error() != 0)) fail(what);
     return code;
   }
   Handle open_dataset(const std::string& name) const;

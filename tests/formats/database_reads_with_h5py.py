@@ -1,0 +1,69 @@
+"""Claim: a database reads in h5py as formats/database.md says: paths, shapes, types, units, outcomes by name.
+
+Usage: database_reads_with_h5py.py PROGRAM, where PROGRAM FILE writes a database to FILE.
+Exit status 77: h5py is not there, skipped.
+"""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+try:
+    import h5py
+    import numpy as np
+except ImportError as error:
+    print("skipped:", error)
+    sys.exit(77)
+
+program, document = sys.argv[1], pathlib.Path(sys.argv[2]).read_text()
+
+with tempfile.TemporaryDirectory() as folder:
+    path = os.path.join(folder, "database.h5")
+    subprocess.run([program, path], check=True)
+    with h5py.File(path) as f:
+        attributes = dict(f.attrs)
+        assert attributes["format"] == "phynness database", attributes
+        assert attributes["complete"] == 1 and attributes["format_version"] == 1
+        assert re.fullmatch("[0-9a-f]{16}", attributes["physics_hash"])
+        assert re.fullmatch("[0-9a-f]{16}", attributes["mesh_hash"])
+        assert "c10_Pa" in f["scene"].asstr()[()]
+
+        A, D, I, O = (len(f[x]) for x in ("sets/active", "directions", "magnitudes", "sets/output"))
+        expected = {
+            "status": ("int8", "1", ()), "force": ("float64", "N", (3,)), "energy": ("float64", "J", ()),
+            "displacement": ("float64", "m", (O, 3)), "tangent": ("float64", "N/m", (3, 3)),
+            "negative_pivots": ("int32", "1", ()), "iterations": ("int32", "1", ()), "cutbacks": ("int32", "1", ()),
+            "min_jacobian": ("float64", "1", ()), "seconds": ("float64", "s", ()),
+        }
+        assert set(f["responses"]) == set(expected)
+        for name, (dtype, unit, tail) in expected.items():
+            data = f["responses"][name]
+            assert data.shape == (A, D, I) + tail, name
+            assert data.dtype == dtype and data.attrs["unit"] == unit, name
+
+        documented = set(re.findall(r"^\| `(/[a-z_/]+[a-z])`", document, re.M))
+        def check(name, item):
+            if isinstance(item, h5py.Dataset):
+                assert item.attrs["unit"] and item.attrs["description"], name
+                assert "/" + name in documented or name.startswith("mesh/groups/"), name
+        f.visititems(check)
+        assert {x.lstrip("/") for x in documented if x != "/mesh/groups"} <= {
+            *[k for k in ("scene", "directions", "magnitudes")],
+            *["mesh/" + k for k in f["mesh"]], *["sets/" + k for k in f["sets"]],
+            *["responses/" + k for k in f["responses"]]}, documented
+
+        meaning = dict(zip(f["responses/status"].attrs["flag_values"],
+                           f["responses/status"].attrs["flag_meanings"].split()))
+        for value, name in meaning.items():
+            assert f"| {value} | `{name}` |" in document, (value, name)
+        # The writer fails every third ray at its last increment.
+        status = f["responses/status"][...]
+        a, d = np.meshgrid(range(A), range(D), indexing="ij")
+        assert ((status[:, :, -1] == -1) == ((a + d) % 3 == 0)).all()
+        assert meaning[-1] == "inverted"
+        assert np.allclose(np.linalg.norm(f["directions"][...], axis=1), 1, atol=1e-15)
+        assert np.isfinite(f["responses/displacement"][...]).all()
+print("read", A * D, "rays")

@@ -1,0 +1,173 @@
+// Claims: what is appended is what is read, bit for bit (float32 displacements: rounded once, to nearest); it
+// does not matter how the rays were spread over logs; the summary counts what is there.
+#include <cstring>
+
+#include "database_under_test.hpp"
+
+namespace phynness::test {
+namespace {
+
+class RoundTrip : public DatabaseTest {};
+
+void expect_same(const Ray& found, const Ray& expected, bool float64) {
+  EXPECT_EQ(found.active, expected.active);
+  EXPECT_EQ(found.direction, expected.direction);
+  EXPECT_EQ(found.status, expected.status);
+  EXPECT_EQ(found.force, expected.force);
+  EXPECT_EQ(found.energy, expected.energy);
+  EXPECT_EQ(found.tangent, expected.tangent);
+  EXPECT_EQ(found.negative_pivots, expected.negative_pivots);
+  EXPECT_EQ(found.iterations, expected.iterations);
+  EXPECT_EQ(found.cutbacks, expected.cutbacks);
+  EXPECT_EQ(found.min_jacobian, expected.min_jacobian);
+  EXPECT_EQ(found.seconds, expected.seconds);
+  ASSERT_EQ(found.displacement.size(), expected.displacement.size());
+  for (std::size_t i = 0; i < expected.displacement.size(); ++i) {
+    const double u = expected.displacement[i];
+    EXPECT_EQ(found.displacement[i], float64 ? u : static_cast<double>(static_cast<float>(u)));
+  }
+}
+
+void expect_round_trip(const fs::path& file, const DatabaseHeader& header) {
+  const Database database = Database::open(file);
+  const auto rays = all_rays(header);
+  std::size_t next = 0;
+  for (std::int32_t active = 0; active < 3; ++active)
+    for (const Ray& ray : database.rays(active)) expect_same(ray, rays[next++], header.float64);
+  EXPECT_EQ(next, rays.size());
+}
+
+TEST_F(RoundTrip, is_exact_with_float64) {
+  const auto header = small_header(true);
+  write_logs(header);
+  DatabaseWriter::pack(file, header);
+  expect_round_trip(file, header);
+  EXPECT_FALSE(fs::exists(log));
+  EXPECT_FALSE(fs::exists(file.string() + ".packing"));
+  EXPECT_FALSE(fs::exists(file.string() + ".tmp"));
+}
+
+TEST_F(RoundTrip, rounds_displacements_once_with_float32) {
+  const auto header = small_header(false);
+  write_logs(header);
+  DatabaseWriter::pack(file, header);
+  expect_round_trip(file, header);
+}
+
+TEST_F(RoundTrip, works_without_tangents) {
+  auto header = small_header(true);
+  header.tangents = false;
+  write_logs(header);
+  DatabaseWriter::pack(file, header);
+  expect_round_trip(file, header);
+}
+
+TEST_F(RoundTrip, keeps_the_header) {
+  const auto header = small_header(true);
+  write_logs(header);
+  EXPECT_FALSE(Database::is_complete(file));
+  const auto unfinished = read_database_header(file);
+  DatabaseWriter::pack(file, header);
+  EXPECT_TRUE(Database::is_complete(file));
+  const Database database = Database::open(file);
+  for (const DatabaseHeader* h : {&unfinished, &database.header()}) {
+    EXPECT_EQ(h->mesh.nodes, header.mesh.nodes);
+    EXPECT_EQ(h->mesh.cells, header.mesh.cells);
+    EXPECT_EQ(h->mesh.surface, header.mesh.surface);
+    EXPECT_EQ(h->mesh.groups, header.mesh.groups);
+    EXPECT_EQ(h->sets.fixed, header.sets.fixed);
+    EXPECT_EQ(h->sets.active, header.sets.active);
+    EXPECT_EQ(h->sets.output, header.sets.output);
+    EXPECT_EQ(h->directions, header.directions);
+    EXPECT_EQ(h->magnitudes_m, header.magnitudes_m);
+    EXPECT_EQ(h->tangents, header.tangents);
+    EXPECT_EQ(h->float64, header.float64);
+    EXPECT_EQ(h->scene_text, header.scene_text);
+    EXPECT_EQ(h->scene_name, header.scene_name);
+    EXPECT_EQ(h->scene_folder, header.scene_folder);
+    EXPECT_EQ(h->software_version, header.software_version);
+    EXPECT_EQ(h->mesh_hash, mesh_hash(header.mesh));
+    EXPECT_EQ(h->physics_hash, physics_hash(parse_scene(header.scene_text, "", ".")));
+  }
+}
+
+TEST_F(RoundTrip, holds_scenes_beyond_the_64_kB_of_an_attribute) {
+  const auto header = small_header(true, database_scene + "# " + std::string(200'000, 'x') + "\n");
+  write_logs(header);
+  EXPECT_EQ(read_database_header(file).scene_text, header.scene_text);
+}
+
+TEST_F(RoundTrip, does_not_depend_on_the_number_of_logs) {
+  const auto header = small_header(true);
+  std::vector<std::vector<char>> files;
+  for (int n_logs : {1, 2, 4}) {
+    write_logs(header, n_logs);
+    DatabaseWriter::pack(file, header);
+    expect_round_trip(file, header);
+    files.push_back(bytes_of(file));
+    fs::remove(file);
+  }
+  ASSERT_FALSE(files[0].empty());
+  // No time stamps are stored, so even the files agree.
+  EXPECT_EQ(files[0], files[1]);
+  EXPECT_EQ(files[0], files[2]);
+}
+
+TEST_F(RoundTrip, spans_many_chunks) {
+  auto header = small_header(false);
+  // 150 directions x 40 increments x 3 components of force exceed a chunk, so each active node has its own.
+  header.directions.assign(150, Vec3{1, 0, 0});
+  header.magnitudes_m.clear();
+  for (int i = 1; i <= 40; ++i) header.magnitudes_m.push_back(0.001 * i);
+  write_logs(header, 2);
+  DatabaseWriter::pack(file, header);
+  expect_round_trip(file, header);
+}
+
+TEST_F(RoundTrip, statuses_and_summary_count_what_is_there) {
+  const auto header = small_header(true);
+  write_logs(header);
+  DatabaseWriter::pack(file, header);
+  const Database database = Database::open(file);
+  const auto statuses = database.statuses();
+  DatabaseSummary expected;
+  expected.min_jacobian = 1e300;
+  std::size_t at = 0;
+  for (const Ray& ray : all_rays(header)) {
+    ++expected.rays;
+    expected.failed_rays += ray.status.back() != Status::converged;
+    for (std::size_t i = 0; i < ray.status.size(); ++i) {
+      EXPECT_EQ(statuses.at(at++), ray.status[i]);
+      ++expected.states[ray.status[i]];
+      expected.newton_iterations += ray.iterations[i];
+      expected.seconds += ray.seconds[i];
+      if (ray.status[i] != Status::converged) continue;
+      expected.unstable_states += ray.negative_pivots[i] > 0;
+      expected.min_jacobian = std::min(expected.min_jacobian, ray.min_jacobian[i]);
+    }
+  }
+  const auto summary = summarize(database);
+  EXPECT_EQ(summary.states, expected.states);
+  EXPECT_EQ(summary.rays, expected.rays);
+  EXPECT_EQ(summary.failed_rays, expected.failed_rays);
+  EXPECT_EQ(summary.newton_iterations, expected.newton_iterations);
+  EXPECT_EQ(summary.unstable_states, expected.unstable_states);
+  EXPECT_DOUBLE_EQ(summary.seconds, expected.seconds);
+  EXPECT_EQ(summary.min_jacobian, expected.min_jacobian);
+}
+
+TEST_F(RoundTrip, knows_every_status_by_name) {
+  for (int code : {0, 1, 2, -1, -2, -3, -4, -5}) EXPECT_STRNE(name(static_cast<Status>(code)), "unknown");
+}
+
+TEST_F(RoundTrip, refuses_an_active_node_it_does_not_have) {
+  const auto header = small_header(true);
+  write_logs(header);
+  DatabaseWriter::pack(file, header);
+  const Database database = Database::open(file);
+  expect_contains(refusal([&] { database.rays(3); }), {"3", "0 to 2"});
+  expect_contains(refusal([&] { database.rays(-1); }), {"-1"});
+}
+
+}  // namespace
+}  // namespace phynness::test
