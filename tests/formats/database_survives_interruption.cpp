@@ -38,10 +38,9 @@ TEST_F(Interruption, at_any_byte_of_the_last_record_loses_that_record_only) {
     fs::remove(file);
     return bytes;
   }();
+  DatabaseWriter::create(file, header, false);
   for (std::size_t cut = 1; cut <= record; ++cut) {
-    DatabaseWriter::create(file, header, false);
     write_bytes(first_log, {whole.begin(), whole.end() - static_cast<std::ptrdiff_t>(cut)});
-    DatabaseWriter::create(file, header, true);
     const auto flags = DatabaseWriter::logged(file, header);
     ASSERT_EQ(rays_in(flags), static_cast<std::ptrdiff_t>(rays.size()) - 1) << cut;
     ASSERT_EQ(flags.back(), 0);
@@ -54,12 +53,9 @@ TEST_F(Interruption, at_any_byte_of_the_last_record_loses_that_record_only) {
     } else {
       ASSERT_TRUE(progress.damage.empty());
     }
-    // Packing everything for each cut would take long and show the same.
-    if (cut % 97 != 1 && cut != record) {
-      fs::remove_all(log);
-      fs::remove(file);
-      continue;
-    }
+    // Packing after every cut would take long and show the same.
+    if (cut % 397 != 1 && cut != record) continue;
+    DatabaseWriter::create(file, header, true);
     expect_contains(refusal([&] { DatabaseWriter::pack(file, header); }, Error::Kind::failure),
                     {"1 of 21", "--resume"});
     DatabaseWriter again(file, header, 0);
@@ -69,6 +65,7 @@ TEST_F(Interruption, at_any_byte_of_the_last_record_loses_that_record_only) {
     DatabaseWriter::pack(file, header);
     ASSERT_EQ(bytes_of(file), packed_whole) << cut;
     fs::remove(file);
+    DatabaseWriter::create(file, header, false);
   }
 }
 
