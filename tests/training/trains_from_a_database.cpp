@@ -1,0 +1,119 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <filesystem>
+#include <random>
+
+#include "small_responses.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+std::string scene(const std::string& probe) {
+  return "title = \"small\"\n[mesh]\nshape = \"block\"\n[material]\nlaw = \"neo-hookean\"\nc10_Pa = 250.0\n"
+         "bulk_modulus_Pa = 1e4\n[nodes]\nfixed = { nodes = [1] }\n[probe]\nmax_displacement_m = "
+         "0.012\nincrements = 4\n" +
+         probe;
+}
+
+/// The small response set as a file that the test removes.
+class FromDatabase : public testing::Test {
+ protected:
+  void write(const std::string& probe) {
+    header = small_header();
+    header.mesh.cells.resize(n_nodes / 4, 4);
+    for (int i = 0; i < n_nodes; ++i) header.mesh.cells(i / 4, i % 4) = i;
+    for (Eigen::Index c = 0; c < header.mesh.cells.rows(); ++c) {
+      Eigen::Matrix3d edges;
+      for (int k = 0; k < 3; ++k) {
+        edges.col(k) = header.mesh.nodes.row(header.mesh.cells(c, k + 1)) -
+                       header.mesh.nodes.row(header.mesh.cells(c, 0));
+      }
+      if (edges.determinant() < 0) {
+        std::swap(header.mesh.cells(c, 2), header.mesh.cells(c, 3));
+      }
+    }
+    header.mesh.surface = boundary_triangles(header.mesh.cells);
+    header.mesh_hash = mesh_hash(header.mesh);
+    header.physics_hash.clear();
+    header.float64 = true;
+    header.sets.fixed = {1};
+    header.sets.output.erase(header.sets.output.begin() + 1);
+    header.scene_text = scene(probe);
+    header.scene_name = "small.toml";
+    header.scene_folder = "/";
+    DatabaseWriter::create(file, header, false);
+    {
+      DatabaseWriter writer(file, header, 0);
+      for (std::int32_t active = 0; active < static_cast<std::int32_t>(header.sets.active.size()); ++active) {
+        for (Ray ray : small_rays(header, active)) {
+          ray.energy.assign(n_increments, 0);
+          ray.negative_pivots.assign(n_increments, 0);
+          ray.iterations = ray.cutbacks = ray.negative_pivots;
+          ray.min_jacobian.assign(n_increments, 1);
+          ray.seconds.assign(n_increments, 0);
+          writer.append(ray);
+        }
+      }
+    }
+    DatabaseWriter::pack(file, header);
+  }
+  ~FromDatabase() override {
+    std::filesystem::remove(file);
+    std::filesystem::remove_all(file.string() + ".log");
+  }
+
+  std::filesystem::path file = std::filesystem::temp_directory_path() /
+                               ("phynness_training_" + std::to_string(std::random_device{}()) + ".h5");
+  DatabaseHeader header;
+};
+
+// Claim: what is trained from the file is what is trained from the same arrays, to the last bit, on two
+// threads that share the file.
+TEST_F(FromDatabase, EqualsTrainingFromArrays) {
+  write("");
+  const Database database = Database::open(file);
+  TrainingReport report;
+  const Model model = train(database, small_spec(), report, {}, 2);
+  ResponseSource source = source_of(header);
+  source.header = &database.header();
+  EXPECT_EQ(write_model_text(model), write_model_text(train(source, small_spec(), report, {}, 1)));
+  EXPECT_EQ(model.title, "small");
+  EXPECT_EQ(model.mesh_hash, header.mesh_hash);
+  for (const ActiveNodeModel& node : model.nodes)
+    EXPECT_EQ(node.prescribed, std::vector<std::int32_t>{node.node});
+}
+
+// Claim: a patch probe's own nodes are those on the surface within the tool's radius, fixed ones left out,
+// each with the weight (1 - (s / radius)^2)^2, and exactly 1 at the touched node.
+TEST_F(FromDatabase, PatchNodesAreKnownFromTheScene) {
+  const double radius = 0.025;
+  write("kind = \"patch\"\ntool_radius_m = 0.025\n");
+  const Database database = Database::open(file);
+  TrainingReport report;
+  const Model model = train(database, small_spec(), report);
+  std::size_t n_others = 0;
+  for (const ActiveNodeModel& node : model.nodes) {
+    std::size_t n_expected = 0;
+    for (std::int32_t i = 0; i < n_nodes; ++i) {
+      const double s = (header.mesh.nodes.row(i) - header.mesh.nodes.row(node.node)).norm();
+      const auto at = std::find(node.prescribed.begin(), node.prescribed.end(), i);
+      ASSERT_EQ(at != node.prescribed.end(), s < radius && i != 1) << "node " << i;
+      if (at == node.prescribed.end()) continue;
+      ++n_expected;
+      const double weight = node.prescribed_weight[at - node.prescribed.begin()];
+      if (i == node.node) {
+        EXPECT_EQ(weight, 1);
+      } else {
+        EXPECT_NEAR(weight, std::pow(1 - s * s / (radius * radius), 2), 1e-14);
+        ++n_others;
+      }
+    }
+    EXPECT_EQ(n_expected, node.prescribed.size());
+  }
+  EXPECT_GT(n_others, 10u);
+}
+
+}  // namespace
