@@ -9,7 +9,8 @@ std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, dou
     if (fixed[p] || !body.on_surface(p)) continue;
     if (kind == ProbeKind::patch) {
       const double s2 = (body.points().row(p) - body.points().row(node)).squaredNorm() / (radius * radius);
-      if (s2 < 1) weights[p] = (1 - s2) * (1 - s2);
+      // Points on the rim stay free whichever way rounding goes: to hold them at 0 is another scene.
+      if (s2 < 1 - 1e-9) weights[p] = (1 - s2) * (1 - s2);
     } else if (p >= body.n_nodes()) {
       const auto [a, b] = body.edge(p);
       if (a == node || b == node) weights[p] = 0.5;
