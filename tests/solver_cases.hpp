@@ -25,6 +25,10 @@ inline std::string str(const Case& c) {
 inline std::ostream& operator<<(std::ostream& out, const Case& c) { return out << str(c); }
 inline std::string case_name(const ::testing::TestParamInfo<Case>& info) { return str(info.param); }
 
+inline std::string element_name(const ::testing::TestParamInfo<Element>& info) {
+  return case_name({{Law::linear, info.param}, 0}).substr(std::string("linear_").size());
+}
+
 inline constexpr Element every_element[] = {Element::p1, Element::p2, Element::taylor_hood, Element::p1_p1};
 inline constexpr Law nonlinear_laws[] = {Law::st_venant_kirchhoff, Law::neo_hookean, Law::mooney_rivlin};
 

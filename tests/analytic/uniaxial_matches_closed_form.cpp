@@ -84,13 +84,7 @@ TEST_P(UniaxialOfElement, HookeanBarTakesPoissonsRatio) {
   EXPECT_LT(deviation(hookean(Law::linear, 1, 0.3), GetParam(), 2, 0.2, 1.2, 1 - 0.3 * 0.2), tolerance);
 }
 
-INSTANTIATE_TEST_SUITE_P(Elements, UniaxialOfElement, ::testing::ValuesIn(every_element),
-                         [](const auto& info) {
-                           return info.param == Element::p1            ? "p1"
-                                  : info.param == Element::p2          ? "p2"
-                                  : info.param == Element::taylor_hood ? "taylor_hood"
-                                                                       : "p1_p1";
-                         });
+INSTANTIATE_TEST_SUITE_P(Elements, UniaxialOfElement, ::testing::ValuesIn(every_element), element_name);
 
 class UniaxialOfMixedElement : public ::testing::TestWithParam<Element> {};
 
@@ -124,9 +118,7 @@ TEST_P(UniaxialOfMixedElement, MooneyRivlinCubeReachesTheIncompressibleLimit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, UniaxialOfMixedElement,
-                         ::testing::Values(Element::taylor_hood, Element::p1_p1), [](const auto& info) {
-                           return info.param == Element::taylor_hood ? "taylor_hood" : "p1_p1";
-                         });
+                         ::testing::Values(Element::taylor_hood, Element::p1_p1), element_name);
 
 class Uniaxial : public ::testing::TestWithParam<Case> {};
 

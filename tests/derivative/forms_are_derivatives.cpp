@@ -1,0 +1,81 @@
+// Claim: the residual is the derivative of the energy and the tangent that of the residual, which makes it
+// symmetric, for every law and element at a deformed state that is nothing special.
+//
+// The difference quotient is the five-point one: its truncation error is h^4/30 times the fifth derivative
+// along the direction, and rounding adds 1e-16/h. With h = 1e-3 and states whose derivatives are of order 1
+// to 10 (J stays away from 0) both are below 1e-11; 1e-8 of the norm leaves room for the fifth derivatives of
+// ln J and J^(-2/3).
+#include <gtest/gtest.h>
+
+#include "block_mesh.hpp"
+#include "body_states.hpp"
+#include "dense_tangent.hpp"
+#include "solver_cases.hpp"
+
+namespace phynness::test {
+namespace {
+
+constexpr double step = 1e-3, tolerance = 1e-8;
+
+/// f'(0) for numbers and vectors.
+template <typename F>
+auto derivative_at_zero(F&& f) {
+  using Value = decltype(f(0.0));
+  return Value((8 * (f(step) - f(-step)) - (f(2 * step) - f(-2 * step))) / (12 * step));
+}
+
+class Forms : public ::testing::TestWithParam<Case> {
+ protected:
+  Forms() : _mesh(irregular(block_mesh({2, 2, 2}, {1, 1, 1}), 0.1, _random)) {}
+
+  /// A state with J > 0 everywhere, and a direction of unit length to vary it along.
+  void SetUp() override {
+    _body = std::make_unique<Discretization>(
+        _mesh, form_set(unit_material(GetParam().law, 10), GetParam().element, 1));
+    _state = state_of(*_body, [&](const Vector3& X) -> Vector3 {
+      const Vector3 noise(_random(), _random(), _random());
+      return Vector3(0.2 * X[0] + 0.3 * X[1], -0.1 * X[1] + 0.1 * X[2], 0.15 * X[2] - 0.2 * X[0]) +
+             0.02 * noise;
+    });
+    for (const auto dof : _body->pressure_dofs()) _state[dof] = _random();
+    ASSERT_GT(_body->min_jacobian(_state), 0.3);
+    _direction.resize(_body->n_dofs());
+    for (auto& d : _direction) d = _random();
+    _direction.normalize();
+  }
+
+  std::vector<double> moved(double t) const {
+    auto state = _state;
+    for (int i = 0; i < _body->n_dofs(); ++i) state[i] += t * _direction[i];
+    return state;
+  }
+
+  Random _random{23};
+  Mesh _mesh;
+  std::unique_ptr<Discretization> _body;
+  std::vector<double> _state;
+  Eigen::VectorXd _direction;
+};
+
+TEST_P(Forms, ResidualIsTheDerivativeOfTheEnergy) {
+  const double expected = derivative_at_zero([&](double t) { return _body->energy(moved(t)); });
+  const auto r = residual(*_body, _state);
+  EXPECT_NEAR(r.dot(_direction), expected, tolerance * r.norm());
+}
+
+TEST_P(Forms, TangentIsTheDerivativeOfTheResidual) {
+  const Eigen::VectorXd expected = derivative_at_zero([&](double t) { return residual(*_body, moved(t)); });
+  const Eigen::VectorXd product = dense_tangent(*_body, _state) * _direction;
+  EXPECT_LT((product - expected).norm(), tolerance * product.norm());
+}
+
+TEST_P(Forms, TangentIsSymmetric) {
+  // The kernels sum rows and columns in different orders: rounding only.
+  const auto K = dense_tangent(*_body, _state);
+  EXPECT_LT((K - K.transpose()).norm(), 1e-13 * K.norm());
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, Forms, ::testing::ValuesIn(every_case()), case_name);
+
+}  // namespace
+}  // namespace phynness::test

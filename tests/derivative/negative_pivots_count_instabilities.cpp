@@ -1,0 +1,119 @@
+// Claim: negative_pivots is the number of directions in which the energy, minimized over nothing and with
+// pressures condensed out, curves downwards: 0 where a state is stable, and otherwise what dense algebra
+// counts.
+//
+// By Sylvester's law the factorization and the eigenvalues agree exactly, unless an eigenvalue is within
+// rounding of zero; the tests assert that none is.
+#include <gtest/gtest.h>
+
+#include "block_mesh.hpp"
+#include "body_states.hpp"
+#include "dense_tangent.hpp"
+#include "ray_solver.hpp"
+#include "solver_cases.hpp"
+
+namespace phynness::test {
+namespace {
+
+struct Count {
+  int negative = 0;
+  double closest_to_zero = 0;  ///< relative to the largest
+};
+
+Count count_negative(const Eigen::MatrixXd& symmetric) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric, Eigen::EigenvaluesOnly);
+  const auto& values = solver.eigenvalues();
+  return {static_cast<int>((values.array() < 0).count()),
+          values.cwiseAbs().minCoeff() / values.cwiseAbs().maxCoeff()};
+}
+
+/// Tangent on the free displacements: rows of neither fixed nor prescribed dofs, pressures eliminated.
+Eigen::MatrixXd stiffness_of_free_displacements(Discretization& body, const std::vector<double>& state,
+                                                const std::vector<std::int32_t>& held) {
+  const auto K = dense_tangent(body, state);
+  std::vector<char> is_displacement(body.n_dofs(), 1);
+  for (const auto dof : held) is_displacement[dof] = 0;
+  for (const auto dof : body.pressure_dofs()) is_displacement[dof] = 0;
+  std::vector<int> u;
+  for (int dof = 0; dof < body.n_dofs(); ++dof)
+    if (is_displacement[dof]) u.push_back(dof);
+  const std::vector<int> p(body.pressure_dofs().begin(), body.pressure_dofs().end());
+  const Eigen::MatrixXd B = K(u, p);
+  if (p.empty()) return K(u, u);
+  return K(u, u) - B * Eigen::MatrixXd(K(p, p)).ldlt().solve(B.transpose());
+}
+
+class Column : public ::testing::TestWithParam<Element> {
+ protected:
+  /// A column eight times as tall as wide, clamped at both ends; the one parameter is how far the upper end
+  /// has come down. The mesh is its own image under inversion, so the straight column stays an equilibrium
+  /// beyond buckling.
+  void SetUp() override {
+    _spec.element = GetParam();
+    const auto mesh = block_mesh({1, 1, 8}, {1, 1, 8});
+    _body =
+        std::make_unique<Discretization>(mesh, form_set(unit_material(Law::neo_hookean, 5), GetParam(), 1));
+    std::vector<std::int32_t> fixed;
+    Constraint top;
+    for (int p = 0; p < _body->n_points(); ++p)
+      for (int k = 0; k < 3; ++k) {
+        const auto dof = _body->dofs(p)[k];
+        if (_body->points()(p, 2) == 0)
+          fixed.push_back(dof);
+        else if (_body->points()(p, 2) == 8)
+          (k == 2 ? top.dofs : fixed).push_back(dof);
+      }
+    top.G = -Eigen::MatrixXd::Ones(static_cast<Eigen::Index>(top.dofs.size()), 1);
+    _held = fixed;
+    _held.insert(_held.end(), top.dofs.begin(), top.dofs.end());
+    _equilibrium = std::make_unique<Equilibrium>(*_body, fixed, _spec);
+    _equilibrium->prescribe(top);
+  }
+
+  SolverSpec _spec;
+  std::unique_ptr<Discretization> _body;
+  std::unique_ptr<Equilibrium> _equilibrium;
+  std::vector<std::int32_t> _held;
+};
+
+TEST_P(Column, CompressedBeyondBucklingHasAsManyAsDenseAlgebraCounts) {
+  RaySolver rays(*_body, *_equilibrium, _spec);
+  int most = 0;
+  rays.follow(rays.rest(), Eigen::VectorXd::Ones(1), {0.05, 0.5, 1.0, 1.5, 2.0}, false,
+              [&](std::size_t i, const PathStep& step, const PathPoint& point) {
+                EXPECT_EQ(step.status, Status::converged);
+                const auto [negative, closest] =
+                    count_negative(stiffness_of_free_displacements(*_body, point.state, _held));
+                EXPECT_GT(closest, 1e-9);
+                EXPECT_EQ(point.negative_pivots, negative) << "increment " << i;
+                if (i == 0) {
+                  EXPECT_EQ(negative, 0) << "the column buckles at once";
+                }
+                most = std::max(most, negative);
+                return true;
+              });
+  EXPECT_GE(most, 1) << "the column never buckled: the test says nothing";
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, Column, ::testing::ValuesIn(every_element), element_name);
+
+class AtRest : public ::testing::TestWithParam<Case> {};
+
+TEST_P(AtRest, ThereAreNone) {
+  SolverSpec spec;
+  spec.element = GetParam().element;
+  Random random(5);
+  const auto mesh = irregular(block_mesh({3, 3, 3}, {1, 1, 1}), 0.07, random);
+  for (const double bulk_to_shear : {2.0, 200.0, 20000.0}) {
+    Discretization body(mesh, form_set(unit_material(GetParam().law, bulk_to_shear), GetParam().element, 1));
+    Equilibrium equilibrium(body, rollers(body), spec);
+    equilibrium.prescribe(tool_constraint(body, {tool_weights(body, ProbeKind::node, 0, mesh.n_nodes() - 1,
+                                                              std::vector<char>(body.n_points(), 0))}));
+    EXPECT_EQ(RaySolver(body, equilibrium, spec).rest().negative_pivots, 0) << "K/mu " << bulk_to_shear;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, AtRest, ::testing::ValuesIn(every_case()), case_name);
+
+}  // namespace
+}  // namespace phynness::test

@@ -1,0 +1,55 @@
+// A soft block of some centimetres, held at its bottom and touched on top: the smallest scene with everything
+// in it.
+#pragma once
+
+#include <phynness/precompute/probe_solver.hpp>
+
+#include "block_mesh.hpp"
+#include "solver_cases.hpp"
+
+namespace phynness::test {
+
+inline std::int32_t nearest_node(const Mesh& mesh, const Vec3& point) {
+  Eigen::Index node = 0;
+  (mesh.nodes.rowwise() - Eigen::RowVector3d(point[0], point[1], point[2]))
+      .rowwise()
+      .squaredNorm()
+      .minCoeff(&node);
+  return static_cast<std::int32_t>(node);
+}
+
+struct ProbeBlock {
+  Scene scene;
+  Mesh mesh;
+  NodeSets sets;
+  std::int32_t top = 0;  ///< the middle of the upper face
+
+  ProbeSolver solver() const { return {scene, mesh, sets}; }
+  /// A solver whose one tool holds the top.
+  ProbeSolver touched() const {
+    auto s = solver();
+    s.touch({top});
+    return s;
+  }
+};
+
+inline constexpr Vec3 block_size_m{0.10, 0.08, 0.06};
+
+/// Shear modulus 500 Pa, as the liver of the paper. @param boxes  even in x and y
+inline ProbeBlock probe_block(const Case& c, double bulk_to_shear, const std::array<int, 3>& boxes) {
+  ProbeBlock block;
+  auto& material = block.scene.material;
+  material = unit_material(c.law, bulk_to_shear);
+  for (auto* modulus : {&material.shear_modulus_Pa, &material.bulk_modulus_Pa, &material.lame_lambda_Pa,
+                        &material.c10_Pa, &material.c01_Pa})
+    *modulus *= 500;
+  block.scene.solver.element = c.element;
+  block.mesh = block_mesh(boxes, block_size_m);
+  for (std::int32_t i = 0; i < block.mesh.n_nodes(); ++i)
+    if (block.mesh.nodes(i, 2) == 0) block.sets.fixed.push_back(i);
+  block.top = nearest_node(block.mesh, {block_size_m[0] / 2, block_size_m[1] / 2, block_size_m[2]});
+  block.sets.active = {block.top};
+  return block;
+}
+
+}  // namespace phynness::test
