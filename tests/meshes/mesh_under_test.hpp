@@ -1,0 +1,87 @@
+// Scenes and files that the mesh tests make up.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <phynness/formats/error.hpp>
+#include <phynness/meshes/meshes.hpp>
+#include <string>
+
+#define SKIP_WITHOUT_GMSH() \
+  if (!PHYNNESS_TEST_GMSH) GTEST_SKIP() << "built without gmsh"
+
+namespace phynness::test {
+
+/// A file that goes away with the object.
+class TemporaryFile {
+ public:
+  TemporaryFile(const std::string& bytes, const std::string& extension) {
+    static int counter = 0;
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    path =
+        std::filesystem::temp_directory_path() / ("phynness-" + std::string(info->test_suite_name()) + "-" +
+                                                  info->name() + "-" + std::to_string(counter++) + extension);
+    std::ofstream(path, std::ios::binary) << bytes;
+  }
+  ~TemporaryFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  std::filesystem::path path;
+};
+
+inline MeshResult import_file(const std::filesystem::path& file, double scale_to_m = 1, bool repair = false) {
+  Scene scene;
+  scene.mesh.file = file;
+  scene.mesh.scale_to_m = scale_to_m;
+  scene.mesh.repair = repair;
+  return make_mesh(scene);
+}
+
+inline MeshResult import_bytes(const std::string& bytes, const std::string& extension, bool repair = false) {
+  const TemporaryFile file(bytes, extension);
+  return import_file(file.path, 1, repair);
+}
+
+/// The message of the Error that `work` throws; empty if it throws none.
+template <class Work>
+std::string error_of(Work work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+inline std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const auto& line : lines) text += line + "\n";
+  return text;
+}
+
+inline MeshResult shape(Shape kind, int target_nodes = 0) {
+  Scene scene;
+  scene.mesh.shape = kind;
+  if (target_nodes > 0) scene.mesh.target_nodes = target_nodes;
+  return make_mesh(scene);
+}
+
+/// Two tetrahedra on a common face, in .msh 2.2; `cells` are the lines of the elements.
+inline std::string msh_2(const std::string& cells, int n_cells,
+                         const std::string& nodes = "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n",
+                         int n_nodes = 5) {
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(n_nodes) + "\n" + nodes +
+         "$EndNodes\n$Elements\n" + std::to_string(n_cells) + "\n" + cells + "$EndElements\n";
+}
+inline const char* two_cells = "1 4 2 0 1 1 2 3 4\n2 4 2 0 1 2 5 3 4\n";
+
+}  // namespace phynness::test

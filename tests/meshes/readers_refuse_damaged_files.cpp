@@ -1,0 +1,103 @@
+// Claim: whatever is wrong with a file, the answer is an Error with the place and the defect; never a crash,
+// a hang, a huge allocation or half a mesh. Every truncation of a small file is tried, and every byte set to
+// something else.
+#include <random>
+
+#include "mesh_under_test.hpp"
+#include "small_files.hpp"
+
+namespace phynness::test {
+namespace {
+
+void expect_every_truncation_refused(const std::string& bytes, const char* extension) {
+  // The last byte is a line break that some formats can do without.
+  for (std::size_t n = 0; n + 1 < bytes.size(); ++n)
+    EXPECT_NE(error_of([&] { import_bytes(bytes.substr(0, n), extension); }), "")
+        << extension << " cut to " << n << " bytes";
+}
+
+TEST(DamagedFiles, EveryTruncationOfMsh1IsRefused) { expect_every_truncation_refused(small_msh_1, ".msh"); }
+TEST(DamagedFiles, EveryTruncationOfMsh2IsRefused) { expect_every_truncation_refused(small_msh_2, ".msh"); }
+TEST(DamagedFiles, EveryTruncationOfMsh4IsRefused) { expect_every_truncation_refused(small_msh_4, ".msh"); }
+TEST(DamagedFiles, EveryTruncationOfBinaryMshIsRefused) {
+  expect_every_truncation_refused(small_msh_2_binary(false), ".msh");
+  expect_every_truncation_refused(small_msh_4_binary(false), ".msh");
+}
+TEST(DamagedFiles, EveryTruncationOfVtkIsRefused) {
+  expect_every_truncation_refused(small_vtk_4, ".vtk");
+  expect_every_truncation_refused(small_vtk_5, ".vtk");
+  expect_every_truncation_refused(small_vtk_binary(), ".vtk");
+}
+TEST(DamagedFiles, EveryTruncationOfASurfaceIsRefused) {
+  // Cut inside the last corner, "-5" becomes "-": no number.
+  expect_every_truncation_refused(cube_obj, ".obj");
+}
+
+TEST(DamagedFiles, ChangedBytesGiveAnErrorOrASoundMesh) {
+  std::mt19937 random(20111);  // NOLINT: a fixed seed, so that a failure can be repeated
+  const std::pair<const char*, std::string> files[] = {{".msh", small_msh_1},
+                                                       {".msh", small_msh_2},
+                                                       {".msh", small_msh_4},
+                                                       {".vtk", small_vtk_4},
+                                                       {".vtk", small_vtk_5},
+                                                       {".msh", small_msh_2_binary(false)},
+                                                       {".msh", small_msh_4_binary(false)},
+                                                       {".vtk", small_vtk_binary()}};
+  for (const auto& [extension, bytes] : files)
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      std::string changed = bytes;
+      changed[i] = static_cast<char>(random());
+      try {
+        const MeshResult result = import_bytes(changed, extension);
+        EXPECT_GT(result.quality.volume_m3, 0);
+        EXPECT_TRUE(result.mesh.nodes.allFinite());
+      } catch (const Error&) {  // the other good answer
+      }
+    }
+}
+
+TEST(DamagedFiles, HugeCountsAreRefusedBeforeAnythingIsAllocated) {
+  const std::string message = error_of([] {
+    import_bytes("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n999999999999\n1 0 0 0\n$EndNodes\n", ".msh");
+  });
+  EXPECT_TRUE(contains(message, "declares 999999999999 nodes")) << message;
+}
+
+struct Case {
+  const char* extension;
+  std::string bytes, part;
+};
+
+TEST(DamagedFiles, MessagesNameTheDefect) {
+  const std::string cell_10 = "1 11 2 0 1 1 2 3 4 5 1 2 3 4 5\n";
+  const Case cases[] = {
+      {".msh", "", "is empty"},
+      {".msh", "hello world\n", "not a gmsh mesh"},
+      {".msh", "$MeshFormat\n3.0 0 8\n$EndMeshFormat\n", "unsupported .msh version: 3.0"},
+      {".msh", msh_2("1 4 2 0 1 1 2 3 9\n", 1), "uses a node that is not in the file's node list: node 9"},
+      {".msh", msh_2(cell_10, 1), "is not a 4-node tetrahedron"},
+      {".msh", msh_2("1 15 2 0 1 1\n", 1), "neither tetrahedra nor triangles"},
+      {".msh", msh_2(two_cells, 2, "1 0 0 0\n2 1 0 0\n2 0 1 0\n4 0 0 1\n5 1 1 1\n"),
+       "two nodes have the same number: 2"},
+      {".msh", msh_2(two_cells, 2, "1 0 0 0\n2 1 0 0\n3 0 1,5 0\n4 0 0 1\n5 1 1 1\n"), "expected a number"},
+      {".vtk", "<VTKFile type=\"UnstructuredGrid\">\n", "not a legacy VTK file"},
+      {".vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n",
+       "unsupported kind of data set"},
+      {".obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n", "not defined above"},
+      {".obj", "v 0 0 0\n", "no faces"},
+      {".stl", "solid x\nendsolid x\n", "no triangles"},
+      {".ply", "ply\n", "unknown kind"}};
+  for (const Case& c : cases) {
+    const std::string message = error_of([&] { import_bytes(c.bytes, c.extension); });
+    EXPECT_TRUE(contains(message, c.part)) << "expected '" << c.part << "' in '" << message << "'";
+  }
+  const TemporaryFile file(msh_2("1 4 2 0 1 1 2 x 4\n", 1), ".msh");
+  EXPECT_TRUE(contains(error_of([&] { import_file(file.path); }), file.path.filename().string() + ":14: "));
+}
+
+TEST(DamagedFiles, AMissingFileIsNamed) {
+  EXPECT_TRUE(contains(error_of([] { import_file("/nonexistent/liver.msh"); }), "/nonexistent/liver.msh"));
+}
+
+}  // namespace
+}  // namespace phynness::test

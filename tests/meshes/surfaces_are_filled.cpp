@@ -1,0 +1,80 @@
+// Claims: a closed surface is filled exactly; sharp edges survive remeshing; open, inside-out and
+// self-crossing surfaces are refused or repaired by name.
+#include "mesh_under_test.hpp"
+#include "small_files.hpp"
+
+namespace phynness::test {
+namespace {
+
+MeshResult fill_cube(const std::string& obj, std::optional<double> edge_m = {}) {
+  const TemporaryFile file(obj, ".obj");
+  Scene scene;
+  scene.mesh.file = file.path;
+  scene.mesh.target_size_m = edge_m;
+  return make_mesh(scene);
+}
+
+TEST(Surfaces, ACubeIsFilledExactly) {
+  SKIP_WITHOUT_GMSH();
+  const MeshResult result = fill_cube(cube_obj);
+  EXPECT_NEAR(result.quality.volume_m3, 1, 1e-12);
+  EXPECT_TRUE(contains(joined(result.notes), "split 6 faces"));
+}
+
+TEST(Surfaces, RemeshingKeepsSharpEdges) {
+  SKIP_WITHOUT_GMSH();
+  const MeshResult result = fill_cube(cube_obj, 0.2);
+  EXPECT_NEAR(result.quality.volume_m3, 1,
+              1e-6);  // nothing is cut off the edges; only flat cells may be peeled
+  EXPECT_NEAR(result.quality.mean_edge_m, 0.2, 0.06);
+}
+
+TEST(Surfaces, InsideOutIsTurnedWithANote) {
+  SKIP_WITHOUT_GMSH();
+  const std::string inside_out = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+  const MeshResult result = fill_cube(inside_out);
+  EXPECT_NEAR(result.quality.volume_m3, 1.0 / 6, 1e-12);
+  EXPECT_TRUE(contains(joined(result.notes), "normals pointed inward")) << joined(result.notes);
+}
+
+TEST(Surfaces, AStrayTriangleIsTurnedWithANote) {
+  SKIP_WITHOUT_GMSH();
+  const std::string stray = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 4 3\n";
+  const MeshResult result = fill_cube(stray);
+  EXPECT_NEAR(result.quality.volume_m3, 1.0 / 6, 1e-12);
+  EXPECT_TRUE(contains(joined(result.notes), "turned")) << joined(result.notes);
+}
+
+TEST(Surfaces, AHoleIsCounted) {
+  const std::string open = cube_obj.substr(0, cube_obj.rfind("f "));
+  const std::string message = error_of([&] { fill_cube(open); });
+  EXPECT_TRUE(contains(message, "4 open edges")) << message;
+}
+
+TEST(Surfaces, AFlatSurfaceHasNoInside) {
+  const std::string flat = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  EXPECT_TRUE(contains(error_of([&] { fill_cube(flat); }), "encloses no volume"));
+}
+
+TEST(Surfaces, AsciiStlIsWelded) {
+  SKIP_WITHOUT_GMSH();
+  const char* x[] = {"0 0 0", "1 0 0", "0 1 0", "0 0 1"};
+  const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  std::string stl = "solid corner\n";
+  for (const auto& face : faces) {
+    stl += "facet normal 0 0 0\nouter loop\n";
+    for (const int i : face) stl += std::string("vertex ") + x[i] + "\n";
+    stl += "endloop\nendfacet\n";
+  }
+  const MeshResult result = import_bytes(stl + "endsolid corner\n", ".stl");
+  EXPECT_NEAR(result.quality.volume_m3, 1.0 / 6, 1e-12);
+  EXPECT_NE(error_of([&] { import_bytes(stl, ".stl"); }), "");
+}
+
+TEST(Surfaces, OversizedWishesAreRefusedAtOnce) {
+  const std::string message = error_of([] { fill_cube(cube_obj, 1e-4); });
+  EXPECT_TRUE(contains(message, "too big") && contains(message, "scale_to_m")) << message;
+}
+
+}  // namespace
+}  // namespace phynness::test
