@@ -4,6 +4,7 @@
 #include <phynness/formats/hash.hpp>
 #include <phynness/formats/model.hpp>
 
+#include "model_emitter.hpp"
 #include "model_lexer.hpp"
 
 namespace phynness {
@@ -16,55 +17,13 @@ constexpr std::int64_t version = 1;
 constexpr double smallest_spread = 1e-6, largest_spread = 1e6;
 constexpr std::size_t checksum_line_length = sizeof("checksum 0123456789abcdef\n") - 1;
 
-class Writer {
- public:
-  Writer& word(std::string_view text) {
-    separate();
-    _out += text;
-    return *this;
-  }
-  Writer& integer(std::int64_t value) { return word(std::to_string(value)); }
-  Writer& real(double value) {
-    if (!std::isfinite(value))
-      throw failure("model holds a number that is not finite", "", "train again; if it stays, report it");
-    char buffer[40];
-    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::hex).ptr;
-    return word({buffer, static_cast<std::size_t>(end - buffer)});
-  }
-  template <class Vector>
-  Writer& reals(const Vector& values) {
-    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(values.size()); ++i) real(values[i]);
-    return *this;
-  }
-  void end() {
-    _out += '\n';
-    _line_start = true;
-  }
-  /// A line of free text; control characters would break the lines and become spaces.
-  void text(std::string_view key, const std::string& value) {
-    word(key);
-    if (!value.empty()) separate();
-    for (const char c : value) _out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    end();
-  }
-  std::string& out() { return _out; }
-
- private:
-  void separate() {
-    if (!_line_start) _out += ' ';
-    _line_start = false;
-  }
-  std::string _out;
-  bool _line_start = true;
-};
-
 void require(bool condition, const char* what) {
   if (!condition)
     throw failure(std::string("model cannot be written: ") + what, "",
                   "this is a defect of the program that made it");
 }
 
-void write_network(Writer& w, const Model& model, const RbfNetwork& net, std::string_view key) {
+void write_network(ModelEmitter& w, const Model& model, const RbfNetwork& net, std::string_view key) {
   const bool deforms = key == "deformation";
   const std::size_t n = net.center_displacement.size();
   require(static_cast<std::size_t>(net.weights.rows()) == n && net.weights.cols() == 3,
@@ -240,7 +199,7 @@ std::string write_model_text(const Model& model) {
   require(!model.directions.empty() && model.displacements.rows() > 0 &&
               model.displacements.rows() % static_cast<Eigen::Index>(model.directions.size()) == 0,
           "displacements are not directions x increments");
-  Writer w;
+  ModelEmitter w;
   w.word(magic).integer(version).end();
   w.word("family").word("rbfn").end();
   w.text("title", model.title);
