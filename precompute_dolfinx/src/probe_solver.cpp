@@ -1,5 +1,3 @@
-#include <petscsys.h>
-
 #include <algorithm>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
@@ -150,18 +148,5 @@ Response ProbeSolver::solve(const std::vector<Vec3>& displacement_m, int increme
   last.cutbacks = cutbacks;
   return last;
 }
-
-SolverSession::SolverSession(int& argc, char**& argv) {
-  // PETSc must not take the command line for its own options: ours are parsed elsewhere.
-  PHYNNESS_PETSC(PetscInitialize(nullptr, nullptr, nullptr, nullptr));
-  static_cast<void>(argc);
-  static_cast<void>(argv);
-  PHYNNESS_PETSC(PetscPopSignalHandler());
-  quiet_logging();
-  MPI_Comm_rank(MPI_COMM_WORLD, &_rank);
-  MPI_Comm_size(MPI_COMM_WORLD, &_size);
-}
-
-SolverSession::~SolverSession() { PetscFinalize(); }
 
 }  // namespace phynness

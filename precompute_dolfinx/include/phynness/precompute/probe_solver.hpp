@@ -68,14 +68,19 @@ class ProbeSolver {
   std::unique_ptr<Impl> _impl;
 };
 
-/// PETSc and MPI for the life of the program. argc and argv may hold MPI's and PETSc's own options.
+/// PETSc and MPI for the life of the program. PETSc's own options are read from PETSC_OPTIONS, not from the command
+/// line. BLAS threads are switched off: parallelism is over probes.
 class SolverSession {
  public:
-  SolverSession(int& argc, char**& argv);
+  SolverSession();
   ~SolverSession();
   SolverSession(const SolverSession&) = delete;
   int rank() const { return _rank; }
   int size() const { return _size; }
+  /// Sum over all ranks, on all ranks. Collective.
+  double sum(double value) const;
+  /// All ranks' values one after the other, on rank 0; empty elsewhere. Collective.
+  std::vector<double> gather(const std::vector<double>& values) const;
 
  private:
   int _rank = 0, _size = 1;

@@ -1,0 +1,63 @@
+// The subcommands. Each adds itself to the command line; what it does runs when the line has been parsed.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <phynness/formats/mesh.hpp>
+#include <phynness/formats/scene.hpp>
+#include <string>
+#include <vector>
+
+namespace phynness::cli {
+
+using json = nlohmann::ordered_json;
+
+void add_mesh_command(CLI::App& app);
+void add_precompute_command(CLI::App& app);
+void add_train_command(CLI::App& app);
+void add_validate_command(CLI::App& app);
+void add_eval_command(CLI::App& app);
+void add_solve_command(CLI::App& app);
+void add_info_command(CLI::App& app);
+void add_run_command(CLI::App& app);
+
+/// A scene with its mesh and selections; says on stderr what was noted on the way.
+struct LoadedScene {
+  Scene scene;
+  Mesh mesh;
+  NodeSets sets;
+};
+LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false);
+
+/// @throws Error if the scene's mesh specification cannot be the one `mesh` came from: a file mesh is read
+/// and its hash compared, a built-in shape is compared by its specification (a remesh by another gmsh is
+/// another mesh).
+void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
+
+/// Written beside and renamed. @throws Error
+void write_text(const std::filesystem::path& file, const std::string& text);
+void write_json(const std::optional<std::filesystem::path>& file, const json& value);
+
+/// Tools from repeated --node J --displacement dx,dy,dz.
+struct ToolOptions {
+  std::vector<std::int32_t> nodes;
+  std::vector<std::string> displacements;
+  std::optional<std::filesystem::path> deformation_csv, json_file;
+  void add_to(CLI::App& command);
+  /// @throws Error unless there are as many displacements as nodes, at least one, each three finite numbers
+  std::vector<Vec3> parsed_displacements() const;
+};
+
+/// The result that eval and solve share.
+struct ToolResult {
+  std::vector<std::optional<Vec3>> force_N;
+  std::optional<double> energy_J;
+  Points displacement_m;            ///< one row per entry of `nodes`
+  std::vector<std::int32_t> nodes;  ///< mesh node numbers of the rows
+};
+void report_tools(const ToolOptions& options, const std::vector<Vec3>& displacements, const Mesh& mesh,
+                  const ToolResult& result, json extra);
+
+}  // namespace phynness::cli

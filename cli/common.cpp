@@ -1,0 +1,132 @@
+#include <fmt/core.h>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <phynness/formats/error.hpp>
+#include <phynness/meshes/meshes.hpp>
+
+#include "commands.hpp"
+#include "console.hpp"
+
+namespace phynness::cli {
+
+LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
+  LoadedScene loaded;
+  loaded.scene = read_scene(file);
+  auto made = make_mesh(loaded.scene);
+  if (!quiet) {
+    for (const auto& note : made.notes) fmt::print(stderr, "note: {}\n", note);
+    for (const auto& warning : made.warnings) fmt::print(stderr, "warning: {}\n", warning);
+    for (const auto& warning : scene_warnings(loaded.scene)) fmt::print(stderr, "warning: {}\n", warning);
+  }
+  loaded.mesh = std::move(made.mesh);
+  loaded.sets = resolve_selections(loaded.scene, loaded.mesh);
+  return loaded;
+}
+
+void check_mesh(const Scene& scene, const std::string& hash, const std::string& where) {
+  if (scene.mesh.shape != Shape::none || !std::filesystem::exists(scene.mesh.file)) return;
+  const auto own = mesh_hash(make_mesh(scene).mesh);
+  if (own != hash)
+    throw input_error("the mesh of " + where + " is not the scene's", hash + ", the scene's is " + own,
+                      "use the scene and mesh it was made from, or precompute again");
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  auto temporary = file;
+  temporary += ".tmp";
+  std::ofstream out(temporary, std::ios::binary);
+  out << text;
+  out.close();
+  std::error_code code;
+  if (out) std::filesystem::rename(temporary, file, code);
+  if (!out || code) {
+    std::filesystem::remove(temporary, code);
+    throw input_error("cannot write", file.string(),
+                      "check that the folder exists, is writable and has room");
+  }
+}
+
+void write_json(const std::optional<std::filesystem::path>& file, const json& value) {
+  if (file) write_text(*file, value.dump(2) + "\n");
+}
+
+void ToolOptions::add_to(CLI::App& command) {
+  command.add_option("--node", nodes, "touched node (0-based number of the mesh); repeat for several tools")
+      ->required()
+      ->allow_extra_args(false);
+  command.add_option("--displacement", displacements, "its displacement dx,dy,dz [m]; one for each --node")
+      ->required()
+      ->allow_extra_args(false);
+  command.add_option("--deformation", deformation_csv,
+                     "write the displacement of the output nodes: node,x,y,z,ux,uy,uz [m]");
+  command.add_option("--json", json_file, "write the result for machines");
+}
+
+std::vector<Vec3> ToolOptions::parsed_displacements() const {
+  if (nodes.size() != displacements.size())
+    throw input_error("each --node needs one --displacement",
+                      fmt::format("{} nodes, {} displacements", nodes.size(), displacements.size()),
+                      "repeat both: --node 5 --displacement 0,0,-0.01 --node 9 --displacement 0,0.005,0");
+  std::vector<Vec3> parsed;
+  for (const auto& text : displacements) {
+    Vec3 d{};
+    const char *at = text.data(), *end = text.data() + text.size();
+    bool good = true;
+    for (int k = 0; k < 3 && good; ++k) {
+      if (k > 0) good = at != end && *at++ == ',';
+      if (!good) break;
+      while (at != end && *at == ' ') ++at;
+      if (at != end && *at == '+') ++at;
+      const auto [next, code] = std::from_chars(at, end, d[static_cast<std::size_t>(k)]);
+      good = code == std::errc{} && std::isfinite(d[static_cast<std::size_t>(k)]);
+      at = next;
+    }
+    if (!good || at != end)
+      throw input_error("a displacement is three finite numbers separated by commas", "'" + text + "'",
+                        "--displacement 0,0,-0.01 (metres)");
+    parsed.push_back(d);
+  }
+  return parsed;
+}
+
+void report_tools(const ToolOptions& options, const std::vector<Vec3>& displacements, const Mesh& mesh,
+                  const ToolResult& result, json extra) {
+  const double largest =
+      result.displacement_m.rows() > 0 ? result.displacement_m.rowwise().norm().maxCoeff() : 0.0;
+  json tools = json::array();
+  for (std::size_t t = 0; t < options.nodes.size(); ++t) {
+    json tool{{"node", options.nodes[t]}, {"displacement", displacements[t]}, {"force", nullptr}};
+    if (result.force_N[t]) tool["force"] = *result.force_N[t];
+    tools.push_back(tool);
+    const auto& d = displacements[t];
+    fmt::print("node {}  displacement {:g} {:g} {:g} m", options.nodes[t], d[0], d[1], d[2]);
+    if (result.force_N[t]) {
+      const auto& f = *result.force_N[t];
+      fmt::print("  force {:.6g} {:.6g} {:.6g} N\n", f[0], f[1], f[2]);
+    } else {
+      fmt::print("  force: not defined by these weights\n");
+    }
+  }
+  json out{{"tools", tools}, {"energy", nullptr}, {"max_displacement", largest}};
+  if (result.energy_J) out["energy"] = *result.energy_J;
+  out.update(extra);
+  if (result.energy_J) fmt::print("energy {:.6g} J  ", *result.energy_J);
+  fmt::print("largest displacement {:.6g} m\n", largest);
+
+  if (options.deformation_csv) {
+    std::string csv = "node,x,y,z,ux,uy,uz\n";
+    for (std::size_t i = 0; i < result.nodes.size(); ++i) {
+      const auto x = mesh.nodes.row(result.nodes[i]);
+      const auto u = result.displacement_m.row(static_cast<Eigen::Index>(i));
+      csv += fmt::format("{},{},{},{},{},{},{}\n", result.nodes[i], x[0], x[1], x[2], u[0], u[1], u[2]);
+    }
+    write_text(*options.deformation_csv, csv);
+    fmt::print(stderr, "deformation of {} nodes: {}\n", result.nodes.size(),
+               options.deformation_csv->string());
+  }
+  write_json(options.json_file, out);
+}
+
+}  // namespace phynness::cli

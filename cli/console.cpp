@@ -1,0 +1,75 @@
+#include "console.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <string_view>
+
+namespace phynness::cli {
+
+Progress::Progress(std::string what, std::string unit) : _what(std::move(what)), _unit(std::move(unit)) {
+  const char* forced = std::getenv("PHYNNESS_PROGRESS");
+  _visible = isatty(STDERR_FILENO) != 0 || (forced != nullptr && std::string_view(forced) == "1");
+}
+
+Progress::~Progress() {
+  if (_drawn) fmt::print(stderr, "\r\033[K");
+}
+
+void Progress::update(std::int64_t done, std::int64_t total) {
+  if (!_visible || total <= 0) return;
+  const auto now = Clock::now();
+  if (_first < 0) {
+    _first = done > 0 ? done - 1 : 0;
+    _start = now;
+  }
+  if (_drawn && done < total && now - _last < std::chrono::milliseconds(200)) return;
+  _last = now;
+  _drawn = true;
+  const double seconds = std::chrono::duration<double>(now - _start).count();
+  const double rate = seconds > 0.3 ? static_cast<double>(done - _first) / seconds : 0;
+  constexpr int width = 24;
+  const auto filled = static_cast<std::size_t>(width * done / total);
+  fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {}", _what, std::string(filled, '#'),
+             std::string(width - filled, '.'), done, total, _unit);
+  if (rate > 0)
+    fmt::print(stderr, ", {:.3g}/s, {} left", rate, duration(static_cast<double>(total - done) / rate));
+  std::fflush(stderr);
+}
+
+namespace {
+std::atomic<bool> stop{false};
+extern "C" void on_signal(int signal) {
+  if (stop.exchange(true)) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
+}
+}  // namespace
+
+bool stop_requested() { return stop.load(std::memory_order_relaxed); }
+
+void install_stop_handler() {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+}
+
+std::string duration(double seconds) {
+  if (seconds < 10) return fmt::format("{:.1f} s", seconds);
+  const auto s = static_cast<std::int64_t>(seconds + 0.5);
+  if (s < 60) return fmt::format("{} s", s);
+  if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
+  return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
+}
+
+std::string bytes(double n) {
+  if (n < 1e3) return fmt::format("{:.0f} B", n);
+  if (n < 1e6) return fmt::format("{:.1f} kB", n / 1e3);
+  if (n < 1e9) return fmt::format("{:.1f} MB", n / 1e6);
+  return fmt::format("{:.2f} GB", n / 1e9);
+}
+
+}  // namespace phynness::cli

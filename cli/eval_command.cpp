@@ -1,0 +1,44 @@
+#include <fmt/core.h>
+
+#include <phynness/formats/error.hpp>
+#include <phynness/validation/loaded_model.hpp>
+
+#include "commands.hpp"
+
+namespace phynness::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path model;
+  std::string tools = "paper";
+  ToolOptions tool;
+};
+
+void run(const Options& options) {
+  const auto displacements = options.tool.parsed_displacements();
+  if (options.tools == "coupled" && options.tool.nodes.size() > 1)
+    throw input_error("this version couples no tools", "--tools coupled",
+                      "use --tools paper: weights (15)-(16), no force");
+  const LoadedModel model(options.model);
+  const auto response = model.respond(options.tool.nodes, displacements);
+  if (response.status > 0) fmt::print(stderr, "warning: {}\n", phn_status_message(response.status));
+  report_tools(options.tool, displacements, model.mesh(),
+               {response.force_N, response.energy_J, response.displacement_m, model.model().output},
+               {{"status", response.status}, {"family", name(model.model().family)}});
+}
+
+}  // namespace
+
+void add_eval_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand("eval", "Force and deformation from a model, as the runtime gives them");
+  command->add_option("MODEL_DIR", options->model, "directory with model.txt and mesh.txt")->required();
+  options->tool.add_to(*command);
+  command
+      ->add_option("--tools", options->tools,
+                   "several tools: paper = weights (15)-(16) (coupled: later versions)")
+      ->check(CLI::IsMember({"coupled", "paper"}));
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace phynness::cli

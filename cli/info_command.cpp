@@ -1,0 +1,164 @@
+#include <fmt/core.h>
+
+#include <fstream>
+#include <phynness/formats/database.hpp>
+#include <phynness/formats/error.hpp>
+#include <phynness/meshes/meshes.hpp>
+#include <phynness/validation/loaded_model.hpp>
+
+#include "commands.hpp"
+#include "console.hpp"
+
+namespace phynness::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path what;
+  std::optional<std::filesystem::path> json_file;
+};
+
+/// "0 3 5 ... 97": the first few of a long list.
+std::string some(const std::vector<std::int32_t>& numbers) {
+  std::string text;
+  for (std::size_t i = 0; i < numbers.size() && i < 12; ++i)
+    text += fmt::format("{}{}", i ? " " : "", numbers[i]);
+  if (numbers.size() > 12) text += fmt::format(" ... {}", numbers.back());
+  return text;
+}
+
+void print_mesh(const Mesh& mesh, const NodeSets& sets) {
+  fmt::print("mesh      {}: {} nodes, {} cells, {} surface triangles\n", mesh_hash(mesh), mesh.n_nodes(),
+             mesh.n_cells(), mesh.surface.rows());
+  fmt::print("fixed     {}: {}\n", sets.fixed.size(), some(sets.fixed));
+  fmt::print("active    {}: {}\n", sets.active.size(), some(sets.active));
+  fmt::print("output    {}: {}\n", sets.output.size(), some(sets.output));
+}
+
+json about_database(const std::filesystem::path& file) {
+  const auto progress = database_progress(file);
+  if (!progress.complete) {
+    fmt::print("unfinished database: {} of {} rays; go on with phynness precompute SCENE -o {} --resume\n",
+               progress.rays_logged, progress.rays_total, file.string());
+    return {{"kind", "database"},
+            {"complete", false},
+            {"rays_logged", progress.rays_logged},
+            {"rays_total", progress.rays_total}};
+  }
+  const auto database = Database::open(file);
+  const auto& h = database.header();
+  const auto summary = summarize(database);
+  fmt::print("database  {} ({}), {}\n", file.string(),
+             bytes(static_cast<double>(std::filesystem::file_size(file))), h.software_version);
+  fmt::print("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
+  print_mesh(h.mesh, h.sets);
+  fmt::print("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(),
+             h.magnitudes_m.size(), h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
+  json states = json::object();
+  for (const auto& [status, count] : summary.states) {
+    fmt::print("  {:<16} {}\n", name(status), count);
+    states[name(status)] = count;
+  }
+  fmt::print("unstable  {} converged states with negative pivots; smallest J {:.3g}\n",
+             summary.unstable_states, summary.min_jacobian);
+  fmt::print("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations,
+             duration(summary.seconds));
+  return {{"kind", "database"},
+          {"complete", true},
+          {"mesh_hash", h.mesh_hash},
+          {"physics_hash", h.physics_hash},
+          {"nodes", h.mesh.n_nodes()},
+          {"active", h.sets.active},
+          {"states", states},
+          {"newton_iterations", summary.newton_iterations},
+          {"unstable_states", summary.unstable_states}};
+}
+
+json about_model(const std::filesystem::path& dir) {
+  const LoadedModel model(dir);
+  const auto& m = model.model();
+  std::vector<std::int32_t> active;
+  std::size_t neurons = 0, force_neurons = 0;
+  for (const auto& node : m.nodes) {
+    active.push_back(node.node);
+    neurons = std::max(neurons, static_cast<std::size_t>(node.deformation.weights.rows()));
+    force_neurons = std::max(force_neurons, static_cast<std::size_t>(node.force.weights.rows()));
+  }
+  fmt::print("model     {}: family {}, {} \n", dir.string(), name(m.family), m.software_version);
+  fmt::print("scene     {}, physics {}\n", m.title, m.physics_hash);
+  print_mesh(model.mesh(), {m.fixed, active, m.output});
+  fmt::print("networks  {} neurons for deformation, {} for force; trained to {:.4g} m\n", neurons,
+             force_neurons, m.max_displacement_m);
+  fmt::print("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n",
+             bytes(static_cast<double>(model.text_bytes())),
+             bytes(static_cast<double>(model.mesh_text_bytes())),
+             bytes(static_cast<double>(model.memory_bytes())));
+  return {{"kind", "model"},
+          {"family", name(m.family)},
+          {"mesh_hash", m.mesh_hash},
+          {"physics_hash", m.physics_hash},
+          {"active", active},
+          {"deformation_neurons", neurons},
+          {"force_neurons", force_neurons},
+          {"model_text_bytes", model.text_bytes()},
+          {"memory_bytes", model.memory_bytes()}};
+}
+
+json about_scene(const std::filesystem::path& file) {
+  const auto loaded = load_scene(file);
+  fmt::print("scene     {}: {}\n", file.string(), loaded.scene.title);
+  print_mesh(loaded.mesh, loaded.sets);
+  fmt::print("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
+  return {{"kind", "scene"},
+          {"mesh_hash", mesh_hash(loaded.mesh)},
+          {"physics_hash", physics_hash(loaded.scene)},
+          {"nodes", loaded.mesh.n_nodes()},
+          {"active", loaded.sets.active}};
+}
+
+/// A mesh file alone, as a scene without selections would read it.
+json about_mesh(const std::filesystem::path& file) {
+  Scene scene;
+  scene.mesh.file = std::filesystem::absolute(file);
+  const auto made = make_mesh(scene);
+  for (const auto& note : made.notes) fmt::print(stderr, "note: {}\n", note);
+  for (const auto& warning : made.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  const auto& q = made.quality;
+  fmt::print("mesh      {} {}: {} nodes ({} on the surface), {} tetrahedra\n", file.string(),
+             mesh_hash(made.mesh), q.n_nodes, q.n_surface_nodes, q.n_cells);
+  fmt::print("box       {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g} (file units)\n", q.min_m[0], q.min_m[1],
+             q.min_m[2], q.max_m[0], q.max_m[1], q.max_m[2]);
+  fmt::print("quality   worst {:.3f}, {} slivers\n", q.min_quality, q.n_slivers);
+  return {
+      {"kind", "mesh"}, {"mesh_hash", mesh_hash(made.mesh)}, {"nodes", q.n_nodes}, {"tetrahedra", q.n_cells}};
+}
+
+void run(const Options& options) {
+  const auto& what = options.what;
+  if (!std::filesystem::exists(what))
+    throw input_error("no such file or directory", what.string(),
+                      "name a scene, mesh, database or model directory");
+  json out;
+  const auto extension = what.extension();
+  if (std::filesystem::is_directory(what))
+    out = about_model(what);
+  else if (extension == ".toml")
+    out = about_scene(what);
+  else if (extension == ".h5" || extension == ".hdf5")
+    out = about_database(what);
+  else
+    out = about_mesh(what);
+  write_json(options.json_file, out);
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand("info", "Say what a scene, mesh, database or model directory holds");
+  command->add_option("FILE_OR_DIR", options->what, "scene.toml, mesh file, database.h5 or MODEL_DIR")
+      ->required();
+  command->add_option("--json", options->json_file, "write it for machines");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace phynness::cli

@@ -1,0 +1,54 @@
+#include <fmt/core.h>
+
+#include <phynness/meshes/meshes.hpp>
+
+#include "commands.hpp"
+
+namespace phynness::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path scene, output;
+  std::optional<std::filesystem::path> json_file;
+};
+
+void run(const Options& options) {
+  const auto loaded = load_scene(options.scene);
+  const auto q = measure_quality(loaded.mesh);
+  write_msh(loaded.mesh, &loaded.sets, options.output);
+  const auto& s = loaded.sets;
+  fmt::print("{} nodes ({} on the surface), {} tetrahedra, {:.4g} cm3, {:.3g} x {:.3g} x {:.3g} cm\n",
+             q.n_nodes, q.n_surface_nodes, q.n_cells, 1e6 * q.volume_m3, 100 * (q.max_m[0] - q.min_m[0]),
+             100 * (q.max_m[1] - q.min_m[1]), 100 * (q.max_m[2] - q.min_m[2]));
+  fmt::print(
+      "edges {:.3g} to {:.3g} mm, mean {:.3g} mm; worst quality {:.3f} (cell {}), {} slivers below {}\n",
+      1e3 * q.min_edge_m, 1e3 * q.max_edge_m, 1e3 * q.mean_edge_m, q.min_quality, q.worst_cell, q.n_slivers,
+      sliver_quality);
+  fmt::print("{} fixed nodes, {} active, {} output\n", s.fixed.size(), s.active.size(), s.output.size());
+  fmt::print("mesh {} -> {}\n", mesh_hash(loaded.mesh), options.output.string());
+  write_json(options.json_file, {{"mesh_hash", mesh_hash(loaded.mesh)},
+                                 {"nodes", q.n_nodes},
+                                 {"tetrahedra", q.n_cells},
+                                 {"surface_nodes", q.n_surface_nodes},
+                                 {"surface_triangles", q.n_surface_triangles},
+                                 {"volume_m3", q.volume_m3},
+                                 {"min_quality", q.min_quality},
+                                 {"slivers", q.n_slivers},
+                                 {"mean_edge_m", q.mean_edge_m},
+                                 {"fixed", s.fixed.size()},
+                                 {"active", s.active.size()},
+                                 {"output", s.output.size()}});
+}
+
+}  // namespace
+
+void add_mesh_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand("mesh", "Make or import the scene's mesh, check it, write it as .msh");
+  command->add_option("SCENE", options->scene, "scene file (formats/scene.md)")->required();
+  command->add_option("-o,--output", options->output, "mesh file to write (gmsh format 4.1)")->required();
+  command->add_option("--json", options->json_file, "write the figures for machines");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace phynness::cli

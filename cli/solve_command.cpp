@@ -1,0 +1,82 @@
+#include <fmt/core.h>
+
+#include <phynness/formats/database.hpp>
+#include <phynness/formats/error.hpp>
+#include <phynness/precompute/probe_solver.hpp>
+
+#include "commands.hpp"
+
+namespace phynness::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path source;
+  std::optional<int> increments;
+  bool tangent = false;
+  ToolOptions tool;
+};
+
+LoadedScene load_source(const std::filesystem::path& source) {
+  if (source.extension() != ".h5" && source.extension() != ".hdf5") return load_scene(source);
+  const auto database = Database::open(source);
+  const auto& header = database.header();
+  return {parse_scene(header.scene_text, header.scene_name, header.scene_folder), header.mesh, header.sets};
+}
+
+void run(const Options& options) {
+  const auto displacements = options.tool.parsed_displacements();
+  const SolverSession session;
+  const auto loaded = load_source(options.source);
+  ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
+  solver.touch(options.tool.nodes);
+  const auto response = solver.solve(
+      displacements, options.increments.value_or(loaded.scene.probe.increments), options.tangent);
+  if (response.status != Status::converged)
+    throw failure("the solve did not converge", name(response.status),
+                  "take a smaller displacement or more --increments; " + std::to_string(response.cutbacks) +
+                      " cutbacks were tried");
+  if (response.negative_pivots > 0)
+    fmt::print(stderr,
+               "warning: the state is unstable ({} negative pivots): the answer may depend on the path\n",
+               response.negative_pivots);
+  ToolResult result;
+  for (const auto& f : response.force_N) result.force_N.emplace_back(f);
+  result.energy_J = response.energy_J;
+  result.nodes = loaded.sets.output;
+  result.displacement_m.resize(static_cast<Eigen::Index>(result.nodes.size()), 3);
+  for (std::size_t i = 0; i < result.nodes.size(); ++i)
+    result.displacement_m.row(static_cast<Eigen::Index>(i)) = response.displacement_m.row(result.nodes[i]);
+  json extra{{"newton_iterations", response.iterations},
+             {"cutbacks", response.cutbacks},
+             {"negative_pivots", response.negative_pivots},
+             {"min_jacobian", response.min_jacobian}};
+  if (options.tangent) {
+    json rows = json::array();
+    for (Eigen::Index i = 0; i < response.tangent_N_per_m.rows(); ++i) {
+      json row = json::array();
+      for (Eigen::Index j = 0; j < response.tangent_N_per_m.cols(); ++j)
+        row.push_back(response.tangent_N_per_m(i, j));
+      rows.push_back(row);
+    }
+    extra["tangent_N_per_m"] = rows;
+  }
+  report_tools(options.tool, displacements, loaded.mesh, result, extra);
+}
+
+}  // namespace
+
+void add_solve_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand("solve", "Force and deformation from one finite element solve");
+  command->add_option("SCENE", options->source, "scene file, or database.h5 (its scene and its mesh)")
+      ->required();
+  options->tool.add_to(*command);
+  command
+      ->add_option("--increments", options->increments,
+                   "equal steps to the displacement (default: the scene's)")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--tangent", options->tangent, "add the condensed stiffness dF/dd to the JSON");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace phynness::cli

@@ -1,0 +1,106 @@
+#include <fmt/core.h>
+
+#include <map>
+#include <phynness/formats/error.hpp>
+#include <phynness/training/training.hpp>
+
+#include "commands.hpp"
+#include "console.hpp"
+
+namespace phynness::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path scene, database, output;
+  std::optional<std::filesystem::path> json_file;
+  std::optional<std::string> family;
+  std::optional<int> neurons, force_neurons;
+  std::optional<double> spread, force_spread;
+};
+
+void run(const Options& options) {
+  const Scene scene = read_scene(options.scene);
+  const auto database = Database::open(options.database);
+  const auto& header = database.header();
+  if (physics_hash(scene) != header.physics_hash)
+    throw input_error("the database was made from another scene",
+                      "physics " + header.physics_hash + ", this scene's " + physics_hash(scene),
+                      "train with the scene it was made from (phynness info prints it), or precompute again");
+  check_mesh(scene, header.mesh_hash, options.database.string());
+
+  TrainingSpec spec = scene.training;
+  if (options.family)
+    spec.family = *options.family == "modal"    ? Family::modal
+                  : *options.family == "linear" ? Family::linear
+                                                : Family::rbfn;
+  if (options.neurons) spec.deformation_neurons = *options.neurons;
+  if (options.neurons) spec.force_neurons = std::min(spec.force_neurons, *options.neurons);
+  if (options.force_neurons) spec.force_neurons = *options.force_neurons;
+  if (options.spread) spec.deformation_spread = *options.spread;
+  if (options.force_spread) spec.force_spread = *options.force_spread;
+
+  TrainingReport report;
+  Model model;
+  {
+    Progress progress("train", "nodes");
+    model = train(database, spec, report, [&](std::int64_t done, std::int64_t total) {
+      progress.update(done, total);
+      return !stop_requested();
+    });
+  }
+  model.title = scene.title;
+  write_model_dir(options.output, model, header.mesh);
+  const auto model_bytes = std::filesystem::file_size(options.output / "model.txt");
+  const auto mesh_bytes = std::filesystem::file_size(options.output / "mesh.txt");
+  fmt::print("{} nodes, {} deformation and {} force neurons, spread {:.3g} and {:.3g}, {}\n",
+             report.n_networks, spec.deformation_neurons, spec.force_neurons, report.deformation_spread,
+             report.force_spread, duration(report.seconds));
+  if (report.n_skipped > 0)
+    fmt::print(stderr, "warning: {} active nodes have no converged increment and no network\n",
+               report.n_skipped);
+  fmt::print("model.txt {}, mesh.txt {} -> {}\n", bytes(static_cast<double>(model_bytes)),
+             bytes(static_cast<double>(mesh_bytes)), options.output.string());
+  write_json(options.json_file, {{"networks", report.n_networks},
+                                 {"skipped", report.n_skipped},
+                                 {"deformation_neurons", spec.deformation_neurons},
+                                 {"force_neurons", spec.force_neurons},
+                                 {"deformation_spread", report.deformation_spread},
+                                 {"force_spread", report.force_spread},
+                                 {"mean_deformation_mse", report.mean_deformation_mse},
+                                 {"mean_force_mse", report.mean_force_mse},
+                                 {"seconds", report.seconds},
+                                 {"model_bytes", model_bytes},
+                                 {"mesh_bytes", mesh_bytes}});
+}
+
+}  // namespace
+
+void add_train_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  auto* command =
+      app.add_subcommand("train", "Condense a database into networks -> MODEL_DIR (model.txt, mesh.txt)");
+  command->add_option("SCENE", options->scene, "the scene the database was made from")->required();
+  command->add_option("DATABASE", options->database, "database.h5 of phynness precompute")->required();
+  command->add_option("-o,--output", options->output, "model directory to write (formats/model.md)")
+      ->required();
+  command
+      ->add_option("--family", options->family,
+                   "rbfn: the paper's networks (modal and linear: later versions)")
+      ->check(CLI::IsMember({"rbfn", "modal", "linear"}));
+  command
+      ->add_option("--neurons", options->neurons,
+                   "neurons of a deformation network; also caps the force network")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--force-neurons", options->force_neurons, "neurons of a force network")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--spread", options->spread,
+                   "spread of the deformation networks, in scaled inputs; 0: search")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--force-spread", options->force_spread, "spread of the force networks; 0: search")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--json", options->json_file, "write the figures for machines");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace phynness::cli

@@ -1,0 +1,146 @@
+#include <fmt/core.h>
+
+#include <phynness/formats/error.hpp>
+#include <phynness/precompute/probe_solver.hpp>
+#include <phynness/validation/validation.hpp>
+
+#include "commands.hpp"
+#include "console.hpp"
+
+namespace phynness::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path scene, model;
+  std::optional<std::int64_t> probes;
+  std::optional<std::uint64_t> seed;
+  std::optional<std::filesystem::path> json_file;
+};
+
+json to_json(const ErrorStatistics& s) {
+  return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
+}
+
+json to_json(const GroupErrors& e) {
+  return {{"force", to_json(e.force)},
+          {"displacement", to_json(e.displacement)},
+          {"displacement_moving", to_json(e.displacement_moving)},
+          {"field_l2", to_json(e.field_l2)},
+          {"force_relative", to_json(e.force_relative)}};
+}
+
+void print_table(const ValidationReport& report) {
+  const auto row = [&](const char* what, const ErrorStatistics GroupErrors::*member,
+                       GroupErrors PredictorErrors::*group) {
+    fmt::print("  {:<22}", what);
+    for (const auto p : predictors) {
+      const auto& s = report.of(p).*group.*member;
+      fmt::print(" | {:7.2f} {:7.2f} {:7.2f}", 100 * s.mean, 100 * s.p95, 100 * s.max);
+    }
+    fmt::print("\n");
+  };
+  for (const auto& [title, group] : {std::pair{"inside the trained range", &PredictorErrors::inside},
+                                     std::pair{"beyond it (to 1.43 times)", &PredictorErrors::outside}}) {
+    fmt::print("{:<24} | {:^23} | {:^23} | {:^23}\n", title, "model", "linear predictor", "zero predictor");
+    fmt::print("{:<24} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7}\n", "  error in %", "mean",
+               "p95", "max", "mean", "p95", "max", "mean", "p95", "max");
+    row("force, eq. (17)", &GroupErrors::force, group);
+    row("displacement, eq. (17)", &GroupErrors::displacement, group);
+    row("  tenth moving most", &GroupErrors::displacement_moving, group);
+    row("field, relative L2", &GroupErrors::field_l2, group);
+  }
+}
+
+void print_examples(const ValidationReport& report) {
+  fmt::print("{:<8} {:>24} | {:>27} | {:>27}\n", "node", "displacement, mm", "force by finite elements, mN",
+             "force by the model, mN");
+  for (const auto& e : report.examples) {
+    fmt::print("{:<8}", e.node);
+    for (const double x : e.displacement_m) fmt::print(" {:8.2f}", 1e3 * x);
+    fmt::print(" |");
+    for (const double x : e.finite_elements_N) fmt::print(" {:8.2f}", 1e3 * x);
+    fmt::print("  |");
+    for (const double x : e.model_N) fmt::print(" {:8.2f}", 1e3 * x);
+    fmt::print("\n");
+  }
+}
+
+void run(const Options& options) {
+  const SolverSession session;
+  const Scene scene = read_scene(options.scene);
+  const LoadedModel model(options.model);
+  if (session.rank() == 0) check_mesh(scene, model.model().mesh_hash, options.model.string());
+  ValidationReport report;
+  {
+    Progress progress("validate", "rays");
+    report = validate(
+        session, scene, model, options.probes.value_or(scene.validation.probes),
+        options.seed.value_or(scene.validation.seed),
+        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
+  }
+  if (session.rank() != 0) return;
+  const double K_mu = scene.material.bulk_to_shear();
+  std::string nodes;
+  for (const auto node : report.nodes) nodes += (nodes.empty() ? "" : " ") + std::to_string(node);
+  fmt::print("{} ({}), {}, K/mu = {:.4g}{}, {} probes, R = {:.4g} mm\n",
+             scene.title.empty() ? "scene" : scene.title, name(scene.material.law),
+             name(scene.solver.element), K_mu,
+             scene.solver.element == Element::p1 && K_mu > 20 ? " (locked)" : "", name(scene.probe.kind),
+             1e3 * scene.probe.max_displacement_m);
+  fmt::print("{} probes at {} nodes ({} beside the fixed ones: {}); {} failed\n", report.probes,
+             report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
+  print_table(report);
+  print_examples(report);
+  fmt::print("runtime on this machine, one core: force {:.2f} us, deformation of {} nodes {:.0f} us\n",
+             report.speed.force_us, model.model().output.size(), report.speed.deformation_us);
+  fmt::print("{} on {} rank{}\n", duration(report.seconds), session.size(), session.size() == 1 ? "" : "s");
+  const auto& of_model = report.of(Predictor::model);
+  const auto both = [](const PredictorErrors& e) {
+    return json{{"inside", to_json(e.inside)}, {"outside", to_json(e.outside)}};
+  };
+  json out{{"probes", report.probes},
+           {"failed", report.failed},
+           {"solved_inside", report.solved_inside},
+           {"solved_outside", report.solved_outside},
+           {"inside", to_json(of_model.inside)},
+           {"outside", to_json(of_model.outside)},
+           {"linear", both(report.of(Predictor::linear))},
+           {"zero", both(report.of(Predictor::zero))},
+           {"conditions",
+            {{"law", name(scene.material.law)},
+             {"element", name(scene.solver.element)},
+             {"bulk_to_shear", K_mu},
+             {"probe", name(scene.probe.kind)},
+             {"max_displacement_m", scene.probe.max_displacement_m},
+             {"outside_factor", report.outside_factor},
+             {"nodes", report.nodes},
+             {"seed", options.seed.value_or(scene.validation.seed)}}},
+           {"examples", json::array()},
+           {"force_us", report.speed.force_us},
+           {"deformation_us", report.speed.deformation_us},
+           {"seconds", report.seconds},
+           {"solve_ms_per_increment", report.solve_ms_per_increment}};
+  for (const auto& e : report.examples)
+    out["examples"].push_back({{"node", e.node},
+                               {"displacement", e.displacement_m},
+                               {"force_finite_elements", e.finite_elements_N},
+                               {"force_model", e.model_N},
+                               {"force_linear", e.linear_N}});
+  write_json(options.json_file, out);
+}
+
+}  // namespace
+
+void add_validate_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand("validate", "Compare a model with fresh finite element solves");
+  command->add_option("SCENE", options->scene, "the scene the model was made from")->required();
+  command->add_option("MODEL_DIR", options->model, "directory with model.txt and mesh.txt")->required();
+  command->add_option("--probes", options->probes, "how many, inside and beyond the range together")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--seed", options->seed, "of directions, magnitudes and nodes");
+  command->add_option("--json", options->json_file, "write the figures for machines");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace phynness::cli

@@ -1,0 +1,44 @@
+#include <dlfcn.h>
+#include <mpi.h>
+#include <petscsys.h>
+
+#include <phynness/precompute/probe_solver.hpp>
+
+#include "discretization.hpp"
+#include "petsc_check.hpp"
+
+namespace phynness {
+
+SolverSession::SolverSession() {
+  // The command line is ours alone: PETSc would take what it does not know for its own.
+  PHYNNESS_PETSC(PetscInitialize(nullptr, nullptr, nullptr, nullptr));
+  PHYNNESS_PETSC(PetscPopSignalHandler());
+  quiet_logging();
+  // Two threads on matrices of a few thousand rows cost more than they give, and ranks fill the cores.
+  if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<void (*)(int)>(symbol)(1);
+  MPI_Comm_rank(MPI_COMM_WORLD, &_rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &_size);
+}
+
+SolverSession::~SolverSession() { PetscFinalize(); }
+
+double SolverSession::sum(double value) const {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  return value;
+}
+
+std::vector<double> SolverSession::gather(const std::vector<double>& values) const {
+  int n = static_cast<int>(values.size());
+  std::vector<int> counts(_size), offsets(_size);
+  MPI_Gather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
+  int total = 0;
+  for (int r = 0; r < _size; ++r) {
+    offsets[r] = total;
+    total += counts[r];
+  }
+  std::vector<double> all(_rank == 0 ? total : 0);
+  MPI_Gatherv(values.data(), n, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0, MPI_COMM_WORLD);
+  return all;
+}
+
+}  // namespace phynness

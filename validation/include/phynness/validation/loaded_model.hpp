@@ -1,0 +1,54 @@
+// A model directory in the runtime's hands, with memory of its own: what eval, validate and bench call.
+#pragma once
+
+#include <phynness/phynness.h>
+
+#include <filesystem>
+#include <optional>
+#include <phynness/formats/model.hpp>
+#include <vector>
+
+namespace phynness {
+
+struct ModelResponse {
+  std::vector<std::optional<Vec3>> force_N;  ///< per tool; empty where the method defines none
+  std::optional<double> energy_J;            ///< work of the force along the straight path from rest
+  Points displacement_m;                     ///< n_output x 3
+  int status = PHN_OK;                       ///< phn_* status, warnings only
+};
+
+/// Not for several threads at once.
+class LoadedModel {
+ public:
+  /// @throws Error if the directory, its files or their match is unsound
+  explicit LoadedModel(const std::filesystem::path& dir, std::int32_t max_tools = 16);
+
+  const Model& model() const { return _dir.model; }
+  const Mesh& mesh() const { return _dir.mesh; }
+  /// Bytes of model.txt, mesh.txt, and of the model in the runtime's memory.
+  std::size_t text_bytes() const { return _dir.model_text.size(); }
+  std::size_t mesh_text_bytes() const { return _dir.mesh_text.size(); }
+  std::size_t memory_bytes() const { return _model_memory.size(); }
+  const phn_model* handle() const { return _model; }
+  phn_data* data() const { return _data; }
+
+  /// Force of one tool alone.
+  /// @throws Error naming the nearest active nodes if `node` is not active
+  Vec3 force(std::int32_t node, const Vec3& displacement_m) const;
+  /// Deep into the trained range of the exploratory direction nearest to `displacement_m` [m].
+  double trained_depth(std::int32_t node, const Vec3& displacement_m) const;
+  /// Several tools with the paper's weights (15)-(16).
+  ModelResponse respond(const std::vector<std::int32_t>& nodes,
+                        const std::vector<Vec3>& displacement_m) const;
+
+ private:
+  void check(int status, std::int32_t node) const;
+
+  ModelDir _dir;
+  std::vector<std::byte> _model_memory, _data_memory;
+  const phn_model* _model = nullptr;
+  phn_data* _data = nullptr;
+  std::int32_t _max_tools = 0;
+};
+
+}  // namespace phynness

@@ -1,0 +1,80 @@
+// Model against dolfinx: fresh probes, the error measure (17) and stricter ones, beside the trivial
+// predictors.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <phynness/validation/loaded_model.hpp>
+#include <string>
+#include <vector>
+
+namespace phynness {
+
+/// Fractions. Empty samples give zeros and n = 0.
+struct ErrorStatistics {
+  double mean = 0, p95 = 0, max = 0;
+  std::int64_t n = 0;
+  static ErrorStatistics of(std::vector<double> samples);
+};
+
+/// (17): |prediction - FE| over the largest FE norm of that active node's probes of the same group (inside,
+/// outside).
+struct GroupErrors {
+  ErrorStatistics force;
+  ErrorStatistics displacement;         ///< all output nodes but the prescribed ones
+  ErrorStatistics displacement_moving;  ///< of these, per probe, the tenth that moves most
+  ErrorStatistics field_l2;        ///< per probe: |u - u_FE| / |u_FE| over all output nodes, Euclidean norms
+  ErrorStatistics force_relative;  ///< per probe: |f - f_FE| / |f_FE|
+};
+
+struct PredictorErrors {
+  GroupErrors inside, outside;
+};
+
+enum class Predictor { model, linear, zero };
+inline constexpr std::array<Predictor, 3> predictors{Predictor::model, Predictor::linear, Predictor::zero};
+const char* name(Predictor);
+
+/// Median time of one call of the runtime on this machine, this process alone.
+struct RuntimeSpeed {
+  double force_us = 0, deformation_us = 0;
+};
+RuntimeSpeed measure_speed(const LoadedModel& model);
+
+/// One solved probe, to be looked at.
+struct ForceExample {
+  std::int32_t node = 0;
+  Vec3 displacement_m{}, finite_elements_N{}, model_N{}, linear_N{};
+};
+
+struct ValidationReport {
+  std::int64_t probes = 0;  ///< asked for: inside and outside together
+  std::int64_t failed = 0;  ///< of them, not solved by the finite elements
+  std::int64_t solved_inside = 0, solved_outside = 0;
+  std::vector<std::int32_t> nodes;        ///< active nodes probed
+  std::int32_t n_beside_fixed = 0;        ///< of them chosen among the nearest to the fixed nodes
+  double outside_factor = 0;              ///< outside: R < |d| <= this * R
+  std::array<PredictorErrors, 3> errors;  ///< by Predictor
+  std::vector<ForceExample> examples;     ///< the first probe inside the range of a few nodes
+  RuntimeSpeed speed;
+  double seconds = 0;                 ///< wall time
+  double solve_ms_per_increment = 0;  ///< CPU, this validation's own solves
+  const PredictorErrors& of(Predictor p) const { return errors[static_cast<std::size_t>(p)]; }
+};
+
+/// |d| = outside_factor R is the paper's 4 cm after training to 2.8 cm.
+inline constexpr double outside_factor = 4.0 / 2.8;
+
+class SolverSession;
+
+/// Solves fresh probes on the model's own mesh: directions uniform on the sphere (the inward half of it for
+/// hemisphere scenes), magnitudes uniform; half of the probes inside the trained range, half beyond. At least
+/// ten active nodes where there are as many, two in ten of them beside the fixed nodes. Collective over the
+/// session's ranks, the result is the same for any number of them; complete on rank 0.
+/// @throws Error if the scene's physics or mesh is not the model's
+ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+                          std::int64_t probes, std::uint64_t seed,
+                          const std::function<void(std::int64_t, std::int64_t)>& progress = {},
+                          const std::function<bool()>& stop = {});
+
+}  // namespace phynness

@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <cmath>
+#include <phynness/formats/error.hpp>
+#include <phynness/validation/loaded_model.hpp>
+
+namespace phynness {
+
+LoadedModel::LoadedModel(const std::filesystem::path& dir, std::int32_t max_tools)
+    : _dir(read_model_dir(dir)), _max_tools(max_tools) {
+  const auto require = [&](int status) {
+    if (status < 0)
+      throw input_error("the runtime refuses " + (dir / "model.txt").string(), phn_status_message(status),
+                        "train the model again with this version");
+  };
+  std::size_t bytes = 0;
+  require(phn_model_size(_dir.model_text.data(), _dir.model_text.size(), &bytes));
+  _model_memory.resize(bytes);
+  require(
+      phn_model_init(_model_memory.data(), bytes, _dir.model_text.data(), _dir.model_text.size(), &_model));
+  require(phn_data_size(_model, max_tools, &bytes));
+  _data_memory.resize(bytes);
+  require(phn_data_init(_data_memory.data(), bytes, _model, max_tools, &_data));
+}
+
+void LoadedModel::check(int status, std::int32_t node) const {
+  if (status >= 0) return;
+  if (status == PHN_ERROR_NOT_ACTIVE && node >= 0 && node < _dir.mesh.n_nodes()) {
+    std::vector<std::int32_t> active;
+    for (const auto& entry : _dir.model.nodes) active.push_back(entry.node);
+    const auto distance = [&](std::int32_t i) {
+      return (_dir.mesh.nodes.row(i) - _dir.mesh.nodes.row(node)).norm();
+    };
+    const auto n = std::min<std::size_t>(3, active.size());
+    std::partial_sort(active.begin(), active.begin() + static_cast<std::ptrdiff_t>(n), active.end(),
+                      [&](auto a, auto b) { return distance(a) < distance(b); });
+    std::string nearest;
+    for (std::size_t i = 0; i < n; ++i) nearest += (i ? ", " : "") + std::to_string(active[i]);
+    throw input_error("the model has no network for this node", "node " + std::to_string(node),
+                      "touch an active node; the nearest are " + nearest);
+  }
+  throw input_error("the runtime refuses the request",
+                    phn_status_message(status) + std::string(" (node ") + std::to_string(node) + ")",
+                    "touch different active nodes of the mesh, 0 to " +
+                        std::to_string(_dir.mesh.n_nodes() - 1) + ", with finite displacements");
+}
+
+Vec3 LoadedModel::force(std::int32_t node, const Vec3& displacement_m) const {
+  Vec3 f{};
+  check(phn_force(_model, _data, node, displacement_m.data(), f.data()), node);
+  return f;
+}
+
+double LoadedModel::trained_depth(std::int32_t node, const Vec3& displacement_m) const {
+  double depth = 0;
+  check(phn_trained_depth(_model, node, displacement_m.data(), &depth), node);
+  return depth;
+}
+
+ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
+                                   const std::vector<Vec3>& displacement_m) const {
+  const std::size_t n_tools = nodes.size();
+  if (n_tools > static_cast<std::size_t>(_max_tools))
+    throw input_error("too many tools", std::to_string(n_tools), "at most " + std::to_string(_max_tools));
+  ModelResponse response;
+  response.displacement_m.resize(phn_n_output(_model), 3);
+  std::vector<double> d;
+  for (const auto& v : displacement_m) d.insert(d.end(), v.begin(), v.end());
+  for (const auto node : nodes) force(node, {0, 0, 0});  // refuses inactive nodes by number
+  response.status = phn_deform(_model, _data, static_cast<std::int32_t>(n_tools), nodes.data(), d.data(),
+                               response.displacement_m.data());
+  check(response.status, nodes.empty() ? -1 : nodes[0]);
+  response.force_N.assign(n_tools, std::nullopt);
+  if (n_tools == 1) {
+    const Vec3& v = displacement_m[0];
+    Vec3 f{};
+    const int status = phn_force(_model, _data, nodes[0], v.data(), f.data());
+    check(status, nodes[0]);
+    response.status |= status;
+    response.force_N[0] = f;
+    // Simpson's rule; the network is smooth over its spread, 32 intervals are far below its own error.
+    double work = 0;
+    constexpr int n = 32;
+    for (int i = 0; i <= n; ++i) {
+      const double s = static_cast<double>(i) / n;
+      const Vec3 at = force(nodes[0], {s * v[0], s * v[1], s * v[2]});
+      work += (i == 0 || i == n ? 1 : i % 2 ? 4 : 2) * (at[0] * v[0] + at[1] * v[1] + at[2] * v[2]);
+    }
+    response.energy_J = work / (3 * n);
+  }
+  return response;
+}
+
+}  // namespace phynness

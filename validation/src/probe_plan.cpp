@@ -1,0 +1,94 @@
+#include "probe_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <phynness/formats/error.hpp>
+#include <phynness/validation/validation.hpp>
+#include <random>
+
+namespace phynness {
+namespace {
+
+/// Uniform in [0, 1), the same on every platform (std distributions are not).
+double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
+
+Vec3 on_sphere(std::mt19937_64& random) {
+  const double z = 2 * uniform(random) - 1, angle = 2 * std::numbers::pi * uniform(random);
+  const double r = std::sqrt(std::max(0.0, 1 - z * z));
+  return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+template <typename T>
+void shuffle(std::vector<T>& items, std::mt19937_64& random) {
+  for (std::size_t i = items.size(); i > 1; --i)
+    std::swap(items[i - 1], items[static_cast<std::size_t>(uniform(random) * static_cast<double>(i))]);
+}
+
+double distance_to_fixed(const LoadedModel& model, std::int32_t node) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto f : model.model().fixed)
+    least = std::min(least, (model.mesh().nodes.row(f) - model.mesh().nodes.row(node)).norm());
+  return least;
+}
+
+std::vector<NodePlan> choose_nodes(const LoadedModel& model, std::int64_t wanted, std::mt19937_64& random) {
+  std::vector<std::int32_t> active;
+  for (const auto& entry : model.model().nodes) active.push_back(entry.node);
+  wanted = std::min<std::int64_t>(wanted, static_cast<std::int64_t>(active.size()));
+  std::vector<std::pair<double, std::int32_t>> by_distance;
+  for (const auto node : active) by_distance.emplace_back(distance_to_fixed(model, node), node);
+  std::sort(by_distance.begin(), by_distance.end());
+
+  const auto n_beside = static_cast<std::size_t>((wanted + 4) / 5);
+  std::vector<std::int32_t> beside;
+  for (std::size_t i = 0; i < std::max(n_beside, active.size() / 20) && i < by_distance.size(); ++i)
+    beside.push_back(by_distance[i].second);
+  shuffle(beside, random);
+  beside.resize(std::min(beside.size(), n_beside));
+
+  std::vector<NodePlan> plan;
+  for (const auto node : beside) plan.push_back({node, true, {}});
+  shuffle(active, random);
+  for (const auto node : active) {
+    if (static_cast<std::int64_t>(plan.size()) >= wanted) break;
+    if (std::find(beside.begin(), beside.end(), node) == beside.end()) plan.push_back({node, false, {}});
+  }
+  return plan;
+}
+
+}  // namespace
+
+std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions directions, std::int64_t probes,
+                                  std::uint64_t seed) {
+  if (probes < 1)
+    throw input_error("the number of probes must be at least 1", std::to_string(probes), "--probes 200");
+  std::mt19937_64 random(seed);
+  const std::int64_t n_inside = (probes + 1) / 2, n_outside = probes / 2;
+  auto plan = choose_nodes(model, std::min(n_inside, std::max<std::int64_t>(10, probes / 20)), random);
+  const Points normals = node_normals(model.mesh());
+  for (std::int64_t i = 0; i < n_inside; ++i) {
+    auto& entry = plan[static_cast<std::size_t>(i) % plan.size()];
+    ProbePair pair;
+    double depth = 0;
+    for (int attempt = 0; attempt < 1000 && depth <= 0; ++attempt) {
+      pair.direction = on_sphere(random);
+      const auto n = normals.row(entry.node);
+      const double inward = -(n[0] * pair.direction[0] + n[1] * pair.direction[1] + n[2] * pair.direction[2]);
+      if (directions == Directions::hemisphere && inward <= 0) continue;
+      depth = model.trained_depth(entry.node, pair.direction);
+    }
+    if (depth <= 0)
+      throw input_error("a node of the model was trained in no direction",
+                        "node " + std::to_string(entry.node),
+                        "precompute it again: all of its probes failed");
+    pair.inside_m = depth * (1 - uniform(random));
+    const double beyond = depth * (1 + (outside_factor - 1) * (1 - uniform(random)));
+    pair.outside_m = i < n_outside ? beyond : 0;
+    entry.pairs.push_back(pair);
+  }
+  return plan;
+}
+
+}  // namespace phynness

@@ -1,0 +1,27 @@
+// Which fresh probes a validation solves: nodes, directions and magnitudes from one seed.
+#pragma once
+
+#include <cstdint>
+#include <phynness/validation/loaded_model.hpp>
+#include <vector>
+
+namespace phynness {
+
+/// A ray solved for one probe inside the trained range and one beyond; either may be absent (0).
+struct ProbePair {
+  Vec3 direction{};
+  double inside_m = 0, outside_m = 0;
+};
+
+struct NodePlan {
+  std::int32_t node = 0;
+  bool beside_fixed = false;
+  std::vector<ProbePair> pairs;
+};
+
+/// `probes` in all, split evenly over inside and outside and over the nodes. Directions without trained depth
+/// are drawn again. @throws Error if fewer than 1 probe is asked for
+std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions directions, std::int64_t probes,
+                                  std::uint64_t seed);
+
+}  // namespace phynness

@@ -1,0 +1,53 @@
+#include <algorithm>
+#include <chrono>
+#include <phynness/validation/validation.hpp>
+
+namespace phynness {
+namespace {
+
+/// Median over batches of the mean time of a call in a batch [us].
+template <typename Call>
+double median_us(int batches, int calls, const Call& call) {
+  std::vector<double> times;
+  for (int b = 0; b < batches; ++b) {
+    const auto start = std::chrono::steady_clock::now();
+    for (int i = 0; i < calls; ++i) call(i);
+    const std::chrono::duration<double, std::micro> spent = std::chrono::steady_clock::now() - start;
+    times.push_back(spent.count() / calls);
+  }
+  std::nth_element(times.begin(), times.begin() + batches / 2, times.end());
+  return times[static_cast<std::size_t>(batches / 2)];
+}
+
+}  // namespace
+
+RuntimeSpeed measure_speed(const LoadedModel& model) {
+  const auto& nodes = model.model().nodes;
+  if (nodes.empty()) return {};
+  const double depth = model.model().max_displacement_m;
+  std::vector<double> u(3 * static_cast<std::size_t>(phn_n_output(model.handle())));
+  double f[3], sink = 0;
+  // The displacement changes from call to call, as a hand's does.
+  const auto displacement = [&](int i, double* d) {
+    for (int k = 0; k < 3; ++k) d[k] = depth * 0.01 * ((i * (k + 3)) % 50);
+  };
+  RuntimeSpeed speed;
+  speed.force_us = median_us(15, 200, [&](int i) {
+    double d[3];
+    displacement(i, d);
+    phn_force(model.handle(), model.data(), nodes[static_cast<std::size_t>(i) % nodes.size()].node, d, f);
+    sink += f[0];
+  });
+  speed.deformation_us = median_us(7, 5, [&](int i) {
+    double d[3];
+    displacement(i, d);
+    const auto node = nodes[static_cast<std::size_t>(i) % nodes.size()].node;
+    phn_deform(model.handle(), model.data(), 1, &node, d, u.data());
+    sink += u[0];
+  });
+  volatile double keep = sink;  // the calls have a result that somebody reads
+  static_cast<void>(keep);
+  return speed;
+}
+
+}  // namespace phynness

@@ -1,0 +1,237 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <phynness/formats/error.hpp>
+#include <phynness/precompute/precompute.hpp>
+#include <phynness/validation/validation.hpp>
+
+#include "probe_plan.hpp"
+
+namespace phynness {
+namespace {
+
+constexpr std::size_t n_predictors = predictors.size();
+enum Group : std::size_t { inside = 0, outside = 1 };
+enum Measure : std::size_t { force, displacement, moving, field_l2, force_relative, n_measures };
+
+/// Normalized errors, by predictor, group and measure.
+using Samples = std::array<std::array<std::array<std::vector<double>, n_measures>, 2>, n_predictors>;
+
+/// One solved probe and what each predictor says of it, at the output nodes.
+struct Comparison {
+  Vec3 d{};
+  Vec3 force_FE{};
+  Points u_FE;
+  std::array<Vec3, n_predictors> force_of{};
+  std::array<Points, n_predictors> u_of;
+};
+
+double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+double distance(const Vec3& a, const Vec3& b) { return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]}); }
+
+void check_same_scene(const Scene& scene, const LoadedModel& model) {
+  if (physics_hash(scene) != model.model().physics_hash)
+    throw input_error("the model was trained for another scene",
+                      "physics " + model.model().physics_hash + ", this scene's " + physics_hash(scene),
+                      "validate with the scene the database was made from, or precompute and train again");
+}
+
+Comparison compare(const LoadedModel& model, const ProbeSolver& solver, std::int32_t node, const Vec3& d,
+                   const Response& response) {
+  const auto& output = model.model().output;
+  const auto n = static_cast<Eigen::Index>(output.size());
+  Comparison c;
+  c.d = d;
+  c.force_FE = response.force_N[0];
+  c.u_FE.resize(n, 3);
+  const auto said = model.respond({node}, {d});
+  const Eigen::Vector3d dd(d[0], d[1], d[2]);
+  const Eigen::Vector3d linear_force = solver.rest().stiffness_N_per_m * dd;
+  Points& linear = c.u_of[static_cast<std::size_t>(Predictor::linear)];
+  linear.resize(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto j = output[static_cast<std::size_t>(i)];
+    c.u_FE.row(i) = response.displacement_m.row(j);
+    linear.row(i) = (solver.rest().sensitivity.middleRows(3 * j, 3) * dd).transpose();
+  }
+  c.u_of[static_cast<std::size_t>(Predictor::model)] = said.displacement_m;
+  c.u_of[static_cast<std::size_t>(Predictor::zero)] = Points::Zero(n, 3);
+  c.force_of[static_cast<std::size_t>(Predictor::model)] = *said.force_N[0];
+  c.force_of[static_cast<std::size_t>(Predictor::linear)] = {linear_force[0], linear_force[1],
+                                                             linear_force[2]};
+  return c;
+}
+
+/// Examples travel between ranks as rows of 13 numbers.
+constexpr std::size_t max_examples = 5, example_size = 13;
+
+void add_example(std::int32_t node, const Comparison& c, std::vector<double>& rows) {
+  rows.push_back(node);
+  for (const auto* v : {&c.d, &c.force_FE, &c.force_of[static_cast<std::size_t>(Predictor::model)],
+                        &c.force_of[static_cast<std::size_t>(Predictor::linear)]})
+    rows.insert(rows.end(), v->begin(), v->end());
+}
+
+std::vector<ForceExample> read_examples(const std::vector<double>& rows) {
+  std::vector<ForceExample> examples;
+  for (std::size_t at = 0; at + example_size <= rows.size(); at += example_size) {
+    const auto vector = [&](std::size_t i) { return Vec3{rows[at + i], rows[at + i + 1], rows[at + i + 2]}; };
+    examples.push_back({static_cast<std::int32_t>(rows[at]), vector(1), vector(4), vector(7), vector(10)});
+  }
+  std::sort(examples.begin(), examples.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
+  return examples;
+}
+
+/// Turns one active node's comparisons of one group into samples of (17).
+void collect(const std::vector<Comparison>& comparisons, const std::vector<char>& counts, Group group,
+             Samples& samples) {
+  double largest_force = 0, largest_u = 0;
+  for (const auto& c : comparisons) {
+    largest_force = std::max(largest_force, norm(c.force_FE));
+    for (Eigen::Index i = 0; i < c.u_FE.rows(); ++i)
+      if (counts[static_cast<std::size_t>(i)]) largest_u = std::max(largest_u, c.u_FE.row(i).norm());
+  }
+  for (const auto& c : comparisons) {
+    std::vector<std::pair<double, Eigen::Index>> by_motion;
+    for (Eigen::Index i = 0; i < c.u_FE.rows(); ++i)
+      if (counts[static_cast<std::size_t>(i)]) by_motion.emplace_back(-c.u_FE.row(i).norm(), i);
+    std::sort(by_motion.begin(), by_motion.end());
+    const std::size_t n_moving = (by_motion.size() + 9) / 10;
+    for (std::size_t p = 0; p < n_predictors; ++p) {
+      auto& out = samples[p][group];
+      const double force_error = distance(c.force_of[p], c.force_FE);
+      if (largest_force > 0) out[force].push_back(force_error / largest_force);
+      if (norm(c.force_FE) > 0) out[force_relative].push_back(force_error / norm(c.force_FE));
+      double error2 = 0, norm2 = 0;
+      for (std::size_t rank = 0; rank < by_motion.size(); ++rank) {
+        const auto i = by_motion[rank].second;
+        const double error = (c.u_of[p].row(i) - c.u_FE.row(i)).norm();
+        if (largest_u > 0) out[displacement].push_back(error / largest_u);
+        if (largest_u > 0 && rank < n_moving) out[moving].push_back(error / largest_u);
+        error2 += error * error;
+        norm2 += by_motion[rank].first * by_motion[rank].first;
+      }
+      if (norm2 > 0) out[field_l2].push_back(std::sqrt(error2 / norm2));
+    }
+  }
+}
+
+/// Values of s that a ray visits: the trained increments up to the deepest probe, and the probes themselves.
+std::vector<double> waypoints(const ProbePair& pair, double increment_m) {
+  std::vector<double> s;
+  const double deepest = std::max(pair.inside_m, pair.outside_m);
+  for (int i = 1; i * increment_m < deepest; ++i) s.push_back(i * increment_m);
+  if (pair.inside_m > 0) s.push_back(pair.inside_m);
+  if (pair.outside_m > 0) s.push_back(pair.outside_m);
+  std::sort(s.begin(), s.end());
+  // A waypoint next to a probe would be a solve for nothing.
+  const auto is_probe = [&](double x) { return x == pair.inside_m || x == pair.outside_m; };
+  std::vector<double> kept;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const bool crowded = (i + 1 < s.size() && s[i + 1] - s[i] < 0.25 * increment_m) ||
+                         (!kept.empty() && s[i] - kept.back() < 0.25 * increment_m);
+    if (is_probe(s[i]) || !crowded) kept.push_back(s[i]);
+  }
+  return kept;
+}
+
+GroupErrors statistics(const std::array<std::vector<double>, n_measures>& samples) {
+  GroupErrors errors;
+  errors.force = ErrorStatistics::of(samples[force]);
+  errors.displacement = ErrorStatistics::of(samples[displacement]);
+  errors.displacement_moving = ErrorStatistics::of(samples[moving]);
+  errors.field_l2 = ErrorStatistics::of(samples[field_l2]);
+  errors.force_relative = ErrorStatistics::of(samples[force_relative]);
+  return errors;
+}
+
+}  // namespace
+
+ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+                          std::int64_t probes, std::uint64_t seed,
+                          const std::function<void(std::int64_t, std::int64_t)>& progress,
+                          const std::function<bool()>& stop) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t cpu_start = std::clock();
+  check_same_scene(scene, model);
+  const auto plan = plan_probes(model, scene.probe.directions, probes, seed);
+  const NodeSets sets{model.model().fixed, {}, model.model().output};
+  ProbeSolver solver(scene, model.mesh(), sets);
+  const double increment_m = scene.probe.max_displacement_m / scene.probe.increments;
+
+  Samples samples;
+  std::vector<double> examples;
+  double failed = 0, solved[2] = {0, 0}, increments = 0;
+  std::int64_t done = 0;
+  bool interrupted = false;
+  std::int64_t rays = 0, my_rays = 0;
+  for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
+  for (std::size_t e = 0; e < plan.size() && !interrupted; ++e) {
+    if (e % static_cast<std::size_t>(session.size()) != static_cast<std::size_t>(session.rank())) continue;
+    const auto& entry = plan[e];
+    solver.touch({entry.node});
+    std::vector<char> counts(model.model().output.size(), 1);
+    for (const auto& [node, weight] : solver.prescribed()) {
+      const auto& output = model.model().output;
+      const auto it = std::lower_bound(output.begin(), output.end(), node);
+      if (it != output.end() && *it == node) counts[static_cast<std::size_t>(it - output.begin())] = 0;
+    }
+    std::array<std::vector<Comparison>, 2> comparisons;
+    for (const auto& pair : entry.pairs) {
+      const auto s = waypoints(pair, increment_m);
+      std::array<bool, 2> got{false, false};
+      solver.follow({pair.direction}, s, false, [&](std::size_t i, const Response& response) {
+        if (response.status != Status::converged) return false;
+        increments += 1;
+        const Vec3 d{s[i] * pair.direction[0], s[i] * pair.direction[1], s[i] * pair.direction[2]};
+        for (const Group g : {inside, outside})
+          if (s[i] == (g == inside ? pair.inside_m : pair.outside_m)) {
+            comparisons[g].push_back(compare(model, solver, entry.node, d, response));
+            got[g] = true;
+          }
+        return true;
+      });
+      solved[inside] += got[inside];
+      solved[outside] += got[outside];
+      failed += !got[inside] + (pair.outside_m > 0 && !got[outside]);
+      ++my_rays;
+      done = std::min(rays, my_rays * session.size());
+      if (progress && session.rank() == 0) progress(done, rays);
+      if (stop && stop()) {
+        interrupted = true;
+        break;
+      }
+    }
+    for (const Group g : {inside, outside}) collect(comparisons[g], counts, g, samples);
+    if (!comparisons[inside].empty() && e < max_examples)
+      add_example(entry.node, comparisons[inside].front(), examples);
+  }
+  if (session.sum(interrupted ? 1.0 : 0.0) > 0)
+    throw failure("validation was interrupted",
+                  std::to_string(done) + " of " + std::to_string(rays) + " rays", "");
+
+  ValidationReport report;
+  report.probes = probes;
+  report.failed = static_cast<std::int64_t>(session.sum(failed));
+  report.solved_inside = static_cast<std::int64_t>(session.sum(solved[inside]));
+  report.solved_outside = static_cast<std::int64_t>(session.sum(solved[outside]));
+  report.outside_factor = outside_factor;
+  for (const auto& entry : plan) {
+    report.nodes.push_back(entry.node);
+    report.n_beside_fixed += entry.beside_fixed;
+  }
+  for (std::size_t p = 0; p < n_predictors; ++p) {
+    for (auto& group : samples[p])
+      for (auto& list : group) list = session.gather(list);
+    report.errors[p] = {statistics(samples[p][inside]), statistics(samples[p][outside])};
+  }
+  report.examples = read_examples(session.gather(examples));
+  if (session.rank() == 0) report.speed = measure_speed(model);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double cpu = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  report.solve_ms_per_increment = 1e3 * session.sum(cpu) / std::max(1.0, session.sum(increments));
+  return report;
+}
+
+}  // namespace phynness
