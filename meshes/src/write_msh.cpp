@@ -114,7 +114,7 @@ void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::pa
   if (!stream || error) {
     std::error_code ignored;
     std::filesystem::remove(partial, ignored);
-    throw failure("cannot write the mesh", file.string(),
+    throw input_error("cannot write the mesh", file.string(),
                   "check that the folder exists, is writable and has space left");
   }
 }

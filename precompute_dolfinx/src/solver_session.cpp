@@ -11,8 +11,9 @@ namespace phynness {
 
 SolverSession::SolverSession() {
   // The command line is ours alone: PETSc would take what it does not know for its own.
+  // Signals are ours too: Ctrl-C asks for an end between two rays.
+  PHYNNESS_PETSC(PetscOptionsSetValue(nullptr, "-no_signal_handler", "true"));
   PHYNNESS_PETSC(PetscInitialize(nullptr, nullptr, nullptr, nullptr));
-  PHYNNESS_PETSC(PetscPopSignalHandler());
   quiet_logging();
   // Two threads on matrices of a few thousand rows cost more than they give, and ranks fill the cores.
   if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<void (*)(int)>(symbol)(1);

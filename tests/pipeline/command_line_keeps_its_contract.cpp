@@ -1,0 +1,123 @@
+// Claim: the interfaces other programs rely on: exit statuses, JSON keys, the CSV's header, node numbers.
+#include <cmath>
+
+#include "command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+using Contract = CommandLine;
+
+TEST_F(Contract, PipelineFromSceneToForce) {
+  write_file(folder / "scene.toml", small_scene());
+  const auto run = phynness("run scene.toml -o out");
+  ASSERT_EQ(run.exit_status, 0) << run.err << run.out;
+  for (const char* name : {"out/mesh.msh", "out/database.h5", "out/model/model.txt", "out/model/mesh.txt",
+                           "out/validate.json"})
+    EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "out/model"), {}), 2)
+      << "MODEL_DIR holds exactly model.txt and mesh.txt";
+
+  const auto v = json("out/validate.json");
+  EXPECT_EQ(v.at("probes"), 8);
+  EXPECT_EQ(v.at("failed"), 0);
+  for (const auto& block : {v, v.at("linear"), v.at("zero")})
+    for (const char* group : {"inside", "outside"})
+      for (const char* what : {"force", "displacement"})
+        for (const char* figure : {"mean", "p95", "max"})
+          EXPECT_TRUE(std::isfinite(block.at(group).at(what).at(figure).get<double>()));
+  // What zero predicts is wrong by the whole of the largest response.
+  EXPECT_NEAR(v.at("zero").at("inside").at("force").at("max").get<double>(), 1.0, 1e-12);
+  // The yardstick that must hold at depths of a third of an element: far better than zero, worse than nothing.
+  EXPECT_LT(v.at("linear").at("inside").at("force").at("mean").get<double>(), 0.2);
+  EXPECT_GT(v.at("linear").at("inside").at("force").at("mean").get<double>(), 0.0);
+
+  // The same question to the model and to the finite elements, the same shape of answer.
+  ASSERT_EQ(phynness("info out/database.h5 --json info.json").exit_status, 0);
+  const auto node = json("info.json").at("active").at(0).get<int>();
+  const auto tool = " --node " + std::to_string(node) + " --displacement 0,0,-0.006";
+  const auto eval = phynness("eval out/model" + tool + " --json eval.json --deformation eval.csv");
+  ASSERT_EQ(eval.exit_status, 0) << eval.err;
+  for (const char* source : {"scene.toml", "out/database.h5"}) {
+    const auto solve = phynness("solve " + std::string(source) + tool + " --json solve.json --deformation solve.csv");
+    ASSERT_EQ(solve.exit_status, 0) << solve.err;
+    const auto e = json("eval.json"), s = json("solve.json");
+    for (const auto& answer : {e, s}) {
+      EXPECT_EQ(answer.at("tools").at(0).at("node"), node);
+      EXPECT_EQ(answer.at("tools").at(0).at("displacement").size(), 3u);
+      EXPECT_EQ(answer.at("tools").at(0).at("force").size(), 3u);
+      EXPECT_GT(answer.at("energy").get<double>(), 0);
+      // The touched node is an output node and moves by exactly what was asked.
+      EXPECT_GE(answer.at("max_displacement").get<double>(), 0.006 * (1 - 1e-12));
+      EXPECT_LT(answer.at("tools").at(0).at("force").at(2).get<double>(), 0) << "a push needs a push";
+    }
+    const double fe = s.at("tools").at(0).at("force").at(2), model = e.at("tools").at(0).at("force").at(2);
+    // 20 neurons on 52 points of a smooth curve; a defect in sign, scale or node order is off by far more.
+    EXPECT_NEAR(model, fe, 0.1 * std::abs(fe));
+    const auto header = std::string("node,x,y,z,ux,uy,uz\n");
+    EXPECT_EQ(read_file(folder / "eval.csv").substr(0, header.size()), header);
+    const auto csv_e = read_file(folder / "eval.csv"), csv_s = read_file(folder / "solve.csv");
+    EXPECT_EQ(std::count(csv_e.begin(), csv_e.end(), '\n'), std::count(csv_s.begin(), csv_s.end(), '\n'));
+  }
+
+  // Two tools: the paper's weights define no force.
+  const auto other = json("info.json").at("active").at(1).get<int>();
+  const auto two = phynness("eval out/model" + tool + " --node " + std::to_string(other) +
+                            " --displacement 0.003,0,0 --tools paper --json two.json");
+  ASSERT_EQ(two.exit_status, 0) << two.err;
+  EXPECT_TRUE(json("two.json").at("tools").at(0).at("force").is_null());
+  EXPECT_TRUE(json("two.json").at("energy").is_null());
+  const auto solve_two = phynness("solve scene.toml" + tool + " --node " + std::to_string(other) +
+                                  " --displacement 0.003,0,0 --json solve_two.json");
+  ASSERT_EQ(solve_two.exit_status, 0) << solve_two.err;
+  EXPECT_EQ(json("solve_two.json").at("tools").at(1).at("force").size(), 3u);
+
+  // A model of another scene is refused.
+  auto changed = small_scene();
+  changed.replace(changed.find("2000.0"), 6, "2500.0");
+  write_file(folder / "other.toml", changed);
+  EXPECT_EQ(phynness("validate other.toml out/model --probes 2").exit_status, 2);
+  EXPECT_EQ(phynness("train other.toml out/database.h5 -o m2").exit_status, 2);
+}
+
+TEST_F(Contract, WrongUsageExitsWith2AndSaysWhy) {
+  write_file(folder / "scene.toml", small_scene());
+  struct Case {
+    const char *arguments, *says;
+  };
+  for (const auto& [arguments, says] : {
+           Case{"", "subcommand"},
+           Case{"mesh", "SCENE"},
+           Case{"mesh missing.toml -o m.msh", "missing.toml"},
+           Case{"mesh scene.toml -o no/such/folder/m.msh", "no/such/folder"},
+           Case{"solve scene.toml --node 3", "--displacement"},
+           Case{"solve scene.toml --node 3 --displacement 0,0", "three finite numbers"},
+           Case{"solve scene.toml --node 3 --displacement 0,0,nan", "three finite numbers"},
+           Case{"solve scene.toml --node 3 --displacement 0,0,1e-3,5", "three finite numbers"},
+           Case{"solve scene.toml --node 999999 --displacement 0,0,-0.001", "999999"},
+           Case{"eval nowhere --node 1 --displacement 0,0,0", "nowhere"},
+           Case{"info nowhere.h5", "nowhere.h5"},
+           Case{"train scene.toml scene.toml -o m", "scene.toml"},
+           Case{"validate scene.toml . --probes 0", "--probes"},
+       }) {
+    const auto outcome = phynness(arguments);
+    EXPECT_EQ(outcome.exit_status, 2) << arguments << "\n" << outcome.err;
+    EXPECT_NE((outcome.err + outcome.out).find(says), std::string::npos) << arguments << "\n" << outcome.err;
+  }
+  for (const char* command : {"", "mesh", "precompute", "train", "validate", "eval", "solve", "info", "run"})
+    EXPECT_EQ(phynness(std::string(command) + " --help").exit_status, 0) << command;
+}
+
+TEST_F(Contract, SolveThatCannotConvergeExitsWith1) {
+  write_file(folder / "scene.toml", small_scene());
+  ASSERT_EQ(phynness("info scene.toml --json info.json").exit_status, 0);
+  const auto node = json("info.json").at("active").at(0).get<int>();
+  // Pushed through the fixed bottom: every path inverts a cell.
+  const auto outcome =
+      phynness("solve scene.toml --node " + std::to_string(node) + " --displacement 0,0,-0.2 --increments 2");
+  EXPECT_EQ(outcome.exit_status, 1) << outcome.out;
+  EXPECT_NE(outcome.err.find("converge"), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace phynness::test
