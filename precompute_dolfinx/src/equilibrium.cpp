@@ -9,6 +9,7 @@ struct Equilibrium::Impl {
   Impl(Discretization& discretization, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& spec)
       : body(discretization), options(spec), tangent(discretization, fixed_dofs) {
     set_up_solver();
+    rounding = residual_of_rounding();
   }
 
   Discretization& body;
@@ -19,10 +20,12 @@ struct Equilibrium::Impl {
   std::vector<char> is_free;             // per dof: neither fixed nor prescribed
   std::vector<double> load, state, residual;
   double reaction_norm = 0, load_norm = 0;  // of the latest residual
+  double rounding = 0;                      // a residual of this norm cannot be told from zero
   PetscVec x, r;
   PetscSnes snes;
 
   void set_up_solver();
+  double residual_of_rounding();
   void evaluate_residual();
   double free_norm() const;
   void gather(Vec from) const;
@@ -54,6 +57,21 @@ void Equilibrium::Impl::set_up_solver() {
   PHYNNESS_PETSC(PCSetType(pc, PCCHOLESKY));
   PHYNNESS_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   PHYNNESS_PETSC(SNESSetFromOptions(snes));
+}
+
+/// F = I + grad u is rounded to the last bit of 1, as if every point were off by that part of the body's
+/// size. Without this floor a displacement of a millionth of the body could never meet a tolerance relative
+/// to its own small forces.
+double Equilibrium::Impl::residual_of_rounding() {
+  const int m = body.n_element_dofs();
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(body.n_dofs());
+  body.element_tangents(std::vector<double>(body.n_dofs(), 0.0),
+                        [&](std::int32_t cell, std::span<const double> element) {
+                          for (int i = 0; i < m; ++i)
+                            diagonal[body.element_dofs(cell)[i]] += element[i * m + i];
+                        });
+  const Eigen::RowVector3d extent = body.points().colwise().maxCoeff() - body.points().colwise().minCoeff();
+  return std::numeric_limits<double>::epsilon() / 2 * diagonal.norm() * extent.norm();
 }
 
 void Equilibrium::Impl::gather(Vec from) const {
@@ -112,7 +130,7 @@ PetscErrorCode Equilibrium::Impl::test_convergence(SNES, PetscInt, PetscReal, Pe
   *reason = SNES_CONVERGED_ITERATING;
   if (!std::isfinite(norm))
     *reason = SNES_DIVERGED_FNORM_NAN;
-  else if (norm <= self.options.relative_tolerance * (self.reaction_norm + self.load_norm))
+  else if (norm <= self.options.relative_tolerance * (self.reaction_norm + self.load_norm) + self.rounding)
     *reason = SNES_CONVERGED_FNORM_RELATIVE;
   return 0;
 }

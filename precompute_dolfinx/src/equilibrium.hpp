@@ -35,7 +35,8 @@ class Equilibrium {
     double relative_residual = 0;  ///< |free rows| / |reactions|
   };
   /// Newton from `state`, whose prescribed dofs hold their values already. On failure `state` is left as it
-  /// was. Converged: |free rows of r - load| <= relative_tolerance * (|reactions| + |load|), Euclidean norms.
+  /// was. Converged: |free rows of r - load| <= relative_tolerance * (|reactions| + |load|), Euclidean norms,
+  /// or not to be told from zero in double precision (which tiny displacements meet).
   Outcome solve(std::span<double> state);
 
   /// The tangent at an equilibrium state, factorized.
