@@ -1,5 +1,7 @@
 #include "constraint.hpp"
 
+#include <Eigen/Eigenvalues>
+
 namespace phynness {
 
 std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, double radius, std::int32_t node,
@@ -47,6 +49,21 @@ std::vector<char> fixed_points(const Discretization& body, std::span<const std::
   for (int p = body.n_nodes(); p < body.n_points(); ++p)
     fixed[p] = fixed[body.edge(p)[0]] && fixed[body.edge(p)[1]] ? 1 : 0;
   return fixed;
+}
+
+bool hold_the_body(const Discretization& body, const std::vector<char>& fixed) {
+  std::vector<int> held;
+  for (int p = 0; p < body.n_points(); ++p)
+    if (fixed[p]) held.push_back(p);
+  if (held.size() < 3) return false;
+  Points at = body.points()(held, Eigen::all);
+  at.rowwise() -= Eigen::RowVector3d(at.colwise().mean());
+  // Root mean square distances from the best plane, within it from the best line, and along that line.
+  const Eigen::Matrix3d spread = at.transpose() * at / static_cast<double>(held.size());
+  const auto squares =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::RowVector3d extent = body.points().colwise().maxCoeff() - body.points().colwise().minCoeff();
+  return squares[1] > 1e-12 * extent.squaredNorm();
 }
 
 std::vector<std::int32_t> displacement_dofs(const Discretization& body, const std::vector<char>& points) {

@@ -25,7 +25,12 @@ struct ProbeSolver::Impl {
              form_set(s.material, s.solver.element, scaling.modulus_Pa)),
         fixed(fixed_points(body, sets.fixed)),
         equilibrium(body, displacement_dofs(body, fixed), s.solver),
-        rays(body, equilibrium, s.solver) {}
+        rays(body, equilibrium, s.solver) {
+    if (!hold_the_body(body, fixed))
+      throw input_error("the fixed nodes do not hold the body",
+                        std::to_string(sets.fixed.size()) + " fixed nodes",
+                        "fix at least three nodes that are not on one line");
+  }
 
   Scene scene;
   Scaling scaling;
