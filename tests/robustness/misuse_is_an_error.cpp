@@ -1,0 +1,86 @@
+// Claim: what cannot be solved is refused with a message that names the value and the remedy, before any
+// number is made.
+#include <gtest/gtest.h>
+
+#include <phynness/formats/error.hpp>
+
+#include "probe_block.hpp"
+
+namespace phynness::test {
+namespace {
+
+/// The message of the Error that `action` throws; a failure if it throws none.
+template <typename Action>
+std::string message_of(Action&& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::input);
+    return error.what();
+  }
+  ADD_FAILURE() << "no Error was thrown";
+  return {};
+}
+
+#define EXPECT_MENTIONS(text, part) EXPECT_NE((text).find(part), std::string::npos) << text
+
+class Touch : public ::testing::Test {
+ protected:
+  ProbeBlock _block = probe_block({Law::neo_hookean, Element::p1}, 10, {4, 4, 3});
+  ProbeSolver _solver = _block.solver();
+
+  std::string refusal(const std::vector<std::int32_t>& nodes) {
+    return message_of([&] { _solver.touch(nodes); });
+  }
+};
+
+TEST_F(Touch, OfANodeThatDoesNotExist) {
+  EXPECT_MENTIONS(refusal({_block.mesh.n_nodes()}), "node " + std::to_string(_block.mesh.n_nodes()));
+  EXPECT_MENTIONS(refusal({-1}), "node -1");
+}
+
+TEST_F(Touch, OfAnInteriorNode) {
+  const auto interior = *interior_nodes(_block.mesh).begin();
+  const auto text = refusal({interior});
+  EXPECT_MENTIONS(text, "inside");
+  EXPECT_MENTIONS(text, "node " + std::to_string(interior));
+}
+
+TEST_F(Touch, OfAFixedNode) { EXPECT_MENTIONS(refusal({_block.sets.fixed[3]}), "fixed"); }
+
+TEST_F(Touch, OfTheSameNodeTwice) { EXPECT_MENTIONS(refusal({_block.top, _block.top}), "same node"); }
+
+TEST_F(Touch, IsPossibleAfterARefusal) {
+  refusal({-1});
+  _solver.touch({_block.top});
+  EXPECT_EQ(_solver.solve({{0, 0, -0.002}}, 1).status, Status::converged);
+}
+
+class Supports : public ::testing::TestWithParam<Element> {
+ protected:
+  static ProbeBlock fixed_at(const std::vector<std::int32_t>& nodes) {
+    auto block = probe_block({Law::neo_hookean, GetParam()}, 10, {4, 4, 3});
+    block.sets.fixed = nodes;
+    return block;
+  }
+};
+
+TEST_P(Supports, ThatLeaveARigidMotionAreRefused) {
+  // Nodes 0 to 4 lie on an edge. A factorization would go through: rounding turns its zero pivots into small
+  // numbers, and the forces that come out look like any others.
+  for (const auto& nodes : std::vector<std::vector<std::int32_t>>{{}, {2}, {0, 4}, {0, 1, 2, 3, 4}})
+    EXPECT_MENTIONS(message_of([&] { fixed_at(nodes).touched(); }),
+                    "do not hold the body: " + std::to_string(nodes.size()));
+}
+
+TEST_P(Supports, OfThreeNodesOffOneLineAreEnough) {
+  auto solver = fixed_at({0, 4, 20}).touched();
+  const auto& k = solver.rest().stiffness_N_per_m;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(k);
+  EXPECT_GT(eigen.eigenvalues()[0], 0.1 * eigen.eigenvalues()[2]) << k;
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, Supports, ::testing::ValuesIn(every_element), element_name);
+
+}  // namespace
+}  // namespace phynness::test
