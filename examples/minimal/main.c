@@ -1,0 +1,87 @@
+/* The shortest way from a trained model to force and deformation.
+ * Usage: minimal MODEL_DIR/model.txt NODE DX DY DZ      (metres; `phynness info MODEL_DIR` lists the active
+ * nodes)
+ */
+#include <math.h>
+#include <phynness/phynness.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static int stop(const char* what, int status) {
+  fprintf(stderr, "%s: %s\n", what, phn_status_message(status));
+  return 1;
+}
+
+/* The whole file in memory; null if it cannot be read. */
+static char* read_file(const char* name, size_t* length) {
+  char* text = NULL;
+  FILE* file = fopen(name, "rb");
+  long size = -1;
+  if (file == NULL) return NULL;
+  if (fseek(file, 0, SEEK_END) == 0) size = ftell(file);
+  rewind(file);
+  if (size > 0) text = malloc((size_t)size);
+  if (text != NULL && fread(text, 1, (size_t)size, file) != (size_t)size) {
+    free(text);
+    text = NULL;
+  }
+  fclose(file);
+  *length = (size_t)size;
+  return text;
+}
+
+int main(int argc, char** argv) {
+  const phn_model* model = NULL;
+  phn_data* data = NULL;
+  size_t length = 0, model_bytes = 0, data_bytes = 0;
+  int status;
+
+  if (argc != 6) {
+    fprintf(stderr, "usage: minimal MODEL_DIR/model.txt NODE DX DY DZ (metres)\n");
+    return 2;
+  }
+  char* text = read_file(argv[1], &length);
+  if (text == NULL) {
+    fprintf(stderr, "cannot read %s\n", argv[1]);
+    return 1;
+  }
+
+  /* Start-up: ask for the size, bring the memory, build. A device would use static arrays here. */
+  status = phn_model_size(text, length, &model_bytes);
+  if (status < 0) return stop(argv[1], status);
+  void* model_memory = malloc(model_bytes);
+  status = phn_model_init(model_memory, model_bytes, text, length, &model);
+  if (status < 0) return stop(argv[1], status);
+  free(text); /* the model keeps nothing of it */
+
+  /* Scratch: one per thread, here for one tool at a time. */
+  phn_data_size(model, 1, &data_bytes);
+  void* data_memory = malloc(data_bytes);
+  double* u = malloc((size_t)phn_n_output(model) * 3 * sizeof *u);
+  status = phn_data_init(data_memory, data_bytes, model, 1, &data);
+  if (status < 0 || u == NULL) return stop("scratch", status);
+
+  /* The loop of a device would be these two calls. */
+  const int32_t node = (int32_t)strtol(argv[2], NULL, 10);
+  const double d[3] = {strtod(argv[3], NULL), strtod(argv[4], NULL), strtod(argv[5], NULL)};
+  double force[3];
+  status = phn_force(model, data, node, d, force);
+  if (status < 0) return stop("force", status);
+  status = phn_deform(model, data, 1, &node, d, u);
+  if (status < 0) return stop("deformation", status);
+  if (status > 0) printf("warning: %s\n", phn_status_message(status));
+
+  double largest = 0;
+  for (int32_t i = 0; i < phn_n_output(model); ++i) {
+    largest =
+        fmax(largest, sqrt(u[3 * i] * u[3 * i] + u[3 * i + 1] * u[3 * i + 1] + u[3 * i + 2] * u[3 * i + 2]));
+  }
+  printf("to hold it:      %9.5f %9.5f %9.5f N\n", force[0], force[1], force[2]);
+  printf("to be rendered:  %9.5f %9.5f %9.5f N\n", -force[0], -force[1], -force[2]);
+  printf("of %d output nodes the farthest moves by %.6f m\n", (int)phn_n_output(model), largest);
+
+  free(u);
+  free(data_memory);
+  free(model_memory);
+  return 0;
+}
