@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <phynness/formats/error.hpp>
@@ -43,7 +44,16 @@ ProcessResult execute(const std::vector<std::string>& arguments) {
   return {true, WIFEXITED(status) ? WEXITSTATUS(status) : 1};
 }
 
-void stage(const char* title, std::vector<std::string> arguments, int ranks) {
+/// What a stage took and left, for the table at the end.
+struct Stage {
+  const char* title;
+  double seconds;
+  std::filesystem::path written;
+};
+
+Stage stage(const char* title, const std::filesystem::path& written, std::vector<std::string> arguments,
+            int ranks) {
+  const auto start = std::chrono::steady_clock::now();
   fmt::print("\n== {}\n", title);
   std::fflush(stdout);
   if (ranks > 1) {
@@ -57,6 +67,15 @@ void stage(const char* title, std::vector<std::string> arguments, int ranks) {
   if (result.exit_status == 2)
     throw input_error(std::string("stopped in ") + title, "see the message above", "");
   if (result.exit_status != 0) throw failure(std::string("stopped in ") + title, "see the message above", "");
+  return {title, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), written};
+}
+
+double size_of(const std::filesystem::path& what) {
+  if (!std::filesystem::is_directory(what)) return static_cast<double>(std::filesystem::file_size(what));
+  double sum = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(what))
+    sum += static_cast<double>(entry.file_size());
+  return sum;
 }
 
 void set_environment(int ranks) {
@@ -78,17 +97,23 @@ void run(const Options& options) {
   const auto scene = options.scene.string();
   set_environment(options.ranks);
 
-  stage("mesh", {self, "mesh", scene, "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1);
+  std::vector<Stage> stages;
+  stages.push_back(stage("mesh", in("mesh.msh"),
+                         {self, "mesh", scene, "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1));
   std::vector<std::string> precompute{self,     "precompute",         scene, "-o", in("database.h5"),
                                       "--json", in("precompute.json")};
   if (options.resume) precompute.push_back("--resume");
-  stage("precompute", precompute, options.ranks);
-  stage("train", {self, "train", scene, in("database.h5"), "-o", in("model"), "--json", in("train.json")}, 1);
-  stage("validate", {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks);
-  fmt::print(
-      "\nwritten to {}: mesh.msh, database.h5, model/ (model.txt, mesh.txt: what a controller needs), "
-      "*.json\n",
-      options.output.string());
+  stages.push_back(stage("precompute", in("database.h5"), precompute, options.ranks));
+  stages.push_back(
+      stage("train", in("model"),
+            {self, "train", scene, in("database.h5"), "-o", in("model"), "--json", in("train.json")}, 1));
+  stages.push_back(stage("validate", in("validate.json"),
+                         {self, "validate", scene, in("model"), "--json", in("validate.json")},
+                         options.ranks));
+  fmt::print("\n{:<12} {:>12} {:>10}  written\n", "stage", "time", "size");
+  for (const auto& s : stages)
+    fmt::print("{:<12} {:>12} {:>10}  {}\n", s.title, duration(s.seconds), bytes(size_of(s.written)),
+               s.written.string());
 }
 
 }  // namespace

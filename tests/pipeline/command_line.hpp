@@ -35,8 +35,8 @@ class CommandLine : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder = std::filesystem::temp_directory_path() /
-             (std::string("phynness-") + info->test_suite_name() + "-" + info->name() + "-" + std::to_string(getpid()));
+    folder = std::filesystem::temp_directory_path() / (std::string("phynness-") + info->test_suite_name() +
+                                                       "-" + info->name() + "-" + std::to_string(getpid()));
     std::filesystem::create_directories(folder);
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
     setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
@@ -51,22 +51,29 @@ class CommandLine : public ::testing::Test {
     const auto full = "cd '" + folder.string() + "' && PHYNNESS='" PHYNNESS_COMMAND "' && { " + line +
                       "; } >stdout.txt 2>stderr.txt </dev/null";
     const int status = std::system(full.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_file(folder / "stdout.txt"),
-            read_file(folder / "stderr.txt")};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+            read_file(folder / "stdout.txt"), read_file(folder / "stderr.txt")};
   }
   Outcome phynness(const std::string& arguments) const { return shell("\"$PHYNNESS\" " + arguments); }
-  nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(read_file(folder / name)); }
+  nlohmann::json json(const std::string& name) const {
+    return nlohmann::json::parse(read_file(folder / name));
+  }
 
   /// A block of a few dozen nodes, fixed below, two nodes of its top touched: seconds, not minutes.
   static std::string small_scene(const std::string& element = "P1", int increments = 2) {
     return "title = \"small block\"\n"
            "[mesh]\nshape = \"block\"\nsize_m = [0.1, 0.08, 0.05]\ntarget_size_m = 0.025\n"
            "[material]\nlaw = \"neo-hookean\"\nyoungs_modulus_Pa = 2000.0\npoisson_ratio = 0.45\n"
-           "[solver]\nelement = \"" + element + "\"\n"
-           "[nodes]\nfixed = { plane = { point_fraction = [0, 0, 0], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n"
+           "[solver]\nelement = \"" +
+           element +
+           "\"\n"
+           "[nodes]\nfixed = { plane = { point_fraction = [0, 0, 0], normal = [0, 0, 1], tolerance_m = 1e-6 "
+           "} }\n"
            "active = [{ nearest = { point_fraction = [0.3, 0.4, 1.0] }, surface_only = true },\n"
            "          { nearest = { point_fraction = [0.7, 0.6, 1.0] }, surface_only = true }]\n"
-           "[probe]\ndirections = 26\nincrements = " + std::to_string(increments) + "\nmax_displacement_m = 0.008\n"
+           "[probe]\ndirections = 26\nincrements = " +
+           std::to_string(increments) +
+           "\nmax_displacement_m = 0.008\n"
            "[training]\ndeformation_neurons = 40\nforce_neurons = 20\nforce_spread = 2.0\nsamples = 500\n"
            "[validation]\nprobes = 8\n";
   }

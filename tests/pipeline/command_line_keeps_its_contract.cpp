@@ -12,8 +12,8 @@ TEST_F(Contract, PipelineFromSceneToForce) {
   write_file(folder / "scene.toml", small_scene());
   const auto run = phynness("run scene.toml -o out");
   ASSERT_EQ(run.exit_status, 0) << run.err << run.out;
-  for (const char* name : {"out/mesh.msh", "out/database.h5", "out/model/model.txt", "out/model/mesh.txt",
-                           "out/validate.json"})
+  for (const char* name :
+       {"out/mesh.msh", "out/database.h5", "out/model/model.txt", "out/model/mesh.txt", "out/validate.json"})
     EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / "out/model"), {}), 2)
       << "MODEL_DIR holds exactly model.txt and mesh.txt";
@@ -28,7 +28,8 @@ TEST_F(Contract, PipelineFromSceneToForce) {
           EXPECT_TRUE(std::isfinite(block.at(group).at(what).at(figure).get<double>()));
   // What zero predicts is wrong by the whole of the largest response.
   EXPECT_NEAR(v.at("zero").at("inside").at("force").at("max").get<double>(), 1.0, 1e-12);
-  // The yardstick that must hold at depths of a third of an element: far better than zero, worse than nothing.
+  // The yardstick that must hold at depths of a third of an element: far better than zero, worse than
+  // nothing.
   EXPECT_LT(v.at("linear").at("inside").at("force").at("mean").get<double>(), 0.2);
   EXPECT_GT(v.at("linear").at("inside").at("force").at("mean").get<double>(), 0.0);
 
@@ -39,7 +40,8 @@ TEST_F(Contract, PipelineFromSceneToForce) {
   const auto eval = phynness("eval out/model" + tool + " --json eval.json --deformation eval.csv");
   ASSERT_EQ(eval.exit_status, 0) << eval.err;
   for (const char* source : {"scene.toml", "out/database.h5"}) {
-    const auto solve = phynness("solve " + std::string(source) + tool + " --json solve.json --deformation solve.csv");
+    const auto solve =
+        phynness("solve " + std::string(source) + tool + " --json solve.json --deformation solve.csv");
     ASSERT_EQ(solve.exit_status, 0) << solve.err;
     const auto e = json("eval.json"), s = json("solve.json");
     for (const auto& answer : {e, s}) {

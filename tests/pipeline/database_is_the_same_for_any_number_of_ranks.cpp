@@ -1,6 +1,7 @@
-// Claim: probes are solved from rest by whichever process is free, so 1, 2 and 4 ranks write the same database.
-// Tolerance: the same program solves the same systems in the same order, so even rounding agrees; the promise is solver
-// tolerance, and 1e-7 of the largest value is what the relative force residual of 1e-8 leaves on values in float32.
+// Claim: probes are solved from rest by whichever process is free, so 1, 2 and 4 ranks write the same
+// database. Tolerance: the same program solves the same systems in the same order, so even rounding agrees;
+// the promise is solver tolerance, and 1e-7 of the largest value is what the relative force residual of 1e-8
+// leaves on values in float32.
 #include <phynness/formats/database.hpp>
 
 #include "command_line.hpp"

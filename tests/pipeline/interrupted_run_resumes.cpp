@@ -1,5 +1,6 @@
 // Claim: a run that is killed or interrupted keeps its finished rays, and --resume ends at the database of an
-// uninterrupted run. The kill comes after a fixed number of logged rays, seen from outside in the size of the log.
+// uninterrupted run. The kill comes after a fixed number of logged rays, seen from outside in the size of the
+// log.
 #include <phynness/formats/database.hpp>
 
 #include "command_line.hpp"
@@ -19,10 +20,11 @@ std::vector<double> all_forces(const Database& database) {
 
 /// Starts precompute, waits until the log has grown, sends the signal.
 std::string run_and_signal(const char* signal) {
-  return std::string("\"$PHYNNESS\" precompute scene.toml -o database.h5 & pid=$!; "
-                     "for i in $(seq 2000); do "
-                     "  size=$(cat database.h5.log/* 2>/dev/null | wc -c); [ \"$size\" -gt 40000 ] && break; "
-                     "  sleep 0.01; done; kill -") +
+  return std::string(
+             "\"$PHYNNESS\" precompute scene.toml -o database.h5 & pid=$!; "
+             "for i in $(seq 2000); do "
+             "  size=$(cat database.h5.log/* 2>/dev/null | wc -c); [ \"$size\" -gt 40000 ] && break; "
+             "  sleep 0.01; done; kill -") +
          signal + " $pid; wait $pid";
 }
 
@@ -30,7 +32,8 @@ TEST_F(Interrupted, KilledRunResumesToTheSameDatabase) {
   write_file(folder / "scene.toml", small_scene("P1", 6));
   ASSERT_EQ(phynness("precompute scene.toml -o whole.h5").exit_status, 0);
   const auto killed = shell(run_and_signal("KILL"));
-  ASSERT_NE(killed.exit_status, 0) << "it finished before the signal came: the scene is too small for this test";
+  ASSERT_NE(killed.exit_status, 0)
+      << "it finished before the signal came: the scene is too small for this test";
   EXPECT_FALSE(Database::is_complete(folder / "database.h5"));
   const auto info = phynness("info database.h5");
   EXPECT_EQ(info.exit_status, 0) << info.err;
@@ -46,7 +49,8 @@ TEST_F(Interrupted, KilledRunResumesToTheSameDatabase) {
   ASSERT_EQ(resumed.exit_status, 0) << resumed.err;
   EXPECT_GT(json("resumed.json").at("rays_resumed").get<int>(), 0);
   EXPECT_LT(json("resumed.json").at("rays_resumed").get<int>(), 52);
-  EXPECT_EQ(all_forces(Database::open(folder / "database.h5")), all_forces(Database::open(folder / "whole.h5")));
+  EXPECT_EQ(all_forces(Database::open(folder / "database.h5")),
+            all_forces(Database::open(folder / "whole.h5")));
 }
 
 TEST_F(Interrupted, SigtermEndsPolitelyAndResumes) {
