@@ -1,0 +1,300 @@
+#!/usr/bin/python3
+"""Compares `phynness solve` with CalculiX (ccx) for the same nodes, cells, law and prescribed displacement.
+
+Usage: against_calculix.py PHYNNESS CCX SHARED_MESHES [WORD ...]
+Only cases whose table row holds every WORD are run. Exit status: 0 every case within its tolerance, 1 otherwise.
+
+Each program gets the same mesh: `phynness mesh` writes it, this file reads it and hands it to CalculiX. Moves of one
+surface node: 1 mm and 12 mm into the body, and 12 mm sideways with some pull. Compared: the force that holds the
+displacement, and the displacement of every node that can move.
+"""
+
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+# Millimetres, millinewtons and therefore kilopascals keep CalculiX's numbers near 1 for soft tissue.
+MM, MILLINEWTON, KPA = 1e-3, 1e-3, 1e3
+
+MU = 500.0  # Pa
+
+# CalculiX's order of the mid-edge nodes of a C3D10.
+EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
+
+FIXED = "{ box = { min_fraction = [0, 0, 0], max_fraction = [0.25, 1, 1] }, surface_only = true }"
+
+
+@dataclass(frozen=True)
+class Law:
+    """A material of shear modulus MU in the words of both programs."""
+
+    name: str
+    bulk_over_mu: float
+    c01_share: float = 0.0  # of C10 + C01 = MU / 2
+
+    @property
+    def scene(self):
+        bulk = f"bulk_modulus_Pa = {self.bulk_over_mu * MU!r}"
+        if self.name == "mooney-rivlin":
+            c10, c01 = self._constants()
+            return f'law = "mooney-rivlin"\nc10_Pa = {c10!r}\nc01_Pa = {c01!r}\n{bulk}'
+        return f'law = "{self.name}"\nshear_modulus_Pa = {MU!r}\n{bulk}'
+
+    @property
+    def calculix(self):
+        bulk = self.bulk_over_mu * MU
+        if self.name == "mooney-rivlin":
+            c10, c01 = self._constants()
+            # CalculiX: C10 (I1bar - 3) + C01 (I2bar - 3) + (J - 1)^2 / D1, so that D1 = 2 / K.
+            numbers = (c10 / KPA, c01 / KPA, 2 * KPA / bulk)
+            return "*HYPERELASTIC, MOONEY-RIVLIN\n" + ", ".join(f"{x:.12e}" for x in numbers)
+        young = 9 * bulk * MU / (3 * bulk + MU)
+        poisson = (3 * bulk - 2 * MU) / (6 * bulk + 2 * MU)
+        # With NLGEOM: second Piola-Kirchhoff stress linear in Green-Lagrange strain, which is St. Venant-Kirchhoff.
+        return f"*ELASTIC\n{young / KPA:.12e}, {poisson:.15f}"
+
+    @property
+    def label(self):
+        return self.name + (f" C01={self.c01_share * MU / 2:g} Pa" if self.c01_share else "")
+
+    def _constants(self):
+        return (1 - self.c01_share) * MU / 2, self.c01_share * MU / 2
+
+
+# Where both integrate exactly (P1: constant gradient; linear law on P2: degree 2), CalculiX's seven printed digits are
+# what is left between them.
+EXACT_QUADRATURE = 2e-6
+# C3D10 has four points, exact to degree 2; phynness integrates P2 to degree 4. The tolerances bound that difference, by
+# depth in mm; docs/calculix.md shows that nothing else is in it.
+OTHER_QUADRATURE = {1.0: 2e-3, 12.0: 6e-2}
+
+PUSHES = ((1.0, "push"), (12.0, "push"), (12.0, "side"))
+SERIES = (
+    (Law("mooney-rivlin", 10), "P1", PUSHES),
+    (Law("mooney-rivlin", 200), "P1", PUSHES),
+    (Law("mooney-rivlin", 10, 0.4), "P1", PUSHES),
+    (Law("st-venant-kirchhoff", 10), "P1", PUSHES),
+    (Law("linear", 10), "P1", PUSHES[1:]),
+    (Law("linear", 10), "P2", PUSHES[1:]),
+    (Law("mooney-rivlin", 10), "P2", PUSHES),
+)
+
+
+class Body:
+    """Nodes [mm], cells, fixed nodes, and what of the surface is needed to choose probes."""
+
+    def __init__(self, msh):
+        blocks = dict(re.findall(r"^\$(\w+)\n(.*?)^\$End", msh, re.M | re.S))
+        groups = {n: int(i) for d, i, n in re.findall(r'^(\d) (\d+) "(.*)"', blocks["PhysicalNames"], re.M) if d == "0"}
+        entities = [line.split() for line in blocks["Entities"].splitlines()]
+        fixed_points = {e[0] for e in entities[1 : 1 + int(entities[0][0])] if int(e[5]) == groups["phynness_fixed"]}
+
+        self.nodes, number = [], {}
+        lines = iter(blocks["Nodes"].splitlines()[1:])
+        for head in lines:
+            count = int(head.split()[3])
+            tags = [next(lines) for _ in range(count)]
+            for tag in tags:
+                number[tag] = len(self.nodes)
+                self.nodes.append([float(x) / MM for x in next(lines).split()])
+        self.cells, self.fixed = [], set()
+        lines = iter(blocks["Elements"].splitlines()[1:])
+        for head in lines:
+            dim, entity, kind, count = head.split()
+            for _ in range(int(count)):
+                nodes = [number[tag] for tag in next(lines).split()[1:]]
+                if kind == "4":
+                    self.cells.append(nodes)
+                elif dim == "0" and entity in fixed_points:
+                    self.fixed.add(nodes[0])
+
+        # Boundary triangles belong to one cell. The order makes their normals point outwards of a positive cell.
+        faces = [(c[a], c[b], c[d]) for c in self.cells for a, b, d in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))]
+        seen = Counter(frozenset(f) for f in faces)
+        self.surface = [f for f in faces if seen[frozenset(f)] == 1]
+        self.edges = sorted({(min(c[a], c[b]), max(c[a], c[b])) for c in self.cells for a, b in EDGES})
+        self.surface_edges = {frozenset(p) for f in self.surface for p in zip(f, f[1:] + f[:1])}
+
+    def probes(self):
+        """Free surface nodes at 5, 50 and 90 percent of the order by distance from the fixed ones."""
+        free = sorted({n for f in self.surface for n in f} - self.fixed)
+        free.sort(key=lambda n: min(math.dist(self.nodes[n], self.nodes[m]) for m in self.fixed))
+        return [free[int(share * len(free))] for share in (0.05, 0.5, 0.9)]
+
+    def direction(self, node, move):
+        normal = [0.0] * 3
+        for face in self.surface:
+            if node in face:
+                a, b, c = (self.nodes[n] for n in face)
+                normal = _add(normal, _cross(_add(b, a, -1), _add(c, a, -1)))
+        normal = _unit(normal)
+        if move == "push":
+            return _add([0.0] * 3, normal, -1)
+        sideways = _unit(_cross(normal, (0.3, 0.5, 0.8)))  # skew to every axis
+        return _unit(_add(sideways, normal, 0.4))
+
+
+def _add(a, b, factor=1.0):
+    return [x + factor * y for x, y in zip(a, b)]
+
+
+def _cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def _unit(a):
+    return [x / math.hypot(*a) for x in a]
+
+
+def points_and_weights(body, element, node):
+    """Positions of all nodes of the element, nodes of each cell, fixed points, and the tool's weights.
+
+    On P2 a touched node carries the P1 hat: midpoints of its surface edges follow with half of its displacement.
+    """
+    if element == "P1":
+        return body.nodes, body.cells, body.fixed, {node: 1.0}
+    first = len(body.nodes)
+    mid = {frozenset(e): first + i for i, e in enumerate(body.edges)}
+    points = body.nodes + [[(x + y) / 2 for x, y in zip(body.nodes[a], body.nodes[b])] for a, b in body.edges]
+    cells = [c + [mid[frozenset((c[a], c[b]))] for a, b in EDGES] for c in body.cells]
+    fixed = body.fixed | {m for e, m in mid.items() if e <= body.fixed}
+    weights = {node: 1.0} | {mid[e]: 0.5 for e in body.surface_edges if node in e}
+    return points, cells, fixed, weights
+
+
+def calculix(ccx, folder, body, law, element, node, displacement):
+    """Force [N] at the tool and displacement [m] of the body's nodes, from one ccx run."""
+    points, cells, fixed, weights = points_and_weights(body, element, node)
+    linear = law.name == "linear"
+    deck = ["*NODE, NSET=all"]
+    # CalculiX reads 20 characters of a number.
+    deck += [f"{i + 1}, " + ", ".join(f"{x:.12e}" for x in p) for i, p in enumerate(points)]
+    deck += [f"*ELEMENT, TYPE={'C3D4' if element == 'P1' else 'C3D10'}, ELSET=body"]
+    deck += [f"{i + 1}, " + ", ".join(str(n + 1) for n in cell) for i, cell in enumerate(cells)]
+    deck += ["*NSET, NSET=tool"] + [str(n + 1) for n in weights]
+    deck += ["*MATERIAL, NAME=tissue", law.calculix, "*SOLID SECTION, ELSET=body, MATERIAL=tissue"]
+    deck += ["*BOUNDARY"] + [f"{n + 1}, 1, 3" for n in sorted(fixed)]
+    deck += ["*STEP" if linear else "*STEP, NLGEOM, INC=1000", "*STATIC"]
+    if not linear:
+        # Largest residual below 1e-9 of the mean force, and as many iterations as that takes.
+        deck += ["0.1, 1., 1e-6, 0.1", "*CONTROLS, PARAMETERS=FIELD", "1e-9, 1e-9, , , 1e-9, 1e-12, 1e-9, 1e-12"]
+        deck += ["*CONTROLS, PARAMETERS=TIME INCREMENTATION", "20, 24, 25, 40, 30, 4, , 10"]
+    deck += ["*BOUNDARY"]
+    for n, w in weights.items():
+        deck += [f"{n + 1}, {k + 1}, {k + 1}, {w * displacement[k] / MM:.12e}" for k in range(3)]
+    # The .dat file has seven digits, the .frd file six.
+    for what, where in (("U", "all"), ("RF", "tool")):
+        deck += [f"*NODE PRINT, NSET={where}, FREQUENCY=1000", what]
+    deck += ["*END STEP", ""]
+    (folder / "job.inp").write_text("\n".join(deck))
+    (folder / "job.dat").unlink(missing_ok=True)
+    run = subprocess.run([ccx, "-i", "job"], cwd=folder, text=True, capture_output=True)
+    if run.returncode or "Job finished" not in run.stdout:
+        raise RuntimeError("ccx: " + " ".join(run.stdout[-300:].split()))
+
+    values = {}
+    for line in (folder / "job.dat").read_text().splitlines():
+        if title := re.match(r" (displacements|forces) ", line):
+            table = values[title[1]] = {}
+        elif row := re.match(r" *(\d+)" + r" +(-?\d\.\d+E[-+]\d+|-?\d\.\d+-\d{3})" * 3, line):
+            # Fortran drops the E of three-digit exponents: such a number is as good as nothing.
+            table[int(row[1]) - 1] = [float(x) if "E" in x else 0.0 for x in row.groups()[1:]]
+    force = [0.0] * 3
+    for n, w in weights.items():
+        force = _add(force, values["forces"][n], w * MILLINEWTON)
+    return force, [[x * MM for x in values["displacements"][n]] for n in range(len(body.nodes))]
+
+
+def phynness(program, *arguments, folder):
+    run = subprocess.run([program, *arguments], cwd=folder, text=True, capture_output=True)
+    if run.returncode:
+        raise RuntimeError("phynness: " + " ".join(run.stderr[-300:].split()))
+    return run.stderr
+
+
+def solve(program, folder, node, displacement):
+    """Force [N], displacement [m] by node, and whether the state is stable, from `phynness solve`."""
+    vector = ",".join(repr(x) for x in displacement)
+    phynness(program, "solve", "scene.toml", "--node", str(node), "--displacement", vector,
+             "--json", "solve.json", "--deformation", "solve.csv", folder=folder)  # fmt: skip
+    result = json.loads((folder / "solve.json").read_text())
+    rows = [line.split(",") for line in (folder / "solve.csv").read_text().splitlines()[1:]]
+    field = {int(r[0]): [float(x) for x in r[4:]] for r in rows}
+    return result["tools"][0]["force"], field, result["negative_pivots"] == 0
+
+
+def write_scene(folder, mesh, law, element):
+    (folder / "scene.toml").write_text(
+        f'[mesh]\n{mesh}\n[material]\n{law.scene}\n[solver]\nelement = "{element}"\nrelative_tolerance = 1e-11\n'
+        f'[nodes]\nfixed = {FIXED}\noutput = "free"\n[probe]\nmax_displacement_m = 0.02\n'
+    )
+
+
+def compare(program, ccx, folder, body, law, element, node, displacement):
+    """Relative difference of the force and of the displacement field, both forces, stability."""
+    force, field, stable = solve(program, folder, node, displacement)
+    other_force, other_field = calculix(ccx, folder, body, law, element, node, displacement)
+    largest = max(math.hypot(*u) for u in field.values())
+    field_difference = max(math.dist(u, other_field[n]) for n, u in field.items()) / largest
+    return math.dist(force, other_force) / math.hypot(*other_force), field_difference, force, other_force, stable
+
+
+def main():
+    program, ccx, shared = os.path.abspath(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
+    words = sys.argv[4:]
+    os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    meshes = {"liver": 'shape = "liver"\ntarget_nodes = 200'}
+    real = shared / "liver_181.msh"
+    if real.exists():
+        meshes["liver_181"] = f'file = "{real.resolve()}"\nscale_to_m = 0.025'
+    else:
+        print(f"skipped: the cases of liver_181, for {real} is not there")
+
+    head = f"{'mesh':9} {'law':24} {'K/mu':>4} el {'node':>4} {'move':4} {'mm':>3}"
+    columns = f"{'force of phynness [mN]':^29}  {'force of CalculiX [mN]':^29}  d force d field allowed"
+    print(f"{head}  {columns}")
+    bad = run = 0
+    worst = {True: 0.0, False: 0.0}
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        for name, mesh in meshes.items():
+            write_scene(folder, mesh, SERIES[0][0], "P1")
+            phynness(program, "mesh", "scene.toml", "-o", "body.msh", folder=folder)
+            body = Body((folder / "body.msh").read_text())
+            for law, element, moves in SERIES:
+                write_scene(folder, mesh, law, element)
+                for node in body.probes():
+                    for depth, move in moves:
+                        row = f"{name:9} {law.label:24} {law.bulk_over_mu:4} {element} {node:4} {move:4} {depth:3g}"
+                        if not all(w in row.split() for w in words):
+                            continue
+                        run += 1
+                        d = [depth * MM * x for x in body.direction(node, move)]
+                        exact = element == "P1" or law.name == "linear"
+                        allowed = EXACT_QUADRATURE if exact else OTHER_QUADRATURE[depth]
+                        try:
+                            df, du, ours, theirs, stable = compare(program, ccx, folder, body, law, element, node, d)
+                        except RuntimeError as error:
+                            print(f"{row}  {error}", flush=True)
+                            bad += 1
+                            continue
+                        forces = "  ".join(" ".join(f"{x / MILLINEWTON:9.4f}" for x in f) for f in (ours, theirs))
+                        good = max(df, du) <= allowed
+                        worst[exact] = max(worst[exact], df, du)
+                        bad += not good
+                        note = ("" if good else "  TOO LARGE") + ("" if stable else "  unstable")
+                        print(f"{row}  {forces}  {df:7.1e} {du:7.1e} {allowed:7.0e}{note}", flush=True)
+    print(f"largest difference: {worst[True]:.1e} where both integrate exactly, {worst[False]:.1e} elsewhere")
+    print(f"{run} cases, {bad} outside their tolerance")
+    return 1 if bad or not run else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
