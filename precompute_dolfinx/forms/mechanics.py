@@ -16,7 +16,8 @@ Displacement elements: w = u, Pi = int W. Mixed elements: w = (u, p), perturbed 
 
     Pi = int shape + p g - p^2 / (2 kappa)
 
-whose p is kappa g at the solution, where Pi has the value of int W with g weakly averaged. Equal order (p1-p1) adds
+whose p is kappa g at the solution, where Pi has the value of int W with g weakly averaged; a law may give another
+coupling of F and p with the same stationary point and value (neo_hookean.py says why). Equal order (p1-p1) adds
 the stabilization of Klaas, Maniatty & Shephard (1999), doi 10.1016/S0045-7825(99)00059-6:
 
     - alpha h^2 / (2 mu) |F^-T grad p|^2,   h the cell diameter.
@@ -59,13 +60,18 @@ def displacement(discretization, shape, volumetric, kappa):
     return (*_chain(energy, u, element), (det(F), _points(degree)))
 
 
-def mixed(discretization, shape, volumetric, kappa, stabilization=None):
-    """Forms of a displacement-pressure element. `stabilization(F, p)` is an energy density, or None."""
+def quadratic(volumetric, kappa):
+    """Coupling of displacement and pressure where the volumetric energy is kappa/2 g^2."""
+    return lambda F, p: p * volumetric(F) - p**2 / (2 * kappa)
+
+
+def mixed(discretization, shape, coupling, stabilization=None):
+    """Forms of a displacement-pressure element. `coupling(F, p)` and `stabilization(F, p)` are energy densities."""
     element, degree = discretization
     w = Coefficient(element)
     u, p = split(w)
     F = I + grad(u)
-    density = shape(F) + p * volumetric(F) - p**2 / (2 * kappa)
+    density = shape(F) + coupling(F, p)
     if stabilization is not None:
         density -= stabilization(F, p)
     energy = density * dx(metadata={"quadrature_degree": degree})
@@ -82,13 +88,14 @@ def klaas(alpha, mu, finite=True):
     return density
 
 
-def every_element(shape, volumetric, kappa, stabilization):
+def every_element(shape, volumetric, kappa, stabilization, coupling=None):
     """What ffcx compiles, by name: {p1,p2,th,p1p1}_{energy,residual,tangent,jacobian}, `forms` and `expressions`."""
+    coupling = coupling or quadratic(volumetric, kappa)
     built = {
         "p1": displacement(P1, shape, volumetric, kappa),
         "p2": displacement(P2, shape, volumetric, kappa),
-        "th": mixed(TAYLOR_HOOD, shape, volumetric, kappa),
-        "p1p1": mixed(P1_P1, shape, volumetric, kappa, stabilization),
+        "th": mixed(TAYLOR_HOOD, shape, coupling),
+        "p1p1": mixed(P1_P1, shape, coupling, stabilization),
     }
     quantities = ("energy", "residual", "tangent", "jacobian")
     names = {f"{e}_{q}": value for e, values in built.items() for q, value in zip(quantities, values)}

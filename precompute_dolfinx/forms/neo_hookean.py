@@ -13,4 +13,15 @@ def volumetric(F):
     return ln(det(F))
 
 
-globals().update(every_element(shape, volumetric, lmbda, klaas(alpha, mu)))
+def coupling(F, p):
+    """p e^(-p/lambda) J - p + p^2 / (2 lambda): stationary at p = lambda ln J, where it is lambda/2 (ln J)^2.
+
+    So is p ln J - p^2 / (2 lambda), but its second variation holds -p tr((F^-1 dF)^2), which under constant pressure
+    is -p (div)^2: from p = 2 mu on, a moderate pull, changes of volume that the pressure space cannot see outweigh
+    the shear stiffness, and Taylor-Hood and p1-p1 lose the stability that the body has. The second variation of J
+    under constant pressure integrates to nothing.
+    """
+    return p * exp(-p / lmbda) * det(F) - p + p**2 / (2 * lmbda)
+
+
+globals().update(every_element(shape, volumetric, lmbda, klaas(alpha, mu), coupling))
