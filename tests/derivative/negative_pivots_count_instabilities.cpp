@@ -115,5 +115,37 @@ TEST_P(AtRest, ThereAreNone) {
 
 INSTANTIATE_TEST_SUITE_P(Laws, AtRest, ::testing::ValuesIn(every_case()), case_name);
 
+class UnderTension : public ::testing::TestWithParam<Case> {};
+
+TEST_P(UnderTension, ThereAreNoneThatTheBodyDoesNotHave) {
+  // A body blown up by its boundary is stable as long as its bulk stiffness is positive, however large the
+  // pressure. A mixed element whose pressure multiplies ln J instead of J has hundreds from p = 2 mu on.
+  SolverSpec spec;
+  spec.element = GetParam().element;
+  Random random(5);
+  const auto mesh = irregular(block_mesh({4, 4, 4}, {1, 1, 1}), 0.05, random);
+  for (const double bulk_to_shear : {10.0, 200.0})
+    for (const double pressure : {-4.0, 1.0, 4.0, 8.0}) {  // in units of mu, to first order
+      const auto material = unit_material(GetParam().law, bulk_to_shear);
+      Discretization body(mesh, form_set(material, GetParam().element, 1));
+      Equilibrium equilibrium(body, {}, spec);
+      equilibrium.prescribe(affine_boundary(body));
+      const Eigen::Matrix3d F = (1 + pressure / (3 * bulk_to_shear)) * Eigen::Matrix3d::Identity();
+      const auto linear = equilibrium.linearize(homogeneous_state(body, material, F), Eigen::MatrixXd(9, 0));
+      ASSERT_EQ(linear.status, Status::converged);
+      EXPECT_EQ(linear.negative_pivots, 0) << "K/mu " << bulk_to_shear << ", p/mu " << pressure;
+    }
+}
+
+// Not St. Venant-Kirchhoff, which is unstable in compression by its own nature.
+INSTANTIATE_TEST_SUITE_P(Laws, UnderTension,
+                         ::testing::Values(Case{Law::neo_hookean, Element::p1},
+                                           Case{Law::neo_hookean, Element::p2},
+                                           Case{Law::neo_hookean, Element::taylor_hood},
+                                           Case{Law::neo_hookean, Element::p1_p1},
+                                           Case{Law::mooney_rivlin, Element::taylor_hood},
+                                           Case{Law::mooney_rivlin, Element::p1_p1}),
+                         case_name);
+
 }  // namespace
 }  // namespace phynness::test

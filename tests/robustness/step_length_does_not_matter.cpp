@@ -51,6 +51,21 @@ TEST_P(Step, OfAMillionthConvergesAtPenroseDrainIncompressibility) {
 
 INSTANTIATE_TEST_SUITE_P(Laws, Step, ::testing::ValuesIn(every_case()), case_name);
 
+class LongPull : public ::testing::TestWithParam<Element> {};
+
+TEST_P(LongPull, ConvergesOnAStableBody) {
+  // Mixed elements too: 20 mm outward at K/mu = 200 puts the patch under a tension of several mu.
+  auto block = probe_block({Law::neo_hookean, GetParam()}, 200, {6, 4, 4});
+  block.scene.probe.kind = ProbeKind::patch;
+  block.scene.probe.tool_radius_m = 0.03;
+  const auto response = block.touched().solve({{0, 0, 0.02}}, 6);
+  EXPECT_EQ(response.status, Status::converged);
+  EXPECT_EQ(response.negative_pivots, 0);
+  EXPECT_EQ(response.cutbacks, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, LongPull, ::testing::ValuesIn(every_element), element_name);
+
 class HugeStep : public ::testing::TestWithParam<Case> {};
 
 TEST_P(HugeStep, GivesTheForceOfTwelveSmallOnes) {

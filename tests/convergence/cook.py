@@ -1,0 +1,23 @@
+"""The law of Cook's membrane as others computed it, W = mu/2 (J^(-2/3) I1 - 3) + kappa/4 (J^2 - 1 - 2 ln J).
+
+It has no form kappa/2 g^2 that is smooth at J = 1, so all of it goes into `shape`.
+"""
+
+from mechanics import *
+
+mu, kappa = Constant(cell), Constant(cell)
+
+
+def energy_density(F):
+    J = det(F)
+    return mu / 2 * (exp(-2 / 3 * ln(J)) * inner(F, F) - 3) + kappa / 4 * (J**2 - 1 - 2 * ln(J))
+
+
+def nothing(F):
+    return 0
+
+
+p1_energy, p1_residual, p1_tangent, p1_jacobian = displacement(P1, energy_density, nothing, kappa)
+p2_energy, p2_residual, p2_tangent, p2_jacobian = displacement(P2, energy_density, nothing, kappa)
+forms = [p1_energy, p1_residual, p1_tangent, p2_energy, p2_residual, p2_tangent]
+expressions = [p1_jacobian, p2_jacobian]

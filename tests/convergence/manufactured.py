@@ -1,0 +1,43 @@
+"""A solution made up beforehand, for the neo-Hookean law (8): the load that it needs, and the distance from it.
+
+The load is the weak form of the exact stress, L(v) = int P(I + grad u*) : grad v. For test functions that vanish on the
+boundary that is the work of the body force -Div P, without having to write its divergence down.
+"""
+
+from mechanics import *
+from ufl import SpatialCoordinate, TestFunctions, as_vector, cos, sin
+
+mu, lmbda = Constant(cell), Constant(cell)
+
+X = SpatialCoordinate(cell)
+exact = 0.1 * as_vector((
+    sin(2 * X[0] + X[1]),
+    cos(X[0] + 2 * X[2]) + X[0] * X[1],
+    sin(2 * X[1]) * X[2] - X[0] ** 2,
+))
+
+F_exact = I + grad(exact)
+# Stress by hand, so that the residual under test is not compared with itself.
+P_exact = mu * (F_exact - inv(F_exact).T) + lmbda * ln(det(F_exact)) * inv(F_exact).T
+
+# Far finer than the elements' own rules, so that only their error is measured.
+measure = dx(metadata={"quadrature_degree": 8})
+
+
+def distance(u):
+    e = u - exact
+    return inner(e, e) * measure, inner(grad(e), grad(e)) * measure
+
+
+def load(v):
+    return inner(P_exact, grad(v)) * measure
+
+
+p1_L2, p1_H1 = distance(Coefficient(P1[0]))
+p2_L2, p2_H1 = distance(Coefficient(P2[0]))
+th_L2, th_H1 = distance(split(Coefficient(TAYLOR_HOOD[0]))[0])
+p1p1_L2, p1p1_H1 = distance(split(Coefficient(P1_P1[0]))[0])
+p1_load, p2_load = load(TestFunction(P1[0])), load(TestFunction(P2[0]))
+th_load, p1p1_load = load(TestFunctions(TAYLOR_HOOD[0])[0]), load(TestFunctions(P1_P1[0])[0])
+
+forms = [p1_L2, p1_H1, p1_load, p2_L2, p2_H1, p2_load, th_L2, th_H1, th_load, p1p1_L2, p1p1_H1, p1p1_load]

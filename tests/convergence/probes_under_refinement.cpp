@@ -1,0 +1,69 @@
+// Claim: under refinement the force of a patch converges, whatever the element, and that of a node does not:
+// a force at a point moves the point infinitely far, so the finer the mesh the softer it feels, without end.
+//
+// The body is 10 x 8 x 6 cm with K/mu = 10, cut into 4 x 4 x 3 boxes (h), and into 2 and 4 times as many an
+// edge. A patch moves its nodes as if they were all that is there, so its rim is blurred by an element and
+// its force converges with order 1 or little more, unevenly.
+#include <gtest/gtest.h>
+
+#include "probe_block.hpp"
+
+namespace phynness::test {
+namespace {
+
+ProbeBlock refined(Element element, ProbeKind kind, double bulk_to_shear, int times) {
+  auto block = probe_block({Law::neo_hookean, element}, bulk_to_shear, {4 * times, 4 * times, 3 * times});
+  block.scene.probe.kind = kind;
+  block.scene.probe.tool_radius_m = 0.04;
+  return block;
+}
+
+double force_at_5_mm(Element element, ProbeKind kind, int times) {
+  const auto response = refined(element, kind, 10, times).touched().solve({{0, 0, -0.005}}, 2);
+  EXPECT_EQ(response.status, Status::converged);
+  const double force = -response.force_N[0][2];
+  std::printf("%s, %s, h/%d: %.4f N\n", name(element), name(kind), times, force);
+  return force;
+}
+
+TEST(ForceOfAPatch, ConvergesUnderRefinement) {
+  // Differences shrink to less than half each time: order above 1.
+  const double at_h = force_at_5_mm(Element::p1_p1, ProbeKind::patch, 1),
+               at_half = force_at_5_mm(Element::p1_p1, ProbeKind::patch, 2),
+               at_quarter = force_at_5_mm(Element::p1_p1, ProbeKind::patch, 4);
+  EXPECT_LT(std::abs(at_quarter - at_half), 0.5 * std::abs(at_half - at_h));
+  EXPECT_NEAR(at_quarter, at_half, 0.06 * at_quarter);
+  // What is left to go is about the last difference; quadratic elements, half way down, agree within that.
+  EXPECT_NEAR(force_at_5_mm(Element::p2, ProbeKind::patch, 2), at_quarter, 0.06 * at_quarter);
+}
+
+class ForceOfANode : public ::testing::TestWithParam<Element> {};
+
+TEST_P(ForceOfANode, FallsWithoutEndUnderRefinement) {
+  // As 1/h in the limit, so to about a half each time; 0.6 leaves room for the coarsest mesh.
+  const double at_h = force_at_5_mm(GetParam(), ProbeKind::node, 1),
+               at_half = force_at_5_mm(GetParam(), ProbeKind::node, 2),
+               at_quarter = force_at_5_mm(GetParam(), ProbeKind::node, 4);
+  EXPECT_LT(at_half, 0.6 * at_h);
+  EXPECT_LT(at_quarter, 0.6 * at_half);
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, ForceOfANode, ::testing::Values(Element::p1, Element::p1_p1),
+                         element_name);
+
+TEST(StiffnessAtANode, ShowsP1LockedAtTheLiversIncompressibility) {
+  // K/mu = 200, on one mesh: P1 is at least three times as stiff as any other element, which differ by no
+  // more than a factor of two among themselves, in the order p1-p1, P2, Taylor-Hood.
+  std::map<Element, double> k;
+  for (const auto element : every_element) {
+    k[element] = refined(element, ProbeKind::node, 200, 2).touched().rest().stiffness_N_per_m(2, 2);
+    std::printf("K/mu 200, %s: %.2f N/m\n", name(element), k[element]);
+  }
+  EXPECT_GT(k[Element::p1], 3 * k[Element::p1_p1]);
+  EXPECT_GT(k[Element::p1_p1], k[Element::p2]);
+  EXPECT_GT(k[Element::p2], k[Element::taylor_hood]);
+  EXPECT_LT(k[Element::p1_p1], 2 * k[Element::taylor_hood]);
+}
+
+}  // namespace
+}  // namespace phynness::test
