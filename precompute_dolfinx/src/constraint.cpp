@@ -1,24 +1,26 @@
 #include "constraint.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <phynness/formats/tool.hpp>
 
 namespace phynness {
 
 std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, double radius, std::int32_t node,
                                  const std::vector<char>& fixed) {
+  std::vector<std::int32_t> fixed_nodes;
+  for (int i = 0; i < body.n_nodes(); ++i)
+    if (fixed[i]) fixed_nodes.push_back(i);
+  const bool patch = kind == ProbeKind::patch;
+  const auto touched =
+      touched_nodes(body.points().topRows(body.n_nodes()), body.surface(), fixed_nodes, node, patch ? radius : 0.0);
   std::vector<double> weights(body.n_points(), 0.0);
-  for (int p = 0; p < body.n_points(); ++p) {
-    if (fixed[p] || !body.on_surface(p)) continue;
-    if (kind == ProbeKind::patch) {
-      const double s2 = (body.points().row(p) - body.points().row(node)).squaredNorm() / (radius * radius);
-      // Points on the rim stay free whichever way rounding goes: to hold them at 0 is another scene.
-      if (s2 < 1 - 1e-9) weights[p] = (1 - s2) * (1 - s2);
-    } else if (p >= body.n_nodes()) {
-      const auto [a, b] = body.edge(p);
-      if (a == node || b == node) weights[p] = 0.5;
-    }
+  for (std::size_t i = 0; i < touched.nodes.size(); ++i) weights[touched.nodes[i]] = touched.weights[i];
+  for (int p = body.n_nodes(); p < body.n_points(); ++p) {
+    const auto [a, b] = body.edge(p);
+    if (fixed[p] || !body.on_surface(p) || (weights[a] == 0 && weights[b] == 0)) continue;
+    weights[p] = patch ? patch_weight((body.points().row(p) - body.points().row(node)).squaredNorm() / (radius * radius))
+                       : 0.5;
   }
-  weights[node] = 1;
   return weights;
 }
 

@@ -20,7 +20,7 @@ struct Constraint {
 
 /// Weight of every point of the body under a tool at `node` (DESIGN section 3), zero where `fixed`.
 /// node: the P1 hat on the surface, 1 at the node and 1/2 at the middles of its surface edges.
-/// patch: the bump (1 - (s/radius)^2)^2 of the distance s to the node, on surface points within the radius.
+/// patch: touched_nodes(), and the same bump at the middles of surface edges that end in one of them.
 /// @param fixed  per point
 std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, double radius, std::int32_t node,
                                  const std::vector<char>& fixed);

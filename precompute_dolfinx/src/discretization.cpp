@@ -94,6 +94,7 @@ void Discretization::number_points(const Mesh& mesh) {
   }
   _pressure_dofs = std::move(pressure);
 
+  _surface = mesh.surface;
   _points.resize(n_points(), 3);
   _points.topRows(_n_nodes) = mesh.nodes;
   _on_surface.assign(n_points(), 0);

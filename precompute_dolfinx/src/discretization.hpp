@@ -37,6 +37,8 @@ class Discretization {
   const std::array<std::int32_t, 2>& edge(int point) const { return _edges[point - _n_nodes]; }
   /// n_points x 3, in units of length_m.
   const Points& points() const { return _points; }
+  /// Boundary triangles of the mesh.
+  const Triangles& surface() const { return _surface; }
   /// True if the point lies on the boundary of the body.
   bool on_surface(int point) const { return _on_surface[point] != 0; }
 
@@ -70,6 +72,7 @@ class Discretization {
   std::vector<std::int32_t> _pressure_dofs, _element_dofs;
   std::vector<char> _on_surface;
   Points _points;
+  Triangles _surface;
 };
 
 }  // namespace phynness

@@ -150,7 +150,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
           const auto& e = header.directions[static_cast<std::size_t>(d)];
           const double inward =
               -(normals(node, 0) * e[0] + normals(node, 1) * e[1] + normals(node, 2) * e[2]);
-          const bool requested = scene.probe.directions != Directions::hemisphere || inward > 1e-9;
+          const bool requested = scene.probe.directions != Directions::hemisphere || inward > -1e-9;
           log.append(solve_ray(solver, header, static_cast<std::int32_t>(a), static_cast<std::int32_t>(d),
                                requested));
           ++solved;

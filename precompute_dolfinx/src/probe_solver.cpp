@@ -75,6 +75,12 @@ void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
     s.weights.push_back(tool_weights(s.body, s.scene.probe.kind,
                                      s.scene.probe.tool_radius_m / s.scaling.length_m, node, s.fixed));
   }
+  for (std::size_t t = 0; t < nodes.size(); ++t)
+    for (std::size_t other = 0; other < nodes.size(); ++other)
+      if (other != t && s.weights[other][nodes[t]] != 0)
+        throw input_error("two tools overlap: one moves the node that the other touches",
+                          "nodes " + std::to_string(nodes[t]) + " and " + std::to_string(nodes[other]),
+                          "keep tools at least a tool radius apart");
   s.equilibrium.prescribe(tool_constraint(s.body, s.weights));
   s.rest = s.rays.rest();
 

@@ -89,13 +89,15 @@ INSTANTIATE_TEST_SUITE_P(Elements, ForceOfProbe,
 class ForceOfTwoTools : public ::testing::TestWithParam<ProbeKind> {};
 
 TEST_P(ForceOfTwoTools, SumsToTheDerivativeOfTheEnergy) {
-  // The patches overlap, so their nodes are moved by both tools.
+  // The patches overlap, so the nodes between them are moved by both tools.
   auto block = probe_block({Law::neo_hookean, Element::p2}, 10, {4, 4, 3});
   block.scene.solver.relative_tolerance = 1e-10;
   block.scene.probe.kind = GetParam();
-  block.scene.probe.tool_radius_m = 0.04;
+  // Wide enough for the patches to meet, too small for one to move the node that the other touches.
+  block.scene.probe.tool_radius_m =
+      0.95 * (block.mesh.nodes.row(block.top + 1) - block.mesh.nodes.row(block.top - 1)).norm();
   auto solver = block.solver();
-  solver.touch({block.top, block.top + 1});
+  solver.touch({block.top - 1, block.top + 1});
   ASSERT_EQ(solver.rest().stiffness_N_per_m.rows(), 6);
   expect_conservative(solver, {{0.004, 0.003, -0.006}, {-0.001, 0.002, -0.003}});
 }

@@ -53,25 +53,6 @@ TrainingTables training_tables(const DatabaseHeader& header) {
   return tables;
 }
 
-Prescribed prescribed_nodes(const Mesh& mesh, const NodeSets& sets, std::int32_t node, double tool_radius_m) {
-  Prescribed found;
-  if (!(tool_radius_m > 0)) return {{node}, {1.0}};
-  std::vector<std::int32_t> candidates = surface_nodes(mesh.surface);
-  if (!std::binary_search(candidates.begin(), candidates.end(), node)) {
-    candidates.insert(std::lower_bound(candidates.begin(), candidates.end(), node), node);
-  }
-  for (const std::int32_t i : candidates) {
-    const double s2 =
-        (mesh.nodes.row(i) - mesh.nodes.row(node)).squaredNorm() / (tool_radius_m * tool_radius_m);
-    // The rim is free in the solves, whichever way rounding goes (precompute_dolfinx, tool_weights).
-    if (i != node && (s2 >= 1 - 1e-9 || std::binary_search(sets.fixed.begin(), sets.fixed.end(), i)))
-      continue;
-    found.nodes.push_back(i);
-    found.weights.push_back((1 - s2) * (1 - s2));
-  }
-  return found;
-}
-
 NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>& rays) {
   NetworkPoints points;
   points.displacements = tables.displacements;
@@ -87,7 +68,7 @@ NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>&
 }
 
 NetworkPoints deformation_points(const TrainingTables& tables, const std::vector<Ray>& rays,
-                                 const Prescribed& prescribed, std::int32_t node, int samples,
+                                 const TouchedNodes& prescribed, std::int32_t node, int samples,
                                  std::uint64_t seed, NetworkPoints* held_out, int n_held_out) {
   const std::vector<std::int32_t> increments = converged_increments(tables, rays);
   std::vector<std::int32_t> places;
@@ -129,7 +110,7 @@ int capped_neurons(int wanted, std::size_t n_points) {
 }
 
 NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
-                        const Prescribed& prescribed, const std::vector<Ray>& rays,
+                        const TouchedNodes& prescribed, const std::vector<Ray>& rays,
                         const TrainingSpec& spec) {
   NodeTraining result;
   const NetworkPoints force = force_points(tables, rays);

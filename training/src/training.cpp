@@ -65,7 +65,7 @@ class Training {
 
   SearchNode read(std::int32_t active) {
     const std::int32_t node = _header.sets.active[active];
-    SearchNode read{node, prescribed_nodes(_header.mesh, _header.sets, node, _source.tool_radius_m), {}};
+    SearchNode read{node, touched_nodes(_header.mesh.nodes, _header.mesh.surface, _header.sets.fixed, node, _source.tool_radius_m), {}};
     // One read at a time: HDF5 need not be built thread-safe.
     const std::lock_guard lock(_source_mutex);
     read.rays = _source.rays(active);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <phynness/formats/database.hpp>
+#include <phynness/formats/tool.hpp>
 #include <phynness/training/network_fit.hpp>
 #include <vector>
 
@@ -22,15 +23,6 @@ struct TrainingTables {
 };
 TrainingTables training_tables(const DatabaseHeader& header);
 
-/// Nodes that a probe at `node` moves itself, ascending, and their weights w_i: the node alone, or the
-/// surface nodes within `tool_radius_m` (> 0) of it with w = (1 - (s / tool_radius)^2)^2 of the straight
-/// distance s; fixed nodes stay.
-struct Prescribed {
-  std::vector<std::int32_t> nodes;
-  std::vector<double> weights;
-};
-Prescribed prescribed_nodes(const Mesh& mesh, const NodeSets& sets, std::int32_t node, double tool_radius_m);
-
 /// Points of the force network: one per converged increment. `rays` is one per direction, in order.
 /// @throws Error (failure) if a converged increment holds a value that is not finite
 NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>& rays);
@@ -40,7 +32,7 @@ NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>&
 /// there are fewer.
 /// @param held_out  if not null, filled with `n_held_out` further points of the same draw
 NetworkPoints deformation_points(const TrainingTables& tables, const std::vector<Ray>& rays,
-                                 const Prescribed& prescribed, std::int32_t node, int samples,
+                                 const TouchedNodes& prescribed, std::int32_t node, int samples,
                                  std::uint64_t seed, NetworkPoints* held_out = nullptr, int n_held_out = 0);
 
 /// Neurons that `n_points` points can carry, at most `wanted`.
@@ -55,6 +47,6 @@ struct NodeTraining {
 /// @param node    mesh node number; `point` its coordinates [m]
 /// @param spec    with both spreads > 0
 NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
-                        const Prescribed& prescribed, const std::vector<Ray>& rays, const TrainingSpec& spec);
+                        const TouchedNodes& prescribed, const std::vector<Ray>& rays, const TrainingSpec& spec);
 
 }  // namespace phynness

@@ -18,7 +18,7 @@ double mean_relative_error(const RbfNetwork& network, const NetworkPoints& point
 /// One node that takes part in a search.
 struct SearchNode {
   std::int32_t node = 0;
-  Prescribed prescribed;
+  TouchedNodes prescribed;
   std::vector<Ray> rays;
 };
 
