@@ -50,11 +50,17 @@ void run(const Options& options) {
   }
   model.title = scene.title;
   write_model_dir(options.output, model, header.mesh);
+  // Few responses make smaller networks than were asked for.
+  std::int64_t neurons = 0, force_neurons = 0;
+  for (const auto& node : model.nodes) {
+    neurons = std::max<std::int64_t>(neurons, node.deformation.weights.rows());
+    force_neurons = std::max<std::int64_t>(force_neurons, node.force.weights.rows());
+  }
   const auto model_bytes = std::filesystem::file_size(options.output / "model.txt");
   const auto mesh_bytes = std::filesystem::file_size(options.output / "mesh.txt");
-  fmt::print("{} nodes, {} deformation and {} force neurons, spread {:.3g} and {:.3g}, {}\n",
-             report.n_networks, spec.deformation_neurons, spec.force_neurons, report.deformation_spread,
-             report.force_spread, duration(report.seconds));
+  fmt::print("{} nodes, up to {} deformation and {} force neurons each, spread {:.3g} and {:.3g}, {}\n",
+             report.n_networks, neurons, force_neurons, report.deformation_spread, report.force_spread,
+             duration(report.seconds));
   if (report.n_skipped > 0)
     fmt::print(stderr, "warning: {} active nodes have no converged increment and no network\n",
                report.n_skipped);
@@ -62,8 +68,8 @@ void run(const Options& options) {
              bytes(static_cast<double>(mesh_bytes)), options.output.string());
   write_json(options.json_file, {{"networks", report.n_networks},
                                  {"skipped", report.n_skipped},
-                                 {"deformation_neurons", spec.deformation_neurons},
-                                 {"force_neurons", spec.force_neurons},
+                                 {"deformation_neurons", neurons},
+                                 {"force_neurons", force_neurons},
                                  {"deformation_spread", report.deformation_spread},
                                  {"force_spread", report.force_spread},
                                  {"mean_deformation_mse", report.mean_deformation_mse},

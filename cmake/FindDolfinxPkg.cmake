@@ -1,4 +1,4 @@
-# Finds dolfinx (0.5.2 ... 0.11) with PETSc, MPI, basix and ufcx.h through pkg-config, and ffcx through Python.
+# Finds dolfinx (which versions: precompute_dolfinx/dolfinx_api.hpp) with PETSc, MPI, basix and ufcx.h through pkg-config, and ffcx through Python.
 # The pkg-config file of 0.5.2 quotes a macro in a way that breaks shells and asks for -fpermissive, so only include
 # paths and libraries are taken from it. Defines the target phynness_dolfinx and phynness_compile_forms().
 find_package(PkgConfig REQUIRED)

@@ -34,7 +34,7 @@ void parse_mesh_file(const SceneTable& table, const std::filesystem::path& folde
   if (mesh_file == MeshFile::must_exist && !std::filesystem::is_regular_file(spec.file, code))
     table.reject("file", "names a mesh that is not there (looked for " + spec.file.string() + ")",
                  "correct the path; a relative one starts at the scene file's folder");
-  refuse_keys(table, {"target_nodes", "size_m", "radius_m", "inner_radius_m", "length_m"},
+  refuse_keys(table, {"size_m", "radius_m", "inner_radius_m", "length_m"},
               "belongs to a built-in shape, but the mesh comes from a file", "remove it");
   spec.scale_to_m = table.number_or("scale_to_m", 1.0, {0, 1e6, true, false});
 }
@@ -59,11 +59,6 @@ void parse_built_in_shape(const SceneTable& table, MeshSpec& spec) {
   if (table.has("inner_radius_m") && table.has("radius_m") && spec.inner_radius_m >= spec.radius_m)
     table.reject("inner_radius_m", "must be less than radius_m", "leave a wall between the two radii");
 
-  if (table.has("target_nodes") && table.has("target_size_m"))
-    table.reject("target_size_m", "stands beside target_nodes, which decides the size",
-                 "keep one of the two");
-  if (const auto nodes = table.integer("target_nodes", 8, most_nodes))
-    spec.target_nodes = static_cast<int>(*nodes);
   if (!spec.target_nodes && !spec.target_size_m) spec.target_nodes = default_target_nodes;
 }
 
@@ -101,6 +96,11 @@ MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder
   if (!table.has("shape") && !table.has("file"))
     table.missing("shape", ", and so is file",
                   "add shape = \"liver\", \"block\", \"cylinder\" or \"tube\", or file = \"body.msh\"");
+  if (table.has("target_nodes") && table.has("target_size_m"))
+    table.reject("target_size_m", "stands beside target_nodes, which decides the size",
+                 "keep one of the two");
+  if (const auto nodes = table.integer("target_nodes", 8, most_nodes))
+    spec.target_nodes = static_cast<int>(*nodes);
   if (const auto size = table.number("target_size_m", length)) spec.target_size_m = *size;
   spec.repair = table.flag_or("repair", false);
   if (table.has("file")) {

@@ -253,7 +253,15 @@ NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
   if (!both.empty())
     throw input_error(at(scene.active_where) + "active nodes that are also fixed cannot be displaced",
                       std::to_string(both.size()) + " nodes: " + first_of(both),
-                      "use free_surface, or move the selections apart");
+                      "use \"free-surface\", or move the selections apart");
+  const auto surface = surface_nodes(mesh.surface);
+  Nodes inside;
+  std::set_difference(sets.active.begin(), sets.active.end(), surface.begin(), surface.end(),
+                      std::back_inserter(inside));
+  if (!inside.empty())
+    throw input_error(at(scene.active_where) + "active nodes inside the body cannot be touched",
+                      std::to_string(inside.size()) + " nodes: " + first_of(inside),
+                      "add surface_only = true to the selector, or use \"free-surface\"");
   return sets;
 }
 

@@ -23,7 +23,7 @@ struct GroupErrors {
   ErrorStatistics force;
   ErrorStatistics displacement;         ///< all output nodes but the prescribed ones
   ErrorStatistics displacement_moving;  ///< of these, per probe, the tenth that moves most
-  ErrorStatistics field_l2;        ///< per probe: |u - u_FE| / |u_FE| over all output nodes, Euclidean norms
+  ErrorStatistics field_l2;        ///< per probe: |u - u_FE| / |u_FE| Euclidean norms over the same nodes
   ErrorStatistics force_relative;  ///< per probe: |f - f_FE| / |f_FE|
 };
 
