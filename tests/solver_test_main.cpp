@@ -1,6 +1,7 @@
 // Every program that solves needs PETSc and MPI for its whole life, and exactly once.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <memory>
 #include <phynness/precompute/probe_solver.hpp>
 
@@ -8,7 +9,13 @@ namespace {
 
 /// An environment and not a main(), so that listing the tests starts no MPI.
 class SolverEnvironment : public ::testing::Environment {
-  void SetUp() override { _session = std::make_unique<phynness::SolverSession>(); }
+  void SetUp() override {
+    // One process that talks to nobody: Open MPI need not look for networks, which takes longer than most
+    // tests.
+    ::setenv("OMPI_MCA_pml", "ob1", 0);
+    ::setenv("OMPI_MCA_btl", "self", 0);
+    _session = std::make_unique<phynness::SolverSession>();
+  }
   void TearDown() override { _session.reset(); }
 
   std::unique_ptr<phynness::SolverSession> _session;
