@@ -11,6 +11,12 @@
 
 namespace phynness {
 
+inline void require_writable(bool condition, const char* what) {
+  if (!condition)
+    throw failure(std::string("model cannot be written: ") + what, "",
+                  "this is a defect of the program that made it");
+}
+
 /// Appends words, separated by single spaces, and lines; the counterpart of ModelLexer.
 class ModelEmitter {
  public:

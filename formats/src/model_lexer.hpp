@@ -1,6 +1,7 @@
 // Lines and tokens of model.txt for the host reader: strict, locale-free, every refusal names file and line.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -85,6 +86,30 @@ class ModelLexer {
         std::from_chars(found.data(), found.data() + found.size(), value, std::chars_format::hex);
     if (error != std::errc{} || end != found.data() + found.size()) malformed(found);
     return value;
+  }
+
+  /// As many numbers as `row` has.
+  template <class Row>
+  void reals(std::string_view what, Row&& row) {
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(row.size()); ++i) row[i] = real(what);
+  }
+
+  /// A line of a keyword and n numbers.
+  Eigen::VectorXd vector_line(std::string_view key, Eigen::Index n, bool positive) {
+    Eigen::VectorXd values(n);
+    keyword(key);
+    reals(key, values);
+    if (positive && !(values.array() > 0).all()) refuse(std::string(key) + " must be positive", "");
+    end_line();
+    return values;
+  }
+
+  /// A line of a keyword and a number of lines that follow.
+  std::int32_t count_line(std::string_view key, std::int64_t low = 0) {
+    keyword(key);
+    const std::int32_t n = count(key, low);
+    end_line();
+    return n;
   }
 
   bool at_end() const { return _at == _text.size(); }

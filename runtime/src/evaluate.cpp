@@ -18,6 +18,8 @@ void gaussian_factors(const Network& net, int first, const double* x, double* fa
   }
 }
 
+double cut(double component) { return std::fmax(-largest_linear, std::fmin(largest_linear, component)); }
+
 double distance_between(const double* a, const double* b) {
   const double t[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
   return length(t);
@@ -40,7 +42,9 @@ double length(const double* d) {
   return std::ldexp(std::sqrt(sum), exponent);
 }
 
-void evaluate_force(const Network& net, const double* d, double* force) {
+namespace {
+
+void network_force(const Network& net, const double* d, double* force) {
   double x[3], sum[3] = {net.bias[0], net.bias[1], net.bias[2]};
   for (int k = 0; k < 3; ++k) x[k] = scaled_input(net, k, d[k]);
   for (std::int32_t i = 0; i < net.n_neurons; ++i) {
@@ -55,9 +59,8 @@ void evaluate_force(const Network& net, const double* d, double* force) {
   for (int k = 0; k < 3; ++k) force[k] = net.output_center[k] + net.output_half_range[k] * sum[k];
 }
 
-void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* factor,
-                          double* field) {
-  const Network& net = node.deformation;
+void network_deformation(const phn_model& model, const Network& net, const double* d, double* factor,
+                         double* field) {
   double x[3];
   for (int k = 0; k < 3; ++k) x[k] = scaled_input(net, k, d[k]);
   gaussian_factors(net, 0, x, factor);
@@ -76,6 +79,33 @@ void evaluate_deformation(const phn_model& model, const ActiveNode& node, const 
     field[3 * o] = net.output_center[0] + net.output_half_range[0] * s0;
     field[3 * o + 1] = net.output_center[1] + net.output_half_range[1] * s1;
     field[3 * o + 2] = net.output_center[2] + net.output_half_range[2] * s2;
+  }
+}
+
+void linear_deformation(const phn_model& model, const LinearResponse& linear, const double* d,
+                        double* field) {
+  const double x = cut(d[0]), y = cut(d[1]), z = cut(d[2]);
+  const double *ux = linear.unit_response[0], *uy = linear.unit_response[1], *uz = linear.unit_response[2];
+  for (std::int32_t i = 0; i < 3 * model.n_output; ++i) field[i] = x * ux[i] + y * uy[i] + z * uz[i];
+}
+
+}  // namespace
+
+void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force) {
+  if (model.family == Family::rbfn) return network_force(node.force, d, force);
+  const double* k = node.linear.stiffness;
+  const double x = cut(d[0]), y = cut(d[1]), z = cut(d[2]);
+  force[0] = k[0] * x + k[1] * y + k[2] * z;
+  force[1] = k[1] * x + k[3] * y + k[4] * z;
+  force[2] = k[2] * x + k[4] * y + k[5] * z;
+}
+
+void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* factor,
+                          double* field) {
+  if (model.family == Family::rbfn) {
+    network_deformation(model, node.deformation, d, factor, field);
+  } else {
+    linear_deformation(model, node.linear, d, field);
   }
   for (std::int32_t p = 0; p < node.n_prescribed; ++p) {
     for (int k = 0; k < 3; ++k) field[3 * node.prescribed[p] + k] = node.prescribed_weight[p] * d[k];
@@ -115,6 +145,13 @@ void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, c
     if (tool(t).output < 0) continue;
     for (int k = 0; k < 3; ++k) out[3 * tool(t).output + k] = displacements[3 * t + k];
   }
+}
+
+bool outside(const phn_model& model, const ActiveNode& node, const double* d) {
+  if (model.family == Family::linear) return length(d) > largest_linear;
+  // The deepest increment itself is inside, however its direction was rounded.
+  const double slack = 1 + 1e-9;
+  return length(d) > slack * trained_depth(model, node, d);
 }
 
 double trained_depth(const phn_model& model, const ActiveNode& node, const double* d) {

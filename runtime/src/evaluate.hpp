@@ -1,4 +1,4 @@
-// Evaluation of the networks (11)-(12) and of the blending of several tools (15)-(16).
+// Evaluation of the networks (11)-(12), of linear responses, and of the blending of several tools (15)-(16).
 #pragma once
 
 #include "model.hpp"
@@ -15,16 +15,19 @@ struct phn_data {
 namespace phynness::runtime {
 
 /// @param d  3 [m], finite; @param force 3 [N]
-void evaluate_force(const Network& net, const double* d, double* force);
+void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force);
 
 /// Field of one tool at all output nodes, nodes moved by the probe itself included.
-/// @param factor  scratch, n_neurons; @param field n_output x 3 [m]
+/// @param factor  scratch, model.max_neurons; @param field n_output x 3 [m]
 void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* factor,
                           double* field);
 
 /// Several tools by (15)-(16). @param active positions of the tools among the active nodes, all different
 void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,
                  const double* displacements, double* out);
+
+/// Whether d is beyond what was trained; a linear model is exact at any depth, until components are cut.
+bool outside(const phn_model& model, const ActiveNode& node, const double* d);
 
 /// Depth trained in the direction nearest to d [m]; d = 0: the smallest positive one.
 double trained_depth(const phn_model& model, const ActiveNode& node, const double* d);

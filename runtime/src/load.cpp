@@ -1,6 +1,5 @@
 // model.txt -> phn_model. Follows formats/model.md section by section.
 #include <cmath>
-#include <cstring>
 #include <initializer_list>
 
 #include "arena.hpp"
@@ -10,35 +9,9 @@
 namespace phynness::runtime {
 namespace {
 
-constexpr char magic[] = "phynness-model ";
-constexpr char first_line[] = "phynness-model 1\n";
-constexpr std::size_t checksum_line_length = sizeof("checksum 0123456789abcdef\n") - 1;
 constexpr double smallest_spread = 1e-6, largest_spread = 1e6;
 // Sums of outputs stay this far from the largest double, so that no addition of a few of them overflows.
 constexpr double largest_output = 1e300;
-
-/// Magic, version, completeness, checksum; on success `length` is shortened to the text before the checksum
-/// line.
-int check_envelope(const char* text, std::size_t& length) {
-  const std::size_t first = sizeof first_line - 1, magic_length = sizeof magic - 1;
-  if (length < first) {
-    const bool start_of_one = length > 0 && std::memcmp(text, first_line, length) == 0;
-    return start_of_one ? PHN_ERROR_TRUNCATED : PHN_ERROR_NOT_A_MODEL;
-  }
-  if (std::memcmp(text, magic, magic_length) != 0) return PHN_ERROR_NOT_A_MODEL;
-  if (std::memcmp(text, first_line, first) != 0) return PHN_ERROR_VERSION;
-  if (length < first + checksum_line_length || text[length - 1] != '\n') return PHN_ERROR_TRUNCATED;
-  const std::size_t end = length - checksum_line_length;
-  if (std::memcmp(text + end, "checksum ", 9) != 0) return PHN_ERROR_TRUNCATED;
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (std::size_t i = 0; i < end; ++i)
-    hash = (hash ^ static_cast<unsigned char>(text[i])) * 0x100000001b3ULL;
-  for (int i = 0; i < 16; ++i) {
-    if (text[end + 9 + i] != "0123456789abcdef"[hash >> (60 - 4 * i) & 15]) return PHN_ERROR_CHECKSUM;
-  }
-  length = end;
-  return PHN_OK;
-}
 
 /// An array that is filled if there is memory and merely read past if not.
 template <class T>
@@ -135,6 +108,34 @@ void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, co
   }
 }
 
+double linear_entry(TextReader& in) {
+  const double value = in.real();
+  if (!(std::fabs(value) <= largest_linear)) in.fail(PHN_ERROR_RANGE);
+  return value;
+}
+
+void linear_response(TextReader& in, Arena& arena, std::int32_t n_output, LinearResponse& linear) {
+  in.keyword("stiffness");
+  for (double& entry : linear.stiffness) entry = linear_entry(in);
+  in.end_line();
+  in.keyword("unit_responses");
+  in.end_line();
+  double* unit[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    linear.unit_response[axis] = unit[axis] = arena.take<double>(3 * static_cast<std::size_t>(n_output));
+  }
+  const bool fill = !arena.counting() && !arena.overflow();
+  for (std::int32_t o = 0; o < n_output && in.good(); ++o) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int k = 0; k < 3; ++k) {
+        const double value = linear_entry(in);
+        if (fill) unit[axis][3 * static_cast<std::size_t>(o) + static_cast<std::size_t>(k)] = value;
+      }
+    }
+    in.end_line();
+  }
+}
+
 void prescribed(TextReader& in, Arena& arena, std::int32_t n_nodes, const phn_model& model,
                 ActiveNode& node) {
   const std::int32_t n = count_line(in, "prescribed", 1);
@@ -175,6 +176,7 @@ void active_node(TextReader& in, Arena& arena, const Tables& tables, const phn_m
     in.end_line();
   }
   node.trained_depth = depth.get();
+  if (model.family == Family::linear) return linear_response(in, arena, model.n_output, node.linear);
   network(in, arena, "force", 3, tables, model.n_output, node.force);
   network(in, arena, "deformation", 6, tables, model.n_output, node.deformation);
 }
@@ -211,9 +213,15 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   in.rest_of_line();
   in.end_line();
   in.keyword("family");
-  const TextReader at_family = in;
+  if (!in.good()) return in.status();
+  TextReader other = in;
   in.keyword("rbfn");
-  if (at_family.good() && !in.good()) return PHN_ERROR_FAMILY;
+  if (!in.good()) {
+    other.keyword("linear");
+    if (!other.good()) return PHN_ERROR_FAMILY;
+    in = other;
+    model.family = Family::linear;
+  }
   in.end_line();
   for (const char* key : {"title", "software", "mesh_hash", "physics_hash"}) {
     in.keyword(key);

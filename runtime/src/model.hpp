@@ -19,6 +19,19 @@ struct Network {
   const double* weight[3];       ///< per output: n_neurons
 };
 
+enum class Family : std::uint8_t { rbfn, linear };
+
+/// Displacements of a linear model are cut to this size per component [m], and no coefficient of one is
+/// larger: their products and sums stay finite.
+inline constexpr double largest_linear = 1e100;
+
+/// Force = stiffness d; u = d_x U_x + d_y U_y + d_z U_z.
+struct LinearResponse {
+  double stiffness[6];             ///< xx xy xz yy yz zz [N/m]
+  const double* unit_response[3];  ///< U per axis of d: n_output x 3 [m/m]
+};
+
+/// Of the responses, only those of the model's family are filled in.
 struct ActiveNode {
   double point[3];                 ///< reference coordinates [m]
   std::int32_t output;             ///< position among the output nodes, or -1
@@ -28,11 +41,13 @@ struct ActiveNode {
   const double* trained_depth;  ///< n_directions [m]
   bool incomplete;
   Network force, deformation;
+  LinearResponse linear;
 };
 
 }  // namespace phynness::runtime
 
 struct phn_model {
+  phynness::runtime::Family family;
   std::int32_t n_nodes, n_active, n_output, n_directions, max_neurons;
   const std::int32_t *active_nodes, *output_nodes;
   const double* output_points;  ///< n_output x 3

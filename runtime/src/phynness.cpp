@@ -20,11 +20,8 @@ void zero(double* values, std::int32_t n) {
 }
 
 int warnings(const phn_model& model, const ActiveNode& node, const double* d) {
-  // The deepest increment itself is inside, however its direction was rounded.
-  const double slack = 1 + 1e-9;
-  const bool outside =
-      phynness::runtime::length(d) > slack * phynness::runtime::trained_depth(model, node, d);
-  return (outside ? PHN_WARNING_OUTSIDE : 0) | (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
+  return (phynness::runtime::outside(model, node, d) ? PHN_WARNING_OUTSIDE : 0) |
+         (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
 }
 
 struct DataParts {
@@ -149,7 +146,7 @@ int phn_force(const phn_model* model, phn_data* data, int32_t node, const double
   const int32_t at = phynness::runtime::find_active(*model, node);
   if (at < 0) return PHN_ERROR_NOT_ACTIVE;
   if (!finite(d)) return PHN_ERROR_NOT_FINITE;
-  phynness::runtime::evaluate_force(model->active[at].force, d, force);
+  phynness::runtime::evaluate_force(*model, model->active[at], d, force);
   return warnings(*model, model->active[at], d);
 }
 

@@ -3,6 +3,34 @@
 #include <cstring>
 
 namespace phynness::runtime {
+namespace {
+
+constexpr char magic[] = "phynness-model ";
+constexpr char first_line[] = "phynness-model 1\n";
+constexpr std::size_t checksum_line_length = sizeof("checksum 0123456789abcdef\n") - 1;
+
+}  // namespace
+
+int check_envelope(const char* text, std::size_t& length) {
+  const std::size_t first = sizeof first_line - 1, magic_length = sizeof magic - 1;
+  if (length < first) {
+    const bool start_of_one = length > 0 && std::memcmp(text, first_line, length) == 0;
+    return start_of_one ? PHN_ERROR_TRUNCATED : PHN_ERROR_NOT_A_MODEL;
+  }
+  if (std::memcmp(text, magic, magic_length) != 0) return PHN_ERROR_NOT_A_MODEL;
+  if (std::memcmp(text, first_line, first) != 0) return PHN_ERROR_VERSION;
+  if (length < first + checksum_line_length || text[length - 1] != '\n') return PHN_ERROR_TRUNCATED;
+  const std::size_t end = length - checksum_line_length;
+  if (std::memcmp(text + end, "checksum ", 9) != 0) return PHN_ERROR_TRUNCATED;
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  for (std::size_t i = 0; i < end; ++i)
+    hash = (hash ^ static_cast<unsigned char>(text[i])) * 0x100000001b3ULL;
+  for (int i = 0; i < 16; ++i) {
+    if (text[end + 9 + i] != "0123456789abcdef"[hash >> (60 - 4 * i) & 15]) return PHN_ERROR_CHECKSUM;
+  }
+  length = end;
+  return PHN_OK;
+}
 
 TextReader::Token TextReader::token() {
   const Token none{_at, _at};

@@ -9,6 +9,11 @@
 
 namespace phynness::runtime {
 
+/// Magic, version, completeness, checksum; on success `length` is shortened to the text before the checksum
+/// line.
+/// @return a status of phynness.h
+int check_envelope(const char* text, std::size_t& length);
+
 /// The first defect sticks in status(); from then on every read returns 0 and consumes nothing.
 class TextReader {
  public:

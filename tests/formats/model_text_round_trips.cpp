@@ -32,6 +32,17 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return with_checksum(text.substr(0, text.rfind("checksum ")));
 }
 
+/// Linear, one active node: short enough to replace every byte by several.
+Model one_linear_node() {
+  Model model = small_linear_model();
+  model.nodes.resize(1);
+  return model;
+}
+
+class ModelTextOf : public testing::TestWithParam<Family> {};
+INSTANTIATE_TEST_SUITE_P(Families, ModelTextOf, testing::Values(Family::rbfn, Family::linear),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
 std::string refusal(const std::string& text) {
   try {
     read_model_text(text, "model.txt");
@@ -64,6 +75,47 @@ TEST(ModelText, RoundTripsBitForBit) {
   EXPECT_TRUE(std::signbit(again.nodes[0].force.weights(0, 0)));
   EXPECT_EQ(again.title, model.title);
   EXPECT_EQ(again.fixed, model.fixed);
+}
+
+// Claim: a linear model comes back bit for bit.
+TEST(ModelText, LinearResponsesRoundTripBitForBit) {
+  Model model = small_linear_model();
+  model.nodes[0].linear.unit_responses(0, 0) = -0.0;
+  model.nodes[0].linear.unit_responses(0, 1) = 0x0.0000000000001p-1022;
+  model.nodes[0].linear.unit_responses(0, 2) = -largest_linear_entry;
+  const std::string text = write_model_text(model);
+  const Model again = read_model_text(text, "model.txt");
+  EXPECT_EQ(write_model_text(again), text);
+  EXPECT_EQ(again.family, Family::linear);
+  ASSERT_EQ(again.nodes.size(), model.nodes.size());
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    EXPECT_EQ(again.nodes[i].linear.stiffness, model.nodes[i].linear.stiffness);
+    EXPECT_EQ(again.nodes[i].linear.unit_responses, model.nodes[i].linear.unit_responses);
+    EXPECT_EQ(again.nodes[i].prescribed_weight, model.nodes[i].prescribed_weight);
+    EXPECT_EQ(again.nodes[i].trained_depth_m, model.nodes[i].trained_depth_m);
+  }
+  EXPECT_TRUE(std::signbit(again.nodes[0].linear.unit_responses(0, 0)));
+}
+
+// Claim: networks are laid out as before there were other families, so models that exist stay readable. The
+// first word of every line from the family on; # for a line that begins with a number.
+TEST(ModelText, NetworksAreLaidOutAsBefore) {
+  Model model = small_model(1, 1);
+  model.nodes.resize(1);
+  const std::string text = write_model_text(model);
+  std::istringstream lines(text.substr(text.find("\nfamily") + 1));
+  std::string line, layout;
+  while (std::getline(lines, line)) {
+    const std::string word = line.substr(0, line.find(' '));
+    layout += word.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string::npos ? word + ' ' : "#";
+  }
+  const std::string transforms =
+      "input_center input_half_range output_center output_half_range spread bias #";
+  EXPECT_EQ(layout,
+            "family title software mesh_hash physics_hash max_displacement_m mesh_nodes directions ####"
+            "displacements ########fixed ##output ############active node point prescribed #incomplete "
+            "trained_depth ####force " +
+                transforms + "deformation " + transforms + "checksum ");
 }
 
 struct CommaNumbers : std::numpunct<char> {
@@ -112,6 +164,24 @@ TEST(ModelText, RefusalsSayWhatIsWrong) {
       {replaced(text, "\nnode 5\n", "\nnode 3\n"), "must ascend"},
       {replaced(text, "checksum", "surplus\nchecksum"), "after the last"},
   };
+  const std::string linear = write_model_text(small_linear_model());
+  const std::pair<std::string, const char*> linear_cases[] = {
+      {linear.substr(0, linear.size() / 2), "truncated"},
+      {replaced(linear, "family linear", "family rbfn"), "expected 'force'"},
+      {replaced(text, "family rbfn", "family linear"), "expected 'stiffness'"},
+      {replaced(linear, "stiffness ", "stiffness 1p+400 "), "stiffness is beyond 1e100"},
+      {replaced(linear, "stiffness ", "stiffness nan "), "not finite"},
+      {replaced(linear, "stiffness ", "stiffness 0p+0 "), "more than it should"},
+      {replaced(linear, "unit_responses\n", ""), "expected 'unit_responses'"},
+      {replaced(linear, "unit_responses\n", "unit_responses\n-1p+400 "), "unit response is beyond 1e100"},
+      {replaced(linear, "output 12", "output 11"), ""},
+      {replaced(linear, "checksum", "0p+0\nchecksum"), "after the last"},
+  };
+  for (const auto& [damaged, message] : linear_cases) {
+    EXPECT_NE(refusal(damaged), "accepted");
+    EXPECT_NE(refusal(damaged).find(message), std::string::npos)
+        << refusal(damaged) << "\nshould say: " << message;
+  }
   for (const auto& [damaged, message] : cases) {
     EXPECT_NE(refusal(damaged).find(message), std::string::npos)
         << refusal(damaged) << "\nshould say: " << message;
@@ -120,8 +190,9 @@ TEST(ModelText, RefusalsSayWhatIsWrong) {
 
 // Claim: host reader and runtime agree on what is a model, whatever single byte is replaced under a good
 // checksum.
-TEST(ModelText, HostAndRuntimeRefuseTheSame) {
-  const std::string text = write_model_text(small_model(1, 1));
+TEST_P(ModelTextOf, HostAndRuntimeRefuseTheSame) {
+  const std::string text =
+      write_model_text(GetParam() == Family::linear ? one_linear_node() : small_model(1, 1));
   const std::string body = text.substr(0, text.rfind("checksum "));
   for (std::size_t at = body.find("family"); at < body.size(); at += 1) {
     for (const char c : {'2', ',', '-', 'p'}) {
@@ -152,6 +223,18 @@ TEST(ModelText, WriterRefusesWhatTheFormatCannotHold) {
   EXPECT_THROW(write_model_text(model), Error);
   model = small_model();
   model.family = Family::modal;
+  EXPECT_THROW(write_model_text(model), Error);
+  model = small_linear_model();
+  model.nodes[0].linear.stiffness(0, 1) += 1e-12;
+  EXPECT_THROW(write_model_text(model), Error) << "not symmetric";
+  model = small_linear_model();
+  model.nodes[0].linear.stiffness(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(write_model_text(model), Error);
+  model = small_linear_model();
+  model.nodes[0].linear.unit_responses(2, 3) = 1.01e100;
+  EXPECT_THROW(write_model_text(model), Error);
+  model = small_linear_model();
+  model.nodes[0].linear.unit_responses.conservativeResize(11, 9);
   EXPECT_THROW(write_model_text(model), Error);
 }
 
@@ -209,12 +292,12 @@ TEST(ModelDirectory, RefusesAnotherMesh) {
 
 // Claim: formats/model.md suffices for another language. A reader written from that page in Python's standard
 // library agrees with the runtime to 1e-12 of the largest output: both round in double, in different orders.
-TEST(ModelText, AReaderInAnotherLanguageAgrees) {
-  const Model model = small_model();
+TEST_P(ModelTextOf, AReaderInAnotherLanguageAgrees) {
+  const Model model = GetParam() == Family::linear ? small_linear_model() : small_model();
   const std::string text = write_model_text(model);
   const LoadedModel loaded(text);
   const auto folder =
-      std::filesystem::temp_directory_path() / ("phynness_reader_" + std::to_string(std::rand()));
+      std::filesystem::temp_directory_path() / ("phynness_reader_" + std::to_string(std::random_device{}()));
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "model.txt", std::ios::binary) << text;
   const Eigen::Vector3d probes[] = {{0, 0, 0}, {0.004, -0.002, 0.001}, {-0.012, 0.003, 0.01}};

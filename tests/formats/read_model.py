@@ -50,10 +50,20 @@ def read_network(reader, keyword, tables):
     return net
 
 
+def read_linear(reader, node, n_output):
+    xx, xy, xz, yy, yz, zz = reader.floats("stiffness")
+    node["stiffness"] = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    reader.fields("unit_responses")
+    node["unit_responses"] = [reader.floats() for _ in range(n_output)]
+
+
 def read_model(data):
     reader = Reader(checked_lines(data))
-    if reader.fields("phynness-model") != ["1"] or reader.fields("family") != ["rbfn"]:
-        sys.exit("another version or family")
+    if reader.fields("phynness-model") != ["1"]:
+        sys.exit("another version")
+    family = reader.fields("family")[0]
+    if family not in ("rbfn", "linear"):
+        sys.exit("another family")
     for key in ("title", "software", "mesh_hash", "physics_hash", "max_displacement_m", "mesh_nodes"):
         reader.fields(key)
     directions = [reader.floats() for _ in range(reader.count("directions"))]
@@ -72,8 +82,11 @@ def read_model(data):
         reader.count("incomplete")
         reader.fields("trained_depth")
         node["trained_depth"] = [reader.floats()[0] for _ in directions]
-        node["force"] = read_network(reader, "force", [displacements])
-        node["deformation"] = read_network(reader, "deformation", [displacements, points])
+        if family == "linear":
+            read_linear(reader, node, len(points))
+        else:
+            node["force"] = read_network(reader, "force", [displacements])
+            node["deformation"] = read_network(reader, "deformation", [displacements, points])
         model["nodes"][number] = node
     return model
 
@@ -88,18 +101,31 @@ def evaluate(net, inputs):
     return [c + h * s for c, h, s in zip(net["output_center"], net["output_half_range"], y)]
 
 
+def force(node, d):
+    if "stiffness" in node:
+        return [sum(k * v for k, v in zip(row, d)) for row in node["stiffness"]]
+    return evaluate(node["force"], d)
+
+
+def displacement(node, position, point, d):
+    if "stiffness" in node:
+        unit = node["unit_responses"][position]
+        return [sum(unit[3 * axis + k] * d[axis] for axis in range(3)) for k in range(3)]
+    return evaluate(node["deformation"], d + point)
+
+
 def main():
     with open(sys.argv[1], "rb") as file:
         model = read_model(file.read())
     for line in sys.stdin:
         number, *d = line.split()
         node, d = model["nodes"][int(number)], [float.fromhex(v) for v in d]
-        answer = evaluate(node["force"], d)
-        for index, point in zip(model["output"], model["points"]):
+        answer = force(node, d)
+        for position, (index, point) in enumerate(zip(model["output"], model["points"])):
             if index in node["prescribed"]:
                 answer += [node["prescribed"][index] * v for v in d]
             else:
-                answer += evaluate(node["deformation"], d + point)
+                answer += displacement(node, position, point, d)
         print(*(v.hex() for v in answer))
 
 

@@ -29,9 +29,18 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return with_checksum(body_of(text.replace(at, from.size(), to)));
 }
 
+/// Both families, small enough to damage at every byte.
+std::string small_text(Family family, int n_deformation, int n_force) {
+  return write_model_text(family == Family::linear ? small_linear_model()
+                                                   : small_model(n_deformation, n_force));
+}
+class DamagedText : public testing::TestWithParam<Family> {};
+INSTANTIATE_TEST_SUITE_P(Families, DamagedText, testing::Values(Family::rbfn, Family::linear),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
 // Claim: every beginning of a model is refused, by size and by init, without touching memory beyond it.
-TEST(DamagedText, EveryTruncationIsRefused) {
-  const std::string text = write_model_text(small_model(3, 2));
+TEST_P(DamagedText, EveryTruncationIsRefused) {
+  const std::string text = small_text(GetParam(), 3, 2);
   std::vector<char> memory(1 << 20);
   for (std::size_t n = 0; n < text.size(); ++n) {
     const std::vector<char> part(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(n));
@@ -47,8 +56,8 @@ TEST(DamagedText, EveryTruncationIsRefused) {
 
 // Claim: every damaged byte is refused. FNV-1a misses no single-byte change: each step is a bijection of the
 // state.
-TEST(DamagedText, EveryDamagedByteIsRefused) {
-  std::string text = write_model_text(small_model(3, 2));
+TEST_P(DamagedText, EveryDamagedByteIsRefused) {
+  std::string text = small_text(GetParam(), 3, 2);
   for (std::size_t at = 0; at < text.size(); ++at) {
     const char kept = text[at];
     for (const int change : {1, 0x20, 0x80}) {
@@ -63,8 +72,8 @@ TEST(DamagedText, EveryDamagedByteIsRefused) {
 // Claim: a writer's mistakes with a correct checksum are refused by the parser, byte by byte: whatever
 // replaces a byte, the result is a status, never a crash; where it is accepted (a digit for a digit), init
 // and evaluation are defined.
-TEST(DamagedText, ParserSurvivesAnythingWithAGoodChecksum) {
-  const std::string text = body_of(write_model_text(small_model(2, 1)));
+TEST_P(DamagedText, ParserSurvivesAnythingWithAGoodChecksum) {
+  const std::string text = body_of(small_text(GetParam(), 2, 1));
   for (std::size_t at = 0; at < text.size(); ++at) {
     for (const char c : {'0', '9', 'f', ',', '-', ' ', '\n', 'p', '.', '\0'}) {
       std::string damaged = text;
@@ -91,7 +100,7 @@ TEST(DamagedText, ParserSurvivesAnythingWithAGoodChecksum) {
 }
 
 // Claim: each kind of defect has its own status.
-TEST(DamagedText, DefectsAreTold) {
+TEST(DefectsOfText, AreTold) {
   const std::string text = write_model_text(small_model());
   EXPECT_EQ(size_status("solid liver\n"), PHN_ERROR_NOT_A_MODEL);
   EXPECT_EQ(size_status("phynness-mesh 1\nhash 0\nmore text to be long enough"), PHN_ERROR_NOT_A_MODEL);
@@ -106,6 +115,13 @@ TEST(DamagedText, DefectsAreTold) {
   EXPECT_EQ(size_status(replaced(text, "\nnode 5\n", "\nnode 2\n")), PHN_ERROR_RANGE);
   EXPECT_EQ(size_status(replaced(text, "mesh_nodes 20", "mesh_nodes 10")), PHN_ERROR_RANGE);
   EXPECT_EQ(size_status(with_checksum(body_of(text) + "more\n")), PHN_ERROR_SYNTAX);
+  const std::string linear = write_model_text(small_linear_model());
+  EXPECT_EQ(size_status(replaced(linear, "family linear", "family linea")), PHN_ERROR_FAMILY);
+  EXPECT_EQ(size_status(replaced(linear, "family linear", "family rbfn")), PHN_ERROR_SYNTAX);
+  EXPECT_EQ(size_status(replaced(linear, "stiffness ", "stiffness 0p+0 ")), PHN_ERROR_SYNTAX);
+  EXPECT_EQ(size_status(replaced(linear, "stiffness ", "stiffness 1p+400 ")), PHN_ERROR_RANGE);
+  EXPECT_EQ(size_status(replaced(linear, "unit_responses\n", "unit_responses\n1p+0 ")), PHN_ERROR_SYNTAX);
+  EXPECT_EQ(size_status(replaced(linear, "unit_responses\n", "")), PHN_ERROR_SYNTAX);
   EXPECT_EQ(phn_model_size(nullptr, 10, nullptr), PHN_ERROR_ARGUMENT);
 }
 

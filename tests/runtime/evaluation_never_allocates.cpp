@@ -31,8 +31,13 @@ using namespace phynness::test;
 
 // Claim: from loading to evaluation with several tools the library allocates nothing; the counter is shown to
 // count.
-TEST(Memory, NothingIsAllocated) {
-  const std::string text = write_model_text(small_model());
+class Memory : public testing::TestWithParam<Family> {};
+INSTANTIATE_TEST_SUITE_P(Families, Memory, testing::Values(Family::rbfn, Family::linear),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+TEST_P(Memory, NothingIsAllocated) {
+  const std::string text =
+      write_model_text(GetParam() == Family::linear ? small_linear_model() : small_model());
   const long at_start = n_allocations;
   std::vector<char> model_memory(1 << 20), data_memory(1 << 20);
   ASSERT_GT(n_allocations, at_start);

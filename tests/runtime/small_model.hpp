@@ -4,7 +4,15 @@
 
 #include <cmath>
 #include <cstdint>
+#include <ostream>
 #include <phynness/formats/model.hpp>
+
+namespace phynness {
+
+/// How the test runner names a case.
+inline void PrintTo(Family family, std::ostream* out) { *out << name(family); }
+
+}  // namespace phynness
 
 namespace phynness::test {
 
@@ -87,6 +95,32 @@ inline Model small_model(int n_deformation = 9, int n_force = 5) {
     }
     node.force = random_network(model, n_force, false, numbers);
     node.deformation = random_network(model, n_deformation, true, numbers);
+  }
+  return model;
+}
+
+/// The same nodes and probes with linear responses instead of networks; at prescribed nodes the response is
+/// the weight.
+inline Model small_linear_model() {
+  Numbers numbers;
+  Model model = small_model(0, 0);
+  model.family = Family::linear;
+  for (ActiveNodeModel& node : model.nodes) {
+    node.force = node.deformation = RbfNetwork();
+    Eigen::Matrix3d& stiffness = node.linear.stiffness;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = i; j < 3; ++j) stiffness(i, j) = stiffness(j, i) = (i == j ? 60 : 0) + 20 * numbers.next();
+    }
+    node.linear.unit_responses.resize(static_cast<Eigen::Index>(model.output.size()), 9);
+    for (Eigen::Index o = 0; o < node.linear.unit_responses.rows(); ++o) {
+      for (int i = 0; i < 9; ++i) node.linear.unit_responses(o, i) = 0.5 * numbers.next();
+      for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
+        if (node.prescribed[i] != model.output[static_cast<std::size_t>(o)]) continue;
+        node.linear.unit_responses.row(o).setZero();
+        for (int axis = 0; axis < 3; ++axis)
+          node.linear.unit_responses(o, 4 * axis) = node.prescribed_weight[i];
+      }
+    }
   }
   return model;
 }

@@ -29,7 +29,7 @@ enum {
   PHN_WARNING_OUTSIDE = 1,      /* a displacement is longer than what was trained in its direction */
   PHN_WARNING_INCOMPLETE = 2,   /* some direction of a touched node stopped short of the full depth in training */
   PHN_ERROR_ARGUMENT = -1,      /* null pointer, negative number, data of another model */
-  PHN_ERROR_NOT_ACTIVE = -2,    /* the node has no networks */
+  PHN_ERROR_NOT_ACTIVE = -2,    /* the node cannot be touched in this model */
   PHN_ERROR_NOT_FINITE = -3,    /* a displacement is NaN or infinite */
   PHN_ERROR_BUFFER = -4,        /* memory smaller than the _size function asked for */
   PHN_ERROR_TOOLS = -5,         /* more tools than phn_data was made for */
@@ -61,7 +61,8 @@ int phn_model_init(void *memory, size_t bytes, const char *text, size_t length, 
 int phn_data_size(const phn_model *model, int32_t max_tools, size_t *bytes);
 int phn_data_init(void *memory, size_t bytes, const phn_model *model, int32_t max_tools, phn_data **data);
 
-/* Numbers of nodes: of the mesh, with networks (active), with a modelled displacement (output); 0 for a null model. */
+/* Numbers of nodes: of the mesh; active, those that can be touched; output, those whose displacement is modelled.
+ * 0 for a null model. */
 int32_t phn_n_nodes(const phn_model *model);
 int32_t phn_n_active(const phn_model *model);
 int32_t phn_n_output(const phn_model *model);
@@ -73,21 +74,24 @@ const int32_t *phn_output_nodes(const phn_model *model);
 /* Reference coordinates of the output nodes, n_output x 3, row by row [m]; owned by the model. */
 const double *phn_output_points(const phn_model *model);
 
-/* Reaction force [N] at active node `node` displaced by d [m], (11)-(12). Cost: one exponential per force neuron. */
+/* Reaction force [N] at active node `node` displaced by d [m]. Cost: one exponential per force neuron, (11)-(12); in
+ * linear models nine multiplications. */
 int phn_force(const phn_model *model, phn_data *data, int32_t node, const double d[3], double force[3]);
 
 /* Displacements [m] of all output nodes, out: n_output x 3 row by row, with tool t at active node nodes[t] displaced by
  * displacements[3 t ... 3 t + 2] [m]. Nodes differ from each other; n_tools = 0 gives zeros.
- * One tool: the network (11)-(12); nodes that the probe itself moved in training move by their weight times d, so the
- * touched node moves by exactly d. Several tools: the fields of the tools are averaged with the weights (15)-(16),
- * inverse distances in the reference configuration; these are singular at the touched nodes, where each takes exactly
- * its own displacement. The paper defines no force for several tools: phn_force is that of one tool alone.
- * Cost: n_tools x n_output x neurons exponentials. */
+ * One tool: the network (11)-(12), or in linear models the sum of three unit responses; nodes that the probe itself
+ * moved in training move by their weight times d, so the touched node moves by exactly d. Several tools: the fields of
+ * the tools are averaged with the weights (15)-(16), inverse distances in the reference configuration; these are
+ * singular at the touched nodes, where each takes exactly its own displacement. The paper defines no force for several
+ * tools: phn_force is that of one tool alone.
+ * Cost: n_tools x n_output x neurons exponentials; family linear: n_tools x n_output x 9 multiplications. */
 int phn_deform(const phn_model *model, phn_data *data, int32_t n_tools, const int32_t *nodes,
                const double *displacements, double *out);
 
 /* How deep [m] `node` was trained in the exploratory direction nearest to d; for d = 0 the least of all directions that
- * were trained. Returns PHN_WARNING_OUTSIDE if |d| is beyond. */
+ * were trained. Returns PHN_WARNING_OUTSIDE if |d| is beyond. Linear models are exact at any depth and have no outside:
+ * they give that warning only for |d| > 1e100 m, where components are cut so that outputs stay finite. */
 int phn_trained_depth(const phn_model *model, int32_t node, const double d[3], double *depth);
 
 #ifdef __cplusplus

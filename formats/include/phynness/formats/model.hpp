@@ -26,7 +26,21 @@ struct RbfNetwork {
   Eigen::Vector3d bias{0, 0, 0};
 };
 
-/// One active node of the `rbfn` family.
+/// Response of a linear body at one active node: exact at any depth.
+/// force = stiffness d, energy = d . stiffness d / 2, u = d_x U_x + d_y U_y + d_z U_z with the unit responses
+/// U.
+struct LinearResponse {
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< [N/m], symmetric to the last bit
+  /// n_output x 9 [m/m]: columns 3 k ... 3 k + 2 are the displacement of the output node (x, y, z) per metre
+  /// of imposed displacement along axis k.
+  Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> unit_responses;
+};
+
+/// Largest size of an entry of a LinearResponse that model.txt holds. Together with the largest displacement
+/// component that the runtime multiplies, the same number in m, it keeps every output finite.
+inline constexpr double largest_linear_entry = 1e100;
+
+/// One active node. Of the responses, those of the model's family are filled in, the others are empty.
 struct ActiveNodeModel {
   std::int32_t node = 0;  ///< mesh node number
   Vec3 point{0, 0, 0};    ///< its reference coordinates [m]
@@ -35,8 +49,9 @@ struct ActiveNodeModel {
   std::vector<double> prescribed_weight;
   std::vector<double> trained_depth_m;  ///< per direction: last good increment; 0 if none
   std::int32_t n_incomplete = 0;  ///< directions asked for that stopped short of the largest displacement
-  RbfNetwork force;               ///< d [m] -> force [N]
-  RbfNetwork deformation;         ///< (d, X) [m] -> u [m]
+  RbfNetwork force;               ///< rbfn: d [m] -> force [N]
+  RbfNetwork deformation;         ///< rbfn: (d, X) [m] -> u [m]
+  LinearResponse linear;          ///< linear
 };
 
 struct Model {
@@ -58,8 +73,8 @@ struct Model {
 void fill_centers(const Model& model, RbfNetwork& network);
 
 /// model.txt as one string. Bit-for-bit round trip: write(read(write(m))) == write(m).
-/// @throws Error (failure) on a model that the format cannot hold: other family, unequal counts, NaN,
-/// infinity
+/// @throws Error (failure) on a model that the format cannot hold: another family, unequal counts, NaN,
+/// infinity, a stiffness that is not symmetric
 std::string write_model_text(const Model& model);
 /// @throws Error: truncated, corrupted (checksum), wrong version, malformed number, ...: each its own message
 Model read_model_text(const std::string& text, const std::string& source_name);

@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+/// Responses of the runtime at one node.
+struct Answer {
+  Eigen::Vector3d force;
+  Points u;
+  int force_status, deform_status;
+};
+
+Answer answer(const LoadedModel& loaded, std::int32_t node, const Eigen::Vector3d& d) {
+  Answer a{{}, Points(phn_n_output(loaded.model), 3), 0, 0};
+  a.force_status = phn_force(loaded.model, loaded.data, node, d.data(), a.force.data());
+  a.deform_status = phn_deform(loaded.model, loaded.data, 1, &node, d.data(), a.u.data());
+  return a;
+}
+
+// Claim: force is K d, deformation the sum of unit responses, prescribed nodes move by their weight times d,
+// at any depth. 1e-15 of the sizes of the terms is the rounding of three products.
+TEST(LinearRuntime, EqualsHostEvaluation) {
+  const Model model = small_linear_model();
+  const LoadedModel loaded(write_model_text(model));
+  for (const ActiveNodeModel& node : model.nodes) {
+    for (const Eigen::Vector3d& d :
+         {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.004, -0.002, 0.001), Eigen::Vector3d(-30, 0.1, 7)}) {
+      const Answer a = answer(loaded, node.node, d);
+      EXPECT_LE((a.force - node.linear.stiffness * d).norm(), 1e-15 * 100 * d.norm());
+      for (Eigen::Index o = 0; o < a.u.rows(); ++o) {
+        const Eigen::Matrix3d axes =
+            Eigen::Map<const Eigen::Matrix3d>(node.linear.unit_responses.row(o).data());
+        EXPECT_LE((a.u.row(o).transpose() - axes * d).norm(), 2e-15 * d.norm());
+        for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
+          if (node.prescribed[i] == model.output[static_cast<std::size_t>(o)]) {
+            EXPECT_EQ(a.u.row(o).transpose(), node.prescribed_weight[i] * d);
+          }
+        }
+      }
+    }
+  }
+}
+
+// Claim: superposition, F(a + b) = F(a) + F(b), u likewise, and F(2 a) = 2 F(a) to the last bit; sums differ
+// by their rounding, 1e-14 of the terms.
+TEST(LinearRuntime, Superposes) {
+  const LoadedModel loaded(write_model_text(small_linear_model()));
+  Numbers numbers;
+  for (int trial = 0; trial < 50; ++trial) {
+    Eigen::Vector3d a, b;
+    for (int k = 0; k < 3; ++k) {
+      a[k] = numbers.next();
+      b[k] = 0.01 * numbers.next();
+    }
+    const Answer at_a = answer(loaded, 8, a), at_b = answer(loaded, 8, b), at_sum = answer(loaded, 8, a + b);
+    EXPECT_LT((at_sum.force - at_a.force - at_b.force).norm(), 1e-14 * at_a.force.norm());
+    EXPECT_LT((at_sum.u - at_a.u - at_b.u).norm(), 1e-14 * at_a.u.norm());
+    const Answer twice = answer(loaded, 8, 2 * a);
+    EXPECT_EQ(twice.force, 2 * at_a.force);
+    EXPECT_EQ(twice.u, 2 * at_a.u);
+  }
+}
+
+// Claim: a linear model has no outside: far beyond the trained depth nothing warns of it, whatever else is
+// warned of; the trained depth is told all the same.
+TEST(LinearRuntime, HasNoOutside) {
+  const LoadedModel loaded(write_model_text(small_linear_model()));
+  const Eigen::Vector3d far(0.002, 50, 0);
+  EXPECT_EQ(answer(loaded, 3, far).force_status, PHN_OK);
+  EXPECT_EQ(answer(loaded, 3, far).deform_status, PHN_OK);
+  EXPECT_EQ(answer(loaded, 5, far).force_status, PHN_WARNING_INCOMPLETE);
+  double depth = 0;
+  EXPECT_EQ(phn_trained_depth(loaded.model, 5, far.data(), &depth), PHN_OK);
+  EXPECT_EQ(depth, 0.005);
+}
+
+// Claim: several tools are blended by (15)-(16) as in the other family: the touched output nodes follow
+// exactly, and the field scales with the displacements.
+TEST(LinearRuntime, SeveralToolsAreBlended) {
+  const LoadedModel loaded(write_model_text(small_linear_model()));
+  const std::int32_t tools[] = {3, 8};
+  const double d[] = {0.004, 0.001, 0, 0, -0.006, 0.002};
+  double twice[6];
+  for (int i = 0; i < 6; ++i) twice[i] = 2 * d[i];
+  Points u(12, 3), u_twice(12, 3);
+  ASSERT_EQ(phn_deform(loaded.model, loaded.data, 2, tools, d, u.data()), PHN_OK);
+  ASSERT_EQ(phn_deform(loaded.model, loaded.data, 2, tools, twice, u_twice.data()), PHN_OK);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(u(3 - 2, k), d[k]);
+    EXPECT_EQ(u(8 - 2, k), d[3 + k]);
+  }
+  EXPECT_EQ(u_twice, 2 * u);
+  EXPECT_GT(u.norm(), 0.01);
+}
+
+}  // namespace
