@@ -86,8 +86,13 @@ json about_model(const std::filesystem::path& dir) {
   fmt::print("model     {}: family {}, {} \n", dir.string(), name(m.family), m.software_version);
   fmt::print("scene     {}, physics {}\n", m.title, m.physics_hash);
   print_mesh(model.mesh(), {m.fixed, active, m.output});
-  fmt::print("networks  {} neurons for deformation, {} for force; trained to {:.4g} m\n", neurons,
-             force_neurons, m.max_displacement_m);
+  if (m.family == Family::linear)
+    fmt::print(
+        "responses a 3 x 3 stiffness and three unit responses each; trained to {:.4g} m, exact beyond\n",
+        m.max_displacement_m);
+  else
+    fmt::print("networks  {} neurons for deformation, {} for force; trained to {:.4g} m\n", neurons,
+               force_neurons, m.max_displacement_m);
   fmt::print("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n",
              bytes(static_cast<double>(model.text_bytes())),
              bytes(static_cast<double>(model.mesh_text_bytes())),

@@ -33,6 +33,10 @@ void run(const Options& options) {
     spec.family = *options.family == "modal"    ? Family::modal
                   : *options.family == "linear" ? Family::linear
                                                 : Family::rbfn;
+  if (spec.family != Family::rbfn &&
+      (options.neurons || options.force_neurons || options.spread || options.force_spread))
+    fmt::print(stderr, "note: family {} has no neurons; options of neurons and spreads do nothing\n",
+               name(spec.family));
   if (options.neurons) spec.deformation_neurons = *options.neurons;
   if (options.neurons) spec.force_neurons = std::min(spec.force_neurons, *options.neurons);
   if (options.force_neurons) spec.force_neurons = *options.force_neurons;
@@ -58,25 +62,42 @@ void run(const Options& options) {
   }
   const auto model_bytes = std::filesystem::file_size(options.output / "model.txt");
   const auto mesh_bytes = std::filesystem::file_size(options.output / "mesh.txt");
-  fmt::print("{} nodes, up to {} deformation and {} force neurons each, spread {:.3g} and {:.3g}, {}\n",
-             report.n_networks, neurons, force_neurons, report.deformation_spread, report.force_spread,
-             duration(report.seconds));
+  const auto& linear = report.linear;
+  if (model.family == Family::linear) {
+    fmt::print("{} nodes, a 3 x 3 stiffness and three unit responses of {} output nodes each, {}\n",
+               report.n_networks, model.output.size(), duration(report.seconds));
+    fmt::print(
+        "linear to {:.1e} (displacements), {:.1e} (forces), {:.1e} (energies); stiffness symmetric to "
+        "{:.1e}\n",
+        linear.displacement_residual, linear.force_residual, linear.energy_residual, linear.asymmetry);
+  } else {
+    fmt::print("{} nodes, up to {} deformation and {} force neurons each, spread {:.3g} and {:.3g}, {}\n",
+               report.n_networks, neurons, force_neurons, report.deformation_spread, report.force_spread,
+               duration(report.seconds));
+  }
   if (report.n_skipped > 0)
-    fmt::print(stderr, "warning: {} active nodes have no converged increment and no network\n",
+    fmt::print(stderr, "warning: {} active nodes have no converged increment and are left out\n",
                report.n_skipped);
   fmt::print("model.txt {}, mesh.txt {} -> {}\n", bytes(static_cast<double>(model_bytes)),
              bytes(static_cast<double>(mesh_bytes)), options.output.string());
-  write_json(options.json_file, {{"networks", report.n_networks},
-                                 {"skipped", report.n_skipped},
-                                 {"deformation_neurons", neurons},
-                                 {"force_neurons", force_neurons},
-                                 {"deformation_spread", report.deformation_spread},
-                                 {"force_spread", report.force_spread},
-                                 {"mean_deformation_mse", report.mean_deformation_mse},
-                                 {"mean_force_mse", report.mean_force_mse},
-                                 {"seconds", report.seconds},
-                                 {"model_bytes", model_bytes},
-                                 {"mesh_bytes", mesh_bytes}});
+  json out{{"family", name(model.family)},
+           {"networks", report.n_networks},
+           {"skipped", report.n_skipped},
+           {"deformation_neurons", neurons},
+           {"force_neurons", force_neurons},
+           {"deformation_spread", report.deformation_spread},
+           {"force_spread", report.force_spread},
+           {"mean_deformation_mse", report.mean_deformation_mse},
+           {"mean_force_mse", report.mean_force_mse},
+           {"seconds", report.seconds},
+           {"model_bytes", model_bytes},
+           {"mesh_bytes", mesh_bytes}};
+  if (model.family == Family::linear)
+    out["linear"] = {{"displacement_residual", linear.displacement_residual},
+                     {"force_residual", linear.force_residual},
+                     {"energy_residual", linear.energy_residual},
+                     {"asymmetry", linear.asymmetry}};
+  write_json(options.json_file, out);
 }
 
 }  // namespace
@@ -84,14 +105,15 @@ void run(const Options& options) {
 void add_train_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command =
-      app.add_subcommand("train", "Condense a database into networks -> MODEL_DIR (model.txt, mesh.txt)");
+      app.add_subcommand("train", "Condense a database into a model -> MODEL_DIR (model.txt, mesh.txt)");
   command->add_option("SCENE", options->scene, "the scene the database was made from")->required();
   command->add_option("DATABASE", options->database, "database.h5 of phynness precompute")->required();
   command->add_option("-o,--output", options->output, "model directory to write (formats/model.md)")
       ->required();
   command
-      ->add_option("--family", options->family,
-                   "rbfn: the paper's networks (modal and linear: later versions)")
+      ->add_option(
+          "--family", options->family,
+          "rbfn: the paper's networks; linear: unit responses, for the linear law (modal: later version)")
       ->check(CLI::IsMember({"rbfn", "modal", "linear"}));
   command
       ->add_option("--neurons", options->neurons,

@@ -29,13 +29,19 @@ json to_json(const GroupErrors& e) {
           {"force_relative", to_json(e.force_relative)}};
 }
 
+/// Two decimals, or the order of magnitude where those would show nothing.
+std::string percent(double fraction) {
+  const double value = 100 * fraction;
+  return value > 0 && value < 0.005 ? fmt::format("{:7.0e}", value) : fmt::format("{:7.2f}", value);
+}
+
 void print_table(const ValidationReport& report) {
   const auto row = [&](const char* what, const ErrorStatistics GroupErrors::*member,
                        GroupErrors PredictorErrors::*group) {
     fmt::print("  {:<22}", what);
     for (const auto p : predictors) {
       const auto& s = report.of(p).*group.*member;
-      fmt::print(" | {:7.2f} {:7.2f} {:7.2f}", 100 * s.mean, 100 * s.p95, 100 * s.max);
+      fmt::print(" | {} {} {}", percent(s.mean), percent(s.p95), percent(s.max));
     }
     fmt::print("\n");
   };
@@ -91,7 +97,7 @@ void run(const Options& options) {
              report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
   print_table(report);
   print_examples(report);
-  fmt::print("runtime on this machine, one core: force {:.2f} us, deformation of {} nodes {:.0f} us\n",
+  fmt::print("runtime on this machine, one core: force {:.2f} us, deformation of {} nodes {:.1f} us\n",
              report.speed.force_us, model.model().output.size(), report.speed.deformation_us);
   fmt::print("{} on {} rank{}\n", duration(report.seconds), session.size(), session.size() == 1 ? "" : "s");
   const auto& of_model = report.of(Predictor::model);

@@ -60,7 +60,7 @@ Scene parse_scene(const std::string& text, const std::string& source_name,
   sd::parse_nodes(nodes, scene);
   scene.probe = sd::parse_probe(probe);
   scene.database = sd::parse_database(database);
-  scene.training = sd::parse_training(training);
+  scene.training = sd::parse_training(training, scene.material);
   scene.validation = sd::parse_validation(validation);
   return scene;
 }

@@ -166,13 +166,20 @@ DatabaseSpec parse_database(const SceneTable& table) {
   return spec;
 }
 
-TrainingSpec parse_training(const SceneTable& table) {
+TrainingSpec parse_training(const SceneTable& table, const Material& material) {
   TrainingSpec spec;
   spec.family =
       table
           .choice<Family>("family",
                           {{"rbfn", Family::rbfn}, {"modal", Family::modal}, {"linear", Family::linear}})
           .value_or(spec.family);
+  if (spec.family == Family::modal)
+    table.reject("family", "comes with a later version",
+                 "write family = \"rbfn\" (any law) or \"linear\" (law = \"linear\")");
+  if (spec.family == Family::linear && material.law != Law::linear)
+    table.reject("family",
+                 std::string("needs the linear law, but [material] law is \"") + phynness::name(material.law) + "\"",
+                 "write family = \"rbfn\", or law = \"linear\"");
   spec.deformation_neurons =
       static_cast<int>(table.integer_or("deformation_neurons", spec.deformation_neurons, 1, 100'000));
   spec.force_neurons = static_cast<int>(table.integer_or("force_neurons", spec.force_neurons, 1, 100'000));

@@ -292,6 +292,17 @@ const std::vector<Mistake> combinations = {
      "increments = 4\ntool_radius_m = 0.01",
      "tool_radius_m",
      {"0.01", "patch"}},
+    {"family_of_a_later_version",
+     "samples = 1000",
+     "family = \"modal\"",
+     "",
+     {"'modal'", "comes with a later version", "family = \"rbfn\""}},
+    {"linear_family_of_a_nonlinear_law",
+     "samples = 1000",
+     "family = \"linear\"",
+     "",
+     {"'linear'", "needs the linear law", "law is \"neo-hookean\"",
+      "family = \"rbfn\", or law = \"linear\""}},
     {"no_depth_given", depth, "", "[probe]", {"max_displacement_m is missing", "0.028"}},
     {"mixed_without_lambda",
      "law = \"neo-hookean\"\nshear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0\n[solver]\nelement = \"P1\"",
@@ -301,6 +312,14 @@ const std::vector<Mistake> combinations = {
 };
 INSTANTIATE_TEST_SUITE_P(combinations, SceneMistake, testing::ValuesIn(combinations),
                          [](const auto& info) { return info.param.name; });
+
+// Claim: of the families that can be trained, each is accepted where it applies.
+TEST(SceneFamily, linear_goes_with_the_linear_law_and_networks_with_every_law) {
+  const std::string linear = with(good_scene, "\"neo-hookean\"", "\"linear\"");
+  EXPECT_EQ(parsed(with(linear, "samples = 1000", "family = \"linear\"")).training.family, Family::linear);
+  EXPECT_EQ(parsed(with(linear, "samples = 1000", "family = \"rbfn\"")).training.family, Family::rbfn);
+  EXPECT_EQ(parsed(with(good_scene, "samples = 1000", "family = \"rbfn\"")).training.family, Family::rbfn);
+}
 
 TEST(SceneSyntax, error_names_line_and_column) {
   const std::string message = refusal("title = \"a\"\n[mesh\nshape = 1\n");

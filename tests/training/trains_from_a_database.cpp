@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <filesystem>
+#include <phynness/formats/error.hpp>
 #include <phynness/formats/tool.hpp>
 #include <random>
 
@@ -103,6 +104,22 @@ TEST_F(FromDatabase, PatchNodesAreKnownFromTheScene) {
     n_others += touched.nodes.size() - 1;
   }
   EXPECT_GT(n_others, 0u) << "no patch holds a second node: this test would show nothing";
+}
+
+// Claim: the linear family is refused on a database of another law by that law's name, before any ray is
+// read.
+TEST_F(FromDatabase, LinearFamilyNeedsTheLinearLaw) {
+  write("");
+  const Database database = Database::open(file);
+  TrainingReport report;
+  TrainingSpec spec = small_spec();
+  spec.family = Family::linear;
+  try {
+    train(database, spec, report);
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("law neo-hookean"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

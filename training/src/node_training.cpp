@@ -18,25 +18,13 @@ void require_finite(const double* values, std::size_t n, const char* what) {
   }
 }
 
-/// (direction * n_increments + increment) of every converged increment, ascending.
-std::vector<std::int32_t> converged_increments(const TrainingTables& tables, const std::vector<Ray>& rays) {
-  std::vector<std::int32_t> found;
-  for (std::size_t direction = 0; direction < rays.size(); ++direction) {
-    for (std::int32_t i = 0; i < tables.n_increments; ++i) {
-      if (rays[direction].status[i] == Status::converged) {
-        found.push_back(static_cast<std::int32_t>(direction) * tables.n_increments + i);
-      }
-    }
-  }
-  return found;
-}
-
 }  // namespace
 
 TrainingTables training_tables(const DatabaseHeader& header) {
   TrainingTables tables;
   tables.n_increments = static_cast<std::int32_t>(header.magnitudes_m.size());
   tables.magnitudes_m = header.magnitudes_m;
+  tables.float64 = header.float64;
   tables.displacements.resize(
       static_cast<Eigen::Index>(header.directions.size() * header.magnitudes_m.size()), 3);
   Eigen::Index row = 0;
@@ -51,6 +39,35 @@ TrainingTables training_tables(const DatabaseHeader& header) {
     tables.output_points.row(static_cast<Eigen::Index>(o)) = header.mesh.nodes.row(tables.output[o]);
   }
   return tables;
+}
+
+std::vector<std::int32_t> converged_increments(const TrainingTables& tables, const std::vector<Ray>& rays) {
+  std::vector<std::int32_t> found;
+  for (std::size_t direction = 0; direction < rays.size(); ++direction) {
+    for (std::int32_t i = 0; i < tables.n_increments; ++i) {
+      if (rays[direction].status[i] == Status::converged) {
+        found.push_back(static_cast<std::int32_t>(direction) * tables.n_increments + i);
+      }
+    }
+  }
+  return found;
+}
+
+ActiveNodeModel describe_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
+                              const TouchedNodes& prescribed, const std::vector<Ray>& rays) {
+  ActiveNodeModel model;
+  model.node = node;
+  model.point = point;
+  model.prescribed = prescribed.nodes;
+  model.prescribed_weight = prescribed.weights;
+  for (const Ray& ray : rays) {
+    const auto stopped =
+        std::find_if(ray.status.begin(), ray.status.end(), [](Status s) { return s != Status::converged; });
+    const auto n_good = stopped - ray.status.begin();
+    model.trained_depth_m.push_back(n_good == 0 ? 0 : tables.magnitudes_m[n_good - 1]);
+    if (stopped != ray.status.end() && ray.status.front() != Status::not_requested) ++model.n_incomplete;
+  }
+  return model;
 }
 
 NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>& rays) {
@@ -127,20 +144,9 @@ NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const V
                                                  spec.deformation_spread, spec.target_mse});
   result.trained = true;
 
-  ActiveNodeModel& model = result.model;
-  model.node = node;
-  model.point = point;
-  model.prescribed = prescribed.nodes;
-  model.prescribed_weight = prescribed.weights;
-  model.force = result.force.network;
-  model.deformation = result.deformation.network;
-  for (const Ray& ray : rays) {
-    const auto stopped =
-        std::find_if(ray.status.begin(), ray.status.end(), [](Status s) { return s != Status::converged; });
-    const auto n_good = stopped - ray.status.begin();
-    model.trained_depth_m.push_back(n_good == 0 ? 0 : tables.magnitudes_m[n_good - 1]);
-    if (stopped != ray.status.end() && ray.status.front() != Status::not_requested) ++model.n_incomplete;
-  }
+  result.model = describe_node(tables, node, point, prescribed, rays);
+  result.model.force = result.force.network;
+  result.model.deformation = result.deformation.network;
   return result;
 }
 

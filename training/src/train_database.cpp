@@ -1,4 +1,5 @@
 // A database as a source of responses.
+#include <phynness/formats/error.hpp>
 #include <phynness/training/training.hpp>
 
 namespace phynness {
@@ -8,6 +9,10 @@ Model train(const Database& database, const TrainingSpec& spec, TrainingReport& 
   const DatabaseHeader& header = database.header();
   const Scene scene =
       parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent);
+  if (spec.family == Family::linear && scene.material.law != Law::linear) {
+    throw input_error("family linear needs the linear law", std::string("law ") + name(scene.material.law),
+                      "use family rbfn");
+  }
   ResponseSource source;
   source.header = &header;
   source.rays = [&](std::int32_t active) { return database.rays(active); };

@@ -19,9 +19,11 @@ constexpr std::int32_t n_search_nodes = 5;
 constexpr double fallback_spread = 1.0;
 
 void check(const TrainingSpec& spec) {
-  if (spec.family != Family::rbfn) {
-    throw input_error("family cannot be trained by this version", name(spec.family), "use --family rbfn");
+  if (spec.family == Family::modal) {
+    throw input_error("family comes with a later version", name(spec.family),
+                      "use family rbfn, or linear where the law is");
   }
+  if (spec.family == Family::linear) return;
   if (spec.samples < 1)
     throw input_error("samples must be at least 1", std::to_string(spec.samples), "the paper uses 5000");
   if (spec.deformation_neurons < 1 || spec.force_neurons < 1) {
@@ -73,6 +75,7 @@ class Training {
   }
 
   void choose_spreads() {
+    if (_spec.family != Family::rbfn) return;
     if (_spec.deformation_spread > 0 && _spec.force_spread > 0) return;
     const auto n_active = static_cast<std::int32_t>(_header.sets.active.size());
     const std::int32_t n = std::min(n_active, n_search_nodes);
@@ -86,10 +89,6 @@ class Training {
   }
 
   Model run(TrainingReport& report, const TrainingProgress& progress, int threads) {
-    struct Outcome {
-      NodeTraining training;
-      std::int64_t used = 0, failed = 0;
-    };
     const auto n_active = static_cast<std::int32_t>(_header.sets.active.size());
     std::vector<Outcome> outcomes(n_active);
     std::mutex progress_mutex;
@@ -103,9 +102,7 @@ class Training {
           outcome.failed += status != Status::converged && status != Status::not_requested;
         }
       }
-      const auto x = _header.mesh.nodes.row(read_node.node);
-      outcome.training = train_node(_tables, read_node.node, {x[0], x[1], x[2]}, read_node.prescribed,
-                                    read_node.rays, _spec);
+      train_one(read_node, outcome);
       const std::lock_guard lock(progress_mutex);
       if (progress && !progress(++done, n_active)) {
         throw failure("training was interrupted",
@@ -120,16 +117,15 @@ class Training {
       Outcome& outcome = outcomes[active];
       report.n_increments_used += outcome.used;
       report.n_increments_failed += outcome.failed;
-      if (!outcome.training.trained) {
+      if (!outcome.trained) {
         report.skipped_nodes.push_back(_header.sets.active[active]);
         continue;
       }
-      report.mean_force_mse += outcome.training.force.mse.back();
-      report.mean_deformation_mse += outcome.training.deformation.mse.back();
-      report.largest_diagonal_ratio =
-          std::max({report.largest_diagonal_ratio, outcome.training.force.diagonal_ratio,
-                    outcome.training.deformation.diagonal_ratio});
-      model.nodes.push_back(std::move(outcome.training.model));
+      report.mean_force_mse += outcome.force_mse;
+      report.mean_deformation_mse += outcome.deformation_mse;
+      report.largest_diagonal_ratio = std::max(report.largest_diagonal_ratio, outcome.diagonal_ratio);
+      keep_worst(report.linear, outcome.linear);
+      model.nodes.push_back(std::move(outcome.model));
     }
     if (model.nodes.empty()) {
       throw input_error(
@@ -140,14 +136,51 @@ class Training {
     report.n_skipped = static_cast<std::int32_t>(report.skipped_nodes.size());
     report.mean_force_mse /= report.n_networks;
     report.mean_deformation_mse /= report.n_networks;
-    report.force_spread = _spec.force_spread;
-    report.deformation_spread = _spec.deformation_spread;
+    if (_spec.family == Family::rbfn) {
+      report.force_spread = _spec.force_spread;
+      report.deformation_spread = _spec.deformation_spread;
+    }
     return model;
   }
 
  private:
+  struct Outcome {
+    bool trained = false;
+    ActiveNodeModel model;
+    double force_mse = 0, deformation_mse = 0, diagonal_ratio = 1;
+    LinearQuality linear;
+    std::int64_t used = 0, failed = 0;
+  };
+
+  void train_one(const SearchNode& read, Outcome& outcome) const {
+    const auto x = _header.mesh.nodes.row(read.node);
+    const Vec3 point{x[0], x[1], x[2]};
+    if (_spec.family == Family::linear) {
+      LinearTraining training = train_linear_node(_tables, read.node, point, read.prescribed, read.rays);
+      outcome.trained = training.trained;
+      outcome.model = std::move(training.model);
+      outcome.linear = training.quality;
+      return;
+    }
+    NodeTraining training = train_node(_tables, read.node, point, read.prescribed, read.rays, _spec);
+    if (!training.trained) return;
+    outcome.trained = true;
+    outcome.force_mse = training.force.mse.back();
+    outcome.deformation_mse = training.deformation.mse.back();
+    outcome.diagonal_ratio = std::max(training.force.diagonal_ratio, training.deformation.diagonal_ratio);
+    outcome.model = std::move(training.model);
+  }
+
+  static void keep_worst(LinearQuality& worst, const LinearQuality& q) {
+    worst.displacement_residual = std::max(worst.displacement_residual, q.displacement_residual);
+    worst.force_residual = std::max(worst.force_residual, q.force_residual);
+    worst.energy_residual = std::max(worst.energy_residual, q.energy_residual);
+    worst.asymmetry = std::max(worst.asymmetry, q.asymmetry);
+  }
+
   Model empty_model() const {
     Model model;
+    model.family = _spec.family;
     model.title = _source.title;
     model.mesh_hash = _header.mesh_hash;
     model.physics_hash = _header.physics_hash;

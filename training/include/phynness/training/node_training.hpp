@@ -20,8 +20,16 @@ struct TrainingTables {
   std::vector<std::int32_t> output;  ///< mesh node numbers, ascending
   Points output_points;              ///< n_output x 3 [m]
   std::vector<double> magnitudes_m;  ///< n_increments
+  bool float64 = false;              ///< displacements were stored as float64
 };
 TrainingTables training_tables(const DatabaseHeader& header);
+
+/// Row (direction * n_increments + increment) of every converged increment, ascending.
+std::vector<std::int32_t> converged_increments(const TrainingTables& tables, const std::vector<Ray>& rays);
+
+/// Everything about an active node but its response: probe, trained depths, directions that stopped short.
+ActiveNodeModel describe_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
+                              const TouchedNodes& prescribed, const std::vector<Ray>& rays);
 
 /// Points of the force network: one per converged increment. `rays` is one per direction, in order.
 /// @throws Error (failure) if a converged increment holds a value that is not finite

@@ -1,18 +1,22 @@
-// Database -> model, the paper's way (section 2.2): scaling, orthogonal least squares, one spread.
+// Database -> model: the paper's networks (section 2.2: scaling, orthogonal least squares, one spread) or,
+// for a linear body, three unit responses a node.
 #pragma once
 
 #include <functional>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/model.hpp>
+#include <phynness/training/linear_fit.hpp>
 
 namespace phynness {
 
+/// What belongs to the other family stays 0.
 struct TrainingReport {
-  std::int32_t n_networks = 0;                          ///< active nodes trained
+  std::int32_t n_networks = 0;                          ///< active nodes trained, of either family
   std::int32_t n_skipped = 0;                           ///< active nodes with no converged increment
   double deformation_spread = 0, force_spread = 0;      ///< used, in scaled inputs
   double mean_deformation_mse = 0, mean_force_mse = 0;  ///< of scaled outputs, on the training points
   double largest_diagonal_ratio = 1;        ///< worst NetworkFit::diagonal_ratio: how far weights may cancel
+  LinearQuality linear;                     ///< worst of all nodes
   std::int64_t n_increments_used = 0;       ///< converged increments of the trained nodes
   std::int64_t n_increments_failed = 0;     ///< asked for and not converged, in all nodes: never trained on
   std::vector<std::int32_t> skipped_nodes;  ///< mesh node numbers behind n_skipped
@@ -32,20 +36,22 @@ struct ResponseSource {
   std::string title;
 };
 
-/// Trains a force and a deformation network for every active node with at least one converged increment. A
-/// spread
-/// <= 0 is searched (spread_search.hpp), one value for all nodes. A network never has more neurons than
-/// `largest_neuron_share` of its points.
+/// Family rbfn: trains a force and a deformation network for every active node with at least one converged
+/// increment. Family linear: fits stiffness and unit responses instead (linear_fit.hpp); of `spec` only the
+/// family counts. A spread <= 0 is searched (spread_search.hpp), one value for all nodes. A network never has
+/// more neurons than `largest_neuron_share` of its points.
 /// @param spec      family, neurons, spreads [scaled inputs], samples, target MSE [scaled outputs], seed
 /// @param report    filled when the call returns
 /// @param progress  called by one thread at a time
 /// @param threads   0: as many as there are cores; the result does not depend on it, bit for bit
 /// @throws Error    input: a family not available, impossible numbers, no converged increment at all;
-///                  failure: interrupted, or the database holds values that are not finite
+///                  a linear response asked of what is not linear; failure: interrupted, or the database
+///                  holds values that are not finite
 Model train(const ResponseSource& source, const TrainingSpec& spec, TrainingReport& report,
             const TrainingProgress& progress = {}, int threads = 0);
 
 /// The same on a database; probe kind and title come from the scene that it holds.
+/// @throws Error  also (input) on family linear where that scene's law is another
 Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report,
             const TrainingProgress& progress = {}, int threads = 0);
 

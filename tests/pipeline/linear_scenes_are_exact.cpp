@@ -1,0 +1,93 @@
+// Claim: a linear scene goes through the whole pipeline, and its model repeats fresh finite element solves
+// inside and beyond the trained depth: forces to 1e-8 (the solver's relative tolerance), displacements to
+// 1e-6 (float32 in the database, 6e-8, twice). So does the linear predictor, as it must. What cannot be
+// trained is refused before anything is solved.
+#include "command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+class LinearScenes : public CommandLine {
+ protected:
+  static std::string linear_scene(const std::string& element = "P1") {
+    auto text = changed(small_scene(element, 1), "\"neo-hookean\"", "\"linear\"");
+    text = changed(text, "directions = 26", "directions = 3");
+    return changed(text, "[training]\n", "[training]\nfamily = \"linear\"\n");
+  }
+};
+
+TEST_F(LinearScenes, ModelRepeatsTheFiniteElements) {
+  for (const char* element : {"P1", "P2", "p1-p1"}) {
+    write_file(folder / "scene.toml", linear_scene(element));
+    std::filesystem::remove_all(folder / "out");
+    const auto run = phynness("run scene.toml -o out");
+    ASSERT_EQ(run.exit_status, 0) << run.err << run.out;
+    EXPECT_NE(run.out.find("three unit responses"), std::string::npos) << run.out;
+    EXPECT_EQ(json("out/train.json").at("family"), "linear");
+    EXPECT_LT(json("out/train.json").at("linear").at("energy_residual"), 1e-6);
+    const auto validate = json("out/validate.json");
+    EXPECT_EQ(validate.at("failed"), 0);
+    for (const char* group : {"inside", "outside"}) {
+      for (const auto& errors : {validate.at(group), validate.at("linear").at(group)}) {
+        EXPECT_LT(errors.at("force").at("max"), 1e-8) << element;
+        EXPECT_LT(errors.at("displacement").at("max"), 1e-6) << element;
+        EXPECT_GT(errors.at("displacement").at("n"), 0) << element;
+      }
+    }
+  }
+  const auto info = phynness("info out/model --json info.json");
+  EXPECT_EQ(info.exit_status, 0) << info.err;
+  EXPECT_NE(info.out.find("exact beyond"), std::string::npos) << info.out;
+  EXPECT_EQ(json("info.json").at("family"), "linear");
+}
+
+// The trained depth is 8 mm. Energy is half the work of the final force, to the rounding of Simpson's sum.
+TEST_F(LinearScenes, EvalWarnsOfNothingAtAnyDepth) {
+  write_file(folder / "scene.toml", linear_scene());
+  ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+  ASSERT_EQ(phynness("info out/model --json info.json").exit_status, 0);
+  const auto node = json("info.json").at("active").at(0).dump();
+  const auto eval = phynness("eval out/model --node " + node + " --displacement 0.3,0,-0.4 --json eval.json");
+  ASSERT_EQ(eval.exit_status, 0) << eval.err;
+  EXPECT_EQ(eval.err.find("warning"), std::string::npos) << eval.err;
+  const auto result = json("eval.json");
+  EXPECT_EQ(result.at("status"), 0);
+  const auto force = result.at("tools").at(0).at("force").get<std::vector<double>>();
+  const double work = 0.3 * force.at(0) - 0.4 * force.at(2);
+  EXPECT_NEAR(result.at("energy").get<double>(), work / 2, 1e-12 * work);
+}
+
+TEST_F(LinearScenes, WhatCannotBeTrainedIsRefusedBeforeAnythingIsSolved) {
+  write_file(folder / "modal.toml", changed(linear_scene(), "\"linear\"\ndef", "\"modal\"\ndef"));
+  write_file(folder / "bent.toml", changed(linear_scene(), "law = \"linear\"", "law = \"neo-hookean\""));
+  for (const char* scene : {"modal.toml", "bent.toml"}) {
+    for (const std::string command : {"run ", "precompute "}) {
+      const auto refused = phynness(command + scene + " -o out");
+      EXPECT_EQ(refused.exit_status, 2) << refused.err;
+      EXPECT_NE(refused.err.find(std::string(scene) + ":21: [training] family"), std::string::npos)
+          << refused.err;
+      EXPECT_FALSE(std::filesystem::exists(folder / "out/database.h5"));
+      EXPECT_FALSE(std::filesystem::is_regular_file(folder / "out"));
+    }
+  }
+}
+
+TEST_F(LinearScenes, TrainRefusesTheSameFamilies) {
+  write_file(folder / "scene.toml", small_scene());
+  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+  for (const std::string family : {"linear", "modal"}) {
+    const auto refused = phynness("train scene.toml d.h5 -o m --family " + family);
+    EXPECT_EQ(refused.exit_status, 2) << refused.err;
+    EXPECT_NE(refused.err.find("rbfn"), std::string::npos) << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "m"));
+  }
+}
+
+}  // namespace
+}  // namespace phynness::test

@@ -1,0 +1,148 @@
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <phynness/formats/error.hpp>
+#include <phynness/training/linear_fit.hpp>
+#include <set>
+#include <string>
+
+namespace phynness {
+namespace {
+
+/// The data of one converged increment.
+struct Increment {
+  Eigen::Vector3d d, force;
+  Eigen::Map<const Points> u;  ///< n_output x 3
+  const double* energy;        ///< null: not stored
+};
+
+double ratio(double error, double size) { return error == 0 ? 0 : error / size; }
+
+std::string percent(double fraction) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g %%", 100 * fraction);
+  return text;
+}
+
+std::vector<Increment> increments_of(const TrainingTables& tables, const std::vector<Ray>& rays) {
+  const auto n_output = static_cast<Eigen::Index>(tables.output.size());
+  std::vector<Increment> found;
+  for (const std::int32_t row : converged_increments(tables, rays)) {
+    const Ray& ray = rays[row / tables.n_increments];
+    const auto i = static_cast<std::size_t>(row % tables.n_increments);
+    found.push_back(
+        {tables.displacements.row(row).transpose(), Eigen::Vector3d::Map(&ray.force[3 * i]),
+         Eigen::Map<const Points>(ray.displacement.data() + 3 * i * tables.output.size(), n_output, 3),
+         ray.energy.empty() ? nullptr : &ray.energy[i]});
+  }
+  return found;
+}
+
+/// 3 x n: the least squares solution per unit of each increment's data.
+Eigen::MatrixXd pseudo_inverse(const std::vector<Increment>& increments, const TrainingTables& tables,
+                               const std::vector<Ray>& rays, std::int32_t node) {
+  const auto n = static_cast<Eigen::Index>(increments.size());
+  Eigen::MatrixXd d(n, 3), unit(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    d.row(i) = increments[static_cast<std::size_t>(i)].d;
+    unit.row(i) = d.row(i).normalized();
+  }
+  const Eigen::Vector3d sizes =
+      n < 3 ? Eigen::Vector3d::Zero() : Eigen::JacobiSVD<Eigen::MatrixXd>(unit).singularValues();
+  if (!(sizes[2] > independence_threshold * sizes[0])) {
+    std::set<std::int32_t> directions;
+    for (const std::int32_t row : converged_increments(tables, rays))
+      directions.insert(row / tables.n_increments);
+    throw input_error("a linear response needs converged increments in three independent directions",
+                      "node " + std::to_string(node) + " has " + std::to_string(directions.size()) + " of " +
+                          std::to_string(rays.size()) + " directions, in one plane or fewer",
+                      "probe with directions = 3 or 26; if increments failed, `phynness info` says why");
+  }
+  return d.colPivHouseholderQr().solve(Eigen::MatrixXd::Identity(n, n));
+}
+
+LinearQuality quality_of(const std::vector<Increment>& increments, const LinearResponse& linear) {
+  LinearQuality quality;
+  for (const Increment& increment : increments) {
+    const Eigen::Vector3d& d = increment.d;
+    double error = 0, largest = 0;
+    for (Eigen::Index o = 0; o < increment.u.rows(); ++o) {
+      const auto axes = Eigen::Map<const Eigen::Matrix3d>(linear.unit_responses.row(o).data());
+      error = std::max(error, (axes * d - increment.u.row(o).transpose()).norm());
+      largest = std::max(largest, increment.u.row(o).norm());
+    }
+    quality.displacement_residual = std::max(quality.displacement_residual, ratio(error, largest));
+    const Eigen::Vector3d force = linear.stiffness * d;
+    quality.force_residual =
+        std::max(quality.force_residual, ratio((force - increment.force).norm(), increment.force.norm()));
+    if (increment.energy) {
+      quality.energy_residual =
+          std::max(quality.energy_residual,
+                   ratio(std::abs(force.dot(d) / 2 - *increment.energy), std::abs(*increment.energy)));
+    }
+  }
+  return quality;
+}
+
+void require_linear(const LinearQuality& quality, std::int32_t node) {
+  const std::pair<const char*, double> checks[] = {
+      {"the stiffness differs from its transpose by ", quality.asymmetry},
+      {"displacements differ from the best unit responses by ", quality.displacement_residual},
+      {"forces differ from the best stiffness by ", quality.force_residual},
+      {"energies differ from d.K d / 2 by ", quality.energy_residual}};
+  for (const auto& [what, size] : checks) {
+    if (!(size <= linear_tolerance)) {
+      throw input_error("the scene is not linear",
+                        "node " + std::to_string(node) + ": " + what + percent(size) + ", allowed are " +
+                            percent(linear_tolerance),
+                        "use family rbfn; if the law is linear, tighten [solver] relative_tolerance");
+    }
+  }
+}
+
+}  // namespace
+
+LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
+                                 const TouchedNodes& prescribed, const std::vector<Ray>& rays) {
+  LinearTraining result;
+  const std::vector<Increment> increments = increments_of(tables, rays);
+  if (increments.empty()) return result;
+  const Eigen::MatrixXd inverse = pseudo_inverse(increments, tables, rays, node);
+
+  const auto n_output = static_cast<Eigen::Index>(tables.output.size());
+  LinearResponse linear;
+  linear.unit_responses.setZero(n_output, 9);
+  for (std::size_t i = 0; i < increments.size(); ++i) {
+    const Eigen::Vector3d share = inverse.col(static_cast<Eigen::Index>(i));
+    linear.stiffness += increments[i].force * share.transpose();
+    for (int axis = 0; axis < 3; ++axis)
+      linear.unit_responses.middleCols<3>(3 * axis) += share[axis] * increments[i].u;
+  }
+  if (!linear.stiffness.allFinite() || !linear.unit_responses.allFinite()) {
+    throw failure("database holds a value that is not finite in an increment marked converged",
+                  "node " + std::to_string(node), "precompute this database again");
+  }
+  const Eigen::Matrix3d skew = linear.stiffness - linear.stiffness.transpose();
+  const double asymmetry = ratio(skew.norm(), linear.stiffness.norm());
+  linear.stiffness = (linear.stiffness + linear.stiffness.transpose().eval()) / 2;
+  result.quality = quality_of(increments, linear);
+  result.quality.asymmetry = asymmetry;
+  require_linear(result.quality, node);
+
+  if (!tables.float64) linear.unit_responses = linear.unit_responses.cast<float>().cast<double>();
+  for (std::size_t i = 0; i < prescribed.nodes.size(); ++i) {
+    const auto at = std::lower_bound(tables.output.begin(), tables.output.end(), prescribed.nodes[i]);
+    if (at == tables.output.end() || *at != prescribed.nodes[i]) continue;
+    auto row = linear.unit_responses.row(at - tables.output.begin());
+    row.setZero();
+    for (int axis = 0; axis < 3; ++axis) row[4 * axis] = prescribed.weights[i];
+  }
+  result.trained = true;
+  result.model = describe_node(tables, node, point, prescribed, rays);
+  result.model.linear = std::move(linear);
+  return result;
+}
+
+}  // namespace phynness
