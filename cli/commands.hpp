@@ -36,8 +36,9 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false);
 /// another mesh).
 void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
 
-/// Written beside and renamed. @throws Error
-void write_text(const std::filesystem::path& file, const std::string& text);
+/// @throws Error if `output` is one of `others`: an input, or another output
+void refuse_overwriting(const std::filesystem::path& output,
+                        const std::vector<std::filesystem::path>& others);
 void write_json(const std::optional<std::filesystem::path>& file, const json& value);
 
 /// Tools from repeated --node J --displacement dx,dy,dz.
@@ -48,6 +49,7 @@ struct ToolOptions {
   void add_to(CLI::App& command);
   /// @throws Error unless there are as many displacements as nodes, at least one, each three finite numbers
   std::vector<Vec3> parsed_displacements() const;
+  void refuse_overwriting_inputs(const std::filesystem::path& input) const;
 };
 
 /// The result that eval and solve share.

@@ -1,15 +1,21 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/text_file.hpp>
 #include <phynness/meshes/meshes.hpp>
 
 #include "commands.hpp"
 #include "console.hpp"
 
 namespace phynness::cli {
+
+namespace {
+/// Far beyond every body that the mesh checks let pass without a warning, far below where squares overflow.
+constexpr double largest_displacement_m = 1e6;
+}  // namespace
 
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
   LoadedScene loaded;
@@ -20,6 +26,29 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
     for (const auto& warning : made.warnings) fmt::print(stderr, "warning: {}\n", warning);
     for (const auto& warning : scene_warnings(loaded.scene)) fmt::print(stderr, "warning: {}\n", warning);
   }
+  const double depth = loaded.scene.probe.max_displacement_m;
+  const auto& q = made.quality;
+  const Vec3 extent{q.max_m[0] - q.min_m[0], q.max_m[1] - q.min_m[1], q.max_m[2] - q.min_m[2]};
+  const auto [thinnest, longest] = std::minmax_element(extent.begin(), extent.end());
+  if (depth > *longest)
+    throw input_error(loaded.scene.probe.where.str() + ": the maximum displacement is longer than the body",
+                      fmt::format("max_displacement_m = {:g}, the body is {:.3g} m long", depth, *longest),
+                      "displacements are in metres; is mesh.scale_to_m right?");
+  if (depth > *thinnest && !quiet)
+    fmt::print(stderr,
+               "warning: the maximum displacement, {:g} m, is more than the body is thick, {:.3g} m\n", depth,
+               *thinnest);
+  const double radius = loaded.scene.probe.kind == ProbeKind::patch ? loaded.scene.probe.tool_radius_m : 0;
+  if (radius > *longest)
+    throw input_error(loaded.scene.probe.where.str() + ": the tool is larger than the body",
+                      fmt::format("tool_radius_m = {:g}, the body is {:.3g} m long", radius, *longest),
+                      "radii are in metres; is mesh.scale_to_m right?");
+  if (radius > 0 && radius < q.mean_edge_m && !quiet)
+    fmt::print(stderr,
+               "warning: the tool radius, {:g} m, is less than an edge of the mesh, {:.3g} m on average: the "
+               "patch is "
+               "little more than a node\n",
+               radius, q.mean_edge_m);
   loaded.mesh = std::move(made.mesh);
   loaded.sets = resolve_selections(loaded.scene, loaded.mesh);
   return loaded;
@@ -33,23 +62,17 @@ void check_mesh(const Scene& scene, const std::string& hash, const std::string& 
                       "use the scene and mesh it was made from, or precompute again");
 }
 
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  auto temporary = file;
-  temporary += ".tmp";
-  std::ofstream out(temporary, std::ios::binary);
-  out << text;
-  out.close();
+void refuse_overwriting(const std::filesystem::path& output,
+                        const std::vector<std::filesystem::path>& others) {
   std::error_code code;
-  if (out) std::filesystem::rename(temporary, file, code);
-  if (!out || code) {
-    std::filesystem::remove(temporary, code);
-    throw input_error("cannot write", file.string(),
-                      "check that the folder exists, is writable and has room");
-  }
+  for (const auto& other : others)
+    if (std::filesystem::weakly_canonical(output, code) == std::filesystem::weakly_canonical(other, code))
+      throw input_error("the output would overwrite another file of this command", output.string(),
+                        "give the output a name of its own");
 }
 
 void write_json(const std::optional<std::filesystem::path>& file, const json& value) {
-  if (file) write_text(*file, value.dump(2) + "\n");
+  if (file) write_text_file(*file, value.dump(2) + "\n");
 }
 
 void ToolOptions::add_to(CLI::App& command) {
@@ -62,6 +85,12 @@ void ToolOptions::add_to(CLI::App& command) {
   command.add_option("--deformation", deformation_csv,
                      "write the displacement of the output nodes: node,x,y,z,ux,uy,uz [m]");
   command.add_option("--json", json_file, "write the result for machines");
+}
+
+void ToolOptions::refuse_overwriting_inputs(const std::filesystem::path& input) const {
+  if (deformation_csv) refuse_overwriting(*deformation_csv, {input});
+  if (json_file) refuse_overwriting(*json_file, {input});
+  if (json_file && deformation_csv) refuse_overwriting(*json_file, {*deformation_csv});
 }
 
 std::vector<Vec3> ToolOptions::parsed_displacements() const {
@@ -86,6 +115,9 @@ std::vector<Vec3> ToolOptions::parsed_displacements() const {
     if (!good || at != end)
       throw input_error("a displacement is three finite numbers separated by commas", "'" + text + "'",
                         "--displacement 0,0,-0.01 (metres)");
+    if (std::hypot(d[0], d[1], d[2]) > largest_displacement_m)
+      throw input_error("a displacement is larger than any body", "'" + text + "'",
+                        "displacements are in metres");
     parsed.push_back(d);
   }
   return parsed;
@@ -122,7 +154,7 @@ void report_tools(const ToolOptions& options, const std::vector<Vec3>& displacem
       const auto u = result.displacement_m.row(static_cast<Eigen::Index>(i));
       csv += fmt::format("{},{},{},{},{},{},{}\n", result.nodes[i], x[0], x[1], x[2], u[0], u[1], u[2]);
     }
-    write_text(*options.deformation_csv, csv);
+    write_text_file(*options.deformation_csv, csv);
     fmt::print(stderr, "deformation of {} nodes: {}\n", result.nodes.size(),
                options.deformation_csv->string());
   }

@@ -42,8 +42,9 @@ void Progress::update(std::int64_t done, std::int64_t total) {
 
 namespace {
 std::atomic<bool> stop{false};
+std::atomic<bool> second_kills{true};
 extern "C" void on_signal(int signal) {
-  if (stop.exchange(true)) {
+  if (stop.exchange(true) && second_kills) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
@@ -52,9 +53,14 @@ extern "C" void on_signal(int signal) {
 
 bool stop_requested() { return stop.load(std::memory_order_relaxed); }
 
-void install_stop_handler() {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
+void install_stop_handler(bool second_signal_kills) {
+  second_kills = second_signal_kills;
+  // Without SA_RESTART, so that a wait for a child process wakes up.
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
 }
 
 std::string duration(double seconds) {

@@ -26,7 +26,9 @@ class Progress {
 
 /// True once SIGINT or SIGTERM has come. The first signal asks, a second one kills.
 bool stop_requested();
-void install_stop_handler();
+/// For commands that poll stop_requested(); elsewhere a signal simply ends the program.
+/// @param second_signal_kills  false for a process that must outlive its children
+void install_stop_handler(bool second_signal_kills = true);
 
 /// "3 min 12 s", "48 s", "2 h 05 min"
 std::string duration(double seconds);

@@ -15,6 +15,8 @@ struct Options {
 };
 
 void run(const Options& options) {
+  options.tool.refuse_overwriting_inputs(options.model / "model.txt");
+  options.tool.refuse_overwriting_inputs(options.model / "mesh.txt");
   const auto displacements = options.tool.parsed_displacements();
   if (options.tools == "coupled" && options.tool.nodes.size() > 1)
     throw input_error("this version couples no tools", "--tools coupled",

@@ -7,6 +7,16 @@
 #include "commands.hpp"
 #include "console.hpp"
 
+namespace {
+
+bool is_subcommand(const CLI::App& app, const std::string& word) {
+  for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (command->get_name() == word) return true;
+  return false;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   using namespace phynness;
   CLI::App app{
@@ -24,15 +34,17 @@ int main(int argc, char** argv) {
   cli::add_solve_command(app);
   cli::add_info_command(app);
   cli::add_run_command(app);
-  cli::install_stop_handler();
 
   try {
+    if (argc > 1 && argv[1][0] != '-' && !is_subcommand(app, argv[1]))
+      throw input_error("there is no such subcommand", argv[1], "phynness --help lists them");
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const Error& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+    // Ranks other than the first fail without words, so that a person reads the reason once.
+    if (*error.what() != 0) fmt::print(stderr, "error: {}\n", error.what());
     return error.kind() == Error::Kind::input ? 2 : 1;
   } catch (const std::bad_alloc&) {
     fmt::print(

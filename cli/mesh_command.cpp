@@ -13,6 +13,8 @@ struct Options {
 };
 
 void run(const Options& options) {
+  refuse_overwriting(options.output, {options.scene});
+  if (options.json_file) refuse_overwriting(*options.json_file, {options.scene, options.output});
   const auto loaded = load_scene(options.scene);
   const auto q = measure_quality(loaded.mesh);
   write_msh(loaded.mesh, &loaded.sets, options.output);

@@ -16,9 +16,13 @@ struct Options {
 };
 
 void run(const Options& options) {
+  refuse_overwriting(options.output, {options.scene});
+  if (options.json_file) refuse_overwriting(*options.json_file, {options.scene, options.output});
+  install_stop_handler();
   const SolverSession session;
   const bool first = session.rank() == 0;
-  const auto loaded = load_scene(options.scene, !first);
+  LoadedScene loaded;
+  session.together([&] { loaded = load_scene(options.scene, !first); });
   PrecomputeReport report;
   {
     Progress progress("precompute", "rays");
@@ -40,6 +44,15 @@ void run(const Options& options) {
       static_cast<double>(report.iterations) / static_cast<double>(solved));
   fmt::print("{} on {} rank{}, {:.1f} core-ms per increment\n", duration(report.wall_seconds), session.size(),
              session.size() == 1 ? "" : "s", 1e3 * report.core_seconds / static_cast<double>(solved));
+  if (report.failed == report.increments && report.increments > 0)
+    throw failure("no increment converged", std::to_string(report.increments) + " increments",
+                  "phynness info " + options.output.string() +
+                      " says why; a smaller displacement, more increments or "
+                      "another element may help");
+  if (report.failed > report.increments / 100)
+    fmt::print(stderr,
+               "warning: {} increments failed and will not be trained on; phynness info {} says why\n",
+               report.failed, options.output.string());
   fmt::print("database {} -> {}\n", bytes(static_cast<double>(size)), options.output.string());
   write_json(options.json_file, {{"active_nodes", loaded.sets.active.size()},
                                  {"rays", report.rays + report.rays_resumed},

@@ -39,6 +39,7 @@ ProcessResult execute(const std::vector<std::string>& arguments) {
   const int code = posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ);
   if (code != 0) return {};
   int status = 0;
+  // Each signal is passed on: the first asks the child for an end, the second kills it.
   while (waitpid(child, &status, 0) < 0 && errno == EINTR)
     if (stop_requested()) kill(child, SIGTERM);
   return {true, WIFEXITED(status) ? WEXITSTATUS(status) : 1};
@@ -89,6 +90,7 @@ void set_environment(int ranks) {
 }
 
 void run(const Options& options) {
+  install_stop_handler(false);
   std::error_code code;
   std::filesystem::create_directories(options.output, code);
   if (code) throw input_error("cannot make the output folder", options.output.string(), code.message());

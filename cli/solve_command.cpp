@@ -20,10 +20,12 @@ LoadedScene load_source(const std::filesystem::path& source) {
   if (source.extension() != ".h5" && source.extension() != ".hdf5") return load_scene(source);
   const auto database = Database::open(source);
   const auto& header = database.header();
-  return {parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent), header.mesh, header.sets};
+  return {parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent),
+          header.mesh, header.sets};
 }
 
 void run(const Options& options) {
+  options.tool.refuse_overwriting_inputs(options.source);
   const auto displacements = options.tool.parsed_displacements();
   const SolverSession session;
   const auto loaded = load_source(options.source);

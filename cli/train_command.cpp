@@ -18,7 +18,19 @@ struct Options {
   std::optional<double> spread, force_spread;
 };
 
+/// Spreads in scaled inputs, whose range is 2: far less separates every point, far more tells none apart.
+void check_spread(const std::optional<double>& spread, const char* option) {
+  if (spread && *spread != 0 && !(*spread >= 1e-3 && *spread <= 1e3))
+    throw input_error("a spread must lie between 1e-3 and 1e3, or be 0 to search",
+                      fmt::format("{} {}", option, *spread),
+                      "inputs are scaled to [-1, 1]; the paper uses 0.75");
+}
+
 void run(const Options& options) {
+  check_spread(options.spread, "--spread");
+  check_spread(options.force_spread, "--force-spread");
+  if (options.json_file) refuse_overwriting(*options.json_file, {options.scene, options.database});
+  install_stop_handler();
   const Scene scene = read_scene(options.scene);
   const auto database = Database::open(options.database);
   const auto& header = database.header();
@@ -118,15 +130,12 @@ void add_train_command(CLI::App& app) {
   command
       ->add_option("--neurons", options->neurons,
                    "neurons of a deformation network; also caps the force network")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 100'000));
   command->add_option("--force-neurons", options->force_neurons, "neurons of a force network")
-      ->check(CLI::PositiveNumber);
-  command
-      ->add_option("--spread", options->spread,
-                   "spread of the deformation networks, in scaled inputs; 0: search")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--force-spread", options->force_spread, "spread of the force networks; 0: search")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(1, 100'000));
+  command->add_option("--spread", options->spread,
+                      "spread of the deformation networks, in scaled inputs; 0: search");
+  command->add_option("--force-spread", options->force_spread, "spread of the force networks; 0: search");
   command->add_option("--json", options->json_file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }

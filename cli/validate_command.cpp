@@ -13,11 +13,13 @@ namespace {
 struct Options {
   std::filesystem::path scene, model;
   std::optional<std::int64_t> probes;
-  std::optional<std::uint64_t> seed;
+  std::optional<std::int64_t> seed;
   std::optional<std::filesystem::path> json_file;
 };
 
+/// Without samples there is no error, not an error of zero.
 json to_json(const ErrorStatistics& s) {
+  if (s.n == 0) return {{"mean", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}};
   return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
 }
 
@@ -41,7 +43,10 @@ void print_table(const ValidationReport& report) {
     fmt::print("  {:<22}", what);
     for (const auto p : predictors) {
       const auto& s = report.of(p).*group.*member;
-      fmt::print(" | {} {} {}", percent(s.mean), percent(s.p95), percent(s.max));
+      if (s.n == 0)
+        fmt::print(" | {:>7} {:>7} {:>7}", "-", "-", "-");
+      else
+        fmt::print(" | {} {} {}", percent(s.mean), percent(s.p95), percent(s.max));
     }
     fmt::print("\n");
   };
@@ -72,16 +77,25 @@ void print_examples(const ValidationReport& report) {
 }
 
 void run(const Options& options) {
+  if (options.json_file)
+    refuse_overwriting(*options.json_file,
+                       {options.scene, options.model / "model.txt", options.model / "mesh.txt"});
+  install_stop_handler();
   const SolverSession session;
-  const Scene scene = read_scene(options.scene);
-  const LoadedModel model(options.model);
-  if (session.rank() == 0) check_mesh(scene, model.model().mesh_hash, options.model.string());
+  Scene scene;
+  std::optional<LoadedModel> loaded;
+  session.together([&] {
+    scene = read_scene(options.scene);
+    loaded.emplace(options.model);
+    if (session.rank() == 0) check_mesh(scene, loaded->model().mesh_hash, options.model.string());
+  });
+  const LoadedModel& model = *loaded;
+  const auto seed = options.seed ? static_cast<std::uint64_t>(*options.seed) : scene.validation.seed;
   ValidationReport report;
   {
     Progress progress("validate", "rays");
     report = validate(
-        session, scene, model, options.probes.value_or(scene.validation.probes),
-        options.seed.value_or(scene.validation.seed),
+        session, scene, model, options.probes.value_or(scene.validation.probes), seed,
         [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
   }
   if (session.rank() != 0) return;
@@ -120,7 +134,7 @@ void run(const Options& options) {
              {"max_displacement_m", scene.probe.max_displacement_m},
              {"outside_factor", report.outside_factor},
              {"nodes", report.nodes},
-             {"seed", options.seed.value_or(scene.validation.seed)}}},
+             {"seed", seed}}},
            {"examples", json::array()},
            {"force_us", report.speed.force_us},
            {"deformation_us", report.speed.deformation_us},
@@ -143,8 +157,9 @@ void add_validate_command(CLI::App& app) {
   command->add_option("SCENE", options->scene, "the scene the model was made from")->required();
   command->add_option("MODEL_DIR", options->model, "directory with model.txt and mesh.txt")->required();
   command->add_option("--probes", options->probes, "how many, inside and beyond the range together")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--seed", options->seed, "of directions, magnitudes and nodes");
+      ->check(CLI::Range(1, 10'000'000));
+  command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--json", options->json_file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }

@@ -11,6 +11,7 @@ namespace phynness::scene_detail {
 namespace {
 
 constexpr Range length{0, 1e3, true, false};
+constexpr double most_slender = 1000;
 constexpr int default_target_nodes = 739;  // the paper's liver
 constexpr std::int64_t most_nodes = 5'000'000;
 
@@ -52,7 +53,13 @@ void parse_built_in_shape(const SceneTable& table, MeshSpec& spec) {
   if (spec.shape == Shape::cylinder)
     refuse_keys(table, {"inner_radius_m"}, "does not apply to a cylinder", "use shape = \"tube\"");
 
-  if (const auto size = table.vector("size_m", length)) spec.size_m = *size;
+  if (const auto size = table.vector("size_m", length)) {
+    spec.size_m = *size;
+    const auto [least, most] = std::minmax_element(size->begin(), size->end());
+    if (*most > most_slender * *least)
+      table.reject("size_m", "is more than 1000 times as long as it is thin",
+                   "tetrahedra cannot fill such a body");
+  }
   spec.radius_m = table.number_or("radius_m", 0, length);
   spec.inner_radius_m = table.number_or("inner_radius_m", 0, length);
   spec.length_m = table.number_or("length_m", 0, length);
@@ -83,7 +90,8 @@ double parse_spread(const SceneTable& table, std::string_view key, double otherw
     if (word->get() == "search") return 0;
     table.reject(key, "is neither a number nor \"search\"", "write \"search\" or a number greater than 0");
   }
-  return *table.number(key, {0, 1e3, true, false});
+  // Inputs are scaled to [-1, 1]: a spread far below separates every point, far above tells none apart.
+  return *table.number(key, {1e-3, 1e3});
 }
 
 }  // namespace
@@ -177,9 +185,10 @@ TrainingSpec parse_training(const SceneTable& table, const Material& material) {
     table.reject("family", "comes with a later version",
                  "write family = \"rbfn\" (any law) or \"linear\" (law = \"linear\")");
   if (spec.family == Family::linear && material.law != Law::linear)
-    table.reject("family",
-                 std::string("needs the linear law, but [material] law is \"") + phynness::name(material.law) + "\"",
-                 "write family = \"rbfn\", or law = \"linear\"");
+    table.reject(
+        "family",
+        std::string("needs the linear law, but [material] law is \"") + phynness::name(material.law) + "\"",
+        "write family = \"rbfn\", or law = \"linear\"");
   spec.deformation_neurons =
       static_cast<int>(table.integer_or("deformation_neurons", spec.deformation_neurons, 1, 100'000));
   spec.force_neurons = static_cast<int>(table.integer_or("force_neurons", spec.force_neurons, 1, 100'000));

@@ -1,3 +1,4 @@
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <phynness/formats/tool.hpp>
 
@@ -32,6 +33,19 @@ TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::s
     touched.weights.push_back(i == node ? 1.0 : weight(i));
   }
   return touched;
+}
+
+bool hold_the_body(const Points& nodes, std::span<const std::int32_t> fixed) {
+  if (fixed.size() < 3) return false;
+  Points at(static_cast<Eigen::Index>(fixed.size()), 3);
+  for (std::size_t i = 0; i < fixed.size(); ++i) at.row(static_cast<Eigen::Index>(i)) = nodes.row(fixed[i]);
+  at.rowwise() -= Eigen::RowVector3d(at.colwise().mean());
+  // Mean square distances from the best plane, within it from the best line, and along that line.
+  const Eigen::Matrix3d spread = at.transpose() * at / static_cast<double>(fixed.size());
+  const auto squares =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::RowVector3d extent = nodes.colwise().maxCoeff() - nodes.colwise().minCoeff();
+  return squares[1] > 1e-12 * extent.squaredNorm();
 }
 
 }  // namespace phynness

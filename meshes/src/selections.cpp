@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/tool.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <sstream>
 
@@ -214,10 +215,10 @@ class Resolver {
         what = "surface";
         break;
       case Kind::free_surface:
-        what = "free_surface";
+        what = "\"free-surface\"";
         break;
       case Kind::free_nodes:
-        what = "free_nodes";
+        what = "\"free\"";
         break;
       case Kind::all:
         what = "all";
@@ -240,11 +241,15 @@ NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
   for (const Selector& selector : scene.fixed)
     if (selector.kind == Selector::Kind::free_surface || selector.kind == Selector::Kind::free_nodes)
       throw input_error(at(selector.where) + "the fixed nodes are selected by what is not fixed",
-                        "free_surface or free_nodes", "use surface or all, or a box");
+                        "\"free-surface\" or \"free\"", "use \"surface\" or a box");
   Resolver resolver(mesh);
   NodeSets sets;
   sets.fixed = resolver.resolve(scene.fixed, "fixed", scene.fixed_where);
   resolver.set_fixed(sets.fixed);
+  if (!hold_the_body(mesh.nodes, sets.fixed))
+    throw input_error(at(scene.fixed_where) + "the fixed nodes do not hold the body: it can still turn",
+                      std::to_string(sets.fixed.size()) + " nodes: " + first_of(sets.fixed),
+                      "fix at least three nodes that are not on one line");
   sets.active = resolver.resolve(scene.active, "active", scene.active_where);
   sets.output = resolver.resolve(scene.output, "output", scene.output_where);
   Nodes both;

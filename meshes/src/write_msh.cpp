@@ -1,6 +1,6 @@
 #include <charconv>
-#include <fstream>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/text_file.hpp>
 #include <phynness/meshes/meshes.hpp>
 
 namespace phynness {
@@ -103,20 +103,7 @@ void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::pa
   append_nodes(text, mesh);
   append_elements(text, mesh, groups);
 
-  // Written beside and renamed: whoever reads never sees half a mesh.
-  std::filesystem::path partial = file;
-  partial += ".part";
-  std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
-  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-  stream.close();
-  std::error_code error;
-  if (stream) std::filesystem::rename(partial, file, error);
-  if (!stream || error) {
-    std::error_code ignored;
-    std::filesystem::remove(partial, ignored);
-    throw input_error("cannot write the mesh", file.string(),
-                  "check that the folder exists, is writable and has space left");
-  }
+  write_text_file(file, text);
 }
 
 }  // namespace phynness

@@ -1,6 +1,5 @@
 #include "constraint.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <phynness/formats/tool.hpp>
 
 namespace phynness {
@@ -11,15 +10,17 @@ std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, dou
   for (int i = 0; i < body.n_nodes(); ++i)
     if (fixed[i]) fixed_nodes.push_back(i);
   const bool patch = kind == ProbeKind::patch;
-  const auto touched =
-      touched_nodes(body.points().topRows(body.n_nodes()), body.surface(), fixed_nodes, node, patch ? radius : 0.0);
+  const auto touched = touched_nodes(body.points().topRows(body.n_nodes()), body.surface(), fixed_nodes, node,
+                                     patch ? radius : 0.0);
   std::vector<double> weights(body.n_points(), 0.0);
   for (std::size_t i = 0; i < touched.nodes.size(); ++i) weights[touched.nodes[i]] = touched.weights[i];
   for (int p = body.n_nodes(); p < body.n_points(); ++p) {
     const auto [a, b] = body.edge(p);
     if (fixed[p] || !body.on_surface(p) || (weights[a] == 0 && weights[b] == 0)) continue;
-    weights[p] = patch ? patch_weight((body.points().row(p) - body.points().row(node)).squaredNorm() / (radius * radius))
-                       : 0.5;
+    weights[p] =
+        patch
+            ? patch_weight((body.points().row(p) - body.points().row(node)).squaredNorm() / (radius * radius))
+            : 0.5;
   }
   return weights;
 }
@@ -51,21 +52,6 @@ std::vector<char> fixed_points(const Discretization& body, std::span<const std::
   for (int p = body.n_nodes(); p < body.n_points(); ++p)
     fixed[p] = fixed[body.edge(p)[0]] && fixed[body.edge(p)[1]] ? 1 : 0;
   return fixed;
-}
-
-bool hold_the_body(const Discretization& body, const std::vector<char>& fixed) {
-  std::vector<int> held;
-  for (int p = 0; p < body.n_points(); ++p)
-    if (fixed[p]) held.push_back(p);
-  if (held.size() < 3) return false;
-  Points at = body.points()(held, Eigen::all);
-  at.rowwise() -= Eigen::RowVector3d(at.colwise().mean());
-  // Root mean square distances from the best plane, within it from the best line, and along that line.
-  const Eigen::Matrix3d spread = at.transpose() * at / static_cast<double>(held.size());
-  const auto squares =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
-  const Eigen::RowVector3d extent = body.points().colwise().maxCoeff() - body.points().colwise().minCoeff();
-  return squares[1] > 1e-12 * extent.squaredNorm();
 }
 
 std::vector<std::int32_t> displacement_dofs(const Discretization& body, const std::vector<char>& points) {

@@ -31,9 +31,6 @@ Constraint tool_constraint(const Discretization& body,
 
 /// Points held at zero: fixed nodes, and middles of edges between two of them.
 std::vector<char> fixed_points(const Discretization& body, std::span<const std::int32_t> fixed_nodes);
-/// True if no rigid motion leaves the fixed points where they are: at least three of them, not on one line. A
-/// singular factorization does not show this reliably, as rounding makes its zero pivots small numbers.
-bool hold_the_body(const Discretization& body, const std::vector<char>& fixed);
 std::vector<std::int32_t> displacement_dofs(const Discretization& body, const std::vector<char>& points);
 
 }  // namespace phynness

@@ -18,25 +18,6 @@ double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Runs `work` on rank 0 and makes its exception everybody's.
-template <typename Work>
-void on_rank_0(int rank, const Work& work) {
-  std::string message;
-  int kind = -1;
-  if (rank == 0) try {
-      work();
-    } catch (const Error& error) {
-      message = error.what();
-      kind = static_cast<int>(error.kind());
-    } catch (const std::exception& error) {
-      message = error.what();
-      kind = static_cast<int>(Error::Kind::failure);
-    }
-  MPI_Bcast(&kind, 1, MPI_INT, 0, MPI_COMM_WORLD);
-  if (kind >= 0)
-    throw Error(static_cast<Error::Kind>(kind), rank == 0 ? message : "stopped: see rank 0", "", "");
-}
-
 Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction) {
   const std::size_t n = header.magnitudes_m.size();
   Ray ray;
@@ -120,7 +101,11 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
 
   std::vector<char> logged(static_cast<std::size_t>(n_active * n_directions), 0);
   int complete = 0;
-  on_rank_0(session.rank(), [&] {
+  std::optional<ProbeSolver> probe_solver;
+  session.together([&] {
+    // Before there is a file: a scene that cannot be solved must not leave one behind.
+    probe_solver.emplace(scene, mesh, sets);
+    if (session.rank() != 0) return;
     DatabaseWriter::create(file, header, resume);
     complete = Database::is_complete(file) ? 1 : 0;
     if (!complete) logged = DatabaseWriter::logged(file, header);
@@ -138,40 +123,40 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
     WorkCounter counter(MPI_COMM_WORLD);
     try {
       DatabaseWriter log(file, header, session.rank());
-      ProbeSolver solver(scene, mesh, sets);
       const Points normals = node_normals(mesh);
       for (std::int64_t a = counter.next(); a < n_active && !interrupted; a = counter.next()) {
         const auto node = sets.active[static_cast<std::size_t>(a)];
         bool touched = false;
         for (std::int64_t d = 0; d < n_directions && !interrupted; ++d) {
           if (logged[static_cast<std::size_t>(a * n_directions + d)]) continue;
-          if (!touched) solver.touch({node});
+          if (!touched) probe_solver->touch({node});
           touched = true;
           const auto& e = header.directions[static_cast<std::size_t>(d)];
           const double inward =
               -(normals(node, 0) * e[0] + normals(node, 1) * e[1] + normals(node, 2) * e[2]);
           const bool requested = scene.probe.directions != Directions::hemisphere || inward > -1e-9;
-          log.append(solve_ray(solver, header, static_cast<std::int32_t>(a), static_cast<std::int32_t>(d),
-                               requested));
+          log.append(solve_ray(*probe_solver, header, static_cast<std::int32_t>(a),
+                               static_cast<std::int32_t>(d), requested));
           ++solved;
           const auto done = counter.add_done(1) + 1 + report.rays_resumed;
           if (progress && session.rank() == 0) progress(done, n_active * n_directions);
           if (stop && stop()) interrupted = 1;
         }
       }
+      log.close();
     } catch (const std::exception& error) {
       trouble = error.what();
     }
   }
 
-  int failed_ranks = trouble.empty() ? 0 : 1;
-  MPI_Allreduce(MPI_IN_PLACE, &failed_ranks, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
+  session.together([&] {
+    if (!trouble.empty())
+      throw failure(trouble, "", "what was finished is kept: mend the cause and run again with --resume");
+  });
   MPI_Allreduce(MPI_IN_PLACE, &interrupted, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
-  if (failed_ranks > 0)
-    throw failure(trouble.empty() ? "another rank failed" : trouble,
-                  std::to_string(failed_ranks) + " of " + std::to_string(session.size()) + " ranks",
-                  "what was finished is kept: mend the cause and run again with --resume");
-  if (!interrupted && !complete) on_rank_0(session.rank(), [&] { DatabaseWriter::pack(file, header); });
+  session.together([&] {
+    if (!interrupted && !complete && session.rank() == 0) DatabaseWriter::pack(file, header);
+  });
 
   report.interrupted = interrupted != 0;
   report.core_seconds = cpu_seconds() - cpu_start;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/tool.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 
 #include "discretization.hpp"
@@ -26,7 +27,7 @@ struct ProbeSolver::Impl {
         fixed(fixed_points(body, sets.fixed)),
         equilibrium(body, displacement_dofs(body, fixed), s.solver),
         rays(body, equilibrium, s.solver) {
-    if (!hold_the_body(body, fixed))
+    if (!hold_the_body(mesh.nodes, sets.fixed))
       throw input_error("the fixed nodes do not hold the body",
                         std::to_string(sets.fixed.size()) + " fixed nodes",
                         "fix at least three nodes that are not on one line");

@@ -2,6 +2,7 @@
 #include <mpi.h>
 #include <petscsys.h>
 
+#include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 
 #include "discretization.hpp"
@@ -16,12 +17,36 @@ SolverSession::SolverSession() {
   PHYNNESS_PETSC(PetscInitialize(nullptr, nullptr, nullptr, nullptr));
   quiet_logging();
   // Two threads on matrices of a few thousand rows cost more than they give, and ranks fill the cores.
-  if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<void (*)(int)>(symbol)(1);
+  if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))
+    reinterpret_cast<void (*)(int)>(symbol)(1);
   MPI_Comm_rank(MPI_COMM_WORLD, &_rank);
   MPI_Comm_size(MPI_COMM_WORLD, &_size);
 }
 
 SolverSession::~SolverSession() { PetscFinalize(); }
+
+void SolverSession::together(const std::function<void()>& work) const {
+  std::string message;
+  int kind = -1;
+  try {
+    work();
+  } catch (const Error& error) {
+    message = error.what();
+    kind = static_cast<int>(error.kind());
+  } catch (const std::exception& error) {
+    message = error.what();
+    kind = static_cast<int>(Error::Kind::failure);
+  }
+  int first = kind >= 0 ? _rank : _size;
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+  if (first == _size) return;
+  int length = static_cast<int>(message.size());
+  MPI_Bcast(&kind, 1, MPI_INT, first, MPI_COMM_WORLD);
+  MPI_Bcast(&length, 1, MPI_INT, first, MPI_COMM_WORLD);
+  message.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(message.data(), length, MPI_CHAR, first, MPI_COMM_WORLD);
+  throw Error(static_cast<Error::Kind>(kind), _rank == 0 ? message : "", "", "");
+}
 
 double SolverSession::sum(double value) const {
   MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
@@ -38,7 +63,8 @@ std::vector<double> SolverSession::gather(const std::vector<double>& values) con
     total += counts[r];
   }
   std::vector<double> all(_rank == 0 ? total : 0);
-  MPI_Gatherv(values.data(), n, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0, MPI_COMM_WORLD);
+  MPI_Gatherv(values.data(), n, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0,
+              MPI_COMM_WORLD);
   return all;
 }
 

@@ -14,4 +14,4 @@ if [ -n "$unknown" ]; then
   echo "$unknown"
   exit 1
 fi
-echo "$undefined" | grep -q . || { echo "nm found no symbols at all in $library"; exit 1; }
+[ -n "$undefined" ] || { echo "nm found no symbols at all in $library"; exit 1; }

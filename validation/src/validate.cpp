@@ -146,6 +146,53 @@ GroupErrors statistics(const std::array<std::vector<double>, n_measures>& sample
   return errors;
 }
 
+/// What one rank found out.
+struct Findings {
+  Samples samples;
+  std::vector<double> examples;
+  double failed = 0, solved[2] = {0, 0}, increments = 0;
+};
+
+/// 1 for the output nodes that count in (17): those that the tool does not move itself.
+std::vector<char> counted_nodes(const ProbeSolver& solver, const std::vector<std::int32_t>& output) {
+  std::vector<char> counts(output.size(), 1);
+  for (const auto& [node, weight] : solver.prescribed()) {
+    const auto it = std::lower_bound(output.begin(), output.end(), node);
+    if (it != output.end() && *it == node) counts[static_cast<std::size_t>(it - output.begin())] = 0;
+  }
+  return counts;
+}
+
+/// Solves the probes of one node. `after_each` is called after every ray.
+void probe_node(const LoadedModel& model, ProbeSolver& solver, const NodePlan& entry, double increment_m,
+                bool is_example, Findings& found, const std::function<void()>& after_each) {
+  solver.touch({entry.node});
+  const auto counts = counted_nodes(solver, model.model().output);
+  std::array<std::vector<Comparison>, 2> comparisons;
+  for (const auto& pair : entry.pairs) {
+    const auto s = waypoints(pair, increment_m);
+    std::array<bool, 2> got{false, false};
+    solver.follow({pair.direction}, s, false, [&](std::size_t i, const Response& response) {
+      if (response.status != Status::converged) return false;
+      found.increments += 1;
+      const Vec3 d{s[i] * pair.direction[0], s[i] * pair.direction[1], s[i] * pair.direction[2]};
+      for (const Group g : {inside, outside})
+        if (s[i] == (g == inside ? pair.inside_m : pair.outside_m)) {
+          comparisons[g].push_back(compare(model, solver, entry.node, d, response));
+          got[g] = true;
+        }
+      return true;
+    });
+    found.solved[inside] += got[inside];
+    found.solved[outside] += got[outside];
+    found.failed += !got[inside] + (pair.outside_m > 0 && !got[outside]);
+    after_each();
+  }
+  for (const Group g : {inside, outside}) collect(comparisons[g], counts, g, found.samples);
+  if (is_example && !comparisons[inside].empty())
+    add_example(entry.node, comparisons[inside].front(), found.examples);
+}
+
 }  // namespace
 
 ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
@@ -154,83 +201,47 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
                           const std::function<bool()>& stop) {
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t cpu_start = std::clock();
-  check_same_scene(scene, model);
-  const auto plan = plan_probes(model, scene.probe.directions, probes, seed);
-  const NodeSets sets{model.model().fixed, {}, model.model().output};
-  ProbeSolver solver(scene, model.mesh(), sets);
-  const double increment_m = scene.probe.max_displacement_m / scene.probe.increments;
-
-  Samples samples;
-  std::vector<double> examples;
-  double failed = 0, solved[2] = {0, 0}, increments = 0;
-  std::int64_t done = 0;
-  bool interrupted = false;
-  std::int64_t rays = 0, my_rays = 0;
-  for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
-  for (std::size_t e = 0; e < plan.size() && !interrupted; ++e) {
-    if (e % static_cast<std::size_t>(session.size()) != static_cast<std::size_t>(session.rank())) continue;
-    const auto& entry = plan[e];
-    solver.touch({entry.node});
-    std::vector<char> counts(model.model().output.size(), 1);
-    for (const auto& [node, weight] : solver.prescribed()) {
-      const auto& output = model.model().output;
-      const auto it = std::lower_bound(output.begin(), output.end(), node);
-      if (it != output.end() && *it == node) counts[static_cast<std::size_t>(it - output.begin())] = 0;
-    }
-    std::array<std::vector<Comparison>, 2> comparisons;
-    for (const auto& pair : entry.pairs) {
-      const auto s = waypoints(pair, increment_m);
-      std::array<bool, 2> got{false, false};
-      solver.follow({pair.direction}, s, false, [&](std::size_t i, const Response& response) {
-        if (response.status != Status::converged) return false;
-        increments += 1;
-        const Vec3 d{s[i] * pair.direction[0], s[i] * pair.direction[1], s[i] * pair.direction[2]};
-        for (const Group g : {inside, outside})
-          if (s[i] == (g == inside ? pair.inside_m : pair.outside_m)) {
-            comparisons[g].push_back(compare(model, solver, entry.node, d, response));
-            got[g] = true;
-          }
-        return true;
-      });
-      solved[inside] += got[inside];
-      solved[outside] += got[outside];
-      failed += !got[inside] + (pair.outside_m > 0 && !got[outside]);
-      ++my_rays;
-      done = std::min(rays, my_rays * session.size());
-      if (progress && session.rank() == 0) progress(done, rays);
-      if (stop && stop()) {
-        interrupted = true;
-        break;
-      }
-    }
-    for (const Group g : {inside, outside}) collect(comparisons[g], counts, g, samples);
-    if (!comparisons[inside].empty() && e < max_examples)
-      add_example(entry.node, comparisons[inside].front(), examples);
-  }
-  if (session.sum(interrupted ? 1.0 : 0.0) > 0)
-    throw failure("validation was interrupted",
-                  std::to_string(done) + " of " + std::to_string(rays) + " rays", "");
+  std::vector<NodePlan> plan;
+  Findings found;
+  session.together([&] {
+    check_same_scene(scene, model);
+    plan = plan_probes(model, scene.probe.directions, probes, seed);
+    ProbeSolver solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output});
+    std::int64_t rays = 0, my_rays = 0;
+    for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
+    for (auto e = static_cast<std::size_t>(session.rank()); e < plan.size();
+         e += static_cast<std::size_t>(session.size()))
+      probe_node(model, solver, plan[e], scene.probe.max_displacement_m / scene.probe.increments,
+                 e < max_examples, found, [&] {
+                   const auto done = std::min(rays, ++my_rays * session.size());
+                   if (progress && session.rank() == 0) progress(done, rays);
+                   if (stop && stop())
+                     throw failure("validation was interrupted",
+                                   std::to_string(done) + " of " + std::to_string(rays) + " rays",
+                                   "run it again");
+                 });
+  });
 
   ValidationReport report;
   report.probes = probes;
-  report.failed = static_cast<std::int64_t>(session.sum(failed));
-  report.solved_inside = static_cast<std::int64_t>(session.sum(solved[inside]));
-  report.solved_outside = static_cast<std::int64_t>(session.sum(solved[outside]));
+  report.failed = static_cast<std::int64_t>(session.sum(found.failed));
+  report.solved_inside = static_cast<std::int64_t>(session.sum(found.solved[inside]));
+  report.solved_outside = static_cast<std::int64_t>(session.sum(found.solved[outside]));
   report.outside_factor = outside_factor;
   for (const auto& entry : plan) {
     report.nodes.push_back(entry.node);
     report.n_beside_fixed += entry.beside_fixed;
   }
   for (std::size_t p = 0; p < n_predictors; ++p) {
-    for (auto& group : samples[p])
+    for (auto& group : found.samples[p])
       for (auto& list : group) list = session.gather(list);
-    report.errors[p] = {statistics(samples[p][inside]), statistics(samples[p][outside])};
+    report.errors[p] = {statistics(found.samples[p][inside]), statistics(found.samples[p][outside])};
   }
-  report.examples = read_examples(session.gather(examples));
+  report.examples = read_examples(session.gather(found.examples));
   if (session.rank() == 0) report.speed = measure_speed(model);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double cpu = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
-  report.solve_ms_per_increment = 1e3 * session.sum(cpu) / std::max(1.0, session.sum(increments));
+  report.solve_ms_per_increment = 1e3 * session.sum(cpu) / std::max(1.0, session.sum(found.increments));
   return report;
 }
 

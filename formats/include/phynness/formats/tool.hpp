@@ -1,15 +1,15 @@
-// Which nodes a tool holds, and how firmly: the one rule that solves and training share.
+// Which nodes a tool holds and how firmly, and whether the fixed ones hold the body: rules that stages share.
 #pragma once
 
 #include <cstdint>
+#include <phynness/formats/mesh.hpp>
 #include <span>
 #include <vector>
 
-#include <phynness/formats/mesh.hpp>
-
 namespace phynness {
 
-/// Nodes moved by a tool and their weights w: u_i = w_i d. Ascending; the touched node itself is there with weight 1.
+/// Nodes moved by a tool and their weights w: u_i = w_i d. Ascending; the touched node itself is there with
+/// weight 1.
 struct TouchedNodes {
   std::vector<std::int32_t> nodes;
   std::vector<double> weights;
@@ -21,10 +21,15 @@ inline double patch_weight(double s2) { return s2 < 1 - 1e-9 ? (1 - s2) * (1 - s
 
 /// @param nodes, surface  of the mesh; any unit, the same as tool_radius
 /// @param fixed           fixed nodes, ascending; a tool does not move them
-/// @param tool_radius     0: a node probe, which moves `node` alone. Else a patch: the surface nodes within the radius
-///                        (straight distance) that can be reached from `node` over surface edges between such nodes, so
-///                        that a tool wider than the body is thick does not hold its far side.
+/// @param tool_radius     0: a node probe, which moves `node` alone. Else a patch: the surface nodes within
+/// the radius
+///                        (straight distance) that can be reached from `node` over surface edges between such
+///                        nodes, so that a tool wider than the body is thick does not hold its far side.
 TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
                            std::int32_t node, double tool_radius);
+
+/// True if no rigid motion leaves the fixed nodes where they are: at least three of them, not on one line.
+/// A singular factorization does not show this reliably, as rounding makes its zero pivots small numbers.
+bool hold_the_body(const Points& nodes, std::span<const std::int32_t> fixed);
 
 }  // namespace phynness

@@ -77,6 +77,10 @@ class SolverSession {
   SolverSession(const SolverSession&) = delete;
   int rank() const { return _rank; }
   int size() const { return _size; }
+  /// Runs `work` on every rank and makes an exception of one the exception of all, so that no rank waits for one that
+  /// has left. Collective. @throws Error with the message of the first rank that failed on rank 0, without text on the
+  /// others
+  void together(const std::function<void()>& work) const;
   /// Sum over all ranks, on all ranks. Collective.
   double sum(double value) const;
   /// All ranks' values one after the other, on rank 0; empty elsewhere. Collective.
