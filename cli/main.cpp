@@ -55,5 +55,8 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "error: {}\n  remedy: this is a defect; please report it with the scene\n",
                error.what());
     return 1;
+  } catch (...) {  // gmsh throws strings
+    fmt::print(stderr, "error: a library gave up without words\n  remedy: please report it with the scene\n");
+    return 1;
   }
 }

@@ -23,6 +23,13 @@ void run(const Options& options) {
   const bool first = session.rank() == 0;
   LoadedScene loaded;
   session.together([&] { loaded = load_scene(options.scene, !first); });
+  if (first && options.resume && std::filesystem::exists(options.output)) {
+    const auto found = database_progress(options.output);
+    for (const auto& damage : found.damage)
+      fmt::print(stderr, "warning: {}: {}; {} dropped, their rays will be solved again\n",
+                 damage.log.string(), damage.reason, bytes(static_cast<double>(damage.dropped_bytes)));
+    fmt::print(stderr, "note: resuming with {} of {} rays\n", found.rays_logged, found.rays_total);
+  }
   PrecomputeReport report;
   {
     Progress progress("precompute", "rays");

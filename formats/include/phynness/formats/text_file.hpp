@@ -8,7 +8,7 @@ namespace phynness {
 
 /// Writes beside `file` and renames, so that whoever reads never sees half of it; a symbolic link is
 /// followed, and what is no regular file (a pipe, /dev/stdout) is written to as it is.
-/// @throws Error (input)
+/// @throws Error (input) if the file cannot be made, (failure) if it cannot be filled
 void write_text_file(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace phynness
