@@ -74,12 +74,26 @@ TEST_F(Contract, PipelineFromSceneToForce) {
   ASSERT_EQ(solve_two.exit_status, 0) << solve_two.err;
   EXPECT_EQ(json("solve_two.json").at("tools").at(1).at("force").size(), 3u);
 
-  // A model of another scene is refused.
+  // One probe lies inside the range: of errors beyond it there are none, which is not an error of zero.
+  ASSERT_EQ(phynness("validate scene.toml out/model --probes 1 --json one.json").exit_status, 0);
+  EXPECT_TRUE(json("one.json").at("outside").at("force").at("mean").is_null());
+  EXPECT_FALSE(json("one.json").at("inside").at("force").at("mean").is_null());
+  // The same probes on any number of ranks.
+  const auto two_ranks =
+      shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" validate scene.toml out/model --json two_ranks.json");
+  ASSERT_EQ(two_ranks.exit_status, 0) << two_ranks.err;
+  for (const char* group : {"inside", "outside"}) EXPECT_EQ(json("two_ranks.json").at(group), v.at(group));
+
+  // A model of another scene is refused, by all ranks together.
   auto changed = small_scene();
   changed.replace(changed.find("2000.0"), 6, "2500.0");
   write_file(folder / "other.toml", changed);
   EXPECT_EQ(phynness("validate other.toml out/model --probes 2").exit_status, 2);
   EXPECT_EQ(phynness("train other.toml out/database.h5 -o m2").exit_status, 2);
+  const auto refused =
+      shell("timeout 60 mpirun --oversubscribe -n 2 \"$PHYNNESS\" validate other.toml out/model");
+  EXPECT_EQ(refused.exit_status, 2) << refused.err;
+  EXPECT_NE(refused.err.find("another scene"), std::string::npos) << refused.err;
 }
 
 TEST_F(Contract, WrongUsageExitsWith2AndSaysWhy) {
@@ -101,6 +115,12 @@ TEST_F(Contract, WrongUsageExitsWith2AndSaysWhy) {
            Case{"info nowhere.h5", "nowhere.h5"},
            Case{"train scene.toml scene.toml -o m", "scene.toml"},
            Case{"validate scene.toml . --probes 0", "--probes"},
+           Case{"validate scene.toml . --seed -1", "--seed"},
+           Case{"prcompute scene.toml -o d.h5", "prcompute"},
+           Case{"mesh scene.toml -o ./scene.toml", "overwrite"},
+           Case{"solve scene.toml --node 3 --displacement 0,0,-0.001 --json scene.toml", "overwrite"},
+           Case{"solve scene.toml --node 3 --displacement 0,0,-1e9", "larger than any body"},
+           Case{"train scene.toml d.h5 -o m --spread nan", "spread"},
        }) {
     const auto outcome = phynness(arguments);
     EXPECT_EQ(outcome.exit_status, 2) << arguments << "\n" << outcome.err;

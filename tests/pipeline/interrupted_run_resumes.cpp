@@ -63,6 +63,19 @@ TEST_F(Interrupted, SigtermEndsPolitelyAndResumes) {
   EXPECT_TRUE(Database::is_complete(folder / "database.h5"));
 }
 
+TEST_F(Interrupted, SigtermOfRunEndsItsStages) {
+  write_file(folder / "scene.toml", small_scene("P1", 6));
+  const auto stopped = shell(
+      "\"$PHYNNESS\" run scene.toml -o stopped_run & pid=$!; "
+      "for i in $(seq 2000); do "
+      "  size=$(cat stopped_run/database.h5.log/* 2>/dev/null | wc -c); [ \"$size\" -gt 40000 ] && break; "
+      "  sleep 0.01; done; kill -TERM $pid; wait $pid; status=$?; "
+      "pgrep -f \"[p]hynness precompute scene.toml -o stopped_run\" > left.txt || true; exit $status");
+  EXPECT_EQ(stopped.exit_status, 1) << stopped.err;
+  EXPECT_EQ(read_file(folder / "left.txt"), "") << "a stage outlived run";
+  EXPECT_FALSE(Database::is_complete(folder / "stopped_run/database.h5"));
+}
+
 TEST_F(Interrupted, ResumeWithAnotherMaterialIsRefused) {
   write_file(folder / "scene.toml", small_scene("P1", 6));
   shell(run_and_signal("KILL"));
