@@ -36,6 +36,9 @@ void print_mesh(const Mesh& mesh, const NodeSets& sets) {
 
 json about_database(const std::filesystem::path& file) {
   const auto progress = database_progress(file);
+  for (const auto& damage : progress.damage)
+    fmt::print(stderr, "warning: {}: {}; {} dropped\n", damage.log.string(), damage.reason,
+               bytes(static_cast<double>(damage.dropped_bytes)));
   if (!progress.complete) {
     fmt::print("unfinished database: {} of {} rays; go on with phynness precompute SCENE -o {} --resume\n",
                progress.rays_logged, progress.rays_total, file.string());

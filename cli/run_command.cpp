@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <phynness/formats/error.hpp>
 #include <thread>
 
@@ -22,6 +23,7 @@ namespace {
 
 struct Options {
   std::filesystem::path scene, output;
+  std::optional<std::filesystem::path> json_file;
   int ranks = 1;
   bool resume = false;
 };
@@ -112,6 +114,14 @@ void run(const Options& options) {
   stages.push_back(stage("validate", in("validate.json"),
                          {self, "validate", scene, in("model"), "--json", in("validate.json")},
                          options.ranks));
+  if (options.json_file) {
+    json all;
+    for (const char* name : {"mesh", "precompute", "train", "validate"}) {
+      std::ifstream in_file(options.output / (std::string(name) + ".json"));
+      all[name] = json::parse(in_file);
+    }
+    write_json(options.json_file, all);
+  }
   fmt::print("\n{:<12} {:>12} {:>10}  written\n", "stage", "time", "size");
   for (const auto& s : stages)
     fmt::print("{:<12} {:>12} {:>10}  {}\n", s.title, duration(s.seconds), bytes(size_of(s.written)),
@@ -130,6 +140,7 @@ void add_run_command(CLI::App& app) {
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   command->add_flag("--resume", options->resume, "go on with an unfinished database in OUT_DIR");
+  command->add_option("--json", options->json_file, "write the figures of all stages for machines");
   command->callback([options] { run(*options); });
 }
 

@@ -76,7 +76,7 @@ void add_solve_command(CLI::App& app) {
   command
       ->add_option("--increments", options->increments,
                    "equal steps to the displacement (default: the scene's)")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1, 1000));
   command->add_flag("--tangent", options->tangent, "add the condensed stiffness dF/dd to the JSON");
   command->callback([options] { run(*options); });
 }

@@ -51,6 +51,7 @@ FormSet form_set(const Material& material, Element element, double modulus_Pa) {
   } else {
     set.constants["mu"] = material.shear_modulus_Pa / modulus_Pa;
     set.constants["lmbda"] = material.lame_lambda_Pa / modulus_Pa;
+    set.constants["couples_J"] = material.lame_lambda_Pa >= 2 * material.shear_modulus_Pa ? 1 : 0;
   }
   set.checks_jacobian = material.law != Law::linear;
   return set;

@@ -118,7 +118,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   if (complete) report.rays_resumed = n_active * n_directions;
   std::int64_t solved = 0;
   int interrupted = 0;
-  std::string trouble;
+  std::exception_ptr trouble;
   if (!complete) {
     WorkCounter counter(MPI_COMM_WORLD);
     try {
@@ -144,14 +144,19 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
         }
       }
       log.close();
-    } catch (const std::exception& error) {
-      trouble = error.what();
+    } catch (...) {
+      trouble = std::current_exception();
     }
   }
 
   session.together([&] {
-    if (!trouble.empty())
-      throw failure(trouble, "", "what was finished is kept: mend the cause and run again with --resume");
+    if (!trouble) return;
+    try {
+      std::rethrow_exception(trouble);
+    } catch (const Error& error) {
+      throw Error(error.kind(), std::string(error.what()) + " (finished rays are kept: go on with --resume)",
+                  "", "");
+    }
   });
   MPI_Allreduce(MPI_IN_PLACE, &interrupted, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
   session.together([&] {

@@ -137,6 +137,25 @@ TEST_P(UnderTension, ThereAreNoneThatTheBodyDoesNotHave) {
     }
 }
 
+TEST(UnderTensionOfASoftBulk, ThereAreNoneBeyondJEqualToE) {
+  // lambda = mu/3 and J = 3 > e, where a pressure that multiplies J has lost its concavity and the
+  // displacement element is stable: below lambda = 2 mu the pressure multiplies ln J.
+  for (const auto element : {Element::p2, Element::taylor_hood, Element::p1_p1}) {
+    SolverSpec spec;
+    spec.element = element;
+    Random random(5);
+    const auto mesh = irregular(block_mesh({4, 4, 4}, {1, 1, 1}), 0.05, random);
+    const auto material = unit_material(Law::neo_hookean, 1.0);
+    Discretization body(mesh, form_set(material, element, 1));
+    Equilibrium equilibrium(body, {}, spec);
+    equilibrium.prescribe(affine_boundary(body));
+    const Eigen::Matrix3d F = std::cbrt(3.0) * Eigen::Matrix3d::Identity();
+    const auto linear = equilibrium.linearize(homogeneous_state(body, material, F), Eigen::MatrixXd(9, 0));
+    ASSERT_EQ(linear.status, Status::converged);
+    EXPECT_EQ(linear.negative_pivots, 0) << name(element);
+  }
+}
+
 // Not St. Venant-Kirchhoff, which is unstable in compression by its own nature.
 INSTANTIATE_TEST_SUITE_P(Laws, UnderTension,
                          ::testing::Values(Case{Law::neo_hookean, Element::p1},
