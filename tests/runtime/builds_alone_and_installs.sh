@@ -6,6 +6,7 @@ cmake=$1
 runtime=$2
 consumer=$3
 work=$4
+command -v make > /dev/null || export CMAKE_GENERATOR=Ninja
 rm -rf "$work"
 "$cmake" -S "$runtime" -B "$work/runtime" -DCMAKE_INSTALL_PREFIX="$work/prefix" > "$work.log"
 "$cmake" --build "$work/runtime" >> "$work.log"
