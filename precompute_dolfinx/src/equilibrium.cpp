@@ -21,6 +21,7 @@ struct Equilibrium::Impl {
   std::vector<double> load, state, residual;
   double reaction_norm = 0, load_norm = 0;  // of the latest residual
   double rounding = 0;                      // a residual of this norm cannot be told from zero
+  SolverCounts counts;
   PetscVec x, r;
   PetscSnes snes;
 
@@ -84,6 +85,7 @@ void Equilibrium::Impl::gather(Vec from) const {
 
 void Equilibrium::Impl::evaluate_residual() {
   body.residual(state, residual);
+  ++counts.residuals;
   double reactions = 0;
   for (int dof = 0; dof < body.n_dofs(); ++dof) {
     if (!load.empty()) residual[dof] -= load[dof];
@@ -121,6 +123,9 @@ PetscErrorCode Equilibrium::Impl::form_jacobian(SNES, Vec x, Mat, Mat, void* con
   auto& self = *static_cast<Impl*>(context);
   self.gather(x);
   self.tangent.assemble(self.body, self.state, self.constraint, self.prescribed);
+  ++self.counts.tangents;
+  ++self.counts.factorizations;  // KSPPREONLY follows
+  ++self.counts.substitutions;
   return 0;
 }
 
@@ -156,6 +161,7 @@ void Equilibrium::prescribe(Constraint constraint) {
   }
 }
 
+SolverCounts Equilibrium::counts() const { return _impl->counts; }
 const Constraint& Equilibrium::constraint() const { return _impl->constraint; }
 
 void Equilibrium::set_load(std::vector<double> load) {
@@ -206,6 +212,9 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   auto& s = *_impl;
   s.state.assign(state.begin(), state.end());
   const auto coupling = s.tangent.assemble(s.body, s.state, s.constraint, s.prescribed);
+  ++s.counts.tangents;
+  ++s.counts.factorizations;
+  s.counts.substitutions += directions.cols();
   Linearization out;
   KSP ksp;
   PC pc;

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <phynness/formats/database.hpp>
+#include <phynness/precompute/probe_solver.hpp>
 #include <span>
 #include <vector>
 
@@ -53,6 +54,8 @@ class Equilibrium {
 
   /// G^T r_c: what must be applied to hold the prescribed displacement; n_parameters.
   Eigen::VectorXd force(std::span<const double> state);
+
+  SolverCounts counts() const;
 
  private:
   struct Impl;

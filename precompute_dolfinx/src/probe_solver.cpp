@@ -57,6 +57,7 @@ ProbeSolver::~ProbeSolver() = default;
 ProbeSolver::ProbeSolver(ProbeSolver&&) noexcept = default;
 
 int ProbeSolver::n_dofs() const { return _impl->body.n_dofs(); }
+SolverCounts ProbeSolver::counts() const { return _impl->equilibrium.counts(); }
 
 void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
   auto& s = *_impl;

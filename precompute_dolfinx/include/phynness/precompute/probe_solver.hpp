@@ -30,6 +30,11 @@ struct Response {
   double relative_residual = 0;
 };
 
+/// What was computed so far, failed attempts included.
+struct SolverCounts {
+  std::int64_t residuals = 0, tangents = 0, factorizations = 0, substitutions = 0;
+};
+
 /// What the undeformed body says about a probe: the linear predictor.
 struct RestResponse {
   Eigen::MatrixXd stiffness_N_per_m;  ///< 3 n_tools square
@@ -62,6 +67,7 @@ class ProbeSolver {
   Response solve(const std::vector<Vec3>& displacement_m, int increments, bool tangents = false);
 
   int n_dofs() const;
+  SolverCounts counts() const;
 
  private:
   struct Impl;

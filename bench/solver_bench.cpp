@@ -1,0 +1,229 @@
+// CPU per converged increment: the plain loop against ProbeSolver, on the same rays in the same run.
+// The sample: whole active nodes would need minutes for the plain loop, so nodes and directions are drawn.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/scene.hpp>
+#include <phynness/meshes/meshes.hpp>
+#include <phynness/precompute/precompute.hpp>
+#include <phynness/precompute/probe_solver.hpp>
+#include <random>
+
+#include "plain_loop.hpp"
+
+namespace {
+
+using namespace phynness;
+
+double cpu_ms() {
+  timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+struct Options {
+  std::string scene = PHYNNESS_SCENES "/liver_case3.toml";
+  std::vector<std::string> elements = {"P1", "p1-p1", "P2", "taylor-hood"};
+  int nodes = 4, rays = 4, increments = 0, only_node = -1, only_direction = -1;
+  unsigned seed = 1;
+  double depth_m = 0, bulk_over_shear = 0;
+  bool plain = true, verbose = false;
+  std::string json;
+};
+
+struct Sample {
+  std::vector<std::int32_t> node;
+  std::vector<std::vector<int>> directions;  // per node
+};
+
+Sample draw(const Options& options, const NodeSets& sets, int n_directions) {
+  std::mt19937 random(options.seed);
+  Sample sample;
+  std::sample(sets.active.begin(), sets.active.end(), std::back_inserter(sample.node), options.nodes, random);
+  for (std::size_t i = 0; i < sample.node.size(); ++i) {
+    std::vector<int> all(n_directions), some;
+    for (int d = 0; d < n_directions; ++d) all[d] = d;
+    std::sample(all.begin(), all.end(), std::back_inserter(some), options.rays, random);
+    sample.directions.push_back(some);
+  }
+  if (options.only_node >= 0) sample = {{options.only_node}, {{std::max(0, options.only_direction)}}};
+  return sample;
+}
+
+struct Tally {
+  double cpu_ms = 0;
+  int converged = 0, tried = 0, full_rays = 0, rays = 0, cutbacks = 0;
+  SolverCounts counts;
+  double per_increment(double x) const { return x / std::max(1, converged); }
+};
+
+void print(const char* name, const Tally& t) {
+  std::printf("  %-10s %4d of %4d  %7.2f %8.2f %8.2f %8.2f %8.2f %9.2f ms\n", name, t.converged, t.tried,
+              t.per_increment(t.cutbacks), t.per_increment(static_cast<double>(t.counts.residuals)),
+              t.per_increment(static_cast<double>(t.counts.tangents)),
+              t.per_increment(static_cast<double>(t.counts.factorizations)),
+              t.per_increment(static_cast<double>(t.counts.substitutions)), t.per_increment(t.cpu_ms));
+  std::fflush(stdout);
+}
+
+std::string key_of(std::string element) {
+  std::transform(element.begin(), element.end(), element.begin(),
+                 [](unsigned char c) { return c == '-' ? '_' : static_cast<char>(std::tolower(c)); });
+  return element;
+}
+
+Element element_of(const std::string& name) {
+  if (name == "P1") return Element::p1;
+  if (name == "p1-p1") return Element::p1_p1;
+  if (name == "P2") return Element::p2;
+  if (name == "taylor-hood") return Element::taylor_hood;
+  throw input_error("no such element", name, "P1, p1-p1, P2 or taylor-hood");
+}
+
+void measure(const Options& options, const std::string& element, Scene scene, const Mesh& mesh,
+             const NodeSets& sets, nlohmann::ordered_json& json) {
+  scene.solver.element = element_of(element);
+  const auto header = database_header(scene, mesh, sets);
+  const Sample sample = draw(options, sets, static_cast<int>(header.directions.size()));
+  const int n = static_cast<int>(header.magnitudes_m.size());
+
+  Tally plain, ours;
+  std::vector<Vec3> plain_force, our_force;  // 0 where not converged
+  if (options.plain) {
+    bench::PlainLoop loop(scene, mesh, sets);
+    const double start = cpu_ms();
+    for (std::size_t a = 0; a < sample.node.size(); ++a)
+      for (const int d : sample.directions[a]) {
+        Vec3 depth = header.directions[d];
+        for (auto& x : depth) x *= header.magnitudes_m.back();
+        const auto states = loop.ray(sample.node[a], depth, n);
+        for (const auto& state : states) plain.converged += state.converged;
+        for (int i = 0; i < n; ++i)
+          plain_force.push_back(i < static_cast<int>(states.size()) ? states[i].force_N : Vec3{});
+        plain.tried += n;
+        ++plain.rays;
+        plain.full_rays += states.back().converged && static_cast<int>(states.size()) == n;
+      }
+    plain.cpu_ms = cpu_ms() - start;
+    plain.counts = loop.counts();
+  }
+  {
+    ProbeSolver solver(scene, mesh, sets);
+    const double start = cpu_ms();
+    double touching = 0;
+    for (std::size_t a = 0; a < sample.node.size(); ++a) {
+      // What a node costs once is shared by all of its rays, of which only some are drawn.
+      const double before = cpu_ms();
+      solver.touch({sample.node[a]});
+      touching += (cpu_ms() - before) * (1 - static_cast<double>(sample.directions[a].size()) /
+                                                 static_cast<double>(header.directions.size()));
+      for (const int d : sample.directions[a]) {
+        bool all = true;
+        solver.follow({header.directions[d]}, header.magnitudes_m, false,
+                      [&](std::size_t i, const Response& response) {
+                        const bool good = response.status == Status::converged;
+                        ours.converged += good;
+                        ours.cutbacks += response.cutbacks;
+                        if (options.verbose)
+                          std::printf("node %d direction %d increment %zu: status %d, %d iterations, %d cutbacks, J %.3f, negative pivots %d\n", sample.node[a], d, i, static_cast<int>(response.status), response.iterations, response.cutbacks, response.min_jacobian, response.negative_pivots);
+                        all = all && good;
+                        our_force.push_back(good ? response.force_N[0] : Vec3{});
+                        return true;
+                      });
+        ours.tried += n;
+        ++ours.rays;
+        ours.full_rays += all;
+      }
+    }
+    ours.cpu_ms = cpu_ms() - start - touching;
+    ours.counts = solver.counts();
+  }
+  double worst = 0;
+  int compared = 0, elsewhere = 0;
+  for (std::size_t i = 0; i < plain_force.size(); ++i) {
+    const Eigen::Map<const Eigen::Vector3d> a(plain_force[i].data()), b(our_force[i].data());
+    if (a.norm() == 0 || b.norm() == 0) continue;
+    ++compared;
+    const double error = (a - b).norm() / a.norm();
+    if (error > 1e-4)
+      ++elsewhere;  // another equilibrium, not another rounding
+    else
+      worst = std::max(worst, error);
+  }
+
+  std::printf("\n%s, K/mu = %.4g, %s, %d increments to %.3g mm, %d nodes x %d directions (seed %u), %d dofs\n",
+              element.c_str(), scene.material.bulk_modulus_Pa / scene.material.shear_modulus_Pa,
+              scene.probe.kind == ProbeKind::node ? "node probes" : "patch probes", n,
+              1e3 * header.magnitudes_m.back(), options.nodes, options.rays, options.seed,
+              ProbeSolver(scene, mesh, sets).n_dofs());
+  std::printf("  per converged    increments  cutbacks residuals tangents factoriz. substit.  CPU\n");
+  if (options.plain) print("plain loop", plain);
+  print("phynness", ours);
+  if (!options.plain) return;
+  const double ratio = plain.per_increment(plain.cpu_ms) / ours.per_increment(ours.cpu_ms);
+  std::printf("  ratio %.2f; rays to full depth %d and %d of %d; forces of %d common states agree to %.1e, %d are "
+              "other equilibria\n",
+              ratio, plain.full_rays, ours.full_rays, ours.rays, compared, worst, elsewhere);
+  const auto key = key_of(element);
+  json["cpu_ratio_" + key] = ratio;
+  json["cpu_ms_per_increment_" + key] = ours.per_increment(ours.cpu_ms);
+  json["cpu_ms_per_increment_" + key + "_plain"] = plain.per_increment(plain.cpu_ms);
+  json["factorizations_per_increment_" + key] = ours.per_increment(static_cast<double>(ours.counts.factorizations));
+  json["factorizations_per_increment_" + key + "_plain"] =
+      plain.per_increment(static_cast<double>(plain.counts.factorizations));
+  json["largest_force_difference_" + key] = worst;
+  json["other_equilibria_" + key] = elsewhere;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("CPU per converged increment, the plain loop against phynness");
+  app.add_option("--scene", options.scene, "scene file");
+  app.add_option("--elements", options.elements, "P1, p1-p1, P2, taylor-hood")->delimiter(',');
+  app.add_option("--nodes", options.nodes, "active nodes drawn");
+  app.add_option("--rays", options.rays, "directions drawn at each");
+  app.add_option("--seed", options.seed, "of the draw");
+  app.add_option("--increments", options.increments, "instead of the scene's");
+  app.add_option("--depth-m", options.depth_m, "instead of the scene's");
+  app.add_option("--bulk-over-shear", options.bulk_over_shear, "K/mu, instead of the scene's");
+  app.add_flag("!--without-plain", options.plain, "do not run the plain loop");
+  app.add_option("--node", options.only_node, "this node instead of a draw");
+  app.add_option("--direction", options.only_direction, "and this direction");
+  app.add_flag("--verbose", options.verbose, "a line per increment");
+  app.add_option("--json", options.json, "write the figures for machines");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const SolverSession session;
+    Scene scene = read_scene(options.scene);
+    if (options.increments > 0) scene.probe.increments = options.increments;
+    if (options.depth_m > 0) scene.probe.max_displacement_m = options.depth_m;
+    if (options.bulk_over_shear > 0) {
+      auto& m = scene.material;
+      m.bulk_modulus_Pa = options.bulk_over_shear * m.shear_modulus_Pa;
+      m.lame_lambda_Pa = m.bulk_modulus_Pa - 2 * m.shear_modulus_Pa / 3;
+    }
+    const auto made = make_mesh(scene);
+    const auto sets = resolve_selections(scene, made.mesh);
+    std::printf("solver, %s: %d nodes, %d cells, %zu active nodes\n", scene.title.c_str(),
+                static_cast<int>(made.mesh.nodes.rows()), static_cast<int>(made.mesh.cells.rows()),
+                sets.active.size());
+    nlohmann::ordered_json json;
+    for (const auto& element : options.elements) measure(options, element, scene, made.mesh, sets, json);
+    if (!options.json.empty()) {
+      std::ofstream out(options.json);
+      out << json.dump(1) << "\n";
+      if (!out) throw failure("writing failed", options.json, "is there space?");
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
