@@ -1,7 +1,10 @@
 #include "equilibrium.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "quasi_newton.hpp"
 
 namespace phynness {
 
@@ -22,6 +25,13 @@ struct Equilibrium::Impl {
   double reaction_norm = 0, load_norm = 0;  // of the latest residual
   double rounding = 0;                      // a residual of this norm cannot be told from zero
   SolverCounts counts;
+  QuasiNewton quasi_newton;                                 // since the latest factorization
+  TangentMatrix::Coupling coupling;                         // of the latest tangent
+  bool refresh = true;                                      // assemble and factorize at the next iteration
+  bool fresh = false;                                       // the factors are those of the state that a step starts from
+  bool convex = false;                                      // element tangents are to be made positive semidefinite
+  int factorizations = 0;                                   // of this solve
+  double first_norm = 0;
   PetscVec x, r;
   PetscSnes snes;
 
@@ -35,6 +45,23 @@ struct Equilibrium::Impl {
   static PetscErrorCode form_jacobian(SNES, Vec, Mat, Mat, void*);
   static PetscErrorCode test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal,
                                          SNESConvergedReason*, void*);
+  static PetscErrorCode step(SNESLineSearch, void*);
+  int convex_steps = 0;
+  int negative_pivots() const {
+    KSP ksp;
+    PC pc;
+    Mat factor;
+    PetscInt negative = 0;
+    PHYNNESS_PETSC(SNESGetKSP(snes, &ksp));
+    PHYNNESS_PETSC(KSPGetPC(ksp, &pc));
+    PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
+    PHYNNESS_PETSC(MatGetInertia(factor, &negative, nullptr, nullptr));
+    return static_cast<int>(negative) - static_cast<int>(body.pressure_dofs().size());
+  }
+  void decide(double before, double after);
+  void scatter(Vec to) const;
+  double worth = 0.5, price = 7;
+  bool has_energy() const { return body.pressure_dofs().empty(); }
 };
 
 void Equilibrium::Impl::set_up_solver() {
@@ -54,6 +81,10 @@ void Equilibrium::Impl::set_up_solver() {
   PHYNNESS_PETSC(SNESGetKSP(snes, &ksp));
   PHYNNESS_PETSC(KSPSetType(ksp, KSPPREONLY));
   PHYNNESS_PETSC(KSPGetPC(ksp, &pc));
+  SNESLineSearch search;
+  PHYNNESS_PETSC(SNESGetLineSearch(snes, &search));
+  PHYNNESS_PETSC(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
+  PHYNNESS_PETSC(SNESLineSearchShellSetUserFunc(search, step, this));
   // LDL^T tells the number of negative pivots, and copes with the saddle points of mixed elements.
   PHYNNESS_PETSC(PCSetType(pc, PCCHOLESKY));
   PHYNNESS_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
@@ -83,6 +114,17 @@ void Equilibrium::Impl::gather(Vec from) const {
   PHYNNESS_PETSC(VecRestoreArrayRead(from, &values));
 }
 
+/// Free rows of the residual; zero elsewhere.
+void Equilibrium::Impl::scatter(Vec to) const {
+  PetscScalar* out = nullptr;
+  PHYNNESS_PETSC(VecGetArray(to, &out));
+  for (int i = 0; i < tangent.n_unknowns(); ++i) {
+    const auto dof = tangent.dof_of()[i];
+    out[i] = is_free[dof] ? residual[dof] : 0.0;
+  }
+  PHYNNESS_PETSC(VecRestoreArray(to, &out));
+}
+
 void Equilibrium::Impl::evaluate_residual() {
   body.residual(state, residual);
   ++counts.residuals;
@@ -105,27 +147,27 @@ PetscErrorCode Equilibrium::Impl::form_function(SNES snes, Vec x, Vec r, void* c
   auto& self = *static_cast<Impl*>(context);
   self.gather(x);
   self.evaluate_residual();
-  PetscScalar* out = nullptr;
-  PetscCall(VecGetArray(r, &out));
-  bool finite = true;
-  for (int i = 0; i < self.tangent.n_unknowns(); ++i) {
-    const auto dof = self.tangent.dof_of()[i];
-    out[i] = self.is_free[dof] ? self.residual[dof] : 0.0;
-    finite = finite && std::isfinite(out[i]);
-  }
-  PetscCall(VecRestoreArray(r, &out));
+  self.scatter(r);
   // ln J with J <= 0: the line search must back off instead of taking NaN for an answer.
-  if (!finite) PetscCall(SNESSetFunctionDomainError(snes));
+  if (!std::isfinite(self.free_norm())) PetscCall(SNESSetFunctionDomainError(snes));
   return 0;
 }
 
-PetscErrorCode Equilibrium::Impl::form_jacobian(SNES, Vec x, Mat, Mat, void* context) {
+PetscErrorCode Equilibrium::Impl::form_jacobian(SNES snes, Vec x, Mat, Mat, void* context) {
   auto& self = *static_cast<Impl*>(context);
+  KSP ksp;
+  PetscCall(SNESGetKSP(snes, &ksp));
+  PetscCall(KSPSetReusePreconditioner(ksp, self.refresh ? PETSC_FALSE : PETSC_TRUE));
+  ++self.counts.substitutions;
+  self.fresh = self.refresh;
+  if (!self.refresh) return 0;
+  self.refresh = false;
+  self.quasi_newton.clear();
   self.gather(x);
-  self.tangent.assemble(self.body, self.state, self.constraint, self.prescribed);
+  self.coupling = self.tangent.assemble(self.body, self.state, self.constraint, self.prescribed, self.convex);
+  ++self.factorizations;
   ++self.counts.tangents;
   ++self.counts.factorizations;  // KSPPREONLY follows
-  ++self.counts.substitutions;
   return 0;
 }
 
@@ -138,6 +180,113 @@ PetscErrorCode Equilibrium::Impl::test_convergence(SNES, PetscInt, PetscReal, Pe
   else if (norm <= self.options.relative_tolerance * (self.reaction_norm + self.load_norm) + self.rounding)
     *reason = SNES_CONVERGED_FNORM_RELATIVE;
   return 0;
+}
+
+namespace {
+
+double dot(Vec a, Vec b) {
+  PetscScalar value = 0;
+  PHYNNESS_PETSC(VecDot(a, b, &value));
+  return value;
+}
+
+}  // namespace
+
+/// x <- x - length * y, in three kinds. A step with old factors is cheap and taken whole or not at all: if it
+/// does not shorten the residual, the tangent is due. A Newton step with an energy goes along y until the
+/// energy's slope there is small. Without one (mixed elements are saddle points) the residual must shrink.
+PetscErrorCode Equilibrium::Impl::step(SNESLineSearch search, void* context) {
+  auto& self = *static_cast<Impl*>(context);
+  SNES snes;
+  Vec x, f, y, w, g;
+  PetscCall(SNESLineSearchGetSNES(search, &snes));
+  PetscCall(SNESLineSearchGetVecs(search, &x, &f, &y, &w, &g));
+  PetscReal before = 0, after = 0;
+  PetscCall(VecNorm(f, NORM_2, &before));
+  if (!self.fresh) self.quasi_newton.correct(y);
+
+  const double slope = dot(f, y);  // minus the energy's derivative along the step
+  const auto finish = [&](double length, bool moved) -> PetscErrorCode {
+    if (moved) {
+      PetscCall(VecCopy(w, x));
+      PetscCall(VecCopy(g, f));
+      self.quasi_newton.remember(y, length);
+    } else {
+      after = before;
+    }
+    PetscReal xnorm, ynorm;
+    PetscCall(VecNorm(x, NORM_2, &xnorm));
+    PetscCall(VecNorm(y, NORM_2, &ynorm));
+    PetscCall(SNESLineSearchSetNorms(search, xnorm, after, ynorm));
+    PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
+    return 0;
+  };
+  const auto give_up = [&]() -> PetscErrorCode {
+    PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_REDUCT));
+    return 0;
+  };
+  const auto try_length = [&](double length, bool& finite) -> PetscErrorCode {
+    PetscCall(VecWAXPY(w, -length, y, x));
+    self.gather(w);
+    self.evaluate_residual();
+    after = self.free_norm();
+    finite = std::isfinite(after);
+    self.scatter(g);
+    return 0;
+  };
+
+  bool finite = false;
+  if (!self.fresh) {
+    PetscCall(try_length(1, finite));
+    if (!finite || after > self.worth * before) {
+      self.refresh = true;
+      return finish(1, finite && after < before);
+    }
+    self.decide(before, after);
+    return finish(1, true);
+  }
+  if (self.has_energy() && (!(slope > 0) || (!self.convex && self.negative_pivots() > 0))) {
+    if (self.convex) return give_up();
+    self.convex = self.refresh = true;
+    return finish(0, false);
+  }
+  double low = 0, high = std::numeric_limits<double>::infinity(), low_slope = slope, high_slope = 0, length = 1;
+  for (int trial = 0; trial < 20; ++trial) {
+    PetscCall(try_length(length, finite));
+    const double here = finite && self.has_energy() ? dot(g, y) : 0;
+    const bool shorter = finite && after <= (1 - 1e-4 * length) * before;
+    if (shorter || (finite && self.has_energy() && here > -0.9 * slope)) {
+      // Still going down as steeply as at the start: the energy has no valley near, go on further.
+      if (self.has_energy() && self.convex && here > 0.9 * slope && length < 100 && !std::isfinite(high)) {
+        low = length;
+        low_slope = here;
+        length *= 2;
+        continue;
+      }
+      if (after < 0.95 * before || ++self.convex_steps % 4 == 0) self.convex = false;
+      self.decide(before, after);
+      return finish(length, true);
+    }
+    high = length;
+    high_slope = here;
+    double fraction = 0.5;
+    if (high_slope < 0) fraction = std::clamp(low_slope / (low_slope - high_slope), 0.1, 0.7);
+    length = low + fraction * (high - low);
+  }
+  if (self.has_energy() && !self.convex) {
+    self.convex = self.refresh = true;
+    return finish(0, false);
+  }
+  return give_up();
+}
+
+/// Is another tangent worth its price? It costs as much as `price` cheap steps, and squares the error.
+void Equilibrium::Impl::decide(double before, double after) {
+  const double goal = options.relative_tolerance * (reaction_norm + load_norm) + rounding;
+  if (after <= goal) return;
+  const double rate = after / before;
+  const double steps = std::log(goal / after) / std::log(std::min(rate, 0.99));
+  refresh = steps > price;
 }
 
 Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs,
@@ -178,6 +327,9 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state) {
   for (int i = 0; i < s.tangent.n_unknowns(); ++i) values[i] = state[s.tangent.dof_of()[i]];
   PHYNNESS_PETSC(VecRestoreArray(s.x, &values));
 
+  s.refresh = true;
+  s.convex = false;
+  s.factorizations = 0;
   Outcome outcome;
   PHYNNESS_PETSC(SNESSolve(s.snes, nullptr, s.x));
   SNESConvergedReason reason;
@@ -220,6 +372,7 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   PC pc;
   PHYNNESS_PETSC(SNESGetKSP(s.snes, &ksp));
   PHYNNESS_PETSC(KSPSetOperators(ksp, s.tangent.matrix(), s.tangent.matrix()));
+  PHYNNESS_PETSC(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
   PHYNNESS_PETSC(KSPGetPC(ksp, &pc));
   PHYNNESS_PETSC(PCSetUp(pc));
   PCFailedReason failed;

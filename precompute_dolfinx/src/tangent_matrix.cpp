@@ -1,8 +1,20 @@
 #include "tangent_matrix.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace phynness {
+namespace {
+
+/// The symmetric matrix without its negative eigenvalues (Teran et al. 2005, doi:10.1145/1073368.1073394).
+Eigen::MatrixXd convex_part(const Eigen::MatrixXd& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
+  if (eigen.info() != Eigen::Success || eigen.eigenvalues()[0] >= 0) return matrix;
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+         eigen.eigenvectors().transpose();
+}
+
+}  // namespace
 
 TangentMatrix::TangentMatrix(Discretization& body, const std::vector<std::int32_t>& fixed_dofs) {
   _unknown_of.assign(body.n_dofs(), 0);
@@ -58,15 +70,22 @@ TangentMatrix::TangentMatrix(Discretization& body, const std::vector<std::int32_
 
 TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<const double> state,
                                                 const Constraint& constraint,
-                                                const std::vector<std::int32_t>& prescribed) {
+                                                const std::vector<std::int32_t>& prescribed, bool convex) {
   PetscScalar* values = nullptr;
   PHYNNESS_PETSC(MatSeqAIJGetArray(_matrix, &values));
   std::fill_n(values, _column.size(), 0.0);
+  const int m = body.n_element_dofs();
+  Eigen::MatrixXd nearest;
   const auto per_cell = static_cast<std::size_t>(body.n_element_dofs()) * body.n_element_dofs();
   body.element_tangents(state, [&](std::int32_t cell, std::span<const double> element) {
     const std::int32_t* position = _position.data() + per_cell * cell;
+    const double* entry = element.data();
+    if (convex) {
+      nearest = convex_part(Eigen::Map<const Eigen::MatrixXd>(entry, m, m));
+      entry = nearest.data();
+    }
     for (std::size_t e = 0; e < per_cell; ++e)
-      if (position[e] >= 0) values[position[e]] += element[e];
+      if (position[e] >= 0) values[position[e]] += entry[e];
   });
 
   // Before the prescribed rows become the identity's, keep what they say: one row is one column, by symmetry.

@@ -31,8 +31,9 @@ class TangentMatrix {
 
   /// Assembles K(state) into matrix(), prescribed rows and columns replaced by the identity.
   /// @param prescribed  unknowns of constraint.dofs, in that order
+  /// @param convex      element tangents are replaced by their nearest positive semidefinite ones
   Coupling assemble(Discretization& body, std::span<const double> state, const Constraint& constraint,
-                    const std::vector<std::int32_t>& prescribed);
+                    const std::vector<std::int32_t>& prescribed, bool convex = false);
 
  private:
   PetscMat _matrix;
