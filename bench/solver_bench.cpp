@@ -124,13 +124,14 @@ void measure(const Options& options, const std::string& element, Scene scene, co
                                                  static_cast<double>(header.directions.size()));
       for (const int d : sample.directions[a]) {
         bool all = true;
+        SolverCounts last = solver.counts();
         solver.follow({header.directions[d]}, header.magnitudes_m, false,
                       [&](std::size_t i, const Response& response) {
                         const bool good = response.status == Status::converged;
                         ours.converged += good;
                         ours.cutbacks += response.cutbacks;
                         if (options.verbose)
-                          std::printf("node %d direction %d increment %zu: status %d, %d iterations, %d cutbacks, J %.3f, negative pivots %d\n", sample.node[a], d, i, static_cast<int>(response.status), response.iterations, response.cutbacks, response.min_jacobian, response.negative_pivots);
+                          std::printf("node %d direction %d increment %zu: status %d, %d iterations, %d cutbacks, J %.3f, negative pivots %d, %lld factorizations, %lld residuals\n", sample.node[a], d, i, static_cast<int>(response.status), response.iterations, response.cutbacks, response.min_jacobian, response.negative_pivots, static_cast<long long>(solver.counts().factorizations - last.factorizations), static_cast<long long>(solver.counts().residuals - last.residuals)), last = solver.counts();
                         all = all && good;
                         our_force.push_back(good ? response.force_N[0] : Vec3{});
                         return true;

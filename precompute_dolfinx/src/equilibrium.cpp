@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "newton_cg.hpp"
 #include "quasi_newton.hpp"
 
 namespace phynness {
@@ -46,7 +47,6 @@ struct Equilibrium::Impl {
   static PetscErrorCode test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal,
                                          SNESConvergedReason*, void*);
   static PetscErrorCode step(SNESLineSearch, void*);
-  int convex_steps = 0;
   int negative_pivots() const {
     KSP ksp;
     PC pc;
@@ -58,6 +58,9 @@ struct Equilibrium::Impl {
     PHYNNESS_PETSC(MatGetInertia(factor, &negative, nullptr, nullptr));
     return static_cast<int>(negative) - static_cast<int>(body.pressure_dofs().size());
   }
+  bool good_enough(double length, double slope, double here, double before, double after);
+  double energy_before = 0;
+  Vec start = nullptr;
   void decide(double before, double after);
   void scatter(Vec to) const;
   double worth = 0.5, price = 7;
@@ -205,7 +208,7 @@ PetscErrorCode Equilibrium::Impl::step(SNESLineSearch search, void* context) {
   PetscCall(VecNorm(f, NORM_2, &before));
   if (!self.fresh) self.quasi_newton.correct(y);
 
-  const double slope = dot(f, y);  // minus the energy's derivative along the step
+  double slope = dot(f, y);  // minus the energy's derivative along the step
   const auto finish = [&](double length, bool moved) -> PetscErrorCode {
     if (moved) {
       PetscCall(VecCopy(w, x));
@@ -245,26 +248,39 @@ PetscErrorCode Equilibrium::Impl::step(SNESLineSearch search, void* context) {
     self.decide(before, after);
     return finish(1, true);
   }
-  if (self.has_energy() && (!(slope > 0) || (!self.convex && self.negative_pivots() > 0))) {
-    if (self.convex) return give_up();
+  bool turned = false;
+  if (self.has_energy() && !self.convex && self.negative_pivots() > 0) {
     self.convex = self.refresh = true;
     return finish(0, false);
   }
+  if (self.convex) {
+    KSP ksp;
+    PetscCall(SNESGetKSP(snes, &ksp));
+    const auto cg = newton_cg(ksp, self.tangent.exact(), f, y);
+    self.counts.substitutions += cg.iterations;
+    turned = cg.negative_curvature;
+    slope = dot(f, y);
+    if (!(slope > 0)) return give_up();
+  }
+  self.energy_before = std::numeric_limits<double>::quiet_NaN();
+  self.start = x;
   double low = 0, high = std::numeric_limits<double>::infinity(), low_slope = slope, high_slope = 0, length = 1;
   for (int trial = 0; trial < 20; ++trial) {
     PetscCall(try_length(length, finite));
     const double here = finite && self.has_energy() ? dot(g, y) : 0;
-    const bool shorter = finite && after <= (1 - 1e-4 * length) * before;
-    if (shorter || (finite && self.has_energy() && here > -0.9 * slope)) {
+    if (finite && self.good_enough(length, slope, here, before, after)) {
       // Still going down as steeply as at the start: the energy has no valley near, go on further.
-      if (self.has_energy() && self.convex && here > 0.9 * slope && length < 100 && !std::isfinite(high)) {
+      if (turned && here > 0.5 * slope && length < 100 && !std::isfinite(high)) {
         low = length;
         low_slope = here;
         length *= 2;
         continue;
       }
-      if (after < 0.95 * before || ++self.convex_steps % 4 == 0) self.convex = false;
-      self.decide(before, after);
+      if (self.convex)
+        self.refresh = true;
+      else
+        self.decide(before, after);
+      self.convex = turned;
       return finish(length, true);
     }
     high = length;
@@ -278,6 +294,22 @@ PetscErrorCode Equilibrium::Impl::step(SNESLineSearch search, void* context) {
     return finish(0, false);
   }
   return give_up();
+}
+
+/// May a Newton step end here?
+bool Equilibrium::Impl::good_enough(double length, double slope, double here, double before, double after) {
+  if (!has_energy()) return after <= (1 - 1e-4 * length) * before;
+  if (std::abs(here) <= 0.5 * slope) return true;
+  const double energy = body.energy(state);
+  if (std::isnan(energy_before)) {
+    const auto moved = state;
+    gather(start);
+    energy_before = body.energy(state);
+    state = moved;
+  }
+  // Where the energy cannot resolve the step any more, the residual can.
+  if (slope * length < 1e-9 * std::abs(energy_before)) return after <= (1 - 1e-4 * length) * before;
+  return energy <= energy_before - 1e-4 * length * slope;
 }
 
 /// Is another tangent worth its price? It costs as much as `price` cheap steps, and squares the error.
@@ -409,6 +441,47 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   }
   return out;
 }
+
+Eigen::VectorXd Equilibrium::velocity(std::span<const double> state, const Eigen::VectorXd& direction,
+                                      Eigen::VectorXd guess) {
+  auto& s = *_impl;
+  const Eigen::VectorXd prescribed = s.constraint.G * direction;
+  for (std::size_t i = 0; i < s.constraint.dofs.size(); ++i)
+    guess[s.constraint.dofs[i]] = prescribed[static_cast<Eigen::Index>(i)];
+  const Eigen::Map<const Eigen::VectorXd> x0(state.data(), static_cast<Eigen::Index>(state.size()));
+  // K guess by a central difference: its error falls with the square of the step, rounding rises with its
+  // inverse; a hundred-thousandth of the body leaves about ten digits of both.
+  const double epsilon = 1e-5 / guess.lpNorm<Eigen::Infinity>();
+  std::vector<double> forward;
+  for (const double sign : {1.0, -1.0}) {
+    Eigen::Map<Eigen::VectorXd>(s.state.data(), x0.size()) = x0 + sign * epsilon * guess;
+    s.evaluate_residual();
+    if (sign > 0) forward = s.residual;
+  }
+  PetscScalar* values = nullptr;
+  PHYNNESS_PETSC(VecGetArray(s.r, &values));
+  for (int i = 0; i < s.tangent.n_unknowns(); ++i) {
+    const auto dof = s.tangent.dof_of()[i];
+    values[i] = s.is_free[dof] ? (forward[dof] - s.residual[dof]) / (2 * epsilon) : 0.0;
+  }
+  PHYNNESS_PETSC(VecRestoreArray(s.r, &values));
+  KSP ksp;
+  PHYNNESS_PETSC(SNESGetKSP(s.snes, &ksp));
+  PHYNNESS_PETSC(KSPSetReusePreconditioner(ksp, PETSC_TRUE));
+  PHYNNESS_PETSC(KSPSolve(ksp, s.r, s.x));
+  ++s.counts.substitutions;
+  s.quasi_newton.apply(s.x);
+  const PetscScalar* correction = nullptr;
+  PHYNNESS_PETSC(VecGetArrayRead(s.x, &correction));
+  for (int i = 0; i < s.tangent.n_unknowns(); ++i) {
+    const auto dof = s.tangent.dof_of()[i];
+    if (s.is_free[dof]) guess[dof] -= correction[i];
+  }
+  PHYNNESS_PETSC(VecRestoreArrayRead(s.x, &correction));
+  return guess;
+}
+
+int Equilibrium::negative_pivots() const { return _impl->negative_pivots(); }
 
 Eigen::VectorXd Equilibrium::force(std::span<const double> state) {
   auto& s = *_impl;

@@ -9,6 +9,16 @@ void QuasiNewton::clear() {
   _y.resize(0);
 }
 
+void QuasiNewton::apply(Vec vector) const {
+  PetscInt n = 0;
+  PetscScalar* values = nullptr;
+  PHYNNESS_PETSC(VecGetLocalSize(vector, &n));
+  PHYNNESS_PETSC(VecGetArray(vector, &values));
+  Eigen::Map<Eigen::VectorXd> y(values, n);
+  for (const auto& update : _updates) y += update.s.dot(y) * update.u;
+  PHYNNESS_PETSC(VecRestoreArray(vector, &values));
+}
+
 void QuasiNewton::correct(Vec vector) {
   PetscInt n = 0;
   PetscScalar* values = nullptr;

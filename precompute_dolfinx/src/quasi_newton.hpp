@@ -14,6 +14,8 @@ class QuasiNewton {
  public:
   /// Forgets all steps: H is what was factorized.
   void clear();
+  /// Uses the steps so far, but learns nothing: for other right-hand sides.
+  void apply(Vec y) const;
   /// @param y  on entry the substitution with the factors, on return H r
   void correct(Vec y);
   /// The step just taken.

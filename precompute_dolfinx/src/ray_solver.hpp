@@ -7,19 +7,9 @@
 #include <vector>
 
 #include "equilibrium.hpp"
+#include "path.hpp"
 
 namespace phynness {
-
-/// A converged state on the path, without dimension.
-struct PathPoint {
-  double s = 0;               ///< path parameter: q = s * direction
-  std::vector<double> state;  ///< n_dofs
-  Eigen::VectorXd velocity;   ///< dx/ds, n_dofs
-  Eigen::VectorXd force;      ///< n_parameters
-  Eigen::MatrixXd tangent;    ///< n_parameters^2 if all of it was asked for, else empty
-  double energy = 0, min_jacobian = 1;
-  int negative_pivots = 0;
-};
 
 struct PathStep {
   Status status = Status::converged;
@@ -51,11 +41,9 @@ class RaySolver {
               const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take);
 
  private:
-  /// Tries to go from `from` to parameter s; `to` is complete only if converged.
-  PathStep advance(const PathPoint* before, const PathPoint& from, const Eigen::VectorXd& direction, double s,
-                   bool all_tangents, PathPoint& to);
-  std::vector<double> predict(const PathPoint* before, const PathPoint& from,
-                              const Eigen::VectorXd& direction, double s, bool curved) const;
+  /// Tries to go from the last point of `path` to parameter s; `to` is complete only if converged.
+  PathStep advance(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
+                   PathPoint& to);
 
   Discretization& _body;
   Equilibrium& _equilibrium;

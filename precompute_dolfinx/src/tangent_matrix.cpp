@@ -1,17 +1,29 @@
 #include "tangent_matrix.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
 namespace phynness {
 namespace {
 
-/// The symmetric matrix without its negative eigenvalues (Teran et al. 2005, doi:10.1145/1073368.1073394).
-Eigen::MatrixXd convex_part(const Eigen::MatrixXd& matrix) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
-  if (eigen.info() != Eigen::Success || eigen.eigenvalues()[0] >= 0) return matrix;
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
-         eigen.eigenvectors().transpose();
+/// Without its negative eigenvalues (Teran et al. 2005, doi:10.1145/1073368.1073394).
+/// @return true if there were any
+template <typename Matrix>
+bool make_convex(Matrix& matrix) {
+  // A Cholesky factorization costs a twentieth of the eigenvalues. The shift lets rigid motions pass, whose
+  // eigenvalues are zero to rounding.
+  Matrix shifted = matrix;
+  shifted.diagonal().array() += 1e-9 * matrix.trace();
+  if (Eigen::LLT<Matrix>(shifted).info() == Eigen::Success) return false;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(matrix);
+  if (eigen.info() != Eigen::Success || eigen.eigenvalues()[0] >= 0) return false;
+  Eigen::Index n = 0;
+  while (n < matrix.rows() && eigen.eigenvalues()[n] < 0) ++n;
+  // Usually few: subtract them.
+  matrix -= eigen.eigenvectors().leftCols(n) * eigen.eigenvalues().head(n).asDiagonal() *
+            eigen.eigenvectors().leftCols(n).transpose();
+  return true;
 }
 
 }  // namespace
@@ -71,21 +83,34 @@ TangentMatrix::TangentMatrix(Discretization& body, const std::vector<std::int32_
 TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<const double> state,
                                                 const Constraint& constraint,
                                                 const std::vector<std::int32_t>& prescribed, bool convex) {
-  PetscScalar* values = nullptr;
-  PHYNNESS_PETSC(MatSeqAIJGetArray(_matrix, &values));
+  PetscScalar *values = nullptr, *convex_values = nullptr;
+  if (convex && !_exact) PHYNNESS_PETSC(MatDuplicate(_matrix, MAT_DO_NOT_COPY_VALUES, _exact.address()));
+  PHYNNESS_PETSC(MatSeqAIJGetArray(convex ? _exact : _matrix, &values));
   std::fill_n(values, _column.size(), 0.0);
+  if (convex) {
+    PHYNNESS_PETSC(MatSeqAIJGetArray(_matrix, &convex_values));
+    std::fill_n(convex_values, _column.size(), 0.0);
+  }
+  using Fixed = Eigen::Matrix<double, 12, 12>;
   const int m = body.n_element_dofs();
+  Fixed linear;
   Eigen::MatrixXd nearest;
-  const auto per_cell = static_cast<std::size_t>(body.n_element_dofs()) * body.n_element_dofs();
+  const auto per_cell = static_cast<std::size_t>(m) * m;
   body.element_tangents(state, [&](std::int32_t cell, std::span<const double> element) {
     const std::int32_t* position = _position.data() + per_cell * cell;
+    for (std::size_t e = 0; e < per_cell; ++e)
+      if (position[e] >= 0) values[position[e]] += element[e];
+    if (!convex) return;
     const double* entry = element.data();
-    if (convex) {
-      nearest = convex_part(Eigen::Map<const Eigen::MatrixXd>(entry, m, m));
-      entry = nearest.data();
+    if (m == 12) {
+      linear = Eigen::Map<const Fixed>(entry);
+      if (make_convex(linear)) entry = linear.data();
+    } else {
+      nearest = Eigen::Map<const Eigen::MatrixXd>(entry, m, m);
+      if (make_convex(nearest)) entry = nearest.data();
     }
     for (std::size_t e = 0; e < per_cell; ++e)
-      if (position[e] >= 0) values[position[e]] += entry[e];
+      if (position[e] >= 0) convex_values[position[e]] += entry[e];
   });
 
   // Before the prescribed rows become the identity's, keep what they say: one row is one column, by symmetry.
@@ -104,16 +129,26 @@ TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<
         coupling.columns.row(j) += values[k] * g;
     }
   }
+  prescribe(values, prescribed);
+  PHYNNESS_PETSC(MatSeqAIJRestoreArray(convex ? _exact : _matrix, &values));
+  if (convex) {
+    prescribe(convex_values, prescribed);
+    PHYNNESS_PETSC(MatSeqAIJRestoreArray(_matrix, &convex_values));
+    PHYNNESS_PETSC(MatAssemblyBegin(_exact, MAT_FINAL_ASSEMBLY));
+    PHYNNESS_PETSC(MatAssemblyEnd(_exact, MAT_FINAL_ASSEMBLY));
+  }
+  PHYNNESS_PETSC(MatAssemblyBegin(_matrix, MAT_FINAL_ASSEMBLY));
+  PHYNNESS_PETSC(MatAssemblyEnd(_matrix, MAT_FINAL_ASSEMBLY));
+  return coupling;
+}
+
+void TangentMatrix::prescribe(PetscScalar* values, const std::vector<std::int32_t>& prescribed) const {
   for (const auto c : prescribed)
     for (auto k = _row_start[c]; k < _row_start[c + 1]; ++k) {
       const double identity = _column[k] == c ? 1.0 : 0.0;
       values[k] = identity;
       values[_transposed[k]] = identity;
     }
-  PHYNNESS_PETSC(MatSeqAIJRestoreArray(_matrix, &values));
-  PHYNNESS_PETSC(MatAssemblyBegin(_matrix, MAT_FINAL_ASSEMBLY));
-  PHYNNESS_PETSC(MatAssemblyEnd(_matrix, MAT_FINAL_ASSEMBLY));
-  return coupling;
 }
 
 }  // namespace phynness

@@ -22,6 +22,8 @@ class TangentMatrix {
   const std::vector<std::int32_t>& dof_of() const { return _dof_of; }
   const std::vector<std::int32_t>& unknown_of() const { return _unknown_of; }
   Mat matrix() const { return _matrix; }
+  /// K(state) as it is, after an assembly that made matrix() convex.
+  Mat exact() const { return _exact; }
 
   /// What the prescribed unknowns contributed before their rows and columns became the identity's.
   struct Coupling {
@@ -31,12 +33,15 @@ class TangentMatrix {
 
   /// Assembles K(state) into matrix(), prescribed rows and columns replaced by the identity.
   /// @param prescribed  unknowns of constraint.dofs, in that order
-  /// @param convex      element tangents are replaced by their nearest positive semidefinite ones
+  /// @param convex      matrix() is made of the nearest positive semidefinite element tangents; exact() of the true
+  /// ones
   Coupling assemble(Discretization& body, std::span<const double> state, const Constraint& constraint,
                     const std::vector<std::int32_t>& prescribed, bool convex = false);
 
  private:
-  PetscMat _matrix;
+  void prescribe(PetscScalar* values, const std::vector<std::int32_t>& prescribed) const;
+
+  PetscMat _matrix, _exact;
   std::vector<std::int32_t> _dof_of, _unknown_of;
   std::vector<PetscInt> _row_start, _column;
   std::vector<std::int32_t>
