@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace phynness {
 
@@ -21,14 +22,20 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
   const auto& constraint = _equilibrium.constraint();
   const Eigen::VectorXd prescribed = constraint.G * (s * direction);
   Prediction predicted;
+  double lowest = std::numeric_limits<double>::infinity();
   for (int k = path.n_points(s); k >= 1; --k) {
-    predicted = path.predict(k, s);
+    auto candidate = path.predict(k, s);
     // Prescribed dofs are what the path says, to the last bit.
     for (std::size_t i = 0; i < constraint.dofs.size(); ++i)
-      predicted.state[constraint.dofs[i]] = prescribed[static_cast<Eigen::Index>(i)];
-    to.state.assign(predicted.state.begin(), predicted.state.end());
-    if (!check_J || _body.min_jacobian(to.state) > 0) break;
+      candidate.state[constraint.dofs[i]] = prescribed[static_cast<Eigen::Index>(i)];
+    to.state.assign(candidate.state.begin(), candidate.state.end());
+    const double energy = _body.energy(to.state);
+    if (k > 1 && !(energy < lowest)) continue;
+    if (k == 1 && !(energy < lowest) && predicted.state.size() > 0) continue;
+    lowest = energy;
+    predicted = std::move(candidate);
   }
+  to.state.assign(predicted.state.begin(), predicted.state.end());
 
   to.s = s;
   PathStep step;
