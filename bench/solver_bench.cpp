@@ -94,6 +94,8 @@ void measure(const Options& options, const std::string& element, Scene scene, co
 
   Tally plain, ours;
   std::vector<Vec3> plain_force, our_force;  // 0 where not converged
+  std::vector<double> plain_ray_ms, our_ray_ms;
+  std::vector<char> plain_full;
   if (options.plain) {
     bench::PlainLoop loop(scene, mesh, sets);
     const double start = cpu_ms();
@@ -101,13 +103,16 @@ void measure(const Options& options, const std::string& element, Scene scene, co
       for (const int d : sample.directions[a]) {
         Vec3 depth = header.directions[d];
         for (auto& x : depth) x *= header.magnitudes_m.back();
+        const double before = cpu_ms();
         const auto states = loop.ray(sample.node[a], depth, n);
+        plain_ray_ms.push_back(cpu_ms() - before);
         for (const auto& state : states) plain.converged += state.converged;
         for (int i = 0; i < n; ++i)
           plain_force.push_back(i < static_cast<int>(states.size()) ? states[i].force_N : Vec3{});
         plain.tried += n;
         ++plain.rays;
-        plain.full_rays += states.back().converged && static_cast<int>(states.size()) == n;
+        plain_full.push_back(states.back().converged && static_cast<int>(states.size()) == n);
+        plain.full_rays += plain_full.back();
       }
     plain.cpu_ms = cpu_ms() - start;
     plain.counts = loop.counts();
@@ -125,6 +130,7 @@ void measure(const Options& options, const std::string& element, Scene scene, co
       for (const int d : sample.directions[a]) {
         bool all = true;
         SolverCounts last = solver.counts();
+        const double ray_start = cpu_ms();
         solver.follow({header.directions[d]}, header.magnitudes_m, false,
                       [&](std::size_t i, const Response& response) {
                         const bool good = response.status == Status::converged;
@@ -136,6 +142,7 @@ void measure(const Options& options, const std::string& element, Scene scene, co
                         our_force.push_back(good ? response.force_N[0] : Vec3{});
                         return true;
                       });
+        our_ray_ms.push_back(cpu_ms() - ray_start);
         ours.tried += n;
         ++ours.rays;
         ours.full_rays += all;
@@ -170,7 +177,17 @@ void measure(const Options& options, const std::string& element, Scene scene, co
   std::printf("  ratio %.2f; rays to full depth %d and %d of %d; forces of %d common states agree to %.1e, %d are "
               "other equilibria\n",
               ratio, plain.full_rays, ours.full_rays, ours.rays, compared, worst, elsewhere);
+  double plain_common = 0, our_common = 0;
+  for (std::size_t r = 0; r < plain_full.size(); ++r)
+    if (plain_full[r]) {
+      plain_common += plain_ray_ms[r];
+      our_common += our_ray_ms[r];
+    }
+  std::printf("  on the %d rays that the plain loop brings to full depth: %.2f and %.2f ms per increment, ratio %.2f\n",
+              plain.full_rays, plain_common / std::max(1, plain.full_rays * n),
+              our_common / std::max(1, plain.full_rays * n), our_common > 0 ? plain_common / our_common : 0.0);
   const auto key = key_of(element);
+  if (our_common > 0) json["cpu_ratio_easy_rays_" + key] = plain_common / our_common;
   json["cpu_ratio_" + key] = ratio;
   json["cpu_ms_per_increment_" + key] = ours.per_increment(ours.cpu_ms);
   json["cpu_ms_per_increment_" + key + "_plain"] = plain.per_increment(plain.cpu_ms);

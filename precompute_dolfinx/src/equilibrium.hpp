@@ -34,6 +34,7 @@ class Equilibrium {
     Status status = Status::converged;
     int iterations = 0;
     double relative_residual = 0;  ///< |free rows| / |reactions|
+    Eigen::VectorXd force;         ///< G^T r_c, n_parameters, if converged
   };
   /// Newton from `state`, whose prescribed dofs hold their values already. On failure `state` is left as it
   /// was. Converged: |free rows of r - load| <= relative_tolerance * (|reactions| + |load|), Euclidean norms,

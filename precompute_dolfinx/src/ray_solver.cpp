@@ -43,6 +43,7 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
   step.status = outcome.status;
   step.iterations = outcome.iterations;
   if (step.status != Status::converged) return step;
+  to.force = outcome.force;
   to.min_jacobian = _body.min_jacobian(to.state);
   if (check_J && !(to.min_jacobian > 0)) {
     step.status = Status::inverted;
@@ -69,7 +70,6 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
       return step;
     }
   }
-  to.force = _equilibrium.force(to.state);
   to.energy = _body.energy(to.state);
   return step;
 }

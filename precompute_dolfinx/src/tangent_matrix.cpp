@@ -14,7 +14,7 @@ bool make_convex(Matrix& matrix) {
   // A Cholesky factorization costs a twentieth of the eigenvalues. The shift lets rigid motions pass, whose
   // eigenvalues are zero to rounding.
   Matrix shifted = matrix;
-  shifted.diagonal().array() += 1e-9 * matrix.trace();
+  shifted.diagonal().array() += 1e-3 * matrix.trace();
   if (Eigen::LLT<Matrix>(shifted).info() == Eigen::Success) return false;
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(matrix);
   if (eigen.info() != Eigen::Success || eigen.eigenvalues()[0] >= 0) return false;
