@@ -27,7 +27,7 @@ struct PlainLoop::Impl {
     const auto n = static_cast<PetscInt>(body.n_dofs());
     state.assign(body.n_dofs(), 0.0);
     residual.assign(body.n_dofs(), 0.0);
-    PHYNNESS_PETSC(MatCreateSeqAIJ(PETSC_COMM_SELF, n, n, 300, nullptr, matrix.address()));
+    PHYNNESS_PETSC(MatCreateSeqAIJ(PETSC_COMM_SELF, n, n, 900, nullptr, matrix.address()));
     PHYNNESS_PETSC(MatSetOption(matrix, MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE));
     PHYNNESS_PETSC(VecCreateSeq(PETSC_COMM_SELF, n, x.address()));
     PHYNNESS_PETSC(VecDuplicate(x, r.address()));

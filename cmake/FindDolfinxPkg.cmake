@@ -41,6 +41,13 @@ target_compile_definitions(phynness_dolfinx INTERFACE
   DOLFINX_VERSION="${DOLFINX_VERSION}" PHYNNESS_DOLFINX=${DOLFINX_VERSION_NUMBER} OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
 message(STATUS "dolfinx ${DOLFINX_VERSION}, PETSc ${PETSC_VERSION}, ffcx include ${UFCX_INCLUDE_DIR}")
 
+option(PHYNNESS_NATIVE_KERNELS "Element kernels for this machine's processor: 10 to 20 % less time, runs on no older one" OFF)
+# NaN must stay NaN: it is how J <= 0 is noticed.
+set(PHYNNESS_KERNEL_OPTIONS -O2)
+if(PHYNNESS_NATIVE_KERNELS)
+  set(PHYNNESS_KERNEL_OPTIONS -O3 -march=native -ffast-math -fno-finite-math-only)
+endif()
+
 # phynness_compile_forms(TARGET file.py ...): each UFL file becomes C by ffcx and joins TARGET; headers by file name.
 function(phynness_compile_forms target)
   set(generated "${CMAKE_CURRENT_BINARY_DIR}/forms")
@@ -55,7 +62,7 @@ function(phynness_compile_forms target)
       DEPENDS "${form}" "${mechanics}/mechanics.py"
       COMMENT "ffcx ${name}" VERBATIM)
     target_sources(${target} PRIVATE "${generated}/${name}.c")
-    set_source_files_properties("${generated}/${name}.c" PROPERTIES COMPILE_OPTIONS "-O2;-w" SKIP_LINTING ON)
+    set_source_files_properties("${generated}/${name}.c" PROPERTIES COMPILE_OPTIONS "${PHYNNESS_KERNEL_OPTIONS};-w" SKIP_LINTING ON)
   endforeach()
   target_include_directories(${target} PRIVATE "${generated}")
 endfunction()

@@ -71,10 +71,15 @@ def mixed(discretization, shape, coupling, stabilization=None):
     w = Coefficient(element)
     u, p = split(w)
     F = I + grad(u)
-    density = shape(F) + coupling(F, p)
-    if stabilization is not None:
-        density -= stabilization(F, p)
-    energy = density * dx(metadata={"quadrature_degree": degree})
+    pointwise, constant = coupling(F, p), None
+    if stabilization is None:
+        pointwise += shape(F)
+    else:
+        # Equal order is linear: gradients are constant in a cell, and only p wants more than one point.
+        constant = shape(F) - stabilization(F, p)
+    energy = pointwise * dx(metadata={"quadrature_degree": degree})
+    if constant is not None:
+        energy += constant * dx(metadata={"quadrature_degree": 1})
     return (*_chain(energy, w, element), (det(F), _points(degree)))
 
 

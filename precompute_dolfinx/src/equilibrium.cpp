@@ -285,7 +285,7 @@ PetscErrorCode Equilibrium::Impl::step(SNESLineSearch search, void* context) {
   self.energy_before = std::numeric_limits<double>::quiet_NaN();
   self.start = x;
   double low = 0, high = std::numeric_limits<double>::infinity(), low_slope = slope, high_slope = 0, length = 1;
-  for (int trial = 0; trial < 20; ++trial) {
+  for (int trial = 0; trial < (self.has_energy() ? 20 : 6); ++trial) {
     PetscCall(try_length(length, finite));
     const double here = finite && self.has_energy() ? dot(g, y) : 0;
     if (finite && self.good_enough(length, slope, here, before, after)) {

@@ -21,6 +21,8 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
   const bool check_J = _body.forms().checks_jacobian;
   const auto& constraint = _equilibrium.constraint();
   const Eigen::VectorXd prescribed = constraint.G * (s * direction);
+  // More points see more of the path's curvature, and more of the noise where the path jumps. The energy tells which
+  // happened; mixed elements are saddle points, for them only J can veto.
   Prediction predicted;
   double lowest = std::numeric_limits<double>::infinity();
   for (int k = path.n_points(s); k >= 1; --k) {
@@ -29,11 +31,16 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
     for (std::size_t i = 0; i < constraint.dofs.size(); ++i)
       candidate.state[constraint.dofs[i]] = prescribed[static_cast<Eigen::Index>(i)];
     to.state.assign(candidate.state.begin(), candidate.state.end());
-    const double energy = _body.energy(to.state);
-    if (k > 1 && !(energy < lowest)) continue;
-    if (k == 1 && !(energy < lowest) && predicted.state.size() > 0) continue;
-    lowest = energy;
-    predicted = std::move(candidate);
+    const bool mixed = !_body.pressure_dofs().empty();
+    const double energy = !mixed ? _body.energy(to.state)
+                          : check_J && !(_body.min_jacobian(to.state) > 0)
+                              ? std::numeric_limits<double>::infinity()
+                              : 0;
+    if (k == 1 ? energy < lowest || predicted.state.size() == 0 : energy < lowest) {
+      lowest = energy;
+      predicted = std::move(candidate);
+    }
+    if (mixed && lowest == 0) break;
   }
   to.state.assign(predicted.state.begin(), predicted.state.end());
 

@@ -51,7 +51,7 @@ enum class Element { p1, p2, taylor_hood, p1_p1 };
 struct SolverSpec {
   Element element = Element::p1;
   double relative_tolerance = 1e-8;  ///< |free residual| / |reactions|
-  int max_iterations = 25;
+  int max_iterations = 40;
   int max_cutbacks = 6;              ///< an increment is cut to at most 2^-max_cutbacks of its length
 };
 
