@@ -44,7 +44,7 @@ void print_ranks(const PrecomputeReport& report) {
   fmt::print(
       "{} of set-up, {} of solving, {} of packing; ranks idle {:.1f} % of solving; peak memory {} a rank\n",
       duration(report.setup_seconds), duration(report.solve_seconds), duration(report.pack_seconds),
-      100 * idle / std::max(idle + busy, 1e-9), bytes(most_memory));
+      report.rays > 0 ? 100 * idle / (idle + busy) : 0.0, bytes(most_memory));
   if (report.ranks.size() < 2) return;
   if (report.ranks.size() <= few) {
     fmt::print("{:>6} {:>8} {:>10} {:>10} {:>12}\n", "rank", "rays", "busy s", "idle s", "peak memory");
