@@ -1,7 +1,8 @@
 // Claim: kill -9 at any moment, of one process, one rank of several or all of them, of a run or of a shard,
 // loses nothing that was finished: resumed as often as it takes, it ends at the database of an uninterrupted
-// run, to the last bit. Moments are drawn over the whole length of a run, its start and its packing included.
-// How many runs a database takes depends on the machine; that it is the same database does not.
+// run, to the last bit. Half of the moments are drawn over the whole length of a run, its start and its
+// packing included, half from the first ray that it finishes. How many runs a database takes depends on the
+// machine; that it is the same database does not.
 #include <fcntl.h>
 #include <spawn.h>
 
@@ -27,7 +28,7 @@ class Killed : public CommandLine {
 
   void SetUp() override {
     CommandLine::SetUp();
-    auto text = small_scene("P1", 6);
+    auto text = small_scene("P1", 12);
     text.replace(text.find("0.025"), 5, "0.05");  // 30 nodes: a run takes about as long as its start
     write_file(folder / "scene.toml", text);
     std::printf("seed %u\n", seed);
@@ -68,13 +69,27 @@ class Killed : public CommandLine {
     return children;
   }
 
+  /// More than three logs hold before their first ray.
+  static constexpr std::uintmax_t opening_bytes = 300;
+  static std::uintmax_t bytes_logged(const std::filesystem::path& database) {
+    std::uintmax_t sum = 0;
+    std::error_code code;
+    std::filesystem::directory_iterator log(database.string() + ".log", code);
+    while (!code && log != std::filesystem::directory_iterator()) {
+      const auto size = log->file_size(code);
+      if (!code) sum += size;
+      log.increment(code);
+    }
+    return sum;
+  }
+
   /// Runs the command with --resume and kills it, again and again, until `kills` have struck; whenever it has
   /// come to its end in spite of that, `finished` looks at the result and clears it away.
   template <class Kill, class Finished>
   void torment(const std::vector<std::string>& command, const std::filesystem::path& database, int kills,
                Kill&& kill_it, Finished&& finished) {
     std::mt19937 random(seed);
-    double longest_s = 1.0;
+    double length_s = 0;  // of the first run, which nobody kills
     bool begun = false;
     std::int64_t logged = 0;  // rays that were finished before this run
     int while_solving = 0, databases = 0;
@@ -85,12 +100,18 @@ class Killed : public CommandLine {
       const auto start_time = Clock::now();
       const pid_t child = start(command);
       int status = 0;
-      if (struck < kills) {
-        const double delay_s = std::uniform_real_distribution<>(0, longest_s)(random);
-        const auto moment = start_time + std::chrono::duration<double>(delay_s);
+      if (struck < kills && length_s > 0) {
+        const bool whole_length = random() % 2 == 0;
+        std::uniform_real_distribution<> delay_s(0, whole_length ? length_s : length_s / 3);
+        const auto delay = std::chrono::duration<double>(delay_s(random));
+        const auto old_bytes = bytes_logged(database);
+        std::optional<Clock::time_point> from;
+        if (whole_length) from = start_time;
         pid_t ended = 0;
-        while ((ended = waitpid(child, &status, WNOHANG)) == 0 && Clock::now() < moment)
+        while ((ended = waitpid(child, &status, WNOHANG)) == 0 && !(from && Clock::now() >= *from + delay)) {
+          if (!from && bytes_logged(database) > old_bytes + opening_bytes) from = Clock::now();
           std::this_thread::sleep_for(std::chrono::microseconds(500));
+        }
         if (ended == 0) {
           kill_it(child, random);
           status = wait_for(child);
@@ -100,7 +121,7 @@ class Killed : public CommandLine {
       }
       begun = true;
       if (ended_well(status)) {
-        longest_s = std::max(0.05, std::chrono::duration<double>(Clock::now() - start_time).count());
+        length_s = std::chrono::duration<double>(Clock::now() - start_time).count();
         finished();
         if (HasFailure()) return;
         begun = false;
