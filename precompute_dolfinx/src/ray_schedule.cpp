@@ -21,8 +21,9 @@ std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<
 
 std::vector<std::int64_t> ray_tasks(const std::vector<RayIndex>& rays, int n_ranks) {
   const auto n = static_cast<std::int64_t>(rays.size());
-  // Half of an even share: an unlucky last task of a rank is then small beside what the others still have.
-  const std::int64_t shares = 2 * std::int64_t{n_ranks};
+  // An even share: half of one, as for loops whose parts cost nothing to begin, ends no sooner, as each task
+  // may touch its node anew.
+  const std::int64_t shares = n_ranks;
   std::vector<std::int64_t> starts{0};
   while (starts.back() < n) {
     const auto begin = starts.back();
