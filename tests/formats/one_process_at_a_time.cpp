@@ -5,15 +5,21 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstring>
+#include <functional>
+#include <optional>
 #include <phynness/formats/database_lock.hpp>
+#include <utility>
 
 #include "database_under_test.hpp"
 
 namespace {
 int flock_error = 0;
-}
-/// Stands before the C library's, so that a test can play a file system without locks.
+std::function<void()> before_locking;
+}  // namespace
+/// Stands before the C library's, so that a test can play a file system without locks, or another process.
 extern "C" int flock(int file, int operation) {
+  if (before_locking) std::exchange(before_locking, {})();
   if (flock_error == 0) return static_cast<int>(::syscall(SYS_flock, file, operation));
   errno = flock_error;
   return -1;
@@ -66,6 +72,14 @@ TEST_F(Lock, survives_packing_and_does_not_take_the_next_holders) {
   const DatabaseLock second(file);
   first.reset();
   refusal([&] { DatabaseLock third(file); });
+}
+
+TEST_F(Lock, that_its_last_holder_took_away_is_not_held) {
+  // Between opening and locking, the holder removes the file and goes: a lock on it would keep nobody off.
+  before_locking = [&] { fs::remove_all(log); };
+  const DatabaseLock lock(file);
+  EXPECT_TRUE(fs::exists(log / "lock"));
+  refusal([&] { DatabaseLock second(file); });
 }
 
 TEST_F(Lock, missing_in_the_file_system_is_a_warning) {
