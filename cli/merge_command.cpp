@@ -57,8 +57,9 @@ Error rays_missing(const Options& options, const MergeReport& report) {
   line = 0;
   for (const auto& [index, count] : rays_of_shard) {
     if (line++ == most_lines) break;
-    remedy += fmt::format("\n    phynness precompute SCENE -o {} --shard {}/{} --resume   ({} rays)",
-                          options.output.string(), index, report.missing.front().owner->count, count);
+    remedy += fmt::format("\n    phynness precompute SCENE -o {} --shard {}/{} --resume   ({} ray{})",
+                          options.output.string(), index, report.missing.front().owner->count, count,
+                          count == 1 ? "" : "s");
   }
   if (rays_of_shard.size() > most_lines)
     remedy +=

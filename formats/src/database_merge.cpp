@@ -14,13 +14,14 @@ namespace fs = std::filesystem;
 namespace dl = database_log;
 
 DatabaseHeader header_of_unfinished(const fs::path& shard) {
+  auto header = read_database_header(shard);
   if (Database::is_complete(shard))
     throw input_error("the database is finished already, there is nothing to merge", shard.string(),
                       "give the shards only");
   if (const auto holder = DatabaseLock::holder(shard); !holder.empty())
     throw input_error("the shard " + shard.string() + " is still being computed", holder,
                       "wait for it to end, or stop it, then merge again");
-  return read_database_header(shard);
+  return header;
 }
 
 }  // namespace

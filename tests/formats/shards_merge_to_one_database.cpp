@@ -108,6 +108,22 @@ TEST_F(Shards, a_damaged_shard_loses_its_damaged_rays_only) {
   EXPECT_EQ(report.missing[0].owner, (Shard{1, 2}));
 }
 
+TEST_F(Shards, whose_file_is_damaged_are_mended_from_their_logs) {
+  const auto header = small_header(false);
+  const std::vector<fs::path> shards{write_shard(header, 0, 2), write_shard(header, 1, 2)};
+  const auto merged = folder() / "merged.h5";
+  auto bytes = bytes_of(shards[1]);
+  bytes.resize(bytes.size() / 2);
+  write_bytes(shards[1], bytes);
+  expect_contains(refusal([&] { merge_shards(shards, merged); }),
+                  {shards[1].c_str(), "delete the file, not the folder", "--resume"});
+  fs::remove(shards[1]);
+  auto again = header;
+  again.shard = Shard{1, 2};
+  DatabaseWriter::create(shards[1], again, true);
+  EXPECT_TRUE(merge_shards(shards, merged).missing.empty());
+}
+
 TEST_F(Shards, of_other_work_are_refused_with_what_differs) {
   const auto header = small_header(false);
   const auto first = write_shard(header, 0, 2);
