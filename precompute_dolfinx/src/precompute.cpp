@@ -26,6 +26,18 @@ double peak_memory_bytes() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
+/// CPU time of stretches of work. What lies between them is waiting for other ranks, which MPI does at full
+/// speed.
+class WorkClock {
+ public:
+  void start() { _start = cpu_seconds(); }
+  void stop() { _seconds += cpu_seconds() - _start; }
+  double seconds() const { return _seconds; }
+
+ private:
+  double _start = 0, _seconds = 0;
+};
+
 /// Rays along a direction that pulls are not asked for in a scene that only presses.
 class Requested {
  public:
@@ -119,7 +131,8 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
                             const NodeSets& sets, const PrecomputeTarget& target,
                             const PrecomputeProgress& progress, const std::function<bool()>& stop) {
   const auto start = Clock::now();
-  const double cpu_start = cpu_seconds();
+  WorkClock core;
+  core.start();
   auto header = database_header(scene, mesh, sets);
   header.shard = target.shard;
 
@@ -130,10 +143,12 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   session.together([&] {
     // Before there is a file: a scene that cannot be solved must not leave one behind.
     probe_solver.emplace(scene, mesh, sets);
-    if (session.rank() != 0) return;
-    DatabaseWriter::create(target.file, header, target.resume);
-    complete = Database::is_complete(target.file) ? 1 : 0;
-    logged = DatabaseWriter::logged(target.file, header);
+    if (session.rank() == 0) {
+      DatabaseWriter::create(target.file, header, target.resume);
+      complete = Database::is_complete(target.file) ? 1 : 0;
+      logged = DatabaseWriter::logged(target.file, header);
+    }
+    core.stop();
   });
   MPI_Bcast(&complete, 1, MPI_INT, 0, MPI_COMM_WORLD);
   MPI_Bcast(logged.data(), static_cast<int>(logged.size()), MPI_CHAR, 0, MPI_COMM_WORLD);
@@ -145,9 +160,9 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   const auto solve_start = Clock::now();
   Share share;
   std::exception_ptr trouble;
-  double cpu_solved = cpu_seconds();
   if (!rays.empty()) {
     WorkCounter counter(MPI_COMM_WORLD);
+    core.start();
     try {
       DatabaseWriter log(target.file, header, session.rank());
       const auto done = [&] {
@@ -160,8 +175,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
     } catch (...) {
       trouble = std::current_exception();
     }
-    // Ranks wait for each other below, and MPI waits at full speed.
-    cpu_solved = cpu_seconds();
+    core.stop();
   }
   report.solve_seconds = seconds_since(solve_start);
 
@@ -179,11 +193,10 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   report.interrupted = interrupted != 0;
   const bool packs = !interrupted && !complete && !target.shard;
   const auto pack_start = Clock::now();
-  const double cpu_pack_start = cpu_seconds();
-  double cpu_packed = cpu_pack_start;
   session.together([&] {
+    core.start();
     if (packs && session.rank() == 0) DatabaseWriter::pack(target.file, header);
-    cpu_packed = cpu_seconds();
+    core.stop();
   });
   report.pack_seconds = seconds_since(pack_start);
 
@@ -193,11 +206,10 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   report.increments = totals[1];
   report.failed = totals[2];
   report.iterations = totals[3];
-  const double core_seconds = cpu_solved - cpu_start + cpu_packed - cpu_pack_start;
-  report.core_seconds = session.sum(core_seconds);
+  report.core_seconds = session.sum(core.seconds());
   const auto figures =
       session.gather({static_cast<double>(share.rays), share.busy_seconds,
-                      report.solve_seconds - share.busy_seconds, core_seconds, peak_memory_bytes()});
+                      report.solve_seconds - share.busy_seconds, core.seconds(), peak_memory_bytes()});
   for (std::size_t i = 0; i + 4 < figures.size(); i += 5)
     report.ranks.push_back({static_cast<std::int64_t>(figures[i]), figures[i + 1], figures[i + 2],
                             figures[i + 3], figures[i + 4]});
