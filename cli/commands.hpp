@@ -16,6 +16,7 @@ using json = nlohmann::ordered_json;
 
 void add_mesh_command(CLI::App& app);
 void add_precompute_command(CLI::App& app);
+void add_merge_command(CLI::App& app);
 void add_train_command(CLI::App& app);
 void add_validate_command(CLI::App& app);
 void add_eval_command(CLI::App& app);

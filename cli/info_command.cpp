@@ -40,9 +40,20 @@ json about_database(const std::filesystem::path& file) {
     fmt::print(stderr, "warning: {}: {}; {} dropped\n", damage.log.string(), damage.reason,
                bytes(static_cast<double>(damage.dropped_bytes)));
   if (!progress.complete) {
-    fmt::print("unfinished database: {} of {} rays; go on with phynness precompute SCENE -o {} --resume\n",
-               progress.rays_logged, progress.rays_total, file.string());
-    return {{"kind", "database"},
+    if (progress.shard) {
+      const auto whole = database_of(file, *progress.shard).string();
+      fmt::print("shard {} of a database: {} of {} rays; ", progress.shard->str(), progress.rays_logged,
+                 progress.rays_total);
+      if (progress.rays_logged < progress.rays_total)
+        fmt::print("go on with phynness precompute SCENE -o {} --shard {} --resume\n", whole,
+                   progress.shard->str());
+      else
+        fmt::print("when all shards are there: phynness merge SHARD... -o {}\n", whole);
+    } else {
+      fmt::print("unfinished database: {} of {} rays; go on with phynness precompute SCENE -o {} --resume\n",
+                 progress.rays_logged, progress.rays_total, file.string());
+    }
+    return {{"kind", progress.shard ? "shard" : "database"},
             {"complete", false},
             {"rays_logged", progress.rays_logged},
             {"rays_total", progress.rays_total}};

@@ -1,6 +1,7 @@
 // phynness: the one command. Messages go to stderr; exit status 0 success, 1 failure, 2 wrong usage or input.
 #include <fmt/core.h>
 
+#include <csignal>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/version.hpp>
 
@@ -19,6 +20,8 @@ bool is_subcommand(const CLI::App& app, const std::string& word) {
 
 int main(int argc, char** argv) {
   using namespace phynness;
+  // A file larger than the process's limit is then a failed write, reported like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
   CLI::App app{
       "Precomputes the response of soft bodies with finite elements, condenses it into networks, and checks "
       "what\n"
@@ -28,6 +31,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   cli::add_mesh_command(app);
   cli::add_precompute_command(app);
+  cli::add_merge_command(app);
   cli::add_train_command(app);
   cli::add_validate_command(app);
   cli::add_eval_command(app);

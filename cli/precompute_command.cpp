@@ -1,5 +1,7 @@
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <phynness/formats/database_lock.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/precompute.hpp>
 
@@ -12,36 +14,110 @@ namespace {
 struct Options {
   std::filesystem::path scene, output;
   std::optional<std::filesystem::path> json_file;
+  std::string shard;
   bool resume = false;
 };
 
-void run(const Options& options) {
-  refuse_overwriting(options.output, {options.scene});
-  if (options.json_file) refuse_overwriting(*options.json_file, {options.scene, options.output});
-  install_stop_handler();
-  const SolverSession session;
-  const bool first = session.rank() == 0;
-  LoadedScene loaded;
-  session.together([&] { loaded = load_scene(options.scene, !first); });
-  if (first && options.resume && std::filesystem::exists(options.output)) {
-    const auto found = database_progress(options.output);
+/// Takes the lock, and says what is there already.
+DatabaseLock begin(const PrecomputeTarget& target) {
+  DatabaseLock lock(target.file);
+  if (!lock.warning().empty()) fmt::print(stderr, "warning: {}\n", lock.warning());
+  if (target.resume && std::filesystem::exists(target.file)) {
+    const auto found = database_progress(target.file);
     for (const auto& damage : found.damage)
       fmt::print(stderr, "warning: {}: {}; {} dropped, their rays will be solved again\n",
                  damage.log.string(), damage.reason, bytes(static_cast<double>(damage.dropped_bytes)));
     fmt::print(stderr, "note: resuming with {} of {} rays\n", found.rays_logged, found.rays_total);
   }
+  return lock;
+}
+
+/// Idle time and memory: every rank where they are few, else the range.
+void print_ranks(const PrecomputeReport& report) {
+  constexpr std::size_t few = 16;
+  double idle = 0, busy = 0, most_memory = 0;
+  for (const auto& rank : report.ranks) {
+    idle += rank.idle_seconds;
+    busy += rank.busy_seconds;
+    most_memory = std::max(most_memory, rank.peak_memory_bytes);
+  }
+  fmt::print(
+      "{} of set-up, {} of solving, {} of packing; ranks idle {:.1f} % of solving; peak memory {} a rank\n",
+      duration(report.setup_seconds), duration(report.solve_seconds), duration(report.pack_seconds),
+      report.rays > 0 ? 100 * idle / (idle + busy) : 0.0, bytes(most_memory));
+  if (report.ranks.size() < 2) return;
+  if (report.ranks.size() <= few) {
+    fmt::print("{:>6} {:>8} {:>10} {:>10} {:>12}\n", "rank", "rays", "busy s", "idle s", "peak memory");
+    for (std::size_t r = 0; r < report.ranks.size(); ++r)
+      fmt::print("{:>6} {:>8} {:>10.2f} {:>10.2f} {:>12}\n", r, report.ranks[r].rays,
+                 report.ranks[r].busy_seconds, report.ranks[r].idle_seconds,
+                 bytes(report.ranks[r].peak_memory_bytes));
+    return;
+  }
+  const auto [least, most] = std::minmax_element(
+      report.ranks.begin(), report.ranks.end(),
+      [](const RankFigures& a, const RankFigures& b) { return a.idle_seconds < b.idle_seconds; });
+  fmt::print("idle {:.2f} s (rank {}) to {:.2f} s (rank {})\n", least->idle_seconds,
+             least - report.ranks.begin(), most->idle_seconds, most - report.ranks.begin());
+}
+
+json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const PrecomputeReport& report) {
+  json ranks = json::array();
+  for (const auto& rank : report.ranks)
+    ranks.push_back({{"rays", rank.rays},
+                     {"busy_seconds", rank.busy_seconds},
+                     {"idle_seconds", rank.idle_seconds},
+                     {"core_seconds", rank.core_seconds},
+                     {"peak_memory_bytes", rank.peak_memory_bytes}});
+  json out{{"active_nodes", loaded.sets.active.size()},
+           {"rays", report.rays + report.rays_resumed},
+           {"rays_resumed", report.rays_resumed},
+           {"increments", report.increments},
+           {"failed", report.failed},
+           {"newton_iterations", report.iterations},
+           {"ranks", report.ranks.size()},
+           {"wall_seconds", report.wall_seconds},
+           {"setup_seconds", report.setup_seconds},
+           {"solve_seconds", report.solve_seconds},
+           {"pack_seconds", report.pack_seconds},
+           {"core_seconds", report.core_seconds},
+           {"per_rank", ranks}};
+  if (target.shard)
+    out["shard"] = target.shard->str();
+  else
+    out["database_bytes"] = std::filesystem::file_size(target.file);
+  return out;
+}
+
+void run(const Options& options) {
+  PrecomputeTarget target{options.output, options.resume, {}};
+  if (!options.shard.empty()) {
+    target.shard = parse_shard(options.shard);
+    target.file = shard_file(options.output, *target.shard);
+  }
+  refuse_overwriting(options.output, {options.scene});
+  refuse_overwriting(target.file, {options.scene});
+  if (options.json_file) refuse_overwriting(*options.json_file, {options.scene, options.output, target.file});
+  install_stop_handler();
+  const SolverSession session;
+  const bool first = session.rank() == 0;
+  LoadedScene loaded;
+  std::optional<DatabaseLock> lock;
+  session.together([&] {
+    loaded = load_scene(options.scene, !first);
+    if (first) lock.emplace(begin(target));
+  });
   PrecomputeReport report;
   {
-    Progress progress("precompute", "rays");
+    Progress progress(target.shard ? "shard " + target.shard->str() : "precompute", "rays");
     report = precompute(
-        session, loaded.scene, loaded.mesh, loaded.sets, options.output, options.resume,
+        session, loaded.scene, loaded.mesh, loaded.sets, target,
         [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
   }
   if (report.interrupted)
     throw failure("interrupted", fmt::format("{} rays finished and kept", report.rays + report.rays_resumed),
                   "go on with --resume");
   if (!first) return;
-  const auto size = std::filesystem::file_size(options.output);
   const auto solved = std::max<std::int64_t>(1, report.increments);
   fmt::print(
       "{} active nodes, {} rays ({} resumed), {} increments, {} failed ({:.2f} %), {:.2f} Newton iterations "
@@ -51,26 +127,26 @@ void run(const Options& options) {
       static_cast<double>(report.iterations) / static_cast<double>(solved));
   fmt::print("{} on {} rank{}, {:.1f} core-ms per increment\n", duration(report.wall_seconds), session.size(),
              session.size() == 1 ? "" : "s", 1e3 * report.core_seconds / static_cast<double>(solved));
+  print_ranks(report);
   if (report.failed == report.increments && report.increments > 0)
     throw failure("no increment converged", std::to_string(report.increments) + " increments",
-                  "phynness info " + options.output.string() +
-                      " says why; a smaller displacement, more increments or "
-                      "another element may help");
+                  target.shard ? "a smaller displacement, more increments or another element may help"
+                               : "phynness info " + target.file.string() +
+                                     " says why; a smaller displacement, more increments or another element "
+                                     "may help");
   if (report.failed > report.increments / 100)
-    fmt::print(stderr,
-               "warning: {} increments failed and will not be trained on; phynness info {} says why\n",
-               report.failed, options.output.string());
-  fmt::print("database {} -> {}\n", bytes(static_cast<double>(size)), options.output.string());
-  write_json(options.json_file, {{"active_nodes", loaded.sets.active.size()},
-                                 {"rays", report.rays + report.rays_resumed},
-                                 {"rays_resumed", report.rays_resumed},
-                                 {"increments", report.increments},
-                                 {"failed", report.failed},
-                                 {"newton_iterations", report.iterations},
-                                 {"ranks", session.size()},
-                                 {"wall_seconds", report.wall_seconds},
-                                 {"core_seconds", report.core_seconds},
-                                 {"database_bytes", size}});
+    fmt::print(stderr, "warning: {} increments failed and will not be trained on{}\n", report.failed,
+               target.shard ? "" : "; phynness info " + target.file.string() + " says why");
+  if (target.shard)
+    fmt::print("shard {} -> {}; when all {} are there: phynness merge {} -o {}\n", target.shard->str(),
+               target.file.string(), target.shard->count,
+               (options.output.parent_path() / options.output.stem()).string() + ".shard-*" +
+                   options.output.extension().string(),
+               options.output.string());
+  else
+    fmt::print("database {} -> {}\n", bytes(static_cast<double>(std::filesystem::file_size(target.file))),
+               target.file.string());
+  write_json(options.json_file, figures(loaded, target, report));
 }
 
 }  // namespace
@@ -84,6 +160,9 @@ void add_precompute_command(CLI::App& app) {
   command->add_option("SCENE", options->scene, "scene file (formats/scene.md)")->required();
   command->add_option("-o,--output", options->output, "database to write (formats/database.md)")->required();
   command->add_flag("--resume", options->resume, "go on with an unfinished database");
+  command->add_option("--shard", options->shard,
+                      "i/n: solve part i (from 0) of n, as a process that needs no other, into its own file\n"
+                      "(database.h5 -> database.shard-i-of-n.h5); phynness merge makes one database of them");
   command->add_option("--json", options->json_file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }

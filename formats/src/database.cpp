@@ -6,6 +6,7 @@
 
 #include "database_layout.hpp"
 #include "database_log.hpp"
+#include "database_scan.hpp"
 
 namespace phynness {
 namespace layout = database_layout;
@@ -83,6 +84,10 @@ Database Database::open(const std::filesystem::path& file) {
   if (!layout::read_complete(opened)) {
     opened.close();
     const auto progress = database_progress(file);
+    if (progress.shard)
+      throw input_error("the file " + file.string() + " is a shard of a database", progress.shard->str(),
+                        "make one database of all shards with: phynness merge SHARD... -o " +
+                            database_of(file, *progress.shard).string());
     throw input_error("the database " + file.string() + " is unfinished",
                       std::to_string(progress.rays_logged) + " of " + std::to_string(progress.rays_total) +
                           " rays are solved",
@@ -177,7 +182,16 @@ DatabaseSummary summarize(const Database& database) {
 }
 
 DatabaseHeader read_database_header(const std::filesystem::path& file) {
-  return layout::read_header(hdf5::File::open(file));
+  try {
+    return layout::read_header(hdf5::File::open(file));
+  } catch (const Error& error) {
+    // The file of an unfinished database can be made anew; its logs are the work.
+    std::error_code code;
+    if (!std::filesystem::exists(file, code) || database_log::logs_of(file).empty()) throw;
+    throw Error(error.kind(), error.what(), "",
+                "its finished rays are in " + database_log::folder(file).string() +
+                    ": delete the file, not the folder, and run phynness precompute with --resume");
+  }
 }
 
 }  // namespace phynness

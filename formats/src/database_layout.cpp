@@ -75,6 +75,10 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   file.write_attribute("/", "displacement_precision", std::string(header.float64 ? "float64" : "float32"));
   file.write_attribute("/", "scene_name", header.scene_name);
   file.write_attribute("/", "scene_folder", header.scene_folder);
+  if (header.shard && !complete) {
+    file.write_attribute("/", "shard_index", header.shard->index);
+    file.write_attribute("/", "shard_count", header.shard->count);
+  }
   // A dataset, as attributes end at 64 kB and a scene may list many nodes.
   file.write_text(path::scene, header.scene_text, "the scene file, verbatim (TOML)");
 
@@ -132,6 +136,9 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.scene_name = file.read_text_attribute("/", "scene_name");
   header.scene_folder = file.read_text_attribute("/", "scene_folder");
   header.scene_text = file.read_text(path::scene);
+  if (file.has_attribute("/", "shard_index"))
+    header.shard =
+        Shard{file.read_int_attribute("/", "shard_index"), file.read_int_attribute("/", "shard_count")};
 
   hsize_t rows = 0;
   const auto nodes = read_rows<double>(file, path::nodes, 3, rows);
@@ -158,6 +165,7 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
 
   check_header(header);
+  if (header.shard) parse_shard(header.shard->str());
   if (const auto hash = mesh_hash(header.mesh); hash != header.mesh_hash)
     throw input_error(
         "the mesh inside the database " + file.path().string() + " is not the one it was computed on",

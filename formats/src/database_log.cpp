@@ -1,6 +1,5 @@
 #include "database_log.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <phynness/formats/error.hpp>
@@ -12,11 +11,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "logs are little-endian; this host needs byte swaps");
 
-constexpr char log_magic[8] = {'P', 'H', 'Y', 'N', 'L', 'O', 'G', '1'};
-constexpr std::uint32_t record_magic = 0x59415250;  // "PRAY"
 constexpr std::size_t hash_bytes = 16;
-constexpr std::size_t prefix_bytes = 2 * sizeof(std::uint32_t);
-constexpr std::size_t checksum_bytes = sizeof(std::uint64_t);
 
 class Bytes {
  public:
@@ -51,53 +46,6 @@ std::uint64_t checksum(const unsigned char* bytes, std::size_t n) {
   return hash.value();
 }
 
-template <class T>
-T value_at(const unsigned char* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof(T));
-  return value;
-}
-
-/// One log, read record by record.
-void scan_log(const std::filesystem::path& path, std::int32_t number,
-              const std::vector<unsigned char>& opening, const Layout& layout, Index& index) {
-  const Descriptor file = open_for_reading(path);
-  const auto size = static_cast<std::int64_t>(std::filesystem::file_size(path));
-  std::int64_t at = 0;
-  const auto damaged = [&](const std::string& reason) { index.damage.push_back({path, reason, size - at}); };
-
-  std::vector<unsigned char> found(opening.size());
-  const auto got = read_at(file, path, 0, found.data(), found.size());
-  if (got < found.size()) {
-    if (size > 0) damaged("torn opening");
-    return;
-  }
-  const std::size_t body = found.size() - checksum_bytes;
-  if (value_at<std::uint64_t>(found.data() + body) != checksum(found.data(), body))
-    return damaged("corrupted opening");
-  if (found != opening)
-    throw input_error("the log belongs to another scene or mesh than the database", path.string(),
-                      "restore the scene that it was made with, or delete this log to solve its rays again");
-  at = static_cast<std::int64_t>(opening.size());
-
-  const std::size_t payload = layout.payload_bytes();
-  std::vector<unsigned char> record(prefix_bytes + payload + checksum_bytes);
-  while (at < size) {
-    if (read_at(file, path, at, record.data(), record.size()) < record.size()) return damaged("torn record");
-    if (value_at<std::uint32_t>(record.data()) != record_magic ||
-        value_at<std::uint32_t>(record.data() + sizeof(std::uint32_t)) != payload ||
-        value_at<std::uint64_t>(record.data() + prefix_bytes + payload) !=
-            checksum(record.data(), prefix_bytes + payload))
-      return damaged("corrupted record");
-    const auto active = value_at<std::int32_t>(record.data() + prefix_bytes);
-    const auto direction = value_at<std::int32_t>(record.data() + prefix_bytes + sizeof(std::int32_t));
-    if (active < 0 || active >= layout.n_active || direction < 0 || direction >= layout.n_directions)
-      return damaged("record of a ray that the database does not have");
-    index.entries.push_back({active, direction, number, at + static_cast<std::int64_t>(prefix_bytes)});
-    at += static_cast<std::int64_t>(record.size());
-  }
-}
-
 }  // namespace
 
 Layout::Layout(const DatabaseHeader& header)
@@ -115,12 +63,20 @@ std::size_t Layout::payload_bytes() const {
   return 2 * sizeof(std::int32_t) + static_cast<std::size_t>(n_increments) * per_increment;
 }
 
+std::uint64_t record_checksum(const std::vector<unsigned char>& opening, const unsigned char* bytes,
+                              std::size_t n) {
+  Fnv1a64 hash;
+  hash.add(opening.data(), opening.size());
+  hash.add(bytes, n);
+  return hash.value();
+}
+
 std::filesystem::path folder(const std::filesystem::path& file) { return file.string() + ".log"; }
 
 std::vector<unsigned char> encode_opening(const DatabaseHeader& header) {
   const Layout layout(header);
   Bytes bytes;
-  bytes.put(log_magic, sizeof log_magic);
+  bytes.put(log_magic.data(), log_magic.size());
   for (std::string hash : {header.physics_hash, header.mesh_hash}) {
     hash.resize(hash_bytes, ' ');
     bytes.put(hash.data(), hash_bytes);
@@ -132,7 +88,8 @@ std::vector<unsigned char> encode_opening(const DatabaseHeader& header) {
   return bytes.take();
 }
 
-std::vector<unsigned char> encode(const Ray& ray, const Layout& layout) {
+std::vector<unsigned char> encode(const Ray& ray, const Layout& layout,
+                                  const std::vector<unsigned char>& opening) {
   const auto n = static_cast<std::size_t>(layout.n_increments);
   const bool fits = ray.active >= 0 && ray.active < layout.n_active && ray.direction >= 0 &&
                     ray.direction < layout.n_directions && ray.status.size() == n &&
@@ -146,8 +103,8 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout) {
                   "active " + std::to_string(ray.active) + ", direction " + std::to_string(ray.direction),
                   "this is a defect of the program: report it");
   Bytes bytes;
-  bytes.reserve(prefix_bytes + layout.payload_bytes() + checksum_bytes);
-  bytes.put(record_magic);
+  bytes.reserve(layout.record_bytes());
+  bytes.put(record_magic.data(), record_magic.size());
   bytes.put(static_cast<std::uint32_t>(layout.payload_bytes()));
   bytes.put(ray.active);
   bytes.put(ray.direction);
@@ -163,7 +120,7 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout) {
     const std::vector<float> rounded(ray.displacement.begin(), ray.displacement.end());
     bytes.put(rounded.data(), rounded.size());
   }
-  bytes.put(checksum(bytes.get().data(), bytes.get().size()));
+  bytes.put(record_checksum(opening, bytes.get().data(), bytes.get().size()));
   return bytes.take();
 }
 
@@ -189,22 +146,6 @@ Ray decode(const unsigned char* payload, const Layout& layout) {
     ray.displacement.assign(rounded.begin(), rounded.end());
   }
   return ray;
-}
-
-Index scan(const std::filesystem::path& file, const DatabaseHeader& header) {
-  Index index;
-  const auto dir = folder(file);
-  std::error_code code;
-  if (!std::filesystem::is_directory(dir, code)) return index;
-  for (const auto& item : std::filesystem::directory_iterator(dir))
-    if (item.is_regular_file() && item.path().filename().string().starts_with("rank-"))
-      index.logs.push_back(item.path());
-  std::sort(index.logs.begin(), index.logs.end());
-  const auto opening = encode_opening(header);
-  const Layout layout(header);
-  for (std::size_t i = 0; i < index.logs.size(); ++i)
-    scan_log(index.logs[i], static_cast<std::int32_t>(i), opening, layout, index);
-  return index;
 }
 
 }  // namespace phynness::database_log

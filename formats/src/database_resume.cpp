@@ -7,8 +7,6 @@
 namespace phynness {
 namespace {
 
-const char* const remedy = "restore what the database was begun with, or write to another file";
-
 std::map<std::string, std::string> summary_of(const DatabaseHeader& header) {
   const auto scene =
       parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent);
@@ -22,13 +20,16 @@ std::map<std::string, std::string> summary_of(const DatabaseHeader& header) {
 }
 
 /// One line per key that differs.
-std::string differences(const DatabaseHeader& on_disk, const DatabaseHeader& wanted) {
+std::string differences(const DatabaseHeader& on_disk, const DatabaseHeader& wanted,
+                        const std::string& other) {
+  const std::string hashes =
+      "physics " + on_disk.physics_hash + " in the file, " + wanted.physics_hash + " " + other;
   std::map<std::string, std::string> then, now;
   try {
     then = summary_of(on_disk);
     now = summary_of(wanted);
   } catch (const Error&) {
-    return "physics " + on_disk.physics_hash + " in the file, " + wanted.physics_hash + " now";
+    return hashes;
   }
   auto keys = then;
   keys.insert(now.begin(), now.end());
@@ -40,37 +41,50 @@ std::string differences(const DatabaseHeader& on_disk, const DatabaseHeader& wan
   for (const auto& [key, ignored] : keys) {
     const auto old_value = value(then, key), new_value = value(now, key);
     if (old_value != new_value)
-      text += "\n  " + key + ": " + old_value + " in the file, " + new_value + " now";
+      text += "\n  " + key + ": " + old_value + " in the file, " + new_value + " " + other;
   }
-  return text.empty() ? "physics " + on_disk.physics_hash + " in the file, " + wanted.physics_hash + " now"
-                      : text;
+  return text.empty() ? hashes : text;
+}
+
+std::string count_of(const Mesh& mesh) {
+  return std::to_string(mesh.n_nodes()) + " nodes, " + std::to_string(mesh.n_cells()) + " cells, ";
 }
 
 }  // namespace
 
 void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted,
-                       const std::filesystem::path& file) {
+                       const std::filesystem::path& file, const std::string& other,
+                       const std::string& remedy) {
   const std::string name = "the database " + file.string();
+  const auto both = [&](const std::string& then, const std::string& now) {
+    return then + " in the file, " + now + " " + other;
+  };
   if (on_disk.physics_hash != wanted.physics_hash)
-    throw input_error(name + " was begun with another physics", differences(on_disk, wanted), remedy);
+    throw input_error(name + " was begun with another physics", differences(on_disk, wanted, other), remedy);
   if (on_disk.mesh_hash != wanted.mesh_hash)
     throw input_error(name + " was begun on another mesh",
-                      "hash " + on_disk.mesh_hash + " in the file, " + wanted.mesh_hash + " now",
+                      both(count_of(on_disk.mesh) + "hash " + on_disk.mesh_hash,
+                           count_of(wanted.mesh) + "hash " + wanted.mesh_hash),
                       "use the mesh it was begun on (a remesh is another mesh), or write to another file");
-  const auto require_same = [&](bool same, const char* what) {
-    if (!same) throw input_error(name + " was begun with other " + what, "", remedy);
+  const auto require_same = [&](const auto& then, const auto& now, const char* what) {
+    if (then != now)
+      throw input_error(name + " was begun with other " + what,
+                        both(std::to_string(then.size()), std::to_string(now.size())) +
+                            (then.size() == now.size() ? ", but not the same" : ""),
+                        remedy);
   };
-  require_same(on_disk.sets.fixed == wanted.sets.fixed, "fixed nodes");
-  require_same(on_disk.sets.active == wanted.sets.active, "active nodes");
-  require_same(on_disk.sets.output == wanted.sets.output, "output nodes");
-  require_same(on_disk.directions == wanted.directions, "directions");
-  require_same(on_disk.magnitudes_m == wanted.magnitudes_m, "increments");
+  require_same(on_disk.sets.fixed, wanted.sets.fixed, "fixed nodes");
+  require_same(on_disk.sets.active, wanted.sets.active, "active nodes");
+  require_same(on_disk.sets.output, wanted.sets.output, "output nodes");
+  require_same(on_disk.directions, wanted.directions, "directions");
+  require_same(on_disk.magnitudes_m, wanted.magnitudes_m, "increments");
   if (on_disk.tangents != wanted.tangents)
     throw input_error(name + " was begun with another [database] tangents",
-                      on_disk.tangents ? "true in the file" : "false in the file", remedy);
+                      both(on_disk.tangents ? "true" : "false", wanted.tangents ? "true" : "false"), remedy);
   if (on_disk.float64 != wanted.float64)
     throw input_error(name + " was begun with another [database] displacement_precision",
-                      on_disk.float64 ? "float64 in the file" : "float32 in the file", remedy);
+                      both(on_disk.float64 ? "float64" : "float32", wanted.float64 ? "float64" : "float32"),
+                      remedy);
 }
 
 }  // namespace phynness

@@ -1,13 +1,13 @@
 // Making a database: header, logs, and packing them into the finished file.
-#include <unistd.h>
-
 #include <algorithm>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
 
+#include "database_folder.hpp"
 #include "database_layout.hpp"
-#include "database_log.hpp"
+#include "database_pack.hpp"
 #include "database_resume.hpp"
+#include "database_scan.hpp"
 
 namespace phynness {
 namespace fs = std::filesystem;
@@ -25,140 +25,45 @@ DatabaseHeader with_hashes(DatabaseHeader header) {
   return header;
 }
 
-void check_folder(const fs::path& file) {
-  const auto folder = fs::absolute(file).parent_path();
-  std::error_code code;
-  if (!fs::is_directory(folder, code))
-    throw input_error("the folder for the database does not exist", folder.string(),
-                      "make it with: mkdir -p " + folder.string());
-  if (::access(folder.c_str(), W_OK | X_OK) != 0)
-    throw input_error("the folder for the database is not writable", folder.string(),
-                      "change its permissions, or write elsewhere");
-}
-
-bool holds_logs(const fs::path& folder) {
-  std::error_code code;
-  return fs::is_directory(folder, code) && !fs::is_empty(folder, code);
-}
-
-void make_log_folder(const fs::path& file) {
-  std::error_code code;
-  fs::create_directories(dl::folder(file), code);
-  if (code)
-    throw failure("cannot make the folder of logs " + dl::folder(file).string(), code.message(),
-                  "check permissions and free space");
-}
-
-/// The arrays of a few active nodes that are small enough to be collected before they are written.
-struct SmallArrays {
-  std::vector<std::int8_t> status;
-  std::vector<double> force, energy, tangent, min_jacobian, seconds;
-  std::vector<std::int32_t> negative_pivots, iterations, cutbacks;
-
-  void add(const Ray& ray) {
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    for (Status s : ray.status) status.push_back(static_cast<std::int8_t>(s));
-    append(force, ray.force);
-    append(energy, ray.energy);
-    append(tangent, ray.tangent);
-    append(negative_pivots, ray.negative_pivots);
-    append(iterations, ray.iterations);
-    append(cutbacks, ray.cutbacks);
-    append(min_jacobian, ray.min_jacobian);
-    append(seconds, ray.seconds);
-  }
-  void write(hdf5::File& file, hsize_t first, hsize_t count) const {
-    file.write_slab(path::status, first, count, status.data());
-    file.write_slab(path::force, first, count, force.data());
-    file.write_slab(path::energy, first, count, energy.data());
-    if (!tangent.empty()) file.write_slab(path::tangent, first, count, tangent.data());
-    file.write_slab(path::negative_pivots, first, count, negative_pivots.data());
-    file.write_slab(path::iterations, first, count, iterations.data());
-    file.write_slab(path::cutbacks, first, count, cutbacks.data());
-    file.write_slab(path::min_jacobian, first, count, min_jacobian.data());
-    file.write_slab(path::seconds, first, count, seconds.data());
-  }
-};
-
-/// For each ray its first whole record. @throws Error if rays are missing
-std::vector<dl::Entry> one_record_per_ray(const dl::Index& index, const dl::Layout& sizes,
-                                          const fs::path& file) {
-  const std::size_t total =
-      static_cast<std::size_t>(sizes.n_active) * static_cast<std::size_t>(sizes.n_directions);
-  std::vector<dl::Entry> records(total, dl::Entry{-1, -1, -1, -1});
-  std::size_t found = 0;
-  for (const auto& entry : index.entries) {
-    auto& slot =
-        records[static_cast<std::size_t>(entry.active) * static_cast<std::size_t>(sizes.n_directions) +
-                static_cast<std::size_t>(entry.direction)];
-    if (slot.log < 0) slot = entry, ++found;
-  }
-  if (found < total)
-    throw failure("the database " + file.string() + " cannot be packed: rays are missing",
-                  std::to_string(total - found) + " of " + std::to_string(total),
-                  "solve them with: phynness precompute SCENE -o " + file.string() + " --resume");
-  return records;
-}
-
-void write_responses(hdf5::File& out, const DatabaseHeader& header, const dl::Index& index,
-                     const std::vector<dl::Entry>& records) {
-  const dl::Layout sizes(header);
-  std::vector<Descriptor> logs;
-  for (const auto& log : index.logs) logs.push_back(open_for_reading(log));
-  std::vector<unsigned char> payload(sizes.payload_bytes());
-  const hsize_t batch = layout::nodes_per_chunk(header), n_active = header.sets.active.size();
-
-  layout::create_responses(out, header);
-  for (hsize_t first = 0; first < n_active; first += batch) {
-    const hsize_t count = std::min(batch, n_active - first);
-    SmallArrays small;
-    for (hsize_t active = first; active < first + count; ++active) {
-      std::vector<double> displacement;
-      for (std::size_t d = 0; d < header.directions.size(); ++d) {
-        const auto& record = records[active * header.directions.size() + d];
-        const auto log = static_cast<std::size_t>(record.log);
-        if (read_at(logs[log], index.logs[log], record.offset, payload.data(), payload.size()) <
-            payload.size())
-          throw failure("a log became shorter while it was packed", index.logs[log].string(),
-                        "let one process at a time use the database");
-        const Ray ray = dl::decode(payload.data(), sizes);
-        small.add(ray);
-        displacement.insert(displacement.end(), ray.displacement.begin(), ray.displacement.end());
-      }
-      out.write_slab(path::displacement, active, 1, displacement.data());
-    }
-    small.write(out, first, count);
-  }
-}
-
 }  // namespace
 
 void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, bool resume) {
   const DatabaseHeader header = with_hashes(given);
   layout::check_header(header);
-  check_folder(file);
+  check_folder_of(file);
   std::error_code code;
   const bool exists = fs::exists(file, code);
   if (exists && !resume)
     throw input_error("the database exists already, and finished work is never overwritten", file.string(),
                       "continue it with --resume, or choose another name, or delete it yourself");
   if (exists) {
-    refuse_other_work(read_database_header(file), header, file);
+    const auto on_disk = read_database_header(file);
+    refuse_other_work(on_disk, header, file);
+    if (on_disk.shard != header.shard)
+      throw input_error("the database " + file.string() + " is not of the same shard",
+                        (on_disk.shard ? on_disk.shard->str() : "no shard") + " in the file, " +
+                            (header.shard ? header.shard->str() : "no shard") + " now",
+                        "go on as it was begun, or write to another file");
     if (Database::is_complete(file))
       fs::remove_all(dl::folder(file), code);  // left over if a process died between packing and tidying up
     else
       make_log_folder(file);
     return;
   }
-  if (!resume && holds_logs(dl::folder(file)))
+  if (!resume && !dl::logs_of(file).empty())
     throw input_error("logs of an earlier run are there, but their database is not",
                       dl::folder(file).string(), "continue from them with --resume, or delete the folder");
   make_log_folder(file);
   const fs::path partial = file.string() + ".tmp";
-  auto out = hdf5::File::create(partial);
-  layout::write_header(out, header, false);
-  out.close();
-  replace_durably(partial, file);
+  try {
+    auto out = hdf5::File::create(partial);
+    layout::write_header(out, header, false);
+    out.close();
+    replace_durably(partial, file);
+  } catch (...) {
+    fs::remove(partial, code);
+    throw;
+  }
 }
 
 std::vector<char> DatabaseWriter::logged(const fs::path& file, const DatabaseHeader& given) {
@@ -177,6 +82,7 @@ std::vector<char> DatabaseWriter::logged(const fs::path& file, const DatabaseHea
 struct DatabaseWriter::Impl {
   AppendFile log;
   dl::Layout sizes;
+  std::vector<unsigned char> opening;
 };
 
 DatabaseWriter::DatabaseWriter(const fs::path& file, const DatabaseHeader& given, int rank) {
@@ -187,16 +93,16 @@ DatabaseWriter::DatabaseWriter(const fs::path& file, const DatabaseHeader& given
   const std::string stem = (dl::folder(file) / ("rank-" + digits)).string();
   fs::path log = stem;
   for (int again = 1; fs::exists(log); ++again) log = stem + "-" + std::to_string(again);
-  _impl = std::make_unique<Impl>(Impl{AppendFile::create(log), dl::Layout(header)});
-  const auto opening = dl::encode_opening(header);
-  _impl->log.append(opening.data(), opening.size());
+  _impl =
+      std::make_unique<Impl>(Impl{AppendFile::create(log), dl::Layout(header), dl::encode_opening(header)});
+  _impl->log.append(_impl->opening.data(), _impl->opening.size());
 }
 DatabaseWriter::~DatabaseWriter() = default;
 DatabaseWriter::DatabaseWriter(DatabaseWriter&&) noexcept = default;
 DatabaseWriter& DatabaseWriter::operator=(DatabaseWriter&&) noexcept = default;
 
 void DatabaseWriter::append(const Ray& ray) {
-  const auto record = dl::encode(ray, _impl->sizes);
+  const auto record = dl::encode(ray, _impl->sizes, _impl->opening);
   _impl->log.append(record.data(), record.size());
 }
 void DatabaseWriter::close() { _impl->log.close(); }
@@ -207,34 +113,39 @@ void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given) {
   std::error_code code;
   if (!Database::is_complete(file)) {
     const auto index = dl::scan(file, header);
-    const auto records = one_record_per_ray(index, dl::Layout(header), file);
-    const fs::path packing = file.string() + ".packing";
-    try {
-      auto out = hdf5::File::create(packing);
-      layout::write_header(out, header, true);
-      write_responses(out, header, index, records);
-      out.close();
-      replace_durably(packing, file);
-    } catch (...) {
-      fs::remove(packing, code);
-      throw;
-    }
+    const auto records = one_record_per_ray(index, header);
+    if (const auto missing = std::count_if(records.begin(), records.end(), is_missing); missing > 0)
+      throw failure("the database " + file.string() + " cannot be packed: rays are missing",
+                    std::to_string(missing) + " of " + std::to_string(records.size()),
+                    "solve them with: phynness precompute SCENE -o " + file.string() + " --resume");
+    write_packed(file, header, index, records);
   }
   fs::remove_all(dl::folder(file), code);
 }
 
 DatabaseProgress database_progress(const fs::path& file) {
   const auto header = read_database_header(file);
+  const auto n_active = static_cast<std::int32_t>(header.sets.active.size());
+  const auto n_directions = static_cast<std::int32_t>(header.directions.size());
   DatabaseProgress progress;
   progress.complete = Database::is_complete(file);
-  progress.rays_total = static_cast<std::int64_t>(header.sets.active.size() * header.directions.size());
+  progress.shard = header.shard;
+  progress.rays_total = std::int64_t{n_active} * n_directions;
   if (progress.complete) {
     progress.rays_logged = progress.rays_total;
     return progress;
   }
-  const auto flags = DatabaseWriter::logged(file, header);
-  progress.rays_logged = std::count(flags.begin(), flags.end(), char{1});
-  progress.damage = dl::scan(file, header).damage;
+  auto index = dl::scan(file, header);
+  const auto records = one_record_per_ray(index, header);
+  progress.rays_logged = progress.rays_total - std::count_if(records.begin(), records.end(), is_missing);
+  if (header.shard) {
+    progress.rays_total = 0;
+    for (std::int32_t a = 0; a < n_active; ++a)
+      for (std::int32_t d = 0; d < n_directions; ++d)
+        if (shard_of(a, d, n_active, n_directions, header.shard->count) == header.shard->index)
+          ++progress.rays_total;
+  }
+  progress.damage = std::move(index.damage);
   return progress;
 }
 

@@ -66,6 +66,12 @@ void AppendFile::append(const void* bytes, std::size_t size) {
     fail("cannot write", _path, code);
   }
   _end += static_cast<std::int64_t>(size);
+  // A power cut then costs seconds of work, and a sync costs milliseconds.
+  constexpr std::chrono::seconds between_syncs{10};
+  if (const auto now = std::chrono::steady_clock::now(); now - _synced > between_syncs) {
+    if (::fdatasync(_descriptor.get()) != 0 && errno != EINVAL) fail("cannot sync", _path, errno);
+    _synced = now;
+  }
 }
 
 void AppendFile::close() {

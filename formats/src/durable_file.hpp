@@ -1,6 +1,7 @@
 // Files that must survive a killed process, a full disk or a power cut: checked writes, fsync, rename.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -31,7 +32,7 @@ class AppendFile {
   AppendFile() = default;
   /// @throws Error (failure) if the file exists or cannot be created
   static AppendFile create(const std::filesystem::path& path);
-  /// Writes all bytes; the operating system has them on return.
+  /// Writes all bytes; the operating system has them on return, the disk within seconds of the next append.
   /// @throws Error (failure) on a full disk or any other failed write; the file then ends where it ended
   /// before
   void append(const void* bytes, std::size_t size);
@@ -43,6 +44,7 @@ class AppendFile {
   Descriptor _descriptor;
   std::filesystem::path _path;
   std::int64_t _end = 0;
+  std::chrono::steady_clock::time_point _synced = std::chrono::steady_clock::now();
 };
 
 /// Reads `size` bytes at `offset`; fewer only at the end of the file. @throws Error (failure)

@@ -1,73 +1,110 @@
 #include <mpi.h>
+#include <sys/resource.h>
 
 #include <chrono>
-#include <ctime>
 #include <optional>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/version.hpp>
 #include <phynness/precompute/precompute.hpp>
 
+#include "ray_schedule.hpp"
+#include "solve_ray.hpp"
 #include "work_counter.hpp"
 
 namespace phynness {
 namespace {
 
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction) {
-  const std::size_t n = header.magnitudes_m.size();
-  Ray ray;
-  ray.active = active;
-  ray.direction = direction;
-  ray.status.assign(n, Status::not_requested);
-  ray.force.assign(3 * n, 0.0);
-  ray.energy.assign(n, 0.0);
-  if (header.tangents) ray.tangent.assign(9 * n, 0.0);
-  ray.negative_pivots.assign(n, 0);
-  ray.iterations.assign(n, 0);
-  ray.cutbacks.assign(n, 0);
-  ray.min_jacobian.assign(n, 0.0);
-  ray.seconds.assign(n, 0.0);
-  ray.displacement.assign(3 * n * header.sets.output.size(), 0.0);
-  return ray;
+double peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
-void store(const Response& response, std::size_t i, const DatabaseHeader& header, double seconds, Ray& ray) {
-  ray.status[i] = response.status;
-  ray.iterations[i] = response.iterations;
-  ray.cutbacks[i] = response.cutbacks;
-  ray.seconds[i] = seconds;
-  if (response.status != Status::converged) return;
-  for (std::size_t k = 0; k < 3; ++k) ray.force[3 * i + k] = response.force_N[0][k];
-  ray.energy[i] = response.energy_J;
-  for (int k = 0; header.tangents && k < 9; ++k)
-    ray.tangent[9 * i + static_cast<std::size_t>(k)] = response.tangent_N_per_m(k / 3, k % 3);
-  ray.negative_pivots[i] = response.negative_pivots;
-  ray.min_jacobian[i] = response.min_jacobian;
-  const auto& output = header.sets.output;
-  for (std::size_t j = 0; j < output.size(); ++j)
-    for (int k = 0; k < 3; ++k)
-      ray.displacement[3 * (i * output.size() + j) + static_cast<std::size_t>(k)] =
-          response.displacement_m(output[j], k);
-}
+/// CPU time of stretches of work. What lies between them is waiting for other ranks, which MPI does at full
+/// speed.
+class WorkClock {
+ public:
+  void start() { _start = cpu_seconds(); }
+  void stop() { _seconds += cpu_seconds() - _start; }
+  double seconds() const { return _seconds; }
 
-Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t active, std::int32_t direction,
-              bool requested) {
-  Ray ray = empty_ray(header, active, direction);
-  if (!requested) return ray;
-  double before = cpu_seconds();
-  solver.follow({header.directions[static_cast<std::size_t>(direction)]}, header.magnitudes_m,
-                header.tangents, [&](std::size_t i, const Response& response) {
-                  const double now = cpu_seconds();
-                  store(response, i, header, now - before, ray);
-                  before = now;
-                  return true;
-                });
-  return ray;
+ private:
+  double _start = 0, _seconds = 0;
+};
+
+/// Rays along a direction that pulls are not asked for in a scene that only presses.
+class Requested {
+ public:
+  Requested(const Scene& scene, const DatabaseHeader& header)
+      : _all(scene.probe.directions != Directions::hemisphere),
+        _header(header),
+        _normals(node_normals(header.mesh)) {}
+  bool operator()(const RayIndex& ray) const {
+    if (_all) return true;
+    const auto node = _header.sets.active[static_cast<std::size_t>(ray.active)];
+    const auto& e = _header.directions[static_cast<std::size_t>(ray.direction)];
+    return -(_normals(node, 0) * e[0] + _normals(node, 1) * e[1] + _normals(node, 2) * e[2]) > -1e-9;
+  }
+
+ private:
+  bool _all;
+  const DatabaseHeader& _header;
+  Points _normals;
+};
+
+/// What one rank did, as numbers that can be gathered.
+struct Share {
+  std::int64_t rays = 0, increments = 0, failed = 0, iterations = 0;
+  double busy_seconds = 0;
+  bool interrupted = false;
+
+  void count(const Ray& ray) {
+    ++rays;
+    for (std::size_t i = 0; i < ray.status.size(); ++i) {
+      if (ray.status[i] != Status::not_requested) ++increments;
+      if (static_cast<int>(ray.status[i]) < 0) ++failed;
+      iterations += ray.iterations[i];
+    }
+  }
+};
+
+/// Takes tasks until none is left, or `stop`.
+/// @param done  told after every ray
+void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
+                 const Requested& requested, const std::vector<RayIndex>& rays, WorkCounter& counter,
+                 int n_ranks, const std::function<void()>& done, const std::function<bool()>& stop,
+                 Share& share) {
+  const auto tasks = ray_tasks(rays, n_ranks);
+  const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
+  std::int32_t touched = -1;
+  for (auto task = counter.next(); task < n_tasks; task = counter.next()) {
+    const auto start = Clock::now();
+    for (auto i = tasks[static_cast<std::size_t>(task)]; i < tasks[static_cast<std::size_t>(task) + 1]; ++i) {
+      const auto ray = rays[static_cast<std::size_t>(i)];
+      if (!requested(ray)) {
+        const Ray empty = empty_ray(header, ray.active, ray.direction);
+        log.append(empty);
+        share.count(empty);
+      } else {
+        if (touched != ray.active) solver.touch({header.sets.active[static_cast<std::size_t>(ray.active)]});
+        touched = ray.active;
+        const Ray solved = solve_ray(solver, header, ray.active, ray.direction);
+        log.append(solved);
+        share.count(solved);
+      }
+      share.interrupted = stop && stop();
+      done();
+      if (share.interrupted) break;
+    }
+    share.busy_seconds += seconds_since(start);
+    if (share.interrupted) break;
+  }
 }
 
 }  // namespace
@@ -91,63 +128,56 @@ DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeS
 }
 
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh,
-                            const NodeSets& sets, const std::filesystem::path& file, bool resume,
+                            const NodeSets& sets, const PrecomputeTarget& target,
                             const PrecomputeProgress& progress, const std::function<bool()>& stop) {
-  const auto start = std::chrono::steady_clock::now();
-  const double cpu_start = cpu_seconds();
-  const auto header = database_header(scene, mesh, sets);
-  const auto n_active = static_cast<std::int64_t>(sets.active.size());
-  const auto n_directions = static_cast<std::int64_t>(header.directions.size());
+  const auto start = Clock::now();
+  WorkClock core;
+  core.start();
+  auto header = database_header(scene, mesh, sets);
+  header.shard = target.shard;
 
-  std::vector<char> logged(static_cast<std::size_t>(n_active * n_directions), 0);
+  std::vector<char> logged(header.sets.active.size() * header.directions.size(), 0);
+  const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
   int complete = 0;
   std::optional<ProbeSolver> probe_solver;
   session.together([&] {
     // Before there is a file: a scene that cannot be solved must not leave one behind.
     probe_solver.emplace(scene, mesh, sets);
-    if (session.rank() != 0) return;
-    DatabaseWriter::create(file, header, resume);
-    complete = Database::is_complete(file) ? 1 : 0;
-    if (!complete) logged = DatabaseWriter::logged(file, header);
+    if (session.rank() == 0) {
+      DatabaseWriter::create(target.file, header, target.resume);
+      complete = Database::is_complete(target.file) ? 1 : 0;
+      logged = DatabaseWriter::logged(target.file, header);
+    }
+    core.stop();
   });
   MPI_Bcast(&complete, 1, MPI_INT, 0, MPI_COMM_WORLD);
   MPI_Bcast(logged.data(), static_cast<int>(logged.size()), MPI_CHAR, 0, MPI_COMM_WORLD);
+  const auto rays = rays_left(header, logged);
 
   PrecomputeReport report;
-  for (const char done : logged) report.rays_resumed += done;
-  if (complete) report.rays_resumed = n_active * n_directions;
-  std::int64_t solved = 0;
-  int interrupted = 0;
+  report.rays_resumed = rays_in_all - static_cast<std::int64_t>(rays.size());
+  report.setup_seconds = seconds_since(start);
+  const auto solve_start = Clock::now();
+  Share share;
   std::exception_ptr trouble;
-  if (!complete) {
+  if (!rays.empty()) {
     WorkCounter counter(MPI_COMM_WORLD);
+    core.start();
     try {
-      DatabaseWriter log(file, header, session.rank());
-      const Points normals = node_normals(mesh);
-      for (std::int64_t a = counter.next(); a < n_active && !interrupted; a = counter.next()) {
-        const auto node = sets.active[static_cast<std::size_t>(a)];
-        bool touched = false;
-        for (std::int64_t d = 0; d < n_directions && !interrupted; ++d) {
-          if (logged[static_cast<std::size_t>(a * n_directions + d)]) continue;
-          if (!touched) probe_solver->touch({node});
-          touched = true;
-          const auto& e = header.directions[static_cast<std::size_t>(d)];
-          const double inward =
-              -(normals(node, 0) * e[0] + normals(node, 1) * e[1] + normals(node, 2) * e[2]);
-          const bool requested = scene.probe.directions != Directions::hemisphere || inward > -1e-9;
-          log.append(solve_ray(*probe_solver, header, static_cast<std::int32_t>(a),
-                               static_cast<std::int32_t>(d), requested));
-          ++solved;
-          const auto done = counter.add_done(1) + 1 + report.rays_resumed;
-          if (progress && session.rank() == 0) progress(done, n_active * n_directions);
-          if (stop && stop()) interrupted = 1;
-        }
-      }
+      DatabaseWriter log(target.file, header, session.rank());
+      const auto done = [&] {
+        counter.add_done(1);
+        if (progress && session.rank() == 0) progress(report.rays_resumed + counter.done(), rays_in_all);
+      };
+      solve_tasks(*probe_solver, log, header, Requested(scene, header), rays, counter, session.size(), done,
+                  stop, share);
       log.close();
     } catch (...) {
       trouble = std::current_exception();
     }
+    core.stop();
   }
+  report.solve_seconds = seconds_since(solve_start);
 
   session.together([&] {
     if (!trouble) return;
@@ -158,26 +188,41 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
                   "", "");
     }
   });
+  int interrupted = share.interrupted ? 1 : 0;
   MPI_Allreduce(MPI_IN_PLACE, &interrupted, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
-  session.together([&] {
-    if (!interrupted && !complete && session.rank() == 0) DatabaseWriter::pack(file, header);
-  });
-
   report.interrupted = interrupted != 0;
-  report.core_seconds = cpu_seconds() - cpu_start;
-  report.rays = solved;
-  MPI_Allreduce(MPI_IN_PLACE, &report.core_seconds, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
-  MPI_Allreduce(MPI_IN_PLACE, &report.rays, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
-  if (!interrupted && session.rank() == 0) {
-    const auto database = Database::open(file);
-    const auto summary = summarize(database);
+  const bool packs = !interrupted && !complete && !target.shard;
+  const auto pack_start = Clock::now();
+  session.together([&] {
+    core.start();
+    if (packs && session.rank() == 0) DatabaseWriter::pack(target.file, header);
+    core.stop();
+  });
+  report.pack_seconds = seconds_since(pack_start);
+
+  std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations};
+  MPI_Allreduce(MPI_IN_PLACE, totals, 4, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  report.rays = totals[0];
+  report.increments = totals[1];
+  report.failed = totals[2];
+  report.iterations = totals[3];
+  report.core_seconds = session.sum(core.seconds());
+  const auto figures =
+      session.gather({static_cast<double>(share.rays), share.busy_seconds,
+                      report.solve_seconds - share.busy_seconds, core.seconds(), peak_memory_bytes()});
+  for (std::size_t i = 0; i + 4 < figures.size(); i += 5)
+    report.ranks.push_back({static_cast<std::int64_t>(figures[i]), figures[i + 1], figures[i + 2],
+                            figures[i + 3], figures[i + 4]});
+  if (!interrupted && !target.shard && session.rank() == 0) {
+    const auto summary = summarize(Database::open(target.file));
+    report.increments = report.failed = 0;
     for (const auto& [status, count] : summary.states) {
       if (status != Status::not_requested) report.increments += count;
       if (static_cast<int>(status) < 0) report.failed += count;
     }
     report.iterations = summary.newton_iterations;
   }
-  report.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.wall_seconds = seconds_since(start);
   return report;
 }
 

@@ -1,4 +1,5 @@
-// The next free task, for all ranks: a number on rank 0 that is fetched and added to.
+// The next free task, for all ranks: a number on rank 0 that is fetched and added to. On a network that cannot do
+// that without rank 0, a rank waits until rank 0 has ended its ray.
 #pragma once
 
 #include <mpi.h>
@@ -28,8 +29,13 @@ class WorkCounter {
 
   /// The next task nobody has taken.
   std::int64_t next() { return add(0, 1); }
-  /// Adds finished work; returns the total before.
-  std::int64_t add_done(std::int64_t n) { return add(1, n); }
+  /// Adds finished work, without waiting for rank 0 to know of it.
+  void add_done(std::int64_t n) {
+    MPI_Accumulate(&n, 1, MPI_INT64_T, 0, 1, 1, MPI_INT64_T, MPI_SUM, _window);
+    MPI_Win_flush_local(0, _window);
+  }
+  /// Finished work of all ranks, as far as rank 0 knows.
+  std::int64_t done() { return add(1, 0); }
 
  private:
   std::int64_t add(int slot, std::int64_t n) {

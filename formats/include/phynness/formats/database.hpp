@@ -11,6 +11,7 @@
 
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
+#include <phynness/formats/shard.hpp>
 
 namespace phynness {
 
@@ -53,6 +54,8 @@ struct DatabaseHeader {
   bool tangents = false, float64 = false;
   std::string scene_text, scene_name, scene_folder;
   std::string physics_hash, mesh_hash, software_version;
+  /// Set if the file is to hold the rays of one shard only; never in a finished database.
+  std::optional<Shard> shard;
 };
 
 /// The finished file in a few figures.
@@ -94,7 +97,7 @@ class Database {
 /// Reads everything but the displacements.
 DatabaseSummary summarize(const Database& database);
 
-/// What is left of a log after its last whole record: dropped, and solved again on --resume.
+/// A stretch of a log without a whole record: dropped, and its rays solved again on --resume.
 struct LogDamage {
   std::filesystem::path log;
   std::string reason;
@@ -103,6 +106,7 @@ struct LogDamage {
 /// How far an unfinished database has come.
 struct DatabaseProgress {
   bool complete = false;
+  std::optional<Shard> shard;  ///< rays_total then counts its rays only
   std::int64_t rays_logged = 0, rays_total = 0;
   std::vector<LogDamage> damage;
 };

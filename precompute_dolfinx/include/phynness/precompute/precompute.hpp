@@ -3,29 +3,51 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <phynness/formats/database.hpp>
 #include <phynness/precompute/probe_solver.hpp>
+#include <vector>
 
 namespace phynness {
 
+/// Where the responses go.
+struct PrecomputeTarget {
+  std::filesystem::path file;
+  bool resume = false;
+  std::optional<Shard> shard;  ///< solve its rays only, and leave them in the log of `file` for a merge
+};
+
+/// One rank's part of a run.
+struct RankFigures {
+  std::int64_t rays = 0;
+  double busy_seconds = 0;  ///< wall time spent solving and logging
+  double idle_seconds = 0;  ///< the rest of the time until the last rank had solved its last ray
+  double core_seconds = 0;  ///< CPU time; waiting for other ranks left out
+  double peak_memory_bytes = 0;
+};
+
 struct PrecomputeReport {
   std::int64_t rays = 0, rays_resumed = 0;  ///< solved now, found in the logs
-  std::int64_t increments = 0, failed = 0;  ///< of the whole database; failed: after_failure included
-  std::int64_t iterations = 0;
+  /// Of the whole database, or, for a shard or an interrupted run, of what was solved now. failed:
+  /// after_failure included.
+  std::int64_t increments = 0, failed = 0, iterations = 0;
   double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
-  bool interrupted = false;                   ///< finished rays are kept; --resume goes on
+  double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
+  std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere
+  bool interrupted = false;                                       ///< finished rays are kept; --resume goes on
 };
 
 /// (rays done over all ranks, rays in all); on rank 0 only. Called often; draw at your own pace.
 using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 
-/// Collective over MPI_COMM_WORLD: all ranks call it with the same arguments. Active nodes are handed out one
-/// at a time to whichever rank is free. Every ray starts at rest, so the result does not depend on who solves
-/// it.
+/// Collective over MPI_COMM_WORLD: all ranks call it with the same arguments. Rays are handed out to whichever
+/// rank is free, node by node, in ever smaller portions. Every ray starts at rest, so the result does not
+/// depend on who solves it.
+/// @pre this process holds the DatabaseLock of the file, on rank 0
 /// @param stop  polled between rays on every rank; true ends the run early with what is finished kept
 /// @throws Error
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh,
-                            const NodeSets& sets, const std::filesystem::path& file, bool resume,
+                            const NodeSets& sets, const PrecomputeTarget& target,
                             const PrecomputeProgress& progress = {}, const std::function<bool()>& stop = {});
 
 /// Header of the database that precompute() writes for a scene.

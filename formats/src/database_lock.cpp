@@ -1,0 +1,99 @@
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <phynness/formats/database_lock.hpp>
+#include <phynness/formats/error.hpp>
+#include <system_error>
+
+#include "database_folder.hpp"
+#include "database_log.hpp"
+#include "durable_file.hpp"
+
+namespace phynness {
+namespace {
+
+/// Who holds it, for the one who has to wait.
+std::string own_name() {
+  char host[256] = "";
+  ::gethostname(host, sizeof host - 1);
+  return "process " + std::to_string(::getpid()) + " on " + host;
+}
+
+std::string read_name(const Descriptor& lock, const std::filesystem::path& path) {
+  char name[512];
+  const auto size = read_at(lock, path, 0, name, sizeof name);
+  return size > 0 ? std::string(name, size) : "another process";
+}
+
+/// False if the file was removed, or replaced by another, since it was opened.
+bool is_still(const Descriptor& lock, const std::filesystem::path& path) {
+  struct stat opened {
+  }, named{};
+  return ::fstat(lock.get(), &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
+         opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+}
+
+}  // namespace
+
+struct DatabaseLock::Impl {
+  std::filesystem::path path;
+  Descriptor file;
+  std::string warning;
+
+  ~Impl() {
+    // Removed while it is still held: whoever opened it before notices, and opens the next one.
+    if (!is_still(file, path)) return;
+    ::unlink(path.c_str());
+    ::rmdir(path.parent_path().c_str());
+  }
+};
+
+DatabaseLock::DatabaseLock(const std::filesystem::path& file) {
+  check_folder_of(file);
+  const auto path = database_log::folder(file) / "lock";
+  for (;;) {
+    make_log_folder(file);
+    Descriptor lock(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+    if (!lock.is_open()) {
+      if (errno == ENOENT) continue;  // the folder went with the last holder
+      throw failure("cannot create the lock " + path.string(), std::generic_category().message(errno),
+                    "make the folder of logs writable");
+    }
+    int code = 0;
+    while (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 && (code = errno) == EINTR) code = 0;
+    if (code == EWOULDBLOCK)
+      throw input_error("the database " + file.string() + " is being worked on", read_name(lock, path),
+                        "wait for it to end, or stop it, and run again with --resume");
+    if (code == 0 && !is_still(lock, path)) continue;
+    _impl = std::make_unique<Impl>();
+    _impl->path = path;
+    _impl->file = std::move(lock);
+    if (code != 0)
+      _impl->warning = path.string() + " cannot be locked (" + std::generic_category().message(code) +
+                       "): see to it that no other process works on this database";
+    // On a full disk the lock holds all the same, only nameless.
+    const auto name = own_name();
+    [[maybe_unused]] const bool named =
+        ::ftruncate(_impl->file.get(), 0) == 0 &&
+        ::pwrite(_impl->file.get(), name.data(), name.size(), 0) == static_cast<ssize_t>(name.size());
+    return;
+  }
+}
+
+DatabaseLock::~DatabaseLock() = default;
+DatabaseLock::DatabaseLock(DatabaseLock&&) noexcept = default;
+DatabaseLock& DatabaseLock::operator=(DatabaseLock&&) noexcept = default;
+
+std::string DatabaseLock::holder(const std::filesystem::path& file) {
+  const auto path = database_log::folder(file) / "lock";
+  const Descriptor lock(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!lock.is_open() || ::flock(lock.get(), LOCK_SH | LOCK_NB) == 0 || errno != EWOULDBLOCK) return "";
+  return read_name(lock, path);
+}
+
+const std::string& DatabaseLock::warning() const { return _impl->warning; }
+
+}  // namespace phynness

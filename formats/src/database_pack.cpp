@@ -1,0 +1,96 @@
+#include "database_pack.hpp"
+
+#include <algorithm>
+
+#include "database_layout.hpp"
+#include "durable_file.hpp"
+
+namespace phynness {
+namespace layout = database_layout;
+namespace path = database_layout::path;
+namespace dl = database_log;
+namespace {
+
+/// The arrays of a few active nodes that are small enough to be collected before they are written.
+struct SmallArrays {
+  std::vector<std::int8_t> status;
+  std::vector<double> force, energy, tangent, min_jacobian, seconds;
+  std::vector<std::int32_t> negative_pivots, iterations, cutbacks;
+
+  void add(const Ray& ray) {
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    for (Status s : ray.status) status.push_back(static_cast<std::int8_t>(s));
+    append(force, ray.force);
+    append(energy, ray.energy);
+    append(tangent, ray.tangent);
+    append(negative_pivots, ray.negative_pivots);
+    append(iterations, ray.iterations);
+    append(cutbacks, ray.cutbacks);
+    append(min_jacobian, ray.min_jacobian);
+    append(seconds, ray.seconds);
+  }
+  void write(hdf5::File& file, hsize_t first, hsize_t count) const {
+    file.write_slab(path::status, first, count, status.data());
+    file.write_slab(path::force, first, count, force.data());
+    file.write_slab(path::energy, first, count, energy.data());
+    if (!tangent.empty()) file.write_slab(path::tangent, first, count, tangent.data());
+    file.write_slab(path::negative_pivots, first, count, negative_pivots.data());
+    file.write_slab(path::iterations, first, count, iterations.data());
+    file.write_slab(path::cutbacks, first, count, cutbacks.data());
+    file.write_slab(path::min_jacobian, first, count, min_jacobian.data());
+    file.write_slab(path::seconds, first, count, seconds.data());
+  }
+};
+
+void write_responses(hdf5::File& out, const DatabaseHeader& header, const dl::Index& index,
+                     const std::vector<dl::Entry>& records) {
+  dl::RayReader reader(index, header);
+  const hsize_t batch = layout::nodes_per_chunk(header), n_active = header.sets.active.size();
+
+  layout::create_responses(out, header);
+  for (hsize_t first = 0; first < n_active; first += batch) {
+    const hsize_t count = std::min(batch, n_active - first);
+    SmallArrays small;
+    for (hsize_t active = first; active < first + count; ++active) {
+      std::vector<double> displacement;
+      for (std::size_t d = 0; d < header.directions.size(); ++d) {
+        const Ray ray = reader.read(records[active * header.directions.size() + d]);
+        small.add(ray);
+        displacement.insert(displacement.end(), ray.displacement.begin(), ray.displacement.end());
+      }
+      out.write_slab(path::displacement, active, 1, displacement.data());
+    }
+    small.write(out, first, count);
+  }
+}
+
+}  // namespace
+
+std::vector<dl::Entry> one_record_per_ray(const dl::Index& index, const DatabaseHeader& header) {
+  const std::size_t n_directions = header.directions.size();
+  std::vector<dl::Entry> records(header.sets.active.size() * n_directions, dl::Entry{-1, -1, -1, -1});
+  for (const auto& entry : index.entries) {
+    auto& slot = records[static_cast<std::size_t>(entry.active) * n_directions +
+                         static_cast<std::size_t>(entry.direction)];
+    if (is_missing(slot)) slot = entry;
+  }
+  return records;
+}
+
+void write_packed(const std::filesystem::path& file, const DatabaseHeader& header, const dl::Index& index,
+                  const std::vector<dl::Entry>& records) {
+  const std::filesystem::path packing = file.string() + ".packing";
+  try {
+    auto out = hdf5::File::create(packing);
+    layout::write_header(out, header, true);
+    write_responses(out, header, index, records);
+    out.close();
+    replace_durably(packing, file);
+  } catch (...) {
+    std::error_code code;
+    std::filesystem::remove(packing, code);
+    throw;
+  }
+}
+
+}  // namespace phynness

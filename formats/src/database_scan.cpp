@@ -1,0 +1,165 @@
+#include "database_scan.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/hash.hpp>
+
+namespace phynness::database_log {
+namespace {
+
+template <class T>
+T value_at(const unsigned char* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof(T));
+  return value;
+}
+
+/// One log, read record by record.
+class LogScan {
+ public:
+  LogScan(std::filesystem::path path, std::int32_t number, const std::vector<unsigned char>& opening,
+          const Layout& layout, Index& index)
+      : _path(std::move(path)),
+        _number(number),
+        _opening(opening),
+        _layout(layout),
+        _index(index),
+        _file(open_for_reading(_path)),
+        _size(static_cast<std::int64_t>(std::filesystem::file_size(_path))),
+        _record(layout.record_bytes()) {}
+
+  void run() {
+    std::int64_t at = read_opening();
+    while (at < _size) {
+      const char* defect = take(at);
+      if (defect == nullptr) {
+        at += static_cast<std::int64_t>(_record.size());
+        continue;
+      }
+      const auto next = next_whole_record(at + 1);
+      _index.damage.push_back({_path, defect, next - at});
+      at = next;
+    }
+  }
+
+ private:
+  /// Where the records start. @throws Error if they are another work's
+  std::int64_t read_opening() {
+    if (_size == 0) return 0;
+    std::vector<unsigned char> found(_opening.size());
+    if (read_at(_file, _path, 0, found.data(), found.size()) < found.size()) {
+      _index.damage.push_back({_path, "torn opening", _size});
+      return _size;
+    }
+    if (found == _opening) return static_cast<std::int64_t>(found.size());
+    const std::size_t body = found.size() - checksum_bytes;
+    Fnv1a64 hash;
+    hash.add(found.data(), body);
+    if (value_at<std::uint64_t>(found.data() + body) != hash.value()) {
+      // The records say themselves whose they are.
+      const auto first = next_whole_record(1);
+      _index.damage.push_back({_path, "corrupted opening", first});
+      return first;
+    }
+    if (!std::equal(log_magic.begin(), log_magic.end(), found.begin()))
+      throw input_error(
+          "the log has a format version that this program does not read", _path.string(),
+          "finish the database with the phynness that began it, or delete this log to solve its "
+          "rays again");
+    throw input_error("the log belongs to another scene or mesh than the database", _path.string(),
+                      "restore the scene that it was made with, or delete this log to solve its rays again");
+  }
+
+  /// Adds the record at an offset. @returns its defect, or nullptr
+  const char* take(std::int64_t at) {
+    if (read_at(_file, _path, at, _record.data(), _record.size()) < _record.size()) return "torn record";
+    const std::size_t checked = _record.size() - checksum_bytes;
+    if (!std::equal(record_magic.begin(), record_magic.end(), _record.begin()) ||
+        value_at<std::uint32_t>(_record.data() + record_magic.size()) != _layout.payload_bytes() ||
+        value_at<std::uint64_t>(_record.data() + checked) !=
+            record_checksum(_opening, _record.data(), checked))
+      return "corrupted record";
+    const auto active = value_at<std::int32_t>(_record.data() + prefix_bytes);
+    const auto direction = value_at<std::int32_t>(_record.data() + prefix_bytes + sizeof(std::int32_t));
+    if (active < 0 || active >= _layout.n_active || direction < 0 || direction >= _layout.n_directions)
+      return "record of a ray that the database does not have";
+    _index.entries.push_back({active, direction, _number, at + static_cast<std::int64_t>(prefix_bytes)});
+    return nullptr;
+  }
+
+  bool is_whole(std::int64_t at) {
+    const auto before = _index.entries.size();
+    const bool whole = take(at) == nullptr;
+    _index.entries.resize(before);
+    return whole;
+  }
+
+  /// The size of the log if there is none.
+  std::int64_t next_whole_record(std::int64_t from) {
+    std::vector<unsigned char> block(1 << 16);
+    while (from + static_cast<std::int64_t>(_record.size()) <= _size) {
+      const auto got = read_at(_file, _path, from, block.data(), block.size());
+      const auto end = block.begin() + static_cast<std::ptrdiff_t>(got);
+      for (auto found = block.begin();; ++found) {
+        found = std::search(found, end, record_magic.begin(), record_magic.end());
+        if (found == end) break;
+        const auto at = from + (found - block.begin());
+        if (is_whole(at)) return at;
+      }
+      if (got < block.size()) break;
+      from += static_cast<std::int64_t>(got - (record_magic.size() - 1));  // a magic may lie across blocks
+    }
+    return _size;
+  }
+
+  std::filesystem::path _path;
+  std::int32_t _number;
+  const std::vector<unsigned char>& _opening;
+  const Layout& _layout;
+  Index& _index;
+  Descriptor _file;
+  std::int64_t _size;
+  std::vector<unsigned char> _record;
+};
+
+}  // namespace
+
+std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file) {
+  std::vector<std::filesystem::path> logs;
+  const auto dir = folder(file);
+  std::error_code code;
+  if (!std::filesystem::is_directory(dir, code)) return logs;
+  for (const auto& item : std::filesystem::directory_iterator(dir))
+    if (item.is_regular_file() && item.path().filename().string().starts_with("rank-"))
+      logs.push_back(item.path());
+  std::sort(logs.begin(), logs.end());
+  return logs;
+}
+
+void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index& index) {
+  const auto opening = encode_opening(header);
+  const Layout layout(header);
+  for (const auto& log : logs_of(file)) {
+    const auto number = static_cast<std::int32_t>(index.logs.size());
+    index.logs.push_back(log);
+    LogScan(log, number, opening, layout, index).run();
+  }
+}
+
+Ray RayReader::read(const Entry& entry) {
+  const auto& log = _index.logs[static_cast<std::size_t>(entry.log)];
+  auto file = _open.find(entry.log);
+  if (file == _open.end()) {
+    // Far below the usual limit of a process, enough for neighbouring rays to share.
+    constexpr std::size_t most_open = 64;
+    if (_open.size() >= most_open) _open.clear();
+    file = _open.emplace(entry.log, open_for_reading(log)).first;
+  }
+  if (read_at(file->second, log, entry.offset, _payload.data(), _payload.size()) < _payload.size())
+    throw failure("a log became shorter while it was packed", log.string(),
+                  "let one process at a time use the database");
+  return decode(_payload.data(), _layout);
+}
+
+}  // namespace phynness::database_log

@@ -1,0 +1,54 @@
+// Which rays the logs of unfinished databases hold, and where.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <phynness/formats/database.hpp>
+#include <vector>
+
+#include "database_log.hpp"
+
+namespace phynness::database_log {
+
+/// A whole record in a log.
+struct Entry {
+  std::int32_t active, direction;
+  std::int32_t log;     ///< index into Index::logs
+  std::int64_t offset;  ///< of the payload
+};
+struct Index {
+  std::vector<std::filesystem::path> logs;  ///< sorted by name within each database
+  std::vector<Entry> entries;               ///< in the order of the logs
+  std::vector<LogDamage> damage;
+};
+
+/// Names of the logs in the folder of a database, sorted.
+std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file);
+
+/// Checks every record of every log of the database `file` and adds them to `index`. What is torn or
+/// corrupted is left out, and reading goes on at the next whole record.
+/// @throws Error (input) if a log belongs to another physics or mesh than `header`
+void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index& index);
+inline Index scan(const std::filesystem::path& file, const DatabaseHeader& header) {
+  Index index;
+  scan(file, header, index);
+  return index;
+}
+
+/// Reads rays from any number of logs while few of them are open.
+class RayReader {
+ public:
+  RayReader(const Index& index, const DatabaseHeader& header)
+      : _index(index), _layout(header), _payload(_layout.payload_bytes()) {}
+  /// @throws Error if the log has become shorter since it was scanned
+  Ray read(const Entry& entry);
+
+ private:
+  const Index& _index;
+  Layout _layout;
+  std::vector<unsigned char> _payload;
+  std::map<std::int32_t, Descriptor> _open;
+};
+
+}  // namespace phynness::database_log

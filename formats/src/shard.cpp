@@ -1,0 +1,58 @@
+#include <algorithm>
+#include <charconv>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/shard.hpp>
+
+namespace phynness {
+namespace {
+
+std::string marker(const Shard& shard) {
+  return ".shard-" + std::to_string(shard.index) + "-of-" + std::to_string(shard.count);
+}
+
+}  // namespace
+
+std::string Shard::str() const { return std::to_string(index) + "/" + std::to_string(count); }
+
+Shard parse_shard(const std::string& text) {
+  Shard shard;
+  const char *at = text.data(), *end = at + text.size();
+  const auto first = std::from_chars(at, end, shard.index);
+  bool good = first.ec == std::errc{} && first.ptr != end && *first.ptr == '/';
+  if (good) {
+    const auto second = std::from_chars(first.ptr + 1, end, shard.count);
+    good = second.ec == std::errc{} && second.ptr == end;
+  }
+  if (!good || shard.count < 1)
+    throw input_error("a shard is i/n, two whole numbers", "'" + text + "'",
+                      "--shard 0/8 is the first of eight");
+  if (shard.index < 0 || shard.index >= shard.count)
+    throw input_error("there is no such shard", "'" + text + "'",
+                      "shards count from 0: the last is " + std::to_string(shard.count - 1) + "/" +
+                          std::to_string(shard.count));
+  return shard;
+}
+
+std::int32_t shard_of(std::int32_t active, std::int32_t direction, std::int32_t n_active,
+                      std::int32_t n_directions, std::int32_t count) {
+  // Costs of runs vary; 16 of them per shard average that out.
+  constexpr std::int64_t wanted_runs = 16;
+  const std::int64_t rays = std::int64_t{n_active} * n_directions;
+  const std::int64_t longest = std::clamp<std::int64_t>(rays / (wanted_runs * count), 1, n_directions);
+  const std::int64_t runs_per_node = (n_directions + longest - 1) / longest;
+  const std::int64_t run_of_node = direction * runs_per_node / n_directions;
+  return static_cast<std::int32_t>((run_of_node * n_active + active) % count);
+}
+
+std::filesystem::path shard_file(const std::filesystem::path& database, const Shard& shard) {
+  auto name = database.stem().string() + marker(shard) + database.extension().string();
+  return database.parent_path() / name;
+}
+
+std::filesystem::path database_of(const std::filesystem::path& file, const Shard& shard) {
+  const auto stem = file.stem().string(), mark = marker(shard);
+  if (stem.size() <= mark.size() || !stem.ends_with(mark)) return file;
+  return file.parent_path() / (stem.substr(0, stem.size() - mark.size()) + file.extension().string());
+}
+
+}  // namespace phynness

@@ -1,0 +1,67 @@
+#include "solve_ray.hpp"
+
+#include <ctime>
+
+namespace phynness {
+namespace {
+
+void store(const Response& response, std::size_t i, const DatabaseHeader& header, double seconds, Ray& ray) {
+  ray.status[i] = response.status;
+  ray.iterations[i] = response.iterations;
+  ray.cutbacks[i] = response.cutbacks;
+  ray.seconds[i] = seconds;
+  if (response.status != Status::converged) return;
+  for (std::size_t k = 0; k < 3; ++k) ray.force[3 * i + k] = response.force_N[0][k];
+  ray.energy[i] = response.energy_J;
+  for (int k = 0; header.tangents && k < 9; ++k)
+    ray.tangent[9 * i + static_cast<std::size_t>(k)] = response.tangent_N_per_m(k / 3, k % 3);
+  ray.negative_pivots[i] = response.negative_pivots;
+  ray.min_jacobian[i] = response.min_jacobian;
+  const auto& output = header.sets.output;
+  for (std::size_t j = 0; j < output.size(); ++j)
+    for (int k = 0; k < 3; ++k)
+      ray.displacement[3 * (i * output.size() + j) + static_cast<std::size_t>(k)] =
+          response.displacement_m(output[j], k);
+}
+
+}  // namespace
+
+double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction) {
+  const std::size_t n = header.magnitudes_m.size();
+  Ray ray;
+  ray.active = active;
+  ray.direction = direction;
+  ray.status.assign(n, Status::not_requested);
+  ray.force.assign(3 * n, 0.0);
+  ray.energy.assign(n, 0.0);
+  if (header.tangents) ray.tangent.assign(9 * n, 0.0);
+  ray.negative_pivots.assign(n, 0);
+  ray.iterations.assign(n, 0);
+  ray.cutbacks.assign(n, 0);
+  ray.min_jacobian.assign(n, 0.0);
+  ray.seconds.assign(n, 0.0);
+  ray.displacement.assign(3 * n * header.sets.output.size(), 0.0);
+  return ray;
+}
+
+Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t active,
+              std::int32_t direction) {
+  Ray ray = empty_ray(header, active, direction);
+  double before = cpu_seconds();
+  solver.follow({header.directions[static_cast<std::size_t>(direction)]}, header.magnitudes_m,
+                header.tangents, [&](std::size_t i, const Response& response) {
+                  const double now = cpu_seconds();
+                  store(response, i, header, now - before, ray);
+                  before = now;
+                  return true;
+                });
+  return ray;
+}
+
+}  // namespace phynness

@@ -1,0 +1,106 @@
+// Claims: a database that one process works on is refused to a second one, which learns who has it; a killed
+// process leaves no lock behind; where the file system has no locks there is a warning and work goes on.
+#include <sys/syscall.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <functional>
+#include <optional>
+#include <phynness/formats/database_lock.hpp>
+#include <utility>
+
+#include "database_under_test.hpp"
+
+namespace {
+int flock_error = 0;
+std::function<void()> before_locking;
+}  // namespace
+/// Stands before the C library's, so that a test can play a file system without locks, or another process.
+extern "C" int flock(int file, int operation) {
+  if (before_locking) std::exchange(before_locking, {})();
+  if (flock_error == 0) return static_cast<int>(::syscall(SYS_flock, file, operation));
+  errno = flock_error;
+  return -1;
+}
+
+namespace phynness::test {
+namespace {
+
+using Lock = DatabaseTest;
+
+TEST_F(Lock, is_refused_to_a_second_process_by_name) {
+  {
+    const DatabaseLock lock(file);
+    EXPECT_EQ(lock.warning(), "");
+    const auto own = "process " + std::to_string(getpid());
+    expect_contains(refusal([&] { DatabaseLock second(file); }), {file.c_str(), own.c_str(), "wait"});
+    expect_contains(DatabaseLock::holder(file), {own.c_str()});
+  }
+  EXPECT_EQ(DatabaseLock::holder(file), "");
+  EXPECT_FALSE(fs::exists(log)) << "an empty folder stays behind";
+  const DatabaseLock again(file);
+}
+
+TEST_F(Lock, dies_with_its_process) {
+  int ready[2];
+  ASSERT_EQ(pipe(ready), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    const DatabaseLock lock(file);
+    if (write(ready[1], "x", 1) != 1) _exit(1);
+    for (;;) pause();
+  }
+  char byte = 0;
+  ASSERT_EQ(read(ready[0], &byte, 1), 1);
+  refusal([&] { DatabaseLock second(file); });
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  close(ready[0]);
+  close(ready[1]);
+  EXPECT_TRUE(fs::exists(log / "lock"));
+  const DatabaseLock lock(file);
+  EXPECT_EQ(lock.warning(), "");
+}
+
+TEST_F(Lock, survives_packing_and_does_not_take_the_next_holders) {
+  const auto header = small_header(false);
+  write_logs(header);
+  std::optional<DatabaseLock> first(std::in_place, file);
+  DatabaseWriter::pack(file, header);  // takes the folder away
+  const DatabaseLock second(file);
+  first.reset();
+  refusal([&] { DatabaseLock third(file); });
+}
+
+TEST_F(Lock, that_its_last_holder_took_away_is_not_held) {
+  // Between opening and locking, the holder removes the file and goes: a lock on it would keep nobody off.
+  before_locking = [&] { fs::remove_all(log); };
+  const DatabaseLock lock(file);
+  EXPECT_TRUE(fs::exists(log / "lock"));
+  refusal([&] { DatabaseLock second(file); });
+}
+
+TEST_F(Lock, missing_in_the_file_system_is_a_warning) {
+  for (const int code : {ENOLCK, EOPNOTSUPP, ENOSYS}) {
+    flock_error = code;
+    {
+      const DatabaseLock lock(file);
+      expect_contains(lock.warning(), {log.c_str(), "cannot be locked", std::strerror(code)});
+      EXPECT_EQ(DatabaseLock::holder(file), "");
+    }
+    flock_error = 0;
+  }
+}
+
+TEST_F(Lock, in_a_missing_or_read_only_folder_is_an_error) {
+  expect_contains(refusal([&] { DatabaseLock lock(folder() / "nowhere" / "a.h5"); }),
+                  {"does not exist", "mkdir"});
+  if (geteuid() == 0) return;  // root may write anywhere
+  fs::permissions(folder(), fs::perms::owner_read | fs::perms::owner_exec);
+  expect_contains(refusal([&] { DatabaseLock lock(file); }), {"not writable"});
+}
+
+}  // namespace
+}  // namespace phynness::test
