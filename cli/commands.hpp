@@ -21,6 +21,7 @@ void add_validate_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
 void add_solve_command(CLI::App& app);
 void add_info_command(CLI::App& app);
+void add_show_command(CLI::App& app);
 void add_run_command(CLI::App& app);
 
 /// A scene with its mesh and selections; says on stderr what was noted on the way.
