@@ -15,6 +15,7 @@ namespace phynness::cli {
 using json = nlohmann::ordered_json;
 
 void add_mesh_command(CLI::App& app);
+void add_plan_command(CLI::App& app);
 void add_precompute_command(CLI::App& app);
 void add_train_command(CLI::App& app);
 void add_validate_command(CLI::App& app);

@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", software_version());
   app.require_subcommand(1);
   cli::add_mesh_command(app);
+  cli::add_plan_command(app);
   cli::add_precompute_command(app);
   cli::add_train_command(app);
   cli::add_validate_command(app);
