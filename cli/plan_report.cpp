@@ -20,14 +20,12 @@ struct Way {
 };
 
 /// The first is what precompute does.
-std::vector<Way> ways(const RayWork& work) {
-  std::size_t directions = 1;
-  while (directions < work.n_rays() && work.node[directions] == work.node[0]) ++directions;
-  return {{"as precompute", "precompute", {Grain::ray, Order::stored, 2, directions}},
-          {"one by one", "one_by_one", {Grain::ray, Order::stored, 0, 0}},
-          {"longest first", "longest_first", {Grain::ray, Order::longest_first, 0, 0}},
-          {"increments", "increments", {Grain::increment, Order::longest_first, 0, 0}},
-          {"whole nodes", "whole_nodes", {Grain::node, Order::stored, 0, 0}}};
+std::vector<Way> ways() {
+  return {{"as precompute", "precompute", {Grain::ray, Order::stored, 2, true}},
+          {"one by one", "one_by_one", {Grain::ray, Order::stored, 0, false}},
+          {"longest first", "longest_first", {Grain::ray, Order::longest_first, 0, false}},
+          {"increments", "increments", {Grain::increment, Order::longest_first, 0, false}},
+          {"whole nodes", "whole_nodes", {Grain::node, Order::stored, 0, false}}};
 }
 
 MachineCosts machine_of(const PlanOptions& options, const PlanBasis& basis) {
@@ -68,7 +66,7 @@ struct Scaling {
 
 /// Simulates all ways and prints the table.
 Scaling scaling(const PlanOptions& options, const PlanBasis& basis, const MachineCosts& machine) {
-  const auto all = ways(basis.work);
+  const auto all = ways();
   const auto steps = ladder(options.ranks);
   Scaling result;
   for (const int ranks : steps) result.curve.push_back({{"ranks", ranks}});
@@ -133,7 +131,7 @@ void print_states(const PlanBasis& basis) {
 
 json report_plan(const PlanOptions& options, const PlanBasis& basis) {
   const auto machine = machine_of(options, basis);
-  const auto run = simulate(basis.work, machine, ways(basis.work).front().policy, options.ranks);
+  const auto run = simulate(basis.work, machine, ways().front().policy, options.ranks);
   const auto n_rays = static_cast<double>(basis.work.n_rays());
   const double core_hours = run.wall_s * options.ranks / 3600;
   const double database_bytes = basis.packing.header_bytes + n_rays * basis.packing.packed_bytes_per_ray;

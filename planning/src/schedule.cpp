@@ -97,9 +97,9 @@ class Dispatcher {
     if (_policy.grain == Grain::node) return end_of_node(_given) - _given;
     std::size_t count = 1;
     if (_policy.guided_divisor > 0)
-      count = std::max<std::size_t>(
-          1, static_cast<std::size_t>(static_cast<double>(left) / (_policy.guided_divisor * _ranks)));
-    if (_policy.largest_chunk > 0) count = std::min(count, _policy.largest_chunk);
+      count =
+          static_cast<std::size_t>(std::ceil(static_cast<double>(left) / (_policy.guided_divisor * _ranks)));
+    if (_policy.one_node) count = std::min(count, end_of_node(_given) - _given);
     return std::min(count, left);
   }
 

@@ -18,7 +18,7 @@ RayWork equal_rays(int n_nodes, int rays_per_node, double seconds) {
   return work;
 }
 
-Policy one_by_one(Order order = Order::stored) { return {Grain::ray, order, 0, 0}; }
+Policy one_by_one(Order order = Order::stored) { return {Grain::ray, order, 0, false}; }
 
 TEST(Schedule, equal_tasks_fill_all_ranks) {
   const auto work = equal_rays(10, 8, 0.5);
@@ -51,11 +51,15 @@ TEST(Schedule, guided_chunks_shrink_and_pay_the_counter_less) {
   machine.fetch_latency_s = 0.25;
   // 8 rays, divisor 1, one rank: the first chunk takes all; then one more question finds nothing.
   const auto work = equal_rays(1, 8, 1);
-  EXPECT_EQ(simulate(work, machine, {Grain::ray, Order::stored, 1, 0}, 1).spent.fetching, 0.5);
-  // At most 2 at a time: four chunks and the last question.
-  EXPECT_EQ(simulate(work, machine, {Grain::ray, Order::stored, 1, 2}, 1).spent.fetching, 1.25);
+  EXPECT_EQ(simulate(work, machine, {Grain::ray, Order::stored, 1, false}, 1).spent.fetching, 0.5);
+  // Four nodes of two, a chunk ends with its node: four chunks and the last question.
+  EXPECT_EQ(simulate(equal_rays(4, 2, 1), machine, {Grain::ray, Order::stored, 1, true}, 1).spent.fetching,
+            1.25);
+  // 7 rays, divisor 2: chunks of 4, 2, 1 (rounded up).
+  EXPECT_EQ(simulate(equal_rays(1, 7, 1), machine, {Grain::ray, Order::stored, 2, false}, 1).spent.fetching,
+            1);
   // Divisor 2: chunks of 4, 2, 1, 1.
-  EXPECT_EQ(simulate(work, machine, {Grain::ray, Order::stored, 2, 0}, 1).spent.fetching, 1.25);
+  EXPECT_EQ(simulate(work, machine, {Grain::ray, Order::stored, 2, false}, 1).spent.fetching, 1.25);
   EXPECT_EQ(simulate(work, machine, one_by_one(), 1).spent.fetching, 2.25);
 }
 
@@ -65,7 +69,7 @@ TEST(Schedule, whole_nodes_leave_a_tail_that_rays_do_not) {
   const auto work = equal_rays(3, 4, 1);
   // Three nodes of 4 s + 0.5 s on two ranks: one rank has two. One by one: 6 rays each, every rank meets each
   // node.
-  const auto nodes = simulate(work, machine, {Grain::node, Order::stored, 0, 0}, 2);
+  const auto nodes = simulate(work, machine, {Grain::node, Order::stored, 0, false}, 2);
   EXPECT_EQ(nodes.wall_s, 9);
   EXPECT_EQ(nodes.spent.node_setup, 1.5);
   EXPECT_EQ(nodes.spent.tail, 4.5);
@@ -82,8 +86,8 @@ TEST(Schedule, a_ray_stays_a_chain_however_fine_the_tasks) {
   work.seconds.assign(12, 1);
   // Three rays of 4 s on two ranks: whole rays 8 s; increments 6 s; on many ranks the longest ray remains.
   EXPECT_EQ(simulate(work, {}, one_by_one(), 2).wall_s, 8);
-  EXPECT_EQ(simulate(work, {}, {Grain::increment, Order::longest_first, 0, 0}, 2).wall_s, 6);
-  EXPECT_EQ(simulate(work, {}, {Grain::increment, Order::longest_first, 0, 0}, 100).wall_s, 4);
+  EXPECT_EQ(simulate(work, {}, {Grain::increment, Order::longest_first, 0, false}, 2).wall_s, 6);
+  EXPECT_EQ(simulate(work, {}, {Grain::increment, Order::longest_first, 0, false}, 100).wall_s, 4);
 }
 
 TEST(Schedule, the_file_system_serves_one_at_a_time) {
@@ -140,7 +144,7 @@ TEST(Schedule, every_core_second_is_accounted_for) {
   for (const auto grain : {Grain::node, Grain::ray, Grain::increment})
     for (const auto order : {Order::stored, Order::longest_first})
       for (const int ranks : {1, 7, 100, 1000}) {
-        const auto s = simulate(work, machine, {grain, order, 2, 26}, ranks);
+        const auto s = simulate(work, machine, {grain, order, 2, true}, ranks);
         // Rounding of some thousand additions.
         EXPECT_NEAR(s.spent.sum(), ranks * s.wall_s, 1e-9 * ranks * s.wall_s) << ranks;
         EXPECT_NEAR(s.spent.solving, work.total_seconds(), 1e-9 * work.total_seconds());

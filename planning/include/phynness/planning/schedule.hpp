@@ -45,10 +45,10 @@ enum class Order { stored, longest_first };
 struct Policy {
   Grain grain = Grain::ray;
   Order order = Order::stored;  ///< longest first: costs known beforehand, the best that can be hoped for
-  /// Guided chunks of rays: remaining / (divisor * ranks), at least one; 0: one by one.
+  /// Guided chunks of rays: remaining / (divisor * ranks), rounded up; 0: one by one.
   double guided_divisor = 2;
-  /// A chunk has at most so many rays; 0: any number.
-  std::size_t largest_chunk = 0;
+  /// A chunk ends with its node.
+  bool one_node = false;
 };
 
 /// Where ranks * wall seconds went. The parts add up to it.
