@@ -19,7 +19,7 @@ struct PlanOptions {
   std::filesystem::path source;
   std::optional<std::filesystem::path> json_file;
   int ranks = 1;
-  int rays = 48;
+  int rays = 96;
   std::uint64_t seed = 1;
   // What a sample on this machine cannot know of another one.
   double launch_s = 1, bandwidth_MB_per_s = 500, open_ms = 1, fetch_us = 5;

@@ -57,6 +57,13 @@ std::vector<int> ladder(int ranks) {
   return steps;
 }
 
+/// The same machine where ranks are there already and nobody packs: what the schedule alone is worth.
+MachineCosts solving_only(MachineCosts machine) {
+  machine.launch_s = machine.start_s = machine.log_create_s = 0;
+  machine.pack_log_open_s = machine.pack_s_per_ray = 0;
+  return machine;
+}
+
 struct Scaling {
   json curve = json::array(), at_wanted = json::object();
   double efficiency = 1;  ///< of precompute on the ranks asked for
@@ -65,43 +72,41 @@ struct Scaling {
 };
 
 /// Simulates all ways and prints the table.
-Scaling scaling(const PlanOptions& options, const PlanBasis& basis, const MachineCosts& machine) {
+/// @param done  runs so far, for the progress line that both tables share
+Scaling scaling(const char* title, const PlanOptions& options, const RayWork& work,
+                const MachineCosts& machine, Progress& progress, std::int64_t& done) {
   const auto all = ways();
   const auto steps = ladder(options.ranks);
+  const auto total = static_cast<std::int64_t>(2 * all.size() * (steps.size() + 1));
   Scaling result;
   for (const int ranks : steps) result.curve.push_back({{"ranks", ranks}});
   std::vector<std::vector<double>> table(steps.size());
   std::vector<std::string> limits;
-  {
-    Progress progress("simulate", "runs");
-    std::int64_t done = 0;
-    const auto total = static_cast<std::int64_t>(all.size() * (steps.size() + 1));
-    for (const auto& way : all) {
-      const auto one = simulate(basis.work, machine, way.policy, 1);
-      for (std::size_t i = 0; i < steps.size(); ++i) {
-        if (stop_requested()) throw failure("interrupted", "the simulation is not complete", "start again");
-        const auto many = simulate(basis.work, machine, way.policy, steps[i]);
-        table[i].push_back(efficiency(one, many));
-        result.curve[i][way.key] = {{"wall_seconds", many.wall_s},
-                                    {"efficiency", efficiency(one, many)},
-                                    {"limited_by", limited_by(one, many)},
-                                    {"core_seconds", parts(many.spent)}};
-        if (&way == &all.front()) {
-          limits.push_back(limited_by(one, many));
-          if (steps[i] == options.ranks) result.efficiency = efficiency(one, many);
-        }
-        progress.update(++done, total);
-      }
-      const int ranks = ranks_at_efficiency(wanted_efficiency, basis.work, machine, way.policy, most_ranks);
-      result.at_wanted[way.key] = ranks;
-      if (&way == &all.front()) {
-        result.ranks = ranks;
-        result.limit = limited_by(one, simulate(basis.work, machine, way.policy, ranks + 1));
-      }
+  const auto one = simulate(work, machine, all.front().policy, 1);
+  for (const auto& way : all) {
+    const bool first = &way == &all.front();
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      if (stop_requested()) throw failure("interrupted", "the simulation is not complete", "start again");
+      const auto many = simulate(work, machine, way.policy, steps[i]);
+      const double e = efficiency(one, many);
+      table[i].push_back(e);
+      result.curve[i][way.key] = {{"wall_seconds", many.wall_s},
+                                  {"efficiency", e},
+                                  {"limited_by", limited_by(one, many)},
+                                  {"core_seconds", parts(many.spent)}};
+      if (first) limits.push_back(limited_by(one, many));
+      if (first && steps[i] == options.ranks) result.efficiency = e;
       progress.update(++done, total);
     }
+    const int ranks = ranks_at_efficiency(wanted_efficiency, one, work, machine, way.policy, most_ranks);
+    result.at_wanted[way.key] = ranks;
+    if (first) {
+      result.ranks = ranks;
+      result.limit = limited_by(one, simulate(work, machine, way.policy, ranks + 1));
+    }
+    progress.update(++done, total);
   }
-  fmt::print("\nefficiency in % (simulated; one rank's wall time over ranks x wall time)\n{:>6}", "ranks");
+  fmt::print("\n{}\n{:>6}", title, "ranks");
   for (const auto& way : all) fmt::print(" {:>13}", way.name);
   fmt::print("  precompute is limited by\n");
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -159,8 +164,19 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
   fmt::print("model         {} and a mesh of {}\n", bytes(basis.model.model_text_bytes),
              bytes(basis.model.mesh_text_bytes));
 
-  const auto scale = scaling(options, basis, machine);
-  fmt::print("{} ranks can be used at 90 % efficiency; beyond, the limit is: {}\n", scale.ranks, scale.limit);
+  Scaling scale, solving;
+  {
+    Progress progress("simulate", "runs");
+    std::int64_t done = 0;
+    scale = scaling("efficiency in % (simulated; wall time of precompute on one rank over ranks x wall time)",
+                    options, basis.work, machine, progress, done);
+    solving = scaling("the same without start and packing", options, basis.work, solving_only(machine),
+                      progress, done);
+  }
+  fmt::print(
+      "\n{} ranks can be used at 90 % efficiency, beyond the limit is: {}; while solving alone {} ranks, "
+      "{}\n",
+      scale.ranks, scale.limit, solving.ranks, solving.limit);
   json states = json::object();
   for (const auto& [status, count] : basis.states) states[name(status)] = count;
   return {{"rays", basis.work.n_rays()},
@@ -195,7 +211,11 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
           {"mesh_text_bytes", basis.model.mesh_text_bytes},
           {"ranks_at_90_percent", scale.at_wanted},
           {"limited_by", scale.limit},
-          {"curve", scale.curve}};
+          {"curve", scale.curve},
+          {"solving",
+           {{"ranks_at_90_percent", solving.at_wanted},
+            {"limited_by", solving.limit},
+            {"curve", solving.curve}}}};
 }
 
 }  // namespace phynness::cli

@@ -29,11 +29,14 @@ double peak_memory_bytes() {
 
 std::vector<RayChoice> choose(const DatabaseHeader& header, const std::vector<char>& requested,
                               const PlanOptions& options) {
-  Points points(static_cast<Eigen::Index>(header.sets.active.size()), 3);
-  for (Eigen::Index i = 0; i < points.rows(); ++i)
-    points.row(i) = header.mesh.nodes.row(header.sets.active[static_cast<std::size_t>(i)]);
-  return choose_rays(points, requested, header.directions.size(), static_cast<std::size_t>(options.rays),
-                     options.seed);
+  const auto points = [&](const std::vector<std::int32_t>& nodes) {
+    Points x(static_cast<Eigen::Index>(nodes.size()), 3);
+    for (Eigen::Index i = 0; i < x.rows(); ++i)
+      x.row(i) = header.mesh.nodes.row(nodes[static_cast<std::size_t>(i)]);
+    return x;
+  };
+  return choose_rays(points(header.sets.active), points(header.sets.fixed), requested,
+                     header.directions.size(), static_cast<std::size_t>(options.rays), options.seed);
 }
 
 double seconds_of(const Ray& ray) { return std::accumulate(ray.seconds.begin(), ray.seconds.end(), 0.0); }

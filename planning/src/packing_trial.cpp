@@ -37,18 +37,17 @@ class TemporaryFolder {
   fs::path path;
 };
 
-/// The rays as a database of their own: a rectangle of nodes and directions, filled up with repetitions where
-/// a node has fewer rays than others.
+/// The rays as a database of their own: a rectangle of nodes and directions, as many for each node as the one
+/// with the fewest has.
 std::vector<std::vector<Ray>> by_node(const std::vector<Ray>& rays) {
   std::vector<std::vector<Ray>> nodes;
   for (const auto& ray : rays) {
     if (nodes.empty() || nodes.back().front().active != ray.active) nodes.emplace_back();
     nodes.back().push_back(ray);
   }
-  std::size_t most = 0;
-  for (const auto& node : nodes) most = std::max(most, node.size());
-  for (auto& node : nodes)
-    for (std::size_t i = 0; node.size() < most; ++i) node.push_back(node[i]);
+  std::size_t least = nodes.front().size();
+  for (const auto& node : nodes) least = std::min(least, node.size());
+  for (auto& node : nodes) node.resize(least);
   return nodes;
 }
 

@@ -22,11 +22,10 @@ std::string limited_by(const Schedule& one_rank, const Schedule& many) {
   return largest.first > 0 ? largest.second : "nothing";
 }
 
-int ranks_at_efficiency(double wanted, const RayWork& work, const MachineCosts& machine, const Policy& policy,
-                        int most) {
-  const auto one = simulate(work, machine, policy, 1);
+int ranks_at_efficiency(double wanted, const Schedule& one_rank, const RayWork& work,
+                        const MachineCosts& machine, const Policy& policy, int most) {
   const auto good = [&](int ranks) {
-    return efficiency(one, simulate(work, machine, policy, ranks)) >= wanted;
+    return efficiency(one_rank, simulate(work, machine, policy, ranks)) >= wanted;
   };
   int below = 1, above = 1;
   while (below < most) {

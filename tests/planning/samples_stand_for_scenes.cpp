@@ -23,14 +23,14 @@ Points line_of_points(int n) {
 }
 
 TEST(RaySample, every_region_and_every_direction_counts_equally) {
-  const auto rays = choose_rays(line_of_points(130), std::vector<char>(130 * 26, 1), 26, 52, 3);
+  const auto rays = choose_rays(line_of_points(130), Points(0, 3), std::vector<char>(130 * 26, 1), 26, 52, 3);
   ASSERT_EQ(rays.size(), 52u);
   std::map<int, int> per_tenth, per_direction;
   for (const auto& ray : rays) {
     ++per_tenth[ray.active / 10];
     ++per_direction[ray.direction];
   }
-  EXPECT_EQ(per_tenth.size(), 13u);  // 13 runs of 4, one in each stretch of 10 nodes
+  EXPECT_EQ(per_tenth.size(), 13u);  // 26 runs of 2, one in each stretch of 5 nodes
   for (const auto& [tenth, n] : per_tenth) EXPECT_EQ(n, 4) << tenth;
   EXPECT_EQ(per_direction.size(), 26u);
   for (const auto& [direction, n] : per_direction) EXPECT_EQ(n, 2) << direction;
@@ -42,7 +42,8 @@ TEST(RaySample, every_region_and_every_direction_counts_equally) {
 TEST(RaySample, the_seed_decides) {
   const auto choose = [](std::uint64_t seed) {
     std::vector<std::pair<int, int>> rays;
-    for (const auto& r : choose_rays(line_of_points(500), std::vector<char>(500 * 26, 1), 26, 48, seed))
+    for (const auto& r :
+         choose_rays(line_of_points(500), Points(0, 3), std::vector<char>(500 * 26, 1), 26, 48, seed))
       rays.emplace_back(r.active, r.direction);
     return rays;
   };
@@ -52,20 +53,38 @@ TEST(RaySample, the_seed_decides) {
 
 TEST(RaySample, small_scenes_and_rays_not_requested) {
   // Two nodes, 26 directions: the wanted number comes from longer runs. Three rays in all: all of them.
-  EXPECT_EQ(choose_rays(line_of_points(2), std::vector<char>(52, 1), 26, 40, 1).size(), 40u);
-  EXPECT_EQ(choose_rays(line_of_points(1), std::vector<char>(3, 1), 3, 40, 1).size(), 3u);
+  EXPECT_EQ(choose_rays(line_of_points(2), Points(0, 3), std::vector<char>(52, 1), 26, 40, 1).size(), 40u);
+  EXPECT_EQ(choose_rays(line_of_points(1), Points(0, 3), std::vector<char>(3, 1), 3, 40, 1).size(), 3u);
   std::vector<char> half(20 * 26, 0);
   for (std::size_t i = 0; i < half.size(); i += 2) half[i] = 1;
-  const auto rays = choose_rays(line_of_points(20), half, 26, 40, 1);
+  const auto rays = choose_rays(line_of_points(20), Points(0, 3), half, 26, 40, 1);
   EXPECT_EQ(rays.size(), 40u);
   for (const auto& r : rays) EXPECT_EQ(r.direction % 2, 0);
-  EXPECT_TRUE(choose_rays(line_of_points(20), std::vector<char>(20 * 26, 0), 26, 40, 1).empty());
+  EXPECT_TRUE(
+      choose_rays(line_of_points(20), Points(0, 3), std::vector<char>(20 * 26, 0), 26, 40, 1).empty());
+}
+
+TEST(RaySample, nodes_near_fixed_ones_come_more_often_and_weigh_less) {
+  // Distances 1 ... 400 from the only fixed point: the nearest tenth holds 4.28 / 6.57 of the sum of 1 /
+  // distance.
+  Points points = line_of_points(400);
+  points.col(0).array() += 1;
+  const auto rays = choose_rays(points, Points::Zero(1, 3), std::vector<char>(400 * 26, 1), 26, 96, 11);
+  double near = 0, weight = 0, cost = 0;
+  for (const auto& ray : rays) {
+    near += ray.active < 40;
+    weight += ray.weight;
+    cost += ray.weight * (ray.active < 40 ? 10 : 1);
+  }
+  EXPECT_NEAR(near / static_cast<double>(rays.size()), 4.28 / 6.57, 0.1);  // rays drawn twice count once
+  // The mean cost is 1.9. Standard error with 48 nodes: 9 %; drawn evenly it would be 20 %.
+  EXPECT_NEAR(cost / weight, 1.9, 0.2 * 1.9);
 }
 
 TEST(RaySample, all_rays_cost_what_the_sample_costs_on_average) {
   RaySample sample;
   sample.increments = 2;
-  sample.rays = {{0, 0}, {0, 1}, {4, 2}, {4, 3}};
+  sample.rays = {{0, 0, 1}, {0, 1, 1}, {4, 2, 1}, {4, 3, 1}};
   sample.seconds = {1, 1, 2, 2, 3, 3, 4, 4};
   EXPECT_EQ(sample.mean_ray_seconds(), 5);
   // Node means 3 and 7 per ray: standard error of their mean 2, over 5. Rounding of a square root.
@@ -79,6 +98,11 @@ TEST(RaySample, all_rays_cost_what_the_sample_costs_on_average) {
   EXPECT_EQ(work.node[39], 9);
   std::set<double> values(work.seconds.begin(), work.seconds.end());
   EXPECT_EQ(values, (std::set<double>{0, 1, 2, 3, 4}));
+  // The second node stands for twice as many rays: (2 + 4 + 2 (6 + 8)) / 6, and 36 rays in shares of 6, 6,
+  // 12, 12.
+  sample.rays[2].weight = sample.rays[3].weight = 2;
+  EXPECT_NEAR(sample.mean_ray_seconds(), 34.0 / 6, 1e-15 * 10);  // rounding
+  EXPECT_EQ(work_like(sample, requested, 4, 1).total_seconds(), 6 * 2 + 6 * 4 + 12 * 6 + 12 * 8);
 }
 
 using PackingTrialTest = test::DatabaseTest;

@@ -159,14 +159,17 @@ TEST(ScalingCurve, ranks_at_ninety_percent_where_it_is_known) {
   // 1000 equal rays take ceil(1000 / N) rounds on N ranks.
   const auto work = equal_rays(1000, 1, 1);
   const auto at = [](int n) { return 1000.0 / (n * ((1000 + n - 1) / n)); };
-  const int ranks = ranks_at_efficiency(0.9, work, {}, one_by_one(), 10000);
+  const auto most = [](const RayWork& w, const MachineCosts& machine, int limit) {
+    return ranks_at_efficiency(0.9, simulate(w, machine, one_by_one(), 1), w, machine, one_by_one(), limit);
+  };
+  const int ranks = most(work, {}, 10000);
   EXPECT_GE(at(ranks), 0.9);
   EXPECT_LT(at(ranks + 1), 0.9);
-  // Perfect work has no limit but `most`; a start as long as the work has it at once.
-  EXPECT_EQ(ranks_at_efficiency(0.9, equal_rays(64, 1, 1), {}, one_by_one(), 2), 2);
+  // Perfect work has no limit but the given one; a start as long as the work has it at once.
+  EXPECT_EQ(most(equal_rays(64, 1, 1), {}, 2), 2);
   MachineCosts slow;
   slow.start_s = 1000;
-  EXPECT_EQ(ranks_at_efficiency(0.9, work, slow, one_by_one(), 10000), 1);
+  EXPECT_EQ(most(work, slow, 10000), 1);
 }
 
 }  // namespace
