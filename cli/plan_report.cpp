@@ -12,6 +12,8 @@ namespace {
 
 constexpr double wanted_efficiency = 0.9;
 constexpr int most_ranks = 10000;
+/// Twice this is the error that a plan may have.
+constexpr double acceptable_error = 0.125;
 
 struct Way {
   const char* name;
@@ -153,6 +155,9 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
                  ? fmt::format(" (standard error {:.1f} %)", 100 * basis.relative_error)
                  : "",
              longest_s);
+  if (basis.relative_error > acceptable_error)
+    fmt::print(stderr, "note: costs differ much between rays; --rays {} would halve the standard error\n",
+               4 * basis.rays_measured);
   fmt::print("on {} rank{}\n", options.ranks, options.ranks == 1 ? "" : "s");
   fmt::print("  wall time   {}: {} to start, {} to pack\n", duration(run.wall_s),
              duration(machine.launch_s + machine.start_s), duration(run.wall_s - run.solved_s));
