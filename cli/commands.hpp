@@ -15,6 +15,7 @@ namespace phynness::cli {
 using json = nlohmann::ordered_json;
 
 void add_mesh_command(CLI::App& app);
+void add_plan_command(CLI::App& app);
 void add_precompute_command(CLI::App& app);
 void add_merge_command(CLI::App& app);
 void add_train_command(CLI::App& app);
@@ -22,6 +23,7 @@ void add_validate_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
 void add_solve_command(CLI::App& app);
 void add_info_command(CLI::App& app);
+void add_show_command(CLI::App& app);
 void add_run_command(CLI::App& app);
 
 /// A scene with its mesh and selections; says on stderr what was noted on the way.

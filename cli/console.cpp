@@ -44,7 +44,7 @@ namespace {
 std::atomic<bool> stop{false};
 std::atomic<bool> second_kills{true};
 extern "C" void on_signal(int signal) {
-  if (stop.exchange(true) && second_kills) {
+  if (stop.exchange(true) && second_kills && signal != SIGUSR1) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
@@ -61,6 +61,8 @@ void install_stop_handler(bool second_signal_kills) {
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // What mpirun passes on to its ranks without ending them itself; batch systems send it before a time limit.
+  sigaction(SIGUSR1, &action, nullptr);
 }
 
 std::string duration(double seconds) {

@@ -24,7 +24,7 @@ class Progress {
   Clock::time_point _start = Clock::now(), _last{};
 };
 
-/// True once SIGINT or SIGTERM has come. The first signal asks, a second one kills.
+/// True once SIGINT, SIGTERM or SIGUSR1 has come. The first signal asks, a second SIGINT or SIGTERM kills.
 bool stop_requested();
 /// For commands that poll stop_requested(); elsewhere a signal simply ends the program.
 /// @param second_signal_kills  false for a process that must outlive its children

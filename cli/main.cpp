@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", software_version());
   app.require_subcommand(1);
   cli::add_mesh_command(app);
+  cli::add_plan_command(app);
   cli::add_precompute_command(app);
   cli::add_merge_command(app);
   cli::add_train_command(app);
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
   cli::add_eval_command(app);
   cli::add_solve_command(app);
   cli::add_info_command(app);
+  cli::add_show_command(app);
   cli::add_run_command(app);
 
   try {

@@ -1,18 +1,20 @@
 // The subcommands that need dolfinx, in a build without it: they say so.
 #include <phynness/formats/error.hpp>
 
-#include "commands.hpp"
+#include "plan.hpp"
 
 namespace phynness::cli {
 namespace {
 
+Error no_solver(const std::string& what) {
+  return input_error("this build has no finite element solver", what,
+                     "build with -DPHYNNESS_WITH_DOLFINX=ON on a machine that has dolfinx");
+}
+
 void add(CLI::App& app, const std::string& name) {
   auto* command = app.add_subcommand(name, "(not in this build: needs dolfinx)");
   command->allow_extras();
-  command->callback([name] {
-    throw input_error("this build has no finite element solver", "phynness " + name,
-                      "build with -DPHYNNESS_WITH_DOLFINX=ON on a machine that has dolfinx");
-  });
+  command->callback([name] { throw no_solver("phynness " + name); });
 }
 
 }  // namespace
@@ -21,5 +23,10 @@ void add_precompute_command(CLI::App& app) { add(app, "precompute"); }
 void add_validate_command(CLI::App& app) { add(app, "validate"); }
 void add_solve_command(CLI::App& app) { add(app, "solve"); }
 void add_run_command(CLI::App& app) { add(app, "run"); }
+
+PlanBasis basis_of_scene(const PlanOptions& options) {
+  throw no_solver("phynness plan " + options.source.string() +
+                  " (a finished database.h5 can be planned from)");
+}
 
 }  // namespace phynness::cli

@@ -1,10 +1,14 @@
-// Writes a small packed database to the path given, for the h5py test.
+// Writes a small packed database, for tests in other languages. Usage: write_database FILE [OUTPUT_NODE ...]
+#include <cstdlib>
+
 #include "database_under_test.hpp"
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc < 2) return 2;
   using namespace phynness;
   auto header = test::small_header(true);
+  if (argc > 2) header.sets.output.clear();
+  for (int i = 2; i < argc; ++i) header.sets.output.push_back(std::atoi(argv[i]));
   DatabaseWriter::create(argv[1], header, false);
   DatabaseWriter writer(argv[1], header, 0);
   for (const auto& ray : test::all_rays(header)) writer.append(ray);

@@ -1,0 +1,108 @@
+#include <fmt/core.h>
+
+#include <phynness/formats/error.hpp>
+
+#include "console.hpp"
+#include "plan.hpp"
+
+namespace phynness::cli {
+namespace {
+
+bool is_database(const std::filesystem::path& file) {
+  return file.extension() == ".h5" || file.extension() == ".hdf5";
+}
+
+void run(const PlanOptions& options) {
+  if (options.json_file) refuse_overwriting(*options.json_file, {options.source});
+  install_stop_handler();
+  const auto basis = is_database(options.source) ? basis_of_database(options) : basis_of_scene(options);
+  write_json(options.json_file, report_plan(options, basis));
+}
+
+}  // namespace
+
+PlanBasis basis_of_database(const PlanOptions& options) {
+  const auto database = Database::open(options.source);
+  const auto& header = database.header();
+  PlanBasis basis;
+  basis.work.increments = static_cast<int>(header.magnitudes_m.size());
+  std::vector<Ray> tried;  // for the packing trial: rays of nodes spread over the file
+  const std::size_t n_active = header.sets.active.size();
+  const std::size_t n_tried = std::min<std::size_t>(n_active, 12),
+                    per_node = static_cast<std::size_t>(std::max(1, options.rays / 12));
+  Progress progress("read", "nodes");
+  for (std::size_t a = 0; a < n_active; ++a) {
+    if (stop_requested()) throw failure("interrupted", "nothing was written", "");
+    const auto rays = database.rays(static_cast<std::int32_t>(a));
+    const bool in_trial = a * n_tried / n_active != (a + 1) * n_tried / n_active;
+    std::size_t taken = 0;
+    for (const auto& ray : rays) {
+      basis.work.node.push_back(static_cast<std::int32_t>(a));
+      basis.work.seconds.insert(basis.work.seconds.end(), ray.seconds.begin(), ray.seconds.end());
+      const bool requested = ray.status.front() != Status::not_requested;
+      basis.rays_requested += requested;
+      if (requested)
+        for (const auto status : ray.status) ++basis.states[status];
+      if (in_trial && requested && taken++ < per_node) tried.push_back(ray);
+    }
+    progress.update(static_cast<std::int64_t>(a + 1), static_cast<std::int64_t>(n_active));
+  }
+  if (tried.empty())
+    throw input_error("no ray of the database was solved", options.source.string(), "plan from its scene");
+  basis.rays_measured = basis.rays_requested;
+  basis.nodes_measured = static_cast<std::int64_t>(n_active);
+  basis.packing = try_packing(header, tried, std::filesystem::temp_directory_path());
+  basis.work.bytes_per_ray = basis.packing.record_bytes;
+  basis.model = predict_model_size(
+      parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent),
+      header);
+  return basis;
+}
+
+void add_plan_command(CLI::App& app) {
+  auto options = std::make_shared<PlanOptions>();
+  auto* command = app.add_subcommand(
+      "plan",
+      "Predict time, memory and sizes of a precompute from a few dozen solved rays, and how far it scales");
+  command
+      ->add_option(
+          "SCENE", options->source,
+          "scene file; or a finished database.h5, whose measured costs are then taken instead of a sample")
+      ->required();
+  command->add_option("--ranks", options->ranks, "MPI processes to plan for")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_option("--rays", options->rays, "rays to solve")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "which rays")->capture_default_str();
+  command->add_option("--json", options->json_file, "write the plan for machines");
+  const auto assumed = [&](const char* name, double& value, const char* what) {
+    command->add_option(name, value, what)
+        ->check(CLI::Range(0.0, 1e9))
+        ->capture_default_str()
+        ->group("Assumed of the machine");
+  };
+  assumed("--launch-s", options->launch_s, "s from the start of the job until all ranks run");
+  command
+      ->add_option("--bandwidth-MB-per-s", options->bandwidth_MB_per_s,
+                   "of the file system, for all ranks together")
+      ->check(CLI::Range(1e-3, 1e9))
+      ->capture_default_str()
+      ->group("Assumed of the machine");
+  assumed("--open-ms", options->open_ms, "ms to make or open a file, one after the other");
+  assumed("--fetch-us", options->fetch_us, "us to ask for the next task, half of it on the way");
+  command
+      ->add_option("--start-s", options->start_s,
+                   "s to read scene and mesh (a scene: measured; a database: 0)")
+      ->check(CLI::Range(0.0, 1e9))
+      ->group("Assumed of the machine");
+  command
+      ->add_option("--setup-ms", options->setup_ms,
+                   "ms to turn to another node (a scene: measured; a database: 0)")
+      ->check(CLI::Range(0.0, 1e9))
+      ->group("Assumed of the machine");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace phynness::cli

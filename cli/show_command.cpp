@@ -1,0 +1,116 @@
+#include <fmt/core.h>
+
+#include <charconv>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/text_file.hpp>
+
+#include "commands.hpp"
+#include "shown_response.hpp"
+
+namespace phynness::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path database, output;
+  std::int32_t node = 0;
+  int direction = 0;
+  std::string increment;
+};
+
+enum class Kind { xdmf, pvd, vtu, legacy_vtk };
+
+Kind kind_of(const std::filesystem::path& file) {
+  const auto extension = file.extension();
+  if (extension == ".xdmf") return Kind::xdmf;
+  if (extension == ".pvd") return Kind::pvd;
+  if (extension == ".vtu") return Kind::vtu;
+  if (extension == ".vtk") return Kind::legacy_vtk;
+  throw input_error("the name of the output does not end in a format that can be written", file.string(),
+                    "-o file.xdmf or file.pvd (all increments), file.vtu or file.vtk (one)");
+}
+bool holds_many(Kind kind) { return kind == Kind::xdmf || kind == Kind::pvd; }
+
+/// None: all of them.
+std::optional<int> wanted_increment(const std::string& word) {
+  if (word.empty() || word == "all") return {};
+  int number = 0;
+  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (code != std::errc{} || end != word.data() + word.size())
+    throw input_error("--increment is neither a number nor 'all'", "'" + word + "'",
+                      "--increment 3, or --increment all");
+  return number;
+}
+
+void write(const ShownResponse& shown, Kind kind, const std::filesystem::path& file,
+           const std::string& title) {
+  switch (kind) {
+    case Kind::xdmf:
+      return write_text_file(file, xdmf_text(shown.grid, shown.states));
+    case Kind::vtu:
+      return write_text_file(file, vtu_text(shown.grid, shown.states.back()));
+    case Kind::legacy_vtk:
+      return write_text_file(file, legacy_vtk_text(shown.grid, shown.states.back(), title));
+    case Kind::pvd:
+      break;
+  }
+  std::vector<std::string> names;
+  std::vector<double> times;
+  for (std::size_t i = 0; i < shown.states.size(); ++i) {
+    names.push_back(fmt::format("{}-{:04d}.vtu", file.stem().string(), shown.increments[i]));
+    times.push_back(shown.states[i].time);
+    write_text_file(file.parent_path() / names.back(), vtu_text(shown.grid, shown.states[i]));
+  }
+  // Last, so that it never names a file that is not there.
+  write_text_file(file, pvd_text(names, times));
+}
+
+void run(const Options& options) {
+  refuse_overwriting(options.output, {options.database});
+  const Kind kind = kind_of(options.output);
+  if (!holds_many(kind) && options.increment == "all")
+    throw input_error("this format holds one increment", options.output.string(),
+                      "-o file.xdmf or file.pvd for all of them");
+  const auto database = Database::open(options.database);
+  auto shown = shown_response(database, options.node, options.direction, wanted_increment(options.increment));
+  if (!holds_many(kind)) {
+    shown.states.erase(shown.states.begin(), shown.states.end() - 1);
+    shown.increments.erase(shown.increments.begin(), shown.increments.end() - 1);
+  }
+  for (const auto& note : shown.notes) fmt::print(stderr, "note: {}\n", note);
+  const auto& header = database.header();
+  const auto& e = header.directions[static_cast<std::size_t>(options.direction)];
+  const auto title = fmt::format("node {}, direction {} ({:.3g} {:.3g} {:.3g})", options.node,
+                                 options.direction, e[0], e[1], e[2]);
+  write(shown, kind, options.output, title);
+  const auto& cells = shown.grid.cells;
+  fmt::print("{}: {} points, {} {}, {} increment{} to {:.4g} m -> {}\n", title, shown.grid.points.rows(),
+             cells.rows(),
+             cells.cols() == 4   ? "tetrahedra"
+             : cells.cols() == 3 ? "triangles"
+                                 : "vertices",
+             shown.states.size(), shown.states.size() == 1 ? "" : "s", shown.states.back().time,
+             options.output.string());
+}
+
+}  // namespace
+
+void add_show_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand("show", "Write a stored response for ParaView: XDMF, PVD, VTU or VTK");
+  command->add_option("DATABASE", options->database, "finished database.h5")->required();
+  command->add_option("--node", options->node, "active node (0-based number of the mesh)")->required();
+  command->add_option("--direction", options->direction, "index of the direction, 0 the first")->required();
+  command->add_option(
+      "--increment", options->increment,
+      "1 is the first; or all (default: all in .xdmf and .pvd, the last converged one in .vtu "
+      "and .vtk)");
+  command
+      ->add_option(
+          "-o,--output", options->output,
+          ".xdmf, .pvd (with .vtu files beside it), .vtu or .vtk; time is the prescribed displacement "
+          "in m")
+      ->required();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace phynness::cli

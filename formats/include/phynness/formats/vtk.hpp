@@ -1,0 +1,41 @@
+// States of a body as files that ParaView opens: VTU, legacy VTK, XDMF, and collections of VTU.
+#pragma once
+
+#include <Eigen/Core>
+#include <phynness/formats/mesh.hpp>
+#include <string>
+#include <vector>
+
+namespace phynness {
+
+/// Values at the points of a grid: n_points rows; 1 column (scalar) or 3 (vector).
+struct VtkField {
+  std::string name;  ///< one word
+  Eigen::MatrixXd values;
+};
+
+/// Points with cells of one kind: 4 columns tetrahedra, 3 triangles, 1 vertices.
+struct VtkGrid {
+  Points points;
+  Cells cells;
+  std::vector<std::int32_t> node_numbers;  ///< n_points: written as field "node"
+};
+
+struct VtkState {
+  double time = 0;
+  std::vector<VtkField> fields;
+};
+
+/// VTK XML unstructured grid, version 1.0, arrays in base64; its time is the field data "TimeValue".
+/// @pre sizes agree; every number is finite
+std::string vtu_text(const VtkGrid& grid, const VtkState& state);
+/// Legacy VTK, version 3.0, ASCII. It has no place for the time.
+std::string legacy_vtk_text(const VtkGrid& grid, const VtkState& state, const std::string& title);
+/// XDMF 3 with all numbers inline, one grid per state in a temporal collection. Each grid repeats points and
+/// cells: readers disagree on how one refers to another.
+std::string xdmf_text(const VtkGrid& grid, const std::vector<VtkState>& states);
+/// ParaView's list of VTU files and their times.
+/// @param files  relative to the collection
+std::string pvd_text(const std::vector<std::string>& files, const std::vector<double>& times);
+
+}  // namespace phynness

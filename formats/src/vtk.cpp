@@ -1,0 +1,216 @@
+// Formats: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html and https://www.xdmf.org.
+#include <cassert>
+#include <charconv>
+#include <cstring>
+#include <phynness/formats/vtk.hpp>
+
+namespace phynness {
+namespace {
+
+/// Shortest decimals that read back as the same number, whatever the locale.
+template <class Number>
+void append(std::string& text, Number value) {
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+  text.append(digits, end);
+}
+
+template <class Matrix>
+std::string rows(const Matrix& values) {
+  std::string text;
+  for (Eigen::Index i = 0; i < values.rows(); ++i)
+    for (Eigen::Index k = 0; k < values.cols(); ++k) {
+      append(text, values(i, k));
+      text += k + 1 < values.cols() ? ' ' : '\n';
+    }
+  return text;
+}
+
+std::string attribute(const char* name, Eigen::Index value) {
+  return std::string(" ") + name + "=\"" + std::to_string(value) + "\"";
+}
+
+std::string escaped(const std::string& words) {
+  std::string text;
+  for (const char c : words) {
+    if (c == '&')
+      text += "&amp;";
+    else if (c == '<')
+      text += "&lt;";
+    else if (c == '"')
+      text += "&quot;";
+    else
+      text += c;
+  }
+  return text;
+}
+
+std::string base64(const std::string& data) {
+  static constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((data.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < data.size(); i += 3) {
+    const std::size_t left = data.size() - i;
+    const auto byte = [&](std::size_t k) {
+      return k < left ? static_cast<std::uint32_t>(static_cast<unsigned char>(data[i + k])) : 0u;
+    };
+    const std::uint32_t word = byte(0) << 16 | byte(1) << 8 | byte(2);
+    text += letters[word >> 18];
+    text += letters[word >> 12 & 63];
+    text += left > 1 ? letters[word >> 6 & 63] : '=';
+    text += left > 2 ? letters[word & 63] : '=';
+  }
+  return text;
+}
+
+void append_little_endian(std::string& bytes, std::uint64_t bits, int n_bytes) {
+  for (int i = 0; i < n_bytes; ++i) bytes += static_cast<char>(bits >> (8 * i) & 255);
+}
+void append_bytes(std::string& bytes, double value) {
+  std::uint64_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  append_little_endian(bytes, bits, 8);
+}
+void append_bytes(std::string& bytes, std::int32_t value) {
+  append_little_endian(bytes, static_cast<std::uint32_t>(value), 4);
+}
+void append_bytes(std::string& bytes, std::uint8_t value) { append_little_endian(bytes, value, 1); }
+
+/// A DataArray of VTU: length in bytes (UInt64) and data, encoded together.
+template <class Matrix>
+std::string data_array(const std::string& name, const char* type, const Matrix& values, bool components) {
+  std::string data;
+  for (Eigen::Index i = 0; i < values.rows(); ++i)
+    for (Eigen::Index k = 0; k < values.cols(); ++k) append_bytes(data, values(i, k));
+  std::string bytes;
+  append_little_endian(bytes, data.size(), 8);
+  return "        <DataArray type=\"" + std::string(type) + "\" Name=\"" + name + "\"" +
+         (components ? attribute("NumberOfComponents", values.cols()) : "") + " format=\"binary\">" +
+         base64(bytes + data) + "</DataArray>\n";
+}
+
+std::uint8_t vtk_cell_type(const VtkGrid& grid) {
+  switch (grid.cells.cols()) {
+    case 4:
+      return 10;
+    case 3:
+      return 5;
+    default:
+      return 1;
+  }
+}
+
+std::string xdmf_topology(const VtkGrid& grid) {
+  const auto n = grid.cells.rows(), width = grid.cells.cols();
+  const std::string item = "<DataItem Dimensions=\"" + std::to_string(n) + " " + std::to_string(width) +
+                           "\" NumberType=\"Int\" Precision=\"4\" Format=\"XML\">\n" + rows(grid.cells) +
+                           "</DataItem></Topology>\n";
+  if (width == 1)
+    return "<Topology TopologyType=\"Polyvertex\" NodesPerElement=\"1\"" + attribute("NumberOfElements", n) +
+           ">" + item;
+  return std::string("<Topology TopologyType=\"") + (width == 4 ? "Tetrahedron" : "Triangle") + "\"" +
+         attribute("NumberOfElements", n) + ">" + item;
+}
+
+using Column = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 1>;
+Column node_column(const VtkGrid& grid) {
+  assert(static_cast<Eigen::Index>(grid.node_numbers.size()) == grid.points.rows());
+  return Eigen::Map<const Column>(grid.node_numbers.data(), grid.points.rows());
+}
+
+}  // namespace
+
+std::string vtu_text(const VtkGrid& grid, const VtkState& state) {
+  const Eigen::Index n_cells = grid.cells.rows(), width = grid.cells.cols();
+  Column offsets(n_cells);
+  for (Eigen::Index i = 0; i < n_cells; ++i) offsets[i] = static_cast<std::int32_t>((i + 1) * width);
+  const Eigen::Matrix<std::uint8_t, Eigen::Dynamic, 1> types =
+      Eigen::Matrix<std::uint8_t, Eigen::Dynamic, 1>::Constant(n_cells, vtk_cell_type(grid));
+  const Eigen::Matrix<double, 1, 1> time{state.time};
+
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+      "byte_order=\"LittleEndian\" "
+      "header_type=\"UInt64\">\n  <UnstructuredGrid>\n";
+  std::string time_array = data_array("TimeValue", "Float64", time, false);
+  time_array.insert(time_array.find(" format"), " NumberOfTuples=\"1\"");
+  text += "    <FieldData>\n" + time_array + "    </FieldData>\n";
+  text += "    <Piece" + attribute("NumberOfPoints", grid.points.rows()) +
+          attribute("NumberOfCells", n_cells) + ">\n";
+  text += "      <Points>\n" + data_array("Points", "Float64", grid.points, true) + "      </Points>\n";
+  text += "      <Cells>\n" + data_array("connectivity", "Int32", grid.cells, false) +
+          data_array("offsets", "Int32", offsets, false) + data_array("types", "UInt8", types, false) +
+          "      </Cells>\n      <PointData>\n" + data_array("node", "Int32", node_column(grid), false);
+  for (const auto& field : state.fields) text += data_array(field.name, "Float64", field.values, true);
+  return text + "      </PointData>\n    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
+}
+
+std::string legacy_vtk_text(const VtkGrid& grid, const VtkState& state, const std::string& title) {
+  const auto n_points = std::to_string(grid.points.rows());
+  const Eigen::Index n_cells = grid.cells.rows(), width = grid.cells.cols();
+  // The title is one line of at most 256 characters.
+  std::string line = title.substr(0, 250);
+  for (char& c : line)
+    if (c == '\n' || c == '\r') c = ' ';
+  std::string text = "# vtk DataFile Version 3.0\n" + line + "\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS " +
+                     n_points + " double\n" + rows(grid.points);
+  text += "CELLS " + std::to_string(n_cells) + " " + std::to_string(n_cells * (width + 1)) + "\n";
+  for (Eigen::Index i = 0; i < n_cells; ++i) {
+    append(text, width);
+    text += ' ' + rows(grid.cells.row(i).eval());
+  }
+  text += "CELL_TYPES " + std::to_string(n_cells) + "\n";
+  for (Eigen::Index i = 0; i < n_cells; ++i) text += std::to_string(vtk_cell_type(grid)) + "\n";
+  text += "POINT_DATA " + n_points + "\nSCALARS node int 1\nLOOKUP_TABLE default\n" + rows(node_column(grid));
+  for (const auto& field : state.fields) {
+    text += field.values.cols() == 3 ? "VECTORS " + field.name + " double\n"
+                                     : "SCALARS " + field.name + " double 1\nLOOKUP_TABLE default\n";
+    text += rows(field.values);
+  }
+  return text;
+}
+
+std::string xdmf_text(const VtkGrid& grid, const std::vector<VtkState>& states) {
+  const auto n = std::to_string(grid.points.rows());
+  const auto numbers = [](const std::string& dimensions) {
+    return "<DataItem Dimensions=\"" + dimensions +
+           "\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">\n";
+  };
+  const std::string body = xdmf_topology(grid) + "<Geometry GeometryType=\"XYZ\">" + numbers(n + " 3") +
+                           rows(grid.points) + "</DataItem></Geometry>\n" +
+                           "<Attribute Name=\"node\" AttributeType=\"Scalar\" Center=\"Node\"><DataItem "
+                           "Dimensions=\"" +
+                           n + "\" NumberType=\"Int\" Precision=\"4\" Format=\"XML\">\n" +
+                           rows(node_column(grid)) + "</DataItem></Attribute>\n";
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\"><Domain>\n"
+      "<Grid Name=\"response\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+  for (const auto& state : states) {
+    text += "<Grid Name=\"body\" GridType=\"Uniform\">\n<Time Value=\"";
+    append(text, state.time);
+    text += "\"/>\n" + body;
+    for (const auto& field : state.fields) {
+      const bool vector = field.values.cols() == 3;
+      text += "<Attribute Name=\"" + field.name + "\" AttributeType=\"" + (vector ? "Vector" : "Scalar") +
+              "\" Center=\"Node\">" + numbers(vector ? n + " 3" : n) + rows(field.values) +
+              "</DataItem></Attribute>\n";
+    }
+    text += "</Grid>\n";
+  }
+  return text + "</Grid>\n</Domain></Xdmf>\n";
+}
+
+std::string pvd_text(const std::vector<std::string>& files, const std::vector<double>& times) {
+  assert(files.size() == times.size());
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+      "  <Collection>\n";
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    text += "    <DataSet timestep=\"";
+    append(text, times[i]);
+    text += "\" part=\"0\" file=\"" + escaped(files[i]) + "\"/>\n";
+  }
+  return text + "  </Collection>\n</VTKFile>\n";
+}
+
+}  // namespace phynness

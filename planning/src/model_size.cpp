@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <phynness/formats/model.hpp>
+#include <phynness/formats/tool.hpp>
+#include <phynness/planning/model_size.hpp>
+#include <random>
+
+namespace phynness {
+namespace {
+
+/// Numbers with full mantissas, as a fit gives.
+class Numbers {
+ public:
+  double next() { return static_cast<double>(_random() >> 11) * 0x1p-53 - 0.5; }
+  Eigen::MatrixXd matrix(Eigen::Index rows, Eigen::Index columns) {
+    Eigen::MatrixXd m(rows, columns);
+    for (Eigen::Index i = 0; i < m.size(); ++i) m.data()[i] = next();
+    return m;
+  }
+  std::int32_t below(std::size_t n) { return static_cast<std::int32_t>(_random() % n); }
+
+ private:
+  std::mt19937_64 _random{1};
+};
+
+RbfNetwork network(int neurons, int n_inputs, const Model& model, Numbers& numbers) {
+  RbfNetwork net;
+  net.input_center = numbers.matrix(n_inputs, 1);
+  net.input_half_range = numbers.matrix(n_inputs, 1).cwiseAbs();
+  net.output_center = numbers.matrix(3, 1);
+  net.output_half_range = numbers.matrix(3, 1).cwiseAbs();
+  net.spread = 0.75;
+  for (int i = 0; i < neurons; ++i) {
+    net.center_displacement.push_back(numbers.below(static_cast<std::size_t>(model.displacements.rows())));
+    if (n_inputs == 6) net.center_output.push_back(numbers.below(model.output.size()));
+  }
+  net.weights = numbers.matrix(neurons, 3);
+  net.bias = numbers.matrix(3, 1);
+  fill_centers(model, net);
+  return net;
+}
+
+LinearResponse linear_response(std::size_t n_output, Numbers& numbers) {
+  LinearResponse response;
+  const Eigen::MatrixXd half = numbers.matrix(3, 3);
+  response.stiffness = half + half.transpose();
+  // Training rounds to float32 what was stored so.
+  response.unit_responses =
+      numbers.matrix(static_cast<Eigen::Index>(n_output), 9).cast<float>().cast<double>();
+  return response;
+}
+
+double text_bytes(const Scene& scene, const DatabaseHeader& header, std::size_t n_nodes) {
+  Numbers numbers;
+  Model model;
+  model.family = scene.training.family;
+  model.title = scene.title;
+  model.mesh_hash = header.mesh_hash;
+  model.physics_hash = header.physics_hash;
+  model.software_version = header.software_version;
+  model.directions = header.directions;
+  model.max_displacement_m = header.magnitudes_m.back();
+  model.displacements =
+      numbers.matrix(static_cast<Eigen::Index>(header.directions.size() * header.magnitudes_m.size()), 3);
+  model.n_mesh_nodes = header.mesh.n_nodes();
+  model.fixed = header.sets.fixed;
+  model.output = header.sets.output;
+  model.output_points.resize(static_cast<Eigen::Index>(model.output.size()), 3);
+  for (std::size_t i = 0; i < model.output.size(); ++i)
+    model.output_points.row(static_cast<Eigen::Index>(i)) = header.mesh.nodes.row(model.output[i]);
+  const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
+  const auto& active = header.sets.active;
+  for (std::size_t k = 0; k < n_nodes; ++k) {
+    ActiveNodeModel node;
+    node.node =
+        active[std::min(active.size() - 1, k * active.size() / n_nodes + active.size() / (2 * n_nodes))];
+    for (int i = 0; i < 3; ++i) node.point[static_cast<std::size_t>(i)] = header.mesh.nodes(node.node, i);
+    const auto tool =
+        touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node.node, radius);
+    node.prescribed = tool.nodes;
+    node.prescribed_weight = tool.weights;
+    node.trained_depth_m.assign(header.directions.size(), model.max_displacement_m);
+    if (model.family == Family::linear) {
+      node.linear = linear_response(model.output.size(), numbers);
+    } else {
+      node.force = network(scene.training.force_neurons, 3, model, numbers);
+      node.deformation = network(scene.training.deformation_neurons, 6, model, numbers);
+    }
+    model.nodes.push_back(std::move(node));
+  }
+  return static_cast<double>(write_model_text(model).size());
+}
+
+}  // namespace
+
+ModelSize predict_model_size(const Scene& scene, const DatabaseHeader& header) {
+  const double one = text_bytes(scene, header, 1);
+  const double two = text_bytes(scene, header, 2);
+  const auto n = static_cast<double>(header.sets.active.size());
+  return {one + (n - 1) * (two - one), static_cast<double>(write_mesh_text(header.mesh).size())};
+}
+
+}  // namespace phynness

@@ -1,0 +1,137 @@
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <phynness/planning/ray_sample.hpp>
+#include <random>
+
+namespace phynness {
+namespace {
+
+/// Costs differ more from node to node than from direction to direction: short runs, many nodes.
+constexpr std::size_t run_length = 2;
+
+/// A whole number below n. The standard's distributions differ between libraries; the remainder's bias is
+/// 2^-40 here.
+std::size_t draw(std::mt19937_64& random, std::size_t n) { return static_cast<std::size_t>(random() % n); }
+
+/// Inverse distance to the nearest fixed point; equal for all if there is none.
+std::vector<double> expected_cost(const Points& points, const Points& fixed) {
+  std::vector<double> size(static_cast<std::size_t>(points.rows()), 1.0);
+  if (fixed.rows() == 0) return size;
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    size[static_cast<std::size_t>(i)] = (fixed.rowwise() - points.row(i)).rowwise().norm().minCoeff();
+  // A node that all but touches a fixed one is not to be the whole sample.
+  const double least = 1e-2 * *std::max_element(size.begin(), size.end());
+  for (double& s : size) s = least > 0 ? 1 / std::max(s, least) : 1;
+  return size;
+}
+
+}  // namespace
+
+std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fixed_points,
+                                   const std::vector<char>& requested, std::size_t n_directions,
+                                   std::size_t wanted, std::uint64_t seed) {
+  const auto n_active = static_cast<std::size_t>(active_points.rows());
+  assert(requested.size() == n_active * n_directions);
+  if (n_active == 0 || wanted == 0) return {};
+  std::mt19937_64 random(seed);
+  const std::size_t run = std::min(n_directions, std::max(run_length, (wanted + n_active - 1) / n_active));
+  const std::size_t n_draws = std::min(n_active, std::max<std::size_t>(1, wanted / run));
+  const auto size = expected_cost(active_points, fixed_points);
+  std::vector<std::size_t> order(n_active);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
+  const double step = std::accumulate(size.begin(), size.end(), 0.0) / static_cast<double>(n_draws);
+  const double offset = step * std::ldexp(static_cast<double>(random() >> 11), -53);
+
+  std::map<std::pair<std::int32_t, std::int32_t>, double> weights;
+  std::size_t next_direction = draw(random, n_directions), place = 0;
+  double passed = size[order[0]];
+  for (std::size_t k = 0; k < n_draws; ++k) {
+    while (passed <= offset + static_cast<double>(k) * step && place + 1 < n_active)
+      passed += size[order[++place]];
+    const std::size_t active = order[place];
+    std::vector<std::int32_t> directions;
+    for (std::size_t i = 0; i < n_directions && directions.size() < run; ++i) {
+      const std::size_t d = (next_direction + i) % n_directions;
+      if (requested[active * n_directions + d]) directions.push_back(static_cast<std::int32_t>(d));
+    }
+    next_direction = (next_direction + run) % n_directions;
+    for (const auto d : directions)
+      weights[{static_cast<std::int32_t>(active), d}] +=
+          1 / size[active] / static_cast<double>(directions.size());
+  }
+  std::vector<RayChoice> chosen;
+  for (const auto& [ray, weight] : weights) chosen.push_back({ray.first, ray.second, weight});
+  return chosen;
+}
+
+namespace {
+
+/// Weight and weighted cost of the rays of each node in the sample.
+std::vector<std::pair<double, double>> nodes_of(const RaySample& sample) {
+  std::vector<std::pair<double, double>> nodes;
+  const auto n = static_cast<std::ptrdiff_t>(sample.increments);
+  for (std::size_t i = 0; i < sample.rays.size(); ++i) {
+    if (i == 0 || sample.rays[i].active != sample.rays[i - 1].active) nodes.emplace_back(0.0, 0.0);
+    const auto first = sample.seconds.begin() + static_cast<std::ptrdiff_t>(i) * n;
+    nodes.back().first += sample.rays[i].weight;
+    nodes.back().second += sample.rays[i].weight * std::accumulate(first, first + n, 0.0);
+  }
+  return nodes;
+}
+
+}  // namespace
+
+double RaySample::mean_ray_seconds() const {
+  double weight = 0, cost = 0;
+  for (const auto& [w, c] : nodes_of(*this)) weight += w, cost += c;
+  return weight > 0 ? cost / weight : 0;
+}
+
+double RaySample::relative_error() const {
+  const auto nodes = nodes_of(*this);
+  const auto n = static_cast<double>(nodes.size());
+  const double mean = mean_ray_seconds();
+  if (n < 2 || !(mean > 0)) return 0;
+  double weight = 0, squares = 0;
+  for (const auto& [w, c] : nodes) {
+    weight += w;
+    squares += (c - w * mean) * (c - w * mean);  // of the ratio estimate sum c / sum w
+  }
+  return std::sqrt(squares * n / (n - 1)) / weight / mean;
+}
+
+RayWork work_like(const RaySample& sample, const std::vector<char>& requested, std::size_t n_directions,
+                  std::uint64_t seed) {
+  RayWork work;
+  work.increments = sample.increments;
+  const auto n_increments = static_cast<std::size_t>(sample.increments);
+  work.seconds.assign(requested.size() * n_increments, 0.0);
+  work.node.resize(requested.size());
+  for (std::size_t ray = 0; ray < requested.size(); ++ray)
+    work.node[ray] = static_cast<std::int32_t>(ray / n_directions);
+  if (sample.rays.empty()) return work;
+
+  std::vector<std::size_t> rays;
+  for (std::size_t ray = 0; ray < requested.size(); ++ray)
+    if (requested[ray]) rays.push_back(ray);
+  std::mt19937_64 random(seed);
+  for (std::size_t i = rays.size(); i > 1; --i) std::swap(rays[i - 1], rays[draw(random, i)]);
+  double weight = 0;
+  for (const auto& ray : sample.rays) weight += ray.weight;
+  std::size_t from = 0;
+  double passed = sample.rays[0].weight;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const double place = weight * (static_cast<double>(i) + 0.5) / static_cast<double>(rays.size());
+    while (passed < place && from + 1 < sample.rays.size()) passed += sample.rays[++from].weight;
+    std::copy_n(sample.seconds.begin() + static_cast<std::ptrdiff_t>(from * n_increments), n_increments,
+                work.seconds.begin() + static_cast<std::ptrdiff_t>(rays[i] * n_increments));
+  }
+  return work;
+}
+
+}  // namespace phynness
