@@ -47,7 +47,7 @@ void Equilibrium::Impl::set_up_solver() {
   SNESLineSearch search;
   PHYNNESS_PETSC(SNESGetLineSearch(snes, &search));
   PHYNNESS_PETSC(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
-  PHYNNESS_PETSC(SNESLineSearchShellSetUserFunc(search, step, this));
+  PHYNNESS_PETSC(SNESLineSearchShellSetApply(search, step, this));
   // LDL^T tells the number of negative pivots, and copes with the saddle points of mixed elements.
   PHYNNESS_PETSC(PCSetType(pc, PCCHOLESKY));
   PHYNNESS_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
@@ -152,7 +152,7 @@ PetscErrorCode Equilibrium::Impl::test_convergence(SNES, PetscInt, PetscReal, Pe
   const auto& self = *static_cast<Impl*>(context);
   *reason = SNES_CONVERGED_ITERATING;
   if (!std::isfinite(norm))
-    *reason = SNES_DIVERGED_FNORM_NAN;
+    *reason = SNES_DIVERGED_FUNCTION_NANORINF;
   else if (norm <= self.goal())
     *reason = SNES_CONVERGED_FNORM_RELATIVE;
   return 0;
@@ -219,7 +219,7 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state) {
       outcome.status = Status::factorization;
       break;
     case SNES_DIVERGED_FUNCTION_DOMAIN:
-    case SNES_DIVERGED_FNORM_NAN:
+    case SNES_DIVERGED_FUNCTION_NANORINF:
       outcome.status = Status::not_finite;
       break;
     default:
