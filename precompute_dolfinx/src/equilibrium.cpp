@@ -142,6 +142,7 @@ PetscErrorCode Equilibrium::Impl::form_jacobian(SNES snes, Vec x, Mat, Mat, void
   self.quasi_newton.clear();
   self.gather(x);
   self.tangent.assemble(self.body, self.state, self.constraint, self.prescribed, self.convex);
+  self.factors_are_convex = self.convex;
   ++self.counts.tangents;
   ++self.counts.factorizations;  // KSPPREONLY follows
   return 0;
@@ -235,6 +236,7 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   const auto coupling = s.tangent.assemble(s.body, s.state, s.constraint, s.prescribed);
   ++s.counts.tangents;
   ++s.counts.factorizations;
+  s.factors_are_convex = false;
   s.counts.substitutions += directions.cols();
   Linearization out;
   KSP ksp;
@@ -314,7 +316,12 @@ Eigen::VectorXd Equilibrium::velocity(std::span<const double> state, const Eigen
   return guess;
 }
 
-int Equilibrium::negative_pivots() const { return _impl->negative_pivots(); }
+int Equilibrium::negative_pivots(std::span<const double> state) {
+  auto& s = *_impl;
+  // A tangent made convex has none, whatever the state.
+  if (s.factors_are_convex) return linearize(state, Eigen::MatrixXd(s.constraint.n_parameters(), 0)).negative_pivots;
+  return s.negative_pivots();
+}
 
 Eigen::VectorXd Equilibrium::force(std::span<const double> state) {
   auto& s = *_impl;

@@ -25,6 +25,7 @@ struct Equilibrium::Impl {
   bool refresh = true;       ///< assemble and factorize at the next iteration
   bool fresh = false;        ///< the factors are those of the state that the step starts from
   bool convex = false;       ///< factorize element tangents made positive semidefinite
+  bool factors_are_convex = false;  ///< what the latest factorization was of
   PetscVec x, r;
   PetscSnes snes;
 
