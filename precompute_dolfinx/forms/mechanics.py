@@ -28,17 +28,17 @@ All lengths and moduli arrive without dimension (see scaling.hpp).
 import basix
 from elements import displacement_space, domain, mixed_space
 from ufl import (
-    CellDiameter, Coefficient, Constant, Identity, TestFunction, TrialFunction, derivative, det, dot, dx, exp, grad,
-    inner, inv, ln, split, sym, tr,
+    CellDiameter, Coefficient, Constant, Identity, Jacobian, TestFunction, TrialFunction, cross, derivative, det, dot,
+    dx, exp, grad, inner, ln, split, sym, tr,
 )
 
 I = Identity(3)
 
-# Quadrature: P1 has a constant gradient. p1-p1 integrates p^2 exactly. The quadratic elements have non-polynomial
+# Quadrature: P1 has a constant gradient, and so has p1-p1 (see mixed()). The quadratic elements have non-polynomial
 # integrands; degree 4 integrates p (J - 1) of Taylor-Hood exactly.
 P1 = (displacement_space(1), 1)
 P2 = (displacement_space(2), 4)
-P1_P1 = (mixed_space(1, 1), 2)
+P1_P1 = (mixed_space(1, 1), 1)
 TAYLOR_HOOD = (mixed_space(2, 1), 4)
 
 
@@ -65,30 +65,42 @@ def quadratic(volumetric, kappa):
     return lambda F, p: p * volumetric(F) - p**2 / (2 * kappa)
 
 
-def mixed(discretization, shape, coupling, stabilization=None):
-    """Forms of a displacement-pressure element. `coupling(F, p)` and `stabilization(F, p)` are energy densities."""
+def mixed(discretization, shape, coupling, kappa, stabilization=None):
+    """Forms of a displacement-pressure element. `coupling(F, p)` and `stabilization(F, p)` are energy densities.
+
+    Equal order is linear: F is constant in a cell, and all but -p^2 / (2 kappa) is nearly linear in p. So one point is
+    enough, with the exact integral of p^2: its value at the middle and the variance of p in the cell.
+    (Two quadrature degrees in one form are not an alternative: ffcx 0.5 then takes p of the one for the other.)
+    """
     space, degree = discretization
     w = Coefficient(space)
     u, p = split(w)
     F = I + grad(u)
-    pointwise, constant = coupling(F, p), None
-    if stabilization is None:
-        pointwise += shape(F)
-    else:
-        # Equal order is linear: gradients are constant in a cell, and only p wants more than one point.
-        constant = shape(F) - stabilization(F, p)
-    energy = pointwise * dx(metadata={"quadrature_degree": degree})
-    if constant is not None:
-        energy += constant * dx(metadata={"quadrature_degree": 1})
+    density = shape(F) + coupling(F, p)
+    if stabilization is not None:
+        density -= stabilization(F, p) + variance(p) / (2 * kappa)
+    energy = density * dx(metadata={"quadrature_degree": degree})
     return (*_chain(energy, w, space), (det(F), _points(degree)))
+
+
+def variance(p):
+    """Of a linear function in a cell. A tetrahedron's corners X = 0, e1, e2, e3 have the covariance (4 I - 1 1^T) / 80."""
+    slope = dot(Jacobian(domain).T, grad(p))
+    return (4 * inner(slope, slope) - (slope[0] + slope[1] + slope[2]) ** 2) / 80
 
 
 def klaas(alpha, mu, finite=True):
     """Energy density of the p1-p1 stabilization; in the linear theory F = I."""
 
     def density(F, p):
-        g = dot(inv(F).T, grad(p)) if finite else grad(p)
-        return alpha * CellDiameter(domain) ** 2 / (2 * mu) * inner(g, g)
+        squared = inner(grad(p), grad(p))
+        if finite:
+            # F^-T = cof(F) / J: without divisions the tangent is less than half as long as from inv(F).
+            a, b, c = F[:, 0], F[:, 1], F[:, 2]
+            q, J = grad(p), det(F)
+            g = cross(b, c) * q[0] + cross(c, a) * q[1] + cross(a, b) * q[2]
+            squared = inner(g, g) / (J * J)
+        return alpha * CellDiameter(domain) ** 2 / (2 * mu) * squared
 
     return density
 
@@ -99,8 +111,8 @@ def every_element(shape, volumetric, kappa, stabilization, coupling=None):
     built = {
         "p1": displacement(P1, shape, volumetric, kappa),
         "p2": displacement(P2, shape, volumetric, kappa),
-        "th": mixed(TAYLOR_HOOD, shape, coupling),
-        "p1p1": mixed(P1_P1, shape, coupling, stabilization),
+        "th": mixed(TAYLOR_HOOD, shape, coupling, kappa),
+        "p1p1": mixed(P1_P1, shape, coupling, kappa, stabilization),
     }
     quantities = ("energy", "residual", "tangent", "jacobian")
     names = {f"{e}_{q}": value for e, values in built.items() for q, value in zip(quantities, values)}

@@ -7,10 +7,22 @@
 #include "equilibrium_impl.hpp"
 
 namespace phynness {
+namespace {
+
+std::vector<std::int32_t> unknowns_of(const TangentMatrix& tangent, std::span<const std::int32_t> dofs) {
+  std::vector<std::int32_t> unknowns;
+  for (const auto dof : dofs) unknowns.push_back(tangent.unknown_of()[dof]);
+  return unknowns;
+}
+
+}  // namespace
 
 Equilibrium::Impl::Impl(Discretization& discretization, const std::vector<std::int32_t>& fixed_dofs,
                         const SolverSpec& spec)
-    : body(discretization), options(spec), tangent(discretization, fixed_dofs) {
+    : body(discretization),
+      options(spec),
+      tangent(discretization, fixed_dofs),
+      pressures(unknowns_of(tangent, discretization.pressure_dofs())) {
   set_up_solver();
   rounding = residual_of_rounding();
 }
@@ -48,18 +60,17 @@ void Equilibrium::Impl::set_up_solver() {
   PHYNNESS_PETSC(SNESGetLineSearch(snes, &search));
   PHYNNESS_PETSC(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
   PHYNNESS_PETSC(SNESLineSearchShellSetApply(search, step, this));
-  // LDL^T tells the number of negative pivots, and copes with the saddle points of mixed elements.
+  // LDL^T tells the number of negative pivots.
   PHYNNESS_PETSC(PCSetType(pc, PCCHOLESKY));
   PHYNNESS_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  if (has_energy()) {
-    // Positive definite wherever it matters: neither scaling nor pivoting is needed, and they cost a tenth.
-    PHYNNESS_PETSC(KSPSetOperators(ksp, tangent.matrix(), tangent.matrix()));
-    PHYNNESS_PETSC(PCFactorSetUpMatSolverType(pc));
-    Mat factor;
-    PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
-    PHYNNESS_PETSC(MatMumpsSetIcntl(factor, 8, 0));
-    PHYNNESS_PETSC(MatMumpsSetCntl(factor, 1, 0.0));
-  }
+  // Definite wherever it matters, or quasi-definite with pressures (Vanderbei 1995, doi:10.1137/0805005): neither
+  // scaling nor pivoting is needed, and they cost a tenth to a fifth.
+  PHYNNESS_PETSC(KSPSetOperators(ksp, tangent.matrix(), tangent.matrix()));
+  PHYNNESS_PETSC(PCFactorSetUpMatSolverType(pc));
+  Mat factor;
+  PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
+  PHYNNESS_PETSC(MatMumpsSetIcntl(factor, 8, 0));
+  PHYNNESS_PETSC(MatMumpsSetCntl(factor, 1, 0.0));
   PHYNNESS_PETSC(SNESSetFromOptions(snes));
 }
 
@@ -83,6 +94,13 @@ void Equilibrium::Impl::gather(Vec from) {
   PHYNNESS_PETSC(VecGetArrayRead(from, &values));
   for (int i = 0; i < tangent.n_unknowns(); ++i) state[tangent.dof_of()[i]] = values[i];
   PHYNNESS_PETSC(VecRestoreArrayRead(from, &values));
+}
+
+void Equilibrium::Impl::spread(Vec to) const {
+  PetscScalar* values = nullptr;
+  PHYNNESS_PETSC(VecGetArray(to, &values));
+  for (int i = 0; i < tangent.n_unknowns(); ++i) values[i] = state[tangent.dof_of()[i]];
+  PHYNNESS_PETSC(VecRestoreArray(to, &values));
 }
 
 void Equilibrium::Impl::scatter(Vec to) const {
@@ -142,6 +160,7 @@ PetscErrorCode Equilibrium::Impl::form_jacobian(SNES snes, Vec x, Mat, Mat, void
   self.quasi_newton.clear();
   self.gather(x);
   self.tangent.assemble(self.body, self.state, self.constraint, self.prescribed, self.convex);
+  self.pressures.set(self.tangent.matrix());
   self.factors_are_convex = self.convex;
   ++self.counts.tangents;
   ++self.counts.factorizations;  // KSPPREONLY follows
@@ -192,11 +211,7 @@ void Equilibrium::set_load(std::vector<double> load) {
 Equilibrium::Outcome Equilibrium::solve(std::span<double> state) {
   auto& s = *_impl;
   s.state.assign(state.begin(), state.end());
-  PetscScalar* values = nullptr;
-  PHYNNESS_PETSC(VecGetArray(s.x, &values));
-  for (int i = 0; i < s.tangent.n_unknowns(); ++i) values[i] = state[s.tangent.dof_of()[i]];
-  PHYNNESS_PETSC(VecRestoreArray(s.x, &values));
-
+  s.spread(s.x);
   s.refresh = true;
   s.convex = false;
   Outcome outcome;

@@ -3,6 +3,7 @@
 
 #include "equilibrium.hpp"
 #include "petsc_check.hpp"
+#include "pressure_block.hpp"
 #include "quasi_newton.hpp"
 #include "tangent_matrix.hpp"
 
@@ -21,6 +22,7 @@ struct Equilibrium::Impl {
   double reaction_norm = 0, load_norm = 0;  ///< of the latest residual
   double rounding = 0;                      ///< a residual of this norm cannot be told from zero
   SolverCounts counts;
+  PressureBlock pressures;   ///< of the latest tangent
   QuasiNewton quasi_newton;  ///< since the latest factorization
   bool refresh = true;       ///< assemble and factorize at the next iteration
   bool fresh = false;        ///< the factors are those of the state that the step starts from
@@ -35,11 +37,10 @@ struct Equilibrium::Impl {
   double free_norm() const;
   /// G^T r_c of the latest residual.
   Eigen::VectorXd reaction() const;
-  /// Unknowns into `state`; the residual's free rows, zero elsewhere, out of it.
+  /// Unknowns into `state` and out of it; the residual's free rows, zero elsewhere.
   void gather(Vec from);
+  void spread(Vec to) const;
   void scatter(Vec to) const;
-  /// Displacement elements minimize an energy; mixed ones are saddle points.
-  bool has_energy() const { return body.pressure_dofs().empty(); }
   /// A residual of this norm is converged.
   double goal() const { return options.relative_tolerance * (reaction_norm + load_norm) + rounding; }
   int negative_pivots() const;

@@ -49,7 +49,7 @@ class Step {
       PHYNNESS_PETSC(VecCopy(_trial, _x));
       PHYNNESS_PETSC(VecCopy(_trial_f, _f));
       s.quasi_newton.remember(_y, length);
-    } else {
+    } else if (!_settled) {
       _after = _before;
       s.reaction_norm = reactions;
     }
@@ -71,22 +71,22 @@ class Step {
   template <typename Impl>
   double newton(Impl& s) {
     // Newton's method would go to the saddle.
-    if (s.has_energy() && !s.convex && s.negative_pivots() > 0) return make_convex(s);
+    if (!s.convex && s.negative_pivots() > 0) return make_convex(s);
     bool negative_curvature = false;
     if (s.convex) {
       const auto cg = newton_cg(_ksp, s.tangent.exact(), _f, _y);
       s.counts.substitutions += cg.iterations;
       negative_curvature = cg.negative_curvature;
     }
-    const double slope = dot(_f, _y);  // minus the energy's derivative along the step
-    if (s.has_energy() && !(slope > 0)) return s.convex ? -1 : make_convex(s);
+    look_at_pressures(s);
+    // Minus the merit's derivative along the step, whose pressures aim at r_p = 0.
+    const double slope = dot(_f, _y) + 2 * _gap_before;
+    if (!(slope > 0)) return s.convex ? -1 : make_convex(s);
 
-    // Mixed elements have only the residual to go by; where it resists, a shorter increment does more.
-    const int most_trials = s.has_energy() ? 20 : 6;
     double low = 0, high = std::numeric_limits<double>::infinity(), low_slope = slope, length = 1;
-    for (int trial = 0; trial < most_trials; ++trial) {
+    for (int trial = 0; trial < 20; ++trial) {
       const bool finite = try_length(s, length);
-      const double here = finite && s.has_energy() ? dot(_trial_f, _y) : 0;
+      const double here = finite ? slope_of_trial(s) : 0;
       if (finite && good_enough(s, length, slope, here)) {
         // Still half as steep as at the start, where the curvature was negative: the valley is further on.
         if (negative_curvature && here > 0.5 * slope && length < 100 && !std::isfinite(high)) {
@@ -95,6 +95,7 @@ class Step {
           length *= 2;
           continue;
         }
+        if (negative_curvature) settle_pressures(s, _trial, _trial_f);
         s.refresh = s.convex || wants_tangent(s);
         s.convex = negative_curvature;
         return length;
@@ -104,13 +105,90 @@ class Step {
       const double fraction = here < 0 ? std::clamp(low_slope / (low_slope - here), 0.1, 0.7) : 0.5;
       length = low + fraction * (high - low);
     }
-    return s.has_energy() && !s.convex ? make_convex(s) : -1;
+    return !s.convex ? make_convex(s) : -1;
+  }
+
+  /// Stays here, for a convex tangent; conjugate gradients then want pressures in balance.
+  template <typename Impl>
+  double make_convex(Impl& s) {
+    settle_pressures(s, _x, _f);
+    s.convex = s.refresh = true;
+    return 0;
+  }
+
+  /// p <- p + C^-1 r_p until that changes next to nothing, or no longer helps.
+  template <typename Impl>
+  void settle_pressures(Impl& s, Vec x, Vec f) {
+    if (s.pressures.empty()) return;
+    s.gather(x);
+    s.evaluate_residual();
+    auto r_p = pressure_residual(s);
+    double gap = std::numeric_limits<double>::infinity(), first = 0;
+    auto best = s.state;
+    for (int i = 0; i < 8; ++i) {
+      const Eigen::VectorXd change = s.pressures.solve(r_p);
+      const double now = r_p.dot(change);
+      if (!(now < gap)) break;
+      if (i == 0) first = now;
+      gap = now;
+      best = s.state;
+      if (gap <= 1e-8 * first) break;
+      const auto& dofs = s.body.pressure_dofs();
+      for (std::size_t k = 0; k < dofs.size(); ++k) s.state[dofs[k]] += change[static_cast<Eigen::Index>(k)];
+      s.evaluate_residual();
+      r_p = pressure_residual(s);
+    }
+    s.state = best;
+    s.evaluate_residual();
+    s.spread(x);
+    s.scatter(f);
+    _after = s.free_norm();
+    _settled = true;
   }
 
   template <typename Impl>
-  double make_convex(Impl& s) {
-    s.convex = s.refresh = true;
-    return 0;
+  Eigen::VectorXd pressure_residual(const Impl& s) const {
+    const auto& dofs = s.body.pressure_dofs();
+    Eigen::VectorXd r_p(static_cast<Eigen::Index>(dofs.size()));
+    for (std::size_t k = 0; k < dofs.size(); ++k) r_p[static_cast<Eigen::Index>(k)] = s.residual[dofs[k]];
+    return r_p;
+  }
+
+  /// What the pressures lack, at the start of the step.
+  template <typename Impl>
+  void look_at_pressures(Impl& s) {
+    if (s.pressures.empty()) return;
+    PetscInt n = 0;
+    const PetscScalar* values = nullptr;
+    PHYNNESS_PETSC(VecGetLocalSize(_f, &n));
+    PHYNNESS_PETSC(VecGetArrayRead(_f, &values));
+    const Eigen::VectorXd r_p = s.pressures.part({values, static_cast<std::size_t>(n)});
+    PHYNNESS_PETSC(VecRestoreArrayRead(_f, &values));
+    _pressure_change = s.pressures.solve(r_p);
+    _gap_before = r_p.dot(_pressure_change) / 2;
+  }
+
+  /// Minus the merit's derivative along the step, at the trial.
+  template <typename Impl>
+  double slope_of_trial(const Impl& s) const {
+    const double slope = dot(_trial_f, _y);
+    return s.pressures.empty() ? slope : slope + pressure_residual(s).dot(_pressure_change);
+  }
+
+  template <typename Impl>
+  static double energy_and_load(Impl& s) {
+    double energy = s.body.energy(s.state);
+    for (std::size_t dof = 0; dof < s.load.size(); ++dof) energy -= s.load[dof] * s.state[dof];
+    return energy;
+  }
+
+  /// What steps descend: the stored energy, with the pressures that the displacements ask for.
+  template <typename Impl>
+  double merit(Impl& s) {
+    const double energy = energy_and_load(s);
+    if (s.pressures.empty()) return energy;
+    const auto r_p = pressure_residual(s);
+    return energy + r_p.dot(s.pressures.solve(r_p)) / 2;
   }
 
   /// @return false if the residual there is not finite (J <= 0 in a law with ln J)
@@ -127,18 +205,19 @@ class Step {
   template <typename Impl>
   bool good_enough(Impl& s, double length, double slope, double here) {
     const bool shorter = _after <= (1 - decrease * length) * _before;
-    if (!s.has_energy()) return shorter;
+    // A step for the pressures' sake: the merit has them right already.
+    if (_gap_before > slope) return shorter;
     if (std::abs(here) <= 0.5 * slope) return true;
-    const double energy = s.body.energy(s.state);
-    if (std::isnan(_energy_before)) {
+    const double after = merit(s);
+    if (std::isnan(_merit_before)) {
       const auto moved = s.state;
       s.gather(_x);
-      _energy_before = s.body.energy(s.state);
+      _merit_before = energy_and_load(s) + _gap_before;
       s.state = moved;
     }
     // Where rounding hides the step's share of the energy, the residual still shows it.
-    if (slope * length < 1e-9 * std::abs(_energy_before)) return shorter;
-    return energy <= _energy_before - decrease * length * slope;
+    if (slope * length < 1e-9 * std::abs(_merit_before)) return shorter;
+    return after <= _merit_before - decrease * length * slope;
   }
 
   /// Cheap steps go on at the rate of this one: would there be more of them than a tangent costs?
@@ -152,7 +231,10 @@ class Step {
   SNESLineSearch _search;
   KSP _ksp;
   Vec _x = nullptr, _f = nullptr, _y = nullptr, _trial = nullptr, _trial_f = nullptr;
-  double _before = 0, _after = 0, _energy_before = std::numeric_limits<double>::quiet_NaN();
+  double _before = 0, _after = 0, _merit_before = std::numeric_limits<double>::quiet_NaN();
+  bool _settled = false;             ///< pressures have moved, and x with them
+  double _gap_before = 0;            ///< r_p^T C^-1 r_p / 2
+  Eigen::VectorXd _pressure_change;  ///< C^-1 r_p
 };
 
 }  // namespace

@@ -93,24 +93,26 @@ TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<
   }
   using Fixed = Eigen::Matrix<double, 12, 12>;
   const int m = body.n_element_dofs();
+  // Only the block of the displacements is made convex; they come first.
+  const int n_u = m - (body.pressure_dofs().empty() ? 0 : 4);
   Fixed linear;
-  Eigen::MatrixXd nearest;
+  Eigen::MatrixXd quadratic, nearest;
   const auto per_cell = static_cast<std::size_t>(m) * m;
   body.element_tangents(state, [&](std::int32_t cell, std::span<const double> element) {
     const std::int32_t* position = _position.data() + per_cell * cell;
     for (std::size_t e = 0; e < per_cell; ++e)
       if (position[e] >= 0) values[position[e]] += element[e];
     if (!convex) return;
-    const double* entry = element.data();
-    if (m == 12) {
-      linear = Eigen::Map<const Fixed>(entry);
-      if (make_convex(linear)) entry = linear.data();
+    nearest = Eigen::Map<const Eigen::MatrixXd>(element.data(), m, m);
+    if (n_u == 12) {
+      linear = nearest.topLeftCorner<12, 12>();
+      if (make_convex(linear)) nearest.topLeftCorner<12, 12>() = linear;
     } else {
-      nearest = Eigen::Map<const Eigen::MatrixXd>(entry, m, m);
-      if (make_convex(nearest)) entry = nearest.data();
+      quadratic = nearest.topLeftCorner(n_u, n_u);
+      if (make_convex(quadratic)) nearest.topLeftCorner(n_u, n_u) = quadratic;
     }
     for (std::size_t e = 0; e < per_cell; ++e)
-      if (position[e] >= 0) convex_values[position[e]] += entry[e];
+      if (position[e] >= 0) convex_values[position[e]] += nearest.data()[e];
   });
 
   // Before the prescribed rows become the identity's, keep what they say: one row is one column, by symmetry.

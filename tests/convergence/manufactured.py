@@ -5,7 +5,7 @@ boundary that is the work of the body force -Div P, without having to write its 
 """
 
 from mechanics import *
-from ufl import SpatialCoordinate, TestFunctions, as_vector, cos, sin
+from ufl import SpatialCoordinate, TestFunctions, as_vector, cos, inv, sin
 
 mu, lmbda = Constant(domain), Constant(domain)
 
