@@ -42,13 +42,18 @@ void run(const Options& options) {
                   "go on with --resume");
   if (!first) return;
   const auto size = std::filesystem::file_size(options.output);
-  const auto solved = std::max<std::int64_t>(1, report.increments);
+  const auto solved = std::max<std::int64_t>(1, report.increments_solved);
   fmt::print(
       "{} active nodes, {} rays ({} resumed), {} increments, {} failed ({:.2f} %), {:.2f} Newton iterations "
       "each\n",
       loaded.sets.active.size(), report.rays + report.rays_resumed, report.rays_resumed, report.increments,
-      report.failed, 100.0 * static_cast<double>(report.failed) / static_cast<double>(solved),
+      report.failed,
+      100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
       static_cast<double>(report.iterations) / static_cast<double>(solved));
+  if (report.rays_mirrored > 0)
+    fmt::print("{} rays ({:.0f} %) are mirror images of these and cost nothing\n", report.rays_mirrored,
+               100.0 * static_cast<double>(report.rays_mirrored) /
+                   static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
   fmt::print("{} on {} rank{}, {:.1f} core-ms per increment\n", duration(report.wall_seconds), session.size(),
              session.size() == 1 ? "" : "s", 1e3 * report.core_seconds / static_cast<double>(solved));
   if (report.failed == report.increments && report.increments > 0)
@@ -64,6 +69,7 @@ void run(const Options& options) {
   write_json(options.json_file, {{"active_nodes", loaded.sets.active.size()},
                                  {"rays", report.rays + report.rays_resumed},
                                  {"rays_resumed", report.rays_resumed},
+                                 {"rays_mirrored", report.rays_mirrored},
                                  {"increments", report.increments},
                                  {"failed", report.failed},
                                  {"newton_iterations", report.iterations},

@@ -63,6 +63,7 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
   require_same(on_disk.sets.fixed == wanted.sets.fixed, "fixed nodes");
   require_same(on_disk.sets.active == wanted.sets.active, "active nodes");
   require_same(on_disk.sets.output == wanted.sets.output, "output nodes");
+  require_same(on_disk.sets.mirror == wanted.sets.mirror, "mirror images of its nodes");
   require_same(on_disk.directions == wanted.directions, "directions");
   require_same(on_disk.magnitudes_m == wanted.magnitudes_m, "increments");
   if (on_disk.tangents != wanted.tangents)

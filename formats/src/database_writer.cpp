@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
 
 #include "database_layout.hpp"
 #include "database_log.hpp"
@@ -80,28 +81,30 @@ struct SmallArrays {
   }
 };
 
-/// For each ray its first whole record. @throws Error if rays are missing
+/// For each ray that is solved its first whole record. @throws Error if rays are missing
 std::vector<dl::Entry> one_record_per_ray(const dl::Index& index, const dl::Layout& sizes,
-                                          const fs::path& file) {
+                                          const MirroredRays& mirrored, const fs::path& file) {
   const std::size_t total =
       static_cast<std::size_t>(sizes.n_active) * static_cast<std::size_t>(sizes.n_directions);
   std::vector<dl::Entry> records(total, dl::Entry{-1, -1, -1, -1});
+  const auto wanted = static_cast<std::size_t>(mirrored.n_solved());
   std::size_t found = 0;
   for (const auto& entry : index.entries) {
+    if (!mirrored.is_solved(entry.active, entry.direction)) continue;
     auto& slot =
         records[static_cast<std::size_t>(entry.active) * static_cast<std::size_t>(sizes.n_directions) +
                 static_cast<std::size_t>(entry.direction)];
     if (slot.log < 0) slot = entry, ++found;
   }
-  if (found < total)
+  if (found < wanted)
     throw failure("the database " + file.string() + " cannot be packed: rays are missing",
-                  std::to_string(total - found) + " of " + std::to_string(total),
+                  std::to_string(wanted - found) + " of " + std::to_string(wanted),
                   "solve them with: phynness precompute SCENE -o " + file.string() + " --resume");
   return records;
 }
 
 void write_responses(hdf5::File& out, const DatabaseHeader& header, const dl::Index& index,
-                     const std::vector<dl::Entry>& records) {
+                     const std::vector<dl::Entry>& records, const MirroredRays& mirrored) {
   const dl::Layout sizes(header);
   std::vector<Descriptor> logs;
   for (const auto& log : index.logs) logs.push_back(open_for_reading(log));
@@ -115,13 +118,17 @@ void write_responses(hdf5::File& out, const DatabaseHeader& header, const dl::In
     for (hsize_t active = first; active < first + count; ++active) {
       std::vector<double> displacement;
       for (std::size_t d = 0; d < header.directions.size(); ++d) {
-        const auto& record = records[active * header.directions.size() + d];
+        const auto a = static_cast<std::int32_t>(active), direction = static_cast<std::int32_t>(d);
+        const auto& source = mirrored.source(a, direction);
+        const auto& record = records[static_cast<std::size_t>(source.active) * header.directions.size() +
+                                     static_cast<std::size_t>(source.direction)];
         const auto log = static_cast<std::size_t>(record.log);
         if (read_at(logs[log], index.logs[log], record.offset, payload.data(), payload.size()) <
             payload.size())
           throw failure("a log became shorter while it was packed", index.logs[log].string(),
                         "let one process at a time use the database");
-        const Ray ray = dl::decode(payload.data(), sizes);
+        Ray ray = dl::decode(payload.data(), sizes);
+        if (!source.is_itself()) ray = mirrored.image(ray, a, direction);
         small.add(ray);
         displacement.insert(displacement.end(), ray.displacement.begin(), ray.displacement.end());
       }
@@ -168,9 +175,18 @@ std::vector<char> DatabaseWriter::logged(const fs::path& file, const DatabaseHea
     std::fill(flags.begin(), flags.end(), char{1});
     return flags;
   }
+  const std::size_t n_directions = header.directions.size();
   for (const auto& entry : dl::scan(file, header).entries)
-    flags[static_cast<std::size_t>(entry.active) * header.directions.size() +
-          static_cast<std::size_t>(entry.direction)] = 1;
+    flags[static_cast<std::size_t>(entry.active) * n_directions + static_cast<std::size_t>(entry.direction)] =
+        1;
+  const MirroredRays mirrored(header);
+  const auto solved = flags;
+  for (std::size_t ray = 0; ray < flags.size(); ++ray) {
+    const auto& source = mirrored.source(static_cast<std::int32_t>(ray / n_directions),
+                                         static_cast<std::int32_t>(ray % n_directions));
+    flags[ray] = solved[static_cast<std::size_t>(source.active) * n_directions +
+                        static_cast<std::size_t>(source.direction)];
+  }
   return flags;
 }
 
@@ -207,12 +223,13 @@ void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given) {
   std::error_code code;
   if (!Database::is_complete(file)) {
     const auto index = dl::scan(file, header);
-    const auto records = one_record_per_ray(index, dl::Layout(header), file);
+    const MirroredRays mirrored(header);
+    const auto records = one_record_per_ray(index, dl::Layout(header), mirrored, file);
     const fs::path packing = file.string() + ".packing";
     try {
       auto out = hdf5::File::create(packing);
       layout::write_header(out, header, true);
-      write_responses(out, header, index, records);
+      write_responses(out, header, index, records, mirrored);
       out.close();
       replace_durably(packing, file);
     } catch (...) {
@@ -227,13 +244,18 @@ DatabaseProgress database_progress(const fs::path& file) {
   const auto header = read_database_header(file);
   DatabaseProgress progress;
   progress.complete = Database::is_complete(file);
-  progress.rays_total = static_cast<std::int64_t>(header.sets.active.size() * header.directions.size());
+  const MirroredRays mirrored(header);
+  progress.rays_total = mirrored.n_solved();
   if (progress.complete) {
     progress.rays_logged = progress.rays_total;
     return progress;
   }
   const auto flags = DatabaseWriter::logged(file, header);
-  progress.rays_logged = std::count(flags.begin(), flags.end(), char{1});
+  const auto n_directions = static_cast<std::int64_t>(header.directions.size());
+  for (std::int64_t ray = 0; ray < static_cast<std::int64_t>(flags.size()); ++ray)
+    progress.rays_logged += flags[static_cast<std::size_t>(ray)] &&
+                            mirrored.is_solved(static_cast<std::int32_t>(ray / n_directions),
+                                               static_cast<std::int32_t>(ray % n_directions));
   progress.damage = dl::scan(file, header).damage;
   return progress;
 }

@@ -1,11 +1,13 @@
 #include <gmsh.h>
 
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <phynness/formats/error.hpp>
 
 #include "generate.hpp"
 #include "gmsh_session.hpp"
+#include "mirror.hpp"
 
 namespace phynness::meshes {
 namespace {
@@ -71,16 +73,21 @@ RawMesh mesh_solid(const Solid& solid, double edge_m) {
   const double unit = edge_m;
   const GmshSession session;
   RawMesh raw;
+  // What gmsh makes of a symmetric shape is not symmetric: so it meshes a half, which is mirrored.
+  const int axis = solid.mirror_axis;
+  Vec3 size = solid.size_m;
+  if (axis >= 0) size[static_cast<std::size_t>(axis)] /= 2;
+  const bool round = solid.shape != Shape::block;
   session.run("mesh the built-in shape", [&] {
-    const double length = solid.length_m / unit, radius = solid.radius_m / unit,
+    const double length = solid.length_m / unit * (axis == 2 ? 0.5 : 1), radius = solid.radius_m / unit,
                  inner = solid.inner_radius_m / unit;
-    if (solid.shape == Shape::block) {
-      gmsh::model::occ::addBox(0, 0, 0, solid.size_m[0] / unit, solid.size_m[1] / unit,
-                               solid.size_m[2] / unit);
+    if (!round) {
+      gmsh::model::occ::addBox(0, 0, 0, size[0] / unit, size[1] / unit, size[2] / unit);
     } else {
-      const int outer = gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, length, radius);
+      const double angle = (axis == 0 || axis == 1 ? 1 : 2) * std::numbers::pi;  // half: where y >= 0
+      const int outer = gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, length, radius, -1, angle);
       if (solid.shape == Shape::tube) {
-        const int hole = gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, length, inner);
+        const int hole = gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, length, inner, -1, angle);
         gmsh::vectorpair result;
         std::vector<gmsh::vectorpair> map;
         gmsh::model::occ::cut({{3, outer}}, {{3, hole}}, result, map);
@@ -97,7 +104,15 @@ RawMesh mesh_solid(const Solid& solid, double edge_m) {
   });
   for (auto& x : raw.nodes)
     for (double& value : x) value *= unit;
-  return raw;
+  if (axis < 0) return raw;
+  if (round && axis == 0)
+    for (auto& x : raw.nodes) x = {x[1], -x[0], x[2]};  // a quarter turn: the half where x >= 0
+  Eigen::RowVector3d normal = Eigen::RowVector3d::Zero(), point = normal;
+  normal[axis] = 1;
+  // Round halves begin at the axis of the shape; the others lie in [0, middle].
+  if (!round) point[axis] = size[static_cast<std::size_t>(axis)];
+  if (round && axis == 2) point[axis] = solid.length_m / 2;
+  return with_mirror_image(std::move(raw), point, normal, 1e-6 * unit, "the built-in shape");
 }
 
 }  // namespace phynness::meshes

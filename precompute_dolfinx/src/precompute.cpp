@@ -4,6 +4,7 @@
 #include <ctime>
 #include <optional>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/formats/version.hpp>
 #include <phynness/precompute/precompute.hpp>
 
@@ -98,6 +99,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   const auto header = database_header(scene, mesh, sets);
   const auto n_active = static_cast<std::int64_t>(sets.active.size());
   const auto n_directions = static_cast<std::int64_t>(header.directions.size());
+  const MirroredRays mirrored(header);
 
   std::vector<char> logged(static_cast<std::size_t>(n_active * n_directions), 0);
   int complete = 0;
@@ -114,8 +116,14 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   MPI_Bcast(logged.data(), static_cast<int>(logged.size()), MPI_CHAR, 0, MPI_COMM_WORLD);
 
   PrecomputeReport report;
-  for (const char done : logged) report.rays_resumed += done;
-  if (complete) report.rays_resumed = n_active * n_directions;
+  report.rays_mirrored = n_active * n_directions - mirrored.n_solved();
+  const auto is_solved = [&](std::int64_t a, std::int64_t d) {
+    return mirrored.is_solved(static_cast<std::int32_t>(a), static_cast<std::int32_t>(d));
+  };
+  for (std::int64_t ray = 0; ray < n_active * n_directions; ++ray)
+    report.rays_resumed +=
+        logged[static_cast<std::size_t>(ray)] && is_solved(ray / n_directions, ray % n_directions);
+  if (complete) report.rays_resumed = mirrored.n_solved();
   std::int64_t solved = 0;
   int interrupted = 0;
   std::exception_ptr trouble;
@@ -128,7 +136,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
         const auto node = sets.active[static_cast<std::size_t>(a)];
         bool touched = false;
         for (std::int64_t d = 0; d < n_directions && !interrupted; ++d) {
-          if (logged[static_cast<std::size_t>(a * n_directions + d)]) continue;
+          if (logged[static_cast<std::size_t>(a * n_directions + d)] || !is_solved(a, d)) continue;
           if (!touched) probe_solver->touch({node});
           touched = true;
           const auto& e = header.directions[static_cast<std::size_t>(d)];
@@ -139,7 +147,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
                                static_cast<std::int32_t>(d), requested));
           ++solved;
           const auto done = counter.add_done(1) + 1 + report.rays_resumed;
-          if (progress && session.rank() == 0) progress(done, n_active * n_directions);
+          if (progress && session.rank() == 0) progress(done, mirrored.n_solved());
           if (stop && stop()) interrupted = 1;
         }
       }
@@ -176,6 +184,13 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
       if (static_cast<int>(status) < 0) report.failed += count;
     }
     report.iterations = summary.newton_iterations;
+    const auto statuses = database.statuses();
+    const auto n_increments = static_cast<std::int64_t>(header.magnitudes_m.size());
+    for (std::int64_t i = 0; i < static_cast<std::int64_t>(statuses.size()); ++i) {
+      const auto ray = i / n_increments;
+      report.increments_solved += statuses[static_cast<std::size_t>(i)] != Status::not_requested &&
+                                  is_solved(ray / n_directions, ray % n_directions);
+    }
   }
   report.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;

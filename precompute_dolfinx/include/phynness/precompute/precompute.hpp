@@ -10,7 +10,9 @@ namespace phynness {
 
 struct PrecomputeReport {
   std::int64_t rays = 0, rays_resumed = 0;  ///< solved now, found in the logs
+  std::int64_t rays_mirrored = 0;           ///< made from others by a plane of symmetry
   std::int64_t increments = 0, failed = 0;  ///< of the whole database; failed: after_failure included
+  std::int64_t increments_solved = 0;       ///< of them, those that are not mirror images
   std::int64_t iterations = 0;
   double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
   bool interrupted = false;                   ///< finished rays are kept; --resume goes on
