@@ -15,6 +15,7 @@ double cpu_ms() {
 
 void add_ray(ProbeSolver& solver, const Vec3& direction, const std::vector<double>& depths, Tally& tally) {
   ++tally.rays;
+  double ray_min_jacobian = 1;
   solver.follow({direction}, depths, false, [&](std::size_t i, const Response& r) {
     tally.cutbacks += r.cutbacks;
     tally.increments_cut += r.cutbacks > 0;
@@ -26,9 +27,11 @@ void add_ray(ProbeSolver& solver, const Vec3& direction, const std::vector<doubl
     ++tally.reached[i];
     ++tally.states;
     tally.indefinite += r.negative_pivots > 0;
-    tally.min_jacobian = std::min(tally.min_jacobian, r.min_jacobian);
+    ray_min_jacobian = std::min(ray_min_jacobian, r.min_jacobian);
+    tally.upright += i + 1 == depths.size() && ray_min_jacobian > 0;
     return true;
   });
+  tally.min_jacobian = std::min(tally.min_jacobian, ray_min_jacobian);
 }
 
 }  // namespace
@@ -61,16 +64,17 @@ Tally follow_rays(const Body& body, const std::vector<std::int32_t>& nodes) {
 void print_header(const char* what, const std::vector<std::string>& depths) {
   std::printf("\n%-34s %5s", what, "rays");
   for (const auto& depth : depths) std::printf(" %8s", depth.c_str());
-  std::printf("  %8s %9s %9s %9s %9s %10s %7s %8s\n", "inc. cut", "inverted", "diverged", "factoriz.",
-              "not finite", "indefinite", "min J", "ms/inc.");
+  std::printf("  %8s %8s %9s %9s %9s %9s %10s %7s %8s\n", "J > 0", "inc. cut", "inverted", "diverged",
+              "factoriz.", "not finite", "indefinite", "min J", "ms/inc.");
 }
 
 void print_row(const std::string& what, const Tally& t, const std::vector<std::size_t>& depths) {
   std::printf("%-34s %5d", what.c_str(), t.rays);
   for (const auto i : depths) std::printf(" %7.1f%%", 100.0 * t.reached[i] / std::max(1, t.rays));
   const auto count = [&](Status status) { return t.reasons.count(status) ? t.reasons.at(status) : 0; };
-  std::printf("  %8d %9d %9d %9d %10d %9.1f%% %7.3f %8.1f\n", t.increments_cut, count(Status::inverted),
-              count(Status::diverged), count(Status::factorization), count(Status::not_finite),
+  std::printf("  %7.1f%% %8d %9d %9d %9d %10d %9.1f%% %7.3f %8.1f\n", 100.0 * t.upright / std::max(1, t.rays),
+              t.increments_cut, count(Status::inverted), count(Status::diverged),
+              count(Status::factorization), count(Status::not_finite),
               100.0 * t.indefinite / std::max(1, t.states), t.min_jacobian, t.cpu_ms / std::max(1, t.states));
   std::fflush(stdout);
 }

@@ -12,6 +12,7 @@ struct Tally {
   int rays = 0;
   std::vector<int> reached;       ///< by increment: rays whose increments up to it all converged
   std::map<Status, int> reasons;  ///< of the rays that stopped short
+  int upright = 0;  ///< rays that reach full depth with J > 0 in every state; the linear law allows others
   int states = 0, indefinite = 0, cutbacks = 0, increments_cut = 0, iterations = 0;
   double min_jacobian = 1, cpu_ms = 0;
 
