@@ -107,7 +107,7 @@ std::vector<Circle> circles(const Vector3& inward, double radius) {
           [=](double a) -> Vector3 { return slant * (inward + std::cos(a) * t + std::sin(a) * b); }};
 }
 
-void walk(Walker& walker, const Circle& at, int n_points,
+void walk(Walker& walker, std::int32_t node, const Circle& at, int n_points,
           const std::function<std::optional<Vector3>(int)>& radial, PathTally& tally) {
   ++tally.paths;
   constexpr int steps_to_the_circle = 6;
@@ -137,7 +137,11 @@ void walk(Walker& walker, const Circle& at, int n_points,
     const double difference = (force - *expected).norm() / expected->norm();
     ++tally.compared;
     tally.different += difference > same_force;
-    tally.largest_difference = std::max(tally.largest_difference, difference);
+    if (difference > tally.largest_difference) {
+      tally.largest_difference = difference;
+      tally.worst_node = node;
+      tally.worst_displacement_m = {to[0], to[1], to[2]};
+    }
   }
   tally.largest_gap = std::max(tally.largest_gap, (force - begin).norm() / begin.norm());
   tally.largest_work = std::max(tally.largest_work, std::abs(work) / energy);
@@ -157,7 +161,7 @@ PathTally walk_circles(const Body& body, const std::vector<std::int32_t>& nodes,
     for (const auto& circle : circles(-normals.row(node).transpose(), radius_m)) {
       walker.touch(node);
       walk(
-          walker, circle, n_points,
+          walker, node, circle, n_points,
           [&](int i) -> std::optional<Vector3> {
             if (i % (n_points / n_compared) != 0) return std::nullopt;
             const Vector3 d = circle(2 * std::numbers::pi * i / n_points);

@@ -11,7 +11,9 @@ struct PathTally {
   int compared = 0, different = 0;  ///< with the radial answer; different: by more than `same_force`
   double largest_difference = 0;    ///< |F walked - F radial| / |F radial|
   double largest_gap = 0;           ///< after the loop, |F end - F begin| / |F begin|
-  double largest_work = 0;          ///< |closed integral of F . dd| / largest energy on the way
+  std::int32_t worst_node = -1;     ///< where the difference is largest, and at which displacement
+  Vec3 worst_displacement_m{};
+  double largest_work = 0;  ///< |closed integral of F . dd| / largest energy on the way
 };
 /// Two solves of one state that stop at 1e-8 of the reactions differ by that times the norm of the
 /// sensitivities.

@@ -13,7 +13,8 @@ double cpu_ms() {
   return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
-void add_ray(ProbeSolver& solver, const Vec3& direction, const std::vector<double>& depths, Tally& tally) {
+void add_ray(ProbeSolver& solver, std::int32_t node, const Vec3& direction, const std::vector<double>& depths,
+             Tally& tally) {
   ++tally.rays;
   double ray_min_jacobian = 1;
   solver.follow({direction}, depths, false, [&](std::size_t i, const Response& r) {
@@ -22,6 +23,7 @@ void add_ray(ProbeSolver& solver, const Vec3& direction, const std::vector<doubl
     tally.iterations += r.iterations;
     if (r.status != Status::converged) {
       ++tally.reasons[r.status];
+      tally.failures.push_back({node, direction, depths[i], r.status});
       return false;
     }
     ++tally.reached[i];
@@ -51,7 +53,7 @@ Tally follow_rays(const Body& body, const std::vector<std::int32_t>& nodes) {
     for (const Vec3& e : exploratory_directions(probe.directions)) {
       const double outward = normals.row(nodes[n]).dot(Eigen::RowVector3d(e[0], e[1], e[2]));
       if (probe.directions == Directions::hemisphere && outward > 1e-9) continue;
-      add_ray(solver, e, depths, tally);
+      add_ray(solver, nodes[n], e, depths, tally);
     }
     std::fprintf(stderr, "\r  node %zu of %zu, %.0f s of CPU ", n + 1, nodes.size(),
                  1e-3 * (cpu_ms() - start));
@@ -77,6 +79,12 @@ void print_row(const std::string& what, const Tally& t, const std::vector<std::s
               count(Status::factorization), count(Status::not_finite),
               100.0 * t.indefinite / std::max(1, t.states), t.min_jacobian, t.cpu_ms / std::max(1, t.states));
   std::fflush(stdout);
+}
+
+void print_failures(const Tally& tally) {
+  for (const auto& f : tally.failures)
+    std::printf("    node %d, direction (%.2f, %.2f, %.2f): %s at %.4g m\n", f.node, f.direction[0],
+                f.direction[1], f.direction[2], name(f.reason), f.depth_m);
 }
 
 }  // namespace phynness::robustness

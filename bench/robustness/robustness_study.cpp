@@ -19,6 +19,7 @@ constexpr Element elements[] = {Element::p1, Element::p1_p1, Element::taylor_hoo
 constexpr unsigned seed = 1;
 
 struct Options {
+  bool failures = false;
   int nodes = 4, paper_nodes = 12, path_nodes = 4;
 };
 
@@ -34,7 +35,9 @@ const std::vector<std::size_t> element_sizes = {increments_per_element - 1, 2 * 
 const std::vector<std::string> element_size_names = {"1 h", "2 h", "3 h"};
 
 void cube_row(const std::string& what, const Body& body, const Options& options) {
-  print_row(what, follow_rays(body, draw_nodes(body.sets, options.nodes, seed)), element_sizes);
+  const auto tally = follow_rays(body, draw_nodes(body.sets, options.nodes, seed));
+  print_row(what, tally, element_sizes);
+  if (options.failures) print_failures(tally);
 }
 
 void incompressibility(const Options& options) {
@@ -118,8 +121,9 @@ void paper(const Options& options) {
     const std::vector<std::size_t> thirds = n == 1
                                                 ? std::vector<std::size_t>{0, 0, 0}
                                                 : std::vector<std::size_t>{n / 3 - 1, 2 * n / 3 - 1, n - 1};
-    print_row(std::string(what) + "  " + name(body.scene.solver.element),
-              follow_rays(body, draw_nodes(body.sets, n_nodes, seed)), thirds);
+    const auto tally = follow_rays(body, draw_nodes(body.sets, n_nodes, seed));
+    print_row(std::string(what) + "  " + name(body.scene.solver.element), tally, thirds);
+    if (options.failures) print_failures(tally);
   };
   row("Case 1, linear", "liver_case1.toml", {}, 10 * options.paper_nodes);
   row("Case 3, neo-Hookean", "liver_case3.toml", {}, options.paper_nodes);
@@ -137,6 +141,9 @@ void paths(const Options& options) {
     std::printf("%-34s %6d %5d %7d %10.1f%% %8d of %3d %12.1e %12.1e %12.1e\n", what.c_str(), t.paths, t.open,
                 t.points, 100.0 * t.indefinite / std::max(1, t.points), t.different, t.compared,
                 t.largest_difference, t.largest_gap, t.largest_work);
+    if (t.different > 0)
+      std::printf("    worst at node %d, displacement (%.4g, %.4g, %.4g) m\n", t.worst_node,
+                  t.worst_displacement_m[0], t.worst_displacement_m[1], t.worst_displacement_m[2]);
     std::fflush(stdout);
   };
   for (const double share : {0.25, 0.5, 1.0}) {
@@ -177,6 +184,7 @@ int run(int argc, char** argv) {
   app.add_option("--paper-nodes", options.paper_nodes,
                  "nodes of the liver that are probed (Case 1: ten times as many)")
       ->check(CLI::Range(1, 1000));
+  app.add_flag("--failures", options.failures, "name every ray that stops short, with its reason");
   app.add_option("--path-nodes", options.path_nodes, "nodes with closed paths")->check(CLI::Range(1, 1000));
   CLI11_PARSE(app, argc, argv);
   const SolverSession session;
