@@ -98,6 +98,14 @@ class Walker {
   int _negative_pivots = 0;
 };
 
+constexpr int radial_increments = 6;
+struct RadialState {
+  Vector3 force_N;
+  double energy_J;
+};
+/// The state at point i of the circle, reached from rest in so many increments; nothing if it is not reached.
+using Radial = std::function<std::optional<RadialState>(int i, int increments)>;
+
 using Circle = std::function<Vector3(double angle)>;  ///< displacement [m]
 
 std::vector<Circle> circles(const Vector3& inward, double radius) {
@@ -107,8 +115,8 @@ std::vector<Circle> circles(const Vector3& inward, double radius) {
           [=](double a) -> Vector3 { return slant * (inward + std::cos(a) * t + std::sin(a) * b); }};
 }
 
-void walk(Walker& walker, std::int32_t node, const Circle& at, int n_points,
-          const std::function<std::optional<Vector3>(int)>& radial, PathTally& tally) {
+void walk(Walker& walker, std::int32_t node, const Circle& at, int n_points, const Radial& radial,
+          PathTally& tally) {
   ++tally.paths;
   constexpr int steps_to_the_circle = 6;
   for (int i = 1; i <= steps_to_the_circle; ++i)
@@ -132,11 +140,16 @@ void walk(Walker& walker, std::int32_t node, const Circle& at, int n_points,
     energy = std::max(energy, walker.energy_J());
     ++tally.points;
     tally.indefinite += walker.negative_pivots() > 0;
-    const auto expected = radial(i % n_points);
+    const auto expected = radial(i % n_points, radial_increments);
     if (!expected) continue;
-    const double difference = (force - *expected).norm() / expected->norm();
+    const double difference = (force - expected->force_N).norm() / expected->force_N.norm();
     ++tally.compared;
-    tally.different += difference > same_force;
+    if (difference > same_force) {
+      ++tally.different;
+      tally.radial_higher += expected->energy_J > walker.energy_J();
+      const auto finer = radial(i % n_points, 4 * radial_increments);
+      tally.finer_agrees += finer && (force - finer->force_N).norm() < same_force * force.norm();
+    }
     if (difference > tally.largest_difference) {
       tally.largest_difference = difference;
       tally.worst_node = node;
@@ -155,19 +168,19 @@ PathTally walk_circles(const Body& body, const std::vector<std::int32_t>& nodes,
   ProbeSolver solver(body.scene, body.mesh, body.sets);
   const Points normals = node_normals(body.mesh);
   PathTally tally;
-  constexpr int n_compared = 8, radial_increments = 6;
+  constexpr int n_compared = 8;
   for (const auto node : nodes) {
     solver.touch({node});
     for (const auto& circle : circles(-normals.row(node).transpose(), radius_m)) {
       walker.touch(node);
       walk(
           walker, node, circle, n_points,
-          [&](int i) -> std::optional<Vector3> {
+          [&](int i, int increments) -> std::optional<RadialState> {
             if (i % (n_points / n_compared) != 0) return std::nullopt;
             const Vector3 d = circle(2 * std::numbers::pi * i / n_points);
-            const auto r = solver.solve({{d[0], d[1], d[2]}}, radial_increments);
+            const auto r = solver.solve({{d[0], d[1], d[2]}}, increments);
             if (r.status != Status::converged) return std::nullopt;
-            return Vector3::Map(r.force_N[0].data());
+            return RadialState{Vector3::Map(r.force_N[0].data()), r.energy_J};
           },
           tally);
       std::fprintf(stderr, "\r  %d paths ", tally.paths);

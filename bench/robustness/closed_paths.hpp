@@ -9,9 +9,11 @@ struct PathTally {
   int paths = 0, open = 0;          ///< open: could not be walked to the end
   int points = 0, indefinite = 0;   ///< walked to, and of them with negative pivots
   int compared = 0, different = 0;  ///< with the radial answer; different: by more than `same_force`
-  double largest_difference = 0;    ///< |F walked - F radial| / |F radial|
-  double largest_gap = 0;           ///< after the loop, |F end - F begin| / |F begin|
-  std::int32_t worst_node = -1;     ///< where the difference is largest, and at which displacement
+  int radial_higher = 0;  ///< of the different ones, those where the radial state has the higher energy
+  int finer_agrees = 0;   ///< and those where four times the increments lead to the walked state
+  double largest_difference = 0;  ///< |F walked - F radial| / |F radial|
+  double largest_gap = 0;         ///< after the loop, |F end - F begin| / |F begin|
+  std::int32_t worst_node = -1;   ///< where the difference is largest, and at which displacement
   Vec3 worst_displacement_m{};
   double largest_work = 0;  ///< |closed integral of F . dd| / largest energy on the way
 };

@@ -142,8 +142,12 @@ void paths(const Options& options) {
                 t.points, 100.0 * t.indefinite / std::max(1, t.points), t.different, t.compared,
                 t.largest_difference, t.largest_gap, t.largest_work);
     if (t.different > 0)
-      std::printf("    worst at node %d, displacement (%.4g, %.4g, %.4g) m\n", t.worst_node,
-                  t.worst_displacement_m[0], t.worst_displacement_m[1], t.worst_displacement_m[2]);
+      std::printf(
+          "    radial energy higher in %d, found by four times the increments in %d; worst at node %d, "
+          "displacement "
+          "(%.4g, %.4g, %.4g) m\n",
+          t.radial_higher, t.finer_agrees, t.worst_node, t.worst_displacement_m[0], t.worst_displacement_m[1],
+          t.worst_displacement_m[2]);
     std::fflush(stdout);
   };
   for (const double share : {0.25, 0.5, 1.0}) {
