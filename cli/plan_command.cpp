@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
 
 #include "console.hpp"
 #include "plan.hpp"
@@ -24,6 +25,7 @@ void run(const PlanOptions& options) {
 PlanBasis basis_of_database(const PlanOptions& options) {
   const auto database = Database::open(options.source);
   const auto& header = database.header();
+  const MirroredRays mirrored(header);
   PlanBasis basis;
   basis.work.increments = static_cast<int>(header.magnitudes_m.size());
   std::vector<Ray> tried;  // for the packing trial: rays of nodes spread over the file
@@ -37,6 +39,10 @@ PlanBasis basis_of_database(const PlanOptions& options) {
     const bool in_trial = a * n_tried / n_active != (a + 1) * n_tried / n_active;
     std::size_t taken = 0;
     for (const auto& ray : rays) {
+      if (!mirrored.is_solved(ray.active, ray.direction)) {
+        ++basis.rays_mirrored;
+        continue;
+      }
       basis.work.node.push_back(static_cast<std::int32_t>(a));
       basis.work.seconds.insert(basis.work.seconds.end(), ray.seconds.begin(), ray.seconds.end());
       const bool requested = ray.status.front() != Status::not_requested;
