@@ -97,7 +97,7 @@ struct PlainLoop::Impl {
     const auto& self = *static_cast<Impl*>(context);
     *reason = SNES_CONVERGED_ITERATING;
     if (!std::isfinite(norm))
-      *reason = SNES_DIVERGED_FNORM_NAN;
+      *reason = SNES_DIVERGED_FUNCTION_NANORINF;
     else if (norm <= self.scene.solver.relative_tolerance * self.reactions)
       *reason = SNES_CONVERGED_FNORM_RELATIVE;
     return 0;

@@ -1,6 +1,7 @@
-# Finds dolfinx (which versions: precompute_dolfinx/dolfinx_api.hpp) with PETSc, MPI, basix and ufcx.h through pkg-config, and ffcx through Python.
-# The pkg-config file of 0.5.2 quotes a macro in a way that breaks shells and asks for -fpermissive, so only include
-# paths and libraries are taken from it. Defines the target phynness_dolfinx and phynness_compile_forms().
+# Finds dolfinx (which versions: precompute_dolfinx/dolfinx_api.hpp) with PETSc, MPI, basix and ufcx.h through pkg-config,
+# and ffcx through Python. The pkg-config file of dolfinx quotes a macro in a way that breaks shells and asks for
+# -fpermissive, so only include paths, libraries and a few definitions are taken from it. Defines the target
+# phynness_dolfinx and phynness_compile_forms().
 find_package(PkgConfig REQUIRED)
 find_package(MPI REQUIRED COMPONENTS C CXX)
 
@@ -33,6 +34,18 @@ string(REGEX MATCH "^([0-9]+)\\.([0-9]+)" _ "${DOLFINX_VERSION}")
 math(EXPR DOLFINX_VERSION_NUMBER "${CMAKE_MATCH_1} * 100 + ${CMAKE_MATCH_2}")
 
 add_library(phynness_dolfinx INTERFACE)
+# Of its definitions those that its headers ask for: how mdspan was built, and two texts (quotes are lost on the way).
+set(dolfinx_definitions ${DOLFINX_CFLAGS_OTHER})
+list(FILTER dolfinx_definitions INCLUDE REGEX "^-D(MDSPAN_|UFCX_SIGNATURE|DOLFINX_GIT_COMMIT_HASH)")
+list(TRANSFORM dolfinx_definitions REPLACE "^-D" "")
+list(TRANSFORM dolfinx_definitions REPLACE "[\"\\\\]" "")
+list(TRANSFORM dolfinx_definitions REPLACE "^(UFCX_SIGNATURE|DOLFINX_GIT_COMMIT_HASH)=(.*)$" "\\1=\"\\2\"")
+target_compile_definitions(phynness_dolfinx INTERFACE ${dolfinx_definitions})
+# Its log is spdlog's since 0.9; what spdlog was built for decides whether both meet the same log.
+if(DOLFINX_VERSION_NUMBER GREATER_EQUAL 9)
+  pkg_check_modules(SPDLOG REQUIRED IMPORTED_TARGET spdlog)
+  target_link_libraries(phynness_dolfinx INTERFACE PkgConfig::SPDLOG)
+endif()
 target_include_directories(phynness_dolfinx SYSTEM INTERFACE ${UFCX_INCLUDE_DIR} ${DOLFINX_INCLUDE_DIRS} ${PETSC_INCLUDE_DIRS})
 target_link_libraries(phynness_dolfinx INTERFACE ${DOLFINX_LINK_LIBRARIES} ${PETSC_LINK_LIBRARIES} MPI::MPI_CXX)
 find_library(PHYNNESS_BASIX_LIBRARY basix REQUIRED)
@@ -58,8 +71,9 @@ function(phynness_compile_forms target)
     add_custom_command(
       OUTPUT "${generated}/${name}.c" "${generated}/${name}.h"
       COMMAND ${CMAKE_COMMAND} -E env "PYTHONPATH=${mechanics}" PYTHONDONTWRITEBYTECODE=1
-              ${PHYNNESS_PYTHON} -m ffcx -o "${generated}" "${form}"
-      DEPENDS "${form}" "${mechanics}/mechanics.py"
+              ${PHYNNESS_PYTHON} -m ffcx "${form}"
+      WORKING_DIRECTORY "${generated}"  # ffcx 0.11 gave the option for this folder another name
+      DEPENDS "${form}" "${mechanics}/mechanics.py" "${mechanics}/elements.py"
       COMMENT "ffcx ${name}" VERBATIM)
     target_sources(${target} PRIVATE "${generated}/${name}.c")
     set_source_files_properties("${generated}/${name}.c" PROPERTIES COMPILE_OPTIONS "${PHYNNESS_KERNEL_OPTIONS};-w" SKIP_LINTING ON)

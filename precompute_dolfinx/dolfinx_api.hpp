@@ -1,5 +1,5 @@
-// The only file that knows which dolfinx it meets. Everything here is serial: one mesh per process
-// (MPI_COMM_SELF).
+// The only file that knows which dolfinx it meets: 0.5, or 0.9 and later. Everything here is serial: one mesh
+// per process (MPI_COMM_SELF).
 #pragma once
 
 #include <dolfinx/common/MPI.h>
@@ -18,65 +18,147 @@
 #include <ufcx.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <phynness/formats/mesh.hpp>
+#include <phynness/formats/scene.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
-#if PHYNNESS_DOLFINX != 5
-#error "this source has been taught dolfinx 0.5 only; other versions belong in this file"
+#if PHYNNESS_DOLFINX == 5
+#include <linear.h>
+#elif PHYNNESS_DOLFINX >= 9
+#include <basix/finite-element.h>
+#include <dolfinx/fem/FiniteElement.h>
+#include <dolfinx/mesh/utils.h>
+#else
+#error "this source has been taught dolfinx 0.5 and 0.9 to 0.11; other versions belong in this file"
 #endif
 
 namespace phynness::dolfinx_api {
 
+#if PHYNNESS_DOLFINX == 5
 using DolfinxMesh = dolfinx::mesh::Mesh;
 using Space = dolfinx::fem::FunctionSpace;
+#else
+using DolfinxMesh = dolfinx::mesh::Mesh<double>;
+using Space = dolfinx::fem::FunctionSpace<double>;
+#endif
 using Function = dolfinx::fem::Function<double>;
 using Constant = dolfinx::fem::Constant<double>;
 using Form = dolfinx::fem::Form<double>;
-using SpaceFactory = ufcx_function_space* (*)(const char*);
 
 /// dolfinx's own messages: errors only.
-inline void quiet_logging() { loguru::g_stderr_verbosity = loguru::Verbosity_ERROR; }
+inline void quiet_logging() {
+#if PHYNNESS_DOLFINX == 5
+  loguru::g_stderr_verbosity = loguru::Verbosity_ERROR;
+#else
+  spdlog::set_level(spdlog::level::err);
+#endif
+}
+
+#if PHYNNESS_DOLFINX >= 9
+/// Lagrange on the tetrahedron with the points that basix.ufl gives the forms: dolfinx compares their hashes.
+inline basix::FiniteElement<double> lagrange(int degree) {
+  return basix::create_element<double>(basix::element::family::P, basix::cell::type::tetrahedron, degree,
+                                       basix::element::lagrange_variant::gll_warped,
+                                       basix::element::dpc_variant::unset, false);
+}
+#endif
 
 /// Affine tetrahedra in their given order (dolfinx would reorder cells for locality; here input order is kept
 /// through original_cell_index, see cell_nodes()).
 inline std::shared_ptr<DolfinxMesh> create_mesh(const Points& nodes, const Cells& cells) {
   std::vector<std::int64_t> connectivity(cells.data(), cells.data() + cells.size());
+  const std::array<std::size_t, 2> shape{static_cast<std::size_t>(nodes.rows()), 3};
+  const std::span x(nodes.data(), static_cast<std::size_t>(nodes.size()));
+#if PHYNNESS_DOLFINX == 5
   std::vector<std::int32_t> offsets(cells.rows() + 1);
   for (std::size_t i = 0; i < offsets.size(); ++i) offsets[i] = static_cast<std::int32_t>(4 * i);
   const dolfinx::graph::AdjacencyList<std::int64_t> list(std::move(connectivity), std::move(offsets));
   const dolfinx::fem::CoordinateElement element(dolfinx::mesh::CellType::tetrahedron, 1);
-  return std::make_shared<DolfinxMesh>(dolfinx::mesh::create_mesh(
-      MPI_COMM_SELF, list, element, std::span(nodes.data(), static_cast<std::size_t>(nodes.size())),
-      {static_cast<std::size_t>(nodes.rows()), 3}, dolfinx::mesh::GhostMode::none));
+  return std::make_shared<DolfinxMesh>(
+      dolfinx::mesh::create_mesh(MPI_COMM_SELF, list, element, x, shape, dolfinx::mesh::GhostMode::none));
+#else
+  const dolfinx::fem::CoordinateElement<double> element(
+      std::make_shared<const basix::FiniteElement<double>>(lagrange(1)));
+  return std::make_shared<DolfinxMesh>(
+      dolfinx::mesh::create_mesh(MPI_COMM_SELF, std::span<const std::int64_t>(connectivity), element, x,
+                                 shape, dolfinx::mesh::GhostMode::none));
+#endif
 }
 
-inline std::int32_t n_cells(const DolfinxMesh& mesh) { return mesh.geometry().dofmap().num_nodes(); }
+inline std::int32_t n_cells(const DolfinxMesh& mesh) {
+#if PHYNNESS_DOLFINX == 5
+  return mesh.topology().index_map(3)->size_local();
+#else
+  return mesh.topology()->index_map(3)->size_local();
+#endif
+}
+
+/// Places of a cell's four vertices in the arrays of the mesh's geometry.
+inline std::span<const std::int32_t, 4> vertices(const DolfinxMesh& mesh, std::int32_t cell) {
+#if PHYNNESS_DOLFINX == 5
+  return std::span<const std::int32_t, 4>(mesh.geometry().dofmap().links(cell));
+#elif PHYNNESS_DOLFINX <= 10
+  return std::span<const std::int32_t, 4>(mesh.geometry().dofmap().data_handle() + 4 * std::ptrdiff_t{cell},
+                                          4);
+#else
+  return std::span<const std::int32_t, 4>(
+      mesh.geometry().dofmaps().front().data_handle() + 4 * std::ptrdiff_t{cell}, 4);
+#endif
+}
 
 /// The four nodes of a dolfinx cell, in the numbers that create_mesh was given and in the cell's own vertex
 /// order.
 inline std::array<std::int32_t, 4> cell_nodes(const DolfinxMesh& mesh, std::int32_t cell) {
   const auto& original = mesh.geometry().input_global_indices();
-  const auto links = mesh.geometry().dofmap().links(cell);
   std::array<std::int32_t, 4> nodes;
-  for (int i = 0; i < 4; ++i) nodes[i] = static_cast<std::int32_t>(original[links[i]]);
+  std::transform(vertices(mesh, cell).begin(), vertices(mesh, cell).end(), nodes.begin(),
+                 [&](auto i) { return static_cast<std::int32_t>(original[i]); });
   return nodes;
 }
 
 /// Coordinates of the cell's vertices as the kernels want them: 4 x 3, row-major.
 inline void cell_coordinates(const DolfinxMesh& mesh, std::int32_t cell, std::span<double, 12> coordinates) {
   const auto x = mesh.geometry().x();
-  const auto links = mesh.geometry().dofmap().links(cell);
-  for (int i = 0; i < 4; ++i) std::copy_n(x.data() + 3 * links[i], 3, coordinates.data() + 3 * i);
+  const auto places = vertices(mesh, cell);
+  for (int i = 0; i < 4; ++i) std::copy_n(x.data() + 3 * places[i], 3, coordinates.data() + 3 * i);
 }
 
-/// The space of a residual's test function, which ffcx calls v_0.
-inline std::shared_ptr<Space> create_space(SpaceFactory factory, const std::shared_ptr<DolfinxMesh>& mesh) {
+/// The space of an element: the one that forms/elements.py compiles its forms for.
+inline std::shared_ptr<Space> create_space(Element element, const std::shared_ptr<DolfinxMesh>& mesh) {
+#if PHYNNESS_DOLFINX == 5
+  // Here ffcx generates the spaces too, the same ones with every form. Its name for a test function is v_0.
+  const auto factory = element == Element::p1            ? functionspace_form_linear_p1_residual
+                       : element == Element::p2          ? functionspace_form_linear_p2_residual
+                       : element == Element::taylor_hood ? functionspace_form_linear_th_residual
+                                                         : functionspace_form_linear_p1p1_residual;
   return std::make_shared<Space>(dolfinx::fem::create_functionspace(factory, "v_0", mesh));
+#else
+  using FiniteElement = dolfinx::fem::FiniteElement<double>;
+  const int degree = element == Element::p2 || element == Element::taylor_hood ? 2 : 1;
+#if PHYNNESS_DOLFINX == 9
+  auto chosen = std::make_shared<const FiniteElement>(lagrange(degree), 3);
+  const auto pressure = std::make_shared<const FiniteElement>(lagrange(1), 1);
+#else
+  auto chosen = std::make_shared<const FiniteElement>(lagrange(degree), std::vector<std::size_t>{3});
+  const auto pressure = std::make_shared<const FiniteElement>(lagrange(1));
+#endif
+  if (is_mixed(element))
+    chosen = std::make_shared<const FiniteElement>(
+        std::vector<std::shared_ptr<const FiniteElement>>{chosen, pressure});
+#if PHYNNESS_DOLFINX == 9
+  const auto dofmap = std::make_shared<const dolfinx::fem::DofMap>(dolfinx::fem::create_dofmap(
+      mesh->comm(), dolfinx::fem::create_element_dof_layout(*chosen), *mesh->topology(), nullptr, nullptr));
+  return std::make_shared<Space>(mesh, chosen, dofmap, dolfinx::fem::compute_value_shape(chosen, 3, 3));
+#else
+  return std::make_shared<Space>(dolfinx::fem::create_functionspace(mesh, chosen));
+#endif
+#endif
 }
 
 inline int block_size(const Space& space) { return space.dofmap()->bs(); }
@@ -91,8 +173,22 @@ inline std::span<const std::int32_t> cell_blocks(const Space& space, std::int32_
 }
 
 /// Scalar dofs of one displacement component (0..2) of a mixed space, or of its pressure (3), cell by cell.
-inline std::shared_ptr<Space> mixed_component(const Space& space, int component) {
+inline std::shared_ptr<const Space> mixed_component(const Space& space, int component) {
+  // Level by level: dolfinx looks for the second number of a path among the children of the root.
+#if PHYNNESS_DOLFINX == 5
   return component < 3 ? space.sub({0})->sub({component}) : space.sub({1});
+#else
+  return std::make_shared<const Space>(component < 3 ? space.sub({0}).sub({component}) : space.sub({1}));
+#endif
+}
+
+/// Overwrites the values of all dofs.
+inline void set_values(Function& function, std::span<const double> values) {
+#if PHYNNESS_DOLFINX <= 9
+  std::copy(values.begin(), values.end(), function.x()->mutable_array().begin());
+#else
+  std::copy(values.begin(), values.end(), function.x()->array().begin());
+#endif
 }
 
 inline Form create_form(const ufcx_form& form, const std::vector<std::shared_ptr<const Space>>& spaces,
@@ -102,7 +198,13 @@ inline Form create_form(const ufcx_form& form, const std::vector<std::shared_ptr
   std::vector<std::shared_ptr<const Function>> coefficients(form.num_coefficients, w);
   std::vector<std::shared_ptr<const Constant>> ordered;
   for (const auto& name : dolfinx::fem::get_constant_names(form)) ordered.push_back(constants.at(name));
+#if PHYNNESS_DOLFINX == 5
   return dolfinx::fem::create_form<double>(form, spaces, coefficients, ordered, {}, mesh);
+#elif PHYNNESS_DOLFINX == 9
+  return dolfinx::fem::create_form_factory<double>(form, spaces, coefficients, ordered, {}, {}, mesh);
+#else
+  return dolfinx::fem::create_form_factory<double>({form}, spaces, coefficients, ordered, {}, {}, mesh);
+#endif
 }
 
 inline double assemble_scalar(const Form& form) { return dolfinx::fem::assemble_scalar(form); }
@@ -120,7 +222,19 @@ void for_each_element_matrix(const Form& form, Take&& take) {
     take(cell++, values);
     return 0;
   };
-  dolfinx::fem::assemble_matrix(add, form, {});
+  const std::span<const std::int8_t> nothing_fixed;
+  dolfinx::fem::assemble_matrix(add, form, nothing_fixed, nothing_fixed);
+}
+
+/// An expression of the cell's state at its points.
+/// @param values  num_points, zero before  @param w  the cell's dofs  @param x  cell_coordinates()
+inline void tabulate(const ufcx_expression& expression, std::span<double> values, std::span<const double> w,
+                     std::span<const double, 12> x) {
+#if PHYNNESS_DOLFINX <= 9
+  expression.tabulate_tensor_float64(values.data(), w.data(), nullptr, x.data(), nullptr, nullptr);
+#else
+  expression.tabulate_tensor_float64(values.data(), w.data(), nullptr, x.data(), nullptr, nullptr, nullptr);
+#endif
 }
 
 /// Reference tetrahedron's edges as pairs of local vertices, in the order of its edge dofs.

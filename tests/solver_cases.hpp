@@ -32,8 +32,6 @@ inline std::string element_name(const ::testing::TestParamInfo<Element>& info) {
 inline constexpr Element every_element[] = {Element::p1, Element::p2, Element::taylor_hood, Element::p1_p1};
 inline constexpr Law nonlinear_laws[] = {Law::st_venant_kirchhoff, Law::neo_hookean, Law::mooney_rivlin};
 
-inline bool is_mixed(Element element) { return element == Element::taylor_hood || element == Element::p1_p1; }
-
 inline std::vector<Case> nonlinear_cases() {
   std::vector<Case> cases;
   for (const auto law : nonlinear_laws)

@@ -135,8 +135,7 @@ SolverSpec parse_solver(const SceneTable& table, const Material& material) {
   spec.relative_tolerance = table.number_or("relative_tolerance", spec.relative_tolerance, {1e-14, 1e-2});
   spec.max_iterations = static_cast<int>(table.integer_or("max_iterations", spec.max_iterations, 1, 1000));
   spec.max_cutbacks = static_cast<int>(table.integer_or("max_cutbacks", spec.max_cutbacks, 0, 30));
-  const bool mixed = spec.element == Element::taylor_hood || spec.element == Element::p1_p1;
-  if (mixed && !(material.lame_lambda_Pa > 0))
+  if (is_mixed(spec.element) && !(material.lame_lambda_Pa > 0))
     refuse(table.where("element"),
            std::string("element ") + phynness::name(spec.element) +
                " divides by the Lame parameter lambda, which must be positive",

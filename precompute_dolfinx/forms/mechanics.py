@@ -26,38 +26,38 @@ All lengths and moduli arrive without dimension (see scaling.hpp).
 """
 
 import basix
+from elements import displacement_space, domain, mixed_space
 from ufl import (
-    CellDiameter, Coefficient, Constant, FiniteElement, Identity, MixedElement, TestFunction, TrialFunction,
-    VectorElement, derivative, det, dot, dx, exp, grad, inner, inv, ln, split, sym, tetrahedron, tr,
+    CellDiameter, Coefficient, Constant, Identity, TestFunction, TrialFunction, derivative, det, dot, dx, exp, grad,
+    inner, inv, ln, split, sym, tr,
 )
 
-cell = tetrahedron
 I = Identity(3)
 
 # Quadrature: P1 has a constant gradient. p1-p1 integrates p^2 exactly. The quadratic elements have non-polynomial
 # integrands; degree 4 integrates p (J - 1) of Taylor-Hood exactly.
-P1 = (VectorElement("Lagrange", cell, 1), 1)
-P2 = (VectorElement("Lagrange", cell, 2), 4)
-P1_P1 = (MixedElement(VectorElement("Lagrange", cell, 1), FiniteElement("Lagrange", cell, 1)), 2)
-TAYLOR_HOOD = (MixedElement(VectorElement("Lagrange", cell, 2), FiniteElement("Lagrange", cell, 1)), 4)
+P1 = (displacement_space(1), 1)
+P2 = (displacement_space(2), 4)
+P1_P1 = (mixed_space(1, 1), 2)
+TAYLOR_HOOD = (mixed_space(2, 1), 4)
 
 
 def _points(degree):
     return basix.make_quadrature(basix.CellType.tetrahedron, degree)[0]
 
 
-def _chain(energy, w, element):
-    residual = derivative(energy, w, TestFunction(element))
-    return energy, residual, derivative(residual, w, TrialFunction(element))
+def _chain(energy, w, space):
+    residual = derivative(energy, w, TestFunction(space))
+    return energy, residual, derivative(residual, w, TrialFunction(space))
 
 
 def displacement(discretization, shape, volumetric, kappa):
     """Forms of a displacement element: (energy, residual, tangent, (jacobian, points))."""
-    element, degree = discretization
-    u = Coefficient(element)
+    space, degree = discretization
+    u = Coefficient(space)
     F = I + grad(u)
     energy = (shape(F) + kappa / 2 * volumetric(F) ** 2) * dx(metadata={"quadrature_degree": degree})
-    return (*_chain(energy, u, element), (det(F), _points(degree)))
+    return (*_chain(energy, u, space), (det(F), _points(degree)))
 
 
 def quadratic(volumetric, kappa):
@@ -67,8 +67,8 @@ def quadratic(volumetric, kappa):
 
 def mixed(discretization, shape, coupling, stabilization=None):
     """Forms of a displacement-pressure element. `coupling(F, p)` and `stabilization(F, p)` are energy densities."""
-    element, degree = discretization
-    w = Coefficient(element)
+    space, degree = discretization
+    w = Coefficient(space)
     u, p = split(w)
     F = I + grad(u)
     pointwise, constant = coupling(F, p), None
@@ -80,7 +80,7 @@ def mixed(discretization, shape, coupling, stabilization=None):
     energy = pointwise * dx(metadata={"quadrature_degree": degree})
     if constant is not None:
         energy += constant * dx(metadata={"quadrature_degree": 1})
-    return (*_chain(energy, w, element), (det(F), _points(degree)))
+    return (*_chain(energy, w, space), (det(F), _points(degree)))
 
 
 def klaas(alpha, mu, finite=True):
@@ -88,7 +88,7 @@ def klaas(alpha, mu, finite=True):
 
     def density(F, p):
         g = dot(inv(F).T, grad(p)) if finite else grad(p)
-        return alpha * CellDiameter(cell) ** 2 / (2 * mu) * inner(g, g)
+        return alpha * CellDiameter(domain) ** 2 / (2 * mu) * inner(g, g)
 
     return density
 

@@ -5,7 +5,7 @@ W = C10 (I1bar - 3) + C01 (I2bar - 3) + K/2 (J - 1)^2,   I1bar = J^(-2/3) I1,   
 
 from mechanics import *
 
-c10, c01, bulk, alpha = Constant(cell), Constant(cell), Constant(cell), Constant(cell)
+c10, c01, bulk, alpha = Constant(domain), Constant(domain), Constant(domain), Constant(domain)
 
 
 def shape(F):

@@ -2,9 +2,9 @@
 
 from mechanics import *
 
-mu, lmbda, alpha = Constant(cell), Constant(cell), Constant(cell)
+mu, lmbda, alpha = Constant(domain), Constant(domain), Constant(domain)
 # 1 where lambda >= 2 mu, else 0 (src/form_set.cpp); see coupling().
-couples_J = Constant(cell)
+couples_J = Constant(domain)
 
 
 def shape(F):

@@ -2,7 +2,7 @@
 
 from mechanics import *
 
-mu, lmbda, alpha = Constant(cell), Constant(cell), Constant(cell)
+mu, lmbda, alpha = Constant(domain), Constant(domain), Constant(domain)
 
 
 def E(F):

@@ -23,7 +23,7 @@ struct Discretization::Dolfinx {
 
   // The forms read this copy; the solver never hands out its own vector (FEniCS/dolfinx issue 3507).
   void set(std::span<const double> state) {
-    std::copy(state.begin(), state.end(), w->x()->mutable_array().begin());
+    api::set_values(*w, state);
   }
 };
 
@@ -32,7 +32,7 @@ Discretization::Discretization(const Mesh& mesh, const FormSet& forms)
   auto& d = *_dolfinx;
   d.forms = forms;
   d.mesh = api::create_mesh(mesh.nodes, mesh.cells);
-  d.space = api::create_space(forms.space, d.mesh);
+  d.space = api::create_space(forms.element, d.mesh);
   d.w = std::make_shared<api::Function>(d.space);
   std::map<std::string, std::shared_ptr<const api::Constant>> constants;
   for (const auto& [name, value] : forms.constants)
@@ -59,8 +59,8 @@ Discretization::Discretization(Discretization&&) noexcept = default;
 
 void Discretization::number_points(const Mesh& mesh) {
   const auto& d = *_dolfinx;
-  const bool mixed = d.forms.mixed;
-  std::array<std::shared_ptr<api::Space>, 4> component;
+  const bool mixed = is_mixed(d.forms.element);
+  std::array<std::shared_ptr<const api::Space>, 4> component;
   if (mixed)
     for (int k = 0; k < 4; ++k) component[k] = api::mixed_component(*d.space, k);
 
@@ -135,7 +135,7 @@ double Discretization::min_jacobian(std::span<const double> state) {
     std::transform(dofs.begin(), dofs.end(), w.begin(), [&](auto i) { return state[i]; });
     api::cell_coordinates(*_dolfinx->mesh, cell, x);
     std::fill(values.begin(), values.end(), 0.0);
-    expression.tabulate_tensor_float64(values.data(), w.data(), nullptr, x.data(), nullptr, nullptr);
+    api::tabulate(expression, values, w, x);
     for (const double J : values)
       least = std::isnan(J) ? -std::numeric_limits<double>::infinity() : std::min(least, J);
   }

@@ -4,69 +4,28 @@
 #include <cmath>
 #include <limits>
 
-#include "newton_cg.hpp"
-#include "quasi_newton.hpp"
+#include "equilibrium_impl.hpp"
 
 namespace phynness {
 
-struct Equilibrium::Impl {
-  Impl(Discretization& discretization, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& spec)
-      : body(discretization), options(spec), tangent(discretization, fixed_dofs) {
-    set_up_solver();
-    rounding = residual_of_rounding();
-  }
+Equilibrium::Impl::Impl(Discretization& discretization, const std::vector<std::int32_t>& fixed_dofs,
+                        const SolverSpec& spec)
+    : body(discretization), options(spec), tangent(discretization, fixed_dofs) {
+  set_up_solver();
+  rounding = residual_of_rounding();
+}
 
-  Discretization& body;
-  SolverSpec options;
-  TangentMatrix tangent;
-  Constraint constraint;
-  std::vector<std::int32_t> prescribed;  // unknowns of constraint.dofs
-  std::vector<char> is_free;             // per dof: neither fixed nor prescribed
-  std::vector<double> load, state, residual;
-  double reaction_norm = 0, load_norm = 0;  // of the latest residual
-  double rounding = 0;                      // a residual of this norm cannot be told from zero
-  SolverCounts counts;
-  QuasiNewton quasi_newton;                                 // since the latest factorization
-  TangentMatrix::Coupling coupling;                         // of the latest tangent
-  bool refresh = true;                                      // assemble and factorize at the next iteration
-  bool fresh = false;                                       // the factors are those of the state that a step starts from
-  bool convex = false;                                      // element tangents are to be made positive semidefinite
-  int factorizations = 0;                                   // of this solve
-  double first_norm = 0;
-  PetscVec x, r;
-  PetscSnes snes;
-
-  void set_up_solver();
-  double residual_of_rounding();
-  void evaluate_residual();
-  double free_norm() const;
-  Eigen::VectorXd reaction() const;
-  void gather(Vec from) const;
-
-  static PetscErrorCode form_function(SNES, Vec, Vec, void*);
-  static PetscErrorCode form_jacobian(SNES, Vec, Mat, Mat, void*);
-  static PetscErrorCode test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal,
-                                         SNESConvergedReason*, void*);
-  static PetscErrorCode step(SNESLineSearch, void*);
-  int negative_pivots() const {
-    KSP ksp;
-    PC pc;
-    Mat factor;
-    PetscInt negative = 0;
-    PHYNNESS_PETSC(SNESGetKSP(snes, &ksp));
-    PHYNNESS_PETSC(KSPGetPC(ksp, &pc));
-    PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
-    PHYNNESS_PETSC(MatGetInertia(factor, &negative, nullptr, nullptr));
-    return static_cast<int>(negative) - static_cast<int>(body.pressure_dofs().size());
-  }
-  bool good_enough(double length, double slope, double here, double before, double after);
-  double energy_before = 0;
-  Vec start = nullptr;
-  void decide(double before, double after);
-  void scatter(Vec to) const;
-  double worth = 0.5, price = 7;
-  bool has_energy() const { return body.pressure_dofs().empty(); }
-};
+int Equilibrium::Impl::negative_pivots() const {
+  KSP ksp;
+  PC pc;
+  Mat factor;
+  PetscInt negative = 0;
+  PHYNNESS_PETSC(SNESGetKSP(snes, &ksp));
+  PHYNNESS_PETSC(KSPGetPC(ksp, &pc));
+  PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
+  PHYNNESS_PETSC(MatGetInertia(factor, &negative, nullptr, nullptr));
+  return static_cast<int>(negative) - static_cast<int>(body.pressure_dofs().size());
+}
 
 void Equilibrium::Impl::set_up_solver() {
   state.assign(body.n_dofs(), 0.0);
@@ -88,7 +47,7 @@ void Equilibrium::Impl::set_up_solver() {
   SNESLineSearch search;
   PHYNNESS_PETSC(SNESGetLineSearch(snes, &search));
   PHYNNESS_PETSC(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
-  PHYNNESS_PETSC(SNESLineSearchShellSetUserFunc(search, step, this));
+  PHYNNESS_PETSC(SNESLineSearchShellSetApply(search, step, this));
   // LDL^T tells the number of negative pivots, and copes with the saddle points of mixed elements.
   PHYNNESS_PETSC(PCSetType(pc, PCCHOLESKY));
   PHYNNESS_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
@@ -119,15 +78,13 @@ double Equilibrium::Impl::residual_of_rounding() {
   return std::numeric_limits<double>::epsilon() / 2 * diagonal.norm() * extent.norm();
 }
 
-void Equilibrium::Impl::gather(Vec from) const {
+void Equilibrium::Impl::gather(Vec from) {
   const PetscScalar* values = nullptr;
   PHYNNESS_PETSC(VecGetArrayRead(from, &values));
-  auto& full = const_cast<std::vector<double>&>(state);
-  for (int i = 0; i < tangent.n_unknowns(); ++i) full[tangent.dof_of()[i]] = values[i];
+  for (int i = 0; i < tangent.n_unknowns(); ++i) state[tangent.dof_of()[i]] = values[i];
   PHYNNESS_PETSC(VecRestoreArrayRead(from, &values));
 }
 
-/// Free rows of the residual; zero elsewhere.
 void Equilibrium::Impl::scatter(Vec to) const {
   PetscScalar* out = nullptr;
   PHYNNESS_PETSC(VecGetArray(to, &out));
@@ -149,7 +106,6 @@ void Equilibrium::Impl::evaluate_residual() {
   reaction_norm = std::sqrt(reactions);
 }
 
-/// G^T r_c of the latest residual.
 Eigen::VectorXd Equilibrium::Impl::reaction() const {
   Eigen::VectorXd held(static_cast<Eigen::Index>(constraint.dofs.size()));
   for (std::size_t i = 0; i < constraint.dofs.size(); ++i)
@@ -185,8 +141,8 @@ PetscErrorCode Equilibrium::Impl::form_jacobian(SNES snes, Vec x, Mat, Mat, void
   self.refresh = false;
   self.quasi_newton.clear();
   self.gather(x);
-  self.coupling = self.tangent.assemble(self.body, self.state, self.constraint, self.prescribed, self.convex);
-  ++self.factorizations;
+  self.tangent.assemble(self.body, self.state, self.constraint, self.prescribed, self.convex);
+  self.factors_are_convex = self.convex;
   ++self.counts.tangents;
   ++self.counts.factorizations;  // KSPPREONLY follows
   return 0;
@@ -197,148 +153,10 @@ PetscErrorCode Equilibrium::Impl::test_convergence(SNES, PetscInt, PetscReal, Pe
   const auto& self = *static_cast<Impl*>(context);
   *reason = SNES_CONVERGED_ITERATING;
   if (!std::isfinite(norm))
-    *reason = SNES_DIVERGED_FNORM_NAN;
-  else if (norm <= self.options.relative_tolerance * (self.reaction_norm + self.load_norm) + self.rounding)
+    *reason = SNES_DIVERGED_FUNCTION_NANORINF;
+  else if (norm <= self.goal())
     *reason = SNES_CONVERGED_FNORM_RELATIVE;
   return 0;
-}
-
-namespace {
-
-double dot(Vec a, Vec b) {
-  PetscScalar value = 0;
-  PHYNNESS_PETSC(VecDot(a, b, &value));
-  return value;
-}
-
-}  // namespace
-
-/// x <- x - length * y, in three kinds. A step with old factors is cheap and taken whole or not at all: if it
-/// does not shorten the residual, the tangent is due. A Newton step with an energy goes along y until the
-/// energy's slope there is small. Without one (mixed elements are saddle points) the residual must shrink.
-PetscErrorCode Equilibrium::Impl::step(SNESLineSearch search, void* context) {
-  auto& self = *static_cast<Impl*>(context);
-  SNES snes;
-  Vec x, f, y, w, g;
-  PetscCall(SNESLineSearchGetSNES(search, &snes));
-  PetscCall(SNESLineSearchGetVecs(search, &x, &f, &y, &w, &g));
-  PetscReal before = 0, after = 0;
-  PetscCall(VecNorm(f, NORM_2, &before));
-  const double reactions_before = self.reaction_norm;
-  if (!self.fresh) self.quasi_newton.correct(y);
-
-  double slope = dot(f, y);  // minus the energy's derivative along the step
-  const auto finish = [&](double length, bool moved) -> PetscErrorCode {
-    if (moved) {
-      PetscCall(VecCopy(w, x));
-      PetscCall(VecCopy(g, f));
-      self.quasi_newton.remember(y, length);
-    } else {
-      after = before;
-      self.reaction_norm = reactions_before;
-    }
-    PetscReal xnorm, ynorm;
-    PetscCall(VecNorm(x, NORM_2, &xnorm));
-    PetscCall(VecNorm(y, NORM_2, &ynorm));
-    PetscCall(SNESLineSearchSetNorms(search, xnorm, after, ynorm));
-    PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
-    return 0;
-  };
-  const auto give_up = [&]() -> PetscErrorCode {
-    PetscCall(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_REDUCT));
-    return 0;
-  };
-  const auto try_length = [&](double length, bool& finite) -> PetscErrorCode {
-    PetscCall(VecWAXPY(w, -length, y, x));
-    self.gather(w);
-    self.evaluate_residual();
-    after = self.free_norm();
-    finite = std::isfinite(after);
-    self.scatter(g);
-    return 0;
-  };
-
-  bool finite = false;
-  if (!self.fresh) {
-    PetscCall(try_length(1, finite));
-    if (!finite || after > self.worth * before) {
-      self.refresh = true;
-      return finish(1, finite && after < before);
-    }
-    self.decide(before, after);
-    return finish(1, true);
-  }
-  bool turned = false;
-  if (self.has_energy() && !self.convex && self.negative_pivots() > 0) {
-    self.convex = self.refresh = true;
-    return finish(0, false);
-  }
-  if (self.convex) {
-    KSP ksp;
-    PetscCall(SNESGetKSP(snes, &ksp));
-    const auto cg = newton_cg(ksp, self.tangent.exact(), f, y);
-    self.counts.substitutions += cg.iterations;
-    turned = cg.negative_curvature;
-    slope = dot(f, y);
-    if (!(slope > 0)) return give_up();
-  }
-  self.energy_before = std::numeric_limits<double>::quiet_NaN();
-  self.start = x;
-  double low = 0, high = std::numeric_limits<double>::infinity(), low_slope = slope, high_slope = 0, length = 1;
-  for (int trial = 0; trial < (self.has_energy() ? 20 : 6); ++trial) {
-    PetscCall(try_length(length, finite));
-    const double here = finite && self.has_energy() ? dot(g, y) : 0;
-    if (finite && self.good_enough(length, slope, here, before, after)) {
-      // Still going down as steeply as at the start: the energy has no valley near, go on further.
-      if (turned && here > 0.5 * slope && length < 100 && !std::isfinite(high)) {
-        low = length;
-        low_slope = here;
-        length *= 2;
-        continue;
-      }
-      if (self.convex)
-        self.refresh = true;
-      else
-        self.decide(before, after);
-      self.convex = turned;
-      return finish(length, true);
-    }
-    high = length;
-    high_slope = here;
-    double fraction = 0.5;
-    if (high_slope < 0) fraction = std::clamp(low_slope / (low_slope - high_slope), 0.1, 0.7);
-    length = low + fraction * (high - low);
-  }
-  if (self.has_energy() && !self.convex) {
-    self.convex = self.refresh = true;
-    return finish(0, false);
-  }
-  return give_up();
-}
-
-/// May a Newton step end here?
-bool Equilibrium::Impl::good_enough(double length, double slope, double here, double before, double after) {
-  if (!has_energy()) return after <= (1 - 1e-4 * length) * before;
-  if (std::abs(here) <= 0.5 * slope) return true;
-  const double energy = body.energy(state);
-  if (std::isnan(energy_before)) {
-    const auto moved = state;
-    gather(start);
-    energy_before = body.energy(state);
-    state = moved;
-  }
-  // Where the energy cannot resolve the step any more, the residual can.
-  if (slope * length < 1e-9 * std::abs(energy_before)) return after <= (1 - 1e-4 * length) * before;
-  return energy <= energy_before - 1e-4 * length * slope;
-}
-
-/// Is another tangent worth its price? It costs as much as `price` cheap steps, and squares the error.
-void Equilibrium::Impl::decide(double before, double after) {
-  const double goal = options.relative_tolerance * (reaction_norm + load_norm) + rounding;
-  if (after <= goal) return;
-  const double rate = after / before;
-  const double steps = std::log(goal / after) / std::log(std::min(rate, 0.99));
-  refresh = steps > price;
 }
 
 Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs,
@@ -381,7 +199,6 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state) {
 
   s.refresh = true;
   s.convex = false;
-  s.factorizations = 0;
   Outcome outcome;
   PHYNNESS_PETSC(SNESSolve(s.snes, nullptr, s.x));
   SNESConvergedReason reason;
@@ -403,7 +220,7 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state) {
       outcome.status = Status::factorization;
       break;
     case SNES_DIVERGED_FUNCTION_DOMAIN:
-    case SNES_DIVERGED_FNORM_NAN:
+    case SNES_DIVERGED_FUNCTION_NANORINF:
       outcome.status = Status::not_finite;
       break;
     default:
@@ -419,6 +236,7 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   const auto coupling = s.tangent.assemble(s.body, s.state, s.constraint, s.prescribed);
   ++s.counts.tangents;
   ++s.counts.factorizations;
+  s.factors_are_convex = false;
   s.counts.substitutions += directions.cols();
   Linearization out;
   KSP ksp;
@@ -434,11 +252,7 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
     out.status = Status::factorization;
     return out;
   }
-  Mat factor;
-  PetscInt negative = 0;
-  PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
-  PHYNNESS_PETSC(MatGetInertia(factor, &negative, nullptr, nullptr));
-  out.negative_pivots = static_cast<int>(negative) - static_cast<int>(s.body.pressure_dofs().size());
+  out.negative_pivots = s.negative_pivots();
 
   const Eigen::Index k = directions.cols();
   out.sensitivity = Eigen::MatrixXd::Zero(s.body.n_dofs(), k);
@@ -502,7 +316,12 @@ Eigen::VectorXd Equilibrium::velocity(std::span<const double> state, const Eigen
   return guess;
 }
 
-int Equilibrium::negative_pivots() const { return _impl->negative_pivots(); }
+int Equilibrium::negative_pivots(std::span<const double> state) {
+  auto& s = *_impl;
+  // A tangent made convex has none, whatever the state.
+  if (s.factors_are_convex) return linearize(state, Eigen::MatrixXd(s.constraint.n_parameters(), 0)).negative_pivots;
+  return s.negative_pivots();
+}
 
 Eigen::VectorXd Equilibrium::force(std::span<const double> state) {
   auto& s = *_impl;

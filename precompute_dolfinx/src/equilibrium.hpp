@@ -59,8 +59,9 @@ class Equilibrium {
   Eigen::VectorXd velocity(std::span<const double> state, const Eigen::VectorXd& direction,
                            Eigen::VectorXd guess);
 
-  /// Of the latest tangent that was factorized, beyond those of the pressure block.
-  int negative_pivots() const;
+  /// At the state that solve() has just converged to, as the latest tangent has it that was factorized on the way
+  /// there; factorizes another if that one was made convex. Beyond those of the pressure block.
+  int negative_pivots(std::span<const double> state);
 
   /// G^T r_c: what must be applied to hold the prescribed displacement; n_parameters.
   Eigen::VectorXd force(std::span<const double> state);

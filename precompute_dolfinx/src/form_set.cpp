@@ -11,15 +11,15 @@ namespace phynness {
 namespace {
 
 // One row per element, in the order of enum Element; ffcx numbers expressions in the order of mechanics.py.
-#define PHYNNESS_FORMS(law, element, number, is_mixed)                                                    \
-  FormSet {                                                                                               \
-    form_##law##_##element##_energy, form_##law##_##element##_residual, form_##law##_##element##_tangent, \
-        expression_##law##_##number, functionspace_form_##law##_##element##_residual, {}, is_mixed        \
+#define PHYNNESS_FORMS(law, name, number, element)                                               \
+  FormSet {                                                                                      \
+    form_##law##_##name##_energy, form_##law##_##name##_residual, form_##law##_##name##_tangent, \
+        expression_##law##_##number, element, {}                                                 \
   }
-#define PHYNNESS_LAW(law)                                                                                   \
-  std::array<FormSet, 4> {                                                                                  \
-    PHYNNESS_FORMS(law, p1, 0, false), PHYNNESS_FORMS(law, p2, 1, false), PHYNNESS_FORMS(law, th, 2, true), \
-        PHYNNESS_FORMS(law, p1p1, 3, true)                                                                  \
+#define PHYNNESS_LAW(law)                                                                              \
+  std::array<FormSet, 4> {                                                                             \
+    PHYNNESS_FORMS(law, p1, 0, Element::p1), PHYNNESS_FORMS(law, p2, 1, Element::p2),                  \
+        PHYNNESS_FORMS(law, th, 2, Element::taylor_hood), PHYNNESS_FORMS(law, p1p1, 3, Element::p1_p1) \
   }
 
 std::array<FormSet, 4> forms_of(Law law) {

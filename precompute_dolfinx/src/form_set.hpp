@@ -13,10 +13,9 @@ struct FormSet {
   const ufcx_form* energy = nullptr;
   const ufcx_form* residual = nullptr;
   const ufcx_form* tangent = nullptr;
-  const ufcx_expression* jacobian = nullptr;             ///< J = det F at the quadrature points
-  ufcx_function_space* (*space)(const char*) = nullptr;  ///< of the residual's test function
+  const ufcx_expression* jacobian = nullptr;  ///< J = det F at the quadrature points
+  Element element = Element::p1;
   std::map<std::string, double> constants;  ///< by their names in the UFL file, without dimension
-  bool mixed = false;                       ///< displacement and pressure
   bool checks_jacobian = true;              ///< false for the linear theory, which knows no J
 };
 

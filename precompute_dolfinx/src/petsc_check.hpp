@@ -7,6 +7,14 @@
 #include <string>
 #include <utility>
 
+// PETSc's new names, for PETSc that has only the old ones.
+#if PETSC_VERSION_LT(3, 21, 0)
+#define SNESLineSearchShellSetApply SNESLineSearchShellSetUserFunc
+#endif
+#if PETSC_VERSION_LT(3, 25, 0)
+#define SNES_DIVERGED_FUNCTION_NANORINF SNES_DIVERGED_FNORM_NAN
+#endif
+
 namespace phynness {
 
 inline void petsc_check(PetscErrorCode code, const char* call) {

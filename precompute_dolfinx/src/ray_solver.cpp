@@ -71,7 +71,7 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
     to.velocity = _equilibrium.velocity(
         to.state, direction, predicted.velocity + predicted.growth * (state - predicted.state));
     to.tangent.resize(0, 0);
-    to.negative_pivots = _equilibrium.negative_pivots();
+    to.negative_pivots = _equilibrium.negative_pivots(to.state);
     if (!to.velocity.allFinite()) {
       step.status = Status::factorization;
       return step;

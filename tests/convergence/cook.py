@@ -5,7 +5,7 @@ It has no form kappa/2 g^2 that is smooth at J = 1, so all of it goes into `shap
 
 from mechanics import *
 
-mu, kappa = Constant(cell), Constant(cell)
+mu, kappa = Constant(domain), Constant(domain)
 
 
 def energy_density(F):

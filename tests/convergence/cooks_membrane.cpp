@@ -65,7 +65,7 @@ FormSet cooks_law(Element element) {
   forms.residual = quadratic ? form_cook_p2_residual : form_cook_p1_residual;
   forms.tangent = quadratic ? form_cook_p2_tangent : form_cook_p1_tangent;
   forms.jacobian = quadratic ? expression_cook_1 : expression_cook_0;
-  forms.space = quadratic ? functionspace_form_cook_p2_residual : functionspace_form_cook_p1_residual;
+  forms.element = element;
   forms.constants = {{"mu", 1}, {"kappa", 2 * 1.3 / (3 * (1 - 2 * 0.3))}};
   return forms;
 }

@@ -7,9 +7,9 @@ boundary that is the work of the body force -Div P, without having to write its 
 from mechanics import *
 from ufl import SpatialCoordinate, TestFunctions, as_vector, cos, sin
 
-mu, lmbda = Constant(cell), Constant(cell)
+mu, lmbda = Constant(domain), Constant(domain)
 
-X = SpatialCoordinate(cell)
+X = SpatialCoordinate(domain)
 exact = 0.1 * as_vector((
     sin(2 * X[0] + X[1]),
     cos(X[0] + 2 * X[2]) + X[0] * X[1],

@@ -58,6 +58,8 @@ struct Material {
 };
 
 enum class Element { p1, p2, taylor_hood, p1_p1 };
+/// Displacement and pressure.
+inline bool is_mixed(Element element) { return element == Element::taylor_hood || element == Element::p1_p1; }
 
 struct SolverSpec {
   Element element = Element::p1;

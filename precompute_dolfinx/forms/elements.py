@@ -1,0 +1,39 @@
+"""Function spaces of every element, in the words of the UFL that is installed.
+
+Elements are basix's since UFL 2023.2 (dolfinx 0.7) and were UFL's own before. dolfinx_api.hpp builds the same spaces.
+"""
+
+from ufl import FunctionSpace, Mesh, tetrahedron
+
+try:
+    from basix.ufl import element as _element, mixed_element as _mixed
+except ImportError:
+    from ufl import FiniteElement, MixedElement as _MixedElement, VectorElement
+
+    def _scalar(degree):
+        return FiniteElement("Lagrange", tetrahedron, degree)
+
+    def _vector(degree):
+        return VectorElement("Lagrange", tetrahedron, degree)
+
+    def _mixed(elements):
+        return _MixedElement(*elements)
+else:
+
+    def _scalar(degree):
+        return _element("Lagrange", "tetrahedron", degree)
+
+    def _vector(degree):
+        return _element("Lagrange", "tetrahedron", degree, shape=(3,))
+
+
+# Straight tetrahedra in space.
+domain = Mesh(_vector(1))
+
+
+def displacement_space(degree):
+    return FunctionSpace(domain, _vector(degree))
+
+
+def mixed_space(displacement_degree, pressure_degree):
+    return FunctionSpace(domain, _mixed([_vector(displacement_degree), _scalar(pressure_degree)]))
