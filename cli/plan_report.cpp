@@ -160,6 +160,8 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
                  ? fmt::format(" (standard error {:.1f} %)", 100 * basis.relative_error)
                  : "",
              longest_s);
+  if (basis.rays_mirrored > 0)
+    fmt::print("mirrored      {} rays more, which cost nothing\n", basis.rays_mirrored);
   if (basis.relative_error > acceptable_error)
     fmt::print(stderr, "note: costs differ much between rays; --rays {} would halve the standard error\n",
                4 * basis.rays_measured);

@@ -83,6 +83,12 @@ MirroredRays::MirroredRays(const DatabaseHeader& header) : _n_directions(header.
   _n_solved = std::count_if(_sources.begin(), _sources.end(), [](const Source& s) { return s.is_itself(); });
 }
 
+bool MirroredRays::solves_any(std::int32_t active) const {
+  for (std::int32_t d = 0; d < static_cast<std::int32_t>(_n_directions); ++d)
+    if (is_solved(active, d)) return true;
+  return false;
+}
+
 std::vector<char> MirroredRays::solved() const {
   std::vector<char> flags;
   for (const auto& source : _sources) flags.push_back(source.is_itself());

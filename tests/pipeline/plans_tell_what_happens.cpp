@@ -79,7 +79,9 @@ TEST_F(Plans, mirrored_rays_are_stored_but_not_solved) {
     EXPECT_EQ(plan["rays"], 26) << source;
     EXPECT_EQ(plan["rays_requested"], 26) << source;
     EXPECT_EQ(plan["rays_mirrored"], 26) << source;
-    // The issue asks for 25 %. Half the rays would be a third too few.
+    EXPECT_EQ(plan["measured"]["nodes"], 1) << source;
+    EXPECT_NE(planned.out.find("26 rays more"), std::string::npos) << planned.out;
+    // A file of half the rays would be a third too small.
     EXPECT_NEAR(plan["database_bytes"].get<double>(), run["database_bytes"].get<double>(),
                 0.25 * run["database_bytes"].get<double>())
         << source;

@@ -28,6 +28,8 @@ class MirroredRays {
   bool is_solved(std::int32_t active, std::int32_t direction) const {
     return source(active, direction).is_itself();
   }
+  /// Whether a node has a ray that is solved.
+  bool solves_any(std::int32_t active) const;
   std::int64_t n_solved() const { return _n_solved; }
   /// n_active x n_directions flags
   std::vector<char> solved() const;
