@@ -69,13 +69,20 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
                      {"idle_seconds", rank.idle_seconds},
                      {"core_seconds", rank.core_seconds},
                      {"peak_memory_bytes", rank.peak_memory_bytes}});
-  json out{{"active_nodes", loaded.sets.active.size()}, {"rays", report.rays + report.rays_resumed},
-           {"rays_resumed", report.rays_resumed},       {"rays_mirrored", report.rays_mirrored},
-           {"increments", report.increments},           {"failed", report.failed},
-           {"newton_iterations", report.iterations},    {"ranks", report.ranks.size()},
-           {"wall_seconds", report.wall_seconds},       {"setup_seconds", report.setup_seconds},
-           {"solve_seconds", report.solve_seconds},     {"pack_seconds", report.pack_seconds},
-           {"core_seconds", report.core_seconds},       {"per_rank", ranks}};
+  json out{{"active_nodes", loaded.sets.active.size()},
+           {"rays", report.rays + report.rays_resumed},
+           {"rays_resumed", report.rays_resumed},
+           {"increments", report.increments},
+           {"failed", report.failed},
+           {"newton_iterations", report.iterations},
+           {"ranks", report.ranks.size()},
+           {"wall_seconds", report.wall_seconds},
+           {"setup_seconds", report.setup_seconds},
+           {"solve_seconds", report.solve_seconds},
+           {"pack_seconds", report.pack_seconds},
+           {"core_seconds", report.core_seconds},
+           {"per_rank", ranks}};
+  out["rays_mirrored"] = report.rays_mirrored;
   if (target.shard)
     out["shard"] = target.shard->str();
   else
@@ -121,7 +128,7 @@ void run(const Options& options) {
       100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
       static_cast<double>(report.iterations) / static_cast<double>(solved));
   if (report.rays_mirrored > 0)
-    fmt::print("{} rays ({:.0f} %) are mirror images of these and cost nothing\n", report.rays_mirrored,
+    fmt::print("{} rays ({:.0f} %) are mirror images, whose increments count too\n", report.rays_mirrored,
                100.0 * static_cast<double>(report.rays_mirrored) /
                    static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
   fmt::print("{} on {} rank{}, {:.1f} core-ms per increment\n", duration(report.wall_seconds), session.size(),
