@@ -126,8 +126,8 @@ class DatabaseWriter {
   /// Call on one process only.
   /// @throws Error if FILE exists and `resume` is false: "finished work is never lost"
   static void create(const std::filesystem::path& file, const DatabaseHeader& header, bool resume);
-  /// Which rays are in the logs, or are mirror images of such: n_active x n_directions flags. Torn or corrupted records
-  /// are dropped.
+  /// Which rays are in the logs, or are mirror images of such: n_active x n_directions flags. Torn or
+  /// corrupted records are dropped.
   static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header);
 
   /// This process's log: a new file, as a resumed run may have another number of ranks.
