@@ -3,6 +3,7 @@
 #include <fstream>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/validation/loaded_model.hpp>
 
@@ -67,6 +68,12 @@ json about_database(const std::filesystem::path& file) {
   print_mesh(h.mesh, h.sets);
   fmt::print("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(),
              h.magnitudes_m.size(), h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
+  const auto n_rays = static_cast<std::int64_t>(h.sets.active.size() * h.directions.size());
+  const std::int64_t n_mirrored = n_rays - MirroredRays(h).n_solved();
+  if (h.sets.mirror)
+    fmt::print("symmetry  plane with normal {:.4g} {:.4g} {:.4g}: {} of {} rays are mirror images\n",
+               h.sets.mirror->normal[0], h.sets.mirror->normal[1], h.sets.mirror->normal[2], n_mirrored,
+               n_rays);
   json states = json::object();
   for (const auto& [status, count] : summary.states) {
     fmt::print("  {:<16} {}\n", name(status), count);
@@ -82,6 +89,7 @@ json about_database(const std::filesystem::path& file) {
           {"physics_hash", h.physics_hash},
           {"nodes", h.mesh.n_nodes()},
           {"active", h.sets.active},
+          {"rays_mirrored", n_mirrored},
           {"states", states},
           {"newton_iterations", summary.newton_iterations},
           {"unstable_states", summary.unstable_states}};

@@ -28,8 +28,9 @@ struct PlanOptions {
 
 /// Measured, of one scene.
 struct PlanBasis {
-  RayWork work;                     ///< all rays
-  std::int64_t rays_requested = 0;  ///< without those outside the hemisphere
+  RayWork work;                     ///< all rays but mirror images of others
+  std::int64_t rays_requested = 0;  ///< of them, without those outside the hemisphere
+  std::int64_t rays_mirrored = 0;
   std::int64_t rays_measured = 0, nodes_measured = 0;
   double relative_error = 0;              ///< standard error of the mean cost of a ray, over that mean
   std::map<Status, std::int64_t> states;  ///< increments measured, per outcome

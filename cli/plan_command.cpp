@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
 
 #include "console.hpp"
 #include "plan.hpp"
@@ -24,19 +25,29 @@ void run(const PlanOptions& options) {
 PlanBasis basis_of_database(const PlanOptions& options) {
   const auto database = Database::open(options.source);
   const auto& header = database.header();
+  const MirroredRays mirrored(header);
   PlanBasis basis;
   basis.work.increments = static_cast<int>(header.magnitudes_m.size());
   std::vector<Ray> tried;  // for the packing trial: rays of nodes spread over the file
   const std::size_t n_active = header.sets.active.size();
-  const std::size_t n_tried = std::min<std::size_t>(n_active, 12),
-                    per_node = static_cast<std::size_t>(std::max(1, options.rays / 12));
+  std::size_t n_solving = 0;  // nodes whose rays are not all mirror images
+  for (std::size_t a = 0; a < n_active; ++a) n_solving += mirrored.solves_any(static_cast<std::int32_t>(a));
+  const std::size_t n_tried = std::min<std::size_t>(n_solving, 12),
+                    per_node = std::max<std::size_t>(1, static_cast<std::size_t>(options.rays) / n_tried);
+  std::size_t solving = 0;
   Progress progress("read", "nodes");
   for (std::size_t a = 0; a < n_active; ++a) {
     if (stop_requested()) throw failure("interrupted", "nothing was written", "");
     const auto rays = database.rays(static_cast<std::int32_t>(a));
-    const bool in_trial = a * n_tried / n_active != (a + 1) * n_tried / n_active;
+    const std::size_t before = solving;
+    solving += mirrored.solves_any(static_cast<std::int32_t>(a));
+    const bool in_trial = before * n_tried / n_solving != solving * n_tried / n_solving;
     std::size_t taken = 0;
     for (const auto& ray : rays) {
+      if (!mirrored.is_solved(ray.active, ray.direction)) {
+        ++basis.rays_mirrored;
+        continue;
+      }
       basis.work.node.push_back(static_cast<std::int32_t>(a));
       basis.work.seconds.insert(basis.work.seconds.end(), ray.seconds.begin(), ray.seconds.end());
       const bool requested = ray.status.front() != Status::not_requested;
@@ -50,7 +61,7 @@ PlanBasis basis_of_database(const PlanOptions& options) {
   if (tried.empty())
     throw input_error("no ray of the database was solved", options.source.string(), "plan from its scene");
   basis.rays_measured = basis.rays_requested;
-  basis.nodes_measured = static_cast<std::int64_t>(n_active);
+  basis.nodes_measured = static_cast<std::int64_t>(n_solving);
   basis.packing = try_packing(header, tried, std::filesystem::temp_directory_path());
   basis.work.bytes_per_ray = basis.packing.record_bytes;
   basis.model = predict_model_size(

@@ -40,9 +40,12 @@ MachineCosts machine_of(const PlanOptions& options, const PlanBasis& basis) {
   machine.log_create_s = 1e-3 * options.open_ms;
   machine.bandwidth_B_per_s = 1e6 * options.bandwidth_MB_per_s;
   machine.pack_log_open_s = 1e-3 * options.open_ms;
+  const auto n_solved = static_cast<double>(basis.work.n_rays());
+  const double packed_per_solved = (n_solved + static_cast<double>(basis.rays_mirrored)) / n_solved;
   machine.pack_s_per_ray =
-      basis.packing.pack_s_per_ray +
-      (basis.packing.record_bytes + basis.packing.packed_bytes_per_ray) / machine.bandwidth_B_per_s;
+      packed_per_solved *
+      (basis.packing.pack_s_per_ray +
+       (basis.packing.record_bytes + basis.packing.packed_bytes_per_ray) / machine.bandwidth_B_per_s);
   return machine;
 }
 
@@ -141,7 +144,9 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
   const auto run = simulate(basis.work, machine, ways().front().policy, options.ranks);
   const auto n_rays = static_cast<double>(basis.work.n_rays());
   const double core_hours = run.wall_s * options.ranks / 3600;
-  const double database_bytes = basis.packing.header_bytes + n_rays * basis.packing.packed_bytes_per_ray;
+  const double database_bytes =
+      basis.packing.header_bytes +
+      (n_rays + static_cast<double>(basis.rays_mirrored)) * basis.packing.packed_bytes_per_ray;
   const double log_bytes = n_rays * basis.packing.record_bytes;
   double longest_s = 0;
   for (std::size_t ray = 0; ray < basis.work.n_rays(); ++ray)
@@ -155,6 +160,8 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
                  ? fmt::format(" (standard error {:.1f} %)", 100 * basis.relative_error)
                  : "",
              longest_s);
+  if (basis.rays_mirrored > 0)
+    fmt::print("mirrored      {} rays more, which cost nothing\n", basis.rays_mirrored);
   if (basis.relative_error > acceptable_error)
     fmt::print(stderr, "note: costs differ much between rays; --rays {} would halve the standard error\n",
                4 * basis.rays_measured);
@@ -186,6 +193,7 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
   for (const auto& [status, count] : basis.states) states[name(status)] = count;
   return {{"rays", basis.work.n_rays()},
           {"rays_requested", basis.rays_requested},
+          {"rays_mirrored", basis.rays_mirrored},
           {"increments", basis.work.increments},
           {"measured",
            {{"rays", basis.rays_measured},

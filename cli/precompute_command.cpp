@@ -82,6 +82,7 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
            {"pack_seconds", report.pack_seconds},
            {"core_seconds", report.core_seconds},
            {"per_rank", ranks}};
+  out["rays_mirrored"] = report.rays_mirrored;
   if (target.shard)
     out["shard"] = target.shard->str();
   else
@@ -118,13 +119,18 @@ void run(const Options& options) {
     throw failure("interrupted", fmt::format("{} rays finished and kept", report.rays + report.rays_resumed),
                   "go on with --resume");
   if (!first) return;
-  const auto solved = std::max<std::int64_t>(1, report.increments);
+  const auto solved = std::max<std::int64_t>(1, report.increments_solved);
   fmt::print(
       "{} active nodes, {} rays ({} resumed), {} increments, {} failed ({:.2f} %), {:.2f} Newton iterations "
       "each\n",
       loaded.sets.active.size(), report.rays + report.rays_resumed, report.rays_resumed, report.increments,
-      report.failed, 100.0 * static_cast<double>(report.failed) / static_cast<double>(solved),
+      report.failed,
+      100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
       static_cast<double>(report.iterations) / static_cast<double>(solved));
+  if (report.rays_mirrored > 0)
+    fmt::print("{} rays ({:.0f} %) are mirror images, whose increments count too\n", report.rays_mirrored,
+               100.0 * static_cast<double>(report.rays_mirrored) /
+                   static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
   fmt::print("{} on {} rank{}, {:.1f} core-ms per increment\n", duration(report.wall_seconds), session.size(),
              session.size() == 1 ? "" : "s", 1e3 * report.core_seconds / static_cast<double>(solved));
   print_ranks(report);

@@ -1,7 +1,9 @@
 #include "database_layout.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
 
 namespace phynness::database_layout {
 namespace {
@@ -46,6 +48,20 @@ void check_nodes(const std::vector<std::int32_t>& nodes, std::int32_t n_nodes, c
                       "the file is damaged, or was written by a defective program");
 }
 
+/// Pairs of nodes, or nodes on the plane, and a unit normal.
+void check_mirror(const MirrorSymmetry& mirror, std::int32_t n_nodes) {
+  bool paired = mirror.image.size() == static_cast<std::size_t>(n_nodes);
+  for (std::int32_t i = 0; paired && i < n_nodes; ++i)
+    paired = mirror.image[i] >= 0 && mirror.image[i] < n_nodes && mirror.image[mirror.image[i]] == i;
+  const double norm2 = Eigen::Vector3d::Map(mirror.normal.data()).squaredNorm();
+  constexpr double rounding = 1e-12;
+  if (!paired || !(std::abs(norm2 - 1) < rounding))
+    throw input_error(
+        "the mirror plane of a database must have a unit normal and pair the nodes of its mesh",
+        std::to_string(mirror.image.size()) + " images of " + std::to_string(n_nodes) + " nodes",
+        "the file is damaged, or was written by a defective program");
+}
+
 }  // namespace
 
 void check_header(const DatabaseHeader& header) {
@@ -62,6 +78,7 @@ void check_header(const DatabaseHeader& header) {
   check_nodes(header.sets.fixed, header.mesh.n_nodes(), "fixed");
   check_nodes(header.sets.active, header.mesh.n_nodes(), "active");
   check_nodes(header.sets.output, header.mesh.n_nodes(), "output");
+  if (header.sets.mirror) check_mirror(*header.sets.mirror, header.mesh.n_nodes());
 }
 
 void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete) {
@@ -104,6 +121,14 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   write_set(file, path::active, header.sets.active, "node numbers that are probed; axis A of the responses");
   write_set(file, path::output, header.sets.output,
             "node numbers whose displacement is stored; axis O of the responses");
+  if (const auto& mirror = header.sets.mirror) {
+    file.create_group(path::symmetry);
+    file.write_attribute(path::symmetry, "odd", std::int32_t{mirror->odd});
+    write_array(file, path::mirror_normal, {3}, mirror->normal.data(), "1",
+                "normal of the plane in which body and sets are symmetric");
+    write_array(file, path::mirror_image, {mirror->image.size()}, mirror->image.data(), "1",
+                "node number of the mirror image of each node");
+  }
   std::vector<double> directions;
   for (const auto& d : header.directions) directions.insert(directions.end(), d.begin(), d.end());
   write_array(file, path::directions, {header.directions.size(), 3}, directions.data(), "1",
@@ -159,6 +184,14 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.sets.fixed = read_list<std::int32_t>(file, path::fixed);
   header.sets.active = read_list<std::int32_t>(file, path::active);
   header.sets.output = read_list<std::int32_t>(file, path::output);
+  if (file.exists(path::symmetry)) {
+    MirrorSymmetry mirror;
+    mirror.odd = file.read_int_attribute(path::symmetry, "odd") != 0;
+    mirror.image = read_list<std::int32_t>(file, path::mirror_image);
+    const auto normal = file.read<double>(path::mirror_normal, {3});
+    std::copy(normal.begin(), normal.end(), mirror.normal.begin());
+    header.sets.mirror = std::move(mirror);
+  }
   const auto directions = read_rows<double>(file, path::directions, 3, rows);
   for (hsize_t i = 0; i < rows; ++i)
     header.directions.push_back({directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]});
@@ -205,6 +238,18 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
   add(path::cutbacks, i32, {}, "1", "times the step was halved");
   add(path::min_jacobian, f64, {}, "1", "smallest J over all quadrature points");
   add(path::seconds, f64, {}, "s", "CPU time");
+  if (header.sets.mirror) {
+    const MirroredRays mirrored(header);
+    std::vector<std::int32_t> solved_as;
+    for (std::int32_t a = 0; a < static_cast<std::int32_t>(n_active); ++a)
+      for (std::int32_t d = 0; d < static_cast<std::int32_t>(n_directions); ++d) {
+        const auto& source = mirrored.source(a, d);
+        solved_as.push_back(source.active * static_cast<std::int32_t>(n_directions) + source.direction);
+      }
+    write_array(
+        file, path::solved_as, {n_active, n_directions}, solved_as.data(), "1",
+        "active * D + direction of the ray that was solved, of which this one is the mirror image or itself");
+  }
 
   const std::vector<Status> all = {Status::converged,  Status::not_requested, Status::not_solved,
                                    Status::inverted,   Status::diverged,      Status::factorization,

@@ -19,6 +19,9 @@ inline constexpr const char* groups = "/mesh/groups";
 inline constexpr const char* fixed = "/sets/fixed";
 inline constexpr const char* active = "/sets/active";
 inline constexpr const char* output = "/sets/output";
+inline constexpr const char* symmetry = "/symmetry";
+inline constexpr const char* mirror_normal = "/symmetry/normal";
+inline constexpr const char* mirror_image = "/symmetry/image";
 inline constexpr const char* directions = "/directions";
 inline constexpr const char* magnitudes = "/magnitudes";
 inline constexpr const char* scene = "/scene";
@@ -32,6 +35,7 @@ inline constexpr const char* iterations = "/responses/iterations";
 inline constexpr const char* cutbacks = "/responses/cutbacks";
 inline constexpr const char* min_jacobian = "/responses/min_jacobian";
 inline constexpr const char* seconds = "/responses/seconds";
+inline constexpr const char* solved_as = "/responses/solved_as";
 }  // namespace path
 
 /// Everything but the rays, into a new file. `file_name` names a defect of the header in messages.

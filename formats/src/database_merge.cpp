@@ -52,23 +52,23 @@ MergeReport merge_shards(const std::vector<fs::path>& shards, const fs::path& ou
   }
   header.shard.reset();
 
-  const auto records = one_record_per_ray(index, header);
+  const MirroredRays mirrored(header);
+  const auto records = one_record_per_ray(index, header, mirrored);
   MergeReport report;
-  report.rays_total = static_cast<std::int64_t>(records.size());
+  report.rays_total = mirrored.n_solved();
   report.damage = index.damage;
-  const auto n_active = static_cast<std::int32_t>(header.sets.active.size());
-  const auto n_directions = static_cast<std::int32_t>(header.directions.size());
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    if (!is_missing(records[i])) continue;
-    const auto active = static_cast<std::int32_t>(i / header.directions.size());
-    const auto direction = static_cast<std::int32_t>(i % header.directions.size());
+  const auto n_directions = header.directions.size();
+  std::vector<std::int32_t> owners;
+  if (partition) owners = shards_of_rays(mirrored.solved(), n_directions, partition->count);
+  for (const auto& [active, direction] : missing_rays(records, mirrored)) {
     MissingRay ray{header.sets.active[static_cast<std::size_t>(active)], direction, {}};
     if (partition)
       ray.owner =
-          Shard{shard_of(active, direction, n_active, n_directions, partition->count), partition->count};
+          Shard{owners[static_cast<std::size_t>(active) * n_directions + static_cast<std::size_t>(direction)],
+                partition->count};
     report.missing.push_back(ray);
   }
-  if (report.missing.empty()) write_packed(output, header, index, records);
+  if (report.missing.empty()) write_packed(output, header, index, records, mirrored);
   return report;
 }
 

@@ -43,7 +43,7 @@ struct SmallArrays {
 };
 
 void write_responses(hdf5::File& out, const DatabaseHeader& header, const dl::Index& index,
-                     const std::vector<dl::Entry>& records) {
+                     const std::vector<dl::Entry>& records, const MirroredRays& mirrored) {
   dl::RayReader reader(index, header);
   const hsize_t batch = layout::nodes_per_chunk(header), n_active = header.sets.active.size();
 
@@ -54,7 +54,9 @@ void write_responses(hdf5::File& out, const DatabaseHeader& header, const dl::In
     for (hsize_t active = first; active < first + count; ++active) {
       std::vector<double> displacement;
       for (std::size_t d = 0; d < header.directions.size(); ++d) {
-        const Ray ray = reader.read(records[active * header.directions.size() + d]);
+        Ray ray = reader.read(records[active * header.directions.size() + d]);
+        const auto a = static_cast<std::int32_t>(active), direction = static_cast<std::int32_t>(d);
+        if (!mirrored.is_solved(a, direction)) ray = mirrored.image(ray, a, direction);
         small.add(ray);
         displacement.insert(displacement.end(), ray.displacement.begin(), ray.displacement.end());
       }
@@ -66,24 +68,45 @@ void write_responses(hdf5::File& out, const DatabaseHeader& header, const dl::In
 
 }  // namespace
 
-std::vector<dl::Entry> one_record_per_ray(const dl::Index& index, const DatabaseHeader& header) {
+std::vector<dl::Entry> one_record_per_ray(const dl::Index& index, const DatabaseHeader& header,
+                                          const MirroredRays& mirrored) {
   const std::size_t n_directions = header.directions.size();
   std::vector<dl::Entry> records(header.sets.active.size() * n_directions, dl::Entry{-1, -1, -1, -1});
+  const auto record_of = [&](std::int32_t active, std::int32_t direction) -> dl::Entry& {
+    return records[static_cast<std::size_t>(active) * n_directions + static_cast<std::size_t>(direction)];
+  };
   for (const auto& entry : index.entries) {
-    auto& slot = records[static_cast<std::size_t>(entry.active) * n_directions +
-                         static_cast<std::size_t>(entry.direction)];
+    if (!mirrored.is_solved(entry.active, entry.direction)) continue;
+    auto& slot = record_of(entry.active, entry.direction);
     if (is_missing(slot)) slot = entry;
   }
+  for (std::int32_t a = 0; a < static_cast<std::int32_t>(header.sets.active.size()); ++a)
+    for (std::int32_t d = 0; d < static_cast<std::int32_t>(n_directions); ++d) {
+      const auto& source = mirrored.source(a, d);
+      if (!source.is_itself()) record_of(a, d) = record_of(source.active, source.direction);
+    }
   return records;
 }
 
+std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vector<dl::Entry>& records,
+                                                                const MirroredRays& mirrored) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> missing;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    if (!is_missing(records[i])) continue;
+    const auto active = static_cast<std::int32_t>(i / mirrored.n_directions());
+    const auto direction = static_cast<std::int32_t>(i % mirrored.n_directions());
+    if (mirrored.is_solved(active, direction)) missing.emplace_back(active, direction);
+  }
+  return missing;
+}
+
 void write_packed(const std::filesystem::path& file, const DatabaseHeader& header, const dl::Index& index,
-                  const std::vector<dl::Entry>& records) {
+                  const std::vector<dl::Entry>& records, const MirroredRays& mirrored) {
   const std::filesystem::path packing = file.string() + ".packing";
   try {
     auto out = hdf5::File::create(packing);
     layout::write_header(out, header, true);
-    write_responses(out, header, index, records);
+    write_responses(out, header, index, records, mirrored);
     out.close();
     replace_durably(packing, file);
   } catch (...) {

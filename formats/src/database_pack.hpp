@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <phynness/formats/database.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
+#include <utility>
 #include <vector>
 
 #include "database_scan.hpp"
@@ -11,14 +13,22 @@ namespace phynness {
 
 inline bool is_missing(const database_log::Entry& entry) { return entry.log < 0; }
 
-/// For each ray, [active][direction] flattened, its first whole record, or one that is_missing().
+/// For each ray, [active][direction] flattened, the first whole record of the ray that is solved in its place
+/// (itself, if it is no mirror image), or one that is_missing().
 std::vector<database_log::Entry> one_record_per_ray(const database_log::Index& index,
-                                                    const DatabaseHeader& header);
+                                                    const DatabaseHeader& header,
+                                                    const MirroredRays& mirrored);
+
+/// (active, direction) of the rays that are to be solved and have no record, in the database's order.
+/// @param records  of one_record_per_ray
+std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(
+    const std::vector<database_log::Entry>& records, const MirroredRays& mirrored);
 
 /// Writes FILE.packing, forces it to the disk and renames it to FILE; nothing stays behind if that fails.
 /// @pre no record is missing
 /// @throws Error
 void write_packed(const std::filesystem::path& file, const DatabaseHeader& header,
-                  const database_log::Index& index, const std::vector<database_log::Entry>& records);
+                  const database_log::Index& index, const std::vector<database_log::Entry>& records,
+                  const MirroredRays& mirrored);
 
 }  // namespace phynness

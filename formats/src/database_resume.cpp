@@ -1,5 +1,6 @@
 #include "database_resume.hpp"
 
+#include <locale>
 #include <map>
 #include <phynness/formats/error.hpp>
 #include <sstream>
@@ -50,6 +51,19 @@ std::string count_of(const Mesh& mesh) {
   return std::to_string(mesh.n_nodes()) + " nodes, " + std::to_string(mesh.n_cells()) + " cells, ";
 }
 
+std::string text(const std::optional<MirrorSymmetry>& mirror) {
+  if (!mirror) return "none";
+  std::int64_t on_plane = 0;
+  for (std::size_t i = 0; i < mirror->image.size(); ++i)
+    on_plane += static_cast<std::size_t>(mirror->image[i]) == i;
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out << "normal " << mirror->normal[0] << " " << mirror->normal[1] << " " << mirror->normal[2]
+      << ", mirrored pairs of nodes: " << (static_cast<std::int64_t>(mirror->image.size()) - on_plane) / 2
+      << (mirror->odd ? ", opposite directions too" : "");
+  return out.str();
+}
+
 }  // namespace
 
 void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted,
@@ -76,6 +90,11 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
   require_same(on_disk.sets.fixed, wanted.sets.fixed, "fixed nodes");
   require_same(on_disk.sets.active, wanted.sets.active, "active nodes");
   require_same(on_disk.sets.output, wanted.sets.output, "output nodes");
+  if (on_disk.sets.mirror != wanted.sets.mirror) {
+    const auto then = text(on_disk.sets.mirror), now = text(wanted.sets.mirror);
+    throw input_error(name + " was begun with another mirror plane",
+                      both(then, now) + (then == now ? ", but other pairs" : ""), remedy);
+  }
   require_same(on_disk.directions, wanted.directions, "directions");
   require_same(on_disk.magnitudes_m, wanted.magnitudes_m, "increments");
   if (on_disk.tangents != wanted.tangents)

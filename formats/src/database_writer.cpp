@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
 
 #include "database_folder.hpp"
 #include "database_layout.hpp"
@@ -73,9 +74,9 @@ std::vector<char> DatabaseWriter::logged(const fs::path& file, const DatabaseHea
     std::fill(flags.begin(), flags.end(), char{1});
     return flags;
   }
-  for (const auto& entry : dl::scan(file, header).entries)
-    flags[static_cast<std::size_t>(entry.active) * header.directions.size() +
-          static_cast<std::size_t>(entry.direction)] = 1;
+  const auto records = one_record_per_ray(dl::scan(file, header), header, MirroredRays(header));
+  std::transform(records.begin(), records.end(), flags.begin(),
+                 [](const dl::Entry& record) { return char{!is_missing(record)}; });
   return flags;
 }
 
@@ -113,37 +114,35 @@ void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given) {
   std::error_code code;
   if (!Database::is_complete(file)) {
     const auto index = dl::scan(file, header);
-    const auto records = one_record_per_ray(index, header);
-    if (const auto missing = std::count_if(records.begin(), records.end(), is_missing); missing > 0)
+    const MirroredRays mirrored(header);
+    const auto records = one_record_per_ray(index, header, mirrored);
+    if (const auto missing = missing_rays(records, mirrored); !missing.empty())
       throw failure("the database " + file.string() + " cannot be packed: rays are missing",
-                    std::to_string(missing) + " of " + std::to_string(records.size()),
+                    std::to_string(missing.size()) + " of " + std::to_string(mirrored.n_solved()),
                     "solve them with: phynness precompute SCENE -o " + file.string() + " --resume");
-    write_packed(file, header, index, records);
+    write_packed(file, header, index, records, mirrored);
   }
   fs::remove_all(dl::folder(file), code);
 }
 
 DatabaseProgress database_progress(const fs::path& file) {
   const auto header = read_database_header(file);
-  const auto n_active = static_cast<std::int32_t>(header.sets.active.size());
-  const auto n_directions = static_cast<std::int32_t>(header.directions.size());
   DatabaseProgress progress;
   progress.complete = Database::is_complete(file);
   progress.shard = header.shard;
-  progress.rays_total = std::int64_t{n_active} * n_directions;
+  const MirroredRays mirrored(header);
+  progress.rays_total = mirrored.n_solved();
   if (progress.complete) {
     progress.rays_logged = progress.rays_total;
     return progress;
   }
   auto index = dl::scan(file, header);
-  const auto records = one_record_per_ray(index, header);
-  progress.rays_logged = progress.rays_total - std::count_if(records.begin(), records.end(), is_missing);
+  const auto records = one_record_per_ray(index, header, mirrored);
+  progress.rays_logged =
+      progress.rays_total - static_cast<std::int64_t>(missing_rays(records, mirrored).size());
   if (header.shard) {
-    progress.rays_total = 0;
-    for (std::int32_t a = 0; a < n_active; ++a)
-      for (std::int32_t d = 0; d < n_directions; ++d)
-        if (shard_of(a, d, n_active, n_directions, header.shard->count) == header.shard->index)
-          ++progress.rays_total;
+    const auto owners = shards_of_rays(mirrored.solved(), header.directions.size(), header.shard->count);
+    progress.rays_total = std::count(owners.begin(), owners.end(), header.shard->index);
   }
   progress.damage = std::move(index.damage);
   return progress;

@@ -77,6 +77,15 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
         m.where.str() + ": K/mu = " + sd::shortest(m.bulk_to_shear()) + ": " + name(scene.solver.element) +
         " tetrahedra lock at this ratio, so that the body feels " + (p1 ? "several times" : "noticeably") +
         " too stiff; elements p1-p1 and taylor-hood do not");
+  const ProbeSpec& probe = scene.probe;
+  if (m.law == Law::linear && (probe.directions != Directions::three || probe.increments != 1)) {
+    const auto asked =
+        exploratory_directions(probe.directions).size() * static_cast<std::size_t>(probe.increments);
+    warnings.push_back(
+        probe.where.str() +
+        ": the law is linear, so that three solves say all about a node: " + std::to_string(asked) +
+        " are asked for; directions = 3, increments = 1 and family = \"linear\" give an exact model");
+  }
   return warnings;
 }
 

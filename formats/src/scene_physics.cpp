@@ -91,6 +91,13 @@ std::string physics_summary(const Scene& scene) {
     add("mesh.inner_radius_m", shortest(mesh.inner_radius_m));
     add("mesh.length_m", shortest(mesh.length_m));
   }
+  if (mesh.symmetry) {
+    const auto& plane = *mesh.symmetry;
+    add("mesh.symmetry", std::string("point") + (plane.fraction ? "_fraction" : "_m") + " = " +
+                             text(plane.point) + ", normal = " + text(plane.normal) +
+                             (plane.tolerance_m > 0 ? ", tolerance_m = " + shortest(plane.tolerance_m) : "") +
+                             (plane.half ? ", half" : ""));
+  }
   if (mesh.target_nodes) add("mesh.target_nodes", std::to_string(*mesh.target_nodes));
   if (mesh.target_size_m) add("mesh.target_size_m", shortest(*mesh.target_size_m));
 

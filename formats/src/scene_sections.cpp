@@ -111,6 +111,7 @@ MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder
     spec.target_nodes = static_cast<int>(*nodes);
   if (const auto size = table.number("target_size_m", length)) spec.target_size_m = *size;
   spec.repair = table.flag_or("repair", false);
+  spec.symmetry = parse_symmetry(table);
   if (table.has("file")) {
     parse_mesh_file(table, folder, mesh_file, spec);
   } else {

@@ -5,6 +5,13 @@
 
 namespace phynness::scene_detail {
 
+/// A position under `stem`_m or `stem`_fraction, one of which must be there.
+Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& fraction);
+/// `normal`, of any length but zero, made a unit vector.
+Vec3 parse_normal(const SceneTable& table);
+
+/// [mesh] symmetry, if it is there: a word or a table.
+std::optional<SymmetryPlane> parse_symmetry(const SceneTable& mesh);
 MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file);
 Material parse_material(const SceneTable& table);
 SolverSpec parse_solver(const SceneTable& table, const Material& material);

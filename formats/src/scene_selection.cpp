@@ -16,29 +16,6 @@ constexpr Range length{0, 1e3, true, false};
 const std::vector<std::string_view> shapes = {"box",   "sphere", "plane",  "half_space",
                                               "group", "nodes",  "nearest"};
 
-/// A position under `stem`_m or `stem`_fraction, one of which must be there.
-Vec3 position(const SceneTable& table, const std::string& stem, bool& fraction) {
-  const std::string in_metres = stem + "_m", in_fractions = stem + "_fraction";
-  if (table.has(in_metres) && table.has(in_fractions))
-    table.reject(in_fractions, "stands beside " + in_metres, "keep one of the two");
-  fraction = table.has(in_fractions);
-  const auto value = fraction ? table.vector(in_fractions, fractions) : table.vector(in_metres, metres);
-  if (!value)
-    table.missing(
-        in_metres, "",
-        "add " + in_metres + " = [x, y, z], or " + in_fractions + " (0 to 1 across the bounding box)");
-  return *value;
-}
-
-Vec3 unit_normal(const SceneTable& table) {
-  auto normal = table.vector("normal", {-1e6, 1e6});
-  if (!normal) table.missing("normal", "", "add normal = [x, y, z], a direction of any length");
-  const double norm = std::hypot((*normal)[0], (*normal)[1], (*normal)[2]);
-  if (!(norm > 0)) table.reject("normal", "has no direction", "give a vector that is not zero");
-  for (double& x : *normal) x /= norm;
-  return *normal;
-}
-
 void parse_box(const SceneTable& table, Selector& s) {
   const bool metric = table.has("min_m") || table.has("max_m");
   const bool relative = table.has("min_fraction") || table.has("max_fraction");
@@ -97,17 +74,17 @@ Selector parse_shape(const SceneTable& table, std::string_view shape) {
     parse_box(t, s);
   } else if (shape == "sphere") {
     s.kind = Selector::Kind::sphere;
-    s.a = position(t, "center", s.fraction);
+    s.a = parse_position(t, "center", s.fraction);
     const auto radius = t.number("radius_m", length);
     if (!radius) t.missing("radius_m", "", "add radius_m in metres");
     s.radius_m = *radius;
   } else if (shape == "nearest") {
     s.kind = Selector::Kind::nearest;
-    s.a = position(t, "point", s.fraction);
+    s.a = parse_position(t, "point", s.fraction);
   } else {
     s.kind = shape == "plane" ? Selector::Kind::plane : Selector::Kind::half_space;
-    s.a = position(t, "point", s.fraction);
-    s.b = unit_normal(t);
+    s.a = parse_position(t, "point", s.fraction);
+    s.b = parse_normal(t);
     constexpr double default_tolerance_m = 1e-6;
     if (shape == "plane") s.radius_m = t.number_or("tolerance_m", default_tolerance_m, length);
   }
@@ -187,6 +164,28 @@ Selection parse_selection(const SceneTable& nodes, std::string_view key) {
 }
 
 }  // namespace
+
+Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& fraction) {
+  const std::string in_metres = stem + "_m", in_fractions = stem + "_fraction";
+  if (table.has(in_metres) && table.has(in_fractions))
+    table.reject(in_fractions, "stands beside " + in_metres, "keep one of the two");
+  fraction = table.has(in_fractions);
+  const auto value = fraction ? table.vector(in_fractions, fractions) : table.vector(in_metres, metres);
+  if (!value)
+    table.missing(
+        in_metres, "",
+        "add " + in_metres + " = [x, y, z], or " + in_fractions + " (0 to 1 across the bounding box)");
+  return *value;
+}
+
+Vec3 parse_normal(const SceneTable& table) {
+  auto normal = table.vector("normal", {-1e6, 1e6});
+  if (!normal) table.missing("normal", "", "add normal = [x, y, z], a direction of any length");
+  const double norm = std::hypot((*normal)[0], (*normal)[1], (*normal)[2]);
+  if (!(norm > 0)) table.reject("normal", "has no direction", "give a vector that is not zero");
+  for (double& x : *normal) x /= norm;
+  return *normal;
+}
 
 void parse_nodes(const SceneTable& table, Scene& scene) {
   if (!table.has("fixed"))

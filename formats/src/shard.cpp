@@ -33,15 +33,31 @@ Shard parse_shard(const std::string& text) {
   return shard;
 }
 
-std::int32_t shard_of(std::int32_t active, std::int32_t direction, std::int32_t n_active,
-                      std::int32_t n_directions, std::int32_t count) {
+std::vector<std::int32_t> shards_of_rays(const std::vector<char>& is_solved, std::size_t n_directions,
+                                         std::int32_t count) {
   // Costs of runs vary; 16 of them per shard average that out.
   constexpr std::int64_t wanted_runs = 16;
-  const std::int64_t rays = std::int64_t{n_active} * n_directions;
-  const std::int64_t longest = std::clamp<std::int64_t>(rays / (wanted_runs * count), 1, n_directions);
-  const std::int64_t runs_per_node = (n_directions + longest - 1) / longest;
-  const std::int64_t run_of_node = direction * runs_per_node / n_directions;
-  return static_cast<std::int32_t>((run_of_node * n_active + active) % count);
+  const auto rays = static_cast<std::int64_t>(std::count(is_solved.begin(), is_solved.end(), char{1}));
+  const auto longest = static_cast<std::size_t>(
+      std::clamp<std::int64_t>(rays / (wanted_runs * count), 1, static_cast<std::int64_t>(n_directions)));
+  const std::size_t runs_per_node = (n_directions + longest - 1) / longest;
+  std::vector<std::int32_t> owners(is_solved.size(), -1);
+  std::int64_t dealt = 0;
+  for (std::size_t run = 0; run < runs_per_node; ++run) {
+    // The directions d with d * runs_per_node / n_directions == run.
+    const std::size_t first = (run * n_directions + runs_per_node - 1) / runs_per_node;
+    const std::size_t last = ((run + 1) * n_directions + runs_per_node - 1) / runs_per_node;
+    for (std::size_t node = 0; node < is_solved.size(); node += n_directions) {
+      bool any = false;
+      for (std::size_t ray = node + first; ray < node + last; ++ray) {
+        if (!is_solved[ray]) continue;
+        owners[ray] = static_cast<std::int32_t>(dealt % count);
+        any = true;
+      }
+      dealt += any;
+    }
+  }
+  return owners;
 }
 
 std::filesystem::path shard_file(const std::filesystem::path& database, const Shard& shard) {

@@ -16,6 +16,7 @@ struct Solid {
   Shape shape = Shape::block;
   Vec3 size_m{};
   double radius_m = 0, inner_radius_m = 0, length_m = 0;
+  int mirror_axis = -1;  ///< 0, 1, 2: the mesh is made symmetric in the centre plane across x, y or z
   double volume_m3() const;
   double area_m2() const;
 };

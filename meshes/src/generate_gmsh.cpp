@@ -1,11 +1,13 @@
 #include <gmsh.h>
 
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <phynness/formats/error.hpp>
 
 #include "generate.hpp"
 #include "gmsh_session.hpp"
+#include "mirror.hpp"
 
 namespace phynness::meshes {
 namespace {
@@ -69,18 +71,32 @@ RawMesh fill(const Surface& surface) {
 
 RawMesh mesh_solid(const Solid& solid, double edge_m) {
   const double unit = edge_m;
+  const bool round = solid.shape != Shape::block;
+  // What gmsh makes of a symmetric shape is not symmetric: so it meshes a half, which is mirrored.
+  const int axis = solid.mirror_axis;
+  Vec3 size_m = round ? Vec3{solid.radius_m, solid.radius_m, solid.length_m} : solid.size_m;
+  if (axis >= 0 && !(round && axis < 2)) size_m[axis] /= 2;
+  // Regular shapes are full of points at equal distances, and gmsh's choice among them hangs on the last bit:
+  // rounded to seven digits, the same shape in other units is the same shape to gmsh. The nodes are stretched
+  // to the exact size.
+  const auto in_edges = [unit](double length_m) {
+    constexpr int bits = 24;
+    int exponent = 0;
+    const double fraction = std::frexp(length_m / unit, &exponent);
+    return std::ldexp(std::round(std::ldexp(fraction, bits)), exponent - bits);
+  };
+  const Vec3 size{in_edges(size_m[0]), in_edges(size_m[1]), in_edges(size_m[2])};
   const GmshSession session;
   RawMesh raw;
   session.run("mesh the built-in shape", [&] {
-    const double length = solid.length_m / unit, radius = solid.radius_m / unit,
-                 inner = solid.inner_radius_m / unit;
-    if (solid.shape == Shape::block) {
-      gmsh::model::occ::addBox(0, 0, 0, solid.size_m[0] / unit, solid.size_m[1] / unit,
-                               solid.size_m[2] / unit);
+    if (!round) {
+      gmsh::model::occ::addBox(0, 0, 0, size[0], size[1], size[2]);
     } else {
-      const int outer = gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, length, radius);
+      const double angle = (axis == 0 || axis == 1 ? 1 : 2) * std::numbers::pi;  // half: where y >= 0
+      const int outer = gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, size[2], size[0], -1, angle);
       if (solid.shape == Shape::tube) {
-        const int hole = gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, length, inner);
+        const int hole =
+            gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, size[2], in_edges(solid.inner_radius_m), -1, angle);
         gmsh::vectorpair result;
         std::vector<gmsh::vectorpair> map;
         gmsh::model::occ::cut({{3, outer}}, {{3, hole}}, result, map);
@@ -96,8 +112,15 @@ RawMesh mesh_solid(const Solid& solid, double edge_m) {
     raw = session.tetrahedra();
   });
   for (auto& x : raw.nodes)
-    for (double& value : x) value *= unit;
-  return raw;
+    for (std::size_t k = 0; k < 3; ++k) x[k] *= size_m[k] / size[k];
+  if (axis < 0) return raw;
+  if (round && axis == 0)
+    for (auto& x : raw.nodes) x = {x[1], -x[0], x[2]};  // a quarter turn: the half where x >= 0
+  Eigen::RowVector3d normal = Eigen::RowVector3d::Zero(), point = normal;
+  normal[axis] = 1;
+  // Round halves begin at the axis of the shape; the others lie in [0, middle].
+  if (!(round && axis < 2)) point[axis] = size_m[axis];
+  return with_mirror_image(std::move(raw), point, normal, 1e-6 * unit, "the built-in shape");
 }
 
 }  // namespace phynness::meshes

@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,6 +10,7 @@
 #include "body.hpp"
 #include "generate.hpp"
 #include "liver_surface.hpp"
+#include "mirror.hpp"
 #include "peel.hpp"
 #include "remesh.hpp"
 #include "self_crossing.hpp"
@@ -60,6 +62,8 @@ Solid solid_of(const MeshSpec& spec) {
                               spec.shape == Shape::tube ? default_tube_radius_m : default_cylinder_radius_m);
   solid.inner_radius_m = or_default(spec.inner_radius_m, default_wall * solid.radius_m);
   solid.length_m = or_default(spec.length_m, default_length_m);
+  for (int k = 0; spec.symmetry && k < 3; ++k)
+    if (std::abs(spec.symmetry->normal[k]) == 1) solid.mirror_axis = k;
   if (spec.shape == Shape::tube && solid.inner_radius_m >= solid.radius_m)
     throw input_error(
         place(spec) + ": a tube's inner radius must be smaller than its radius",
@@ -70,8 +74,9 @@ Solid solid_of(const MeshSpec& spec) {
 
 /// A defect of a mesh that was made here is a failure of the work, not of the input: another size may go
 /// well.
-MeshResult generated_body(RawMesh raw, const std::string& source) {
-  const std::int32_t peeled = peel_slivers(raw);
+MeshResult generated_body(RawMesh raw, const std::string& source, bool symmetric = false) {
+  // A cell and its image cannot both be taken off where they meet at the plane.
+  const std::int32_t peeled = symmetric ? 0 : peel_slivers(raw);
   try {
     MeshResult result = checked_body(raw, 1, false, source);
     if (peeled > 0)
@@ -118,8 +123,9 @@ MeshResult from_shape(const MeshSpec& spec) {
     return sized(spec, extent, target_nodes, [&](double edge_m) { return filled_at(liver, edge_m, source); });
   }
   const Solid solid = solid_of(spec);
-  return sized(spec, {solid.volume_m3(), solid.area_m2()}, target_nodes,
-               [&](double edge_m) { return generated_body(mesh_solid(solid, edge_m), source); });
+  return sized(spec, {solid.volume_m3(), solid.area_m2()}, target_nodes, [&](double edge_m) {
+    return generated_body(mesh_solid(solid, edge_m), source, solid.mirror_axis >= 0);
+  });
 }
 
 MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::string& source) {
@@ -157,6 +163,25 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
   return result;
 }
 
+/// A file that holds one half of the body.
+RawMesh mirrored_file(RawMesh half, const MeshSpec& spec, const std::string& source) {
+  if (half.tetrahedra.empty())
+    throw input_error(place(spec) + ": half = true needs tetrahedra, but the file holds a surface", source,
+                      "mesh the half in another program (gmsh), or give the whole body");
+  const auto& plane = *spec.symmetry;
+  const auto vector = [](const Vec3& v) { return Eigen::RowVector3d(v[0], v[1], v[2]); };
+  Eigen::AlignedBox3d box;
+  for (const auto& x : half.nodes) box.extend(Eigen::Vector3d(x[0], x[1], x[2]));
+  const double tolerance =
+      plane.tolerance_m > 0 ? plane.tolerance_m / spec.scale_to_m : mirror_tolerance * box.diagonal().norm();
+  const auto n_half = half.nodes.size();
+  RawMesh whole = with_mirror_image(std::move(half), vector(plane.point) / spec.scale_to_m,
+                                    vector(plane.normal), tolerance, source);
+  whole.notes.push_back("mirrored half a body: " + std::to_string(n_half) + " nodes became " +
+                        std::to_string(whole.nodes.size()));
+  return whole;
+}
+
 }  // namespace
 
 MeshResult make_mesh(const Scene& scene) {
@@ -164,7 +189,8 @@ MeshResult make_mesh(const Scene& scene) {
   check_spec(spec);
   if (spec.shape != Shape::none) return from_shape(spec);
   const std::string source = spec.file.filename().string();
-  const RawMesh raw = read_mesh_file(spec.file);
+  RawMesh raw = read_mesh_file(spec.file);
+  if (spec.symmetry && spec.symmetry->half) raw = mirrored_file(std::move(raw), spec, source);
   if (raw.tetrahedra.empty()) return from_surface(spec, raw, source);
   MeshResult result = checked_body(raw, spec.scale_to_m, spec.repair, source);
   if (spec.target_nodes || spec.target_size_m)

@@ -6,6 +6,8 @@
 #include <phynness/meshes/meshes.hpp>
 #include <sstream>
 
+#include "mirror.hpp"
+
 namespace phynness {
 namespace {
 
@@ -267,6 +269,7 @@ NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
     throw input_error(at(scene.active_where) + "active nodes inside the body cannot be touched",
                       std::to_string(inside.size()) + " nodes: " + first_of(inside),
                       "add surface_only = true to the selector, or use \"free-surface\"");
+  if (scene.mesh.symmetry) sets.mirror = meshes::find_mirror(scene, mesh, sets);
   return sets;
 }
 

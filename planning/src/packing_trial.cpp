@@ -59,6 +59,7 @@ struct Packed {
 Packed pack(const DatabaseHeader& whole, std::span<const std::vector<Ray>> nodes, const fs::path& file) {
   DatabaseHeader header = whole;
   header.sets.active.clear();
+  header.sets.mirror.reset();  // a few nodes are not symmetric
   for (const auto& node : nodes)
     header.sets.active.push_back(whole.sets.active[static_cast<std::size_t>(node.front().active)]);
   header.directions.resize(nodes.front().size());

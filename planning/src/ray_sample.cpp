@@ -33,25 +33,33 @@ std::vector<double> expected_cost(const Points& points, const Points& fixed) {
 std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fixed_points,
                                    const std::vector<char>& requested, std::size_t n_directions,
                                    std::size_t wanted, std::uint64_t seed) {
-  const auto n_active = static_cast<std::size_t>(active_points.rows());
-  assert(requested.size() == n_active * n_directions);
-  if (n_active == 0 || wanted == 0) return {};
+  assert(requested.size() == static_cast<std::size_t>(active_points.rows()) * n_directions);
+  // Nodes that are asked for nothing, as all their rays are mirror images, take no part.
+  std::vector<std::size_t> order, n_requested;
+  for (std::size_t a = 0; a < static_cast<std::size_t>(active_points.rows()); ++a) {
+    const auto first = requested.begin() + static_cast<std::ptrdiff_t>(a * n_directions);
+    n_requested.push_back(static_cast<std::size_t>(
+        std::count(first, first + static_cast<std::ptrdiff_t>(n_directions), char{1})));
+    if (n_requested.back() > 0) order.push_back(a);
+  }
+  const std::size_t n_nodes = order.size();
+  if (n_nodes == 0 || wanted == 0) return {};
   std::mt19937_64 random(seed);
-  const std::size_t run = std::min(n_directions, std::max(run_length, (wanted + n_active - 1) / n_active));
-  const std::size_t n_draws = std::min(n_active, std::max<std::size_t>(1, wanted / run));
+  const std::size_t run = std::min(n_directions, std::max(run_length, (wanted + n_nodes - 1) / n_nodes));
+  const std::size_t n_draws = std::min(n_nodes, std::max<std::size_t>(1, wanted / run));
   const auto size = expected_cost(active_points, fixed_points);
-  std::vector<std::size_t> order(n_active);
-  std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
-  const double step = std::accumulate(size.begin(), size.end(), 0.0) / static_cast<double>(n_draws);
+  double sum = 0;
+  for (const std::size_t a : order) sum += size[a];
+  const double step = sum / static_cast<double>(n_draws);
   const double offset = step * std::ldexp(static_cast<double>(random() >> 11), -53);
 
   std::map<std::pair<std::int32_t, std::int32_t>, double> weights;
   std::size_t next_direction = draw(random, n_directions), place = 0;
   double passed = size[order[0]];
   for (std::size_t k = 0; k < n_draws; ++k) {
-    while (passed <= offset + static_cast<double>(k) * step && place + 1 < n_active)
+    while (passed <= offset + static_cast<double>(k) * step && place + 1 < n_nodes)
       passed += size[order[++place]];
     const std::size_t active = order[place];
     std::vector<std::int32_t> directions;
@@ -62,7 +70,7 @@ std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fi
     next_direction = (next_direction + run) % n_directions;
     for (const auto d : directions)
       weights[{static_cast<std::int32_t>(active), d}] +=
-          1 / size[active] / static_cast<double>(directions.size());
+          static_cast<double>(n_requested[active]) / size[active] / static_cast<double>(directions.size());
   }
   std::vector<RayChoice> chosen;
   for (const auto& [ray, weight] : weights) chosen.push_back({ray.first, ray.second, weight});

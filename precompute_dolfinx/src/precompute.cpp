@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/formats/version.hpp>
 #include <phynness/precompute/precompute.hpp>
 
@@ -156,6 +157,8 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
 
   PrecomputeReport report;
   report.rays_resumed = rays_in_all - static_cast<std::int64_t>(rays.size());
+  const MirroredRays mirrored(header);
+  if (!target.shard) report.rays_mirrored = static_cast<std::int64_t>(logged.size()) - mirrored.n_solved();
   report.setup_seconds = seconds_since(start);
   const auto solve_start = Clock::now();
   Share share;
@@ -203,7 +206,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations};
   MPI_Allreduce(MPI_IN_PLACE, totals, 4, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   report.rays = totals[0];
-  report.increments = totals[1];
+  report.increments = report.increments_solved = totals[1];
   report.failed = totals[2];
   report.iterations = totals[3];
   report.core_seconds = session.sum(core.seconds());
@@ -214,13 +217,23 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
     report.ranks.push_back({static_cast<std::int64_t>(figures[i]), figures[i + 1], figures[i + 2],
                             figures[i + 3], figures[i + 4]});
   if (!interrupted && !target.shard && session.rank() == 0) {
-    const auto summary = summarize(Database::open(target.file));
-    report.increments = report.failed = 0;
+    const auto database = Database::open(target.file);
+    const auto summary = summarize(database);
+    report.increments = report.increments_solved = report.failed = 0;
     for (const auto& [status, count] : summary.states) {
       if (status != Status::not_requested) report.increments += count;
       if (static_cast<int>(status) < 0) report.failed += count;
     }
     report.iterations = summary.newton_iterations;
+    const auto statuses = database.statuses();
+    const auto n_increments = static_cast<std::int64_t>(header.magnitudes_m.size());
+    const auto n_directions = static_cast<std::int64_t>(header.directions.size());
+    for (std::int64_t i = 0; i < static_cast<std::int64_t>(statuses.size()); ++i) {
+      const auto ray = i / n_increments;
+      report.increments_solved += statuses[static_cast<std::size_t>(i)] != Status::not_requested &&
+                                  mirrored.is_solved(static_cast<std::int32_t>(ray / n_directions),
+                                                     static_cast<std::int32_t>(ray % n_directions));
+    }
   }
   report.wall_seconds = seconds_since(start);
   return report;

@@ -1,21 +1,19 @@
 #include "ray_schedule.hpp"
 
 #include <algorithm>
+#include <phynness/formats/mirrored_rays.hpp>
 
 namespace phynness {
 
 std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<char>& logged) {
-  const auto n_active = static_cast<std::int32_t>(header.sets.active.size());
-  const auto n_directions = static_cast<std::int32_t>(header.directions.size());
+  const std::size_t n_directions = header.directions.size();
+  const Shard shard = header.shard.value_or(Shard{0, 1});
+  const auto owners = shards_of_rays(MirroredRays(header).solved(), n_directions, shard.count);
   std::vector<RayIndex> rays;
-  for (std::int32_t a = 0; a < n_active; ++a)
-    for (std::int32_t d = 0; d < n_directions; ++d) {
-      const bool owned =
-          !header.shard || shard_of(a, d, n_active, n_directions, header.shard->count) == header.shard->index;
-      if (owned &&
-          !logged[static_cast<std::size_t>(a) * header.directions.size() + static_cast<std::size_t>(d)])
-        rays.push_back({a, d});
-    }
+  for (std::size_t ray = 0; ray < owners.size(); ++ray)
+    if (owners[ray] == shard.index && !logged[ray])
+      rays.push_back(
+          {static_cast<std::int32_t>(ray / n_directions), static_cast<std::int32_t>(ray % n_directions)});
   return rays;
 }
 

@@ -12,7 +12,8 @@ struct RayIndex {
   std::int32_t active = 0, direction = 0;
 };
 
-/// The rays of a database that its shard owns (all without a shard) and `logged` has not, node by node.
+/// The rays of a database that its shard owns (all without a shard), that are no mirror images of others and
+/// that `logged` has not, node by node.
 /// @param logged  n_active x n_directions flags
 std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<char>& logged);
 

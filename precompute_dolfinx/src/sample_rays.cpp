@@ -1,3 +1,4 @@
+#include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 
 #include "solve_ray.hpp"
@@ -5,14 +6,14 @@
 namespace phynness {
 std::vector<char> requested_rays(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header) {
   const auto& active = header.sets.active;
-  std::vector<char> flags(active.size() * header.directions.size(), 1);
+  std::vector<char> flags = MirroredRays(header).solved();
   if (scene.probe.directions != Directions::hemisphere) return flags;
   const Points normals = node_normals(mesh);
   for (std::size_t a = 0; a < active.size(); ++a)
     for (std::size_t d = 0; d < header.directions.size(); ++d) {
       const Eigen::Map<const Eigen::RowVector3d> e(header.directions[d].data());
       // Tangential directions count as inward, whichever way rounding goes.
-      flags[a * header.directions.size() + d] = -normals.row(active[a]).dot(e) > -1e-9;
+      flags[a * header.directions.size() + d] &= -normals.row(active[a]).dot(e) > -1e-9;
     }
   return flags;
 }

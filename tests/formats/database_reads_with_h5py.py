@@ -1,6 +1,6 @@
 """Claim: a database reads in h5py as formats/database.md says: paths, shapes, types, units, outcomes by name.
 
-Usage: database_reads_with_h5py.py PROGRAM, where PROGRAM FILE writes a database to FILE.
+Usage: database_reads_with_h5py.py PROGRAM DOCUMENT, where PROGRAM FILE [symmetric] writes a database to FILE.
 Exit status 77: h5py is not there, skipped.
 """
 
@@ -50,7 +50,8 @@ with tempfile.TemporaryDirectory() as folder:
                 assert item.attrs["unit"] and item.attrs["description"], name
                 assert "/" + name in documented or name.startswith("mesh/groups/"), name
         f.visititems(check)
-        assert {x.lstrip("/") for x in documented if x != "/mesh/groups"} <= {
+        symmetric_only = {"/symmetry/normal", "/symmetry/image", "/responses/solved_as"}
+        assert {x.lstrip("/") for x in documented - symmetric_only if x != "/mesh/groups"} <= {
             *[k for k in ("scene", "directions", "magnitudes")],
             *["mesh/" + k for k in f["mesh"]], *["sets/" + k for k in f["sets"]],
             *["responses/" + k for k in f["responses"]]}, documented
@@ -66,4 +67,20 @@ with tempfile.TemporaryDirectory() as folder:
         assert meaning[-1] == "inverted"
         assert np.allclose(np.linalg.norm(f["directions"][...], axis=1), 1, atol=1e-15)
         assert np.isfinite(f["responses/displacement"][...]).all()
-print("read", A * D, "rays")
+
+    path = os.path.join(folder, "symmetric.h5")
+    subprocess.run([program, path, "symmetric"], check=True)
+    with h5py.File(path) as f:
+        assert symmetric_only == {"/" + x for x in ("symmetry/normal", "symmetry/image", "responses/solved_as") if x in f}
+        f.visititems(check)
+        assert f["symmetry"].attrs["odd"] == 0
+        n = f["symmetry/normal"][...]
+        solved_as = f["responses/solved_as"][...]
+        force = f["responses/force"][...].reshape(A * D, I, 3)
+        mirrored = solved_as.ravel() != np.arange(A * D)
+        assert 0 < mirrored.sum() < A * D
+        assert not mirrored[solved_as.ravel()].any()
+        reflection = np.eye(3) - 2 * np.outer(n, n)
+        assert (force[mirrored] == force[solved_as.ravel()[mirrored]] @ reflection).all()
+        assert (f["responses/seconds"][...].reshape(A * D, I)[mirrored] == 0).all()
+print("read", 2 * A * D, "rays")

@@ -80,6 +80,17 @@ TEST(Warnings, tell_of_locking_and_of_nothing_else) {
   EXPECT_TRUE(scene_warnings(parsed(with(softer, "\"P1\"", "\"P2\""))).empty());
 }
 
+TEST(Warnings, tell_when_a_linear_body_is_probed_more_than_it_requires) {
+  const auto linear = with(good_scene, "\"neo-hookean\"", "\"linear\"");
+  const auto warnings = scene_warnings(parsed(linear));
+  ASSERT_EQ(warnings.size(), 1u);
+  for (const char* words : {"body.toml:13", "three solves", "104 are asked for", "directions = 3"})
+    EXPECT_NE(warnings[0].find(words), std::string::npos) << words << "\n" << warnings[0];
+  const std::string all = "directions = 26\nincrements = 4";
+  EXPECT_EQ(scene_warnings(parsed(with(linear, all, "directions = 26\nincrements = 1"))).size(), 1u);
+  EXPECT_TRUE(scene_warnings(parsed(with(linear, all, "directions = 3\nincrements = 1"))).empty());
+}
+
 TEST(Selection, keeps_every_selector_with_its_line) {
   const Scene scene = parsed(with(good_scene, "active = \"free-surface\"", R"(active = [
   "surface",
@@ -183,8 +194,10 @@ TEST(Documentation, names_every_key_of_the_parser) {
   ASSERT_FALSE(text.str().empty());
   const auto keys = scene_keys();
   EXPECT_GT(keys.size(), 50u);
-  for (const auto& key : keys)
-    EXPECT_NE(text.str().find("`" + key.substr(key.rfind('.') + 1) + "`"), std::string::npos) << key;
+  for (const auto& key : keys) {
+    const auto quoted = std::string(1, '`').append(key, key.rfind('.') + 1).append(1, '`');
+    EXPECT_NE(text.str().find(quoted), std::string::npos) << key;
+  }
 }
 
 TEST(ShippedScenes, are_all_valid) {

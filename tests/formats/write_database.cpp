@@ -1,5 +1,7 @@
-// Writes a small packed database, for tests in other languages. Usage: write_database FILE [OUTPUT_NODE ...]
+// Writes a small packed database, for tests in other languages; with "symmetric", one with a mirror plane.
+// Usage: write_database FILE [symmetric | OUTPUT_NODE ...]
 #include <cstdlib>
+#include <cstring>
 
 #include "database_under_test.hpp"
 
@@ -7,8 +9,15 @@ int main(int argc, char** argv) {
   if (argc < 2) return 2;
   using namespace phynness;
   auto header = test::small_header(true);
-  if (argc > 2) header.sets.output.clear();
-  for (int i = 2; i < argc; ++i) header.sets.output.push_back(std::atoi(argv[i]));
+  if (argc > 2 && std::strcmp(argv[2], "symmetric") == 0) {
+    MirrorSymmetry mirror;
+    mirror.normal = {1, 0, 0};
+    mirror.image = {0, 2, 1, 3, 4, 5};
+    header.sets.mirror = mirror;
+  } else if (argc > 2) {
+    header.sets.output.clear();
+    for (int i = 2; i < argc; ++i) header.sets.output.push_back(std::atoi(argv[i]));
+  }
   DatabaseWriter::create(argv[1], header, false);
   DatabaseWriter writer(argv[1], header, 0);
   for (const auto& ray : test::all_rays(header)) writer.append(ray);

@@ -60,6 +60,34 @@ TEST_F(Plans, hemispheres_count_what_is_asked_for) {
   EXPECT_EQ(json("plan.json")["rays"], 2 * 26);
 }
 
+TEST_F(Plans, mirrored_rays_are_stored_but_not_solved) {
+  auto scene = small_scene();
+  const std::string size = "target_size_m = 0.025";
+  scene.replace(scene.find(size), size.size(), size + "\nsymmetry = \"x\"");
+  const auto from = scene.find("active ="), to = scene.find("[probe]");
+  scene.replace(from, to - from,
+                "active = [{ nearest = { point_fraction = [0, 0, 1] } }, { nearest = { point_fraction = [1, "
+                "0, 1] } }]\n");
+  write_file(folder / "scene.toml", scene);
+  ASSERT_EQ(phynness("precompute scene.toml -o database.h5 --json run.json").exit_status, 0);
+  const auto run = json("run.json");
+  EXPECT_EQ(run["rays"], 26);
+  for (const char* source : {"scene.toml", "database.h5"}) {
+    const auto planned = phynness(std::string("plan ") + source + " --rays 16 --json plan.json");
+    ASSERT_EQ(planned.exit_status, 0) << planned.err;
+    const auto plan = json("plan.json");
+    EXPECT_EQ(plan["rays"], 26) << source;
+    EXPECT_EQ(plan["rays_requested"], 26) << source;
+    EXPECT_EQ(plan["rays_mirrored"], 26) << source;
+    EXPECT_EQ(plan["measured"]["nodes"], 1) << source;
+    EXPECT_NE(planned.out.find("26 rays more"), std::string::npos) << planned.out;
+    // A file of half the rays would be a third too small.
+    EXPECT_NEAR(plan["database_bytes"].get<double>(), run["database_bytes"].get<double>(),
+                0.25 * run["database_bytes"].get<double>())
+        << source;
+  }
+}
+
 TEST_F(Plans, what_cannot_be_planned_is_refused) {
   write_file(folder / "scene.toml", small_scene());
   const auto refused = [&](const std::string& line, const char* word) {

@@ -64,6 +64,27 @@ TEST(RaySample, small_scenes_and_rays_not_requested) {
       choose_rays(line_of_points(20), Points(0, 3), std::vector<char>(20 * 26, 0), 26, 40, 1).empty());
 }
 
+TEST(RaySample, nodes_that_are_asked_for_nothing_take_no_part) {
+  // Mirror images: of 20 nodes one is solved, whichever place the draw falls on.
+  std::vector<char> one(20 * 26, 0);
+  std::fill(one.begin() + 13 * 26, one.begin() + 14 * 26, char{1});
+  for (std::uint64_t seed = 0; seed < 8; ++seed)
+    for (const std::size_t wanted : {1, 16}) {
+      const auto rays = choose_rays(line_of_points(20), Points(0, 3), one, 26, wanted, seed);
+      EXPECT_EQ(rays.size(), std::max<std::size_t>(wanted, 2));  // they come in pairs
+      for (const auto& ray : rays) EXPECT_EQ(ray.active, 13);
+    }
+  // A node with half the rays weighs half as much.
+  std::vector<char> some(20 * 26, 1);
+  for (std::size_t i = 10 * 26; i < some.size(); i += 2) some[i] = 0;
+  double weight = 0, cost = 0;
+  for (const auto& ray : choose_rays(line_of_points(20), Points(0, 3), some, 26, 40, 1)) {
+    weight += ray.weight;
+    cost += ray.weight * (ray.active < 10 ? 1 : 4);
+  }
+  EXPECT_NEAR(cost / weight, 2, 1e-12);  // 260 rays cost 1 and 130 cost 4; rounding
+}
+
 TEST(RaySample, nodes_near_fixed_ones_come_more_often_and_weigh_less) {
   // Distances 1 ... 400 from the only fixed point: the nearest tenth holds 4.28 / 6.57 of the sum of 1 /
   // distance.

@@ -107,7 +107,7 @@ struct LogDamage {
 struct DatabaseProgress {
   bool complete = false;
   std::optional<Shard> shard;  ///< rays_total then counts its rays only
-  std::int64_t rays_logged = 0, rays_total = 0;
+  std::int64_t rays_logged = 0, rays_total = 0;  ///< of those that are solved, not mirrored
   std::vector<LogDamage> damage;
 };
 /// @throws Error if the file is no database
@@ -126,7 +126,8 @@ class DatabaseWriter {
   /// Call on one process only.
   /// @throws Error if FILE exists and `resume` is false: "finished work is never lost"
   static void create(const std::filesystem::path& file, const DatabaseHeader& header, bool resume);
-  /// Which rays are in the logs: n_active x n_directions flags. Torn or corrupted records are dropped.
+  /// Which rays are in the logs, or are mirror images of such: n_active x n_directions flags. Torn or
+  /// corrupted records are dropped.
   static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header);
 
   /// This process's log: a new file, as a resumed run may have another number of ranks.

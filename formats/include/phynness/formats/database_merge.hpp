@@ -17,7 +17,7 @@ struct MissingRay {
 };
 
 struct MergeReport {
-  std::int64_t rays_total = 0;
+  std::int64_t rays_total = 0;  ///< of those that are solved, not mirrored
   std::vector<LogDamage> damage;
   std::vector<MissingRay> missing;  ///< if there are any, nothing was written
 };

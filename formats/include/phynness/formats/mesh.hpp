@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,11 +28,20 @@ struct Mesh {
   std::int32_t n_cells() const { return static_cast<std::int32_t>(cells.rows()); }
 };
 
+/// The body is its own mirror image in a plane, and so are the node sets.
+struct MirrorSymmetry {
+  std::array<double, 3> normal{};   ///< of the plane, unit; responses of nodes on the side it points to are solved
+  std::vector<std::int32_t> image;  ///< n_nodes: where the mirror image of a node lies; on the plane itself
+  bool odd = false;                 ///< linear law: the opposite displacement gives the opposite response
+  bool operator==(const MirrorSymmetry&) const = default;
+};
+
 /// The nodes a scene selects on a mesh; each list sorted ascending without repeats.
 struct NodeSets {
   std::vector<std::int32_t> fixed;   ///< u = 0
   std::vector<std::int32_t> active;  ///< probed one at a time
   std::vector<std::int32_t> output;  ///< their displacements are stored and modelled
+  std::optional<MirrorSymmetry> mirror = {};  ///< if the scene declares a plane of symmetry
 };
 
 /// Boundary faces of tetrahedra, normals outward, in the order of the cells they belong to.

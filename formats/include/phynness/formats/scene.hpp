@@ -21,6 +21,16 @@ using Vec3 = std::array<double, 3>;
 
 enum class Shape { none, liver, block, cylinder, tube };
 
+/// A plane in which the scene says the body is its own mirror image.
+struct SymmetryPlane {
+  Vec3 point{0.5, 0.5, 0.5};  ///< a point of the plane
+  bool fraction = true;       ///< `point` is in fractions of the bounding box, not metres
+  Vec3 normal{};              ///< unit
+  double tolerance_m = 0;     ///< how far an image may lie from its node; 0: a millionth of the body's diagonal
+  bool half = false;          ///< the file holds one half; the other is made by mirroring
+  SourceLocation where;
+};
+
 /// Exactly one of `shape` and `file` is given.
 struct MeshSpec {
   Shape shape = Shape::none;
@@ -31,6 +41,7 @@ struct MeshSpec {
   Vec3 size_m{0, 0, 0};                   ///< block: edges; liver: bounding box; 0 = the shape's default
   double radius_m = 0, inner_radius_m = 0, length_m = 0;  ///< cylinder, tube
   bool repair = false;                    ///< allow named repairs (flip cells, keep the largest component, ...)
+  std::optional<SymmetryPlane> symmetry;  ///< only one half of the active nodes is solved
   SourceLocation where;
 };
 

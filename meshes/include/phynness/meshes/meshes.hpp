@@ -43,9 +43,10 @@ QualityReport measure_quality(const Mesh& mesh);
 /// reading it back through make_mesh gives the same node numbers, cells and hash.
 void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::path& file);
 
-/// Resolves the scene's selections on a mesh.
+/// Resolves the scene's selections on a mesh, and pairs the nodes where the scene declares a plane of symmetry.
 /// @throws Error (with file:line) on an empty selection, an active node that is also fixed, no fixed node, an unknown
-///         group (lists those there are), a node number out of range
+///         group (lists those there are), a node number out of range, a mesh or a set that is declared symmetric
+///         and is not
 NodeSets resolve_selections(const Scene& scene, const Mesh& mesh);
 
 }  // namespace phynness

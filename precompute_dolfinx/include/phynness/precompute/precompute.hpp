@@ -28,9 +28,11 @@ struct RankFigures {
 
 struct PrecomputeReport {
   std::int64_t rays = 0, rays_resumed = 0;  ///< solved now, found in the logs
+  std::int64_t rays_mirrored = 0;           ///< made from others by a plane of symmetry; none in a shard
   /// Of the whole database, or, for a shard or an interrupted run, of what was solved now. failed:
   /// after_failure included.
   std::int64_t increments = 0, failed = 0, iterations = 0;
+  std::int64_t increments_solved = 0;         ///< of the increments, those that are not mirror images
   double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
   std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere

@@ -9,7 +9,8 @@
 
 namespace phynness {
 
-/// Flags n_active x n_directions: which rays a scene asks for (hemisphere: those that press inward).
+/// Flags n_active x n_directions: which rays a scene asks for (hemisphere: those that press inward) and are
+/// no mirror images of others.
 std::vector<char> requested_rays(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header);
 
 struct SolvedRays {

@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <cmath>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
+#include <tuple>
+
+namespace phynness {
+namespace {
+
+using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+/// Directions this near are one direction written twice; different ones of a set are some tenths apart.
+constexpr double same_direction = 1e-9;
+
+/// Index of a direction, or -1.
+std::int32_t find(const std::vector<Vec3>& directions, const Eigen::Vector3d& e) {
+  for (std::size_t d = 0; d < directions.size(); ++d)
+    if ((Eigen::Vector3d::Map(directions[d].data()) - e).norm() < same_direction)
+      return static_cast<std::int32_t>(d);
+  return -1;
+}
+
+/// Index in an ascending set of the mirror image of each of its nodes.
+std::vector<std::int32_t> images_within(const std::vector<std::int32_t>& nodes,
+                                        const std::vector<std::int32_t>& image, const char* what) {
+  std::vector<std::int32_t> within;
+  for (const auto node : nodes) {
+    const auto at = std::lower_bound(nodes.begin(), nodes.end(), image[node]);
+    if (at == nodes.end() || *at != image[node])
+      throw input_error(
+          std::string("the ") + what + " nodes of a database are not symmetric, but it has a mirror plane",
+          "node " + std::to_string(node), "the file is damaged, or was written by a defective program");
+    within.push_back(static_cast<std::int32_t>(at - nodes.begin()));
+  }
+  return within;
+}
+
+}  // namespace
+
+MirroredRays::MirroredRays(const DatabaseHeader& header) : _n_directions(header.directions.size()) {
+  const auto n_active = static_cast<std::int32_t>(header.sets.active.size());
+  const auto n_directions = static_cast<std::int32_t>(_n_directions);
+  _sources.reserve(static_cast<std::size_t>(n_active) * _n_directions);
+  for (std::int32_t a = 0; a < n_active; ++a)
+    for (std::int32_t d = 0; d < n_directions; ++d) _sources.push_back({a, d});
+  _n_solved = static_cast<std::int64_t>(_sources.size());
+  if (!header.sets.mirror) return;
+
+  const MirrorSymmetry& mirror = *header.sets.mirror;
+  const Eigen::Vector3d n = Eigen::Vector3d::Map(mirror.normal.data());
+  const Matrix H = Matrix::Identity() - 2 * n * n.transpose();
+  Eigen::Map<Matrix>(_reflection.data()) = H;
+  const auto image_of_active = images_within(header.sets.active, mirror.image, "active");
+  _image_of_output = images_within(header.sets.output, mirror.image, "output");
+
+  struct Partner {
+    std::int32_t mirrored, opposite, both;
+  };
+  std::vector<Partner> partners;
+  for (const auto& direction : header.directions) {
+    const Eigen::Vector3d e = Eigen::Vector3d::Map(direction.data());
+    partners.push_back({find(header.directions, H * e), mirror.odd ? find(header.directions, -e) : -1,
+                        mirror.odd ? find(header.directions, -(H * e)) : -1});
+  }
+  const auto is_behind = [&](std::int32_t active) {
+    const auto node = header.sets.active[static_cast<std::size_t>(active)];
+    const Eigen::Vector3d across = header.mesh.nodes.row(node) - header.mesh.nodes.row(mirror.image[node]);
+    return across.dot(n) < 0;
+  };
+  const auto order = [&](const Source& s) { return std::tuple(is_behind(s.active), s.direction, s.active); };
+  for (auto& source : _sources) {
+    const std::int32_t other = image_of_active[static_cast<std::size_t>(source.active)];
+    const Partner& partner = partners[static_cast<std::size_t>(source.direction)];
+    Source best = source;
+    // All rays of an orbit see the same candidates, so they agree on the first; one that is its own image is
+    // itself.
+    for (const Source& candidate :
+         {Source{other, partner.mirrored, true, false}, Source{source.active, partner.opposite, false, true},
+          Source{other, partner.both, true, true}})
+      if (candidate.direction >= 0 && order(candidate) < order(best)) best = candidate;
+    source = best;
+  }
+  _n_solved = std::count_if(_sources.begin(), _sources.end(), [](const Source& s) { return s.is_itself(); });
+}
+
+bool MirroredRays::solves_any(std::int32_t active) const {
+  for (std::int32_t d = 0; d < static_cast<std::int32_t>(_n_directions); ++d)
+    if (is_solved(active, d)) return true;
+  return false;
+}
+
+std::vector<char> MirroredRays::solved() const {
+  std::vector<char> flags;
+  for (const auto& source : _sources) flags.push_back(source.is_itself());
+  return flags;
+}
+
+Ray MirroredRays::image(const Ray& solved, std::int32_t active, std::int32_t direction) const {
+  const Source& from = source(active, direction);
+  Ray ray = solved;
+  ray.active = active;
+  ray.direction = direction;
+  std::fill(ray.iterations.begin(), ray.iterations.end(), 0);
+  std::fill(ray.cutbacks.begin(), ray.cutbacks.end(), 0);
+  std::fill(ray.seconds.begin(), ray.seconds.end(), 0.0);
+
+  const Matrix H = from.mirrored ? Matrix(Eigen::Map<const Matrix>(_reflection.data())) : Matrix::Identity();
+  const Matrix turn = from.opposite ? Matrix(-H) : H;
+  const auto turned = [&turn](const double* from_vector, double* to_vector) {
+    Eigen::Vector3d::Map(to_vector) = turn * Eigen::Vector3d::Map(from_vector);
+  };
+  for (std::size_t i = 0; i < solved.status.size(); ++i) turned(&solved.force[3 * i], &ray.force[3 * i]);
+  for (std::size_t at = 0; at < solved.tangent.size(); at += 9)
+    Eigen::Map<Matrix>(&ray.tangent[at]) = H * Eigen::Map<const Matrix>(&solved.tangent[at]) * H;
+  const std::size_t n_output = _image_of_output.size();
+  for (std::size_t i = 0; i < solved.status.size(); ++i)
+    for (std::size_t o = 0; o < n_output; ++o) {
+      const auto other = from.mirrored ? static_cast<std::size_t>(_image_of_output[o]) : o;
+      turned(&solved.displacement[3 * (i * n_output + other)], &ray.displacement[3 * (i * n_output + o)]);
+    }
+  return ray;
+}
+
+}  // namespace phynness

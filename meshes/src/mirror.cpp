@@ -1,0 +1,197 @@
+#include "mirror.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <phynness/formats/error.hpp>
+#include <set>
+#include <sstream>
+#include <unordered_map>
+
+#include "topology.hpp"
+
+namespace phynness::meshes {
+namespace {
+
+using Vector = Eigen::RowVector3d;
+
+std::string place(const SymmetryPlane& plane) {
+  return plane.where.file.empty() ? "" : plane.where.str() + ": ";
+}
+
+std::string metres(double value) {
+  std::ostringstream text;
+  text << value << " m";
+  return text.str();
+}
+
+/// Nodes by the box of a regular grid that they lie in.
+class Grid {
+ public:
+  Grid(const Points& nodes, double box) : _nodes(nodes), _box(box) {
+    for (std::int32_t i = 0; i < nodes.rows(); ++i) _boxes[key(index(nodes.row(i)))].push_back(i);
+  }
+  /// The node nearest to x, or -1 if there is none within one box size.
+  std::int32_t nearest(const Vector& x) const {
+    std::int32_t best = -1;
+    double distance = _box;
+    const auto at = index(x);
+    for (std::int64_t i = -1; i <= 1; ++i)
+      for (std::int64_t j = -1; j <= 1; ++j)
+        for (std::int64_t k = -1; k <= 1; ++k) {
+          const auto found = _boxes.find(key({at[0] + i, at[1] + j, at[2] + k}));
+          if (found == _boxes.end()) continue;
+          for (const auto node : found->second)
+            if (const double d = (_nodes.row(node) - x).norm(); d <= distance) distance = d, best = node;
+        }
+    return best;
+  }
+
+ private:
+  using Index = std::array<std::int64_t, 3>;
+  Index index(const Vector& x) const {
+    Index at{};
+    for (int k = 0; k < 3; ++k)
+      at[static_cast<std::size_t>(k)] = static_cast<std::int64_t>(std::floor(x[k] / _box));
+    return at;
+  }
+  /// Boxes that share a key only cost a comparison of distances.
+  static std::uint64_t key(const Index& at) {
+    std::uint64_t key = 0;
+    for (const auto i : at) key = (key ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15ULL;
+    return key;
+  }
+
+  const Points& _nodes;
+  double _box;
+  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> _boxes;
+};
+
+std::vector<std::int32_t> pair_nodes(const Mesh& mesh, const SymmetryPlane& plane, double tolerance) {
+  const Vector low = mesh.nodes.colwise().minCoeff(), high = mesh.nodes.colwise().maxCoeff();
+  const Vector n(plane.normal[0], plane.normal[1], plane.normal[2]);
+  Vector point(plane.point[0], plane.point[1], plane.point[2]);
+  if (plane.fraction) point = low + point.cwiseProduct(high - low);
+  const auto reflected = [&](std::int32_t i) -> Vector {
+    const Vector x = mesh.nodes.row(i);
+    return x - 2 * (x - point).dot(n) * n;
+  };
+
+  const Grid grid(mesh.nodes, tolerance);
+  std::vector<std::int32_t> image(static_cast<std::size_t>(mesh.n_nodes())), alone;
+  for (std::int32_t i = 0; i < mesh.n_nodes(); ++i) {
+    image[i] = grid.nearest(reflected(i));
+    if (image[i] < 0) alone.push_back(i);
+  }
+  if (!alone.empty()) {
+    const double off = (mesh.nodes.rowwise() - reflected(alone.front())).rowwise().norm().minCoeff();
+    throw input_error(
+        place(plane) + "the mesh is not symmetric",
+        counted(alone.size(), "node has", "nodes have") + " no mirror image within " + metres(tolerance) +
+            " (" + first_few(alone) + "); the first misses by " + metres(off),
+        "move the plane, set tolerance_m, give a mesh that is symmetric (half = true makes one from its "
+        "half), or remove mesh.symmetry");
+  }
+  for (std::int32_t i = 0; i < mesh.n_nodes(); ++i)
+    if (image[image[i]] != i)
+      throw input_error(place(plane) + "two nodes have the same mirror image",
+                        "nodes " + std::to_string(i) + " and " + std::to_string(image[image[i]]),
+                        "make tolerance_m smaller than the distance between nodes");
+  return image;
+}
+
+void check_cells(const Mesh& mesh, const SymmetryPlane& plane, const std::vector<std::int32_t>& image) {
+  using Corners = std::array<std::int32_t, 4>;
+  std::set<Corners> cells;
+  const auto corners = [&](Eigen::Index c, bool mirrored) {
+    Corners nodes{};
+    for (int k = 0; k < 4; ++k)
+      nodes[static_cast<std::size_t>(k)] = mirrored ? image[mesh.cells(c, k)] : mesh.cells(c, k);
+    std::sort(nodes.begin(), nodes.end());
+    return nodes;
+  };
+  for (Eigen::Index c = 0; c < mesh.cells.rows(); ++c) cells.insert(corners(c, false));
+  std::vector<std::int32_t> alone;
+  for (Eigen::Index c = 0; c < mesh.cells.rows(); ++c)
+    if (!cells.count(corners(c, true))) alone.push_back(static_cast<std::int32_t>(c));
+  if (!alone.empty())
+    throw input_error(
+        place(plane) + "the nodes are symmetric, but the cells between them are not",
+        counted(alone.size(), "cell has", "cells have") + " no mirror image: " + first_few(alone),
+        "mesh one half and give it with half = true, or remove mesh.symmetry");
+}
+
+void check_set(const std::vector<std::int32_t>& nodes, const char* what, const SymmetryPlane& plane,
+               const std::vector<std::int32_t>& image) {
+  for (const auto node : nodes)
+    if (!std::binary_search(nodes.begin(), nodes.end(), image[node]))
+      throw input_error(place(plane) + "the " + what + " nodes are not symmetric",
+                        "node " + std::to_string(node) + " is one, its mirror image " +
+                            std::to_string(image[node]) + " is not",
+                        "widen the selection to both sides of the plane, or remove mesh.symmetry");
+}
+
+}  // namespace
+
+RawMesh with_mirror_image(RawMesh half, const Vector& point, const Vector& normal, double tolerance,
+                          const std::string& source) {
+  const auto n = static_cast<std::int32_t>(half.nodes.size());
+  std::vector<std::int32_t> image(half.nodes.size());
+  std::size_t before = 0, behind = 0;
+  for (std::int32_t i = 0; i < n; ++i) {
+    auto& node = half.nodes[i];
+    const Vector x(node[0], node[1], node[2]);
+    const double height = (x - point).dot(normal);
+    const bool on_plane = std::abs(height) <= tolerance;
+    if (!on_plane) ++(height > 0 ? before : behind);
+    const Vector moved = x - (on_plane ? 1 : 2) * height * normal;
+    const std::array<double, 3> at{moved[0], moved[1], moved[2]};
+    image[i] = on_plane ? i : static_cast<std::int32_t>(half.nodes.size());
+    if (on_plane)
+      node = at;
+    else
+      half.nodes.push_back(at);
+  }
+  if (before > 0 && behind > 0)
+    throw input_error(
+        source + ": half a body lies on one side of the plane of symmetry",
+        std::to_string(before) + " nodes before the plane, " + std::to_string(behind) + " behind it",
+        "correct point_m and normal, or remove half: the file holds the whole body");
+  if (before + behind == static_cast<std::size_t>(n))
+    throw input_error(source + ": no node lies on the plane of symmetry", "",
+                      "correct point_m, or set tolerance_m");
+
+  const std::size_t n_cells = half.tetrahedra.size();
+  for (std::size_t c = 0; c < n_cells; ++c) {
+    const auto cell = half.tetrahedra[c];
+    // A mirror turns a cell inside out: two corners change places.
+    half.tetrahedra.push_back({image[cell[0]], image[cell[2]], image[cell[1]], image[cell[3]]});
+  }
+  half.triangles.clear();  // of the half: its cut face is inside the whole
+  for (auto& [name, nodes] : half.groups) {
+    const auto count = nodes.size();
+    for (std::size_t i = 0; i < count; ++i) nodes.push_back(image[nodes[i]]);
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  }
+  return half;
+}
+
+MirrorSymmetry find_mirror(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  const SymmetryPlane& plane = *scene.mesh.symmetry;
+  const Vector extent = mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff();
+  MirrorSymmetry mirror;
+  mirror.normal = plane.normal;
+  mirror.image =
+      pair_nodes(mesh, plane, plane.tolerance_m > 0 ? plane.tolerance_m : mirror_tolerance * extent.norm());
+  check_cells(mesh, plane, mirror.image);
+  check_set(sets.fixed, "fixed", plane, mirror.image);
+  check_set(sets.active, "active", plane, mirror.image);
+  check_set(sets.output, "output", plane, mirror.image);
+  // Of the hemisphere only the half that pushes in is solved, and opposites of that pull.
+  mirror.odd = scene.material.law == Law::linear && scene.probe.directions != Directions::hemisphere;
+  return mirror;
+}
+
+}  // namespace phynness::meshes

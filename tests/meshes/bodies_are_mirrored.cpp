@@ -1,0 +1,188 @@
+// Claims: a built-in shape that declares a plane of symmetry is its own mirror image, node by node and cell
+// by cell; a file that holds one half becomes the whole body; what is not symmetric is refused, with the
+// first that is not.
+#include "mesh_under_test.hpp"
+#include "mirror.hpp"
+
+namespace phynness::test {
+namespace {
+
+Selector every(Selector::Kind kind) {
+  Selector s;
+  s.kind = kind;
+  return s;
+}
+
+/// Fixed at one end of the axis after the mirror's, so that the fixed nodes are symmetric.
+Scene symmetric_scene(Shape shape, int axis) {
+  Scene scene;
+  scene.mesh.shape = shape;
+  scene.mesh.target_nodes = 150;
+  SymmetryPlane plane;
+  plane.normal[static_cast<std::size_t>(axis)] = 1;
+  scene.mesh.symmetry = plane;
+  Selector end = every(Selector::Kind::box);
+  end.fraction = true;
+  end.a = {0, 0, 0};
+  end.b = {1, 1, 1};
+  end.b[static_cast<std::size_t>((axis + 1) % 3)] = 0.3;
+  scene.fixed = {end};
+  scene.active = scene.output = {every(Selector::Kind::free_surface)};
+  return scene;
+}
+
+class MirroredShape : public ::testing::TestWithParam<std::tuple<Shape, int>> {};
+
+TEST_P(MirroredShape, IsItsOwnMirrorImage) {
+  SKIP_WITHOUT_GMSH();
+  const auto [shape, axis] = GetParam();
+  const Scene scene = symmetric_scene(shape, axis);
+  const Mesh mesh = make_mesh(scene).mesh;
+  const auto sets = resolve_selections(scene, mesh);  // checks cells and sets
+  ASSERT_TRUE(sets.mirror);
+  const double middle = (mesh.nodes.col(axis).minCoeff() + mesh.nodes.col(axis).maxCoeff()) / 2;
+  int on_plane = 0;
+  for (std::int32_t i = 0; i < mesh.n_nodes(); ++i) {
+    Eigen::RowVector3d image = mesh.nodes.row(i);
+    image[axis] = 2 * middle - image[axis];
+    // Made by mirroring: only rounding of coordinates below 0.1 m is left.
+    EXPECT_LT((image - mesh.nodes.row(sets.mirror->image[i])).norm(), 1e-15);
+    on_plane += sets.mirror->image[i] == i;
+  }
+  EXPECT_GT(on_plane, 4);
+  EXPECT_LT(on_plane, mesh.n_nodes() / 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, MirroredShape,
+                         ::testing::Combine(::testing::Values(Shape::block, Shape::cylinder, Shape::tube),
+                                            ::testing::Values(0, 1, 2)),
+                         [](const auto& info) {
+                           return std::string(name(std::get<0>(info.param))) + "_" +
+                                  "xyz"[std::get<1>(info.param)];
+                         });
+
+TEST(MirroredShape, HasTheVolumeOfTheWhole) {
+  SKIP_WITHOUT_GMSH();
+  Scene scene = symmetric_scene(Shape::block, 1);
+  scene.mesh.size_m = {0.03, 0.02, 0.01};
+  EXPECT_NEAR(make_mesh(scene).quality.volume_m3, 6e-6, 1e-12 * 6e-6);  // plane faces: only rounding
+}
+
+TEST(AsymmetricBody, IsRefusedWithTheNodesThatHaveNoImage) {
+  SKIP_WITHOUT_GMSH();
+  // What gmsh makes of the whole shape: the reason why halves are mirrored.
+  Scene scene = symmetric_scene(Shape::block, 0);
+  Scene plain = scene;
+  plain.mesh.symmetry.reset();
+  const Mesh mesh = make_mesh(plain).mesh;
+  const auto message = error_of([&] { resolve_selections(scene, mesh); });
+  EXPECT_TRUE(contains(message, "not symmetric") && contains(message, "no mirror image within")) << message;
+}
+
+/// The octahedron's eight cells about the origin, one corner of every cell there: symmetric in x, y and z.
+Mesh octahedron() {
+  Mesh mesh;
+  mesh.nodes.resize(7, 3);
+  mesh.nodes << 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1;
+  mesh.cells.resize(8, 4);
+  for (int c = 0; c < 8; ++c) {
+    const std::int32_t x = 1 + c % 2, y = 3 + c / 2 % 2, z = 5 + c / 4;
+    const bool even = (c % 2 + c / 2 % 2 + c / 4) % 2 == 0;
+    mesh.cells.row(c) << 0, (even ? x : y), (even ? y : x), z;
+  }
+  mesh.surface = boundary_triangles(mesh.cells);
+  return mesh;
+}
+
+Scene octahedron_scene() {
+  Scene scene = symmetric_scene(Shape::none, 0);
+  Selector held = every(Selector::Kind::nodes);
+  held.nodes = {3, 4, 5};
+  scene.fixed = {held};
+  return scene;
+}
+
+TEST(SymmetricBody, PairsItsNodes) {
+  const auto sets = resolve_selections(octahedron_scene(), octahedron());
+  EXPECT_EQ(sets.mirror->image, (std::vector<std::int32_t>{0, 2, 1, 3, 4, 5, 6}));
+  EXPECT_FALSE(sets.mirror->odd);
+}
+
+TEST(SymmetricBody, MayBeOffByTheToleranceOfTheScene) {
+  Scene scene = octahedron_scene();
+  Mesh mesh = octahedron();
+  mesh.nodes(1, 1) += 1e-3;
+  EXPECT_TRUE(contains(error_of([&] { resolve_selections(scene, mesh); }), "2 nodes have no mirror image"));
+  scene.mesh.symmetry->tolerance_m = 2e-3;
+  EXPECT_EQ(resolve_selections(scene, mesh).mirror->image[1], 2);
+  scene.mesh.symmetry->tolerance_m = 10;  // then a node next to the image may be taken for it, never twice
+  EXPECT_EQ(resolve_selections(scene, mesh).mirror->image[1], 2);
+}
+
+TEST(SymmetricBody, IsRefusedIfCellsOrSetsAreNot) {
+  Scene scene = octahedron_scene();
+  Mesh mesh = octahedron();
+  mesh.cells.conservativeResize(7, 4);
+  mesh.surface = boundary_triangles(mesh.cells);
+  auto message = error_of([&] { resolve_selections(scene, mesh); });
+  EXPECT_TRUE(contains(message, "1 cell has no mirror image: 6")) << message;
+
+  scene.fixed[0].nodes = {1, 3, 5};
+  message = error_of([&] { resolve_selections(scene, octahedron()); });
+  EXPECT_TRUE(contains(message, "fixed nodes are not symmetric") && contains(message, "node 1 is one"))
+      << message;
+  scene.fixed[0].nodes = {3, 4, 5};
+  for (auto* set : {&scene.active, &scene.output}) {
+    Scene lopsided = scene;
+    Selector one = every(Selector::Kind::nodes);
+    one.nodes = {2};
+    (set == &scene.active ? lopsided.active : lopsided.output) = {one};
+    message = error_of([&] { resolve_selections(lopsided, octahedron()); });
+    EXPECT_TRUE(contains(message, "nodes are not symmetric") && contains(message, "image 1 is not"))
+        << message;
+  }
+}
+
+/// Two tetrahedra on the side x >= 0 of the plane x = 0, in .msh 2.2: `x` of the node that is off the plane.
+std::string half_msh(const std::string& x) {
+  return msh_2("1 4 2 7 1 1 2 3 5\n2 4 2 7 1 1 3 4 5\n", 2,
+               "1 0 0 0\n2 0 1 0\n3 0 0 1\n4 0 -1 0\n5 " + x + " 0 0\n");
+}
+
+Scene half_scene(const std::filesystem::path& file) {
+  Scene scene;
+  scene.mesh.file = file;
+  scene.mesh.scale_to_m = 0.01;
+  SymmetryPlane plane;
+  plane.fraction = false;
+  plane.point = {0, 0, 0};
+  plane.normal = {1, 0, 0};
+  plane.half = true;
+  scene.mesh.symmetry = plane;
+  return scene;
+}
+
+TEST(HalfABody, BecomesTheWhole) {
+  const TemporaryFile file(half_msh("3"), ".msh");
+  const Scene scene = half_scene(file.path);
+  const auto made = make_mesh(scene);
+  EXPECT_EQ(made.mesh.n_nodes(), 6);
+  EXPECT_EQ(made.mesh.n_cells(), 4);
+  EXPECT_NEAR(made.quality.volume_m3, 2e-6, 1e-18);  // four times 3 * 1 * 1 / 6 cm3, to rounding
+  EXPECT_EQ(made.mesh.nodes.row(5), Eigen::RowVector3d(-0.03, 0, 0));
+  EXPECT_EQ(made.mesh.groups.at("7"), (std::vector<std::int32_t>{0, 1, 2, 3, 4, 5}));
+  EXPECT_TRUE(contains(joined(made.notes), "5 nodes became 6")) << joined(made.notes);
+}
+
+TEST(HalfABody, ThatIsNoneIsRefused) {
+  const TemporaryFile apart(half_msh("3"), ".msh");
+  Scene scene = half_scene(apart.path);
+  scene.mesh.symmetry->point = {-0.02, 0, 0};
+  EXPECT_TRUE(contains(error_of([&] { make_mesh(scene); }), "no node lies on the plane"));
+  scene.mesh.symmetry->point = {0.01, 0, 0};
+  const auto message = error_of([&] { make_mesh(scene); });
+  EXPECT_TRUE(contains(message, "1 nodes before the plane, 4 behind it")) << message;
+}
+
+}  // namespace
+}  // namespace phynness::test
