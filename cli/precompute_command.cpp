@@ -16,6 +16,7 @@ struct Options {
   std::optional<std::filesystem::path> json_file;
   std::string shard;
   bool resume = false;
+  int ranks_per_solve = 1;
 };
 
 /// Takes the lock, and says what is there already.
@@ -102,6 +103,13 @@ void run(const Options& options) {
   install_stop_handler();
   const SolverSession session;
   const bool first = session.rank() == 0;
+  target.ranks_per_solve = options.ranks_per_solve;
+  session.together([&] {
+    if (session.size() % target.ranks_per_solve != 0)
+      throw input_error("ranks do not fall into whole teams",
+                        fmt::format("{} ranks, --ranks-per-solve {}", session.size(), target.ranks_per_solve),
+                        "start a multiple of --ranks-per-solve with mpirun -n");
+  });
   LoadedScene loaded;
   std::optional<DatabaseLock> lock;
   session.together([&] {
@@ -169,6 +177,11 @@ void add_precompute_command(CLI::App& app) {
   command->add_option("--shard", options->shard,
                       "i/n: solve part i (from 0) of n, as a process that needs no other, into its own file\n"
                       "(database.h5 -> database.shard-i-of-n.h5); phynness merge makes one database of them");
+  command
+      ->add_option("--ranks-per-solve", options->ranks_per_solve,
+                   "ranks that factorize one solve together, for meshes too large for one (docs/howto/cluster.md)")
+      ->check(CLI::Range(1, 1 << 20))
+      ->default_val(1);
   command->add_option("--json", options->json_file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "equilibrium_impl.hpp"
+#include "factorization.hpp"
 
 namespace phynness {
 namespace {
@@ -18,9 +19,10 @@ std::vector<std::int32_t> unknowns_of(const TangentMatrix& tangent, std::span<co
 }  // namespace
 
 Equilibrium::Impl::Impl(Discretization& discretization, const std::vector<std::int32_t>& fixed_dofs,
-                        const SolverSpec& spec)
+                        const SolverSpec& spec, Team* helpers)
     : body(discretization),
       options(spec),
+      team(helpers),
       tangent(discretization, fixed_dofs),
       pressures(unknowns_of(tangent, discretization.pressure_dofs())) {
   set_up_solver();
@@ -29,14 +31,25 @@ Equilibrium::Impl::Impl(Discretization& discretization, const std::vector<std::i
 
 int Equilibrium::Impl::negative_pivots() const {
   KSP ksp;
-  PC pc;
-  Mat factor;
-  PetscInt negative = 0;
   PHYNNESS_PETSC(SNESGetKSP(snes, &ksp));
-  PHYNNESS_PETSC(KSPGetPC(ksp, &pc));
-  PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
-  PHYNNESS_PETSC(MatGetInertia(factor, &negative, nullptr, nullptr));
-  return static_cast<int>(negative) - static_cast<int>(body.pressure_dofs().size());
+  const int all = team ? team->negative_pivots() : phynness::negative_pivots(ksp);
+  return all - static_cast<int>(body.pressure_dofs().size());
+}
+
+PetscErrorCode Equilibrium::Impl::factorize_together(PC pc) {
+  Team* team = nullptr;
+  Mat matrix;
+  PetscCall(PCShellGetContext(pc, &team));
+  PetscCall(PCGetOperators(pc, nullptr, &matrix));
+  PetscCall(PCSetFailedReason(pc, team->factorize(matrix) ? PC_NOERROR : PC_FACTOR_NUMERIC_ZEROPIVOT));
+  return 0;
+}
+
+PetscErrorCode Equilibrium::Impl::solve_together(PC pc, Vec b, Vec x) {
+  Team* team = nullptr;
+  PetscCall(PCShellGetContext(pc, &team));
+  team->solve(b, x);
+  return 0;
 }
 
 void Equilibrium::Impl::set_up_solver() {
@@ -60,17 +73,15 @@ void Equilibrium::Impl::set_up_solver() {
   PHYNNESS_PETSC(SNESGetLineSearch(snes, &search));
   PHYNNESS_PETSC(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
   PHYNNESS_PETSC(SNESLineSearchShellSetApply(search, step, this));
-  // LDL^T tells the number of negative pivots.
-  PHYNNESS_PETSC(PCSetType(pc, PCCHOLESKY));
-  PHYNNESS_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  // Definite wherever it matters, or quasi-definite with pressures (Vanderbei 1995, doi:10.1137/0805005): neither
-  // scaling nor pivoting is needed, and they cost a tenth to a fifth.
-  PHYNNESS_PETSC(KSPSetOperators(ksp, tangent.matrix(), tangent.matrix()));
-  PHYNNESS_PETSC(PCFactorSetUpMatSolverType(pc));
-  Mat factor;
-  PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
-  PHYNNESS_PETSC(MatMumpsSetIcntl(factor, 8, 0));
-  PHYNNESS_PETSC(MatMumpsSetCntl(factor, 1, 0.0));
+  if (team) {
+    PHYNNESS_PETSC(KSPSetOperators(ksp, tangent.matrix(), tangent.matrix()));
+    PHYNNESS_PETSC(PCSetType(pc, PCSHELL));
+    PHYNNESS_PETSC(PCShellSetContext(pc, team));
+    PHYNNESS_PETSC(PCShellSetSetUp(pc, factorize_together));
+    PHYNNESS_PETSC(PCShellSetApply(pc, solve_together));
+  } else {
+    set_up_factorization(ksp, tangent.matrix());
+  }
   PHYNNESS_PETSC(SNESSetFromOptions(snes));
 }
 
@@ -179,8 +190,8 @@ PetscErrorCode Equilibrium::Impl::test_convergence(SNES, PetscInt, PetscReal, Pe
 }
 
 Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs,
-                         const SolverSpec& options)
-    : _impl(std::make_unique<Impl>(body, fixed_dofs, options)) {
+                         const SolverSpec& options, Team* team)
+    : _impl(std::make_unique<Impl>(body, fixed_dofs, options, team && team->size() > 1 ? team : nullptr)) {
   prescribe({{}, Eigen::MatrixXd(0, 0)});
 }
 Equilibrium::~Equilibrium() = default;

@@ -15,12 +15,16 @@
 
 namespace phynness {
 
+class Team;
+
 /// Solves r(x) = load on the rows that are neither fixed nor prescribed. Fixed dofs keep the value they have
 /// in the state; prescribed dofs keep theirs during a solve: they are put there first, their rows of the
 /// Newton system are the identity with right-hand side zero, so no metre ever meets a newton in a norm.
 class Equilibrium {
  public:
-  Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options);
+  /// @param team  whose leader this is, factorizes; null: this process alone
+  Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options,
+              Team* team = nullptr);
   ~Equilibrium();
   Equilibrium(Equilibrium&&) noexcept;
 

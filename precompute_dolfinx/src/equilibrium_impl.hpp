@@ -6,14 +6,17 @@
 #include "pressure_block.hpp"
 #include "quasi_newton.hpp"
 #include "tangent_matrix.hpp"
+#include "team.hpp"
 
 namespace phynness {
 
 struct Equilibrium::Impl {
-  Impl(Discretization& discretization, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& spec);
+  Impl(Discretization& discretization, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& spec,
+       Team* helpers);
 
   Discretization& body;
   SolverSpec options;
+  Team* team;  ///< that factorizes; null: this process alone
   TangentMatrix tangent;
   Constraint constraint;
   std::vector<std::int32_t> prescribed;  ///< unknowns of constraint.dofs
@@ -49,6 +52,8 @@ struct Equilibrium::Impl {
   static PetscErrorCode form_jacobian(SNES, Vec, Mat, Mat, void*);
   static PetscErrorCode test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal,
                                          SNESConvergedReason*, void*);
+  static PetscErrorCode factorize_together(PC);
+  static PetscErrorCode solve_together(PC, Vec, Vec);
   /// One step along the direction that SNES has computed (newton_step.cpp).
   static PetscErrorCode step(SNESLineSearch, void*);
 };

@@ -10,6 +10,7 @@
 
 #include "ray_schedule.hpp"
 #include "solve_ray.hpp"
+#include "team.hpp"
 #include "work_counter.hpp"
 
 namespace phynness {
@@ -33,6 +34,7 @@ class WorkClock {
  public:
   void start() { _start = cpu_seconds(); }
   void stop() { _seconds += cpu_seconds() - _start; }
+  void add(double seconds) { _seconds += seconds; }
   double seconds() const { return _seconds; }
 
  private:
@@ -79,9 +81,9 @@ struct Share {
 /// @param done  told after every ray
 void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
                  const Requested& requested, const std::vector<RayIndex>& rays, WorkCounter& counter,
-                 int n_ranks, const std::function<void()>& done, const std::function<bool()>& stop,
+                 int n_teams, const std::function<void()>& done, const std::function<bool()>& stop,
                  Share& share) {
-  const auto tasks = ray_tasks(rays, n_ranks);
+  const auto tasks = ray_tasks(rays, n_teams);
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
   std::int32_t touched = -1;
   for (auto task = counter.next(); task < n_tasks; task = counter.next()) {
@@ -140,10 +142,11 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   std::vector<char> logged(header.sets.active.size() * header.directions.size(), 0);
   const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
   int complete = 0;
+  Team team(target.ranks_per_solve);
   std::optional<ProbeSolver> probe_solver;
   session.together([&] {
     // Before there is a file: a scene that cannot be solved must not leave one behind.
-    probe_solver.emplace(scene, mesh, sets);
+    if (team.leads()) probe_solver.emplace(scene, mesh, sets, &team);
     if (session.rank() == 0) {
       DatabaseWriter::create(target.file, header, target.resume);
       complete = Database::is_complete(target.file) ? 1 : 0;
@@ -165,20 +168,27 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   std::exception_ptr trouble;
   if (!rays.empty()) {
     WorkCounter counter(MPI_COMM_WORLD);
-    core.start();
-    try {
-      DatabaseWriter log(target.file, header, session.rank());
-      const auto done = [&] {
-        counter.add_done(1);
-        if (progress && session.rank() == 0) progress(report.rays_resumed + counter.done(), rays_in_all);
-      };
-      solve_tasks(*probe_solver, log, header, Requested(scene, header), rays, counter, session.size(), done,
-                  stop, share);
-      log.close();
-    } catch (...) {
-      trouble = std::current_exception();
+    if (team.leads()) {
+      core.start();
+      try {
+        DatabaseWriter log(target.file, header, session.rank());
+        const auto done = [&] {
+          counter.add_done(1);
+          if (progress && session.rank() == 0) progress(report.rays_resumed + counter.done(), rays_in_all);
+        };
+        solve_tasks(*probe_solver, log, header, Requested(scene, header), rays, counter,
+                    session.size() / team.size(), done, stop, share);
+        log.close();
+      } catch (...) {
+        trouble = std::current_exception();
+      }
+      core.stop();
+      if (team.size() > 1) team.dismiss();
+    } else {
+      const auto served = team.serve();
+      share.busy_seconds = served.busy_seconds;
+      core.add(served.core_seconds);
     }
-    core.stop();
   }
   report.solve_seconds = seconds_since(solve_start);
 

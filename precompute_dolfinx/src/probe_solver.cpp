@@ -19,13 +19,13 @@ Mesh without_dimension(const Mesh& mesh, double length_m) {
 }  // namespace
 
 struct ProbeSolver::Impl {
-  Impl(const Scene& s, const Mesh& mesh, const NodeSets& sets)
+  Impl(const Scene& s, const Mesh& mesh, const NodeSets& sets, Team* team)
       : scene(s),
         scaling(Scaling::of(mesh, s.material)),
         body(without_dimension(mesh, scaling.length_m),
              form_set(s.material, s.solver.element, scaling.modulus_Pa)),
         fixed(fixed_points(body, sets.fixed)),
-        equilibrium(body, displacement_dofs(body, fixed), s.solver),
+        equilibrium(body, displacement_dofs(body, fixed), s.solver, team),
         rays(body, equilibrium, s.solver) {
     if (!hold_the_body(mesh.nodes, sets.fixed))
       throw input_error("the fixed nodes do not hold the body",
@@ -51,8 +51,8 @@ struct ProbeSolver::Impl {
   }
 };
 
-ProbeSolver::ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets)
-    : _impl(std::make_unique<Impl>(scene, mesh, sets)) {}
+ProbeSolver::ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets, Team* team)
+    : _impl(std::make_unique<Impl>(scene, mesh, sets, team)) {}
 ProbeSolver::~ProbeSolver() = default;
 ProbeSolver::ProbeSolver(ProbeSolver&&) noexcept = default;
 

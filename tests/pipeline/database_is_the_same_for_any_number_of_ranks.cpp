@@ -9,20 +9,15 @@
 namespace phynness::test {
 namespace {
 
-using Ranks = CommandLine;
-
-TEST_F(Ranks, OneTwoAndFourGiveTheSameDatabase) {
-  write_file(folder / "scene.toml", small_scene());
-  for (const int n : {1, 2, 4}) {
-    const auto file = "database" + std::to_string(n) + ".h5";
-    const auto outcome = shell("mpirun --oversubscribe -n " + std::to_string(n) +
-                               " \"$PHYNNESS\" precompute scene.toml -o " + file);
-    ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+class Ranks : public CommandLine {
+ protected:
+  Outcome precompute(int n_ranks, const std::string& options) {
+    return shell("mpirun --oversubscribe -n " + std::to_string(n_ranks) +
+                 " \"$PHYNNESS\" precompute scene.toml " + options);
   }
-  const auto one = Database::open(folder / "database1.h5");
-  ASSERT_EQ(one.header().sets.active.size(), 2u);
-  for (const int n : {2, 4}) {
-    const auto other = Database::open(folder / ("database" + std::to_string(n) + ".h5"));
+
+  void expect_equal(const std::string& file, const Database& one) {
+    const auto other = Database::open(folder / file);
     EXPECT_EQ(other.header().mesh_hash, one.header().mesh_hash);
     EXPECT_EQ(other.statuses(), one.statuses());
     for (std::int32_t a = 0; a < 2; ++a) {
@@ -41,6 +36,48 @@ TEST_F(Ranks, OneTwoAndFourGiveTheSameDatabase) {
       }
     }
   }
+};
+
+TEST_F(Ranks, OneTwoAndFourGiveTheSameDatabase) {
+  write_file(folder / "scene.toml", small_scene());
+  for (const int n : {1, 2, 4}) {
+    const auto outcome = precompute(n, "-o database" + std::to_string(n) + ".h5");
+    ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  }
+  const auto one = Database::open(folder / "database1.h5");
+  ASSERT_EQ(one.header().sets.active.size(), 2u);
+  expect_equal("database2.h5", one);
+  expect_equal("database4.h5", one);
+}
+
+// A team's factors are summed in another order: rounding, which Newton's method does not pass on.
+TEST_F(Ranks, TeamsGiveTheSameDatabase) {
+  for (const char* element : {"P1", "taylor-hood"}) {
+    write_file(folder / "scene.toml", small_scene(element));
+    for (const char* file : {"alone.h5", "team.h5", "teams.h5"}) std::filesystem::remove(folder / file);
+    const auto alone = precompute(1, "-o alone.h5"), team = precompute(2, "-o team.h5 --ranks-per-solve 2"),
+               teams = precompute(4, "-o teams.h5 --ranks-per-solve 2 --json teams.json");
+    ASSERT_EQ(alone.exit_status, 0) << alone.err;
+    ASSERT_EQ(team.exit_status, 0) << team.err;
+    ASSERT_EQ(teams.exit_status, 0) << teams.err;
+    const auto one = Database::open(folder / "alone.h5");
+    expect_equal("team.h5", one);
+    expect_equal("teams.h5", one);
+    const auto ranks = json("teams.json").at("per_rank");
+    ASSERT_EQ(ranks.size(), 4u);
+    EXPECT_GT(ranks[0].at("rays"), 0);
+    EXPECT_EQ(ranks[1].at("rays"), 0) << "not the leader of its team";
+    EXPECT_GT(ranks[1].at("busy_seconds"), 0) << "had no part in the solves";
+    EXPECT_GT(ranks[2].at("rays"), 0);
+  }
+}
+
+TEST_F(Ranks, ThatDoNotFallIntoTeamsAreRefused) {
+  write_file(folder / "scene.toml", small_scene());
+  const auto outcome = precompute(3, "-o database.h5 --ranks-per-solve 2");
+  EXPECT_EQ(outcome.exit_status, 2) << outcome.err;
+  EXPECT_NE(outcome.err.find("3 ranks, --ranks-per-solve 2"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "database.h5"));
 }
 
 }  // namespace

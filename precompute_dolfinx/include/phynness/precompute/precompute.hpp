@@ -10,11 +10,12 @@
 
 namespace phynness {
 
-/// Where the responses go.
+/// Where the responses go, and who shares a solve.
 struct PrecomputeTarget {
   std::filesystem::path file;
   bool resume = false;
   std::optional<Shard> shard;  ///< solve its rays only, and leave them in the log of `file` for a merge
+  int ranks_per_solve = 1;     ///< consecutive ranks that factorize together, for large meshes
 };
 
 /// One rank's part of a run.
@@ -45,6 +46,7 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// Collective over MPI_COMM_WORLD: all ranks call it with the same arguments. Rays are handed out to whichever
 /// rank is free, node by node, in ever smaller portions. Every ray starts at rest, so the result does not
 /// depend on who solves it.
+/// @pre ranks_per_solve divides the number of ranks
 /// @pre this process holds the DatabaseLock of the file, on rank 0
 /// @param stop  polled between rays on every rank; true ends the run early with what is finished kept
 /// @throws Error

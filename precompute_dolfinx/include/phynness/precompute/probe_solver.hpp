@@ -41,13 +41,16 @@ struct RestResponse {
   Eigen::MatrixXd sensitivity;  ///< (3 n_nodes) x (3 n_tools): du/dd, row 3 i + k is component k at node i
 };
 
-/// Owns the discretized body on this process alone (serial; ranks share nothing).
+class Team;
+
+/// Owns the discretized body on this process alone. Ranks share nothing, but for the factorizations of a team.
 /// @pre a SolverSession lives as long as any ProbeSolver
 class ProbeSolver {
  public:
   /// Uses material, solver, probe and database specification of the scene.
+  /// @param team  null, or the team that this rank leads, whose others are in Team::serve() whenever something is solved
   /// @throws Error
-  ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
+  ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets, Team* team = nullptr);
   ~ProbeSolver();
   ProbeSolver(ProbeSolver&&) noexcept;
 

@@ -1,0 +1,217 @@
+#include "team.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+#include "factorization.hpp"
+#include "petsc_check.hpp"
+#include "solve_ray.hpp"
+
+namespace phynness {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// The whole matrix's arrays; on the leader alone.
+struct Whole {
+  PetscInt n = 0;
+  const PetscInt *row_start = nullptr, *column = nullptr;
+
+  explicit Whole(Mat matrix) : _matrix(matrix) {
+    PetscBool done = PETSC_FALSE;
+    PHYNNESS_PETSC(MatGetRowIJ(matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &row_start, &column, &done));
+  }
+  ~Whole() {
+    PetscBool done = PETSC_FALSE;
+    MatRestoreRowIJ(_matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &row_start, &column, &done);
+  }
+  Whole(const Whole&) = delete;
+
+ private:
+  Mat _matrix;
+};
+
+}  // namespace
+
+/// A member's rows of the matrix and its part of the factors. Its functions are collective; their arguments are the
+/// leader's, null elsewhere.
+class Team::Share {
+ public:
+  Share(MPI_Comm comm, std::int64_t n, Mat matrix);
+  ~Share() { KSPDestroy(&_ksp); }
+  Share(const Share&) = delete;
+
+  bool factorize(Mat matrix);
+  void solve(Vec b, Vec x);
+  int negative_pivots() const { return phynness::negative_pivots(_ksp); }
+
+ private:
+  MPI_Comm _comm;
+  bool _leads = false;
+  PetscMat _matrix;
+  PetscVec _b, _x;
+  KSP _ksp = nullptr;
+  std::vector<PetscScalar> _values;           ///< of this member's rows
+  std::vector<int> _first_row, _n_rows;       ///< per member
+  std::vector<int> _first_entry, _n_entries;  ///< per member; on the leader only
+};
+
+Team::Share::Share(MPI_Comm comm, std::int64_t n, Mat matrix) : _comm(comm) {
+  int size = 0, rank = 0;
+  MPI_Comm_size(comm, &size);
+  MPI_Comm_rank(comm, &rank);
+  _leads = rank == 0;
+  for (int r = 0; r < size; ++r) {
+    _first_row.push_back(static_cast<int>(n * r / size));
+    _n_rows.push_back(static_cast<int>(n * (r + 1) / size) - _first_row.back());
+  }
+  std::vector<int> length(static_cast<std::size_t>(_n_rows[static_cast<std::size_t>(rank)]));
+  std::vector<int> all_lengths, all_columns;
+  if (_leads) {
+    const Whole whole(matrix);
+    for (PetscInt i = 0; i < whole.n; ++i) all_lengths.push_back(whole.row_start[i + 1] - whole.row_start[i]);
+    all_columns.assign(whole.column, whole.column + whole.row_start[whole.n]);
+    for (std::size_t r = 0; r < _n_rows.size(); ++r) {
+      _first_entry.push_back(whole.row_start[_first_row[r]]);
+      _n_entries.push_back(whole.row_start[_first_row[r] + _n_rows[r]] - _first_entry.back());
+    }
+  }
+  MPI_Scatterv(all_lengths.data(), _n_rows.data(), _first_row.data(), MPI_INT, length.data(),
+               static_cast<int>(length.size()), MPI_INT, 0, _comm);
+  std::vector<PetscInt> row_start{0};
+  for (const int l : length) row_start.push_back(row_start.back() + l);
+  std::vector<int> received(static_cast<std::size_t>(row_start.back()));
+  MPI_Scatterv(all_columns.data(), _n_entries.data(), _first_entry.data(), MPI_INT, received.data(),
+               static_cast<int>(received.size()), MPI_INT, 0, _comm);
+  const std::vector<PetscInt> column(received.begin(), received.end());
+  _values.assign(column.size(), 0.0);
+  const auto rows = static_cast<PetscInt>(length.size());
+  PHYNNESS_PETSC(MatCreateMPIAIJWithArrays(_comm, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, row_start.data(),
+                                           column.data(), _values.data(), _matrix.address()));
+  PHYNNESS_PETSC(MatSetOption(_matrix, MAT_SYMMETRIC, PETSC_TRUE));
+  PHYNNESS_PETSC(MatSetOption(_matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  PHYNNESS_PETSC(MatCreateVecs(_matrix, _x.address(), _b.address()));
+  PHYNNESS_PETSC(KSPCreate(_comm, &_ksp));
+  PHYNNESS_PETSC(KSPSetOptionsPrefix(_ksp, "phynness_"));
+  PHYNNESS_PETSC(KSPSetType(_ksp, KSPPREONLY));
+  set_up_factorization(_ksp, _matrix);
+  PHYNNESS_PETSC(KSPSetFromOptions(_ksp));
+}
+
+bool Team::Share::factorize(Mat matrix) {
+  PetscScalar* all = nullptr;
+  if (_leads) PHYNNESS_PETSC(MatSeqAIJGetArray(matrix, &all));
+  MPI_Scatterv(all, _n_entries.data(), _first_entry.data(), MPIU_SCALAR, _values.data(),
+               static_cast<int>(_values.size()), MPIU_SCALAR, 0, _comm);
+  if (_leads) PHYNNESS_PETSC(MatSeqAIJRestoreArray(matrix, &all));
+  PHYNNESS_PETSC(MatUpdateMPIAIJWithArray(_matrix, _values.data()));
+  PC pc;
+  PCFailedReason failed;
+  PHYNNESS_PETSC(KSPSetOperators(_ksp, _matrix, _matrix));
+  PHYNNESS_PETSC(KSPGetPC(_ksp, &pc));
+  PHYNNESS_PETSC(PCSetUp(pc));
+  PHYNNESS_PETSC(PCGetFailedReason(pc, &failed));
+  return failed == PC_NOERROR;
+}
+
+void Team::Share::solve(Vec b, Vec x) {
+  const PetscScalar* from = nullptr;
+  PetscScalar *to = nullptr, *mine = nullptr;
+  PetscInt rows = 0;
+  PHYNNESS_PETSC(VecGetLocalSize(_b, &rows));
+  if (_leads) PHYNNESS_PETSC(VecGetArrayRead(b, &from));
+  PHYNNESS_PETSC(VecGetArray(_b, &mine));
+  MPI_Scatterv(from, _n_rows.data(), _first_row.data(), MPIU_SCALAR, mine, static_cast<int>(rows), MPIU_SCALAR, 0,
+               _comm);
+  PHYNNESS_PETSC(VecRestoreArray(_b, &mine));
+  if (_leads) PHYNNESS_PETSC(VecRestoreArrayRead(b, &from));
+  PHYNNESS_PETSC(KSPSolve(_ksp, _b, _x));
+  if (_leads) PHYNNESS_PETSC(VecGetArray(x, &to));
+  PHYNNESS_PETSC(VecGetArray(_x, &mine));
+  MPI_Gatherv(mine, static_cast<int>(rows), MPIU_SCALAR, to, _n_rows.data(), _first_row.data(), MPIU_SCALAR, 0, _comm);
+  PHYNNESS_PETSC(VecRestoreArray(_x, &mine));
+  if (_leads) PHYNNESS_PETSC(VecRestoreArray(x, &to));
+}
+
+Team::Team(int size) : _size(size) {
+  int world = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &world);
+  MPI_Comm_split(MPI_COMM_WORLD, world / size, world, &_comm);
+  MPI_Comm_rank(_comm, &_rank);
+}
+
+Team::~Team() {
+  _share.reset();
+  MPI_Comm_free(&_comm);
+}
+
+Team::Served Team::serve() {
+  Served served;
+  for (;;) {
+    std::int64_t order[2];
+    MPI_Request request;
+    MPI_Ibcast(order, 2, MPI_INT64_T, 0, _comm, &request);
+    // Between orders the leader computes for milliseconds: a core that waits may as well rest.
+    for (int arrived = 0; !arrived;) {
+      MPI_Test(&request, &arrived, MPI_STATUS_IGNORE);
+      if (!arrived) std::this_thread::sleep_for(std::chrono::microseconds(20));
+    }
+    if (static_cast<Order>(order[0]) == Order::dismiss) return served;
+    const auto start = Clock::now();
+    const double core = cpu_seconds();
+    obey(static_cast<Order>(order[0]), order[1], nullptr, nullptr, nullptr);
+    served.busy_seconds += std::chrono::duration<double>(Clock::now() - start).count();
+    served.core_seconds += cpu_seconds() - core;
+  }
+}
+
+std::int64_t Team::command(Order order, std::int64_t n, Mat matrix, Vec b, Vec x) {
+  std::int64_t message[] = {static_cast<std::int64_t>(order), n};
+  MPI_Request request;
+  MPI_Ibcast(message, 2, MPI_INT64_T, 0, _comm, &request);
+  MPI_Wait(&request, MPI_STATUS_IGNORE);
+  return order == Order::dismiss ? 0 : obey(order, n, matrix, b, x);
+}
+
+void Team::dismiss() { command(Order::dismiss); }
+
+bool Team::factorize(Mat matrix) {
+  if (!_share) {
+    PetscInt n = 0;
+    PHYNNESS_PETSC(MatGetSize(matrix, &n, nullptr));
+    command(Order::create, n, matrix);
+  }
+  return command(Order::factorize, 0, matrix) == 0;
+}
+
+void Team::solve(Vec b, Vec x) { command(Order::solve, 0, nullptr, b, x); }
+
+int Team::negative_pivots() { return static_cast<int>(command(Order::count_negative_pivots)); }
+
+std::int64_t Team::obey(Order order, std::int64_t n, Mat matrix, Vec b, Vec x) {
+  try {
+    switch (order) {
+      case Order::create:
+        _share = std::make_unique<Share>(_comm, n, matrix);
+        return 0;
+      case Order::factorize:
+        return _share->factorize(matrix) ? 0 : 1;
+      case Order::solve:
+        _share->solve(b, x);
+        return 0;
+      case Order::count_negative_pivots:
+        return _share->negative_pivots();
+      case Order::dismiss:
+        break;
+    }
+  } catch (const std::exception& error) {
+    // The others are inside the same collective call, and would wait for ever.
+    std::fprintf(stderr, "error: a team cannot go on: %s\n  remedy: finished rays are kept: go on with --resume\n",
+                 error.what());
+    MPI_Abort(MPI_COMM_WORLD, 1);
+  }
+  return 0;
+}
+
+}  // namespace phynness
