@@ -100,11 +100,11 @@ Team::Share::Share(MPI_Comm comm, std::int64_t n, Mat matrix) : _comm(comm) {
 }
 
 bool Team::Share::factorize(Mat matrix) {
-  PetscScalar* all = nullptr;
-  if (_leads) PHYNNESS_PETSC(MatSeqAIJGetArray(matrix, &all));
+  const PetscScalar* all = nullptr;  // to read: a matrix that may have changed is factorized again
+  if (_leads) PHYNNESS_PETSC(MatSeqAIJGetArrayRead(matrix, &all));
   MPI_Scatterv(all, _n_entries.data(), _first_entry.data(), MPIU_SCALAR, _values.data(),
                static_cast<int>(_values.size()), MPIU_SCALAR, 0, _comm);
-  if (_leads) PHYNNESS_PETSC(MatSeqAIJRestoreArray(matrix, &all));
+  if (_leads) PHYNNESS_PETSC(MatSeqAIJRestoreArrayRead(matrix, &all));
   PHYNNESS_PETSC(MatUpdateMPIAIJWithArray(_matrix, _values.data()));
   PC pc;
   PCFailedReason failed;
