@@ -156,8 +156,7 @@ std::vector<PlainState> PlainLoop::ray(std::int32_t node, const Vec3& full_depth
     PlainState result;
     result.iterations = static_cast<int>(iterations);
     Impl::read(s.x, state);
-    result.converged =
-        reason > 0 && (!s.body.forms().checks_jacobian || s.body.min_jacobian(state) > 0);
+    result.converged = reason > 0 && (!s.body.forms().checks_jacobian || s.body.min_jacobian(state) > 0);
     if (result.converged) {
       s.body.residual(state, s.residual);
       Eigen::VectorXd reaction(static_cast<Eigen::Index>(constraint.dofs.size()));

@@ -137,7 +137,14 @@ void measure(const Options& options, const std::string& element, Scene scene, co
                         ours.converged += good;
                         ours.cutbacks += response.cutbacks;
                         if (options.verbose)
-                          std::printf("node %d direction %d increment %zu: status %d, %d iterations, %d cutbacks, J %.3f, negative pivots %d, %lld factorizations, %lld residuals\n", sample.node[a], d, i, static_cast<int>(response.status), response.iterations, response.cutbacks, response.min_jacobian, response.negative_pivots, static_cast<long long>(solver.counts().factorizations - last.factorizations), static_cast<long long>(solver.counts().residuals - last.residuals)), last = solver.counts();
+                          std::printf(
+                              "node %d direction %d increment %zu: status %d, %d iterations, %d cutbacks, J "
+                              "%.3f, negative pivots %d, %lld factorizations, %lld residuals\n",
+                              sample.node[a], d, i, static_cast<int>(response.status), response.iterations,
+                              response.cutbacks, response.min_jacobian, response.negative_pivots,
+                              static_cast<long long>(solver.counts().factorizations - last.factorizations),
+                              static_cast<long long>(solver.counts().residuals - last.residuals)),
+                              last = solver.counts();
                         all = all && good;
                         our_force.push_back(good ? response.force_N[0] : Vec3{});
                         return true;
@@ -164,34 +171,39 @@ void measure(const Options& options, const std::string& element, Scene scene, co
       worst = std::max(worst, error);
   }
 
-  std::printf("\n%s, K/mu = %.4g, %s, %d increments to %.3g mm, %d nodes x %d directions (seed %u), %d dofs\n",
-              element.c_str(), scene.material.bulk_modulus_Pa / scene.material.shear_modulus_Pa,
-              scene.probe.kind == ProbeKind::node ? "node probes" : "patch probes", n,
-              1e3 * header.magnitudes_m.back(), options.nodes, options.rays, options.seed,
-              ProbeSolver(scene, mesh, sets).n_dofs());
+  std::printf(
+      "\n%s, K/mu = %.4g, %s, %d increments to %.3g mm, %d nodes x %d directions (seed %u), %d dofs\n",
+      element.c_str(), scene.material.bulk_modulus_Pa / scene.material.shear_modulus_Pa,
+      scene.probe.kind == ProbeKind::node ? "node probes" : "patch probes", n,
+      1e3 * header.magnitudes_m.back(), options.nodes, options.rays, options.seed,
+      ProbeSolver(scene, mesh, sets).n_dofs());
   std::printf("  per converged    increments  cutbacks residuals tangents factoriz. substit.  CPU\n");
   if (options.plain) print("plain loop", plain);
   print("phynness", ours);
   if (!options.plain) return;
   const double ratio = plain.per_increment(plain.cpu_ms) / ours.per_increment(ours.cpu_ms);
-  std::printf("  ratio %.2f; rays to full depth %d and %d of %d; forces of %d common states agree to %.1e, %d are "
-              "other equilibria\n",
-              ratio, plain.full_rays, ours.full_rays, ours.rays, compared, worst, elsewhere);
+  std::printf(
+      "  ratio %.2f; rays to full depth %d and %d of %d; forces of %d common states agree to %.1e, %d are "
+      "other equilibria\n",
+      ratio, plain.full_rays, ours.full_rays, ours.rays, compared, worst, elsewhere);
   double plain_common = 0, our_common = 0;
   for (std::size_t r = 0; r < plain_full.size(); ++r)
     if (plain_full[r]) {
       plain_common += plain_ray_ms[r];
       our_common += our_ray_ms[r];
     }
-  std::printf("  on the %d rays that the plain loop brings to full depth: %.2f and %.2f ms per increment, ratio %.2f\n",
-              plain.full_rays, plain_common / std::max(1, plain.full_rays * n),
-              our_common / std::max(1, plain.full_rays * n), our_common > 0 ? plain_common / our_common : 0.0);
+  std::printf(
+      "  on the %d rays that the plain loop brings to full depth: %.2f and %.2f ms per increment, ratio "
+      "%.2f\n",
+      plain.full_rays, plain_common / std::max(1, plain.full_rays * n),
+      our_common / std::max(1, plain.full_rays * n), our_common > 0 ? plain_common / our_common : 0.0);
   const auto key = key_of(element);
   if (our_common > 0) json["cpu_ratio_easy_rays_" + key] = plain_common / our_common;
   json["cpu_ratio_" + key] = ratio;
   json["cpu_ms_per_increment_" + key] = ours.per_increment(ours.cpu_ms);
   json["cpu_ms_per_increment_" + key + "_plain"] = plain.per_increment(plain.cpu_ms);
-  json["factorizations_per_increment_" + key] = ours.per_increment(static_cast<double>(ours.counts.factorizations));
+  json["factorizations_per_increment_" + key] =
+      ours.per_increment(static_cast<double>(ours.counts.factorizations));
   json["factorizations_per_increment_" + key + "_plain"] =
       plain.per_increment(static_cast<double>(plain.counts.factorizations));
   json["largest_force_difference_" + key] = worst;

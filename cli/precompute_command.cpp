@@ -178,8 +178,9 @@ void add_precompute_command(CLI::App& app) {
                       "i/n: solve part i (from 0) of n, as a process that needs no other, into its own file\n"
                       "(database.h5 -> database.shard-i-of-n.h5); phynness merge makes one database of them");
   command
-      ->add_option("--ranks-per-solve", options->ranks_per_solve,
-                   "ranks that factorize one solve together, for meshes too large for one (docs/howto/cluster.md)")
+      ->add_option(
+          "--ranks-per-solve", options->ranks_per_solve,
+          "ranks that factorize one solve together, for meshes too large for one (docs/howto/cluster.md)")
       ->check(CLI::Range(1, 1 << 20))
       ->default_val(1);
   command->add_option("--json", options->json_file, "write the figures for machines");

@@ -22,9 +22,7 @@ struct Discretization::Dolfinx {
   std::unique_ptr<api::Form> energy, residual, tangent;
 
   // The forms read this copy; the solver never hands out its own vector (FEniCS/dolfinx issue 3507).
-  void set(std::span<const double> state) {
-    api::set_values(*w, state);
-  }
+  void set(std::span<const double> state) { api::set_values(*w, state); }
 };
 
 Discretization::Discretization(const Mesh& mesh, const FormSet& forms)

@@ -345,7 +345,8 @@ Eigen::VectorXd Equilibrium::velocity(std::span<const double> state, const Eigen
 int Equilibrium::negative_pivots(std::span<const double> state) {
   auto& s = *_impl;
   // A tangent made convex has none, whatever the state.
-  if (s.factors_are_convex) return linearize(state, Eigen::MatrixXd(s.constraint.n_parameters(), 0)).negative_pivots;
+  if (s.factors_are_convex)
+    return linearize(state, Eigen::MatrixXd(s.constraint.n_parameters(), 0)).negative_pivots;
   return s.negative_pivots();
 }
 

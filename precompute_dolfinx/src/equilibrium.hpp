@@ -57,14 +57,15 @@ class Equilibrium {
   ///                    columns)
   Linearization linearize(std::span<const double> state, const Eigen::MatrixXd& directions);
 
-  /// dx/dq times `direction` at the state that solve() has just converged to, by one quasi-Newton correction of
-  /// `guess` with the factors that solve() left: a predictor's velocity, a fifth of the price of linearize().
+  /// dx/dq times `direction` at the state that solve() has just converged to, by one quasi-Newton correction
+  /// of `guess` with the factors that solve() left: a predictor's velocity, a fifth of the price of
+  /// linearize().
   /// @param guess  n_dofs; its prescribed dofs are overwritten
   Eigen::VectorXd velocity(std::span<const double> state, const Eigen::VectorXd& direction,
                            Eigen::VectorXd guess);
 
-  /// At the state that solve() has just converged to, as the latest tangent has it that was factorized on the way
-  /// there; factorizes another if that one was made convex. Beyond those of the pressure block.
+  /// At the state that solve() has just converged to, as the latest tangent has it that was factorized on the
+  /// way there; factorizes another if that one was made convex. Beyond those of the pressure block.
   int negative_pivots(std::span<const double> state);
 
   /// G^T r_c: what must be applied to hold the prescribed displacement; n_parameters.

@@ -25,11 +25,11 @@ struct Equilibrium::Impl {
   double reaction_norm = 0, load_norm = 0;  ///< of the latest residual
   double rounding = 0;                      ///< a residual of this norm cannot be told from zero
   SolverCounts counts;
-  PressureBlock pressures;   ///< of the latest tangent
-  QuasiNewton quasi_newton;  ///< since the latest factorization
-  bool refresh = true;       ///< assemble and factorize at the next iteration
-  bool fresh = false;        ///< the factors are those of the state that the step starts from
-  bool convex = false;       ///< factorize element tangents made positive semidefinite
+  PressureBlock pressures;          ///< of the latest tangent
+  QuasiNewton quasi_newton;         ///< since the latest factorization
+  bool refresh = true;              ///< assemble and factorize at the next iteration
+  bool fresh = false;               ///< the factors are those of the state that the step starts from
+  bool convex = false;              ///< factorize element tangents made positive semidefinite
   bool factors_are_convex = false;  ///< what the latest factorization was of
   PetscVec x, r;
   PetscSnes snes;

@@ -14,8 +14,8 @@ void set_up_factorization(KSP ksp, Mat matrix) {
   PHYNNESS_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   PHYNNESS_PETSC(PCFactorSetUpMatSolverType(pc));
   PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
-  // Definite wherever it matters, or quasi-definite with pressures (Vanderbei 1995, doi:10.1137/0805005): neither
-  // scaling nor pivoting is needed, and they cost a tenth to a fifth.
+  // Definite wherever it matters, or quasi-definite with pressures (Vanderbei 1995, doi:10.1137/0805005):
+  // neither scaling nor pivoting is needed, and they cost a tenth to a fifth.
   PHYNNESS_PETSC(MatMumpsSetIcntl(factor, 8, 0));
   PHYNNESS_PETSC(MatMumpsSetCntl(factor, 1, 0.0));
   // In parallel the last front would go to ScaLAPACK, which does not count negative pivots.

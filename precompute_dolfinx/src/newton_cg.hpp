@@ -10,9 +10,9 @@ struct NewtonCg {
   bool negative_curvature = false;
 };
 
-/// Solves K y = f to a tenth in the preconditioner's norm, or until a direction of negative curvature is met, along
-/// which the step then goes as far as if the curvature were positive (Steihaug 1983, doi:10.1137/0720042; the length as
-/// in modified Newton methods).
+/// Solves K y = f to a tenth in the preconditioner's norm, or until a direction of negative curvature is met,
+/// along which the step then goes as far as if the curvature were positive (Steihaug 1983,
+/// doi:10.1137/0720042; the length as in modified Newton methods).
 /// @param preconditioner  applies the inverse of a positive definite neighbour of K
 /// @param y  on entry the preconditioner's answer to f, on return the step; f . y > 0
 NewtonCg newton_cg(KSP preconditioner, Mat K, Vec f, Vec y);

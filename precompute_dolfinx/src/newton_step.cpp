@@ -11,8 +11,8 @@ namespace {
 
 // A cheap step must at least halve the residual; a new tangent does better for what three or four cost.
 constexpr double cheap_step_worth = 0.5;
-// A tangent, assembled and factorized, costs about as much as seven cheap steps (Case 3: P1 6, p1-p1 7, quadratic
-// elements 10).
+// A tangent, assembled and factorized, costs about as much as seven cheap steps (Case 3: P1 6, p1-p1 7,
+// quadratic elements 10).
 constexpr double price_of_a_tangent = 7;
 // Armijo's constant, customary: any decrease that is not an artefact.
 constexpr double decrease = 1e-4;

@@ -21,8 +21,8 @@ struct PathPoint {
 /// The polynomial through states and velocities of a few points, continued to s.
 struct Prediction {
   Eigen::VectorXd state, velocity;  ///< n_dofs
-  /// The error grows with the product of (s - s_i) over the points, twice each; this is its logarithmic derivative:
-  /// velocity + growth * (converged state - state) is the better guess afterwards.
+  /// The error grows with the product of (s - s_i) over the points, twice each; this is its logarithmic
+  /// derivative: velocity + growth * (converged state - state) is the better guess afterwards.
   double growth = 0;
 };
 

@@ -49,7 +49,8 @@ Eigen::VectorXd PressureBlock::solve(const Eigen::VectorXd& r_p) {
 
 Eigen::VectorXd PressureBlock::part(std::span<const double> unknowns) const {
   Eigen::VectorXd out(static_cast<Eigen::Index>(_unknowns.size()));
-  for (std::size_t i = 0; i < _unknowns.size(); ++i) out[static_cast<Eigen::Index>(i)] = unknowns[_unknowns[i]];
+  for (std::size_t i = 0; i < _unknowns.size(); ++i)
+    out[static_cast<Eigen::Index>(i)] = unknowns[_unknowns[i]];
   return out;
 }
 

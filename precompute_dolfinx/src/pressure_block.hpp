@@ -10,7 +10,8 @@
 
 namespace phynness {
 
-/// A mixed element is a saddle point: the stored energy Pi(u, p) is greatest in p and least in u. With C = -K_pp,
+/// A mixed element is a saddle point: the stored energy Pi(u, p) is greatest in p and least in u. With C =
+/// -K_pp,
 ///
 ///     Pi + r_p^T C^-1 r_p / 2
 ///
@@ -22,8 +23,8 @@ class PressureBlock {
   explicit PressureBlock(std::vector<std::int32_t> unknowns) : _unknowns(std::move(unknowns)) {}
 
   bool empty() const { return _unknowns.empty(); }
-  /// Takes the block out of an assembled tangent; factorized when it is first used. A block that is not negative
-  /// definite (a cell with J < e^(p/lambda) / 2) is refused and the one before stays.
+  /// Takes the block out of an assembled tangent; factorized when it is first used. A block that is not
+  /// negative definite (a cell with J < e^(p/lambda) / 2) is refused and the one before stays.
   void set(Mat tangent);
   /// The pressures' part of a vector of unknowns.
   Eigen::VectorXd part(std::span<const double> unknowns) const;

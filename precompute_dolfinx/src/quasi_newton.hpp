@@ -9,7 +9,8 @@
 namespace phynness {
 
 /// Steps are x <- x - length * y with y = H r, H the inverse of the factorized tangent, corrected after each
-/// step so that it maps the change of the residual to the step (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6).
+/// step so that it maps the change of the residual to the step (Broyden 1965,
+/// doi:10.1090/S0025-5718-1965-0198670-6).
 class QuasiNewton {
  public:
   /// Forgets all steps: H is what was factorized.

@@ -21,8 +21,8 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
   const bool check_J = _body.forms().checks_jacobian;
   const auto& constraint = _equilibrium.constraint();
   const Eigen::VectorXd prescribed = constraint.G * (s * direction);
-  // More points see more of the path's curvature, and more of the noise where the path jumps. The energy tells which
-  // happened; mixed elements are saddle points, for them only J can veto.
+  // More points see more of the path's curvature, and more of the noise where the path jumps. The energy
+  // tells which happened; mixed elements are saddle points, for them only J can veto.
   Prediction predicted;
   double lowest = std::numeric_limits<double>::infinity();
   for (int k = path.n_points(s); k >= 1; --k) {
@@ -58,7 +58,8 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
   }
   if (all_tangents) {
     const auto n_parameters = direction.size();
-    const auto linear = _equilibrium.linearize(to.state, Eigen::MatrixXd::Identity(n_parameters, n_parameters));
+    const auto linear =
+        _equilibrium.linearize(to.state, Eigen::MatrixXd::Identity(n_parameters, n_parameters));
     if (linear.status != Status::converged || !linear.sensitivity.allFinite()) {
       step.status = Status::factorization;
       return step;
@@ -68,8 +69,8 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
     to.negative_pivots = linear.negative_pivots;
   } else {
     const Eigen::Map<const Eigen::VectorXd> state(to.state.data(), predicted.state.size());
-    to.velocity = _equilibrium.velocity(
-        to.state, direction, predicted.velocity + predicted.growth * (state - predicted.state));
+    to.velocity = _equilibrium.velocity(to.state, direction,
+                                        predicted.velocity + predicted.growth * (state - predicted.state));
     to.tangent.resize(0, 0);
     to.negative_pivots = _equilibrium.negative_pivots(to.state);
     if (!to.velocity.allFinite()) {

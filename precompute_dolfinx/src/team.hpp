@@ -1,4 +1,5 @@
-// Ranks that solve one large body together: one leads, the others lend it memory and time for its factorizations.
+// Ranks that solve one large body together: one leads, the others lend it memory and time for its
+// factorizations.
 #pragma once
 
 #include <mpi.h>
@@ -10,8 +11,9 @@
 
 namespace phynness {
 
-/// Consecutive ranks of MPI_COMM_WORLD. The leader holds the body and calls; the others are in serve() meanwhile.
-/// What is shared is the factorization (MUMPS distributes it) and its substitutions; kernels stay with the leader.
+/// Consecutive ranks of MPI_COMM_WORLD. The leader holds the body and calls; the others are in serve()
+/// meanwhile. What is shared is the factorization (MUMPS distributes it) and its substitutions; kernels stay
+/// with the leader.
 class Team {
  public:
   /// Collective over MPI_COMM_WORLD. @pre size divides the number of ranks
@@ -42,7 +44,8 @@ class Team {
   class Share;
   /// What every member does for an order; from the leader the arguments are the whole matrix's, or vectors.
   std::int64_t obey(Order order, std::int64_t n, Mat matrix, Vec b, Vec x);
-  std::int64_t command(Order order, std::int64_t n = 0, Mat matrix = nullptr, Vec b = nullptr, Vec x = nullptr);
+  std::int64_t command(Order order, std::int64_t n = 0, Mat matrix = nullptr, Vec b = nullptr,
+                       Vec x = nullptr);
 
   MPI_Comm _comm = MPI_COMM_NULL;
   int _rank = 0, _size = 1;

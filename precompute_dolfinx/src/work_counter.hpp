@@ -1,5 +1,5 @@
-// The next free task, for all ranks: a number on rank 0 that is fetched and added to. On a network that cannot do
-// that without rank 0, a rank waits until rank 0 has ended its ray.
+// The next free task, for all ranks: a number on rank 0 that is fetched and added to. On a network that
+// cannot do that without rank 0, a rank waits until rank 0 has ended its ray.
 #pragma once
 
 #include <mpi.h>

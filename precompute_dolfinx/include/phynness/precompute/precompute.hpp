@@ -37,15 +37,15 @@ struct PrecomputeReport {
   double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
   std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere
-  bool interrupted = false;                                       ///< finished rays are kept; --resume goes on
+  bool interrupted = false;  ///< finished rays are kept; --resume goes on
 };
 
 /// (rays done over all ranks, rays in all); on rank 0 only. Called often; draw at your own pace.
 using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 
-/// Collective over MPI_COMM_WORLD: all ranks call it with the same arguments. Rays are handed out to whichever
-/// rank is free, node by node, in ever smaller portions. Every ray starts at rest, so the result does not
-/// depend on who solves it.
+/// Collective over MPI_COMM_WORLD: all ranks call it with the same arguments. Rays are handed out to
+/// whichever rank is free, node by node, in ever smaller portions. Every ray starts at rest, so the result
+/// does not depend on who solves it.
 /// @pre ranks_per_solve divides the number of ranks
 /// @pre this process holds the DatabaseLock of the file, on rank 0
 /// @param stop  polled between rays on every rank; true ends the run early with what is finished kept

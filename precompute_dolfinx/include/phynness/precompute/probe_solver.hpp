@@ -43,12 +43,14 @@ struct RestResponse {
 
 class Team;
 
-/// Owns the discretized body on this process alone. Ranks share nothing, but for the factorizations of a team.
+/// Owns the discretized body on this process alone. Ranks share nothing, but for the factorizations of a
+/// team.
 /// @pre a SolverSession lives as long as any ProbeSolver
 class ProbeSolver {
  public:
   /// Uses material, solver, probe and database specification of the scene.
-  /// @param team  null, or the team that this rank leads, whose others are in Team::serve() whenever something is solved
+  /// @param team  null, or the team that this rank leads, whose others are in Team::serve() whenever
+  /// something is solved
   /// @throws Error
   ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets, Team* team = nullptr);
   ~ProbeSolver();
@@ -77,8 +79,8 @@ class ProbeSolver {
   std::unique_ptr<Impl> _impl;
 };
 
-/// PETSc and MPI for the life of the program. PETSc's own options are read from PETSC_OPTIONS, not from the command
-/// line. BLAS threads are switched off: parallelism is over probes.
+/// PETSc and MPI for the life of the program. PETSc's own options are read from PETSC_OPTIONS, not from the
+/// command line. BLAS threads are switched off: parallelism is over probes.
 class SolverSession {
  public:
   SolverSession();
@@ -86,9 +88,9 @@ class SolverSession {
   SolverSession(const SolverSession&) = delete;
   int rank() const { return _rank; }
   int size() const { return _size; }
-  /// Runs `work` on every rank and makes an exception of one the exception of all, so that no rank waits for one that
-  /// has left. Collective. @throws Error with the message of the first rank that failed on rank 0, without text on the
-  /// others
+  /// Runs `work` on every rank and makes an exception of one the exception of all, so that no rank waits for
+  /// one that has left. Collective. @throws Error with the message of the first rank that failed on rank 0,
+  /// without text on the others
   void together(const std::function<void()>& work) const;
   /// Sum over all ranks, on all ranks. Collective.
   double sum(double value) const;
