@@ -68,7 +68,8 @@ def quadratic(volumetric, kappa):
 def mixed(discretization, shape, coupling, kappa, stabilization=None):
     """Forms of a displacement-pressure element. `coupling(F, p)` and `stabilization(F, p)` are energy densities.
 
-    Equal order is linear: F is constant in a cell, and all but -p^2 / (2 kappa) is nearly linear in p. So one point is
+    Equal order is linear: F is constant in a cell, and all but -p^2 / (2 kappa) is linear in p, or nearly so where p is
+    small beside kappa (a coupling of its own; the difference is of second order in the cell's size). So one point is
     enough, with the exact integral of p^2: its value at the middle and the variance of p in the cell.
     (Two quadrature degrees in one form are not an alternative: ffcx 0.5 then takes p of the one for the other.)
     """

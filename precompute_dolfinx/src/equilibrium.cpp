@@ -225,6 +225,7 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state) {
   s.spread(s.x);
   s.refresh = true;
   s.convex = false;
+  s.pressures.forget();
   Outcome outcome;
   PHYNNESS_PETSC(SNESSolve(s.snes, nullptr, s.x));
   SNESConvergedReason reason;
@@ -263,6 +264,7 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   ++s.counts.tangents;
   ++s.counts.factorizations;
   s.factors_are_convex = false;
+  s.quasi_newton.clear();
   s.counts.substitutions += directions.cols();
   Linearization out;
   KSP ksp;

@@ -81,7 +81,9 @@ class Step {
     look_at_pressures(s);
     // Minus the merit's derivative along the step, whose pressures aim at r_p = 0.
     const double slope = dot(_f, _y) + 2 * _gap_before;
-    if (!(slope > 0)) return s.convex ? -1 : make_convex(s);
+    // Without a definite block there is no such merit; the residual's norm has to do.
+    _has_merit = s.pressures.empty() || s.pressures.is_definite();
+    if (_has_merit && !(slope > 0)) return s.convex ? -1 : make_convex(s);
 
     double low = 0, high = std::numeric_limits<double>::infinity(), low_slope = slope, length = 1;
     for (int trial = 0; trial < 20; ++trial) {
@@ -104,6 +106,12 @@ class Step {
       // Where the slope has changed its sign the secant finds its zero.
       const double fraction = here < 0 ? std::clamp(low_slope / (low_slope - here), 0.1, 0.7) : 0.5;
       length = low + fraction * (high - low);
+    }
+    // Further on it was worse after all.
+    if (low > 0 && try_length(s, low)) {
+      settle_pressures(s, _trial, _trial_f);
+      s.refresh = true;
+      return low;
     }
     return !s.convex ? make_convex(s) : -1;
   }
@@ -206,7 +214,7 @@ class Step {
   bool good_enough(Impl& s, double length, double slope, double here) {
     const bool shorter = _after <= (1 - decrease * length) * _before;
     // A step for the pressures' sake: the merit has them right already.
-    if (_gap_before > slope) return shorter;
+    if (!_has_merit || _gap_before > slope) return shorter;
     if (std::abs(here) <= 0.5 * slope) return true;
     const double after = merit(s);
     if (std::isnan(_merit_before)) {
@@ -232,6 +240,7 @@ class Step {
   KSP _ksp;
   Vec _x = nullptr, _f = nullptr, _y = nullptr, _trial = nullptr, _trial_f = nullptr;
   double _before = 0, _after = 0, _merit_before = std::numeric_limits<double>::quiet_NaN();
+  bool _has_merit = true;
   bool _settled = false;             ///< pressures have moved, and x with them
   double _gap_before = 0;            ///< r_p^T C^-1 r_p / 2
   Eigen::VectorXd _pressure_change;  ///< C^-1 r_p

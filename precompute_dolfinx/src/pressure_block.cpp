@@ -31,6 +31,16 @@ void PressureBlock::set(Mat tangent) {
   _is_new = true;
 }
 
+void PressureBlock::forget() {
+  if (_factors) _spare = std::move(_factors);
+  _is_new = false;
+}
+
+bool PressureBlock::is_definite() {
+  if (_is_new) factorize();
+  return _factors != nullptr;
+}
+
 void PressureBlock::factorize() {
   _is_new = false;
   if (!_spare) {
@@ -42,8 +52,7 @@ void PressureBlock::factorize() {
 }
 
 Eigen::VectorXd PressureBlock::solve(const Eigen::VectorXd& r_p) {
-  if (_is_new) factorize();
-  if (!_factors) return Eigen::VectorXd::Zero(r_p.size());
+  if (!is_definite()) return Eigen::VectorXd::Zero(r_p.size());
   return _factors->solve(r_p);
 }
 

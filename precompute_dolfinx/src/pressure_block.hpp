@@ -23,9 +23,13 @@ class PressureBlock {
   explicit PressureBlock(std::vector<std::int32_t> unknowns) : _unknowns(std::move(unknowns)) {}
 
   bool empty() const { return _unknowns.empty(); }
-  /// Takes the block out of an assembled tangent; factorized when it is first used. A block that is not
-  /// negative definite (a cell with J < e^(p/lambda) / 2) is refused and the one before stays.
+  /// Takes the block out of an assembled tangent; factorized when it is first used. If it is not negative
+  /// definite (neo_hookean.py says when), the one before stays.
   void set(Mat tangent);
+  /// Before a new solve, which must not depend on what was solved before.
+  void forget();
+  /// False as long as no block was definite.
+  bool is_definite();
   /// The pressures' part of a vector of unknowns.
   Eigen::VectorXd part(std::span<const double> unknowns) const;
   /// C^-1 r_p: what to add to the pressures; zero as long as there is no definite block.
