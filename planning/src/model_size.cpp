@@ -51,22 +51,9 @@ LinearResponse linear_response(std::size_t n_output, Numbers& numbers) {
 
 double text_bytes(const Scene& scene, const DatabaseHeader& header, std::size_t n_nodes) {
   Numbers numbers;
-  Model model;
-  model.family = scene.training.family;
-  model.title = scene.title;
-  model.mesh_hash = header.mesh_hash;
-  model.physics_hash = header.physics_hash;
-  model.software_version = header.software_version;
-  model.directions = header.directions;
-  model.max_displacement_m = header.magnitudes_m.back();
+  Model model = model_of_database(header, scene.training.family, scene.title);
   model.displacements =
       numbers.matrix(static_cast<Eigen::Index>(header.directions.size() * header.magnitudes_m.size()), 3);
-  model.n_mesh_nodes = header.mesh.n_nodes();
-  model.fixed = header.sets.fixed;
-  model.output = header.sets.output;
-  model.output_points.resize(static_cast<Eigen::Index>(model.output.size()), 3);
-  for (std::size_t i = 0; i < model.output.size(); ++i)
-    model.output_points.row(static_cast<Eigen::Index>(i)) = header.mesh.nodes.row(model.output[i]);
   const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
   const auto& active = header.sets.active;
   for (std::size_t k = 0; k < n_nodes; ++k) {

@@ -129,11 +129,12 @@ class Step {
   void settle_pressures(Impl& s, Vec x, Vec f) {
     if (s.pressures.empty()) return;
     s.gather(x);
-    s.evaluate_residual();
-    auto r_p = pressure_residual(s);
     double gap = std::numeric_limits<double>::infinity(), first = 0;
     auto best = s.state;
     for (int i = 0; i < 8; ++i) {
+      s.evaluate_residual();
+      s.scatter(f);
+      const auto r_p = s.pressures.part(f);
       const Eigen::VectorXd change = s.pressures.solve(r_p);
       const double now = r_p.dot(change);
       if (!(now < gap)) break;
@@ -143,8 +144,6 @@ class Step {
       if (gap <= 1e-8 * first) break;
       const auto& dofs = s.body.pressure_dofs();
       for (std::size_t k = 0; k < dofs.size(); ++k) s.state[dofs[k]] += change[static_cast<Eigen::Index>(k)];
-      s.evaluate_residual();
-      r_p = pressure_residual(s);
     }
     s.state = best;
     s.evaluate_residual();
@@ -154,24 +153,11 @@ class Step {
     _settled = true;
   }
 
-  template <typename Impl>
-  Eigen::VectorXd pressure_residual(const Impl& s) const {
-    const auto& dofs = s.body.pressure_dofs();
-    Eigen::VectorXd r_p(static_cast<Eigen::Index>(dofs.size()));
-    for (std::size_t k = 0; k < dofs.size(); ++k) r_p[static_cast<Eigen::Index>(k)] = s.residual[dofs[k]];
-    return r_p;
-  }
-
   /// What the pressures lack, at the start of the step.
   template <typename Impl>
   void look_at_pressures(Impl& s) {
     if (s.pressures.empty()) return;
-    PetscInt n = 0;
-    const PetscScalar* values = nullptr;
-    PHYNNESS_PETSC(VecGetLocalSize(_f, &n));
-    PHYNNESS_PETSC(VecGetArrayRead(_f, &values));
-    const Eigen::VectorXd r_p = s.pressures.part({values, static_cast<std::size_t>(n)});
-    PHYNNESS_PETSC(VecRestoreArrayRead(_f, &values));
+    const auto r_p = s.pressures.part(_f);
     _pressure_change = s.pressures.solve(r_p);
     _gap_before = r_p.dot(_pressure_change) / 2;
   }
@@ -180,7 +166,7 @@ class Step {
   template <typename Impl>
   double slope_of_trial(const Impl& s) const {
     const double slope = dot(_trial_f, _y);
-    return s.pressures.empty() ? slope : slope + pressure_residual(s).dot(_pressure_change);
+    return s.pressures.empty() ? slope : slope + s.pressures.part(_trial_f).dot(_pressure_change);
   }
 
   template <typename Impl>
@@ -190,12 +176,12 @@ class Step {
     return energy;
   }
 
-  /// What steps descend: the stored energy, with the pressures that the displacements ask for.
+  /// What steps descend, at the trial: the stored energy, with the pressures that the displacements ask for.
   template <typename Impl>
   double merit(Impl& s) {
     const double energy = energy_and_load(s);
     if (s.pressures.empty()) return energy;
-    const auto r_p = pressure_residual(s);
+    const auto r_p = s.pressures.part(_trial_f);
     return energy + r_p.dot(s.pressures.solve(r_p)) / 2;
   }
 

@@ -52,4 +52,24 @@ using PetscSnes = PetscHandle<SNES, SNESDestroy>;
 
 #define PHYNNESS_PETSC(call) ::phynness::petsc_check((call), #call)
 
+/// Rows of a matrix of this process, from 0, for as long as this lives.
+class CsrPattern {
+ public:
+  explicit CsrPattern(Mat matrix) : _matrix(matrix) {
+    PetscBool done = PETSC_FALSE;
+    PHYNNESS_PETSC(MatGetRowIJ(matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &row_start, &column, &done));
+  }
+  ~CsrPattern() {
+    PetscBool done = PETSC_FALSE;
+    MatRestoreRowIJ(_matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &row_start, &column, &done);
+  }
+  CsrPattern(const CsrPattern&) = delete;
+
+  PetscInt n = 0;
+  const PetscInt *row_start = nullptr, *column = nullptr;
+
+ private:
+  Mat _matrix;
+};
+
 }  // namespace phynness

@@ -3,7 +3,6 @@
 
 #include <Eigen/SparseCholesky>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "petsc_check.hpp"
@@ -31,7 +30,7 @@ class PressureBlock {
   /// False as long as no block was definite.
   bool is_definite();
   /// The pressures' part of a vector of unknowns.
-  Eigen::VectorXd part(std::span<const double> unknowns) const;
+  Eigen::VectorXd part(Vec unknowns) const;
   /// C^-1 r_p: what to add to the pressures; zero as long as there is no definite block.
   Eigen::VectorXd solve(const Eigen::VectorXd& r_p);
 

@@ -33,8 +33,8 @@ class TangentMatrix {
 
   /// Assembles K(state) into matrix(), prescribed rows and columns replaced by the identity.
   /// @param prescribed  unknowns of constraint.dofs, in that order
-  /// @param convex      matrix() is made of the nearest positive semidefinite element tangents; exact() of
-  /// the true ones
+  /// @param convex      matrix() is made of element tangents whose block of the displacements is the nearest
+  /// positive semidefinite one; exact() of the true ones
   Coupling assemble(Discretization& body, std::span<const double> state, const Constraint& constraint,
                     const std::vector<std::int32_t>& prescribed, bool convex = false);
 

@@ -13,25 +13,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The whole matrix's arrays; on the leader alone.
-struct Whole {
-  PetscInt n = 0;
-  const PetscInt *row_start = nullptr, *column = nullptr;
-
-  explicit Whole(Mat matrix) : _matrix(matrix) {
-    PetscBool done = PETSC_FALSE;
-    PHYNNESS_PETSC(MatGetRowIJ(matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &row_start, &column, &done));
-  }
-  ~Whole() {
-    PetscBool done = PETSC_FALSE;
-    MatRestoreRowIJ(_matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &row_start, &column, &done);
-  }
-  Whole(const Whole&) = delete;
-
- private:
-  Mat _matrix;
-};
-
 }  // namespace
 
 /// A member's rows of the matrix and its part of the factors. Its functions are collective; their arguments
@@ -69,7 +50,7 @@ Team::Share::Share(MPI_Comm comm, std::int64_t n, Mat matrix) : _comm(comm) {
   std::vector<int> length(static_cast<std::size_t>(_n_rows[static_cast<std::size_t>(rank)]));
   std::vector<int> all_lengths, all_columns;
   if (_leads) {
-    const Whole whole(matrix);
+    const CsrPattern whole(matrix);
     for (PetscInt i = 0; i < whole.n; ++i) all_lengths.push_back(whole.row_start[i + 1] - whole.row_start[i]);
     all_columns.assign(whole.column, whole.column + whole.row_start[whole.n]);
     for (std::size_t r = 0; r < _n_rows.size(); ++r) {

@@ -25,7 +25,7 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   EXPECT_EQ(plan["rays"].get<int>() * plan["increments"].get<int>(), run["increments"].get<int>());
   EXPECT_EQ(plan["measured"]["rays"], 16);
   EXPECT_EQ(plan["measured"]["nodes"], 2);
-  // The issue asks for 25 % of what then happens.
+  // A prediction to choose a queue by; 16 rays stand for all.
   const auto close = [](double predicted, double actual) { EXPECT_NEAR(predicted, actual, 0.25 * actual); };
   close(plan["database_bytes"], run["database_bytes"]);
   close(plan["model_text_bytes"],

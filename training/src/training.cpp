@@ -112,7 +112,8 @@ class Training {
     });
 
     // Collected in the order of the nodes, so that sums and lists do not depend on who finished first.
-    Model model = empty_model();
+    Model model = model_of_database(_header, _spec.family, _source.title);
+    model.displacements = _tables.displacements;
     for (std::int32_t active = 0; active < n_active; ++active) {
       Outcome& outcome = outcomes[active];
       report.n_increments_used += outcome.used;
@@ -176,23 +177,6 @@ class Training {
     worst.force_residual = std::max(worst.force_residual, q.force_residual);
     worst.energy_residual = std::max(worst.energy_residual, q.energy_residual);
     worst.asymmetry = std::max(worst.asymmetry, q.asymmetry);
-  }
-
-  Model empty_model() const {
-    Model model;
-    model.family = _spec.family;
-    model.title = _source.title;
-    model.mesh_hash = _header.mesh_hash;
-    model.physics_hash = _header.physics_hash;
-    model.software_version = _header.software_version;
-    model.directions = _header.directions;
-    model.max_displacement_m = _header.magnitudes_m.back();
-    model.displacements = _tables.displacements;
-    model.n_mesh_nodes = _header.mesh.n_nodes();
-    model.fixed = _header.sets.fixed;
-    model.output = _tables.output;
-    model.output_points = _tables.output_points;
-    return model;
   }
 
   const ResponseSource& _source;

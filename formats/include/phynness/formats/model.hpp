@@ -67,6 +67,10 @@ struct Model {
   std::vector<ActiveNodeModel> nodes;       ///< ascending by node
 };
 
+struct DatabaseHeader;
+/// What a database says of any model made of it: everything but the displacements tried and the active nodes.
+Model model_of_database(const DatabaseHeader& header, Family family, const std::string& title);
+
 /// Computes network.centers from its indices: (value - input_center) / input_half_range per column, a
 /// subtraction and a division, so that every IEEE 754 reader gets the same bits.
 /// @pre input_center and input_half_range are set, the indices lie within the model's tables
