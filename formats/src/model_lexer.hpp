@@ -77,6 +77,12 @@ class ModelLexer {
     return n;
   }
 
+  /// Refuses n numbers that the rest of the text cannot hold, before anything is allocated.
+  void require_room(std::string_view what, Eigen::Index n) const {
+    if (static_cast<std::size_t>(n) > (_text.size() - _at) / 2)
+      refuse("table '" + std::string(what) + "' is larger than the rest of the file", std::to_string(n));
+  }
+
   /// Hexadecimal float as std::to_chars writes it, finite.
   double real(std::string_view what) {
     const std::string_view found = token(what);

@@ -98,8 +98,6 @@ void read_active_node(ModelLexer& lexer, const Model& model, ActiveNodeModel& no
 }  // namespace
 
 std::string write_model_text(const Model& model) {
-  require_writable(model.family == Family::rbfn || model.family == Family::linear,
-                   "its family has no text format so far");
   require_writable(model.output_points.rows() == static_cast<Eigen::Index>(model.output.size()),
                    "output_points does not fit output");
   require_writable(!model.directions.empty() && model.displacements.rows() > 0 &&
@@ -124,6 +122,7 @@ std::string write_model_text(const Model& model) {
   for (std::size_t i = 0; i < model.output.size(); ++i) {
     w.integer(model.output[i]).reals(model.output_points.row(static_cast<Eigen::Index>(i))).end();
   }
+  write_shared(w, model);
   w.word("active").integer(static_cast<std::int64_t>(model.nodes.size())).end();
   for (const ActiveNodeModel& node : model.nodes) {
     require_writable(node.prescribed.size() == node.prescribed_weight.size(),
@@ -156,6 +155,8 @@ Model read_model_text(const std::string& text, const std::string& source_name) {
   const std::string family = text_line(lexer, "family");
   if (family == name(Family::linear)) {
     model.family = Family::linear;
+  } else if (family == name(Family::modal)) {
+    model.family = Family::modal;
   } else if (family != name(Family::rbfn)) {
     lexer.refuse("family of the model is not known to this version", family);
   }
@@ -195,6 +196,7 @@ Model read_model_text(const std::string& text, const std::string& source_name) {
     lexer.reals("coordinate", model.output_points.row(static_cast<Eigen::Index>(i)));
     lexer.end_line();
   }
+  read_shared(lexer, model);
   const std::int32_t n_active = lexer.count_line("active");
   previous = -1;
   for (std::int32_t i = 0; i < n_active; ++i)

@@ -36,7 +36,52 @@ struct LinearResponse {
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> unit_responses;
 };
 
-/// Largest size of an entry of a LinearResponse that model.txt holds. Together with the largest displacement
+/// Force of one active node as the gradient of a stored potential: closed loops do no work. With x = d / R, R =
+/// max_displacement_m, and the kernel Phi(y) = q I + y y^T / q, q = sqrt(|y|^2 + shape^2), which is the Hessian of q^3 / 3,
+///   force = K d + sum_i [Phi(x - c_i) - Phi(x) - Phi(c_i) + Phi(0)] b_i.
+struct ConservativeNetwork {
+  double shape = 0.1;                                   ///< without unit: displacements count in R
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< K [N/m], symmetric to the last bit; the tail far away
+  std::vector<std::int32_t> centers;                    ///< rows of Model::displacements; c_i = row / R
+  Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> coefficients;  ///< b_i [N], one row per center
+};
+
+/// A matrix of 16-bit integers with a factor for each column: value(r, c) = scale[c] * entries(r, c). The rounding is at
+/// most 1 / 65534 of a column's largest value.
+struct ScaledTable {
+  Eigen::VectorXd scale;  ///< per column, >= 0
+  Eigen::Matrix<std::int16_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> entries;
+
+  Eigen::Index rows() const { return entries.rows(); }
+  Eigen::Index cols() const { return entries.cols(); }
+  Eigen::MatrixXd values() const { return entries.cast<double>() * scale.asDiagonal(); }
+};
+/// Rounded to nearest. @pre all values finite
+ScaledTable scaled_table(const Eigen::MatrixXd& values);
+
+/// What the deformations of all active nodes of a modal model share.
+struct SharedModes {
+  ScaledTable modes;                  ///< 3 n_output x n_shared: row 3 o + k is component k at output node o
+  std::vector<std::int32_t> centers;  ///< of the amplitudes; rows of Model::displacements
+  double shape = 0.3;                 ///< of the amplitudes' kernel, in displacements over max_displacement_m
+};
+
+/// Deformation of one active node: amplitudes a(x), x = d / R, of modes of its own. With q(y) = sqrt(|y|^2 + shape^2),
+///   a = sum_i w_i [q(x - c_i) - q(x) - q(c_i) + q(0)] + w_x x_x + w_y x_y + w_z x_z   [m],
+/// so a(0) = 0; u = near_modes a at the nodes of `near`, and u = shared modes (mixing a) elsewhere.
+struct ModalDeformation {
+  ScaledTable weights;             ///< (n_centers + 3) x n_modes: w_i, then w_x, w_y, w_z [m]
+  ScaledTable mixing;              ///< n_shared x n_modes
+  std::vector<std::int32_t> near;  ///< positions in Model::output where shared modes serve this node worst, ascending
+  ScaledTable near_modes;          ///< 3 n_near x n_modes
+};
+
+/// Bounds of what a modal model holds: with displacements cut at 1e6 times max_displacement_m no output
+/// leaves the range of a float.
+inline constexpr double largest_table_value = 1e6;
+inline constexpr int largest_mode_count = 1024;
+
+/// Largest size of an entry of a LinearResponse or ConservativeNetwork that model.txt holds. Together with the largest displacement
 /// component that the runtime multiplies, the same number in m, it keeps every output finite.
 inline constexpr double largest_linear_entry = 1e100;
 
@@ -52,6 +97,8 @@ struct ActiveNodeModel {
   RbfNetwork force;               ///< rbfn: d [m] -> force [N]
   RbfNetwork deformation;         ///< rbfn: (d, X) [m] -> u [m]
   LinearResponse linear;          ///< linear
+  ConservativeNetwork conservative;  ///< modal: d [m] -> force [N], energy [J], stiffness [N/m]
+  ModalDeformation modal;            ///< modal: d [m] -> u [m]; without modes the model has forces only
 };
 
 struct Model {
@@ -64,6 +111,7 @@ struct Model {
   std::int32_t n_mesh_nodes = 0;
   std::vector<std::int32_t> fixed, output;  ///< mesh node numbers, ascending
   Points output_points;                     ///< n_output x 3 [m], reference coordinates of the output nodes
+  SharedModes shared;                       ///< modal
   std::vector<ActiveNodeModel> nodes;       ///< ascending by node
 };
 
