@@ -21,7 +21,7 @@ enum class Status : std::int8_t {
   not_requested = 1,      ///< direction outside the hemisphere
   not_solved = 2,         ///< no result yet (an unfinished database)
   inverted = -1,          ///< J <= 0 at a quadrature point
-  diverged = -2,          ///< line search or iteration limit
+  diverged = -2,          ///< line search or iteration limit, or an equilibrium of a mixed element alone
   factorization = -3,     ///< singular or failed factorization
   not_finite = -4,        ///< NaN or infinity in the residual
   after_failure = -5,     ///< an earlier increment of the ray failed
