@@ -99,8 +99,10 @@ json about_model(const std::filesystem::path& dir) {
   const LoadedModel model(dir);
   const auto& m = model.model();
   std::vector<std::int32_t> active;
-  std::size_t neurons = 0, force_neurons = 0;
+  std::size_t neurons = 0, force_neurons = 0, centers = 0, modes = 0;
   for (const auto& node : m.nodes) {
+    centers = std::max(centers, node.conservative.centers.size());
+    modes = std::max(modes, static_cast<std::size_t>(node.modal.weights.cols()));
     active.push_back(node.node);
     neurons = std::max(neurons, static_cast<std::size_t>(node.deformation.weights.rows()));
     force_neurons = std::max(force_neurons, static_cast<std::size_t>(node.force.weights.rows()));
@@ -112,6 +114,9 @@ json about_model(const std::filesystem::path& dir) {
     fmt::print(
         "responses a 3 x 3 stiffness and three unit responses each; trained to {:.4g} m, exact beyond\n",
         m.max_displacement_m);
+  else if (m.family == Family::modal)
+    fmt::print("responses {} force centers and {} modes each, {} shared modes, {} amplitude centers; trained to {:.4g} m\n",
+               centers, modes, m.shared.modes.cols(), m.shared.centers.size(), m.max_displacement_m);
   else
     fmt::print("networks  {} neurons for deformation, {} for force; trained to {:.4g} m\n", neurons,
                force_neurons, m.max_displacement_m);
@@ -126,6 +131,8 @@ json about_model(const std::filesystem::path& dir) {
           {"active", active},
           {"deformation_neurons", neurons},
           {"force_neurons", force_neurons},
+          {"force_centers", centers},
+          {"modes", modes},
           {"model_text_bytes", model.text_bytes()},
           {"memory_bytes", model.memory_bytes()}};
 }

@@ -16,6 +16,7 @@ struct Options {
   std::optional<std::string> family;
   std::optional<int> neurons, force_neurons;
   std::optional<double> spread, force_spread;
+  std::optional<int> modes, shared_modes, near_nodes, force_centers, amplitude_centers;
 };
 
 /// Spreads in scaled inputs, whose range is 2: far less separates every point, far more tells none apart.
@@ -24,6 +25,25 @@ void check_spread(const std::optional<double>& spread, const char* option) {
     throw input_error("a spread must lie between 1e-3 and 1e3, or be 0 to search",
                       fmt::format("{} {}", option, *spread),
                       "inputs are scaled to [-1, 1]; the paper uses 0.75");
+}
+
+void print_modal(const Model& model, const TrainingReport& report) {
+  std::size_t centers = 0, modes = 0;
+  for (const auto& node : model.nodes) {
+    centers = std::max(centers, node.conservative.centers.size());
+    modes = std::max(modes, static_cast<std::size_t>(node.modal.weights.cols()));
+  }
+  const auto& q = report.modal;
+  fmt::print("{} nodes, up to {} force centers and {} modes each; {} shared modes, {} amplitude centers; {}\n",
+             report.n_networks, centers, modes, model.shared.modes.cols(), model.shared.centers.size(),
+             duration(report.seconds));
+  fmt::print("mean error, eq. (17), on the training states: force {:.3f} %; displacement {:.3f} % by truncation, "
+             "{:.3f} % by regression\n",
+             100 * q.force_training, 100 * q.truncation, 100 * q.regression);
+  fmt::print("with a direction left out: force {:.3f} %, amplitudes {:.3f} %; terms cancel by {:.0f} at most; shapes "
+             "{:.2g} to {:.2g} and {:.2g}\n",
+             100 * q.force_left_out, 100 * q.amplitude_left_out, q.worst_cancellation, q.smallest_force_shape,
+             q.largest_force_shape, q.amplitude_shape);
 }
 
 void run(const Options& options) {
@@ -49,6 +69,14 @@ void run(const Options& options) {
       (options.neurons || options.force_neurons || options.spread || options.force_spread))
     fmt::print(stderr, "note: family {} has no neurons; options of neurons and spreads do nothing\n",
                name(spec.family));
+  if (spec.family != Family::modal && (options.modes || options.shared_modes || options.near_nodes ||
+                                       options.force_centers || options.amplitude_centers))
+    fmt::print(stderr, "note: options of modes and centers do nothing in family {}\n", name(spec.family));
+  spec.modes = options.modes.value_or(spec.modes);
+  spec.shared_modes = options.shared_modes.value_or(spec.shared_modes);
+  spec.near_nodes = options.near_nodes.value_or(spec.near_nodes);
+  spec.force_centers = options.force_centers.value_or(spec.force_centers);
+  spec.amplitude_centers = options.amplitude_centers.value_or(spec.amplitude_centers);
   if (options.neurons) spec.deformation_neurons = *options.neurons;
   if (options.neurons) spec.force_neurons = std::min(spec.force_neurons, *options.neurons);
   if (options.force_neurons) spec.force_neurons = *options.force_neurons;
@@ -82,6 +110,8 @@ void run(const Options& options) {
         "linear to {:.1e} (displacements), {:.1e} (forces), {:.1e} (energies); stiffness symmetric to "
         "{:.1e}\n",
         linear.displacement_residual, linear.force_residual, linear.energy_residual, linear.asymmetry);
+  } else if (model.family == Family::modal) {
+    print_modal(model, report);
   } else {
     fmt::print("{} nodes, up to {} deformation and {} force neurons each, spread {:.3g} and {:.3g}, {}\n",
                report.n_networks, neurons, force_neurons, report.deformation_spread, report.force_spread,
@@ -109,6 +139,13 @@ void run(const Options& options) {
                      {"force_residual", linear.force_residual},
                      {"energy_residual", linear.energy_residual},
                      {"asymmetry", linear.asymmetry}};
+  if (model.family == Family::modal)
+    out["modal"] = {{"force_training_error", report.modal.force_training},
+                    {"force_left_out_error", report.modal.force_left_out},
+                    {"truncation_error", report.modal.truncation},
+                    {"regression_error", report.modal.regression},
+                    {"amplitude_left_out_error", report.modal.amplitude_left_out},
+                    {"worst_cancellation", report.modal.worst_cancellation}};
   write_json(options.json_file, out);
 }
 
@@ -125,7 +162,8 @@ void add_train_command(CLI::App& app) {
   command
       ->add_option(
           "--family", options->family,
-          "rbfn: the paper's networks; linear: unit responses, for the linear law (modal: later version)")
+          "rbfn: the paper's networks; modal: conservative forces and modes; linear: unit responses, for the "
+          "linear law")
       ->check(CLI::IsMember({"rbfn", "modal", "linear"}));
   command
       ->add_option("--neurons", options->neurons,
@@ -136,6 +174,15 @@ void add_train_command(CLI::App& app) {
   command->add_option("--spread", options->spread,
                       "spread of the deformation networks, in scaled inputs; 0: search");
   command->add_option("--force-spread", options->force_spread, "spread of the force networks; 0: search");
+  const auto count = [&](const char* option, std::optional<int>& value, const char* what, int low, int high) {
+    command->add_option(option, value, what)->check(CLI::Range(low, high));
+  };
+  count("--modes", options->modes, "modal: modes of each node; 0: forces only", 0, largest_mode_count);
+  count("--shared-modes", options->shared_modes, "modal: modes that those of a node are mixed from", 0,
+        largest_mode_count);
+  count("--near-nodes", options->near_nodes, "modal: nodes where modes are stored as they are", 0, 1'000'000);
+  count("--force-centers", options->force_centers, "modal: centers of a force network", 1, 100'000);
+  count("--amplitude-centers", options->amplitude_centers, "modal: centers of the amplitudes", 0, 100'000);
   command->add_option("--json", options->json_file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }

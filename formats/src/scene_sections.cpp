@@ -181,14 +181,11 @@ TrainingSpec parse_training(const SceneTable& table, const Material& material) {
           .choice<Family>("family",
                           {{"rbfn", Family::rbfn}, {"modal", Family::modal}, {"linear", Family::linear}})
           .value_or(spec.family);
-  if (spec.family == Family::modal)
-    table.reject("family", "comes with a later version",
-                 "write family = \"rbfn\" (any law) or \"linear\" (law = \"linear\")");
   if (spec.family == Family::linear && material.law != Law::linear)
     table.reject(
         "family",
         std::string("needs the linear law, but [material] law is \"") + phynness::name(material.law) + "\"",
-        "write family = \"rbfn\", or law = \"linear\"");
+        "write family = \"modal\" or \"rbfn\", or law = \"linear\"");
   spec.deformation_neurons =
       static_cast<int>(table.integer_or("deformation_neurons", spec.deformation_neurons, 1, 100'000));
   spec.force_neurons = static_cast<int>(table.integer_or("force_neurons", spec.force_neurons, 1, 100'000));
@@ -196,6 +193,12 @@ TrainingSpec parse_training(const SceneTable& table, const Material& material) {
   spec.force_spread = parse_spread(table, "force_spread", spec.force_spread);
   spec.samples = static_cast<int>(table.integer_or("samples", spec.samples, 1, 10'000'000));
   spec.target_mse = table.number_or("target_mse", spec.target_mse, {0, 1});
+  spec.force_centers = static_cast<int>(table.integer_or("force_centers", spec.force_centers, 1, 100'000));
+  spec.amplitude_centers =
+      static_cast<int>(table.integer_or("amplitude_centers", spec.amplitude_centers, 0, 100'000));
+  spec.modes = static_cast<int>(table.integer_or("modes", spec.modes, 0, 1024));
+  spec.shared_modes = static_cast<int>(table.integer_or("shared_modes", spec.shared_modes, 0, 1024));
+  spec.near_nodes = static_cast<int>(table.integer_or("near_nodes", spec.near_nodes, 0, 1'000'000));
   spec.seed = static_cast<std::uint64_t>(table.integer_or("seed", static_cast<std::int64_t>(spec.seed), 0,
                                                           std::numeric_limits<std::int64_t>::max()));
   return spec;

@@ -49,11 +49,43 @@ LinearResponse linear_response(std::size_t n_output, Numbers& numbers) {
   return response;
 }
 
+ScaledTable table(Eigen::Index rows, Eigen::Index columns, Numbers& numbers) {
+  return scaled_table(numbers.matrix(rows, columns));
+}
+
+/// As many of everything as the database allows.
+void add_modes(const TrainingSpec& spec, const Model& model, ActiveNodeModel& node, Numbers& numbers) {
+  const Eigen::Index states = model.displacements.rows(), n_output = static_cast<Eigen::Index>(model.output.size());
+  const auto n_centers = std::min<Eigen::Index>(spec.force_centers, states);
+  const Eigen::MatrixXd half = numbers.matrix(3, 3).cast<float>().cast<double>();
+  node.conservative.stiffness = half + half.transpose();
+  node.conservative.coefficients = numbers.matrix(n_centers, 3).cast<float>().cast<double>();
+  for (Eigen::Index i = 0; i < n_centers; ++i)
+    node.conservative.centers.push_back(numbers.below(static_cast<std::size_t>(states)));
+  const auto n_modes = std::min<Eigen::Index>(spec.modes, states);
+  const auto n_near = n_modes > 0 ? std::min<Eigen::Index>(spec.near_nodes, n_output) : 0;
+  for (Eigen::Index i = 0; i < n_near; ++i) node.modal.near.push_back(static_cast<std::int32_t>(i));
+  node.modal.weights = table(static_cast<Eigen::Index>(model.shared.centers.size()) + 3, n_modes, numbers);
+  node.modal.mixing = table(model.shared.modes.cols(), n_modes, numbers);
+  node.modal.near_modes = table(3 * n_near, n_modes, numbers);
+}
+
+void add_shared_modes(const TrainingSpec& spec, Model& model, Numbers& numbers) {
+  const auto states = model.displacements.rows();
+  const Eigen::Index n_output = static_cast<Eigen::Index>(model.output.size());
+  const bool deforms = spec.modes > 0;
+  model.shared.modes =
+      table(3 * n_output, deforms ? std::min<Eigen::Index>(spec.shared_modes, 3 * n_output) : 0, numbers);
+  for (Eigen::Index i = 0; deforms && i < std::min<Eigen::Index>(spec.amplitude_centers, states); ++i)
+    model.shared.centers.push_back(numbers.below(static_cast<std::size_t>(states)));
+}
+
 double text_bytes(const Scene& scene, const DatabaseHeader& header, std::size_t n_nodes) {
   Numbers numbers;
   Model model = model_of_database(header, scene.training.family, scene.title);
   model.displacements =
       numbers.matrix(static_cast<Eigen::Index>(header.directions.size() * header.magnitudes_m.size()), 3);
+  if (model.family == Family::modal) add_shared_modes(scene.training, model, numbers);
   const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
   const auto& active = header.sets.active;
   for (std::size_t k = 0; k < n_nodes; ++k) {
@@ -68,6 +100,8 @@ double text_bytes(const Scene& scene, const DatabaseHeader& header, std::size_t 
     node.trained_depth_m.assign(header.directions.size(), model.max_displacement_m);
     if (model.family == Family::linear) {
       node.linear = linear_response(model.output.size(), numbers);
+    } else if (model.family == Family::modal) {
+      add_modes(scene.training, model, node, numbers);
     } else {
       node.force = network(scene.training.force_neurons, 3, model, numbers);
       node.deformation = network(scene.training.deformation_neurons, 6, model, numbers);

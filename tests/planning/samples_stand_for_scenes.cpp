@@ -186,6 +186,15 @@ TEST(ModelSize, follows_networks_and_nodes) {
   const double per_neuron = (twice.model_text_bytes - size.model_text_bytes) / (5 * 150);
   EXPECT_GT(per_neuron, 60);
   EXPECT_LT(per_neuron, 80);
+  scene.training.family = Family::modal;
+  scene.training.modes = 4;
+  const auto modal = predict_model_size(scene, header);
+  scene.training.modes = 8;
+  // A mode of a node is a row of integers, 2 to 7 characters each with their space, and its scales.
+  const double numbers = 3.0 * scene.training.near_nodes + scene.training.shared_modes + scene.training.amplitude_centers + 3;
+  const double per_mode = (predict_model_size(scene, header).model_text_bytes - modal.model_text_bytes) / (5 * 4);
+  EXPECT_GT(per_mode, 2);
+  EXPECT_LT(per_mode, 7 * numbers + 3 * 25);
   scene.training.family = Family::linear;
   EXPECT_GT(predict_model_size(scene, header).model_text_bytes,
             5 * 9 * 10.0 * static_cast<double>(header.sets.output.size()));

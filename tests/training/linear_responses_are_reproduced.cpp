@@ -243,18 +243,4 @@ TEST(LinearTraining, ValuesThatAreNotFiniteAreRefused) {
   EXPECT_NE(refusal(header, rays).find("not finite"), std::string::npos) << refusal(header, rays);
 }
 
-// Claim: the family of a later version is refused by name.
-TEST(LinearTraining, ModalFamilyIsRefused) {
-  const DatabaseHeader header = small_header();
-  TrainingSpec spec = small_spec();
-  spec.family = Family::modal;
-  TrainingReport report;
-  try {
-    train(source_of(header), spec, report);
-    FAIL() << "accepted";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("modal"), std::string::npos) << error.what();
-  }
-}
-
 }  // namespace

@@ -15,13 +15,25 @@ namespace {
 /// Nodes that take part in a spread search, spread evenly over the list of active nodes.
 constexpr std::int32_t n_search_nodes = 5;
 
+/// Nodes whose modes the shared ones are made of; and the memory that they may take.
+constexpr std::int32_t max_basis_nodes = 500, min_basis_nodes = 20;
+constexpr double max_basis_bytes = 1e9;
+
+/// Nodes whose amplitudes choose the centers.
+constexpr std::int32_t n_center_nodes = 12;
+
 /// Used where no node has enough points for a search.
 constexpr double fallback_spread = 1.0;
 
 void check(const TrainingSpec& spec) {
   if (spec.family == Family::modal) {
-    throw input_error("family comes with a later version", name(spec.family),
-                      "use family rbfn, or linear where the law is");
+    if (spec.force_centers < 1 || spec.amplitude_centers < 0 || spec.modes < 0 || spec.shared_modes < 0 ||
+        spec.near_nodes < 0 || spec.modes > largest_mode_count || spec.shared_modes > largest_mode_count) {
+      throw input_error("impossible number of centers, modes or near nodes", "",
+                        "force_centers is at least 1, modes and shared_modes at most " +
+                            std::to_string(largest_mode_count) + ", none negative");
+    }
+    return;
   }
   if (spec.family == Family::linear) return;
   if (spec.samples < 1)
@@ -65,13 +77,41 @@ class Training {
   Training(const ResponseSource& source, const TrainingSpec& spec)
       : _source(source), _header(*source.header), _spec(spec), _tables(training_tables(_header)) {}
 
-  SearchNode read(std::int32_t active) {
+  SearchNode read(std::int64_t active_index) {
+    const auto active = static_cast<std::int32_t>(active_index);
     const std::int32_t node = _header.sets.active[active];
     SearchNode read{node, touched_nodes(_header.mesh.nodes, _header.mesh.surface, _header.sets.fixed, node, _source.tool_radius_m), {}};
     // One read at a time: HDF5 need not be built thread-safe.
     const std::lock_guard lock(_source_mutex);
     read.rays = _source.rays(active);
     return read;
+  }
+
+  /// What all active nodes of a modal model share.
+  void share(int threads) {
+    if (_spec.family != Family::modal) return;
+    if (_spec.modes == 0) {
+      _shared.modes = scaled_table(Eigen::MatrixXd(3 * static_cast<Eigen::Index>(_tables.output.size()), 0));
+      return;
+    }
+    const auto n_active = static_cast<std::int32_t>(_header.sets.active.size());
+    const double bytes_per_node = 8.0 * 3 * static_cast<double>(_tables.output.size()) * _spec.modes;
+    const auto affordable = static_cast<std::int32_t>(std::min<double>(max_basis_nodes, max_basis_bytes / (bytes_per_node + 1)));
+    const std::int32_t n = std::min(n_active, std::max(min_basis_nodes, affordable));
+    std::vector<NodeModes> nodes(static_cast<std::size_t>(n));
+    for_each_index(n, threads, [&](std::int32_t i) {
+      const SearchNode read_node = read((2 * i + 1) * static_cast<std::int64_t>(n_active) / (2 * n));
+      nodes[static_cast<std::size_t>(i)] = node_modes(_tables, read_node.prescribed, read_node.rays, _spec.modes);
+    });
+    _shared.modes = scaled_table(shared_basis(nodes, _spec.shared_modes, _spec.seed));
+    std::vector<NodeModes> some;
+    const std::int32_t n_some = std::min(n, n_center_nodes);
+    for (std::int32_t i = 0; i < n_some; ++i)
+      some.push_back(std::move(nodes[static_cast<std::size_t>((2 * i + 1) * n / (2 * n_some))]));
+    const auto chosen = choose_amplitude_centers(_tables, some, _spec.amplitude_centers, 0);
+    _shared.centers = chosen.row;
+    _shared.shape = chosen.shape;
+    _amplitude_left_out = chosen.left_out_error;
   }
 
   void choose_spreads() {
@@ -126,6 +166,7 @@ class Training {
       report.mean_deformation_mse += outcome.deformation_mse;
       report.largest_diagonal_ratio = std::max(report.largest_diagonal_ratio, outcome.diagonal_ratio);
       keep_worst(report.linear, outcome.linear);
+      add(report.modal, outcome);
       model.nodes.push_back(std::move(outcome.model));
     }
     if (model.nodes.empty()) {
@@ -137,6 +178,14 @@ class Training {
     report.n_skipped = static_cast<std::int32_t>(report.skipped_nodes.size());
     report.mean_force_mse /= report.n_networks;
     report.mean_deformation_mse /= report.n_networks;
+    if (_spec.family == Family::modal) {
+      for (double* mean : {&report.modal.force_training, &report.modal.force_left_out, &report.modal.truncation,
+                           &report.modal.regression})
+        *mean /= report.n_networks;
+      report.modal.amplitude_left_out = _amplitude_left_out;
+      report.modal.amplitude_shape = _shared.shape;
+      model.shared = _shared;
+    }
     if (_spec.family == Family::rbfn) {
       report.force_spread = _spec.force_spread;
       report.deformation_spread = _spec.deformation_spread;
@@ -150,6 +199,8 @@ class Training {
     ActiveNodeModel model;
     double force_mse = 0, deformation_mse = 0, diagonal_ratio = 1;
     LinearQuality linear;
+    ConservativeFit conservative;
+    ModalFit modal;
     std::int64_t used = 0, failed = 0;
   };
 
@@ -163,6 +214,7 @@ class Training {
       outcome.linear = training.quality;
       return;
     }
+    if (_spec.family == Family::modal) return train_modal(read, point, outcome);
     NodeTraining training = train_node(_tables, read.node, point, read.prescribed, read.rays, _spec);
     if (!training.trained) return;
     outcome.trained = true;
@@ -170,6 +222,33 @@ class Training {
     outcome.deformation_mse = training.deformation.mse.back();
     outcome.diagonal_ratio = std::max(training.force.diagonal_ratio, training.deformation.diagonal_ratio);
     outcome.model = std::move(training.model);
+  }
+
+  void train_modal(const SearchNode& read, const Vec3& point, Outcome& outcome) const {
+    const ForceStates forces = force_states(_tables, read.rays);
+    if (forces.row.empty()) return;
+    outcome.trained = true;
+    outcome.conservative = fit_conservative(forces, _tables.magnitudes_m.back(), {_spec.force_centers, 0});
+    outcome.model = describe_node(_tables, read.node, point, read.prescribed, read.rays);
+    outcome.model.conservative = std::move(outcome.conservative.network);
+    if (_spec.modes == 0) {
+      outcome.model.modal.weights = scaled_table(Eigen::MatrixXd(3, 0));
+      return;
+    }
+    const NodeModes modes = node_modes(_tables, read.prescribed, read.rays, _spec.modes);
+    outcome.modal = fit_modal(_tables, _shared, modes, _spec.near_nodes);
+    outcome.model.modal = std::move(outcome.modal.deformation);
+  }
+
+  static void add(ModalQuality& sum, const Outcome& outcome) {
+    sum.force_training += outcome.conservative.training_error;
+    sum.force_left_out += outcome.conservative.left_out_error;
+    sum.truncation += outcome.modal.truncation_error;
+    sum.regression += outcome.modal.regression_error;
+    sum.worst_cancellation = std::max(sum.worst_cancellation, outcome.conservative.cancellation);
+    const double shape = outcome.model.conservative.shape;
+    sum.largest_force_shape = std::max(sum.largest_force_shape, shape);
+    if (sum.smallest_force_shape == 0 || shape < sum.smallest_force_shape) sum.smallest_force_shape = shape;
   }
 
   static void keep_worst(LinearQuality& worst, const LinearQuality& q) {
@@ -183,6 +262,8 @@ class Training {
   const DatabaseHeader& _header;
   TrainingSpec _spec;
   TrainingTables _tables;
+  SharedModes _shared;
+  double _amplitude_left_out = 0;
   std::mutex _source_mutex;
 };
 
@@ -196,6 +277,7 @@ Model train(const ResponseSource& source, const TrainingSpec& spec, TrainingRepo
   report = {};
   Training training(source, spec);
   training.choose_spreads();
+  training.share(threads);
   Model model = training.run(report, progress, threads);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return model;

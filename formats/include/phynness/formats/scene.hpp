@@ -109,6 +109,11 @@ struct TrainingSpec {
   double force_spread = 0;           ///< in scaled inputs; <= 0: search
   int samples = 5000;                ///< training points per deformation network
   double target_mse = 0;             ///< of scaled outputs; 0: grow to the maximum
+  int force_centers = 80;            ///< modal: of each node's conservative force network
+  int amplitude_centers = 80;        ///< modal: of the amplitudes, shared by all nodes
+  int modes = 16;                    ///< modal: of each node's deformation
+  int shared_modes = 64;             ///< modal: that all nodes' modes are mixed from
+  int near_nodes = 24;               ///< modal: nodes where a node's modes are stored as they are
   std::uint64_t seed = 1;
 };
 

@@ -1,0 +1,151 @@
+// Claim: the force network of a modal model repeats a conservative force, with no more centers than asked for, and is
+// the gradient of a potential whatever it was trained on.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <phynness/training/conservative_fit.hpp>
+
+#include "left_out.hpp"
+#include "small_responses.hpp"
+
+namespace phynness::test {
+namespace {
+
+constexpr double depth = 0.012;  // of small_header()
+
+/// States at all displacements of small_header(), x = d / depth.
+ForceStates states_of(const TrainingTables& tables, const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& force) {
+  ForceStates states;
+  const auto n = tables.displacements.rows();
+  states.x = tables.displacements / depth;
+  states.force.resize(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    states.force.row(i) = force(states.x.row(i).transpose());
+    states.row.push_back(static_cast<std::int32_t>(i));
+    states.direction.push_back(static_cast<std::int32_t>(i) / tables.n_increments);
+  }
+  return states;
+}
+
+/// Gradient of x.Ax/2 + 0.3 sin(x_0 + 2 x_1) + 0.1 |x|^4: smooth, stiffer when pushed far, not symmetric in any axis.
+Eigen::Vector3d smooth_force(const Eigen::Vector3d& x) {
+  const Eigen::Vector3d linear(2 * x[0] + 0.3 * x[1], 0.3 * x[0] + 1.5 * x[1], x[2]);
+  return linear + 0.3 * std::cos(x[0] + 2 * x[1]) * Eigen::Vector3d(1, 2, 0) - Eigen::Vector3d(0.3, 0.6, 0) +
+         0.4 * x.squaredNorm() * x;
+}
+
+TEST(ConservativeFit, RepeatsAConservativeForceBetweenTheDirections) {
+  const auto tables = training_tables(small_header());
+  const auto fit = fit_conservative(states_of(tables, smooth_force), depth, {80, 0});
+  EXPECT_LE(fit.network.centers.size(), 80u);
+  double error = 0, largest = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double z = 1 - (i + 0.5) / 100, ring = std::sqrt(1 - z * z), size = 0.2 + 0.8 * (i % 7) / 6;
+    const Eigen::Vector3d x = size * Eigen::Vector3d(ring * std::cos(2.4 * i), ring * std::sin(2.4 * i), z);
+    const auto expected = smooth_force(x);
+    error += (evaluate_force(fit.network, tables.displacements, depth, x) - expected).norm() / 200;
+    largest = std::max(largest, expected.norm());
+  }
+  // 26 directions 35 to 55 degrees apart; half a percent is a tenth of what the nearest direction's force would miss by.
+  EXPECT_LT(error / largest, 5e-3);
+}
+
+TEST(ConservativeFit, IsExactlyZeroAtRest) {
+  const auto tables = training_tables(small_header());
+  const auto fit = fit_conservative(states_of(tables, smooth_force), depth, {40, 0});
+  const auto at_rest = evaluate_force(fit.network, tables.displacements, depth, Eigen::Vector3d::Zero());
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(at_rest[k], 0.0);
+}
+
+TEST(ConservativeFit, HasASymmetricStiffnessEvenWhereTheDataHaveNone) {
+  // A force that turns in circles: no potential has it.
+  const auto tables = training_tables(small_header());
+  const auto circles = [](const Eigen::Vector3d& x) { return Eigen::Vector3d(x[0] - 2 * x[1], 2 * x[0] + x[1], x[2]); };
+  const auto fit = fit_conservative(states_of(tables, circles), depth, {60, 0});
+  const Eigen::Vector3d at(0.31, -0.42, 0.25);
+  const double h = 1e-5;
+  Eigen::Matrix3d stiffness;
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(k);
+    stiffness.col(k) = (evaluate_force(fit.network, tables.displacements, depth, at + step) -
+                        evaluate_force(fit.network, tables.displacements, depth, at - step)) /
+                       (2 * h);
+  }
+  // Central differences: h^2 of truncation and 1e-16 / h of rounding, relative.
+  EXPECT_LT((stiffness - stiffness.transpose()).norm(), 1e-8 * stiffness.norm());
+}
+
+TEST(ConservativeFit, StaysBoundedFarBeyondTheData) {
+  const auto tables = training_tables(small_header());
+  const auto fit = fit_conservative(states_of(tables, smooth_force), depth, {80, 0});
+  const Eigen::Vector3d direction = Eigen::Vector3d(1, 2, -1).normalized();
+  const auto stiffness_along = [&](double size) {
+    return (evaluate_force(fit.network, tables.displacements, depth, (size + 0.1) * direction) -
+            evaluate_force(fit.network, tables.displacements, depth, size * direction))
+               .norm() /
+           0.1;
+  };
+  const double tail = (fit.network.stiffness * depth * direction).norm();
+  // The kernels' contribution falls as 1 / |x|: by a factor of 100 from 10 to 1000.
+  EXPECT_LT(std::abs(stiffness_along(1000) - tail), 0.05 * std::abs(stiffness_along(10) - tail) + 1e-6 * tail);
+}
+
+TEST(ConservativeFit, SurvivesStatesThatSayLittle) {
+  const auto tables = training_tables(small_header());
+  const auto all = states_of(tables, smooth_force);
+  for (const Eigen::Index n : {1, 2, 5, 9}) {
+    ForceStates some{all.x.topRows(n), all.force.topRows(n), {all.row.begin(), all.row.begin() + n},
+                     {all.direction.begin(), all.direction.begin() + n}};
+    const auto fit = fit_conservative(some, depth, {80, 0});
+    for (Eigen::Index i = 0; i < n; ++i)
+      EXPECT_LT((evaluate_force(fit.network, tables.displacements, depth, some.x.row(i).transpose()) -
+                 some.force.row(i).transpose())
+                    .norm(),
+                1e-5 * some.force.row(i).norm())  // coefficients are floats
+          << n << " states";
+  }
+  ForceStates still = all;
+  still.force.setZero();
+  const auto fit = fit_conservative(still, depth, {80, 0});
+  EXPECT_EQ(evaluate_force(fit.network, tables.displacements, depth, {0.3, 0.2, 0.1}).norm(), 0);
+}
+
+// Claim: errors at groups left out are those of solving again without them.
+TEST(LeftOut, EqualsSolvingAgain) {
+  const int n = 20;
+  Eigen::MatrixXd kernel(n, n), tail = Eigen::MatrixXd::Ones(n, 2), values(n, 1);
+  for (int i = 0; i < n; ++i) {
+    const double x = 0.37 * i + 0.1 * std::sin(7.0 * i);
+    tail(i, 1) = x;
+    values(i, 0) = std::sin(x);
+    for (int j = 0; j < n; ++j) {
+      const double y = 0.37 * j + 0.1 * std::sin(7.0 * j);
+      kernel(i, j) = std::pow(std::abs(x - y), 3);
+    }
+  }
+  const std::vector<std::int32_t> direction{0, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3};
+  const auto groups = groups_by_direction(direction, 1, 0);
+  const auto errors = left_out(kernel, tail, values, groups);
+  for (const auto& group : groups) {
+    std::vector<int> rest;
+    for (int i = 0; i < n; ++i)
+      if (std::find(group.begin(), group.end(), i) == group.end()) rest.push_back(i);
+    const auto m = static_cast<Eigen::Index>(rest.size());
+    Eigen::MatrixXd system = Eigen::MatrixXd::Zero(m + 2, m + 2), right = Eigen::MatrixXd::Zero(m + 2, 1);
+    system.topLeftCorner(m, m) = kernel(rest, rest);
+    system.topRightCorner(m, 2) = tail(rest, Eigen::all);
+    system.bottomLeftCorner(2, m) = tail(rest, Eigen::all).transpose();
+    right.topRows(m) = values(rest, Eigen::all);
+    const Eigen::MatrixXd w = system.fullPivLu().solve(right);
+    for (const auto i : group) {
+      double said = tail.row(i).dot(w.bottomRows(2).col(0));
+      for (Eigen::Index j = 0; j < m; ++j) said += kernel(i, rest[static_cast<std::size_t>(j)]) * w(j, 0);
+      EXPECT_NEAR(errors(i, 0), values(i, 0) - said, 1e-8);  // condition of the system about 1e6
+    }
+  }
+}
+
+}  // namespace
+}  // namespace phynness::test

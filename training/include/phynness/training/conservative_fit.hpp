@@ -1,0 +1,53 @@
+// From the forces of one active node to a network that is the gradient of a potential (formats/model.md, family modal).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <phynness/formats/model.hpp>
+#include <phynness/training/node_training.hpp>
+#include <vector>
+
+namespace phynness {
+
+/// Forces at displacements that converged, one per row.
+struct ForceStates {
+  Eigen::Matrix<double, Eigen::Dynamic, 3> x;      ///< displacement over max_displacement_m
+  Eigen::Matrix<double, Eigen::Dynamic, 3> force;  ///< [N]
+  std::vector<std::int32_t> row;        ///< of TrainingTables::displacements
+  std::vector<std::int32_t> direction;  ///< exploratory direction
+};
+/// @throws Error (failure) if a converged increment holds a force that is not finite
+ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& rays);
+
+struct ConservativeOptions {
+  int max_centers = 80;
+  double shape = 0;  ///< <= 0: the candidate with the smallest left-out error
+};
+
+struct ConservativeFit {
+  ConservativeNetwork network;
+  /// Errors are mean |model - data| over the states, divided by the largest |data|.
+  double training_error = 0;
+  double left_out_error = 0;  ///< of directions left out one by one, by interpolation of all others; 0: not computed
+  /// Largest sum of the sizes of the terms over the largest force: digits lost are its decimal logarithm.
+  double cancellation = 0;
+};
+
+/// Shapes that a search tries, ascending.
+std::vector<double> force_shape_candidates();
+
+/// Networks that cancel by more than this lose the conservation of energy in float32: a smaller shape is taken.
+inline constexpr double largest_cancellation = 1e3;
+
+/// Centers are states chosen one by one by orthogonal least squares: the next is the one whose three columns explain
+/// most of what is left of all forces (Chen, Cowan & Grant 1991, doi 10.1109/72.80341). Coefficients are rounded to
+/// float32. Cost: about 5 (3 n)^2 m flops for n states and m centers, and a third of (3 n)^3 for each shape tried.
+/// @param max_displacement_m  R
+/// @pre at least one state, all values finite
+ConservativeFit fit_conservative(const ForceStates& states, double max_displacement_m, const ConservativeOptions& options);
+
+/// Force [N] at x = d / R, by plain loops: the reference that other evaluators are held against.
+Eigen::Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements, double max_displacement_m,
+                               const Eigen::Vector3d& x);
+
+}  // namespace phynness

@@ -1,0 +1,241 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <phynness/training/conservative_fit.hpp>
+
+#include "left_out.hpp"
+
+namespace phynness {
+namespace {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// More states than this make a search slow and no better: what is left out is whole directions.
+constexpr std::size_t max_search_states = 100;
+
+Matrix3d kernel(const Vector3d& y, double shape) {
+  const double q = std::sqrt(y.squaredNorm() + shape * shape);
+  return q * Matrix3d::Identity() + y * y.transpose() / q;
+}
+
+/// Phi(x - c) - Phi(x) - Phi(c) + Phi(0)
+Matrix3d anchored_kernel(const Vector3d& x, const Vector3d& c, double shape) {
+  return kernel(x - c, shape) - kernel(x, shape) - kernel(c, shape) + kernel(Vector3d::Zero(), shape);
+}
+
+/// Force per entry of a symmetric stiffness xx xy xz yy yz zz.
+Eigen::Matrix<double, 3, 6> stiffness_columns(const Vector3d& x) {
+  Eigen::Matrix<double, 3, 6> k = Eigen::Matrix<double, 3, 6>::Zero();
+  k(0, 0) = k(1, 1) = k(2, 2) = x[0];
+  k(0, 1) = k(1, 3) = k(2, 4) = x[1];
+  k(0, 2) = k(1, 4) = k(2, 5) = x[2];
+  return k;
+}
+
+/// All columns of the least squares problem: 3 n x 3 n of the centers, then 6 of the stiffness.
+struct Columns {
+  MatrixXd centers, stiffness;
+};
+
+Columns columns_of(const ForceStates& states, double shape) {
+  const Index n = states.x.rows();
+  Columns columns{MatrixXd(3 * n, 3 * n), MatrixXd(3 * n, 6)};
+  for (Index i = 0; i < n; ++i) {
+    const Vector3d x = states.x.row(i);
+    columns.stiffness.middleRows<3>(3 * i) = stiffness_columns(x);
+    for (Index j = 0; j < n; ++j)
+      columns.centers.block<3, 3>(3 * i, 3 * j) = anchored_kernel(x, states.x.row(j).transpose(), shape);
+  }
+  return columns;
+}
+
+VectorXd stacked(const ForceStates& states) {
+  VectorXd f(3 * states.force.rows());
+  for (Index i = 0; i < states.force.rows(); ++i) f.segment<3>(3 * i) = states.force.row(i);
+  return f;
+}
+
+double mean_length(const VectorXd& stacked_vectors) {
+  double sum = 0;
+  for (Index i = 0; i < stacked_vectors.size(); i += 3) sum += stacked_vectors.segment<3>(i).norm();
+  return sum / std::max(1.0, static_cast<double>(stacked_vectors.size() / 3));
+}
+
+double largest_force(const ForceStates& states) { return std::sqrt(states.force.rowwise().squaredNorm().maxCoeff()); }
+
+/// Every `stride`-th state of each direction, the deepest among them.
+ForceStates thinned(const ForceStates& states, std::size_t stride) {
+  std::vector<Index> kept;
+  for (std::size_t end = states.row.size(), i = end; i-- > 0;) {
+    if (states.direction[i] != states.direction[end - 1]) end = i + 1;
+    if ((end - 1 - i) % stride == 0) kept.push_back(static_cast<Index>(i));
+  }
+  std::reverse(kept.begin(), kept.end());
+  ForceStates some;
+  some.x = states.x(kept, Eigen::all);
+  some.force = states.force(kept, Eigen::all);
+  for (const auto i : kept) {
+    some.row.push_back(states.row[static_cast<std::size_t>(i)]);
+    some.direction.push_back(states.direction[static_cast<std::size_t>(i)]);
+  }
+  return some;
+}
+
+/// Mean error at directions left out one by one, over the largest force: interpolation of all states and of no force at
+/// rest, with a constant and a symmetric stiffness.
+double left_out_error(const ForceStates& states, double shape) {
+  const Index n = states.x.rows() + 1;
+  MatrixXd phi(3 * n, 3 * n), tail(3 * n, 9);
+  const auto place = [&](Index i) -> Vector3d {
+    return i == 0 ? Vector3d::Zero() : Vector3d(states.x.row(i - 1).transpose());
+  };
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < n; ++j) phi.block<3, 3>(3 * i, 3 * j) = kernel(place(i) - place(j), shape);
+    tail.middleRows<3>(3 * i) << Matrix3d::Identity(), stiffness_columns(place(i));
+  }
+  VectorXd values = VectorXd::Zero(3 * n);
+  values.tail(3 * (n - 1)) = stacked(states);
+  const MatrixXd errors = left_out(phi, tail, values, groups_by_direction(states.direction, 3, 3));
+  return mean_length(errors.col(0).tail(3 * (n - 1))) / largest_force(states);
+}
+
+/// Forward selection; returns the states chosen, in order.
+std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
+  const MatrixXd q = Eigen::HouseholderQR<MatrixXd>(columns.stiffness).householderQ() *
+                     MatrixXd::Identity(columns.stiffness.rows(), std::min<Index>(6, columns.stiffness.rows()));
+  MatrixXd& w = columns.centers;
+  w.noalias() -= q * (q.transpose() * w);
+  rest -= q * (q.transpose() * rest);
+  const Index n = w.cols() / 3;
+  std::vector<Matrix3d> gram;
+  VectorXd slope = w.transpose() * rest, first(n);
+  for (Index i = 0; i < n; ++i) {
+    gram.push_back(w.middleCols<3>(3 * i).transpose() * w.middleCols<3>(3 * i));
+    first[i] = gram.back().trace();
+  }
+  std::vector<char> open(static_cast<std::size_t>(n), 1);
+  std::vector<Index> chosen;
+  while (static_cast<int>(chosen.size()) < wanted) {
+    Index best = -1;
+    double most = 0;
+    for (Index i = 0; i < n; ++i) {
+      const auto& g = gram[static_cast<std::size_t>(i)];
+      // What is left of a column is rounding once it is this small.
+      if (!open[static_cast<std::size_t>(i)] || !(g.trace() > 1e-10 * first[i])) continue;
+      const Matrix3d safe = g + 1e-12 * g.trace() * Matrix3d::Identity();
+      const Vector3d h = slope.segment<3>(3 * i);
+      const double explained = h.dot(safe.ldlt().solve(h));
+      if (explained > most) {
+        most = explained;
+        best = i;
+      }
+    }
+    if (best < 0) break;
+    chosen.push_back(best);
+    open[static_cast<std::size_t>(best)] = 0;
+    const MatrixXd direction = Eigen::HouseholderQR<MatrixXd>(w.middleCols<3>(3 * best)).householderQ() *
+                               MatrixXd::Identity(w.rows(), 3);
+    const MatrixXd along = direction.transpose() * w;
+    w.noalias() -= direction * along;
+    const Vector3d step = direction.transpose() * rest;
+    rest -= direction * step;
+    slope.noalias() -= along.transpose() * step;
+    for (Index i = 0; i < n; ++i)
+      gram[static_cast<std::size_t>(i)] -= along.middleCols<3>(3 * i).transpose() * along.middleCols<3>(3 * i);
+  }
+  return chosen;
+}
+
+ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, int max_centers, double shape) {
+  const Columns columns = columns_of(states, shape);
+  const VectorXd force = stacked(states);
+  auto chosen = choose_centers(columns, force, std::min<int>(max_centers, static_cast<int>(states.x.rows())));
+  std::sort(chosen.begin(), chosen.end());
+  const auto m = static_cast<Index>(chosen.size());
+  MatrixXd a(force.size(), 3 * m + 6);
+  for (Index j = 0; j < m; ++j) a.middleCols<3>(3 * j) = columns.centers.middleCols<3>(3 * chosen[static_cast<std::size_t>(j)]);
+  a.rightCols<6>() = columns.stiffness;
+  const VectorXd size = a.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
+  VectorXd solution = Eigen::CompleteOrthogonalDecomposition<MatrixXd>(a * size.cwiseInverse().asDiagonal()).solve(force);
+  solution.array() /= size.array();
+
+  ConservativeFit fit;
+  auto& network = fit.network;
+  network.shape = shape;
+  network.coefficients.resize(m, 3);
+  for (Index j = 0; j < m; ++j) {
+    network.centers.push_back(states.row[static_cast<std::size_t>(chosen[static_cast<std::size_t>(j)])]);
+    network.coefficients.row(j) = solution.segment<3>(3 * j).transpose().cast<float>().cast<double>();
+    solution.segment<3>(3 * j) = network.coefficients.row(j);
+  }
+  const auto k = [&](Index i) { return static_cast<double>(static_cast<float>(solution[3 * m + i] / max_displacement_m)); };
+  network.stiffness << k(0), k(1), k(2), k(1), k(3), k(4), k(2), k(4), k(5);
+  const double largest = largest_force(states);
+  if (largest > 0) {
+    fit.training_error = mean_length(a * solution - force) / largest;
+    fit.cancellation = (a.cwiseAbs() * solution.cwiseAbs()).maxCoeff() / largest;
+  }
+  return fit;
+}
+
+}  // namespace
+
+std::vector<double> force_shape_candidates() { return {0.03, 0.1, 0.3, 0.6, 1.0}; }
+
+ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& rays) {
+  const NetworkPoints points = force_points(tables, rays);
+  ForceStates states;
+  states.row = points.displacement;
+  const auto n = static_cast<Index>(points.size());
+  states.x.resize(n, 3);
+  states.force = points.outputs;
+  for (Index i = 0; i < n; ++i) {
+    const auto row = states.row[static_cast<std::size_t>(i)];
+    states.x.row(i) = tables.displacements.row(row) / tables.magnitudes_m.back();
+    states.direction.push_back(row / tables.n_increments);
+  }
+  return states;
+}
+
+ConservativeFit fit_conservative(const ForceStates& states, double max_displacement_m,
+                                 const ConservativeOptions& options) {
+  const auto candidates = force_shape_candidates();
+  double shape = options.shape, left_out = 0;
+  if (!(shape > 0)) {
+    const ForceStates some = thinned(states, (states.row.size() + max_search_states - 1) / max_search_states);
+    left_out = std::numeric_limits<double>::infinity();
+    shape = candidates.front();
+    for (const double candidate : candidates) {
+      const double error = largest_force(some) > 0 ? left_out_error(some, candidate) : 0;
+      if (error < left_out) {
+        left_out = error;
+        shape = candidate;
+      }
+    }
+  }
+  auto fit = fit_shape(states, max_displacement_m, options.max_centers, shape);
+  // Flat kernels cancel; the next sharper one does less.
+  while (fit.cancellation > largest_cancellation && shape > candidates.front()) {
+    shape = *std::prev(std::lower_bound(candidates.begin(), candidates.end(), shape));
+    fit = fit_shape(states, max_displacement_m, options.max_centers, shape);
+  }
+  fit.left_out_error = left_out;
+  return fit;
+}
+
+Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements, double max_displacement_m,
+                        const Vector3d& x) {
+  Vector3d force = network.stiffness * (max_displacement_m * x);
+  for (std::size_t i = 0; i < network.centers.size(); ++i) {
+    const Vector3d c = displacements.row(network.centers[i]).transpose() / max_displacement_m;
+    force += anchored_kernel(x, c, network.shape) * network.coefficients.row(static_cast<Index>(i)).transpose();
+  }
+  return force;
+}
+
+}  // namespace phynness

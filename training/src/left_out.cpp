@@ -1,0 +1,37 @@
+#include "left_out.hpp"
+
+#include <Eigen/LU>
+
+namespace phynness {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+RowGroups groups_by_direction(const std::vector<std::int32_t>& direction, Index per_state, Index first_row) {
+  RowGroups groups;
+  for (std::size_t i = 0; i < direction.size(); ++i) {
+    if (i == 0 || direction[i] != direction[i - 1]) groups.emplace_back();
+    for (Index k = 0; k < per_state; ++k)
+      groups.back().push_back(first_row + per_state * static_cast<Index>(i) + k);
+  }
+  return groups;
+}
+
+MatrixXd left_out(const MatrixXd& kernel, const MatrixXd& tail, const MatrixXd& values, const RowGroups& groups) {
+  const Index n = kernel.rows(), m = tail.cols();
+  MatrixXd system = MatrixXd::Zero(n + m, n + m);
+  system.topLeftCorner(n, n) = kernel;
+  system.topRightCorner(n, m) = tail;
+  system.bottomLeftCorner(m, n) = tail.transpose();
+  const MatrixXd inverse = Eigen::PartialPivLU<MatrixXd>(system).inverse();
+  const MatrixXd weights = inverse.leftCols(n).topRows(n) * values;
+  MatrixXd errors = MatrixXd::Zero(n, values.cols());
+  for (const auto& group : groups) {
+    const MatrixXd block = inverse(group, group);
+    const MatrixXd error = Eigen::FullPivLU<MatrixXd>(block).solve(weights(group, Eigen::all));
+    errors(group, Eigen::all) = error.allFinite() ? error : MatrixXd(values(group, Eigen::all));
+  }
+  return errors;
+}
+
+}  // namespace phynness

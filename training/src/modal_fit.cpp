@@ -1,0 +1,297 @@
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <phynness/formats/error.hpp>
+#include <phynness/training/modal_fit.hpp>
+
+#include "left_out.hpp"
+#include "sampling.hpp"
+
+namespace phynness {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// Modes smaller than this part of the largest are rounding of the data (float32).
+constexpr double smallest_mode = 1e-6;
+
+/// More columns than asked for and rounds of subspace iteration: the spectrum falls by half within a few modes, so that
+/// 8 columns and 3 rounds leave the subspace converged beyond what 16 bits show.
+constexpr int spare_columns = 8, rounds = 3;
+
+double q(const Vector3d& y, double shape) { return std::sqrt(y.squaredNorm() + shape * shape); }
+
+double anchored_kernel(const Vector3d& x, const Vector3d& c, double shape) {
+  return q(x - c, shape) - q(x, shape) - q(c, shape) + shape;
+}
+
+Eigen::MatrixX3d scaled_rows(const TrainingTables& tables, const std::vector<std::int32_t>& rows) {
+  Eigen::MatrixX3d x(static_cast<Index>(rows.size()), 3);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    x.row(static_cast<Index>(i)) = tables.displacements.row(rows[i]) / tables.magnitudes_m.back();
+  return x;
+}
+
+/// n x (centers + 3): the amplitudes' features at each x.
+MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, double shape) {
+  MatrixXd f(x.rows(), centers.rows() + 3);
+  for (Index i = 0; i < x.rows(); ++i)
+    for (Index j = 0; j < centers.rows(); ++j)
+      f(i, j) = anchored_kernel(x.row(i).transpose(), centers.row(j).transpose(), shape);
+  f.rightCols<3>() = x;
+  return f;
+}
+
+MatrixXd orthonormal(const MatrixXd& a) {
+  return Eigen::HouseholderQR<MatrixXd>(a).householderQ() * MatrixXd::Identity(a.rows(), std::min(a.rows(), a.cols()));
+}
+
+/// Mean over rows and output nodes not moved by the probe of |displacement| / largest.
+double mean_share(const MatrixXd& fields, const NodeModes& node) {
+  double sum = 0;
+  Index n = 0;
+  for (std::size_t o = 0; o < node.moved.size(); ++o) {
+    if (node.moved[o]) continue;
+    for (Index i = 0; i < fields.rows(); ++i) sum += fields.row(i).segment<3>(3 * static_cast<Index>(o)).norm();
+    n += fields.rows();
+  }
+  return n > 0 && node.largest_m > 0 ? sum / static_cast<double>(n) / node.largest_m : 0;
+}
+
+/// Amplitudes at directions left out, mean over states: root mean square over nodes of their error, over the largest
+/// displacement of a node. (Modes are orthonormal: the size of an amplitude vector is that of the whole field.)
+double left_out_error(const TrainingTables& tables, const NodeModes& node, double shape) {
+  const auto x = scaled_rows(tables, node.row);
+  const Index n = x.rows() + 1;
+  MatrixXd phi(n, n), tail = MatrixXd::Ones(n, 4), values = MatrixXd::Zero(n, node.amplitudes.cols());
+  values.bottomRows(n - 1) = node.amplitudes;
+  const auto place = [&](Index i) -> Vector3d { return i == 0 ? Vector3d::Zero() : Vector3d(x.row(i - 1).transpose()); };
+  for (Index i = 0; i < n; ++i) {
+    tail.row(i).tail<3>() = place(i).transpose();
+    for (Index j = 0; j < n; ++j) phi(i, j) = q(place(i) - place(j), shape);
+  }
+  const MatrixXd errors = left_out(phi, tail, values, groups_by_direction(node.direction, 1, 1));
+  const double n_output = static_cast<double>(node.modes.rows()) / 3;
+  return node.largest_m > 0
+             ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest_m
+             : 0;
+}
+
+/// States that all nodes have; nodes with few states are passed over.
+std::vector<std::int32_t> common_rows(const std::vector<const NodeModes*>& nodes) {
+  std::vector<std::int32_t> common = nodes.front()->row;
+  for (const auto* node : nodes) {
+    std::vector<std::int32_t> both;
+    std::set_intersection(common.begin(), common.end(), node->row.begin(), node->row.end(), std::back_inserter(both));
+    common = both;
+  }
+  return common;
+}
+
+std::vector<const NodeModes*> nodes_with_most_states(const std::vector<NodeModes>& nodes) {
+  std::size_t most = 0;
+  for (const auto& node : nodes) most = std::max(most, node.row.size());
+  std::vector<const NodeModes*> kept;
+  for (const auto& node : nodes)
+    if (node.row.size() == most) kept.push_back(&node);
+  return kept;
+}
+
+}  // namespace
+
+std::vector<double> amplitude_shape_candidates() { return {0.03, 0.1, 0.3, 0.6, 1.0}; }
+
+NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed, const std::vector<Ray>& rays,
+                     int max_modes) {
+  NodeModes node;
+  node.row = converged_increments(tables, rays);
+  const auto n = static_cast<Index>(node.row.size());
+  const auto n_output = tables.output.size();
+  node.moved.assign(n_output, 0);
+  for (std::size_t o = 0; o < n_output; ++o)
+    node.moved[o] = std::binary_search(prescribed.nodes.begin(), prescribed.nodes.end(), tables.output[o]);
+  MatrixXd u(n, 3 * static_cast<Index>(n_output));
+  for (Index i = 0; i < n; ++i) {
+    const auto row = node.row[static_cast<std::size_t>(i)];
+    node.direction.push_back(row / tables.n_increments);
+    const double* from = &rays[static_cast<std::size_t>(row / tables.n_increments)]
+                              .displacement[3 * static_cast<std::size_t>(row % tables.n_increments) * n_output];
+    u.row(i) = Eigen::Map<const Eigen::RowVectorXd>(from, u.cols());
+  }
+  if (!u.allFinite())
+    throw failure("database holds a displacement that is not finite in an increment marked converged", "",
+                  "precompute this database again");
+  for (std::size_t o = 0; o < n_output; ++o) {
+    if (node.moved[o]) u.middleCols<3>(3 * static_cast<Index>(o)).setZero();
+    for (Index i = 0; i < n; ++i)
+      node.largest_m = std::max(node.largest_m, u.row(i).segment<3>(3 * static_cast<Index>(o)).norm());
+  }
+  if (n == 0) return node;
+  // Fewer states than unknowns: the small Gram matrix has the same singular values.
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(u * u.transpose());
+  const VectorXd squares = eigen.eigenvalues().reverse().cwiseMax(0);
+  Index m = 0;
+  while (m < std::min<Index>(n, max_modes) && squares[m] > smallest_mode * smallest_mode * squares[0]) ++m;
+  node.size = squares.head(m).cwiseSqrt();
+  const MatrixXd left = eigen.eigenvectors().rowwise().reverse().leftCols(m);
+  node.modes = u.transpose() * left * node.size.cwiseInverse().asDiagonal();
+  node.amplitudes = left * node.size.asDiagonal();
+  node.lost = mean_share(u - node.amplitudes * node.modes.transpose(), node);
+  return node;
+}
+
+MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, std::uint64_t seed) {
+  Index n_rows = 0, n_columns = 0;
+  for (const auto& node : nodes) {
+    n_rows = std::max(n_rows, node.modes.rows());
+    n_columns += node.modes.cols();
+  }
+  const auto wanted = std::min<Index>({n_shared, n_rows, n_columns});
+  if (wanted == 0) return MatrixXd(n_rows, 0);
+  MatrixXf all(n_rows, n_columns);
+  Index at = 0;
+  for (const auto& node : nodes) {
+    const double weight = node.largest_m > 0 ? 1 / node.largest_m : 0;
+    all.middleCols(at, node.modes.cols()) = (node.modes * (weight * node.size).asDiagonal()).cast<float>();
+    at += node.modes.cols();
+  }
+  const Index width = std::min<Index>({wanted + spare_columns, n_rows, n_columns});
+  SplitMix64 random(seed);
+  MatrixXd basis(n_rows, width);
+  for (Index i = 0; i < basis.size(); ++i)
+    basis.data()[i] = static_cast<double>(random.next() >> 11) * 0x1p-53 - 0.5;
+  MatrixXf inner;
+  for (int round = 0; round < rounds; ++round) {
+    basis = orthonormal(basis);
+    inner.noalias() = all.transpose() * basis.cast<float>();
+    basis = (all * inner).cast<double>();
+  }
+  basis = orthonormal(basis);
+  inner.noalias() = all.transpose() * basis.cast<float>();
+  const MatrixXd small = inner.cast<double>();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(small.transpose() * small);
+  return basis * eigen.eigenvectors().rowwise().reverse().leftCols(wanted);
+}
+
+AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
+                                          int max_centers, double shape) {
+  AmplitudeCenters chosen;
+  const auto used = nodes_with_most_states(nodes);
+  if (used.empty() || used.front()->row.empty()) return chosen;
+  const auto candidates = amplitude_shape_candidates();
+  chosen.left_out_error = std::numeric_limits<double>::infinity();
+  for (const double candidate : shape > 0 ? std::vector<double>{shape} : candidates) {
+    double error = 0;
+    for (const auto* node : used) error += left_out_error(tables, *node, candidate) / static_cast<double>(used.size());
+    if (error < chosen.left_out_error) {
+      chosen.left_out_error = error;
+      chosen.shape = candidate;
+    }
+  }
+  const auto rows = common_rows(used);
+  const auto x = scaled_rows(tables, rows);
+  Index n_columns = 0;
+  for (const auto* node : used) n_columns += node->amplitudes.cols();
+  MatrixXd rest(x.rows(), n_columns);
+  Index at = 0;
+  for (const auto* node : used) {
+    Index i = 0;
+    for (std::size_t r = 0; r < node->row.size(); ++r)
+      if (std::binary_search(rows.begin(), rows.end(), node->row[r]))
+        rest.row(i++).segment(at, node->amplitudes.cols()) =
+            node->amplitudes.row(static_cast<Index>(r)) / std::max(node->largest_m, std::numeric_limits<double>::min());
+    at += node->amplitudes.cols();
+  }
+  MatrixXd w = features(x, x, chosen.shape);
+  const MatrixXd linear = orthonormal(w.rightCols<3>());
+  w = w.leftCols(x.rows()).eval();
+  w -= linear * (linear.transpose() * w);
+  rest -= linear * (linear.transpose() * rest);
+  const VectorXd first = w.colwise().squaredNorm();
+  std::vector<char> open(rows.size(), 1);
+  while (static_cast<int>(chosen.row.size()) < max_centers) {
+    const MatrixXd slope = w.transpose() * rest;
+    Index best = -1;
+    double most = 0;
+    for (Index i = 0; i < w.cols(); ++i) {
+      const double left = w.col(i).squaredNorm();
+      // What is left of a column is rounding once it is this small.
+      if (!open[static_cast<std::size_t>(i)] || !(left > 1e-10 * first[i])) continue;
+      const double explained = slope.row(i).squaredNorm() / left;
+      if (explained > most) {
+        most = explained;
+        best = i;
+      }
+    }
+    if (best < 0) break;
+    open[static_cast<std::size_t>(best)] = 0;
+    chosen.row.push_back(rows[static_cast<std::size_t>(best)]);
+    const VectorXd direction = w.col(best).normalized();
+    w -= direction * (direction.transpose() * w);
+    rest -= direction * (direction.transpose() * rest);
+  }
+  std::sort(chosen.row.begin(), chosen.row.end());
+  return chosen;
+}
+
+ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node, int n_near) {
+  ModalFit fit;
+  auto& modal = fit.deformation;
+  const MatrixXd basis = shared.modes.values();
+  const Index n_output = basis.rows() / 3, m = node.modes.cols();
+
+  // Near nodes: where the shared modes miss most, the sizes of the modes counted in.
+  MatrixXd mixing = basis.transpose() * node.modes;
+  const MatrixXd missing = (node.modes - basis * mixing) * node.size.asDiagonal();
+  std::vector<std::pair<double, std::int32_t>> worst;
+  for (Index o = 0; o < n_output; ++o)
+    if (!node.moved[static_cast<std::size_t>(o)])
+      worst.emplace_back(-missing.middleRows<3>(3 * o).squaredNorm(), static_cast<std::int32_t>(o));
+  std::sort(worst.begin(), worst.end());
+  for (std::size_t i = 0; i < std::min<std::size_t>(worst.size(), static_cast<std::size_t>(n_near)); ++i)
+    modal.near.push_back(worst[i].second);
+  std::sort(modal.near.begin(), modal.near.end());
+  MatrixXd far = basis, target = node.modes, near(3 * static_cast<Index>(modal.near.size()), m);
+  for (std::size_t i = 0; i < modal.near.size(); ++i)
+    near.middleRows<3>(3 * static_cast<Index>(i)) = node.modes.middleRows<3>(3 * modal.near[i]);
+  const auto without = [&](Index o) {
+    far.middleRows<3>(3 * o).setZero();
+    target.middleRows<3>(3 * o).setZero();
+  };
+  for (const auto o : modal.near) without(o);
+  for (Index o = 0; o < n_output; ++o)
+    if (node.moved[static_cast<std::size_t>(o)]) without(o);
+  if (basis.cols() > 0)
+    mixing = Eigen::CompleteOrthogonalDecomposition<MatrixXd>(far.transpose() * far).solve(far.transpose() * target);
+
+  const auto x = scaled_rows(tables, node.row);
+  const MatrixXd f = features(x, scaled_rows(tables, shared.centers), shared.shape);
+  const VectorXd size = f.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> least_squares;
+  // Directions beyond this condition would be noise of the data, magnified.
+  least_squares.setThreshold(1e-8);
+  least_squares.compute(f * size.cwiseInverse().asDiagonal());
+  MatrixXd weights = least_squares.solve(node.amplitudes);
+  weights = size.cwiseInverse().asDiagonal() * weights;
+
+  modal.weights = scaled_table(weights);
+  modal.mixing = scaled_table(mixing);
+  modal.near_modes = scaled_table(near);
+
+  MatrixXd stored = basis * modal.mixing.values();
+  const MatrixXd stored_near = modal.near_modes.values();
+  for (std::size_t i = 0; i < modal.near.size(); ++i)
+    stored.middleRows<3>(3 * modal.near[i]) = stored_near.middleRows<3>(3 * static_cast<Index>(i));
+  for (Index o = 0; o < n_output; ++o)
+    if (node.moved[static_cast<std::size_t>(o)]) stored.middleRows<3>(3 * o).setZero();
+  fit.truncation_error = node.lost + mean_share(node.amplitudes * (stored - node.modes).transpose(), node);
+  fit.regression_error = mean_share((f * modal.weights.values() - node.amplitudes) * stored.transpose(), node);
+  return fit;
+}
+
+}  // namespace phynness
