@@ -7,24 +7,28 @@
 
 namespace phynness::runtime {
 
-inline constexpr std::size_t alignment = 64;
+/// Arrays of at least this many bytes start at a cache line; smaller ones, of which a model has thousands,
+/// are packed.
+inline constexpr std::size_t alignment = 64, smallest_aligned = 1024;
 
 class Arena {
  public:
   /// Counts what would be taken.
   Arena() = default;
   /// @param memory  any alignment
-  Arena(void* memory, std::size_t bytes) : _base(static_cast<unsigned char*>(memory)), _bytes(bytes) {
+  Arena(void* memory, std::size_t bytes) {
     const std::size_t off = reinterpret_cast<std::uintptr_t>(memory) % alignment;
-    _used = off == 0 ? 0 : alignment - off;
+    const std::size_t skipped = off == 0 ? 0 : alignment - off;
+    _base = static_cast<unsigned char*>(memory) + skipped;
+    _bytes = bytes > skipped ? bytes - skipped : 0;
   }
 
   /// `n` objects of T, uninitialized; null when counting or when the memory is used up.
   template <class T>
   T* take(std::size_t n) {
-    const std::size_t size = (n * sizeof(T) + alignment - 1) / alignment * alignment;
-    const std::size_t at = _used;
-    _used += size;
+    const std::size_t size = n * sizeof(T), align = size < smallest_aligned ? alignof(T) : alignment;
+    const std::size_t at = (_used + align - 1) / align * align;
+    _used = at + size;
     if (_base == nullptr) return nullptr;
     if (_used > _bytes) {
       _overflow = true;
