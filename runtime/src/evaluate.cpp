@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "modal.hpp"
+
 namespace phynness::runtime {
 namespace {
 
@@ -92,20 +94,52 @@ void linear_deformation(const phn_model& model, const LinearResponse& linear, co
 }  // namespace
 
 void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force) {
-  if (model.family == Family::rbfn) return network_force(node.force, d, force);
-  const double* k = node.linear.stiffness;
-  const double x = cut(d[0]), y = cut(d[1]), z = cut(d[2]);
-  force[0] = k[0] * x + k[1] * y + k[2] * z;
-  force[1] = k[1] * x + k[3] * y + k[4] * z;
-  force[2] = k[2] * x + k[4] * y + k[5] * z;
+  switch (model.family) {
+    case Family::rbfn:
+      return network_force(node.networks->force, d, force);
+    case Family::linear: {
+      const double at[3] = {cut(d[0]), cut(d[1]), cut(d[2])};
+      return multiply_symmetric(node.linear->stiffness, at, force);
+    }
+    case Family::modal:
+      return modal_force(*node.modal, d, force);
+  }
 }
 
-void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* factor,
+double evaluate_energy(const phn_model& model, const ActiveNode& node, const double* d) {
+  if (model.family == Family::modal) return modal_energy(*node.modal, d);
+  const double at[3] = {cut(d[0]), cut(d[1]), cut(d[2])};
+  double force[3];
+  multiply_symmetric(node.linear->stiffness, at, force);
+  return dot(at, force) / 2;
+}
+
+void evaluate_stiffness(const phn_model& model, const ActiveNode& node, const double* d, double* stiffness) {
+  if (model.family == Family::modal) return modal_stiffness(*node.modal, d, stiffness);
+  const double* k = node.linear->stiffness;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) stiffness[3 * i + j] = stiffness[3 * j + i] = *k++;
+  }
+}
+
+bool has_energy(const phn_model& model) { return model.family != Family::rbfn; }
+
+bool has_deformation(const phn_model& model, const ActiveNode& node) {
+  return model.family != Family::modal || node.modal->n_modes > 0;
+}
+
+void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* scratch,
                           double* field) {
-  if (model.family == Family::rbfn) {
-    network_deformation(model, node.deformation, d, factor, field);
-  } else {
-    linear_deformation(model, node.linear, d, field);
+  switch (model.family) {
+    case Family::rbfn:
+      network_deformation(model, node.networks->deformation, d, scratch, field);
+      break;
+    case Family::linear:
+      linear_deformation(model, *node.linear, d, field);
+      break;
+    case Family::modal:
+      modal_deformation(model, *node.modal, d, scratch, field);
+      break;
   }
   for (std::int32_t p = 0; p < node.n_prescribed; ++p) {
     for (int k = 0; k < 3; ++k) field[3 * node.prescribed[p] + k] = node.prescribed_weight[p] * d[k];
@@ -133,7 +167,7 @@ void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, c
     for (int k = 0; k < 3; ++k) out[3 * o + k] = 0;
   }
   for (std::int32_t t = 0; t < n_tools; ++t) {
-    evaluate_deformation(model, tool(t), &displacements[3 * t], data.displacement_factor, data.field);
+    evaluate_deformation(model, tool(t), &displacements[3 * t], data.scratch, data.field);
     for (std::int32_t o = 0; o < model.n_output; ++o) {
       const double distance = distance_between(&model.output_points[3 * o], tool(t).point);
       const double weight = (distance > 0 ? data.nearest[o] / distance : 1) / data.weight_sum[o];

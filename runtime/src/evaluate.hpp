@@ -1,4 +1,5 @@
-// Evaluation of the networks (11)-(12), of linear responses, and of the blending of several tools (15)-(16).
+// Evaluation of the networks (11)-(12), of linear responses, and of the blending of several tools (15)-(16);
+// modal responses are in modal.hpp.
 #pragma once
 
 #include "model.hpp"
@@ -6,10 +7,10 @@
 struct phn_data {
   const phn_model* model;
   std::int32_t max_tools;
-  double* displacement_factor;  ///< max_neurons: exp(-|u - c_u|^2 / r^2)
-  double* field;                ///< n_output x 3: the field of one tool
-  double* nearest;              ///< n_output: distance to the nearest tool [m]
-  double* weight_sum;           ///< n_output: sum of nearest / distance over the tools
+  double* scratch;     ///< model.n_scratch: what a deformation computes once for all output nodes
+  double* field;       ///< n_output x 3: the field of one tool
+  double* nearest;     ///< n_output: distance to the nearest tool [m]
+  double* weight_sum;  ///< n_output: sum of nearest / distance over the tools
 };
 
 namespace phynness::runtime {
@@ -17,9 +18,22 @@ namespace phynness::runtime {
 /// @param d  3 [m], finite; @param force 3 [N]
 void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force);
 
+/// Energy and stiffness are derivatives of one another and of the force, where the family has them.
+bool has_energy(const phn_model& model);
+/// @pre has_energy(model)
+/// @return work that led from rest to d [J]
+double evaluate_energy(const phn_model& model, const ActiveNode& node, const double* d);
+/// @pre has_energy(model)
+/// @param stiffness  3 x 3 [N/m]: derivative of the force
+void evaluate_stiffness(const phn_model& model, const ActiveNode& node, const double* d, double* stiffness);
+
+/// Whether the node has a deformation: modal models may have forces only.
+bool has_deformation(const phn_model& model, const ActiveNode& node);
+
 /// Field of one tool at all output nodes, nodes moved by the probe itself included.
-/// @param factor  scratch, model.max_neurons; @param field n_output x 3 [m]
-void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* factor,
+/// @pre has_deformation(model, node)
+/// @param scratch  model.n_scratch; @param field n_output x 3 [m]
+void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* scratch,
                           double* field);
 
 /// Several tools by (15)-(16). @param active positions of the tools among the active nodes, all different

@@ -1,49 +1,18 @@
 // model.txt -> phn_model. Follows formats/model.md section by section.
-#include <cmath>
 #include <initializer_list>
 
-#include "arena.hpp"
-#include "model.hpp"
-#include "text.hpp"
+#include "load_parts.hpp"
 
 namespace phynness::runtime {
 namespace {
 
-constexpr double smallest_spread = 1e-6, largest_spread = 1e6;
 // Sums of outputs stay this far from the largest double, so that no addition of a few of them overflows.
 constexpr double largest_output = 1e300;
-
-/// An array that is filled if there is memory and merely read past if not.
-template <class T>
-class Column {
- public:
-  Column(Arena& arena, std::int32_t n) : _values(arena.take<T>(static_cast<std::size_t>(n))) {}
-  void set(std::int32_t i, T value) {
-    if (_values) _values[i] = value;
-  }
-  T* get() const { return _values; }
-
- private:
-  T* _values;
-};
 
 struct Tables {
   std::int32_t n_displacements = 0;
   const double *displacements = nullptr, *output_points = nullptr;
 };
-
-void real_line(TextReader& in, const char* keyword, double* values, int n, bool positive) {
-  in.keyword(keyword);
-  for (int k = 0; k < n; ++k) values[k] = positive ? in.positive_real() : in.real();
-  in.end_line();
-}
-
-std::int32_t count_line(TextReader& in, const char* keyword, std::int32_t low) {
-  in.keyword(keyword);
-  const std::int32_t n = in.count(low);
-  in.end_line();
-  return in.good() ? n : 0;
-}
 
 std::int32_t ascending_node(TextReader& in, std::int32_t n_nodes, std::int32_t& previous) {
   const std::int32_t node = in.integer(0, n_nodes - 1);
@@ -51,11 +20,11 @@ std::int32_t ascending_node(TextReader& in, std::int32_t n_nodes, std::int32_t& 
   return previous = node;
 }
 
-/// Table of n rows of 3 numbers, read to an array.
-const double* vector_table(TextReader& in, Arena& arena, std::int32_t n) {
+/// Table of n rows of 3 numbers over a divisor, read to an array.
+const double* vector_table(TextReader& in, Arena& arena, std::int32_t n, double divisor) {
   Column<double> rows(arena, 3 * n);
   for (std::int32_t i = 0; i < n && in.good(); ++i) {
-    for (int k = 0; k < 3; ++k) rows.set(3 * i + k, in.real());
+    for (int k = 0; k < 3; ++k) rows.set(3 * i + k, in.real() / divisor);
     in.end_line();
   }
   return rows.get();
@@ -69,9 +38,7 @@ void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, co
   real_line(in, "input_half_range", net.input_half_range, n_inputs, true);
   real_line(in, "output_center", net.output_center, 3, false);
   real_line(in, "output_half_range", net.output_half_range, 3, true);
-  double spread = 1;
-  real_line(in, "spread", &spread, 1, true);
-  if (!(spread >= smallest_spread && spread <= largest_spread)) in.fail(PHN_ERROR_RANGE);
+  const double spread = width_line(in, "spread");
   net.inverse_square_spread = 1 / (spread * spread);
   real_line(in, "bias", net.bias, 3, false);
 
@@ -84,7 +51,7 @@ void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, co
     net.weight[k] = weight[k] = arena.take<double>(n);
     largest[k] = std::fabs(net.bias[k]);
   }
-  const bool fill = !arena.counting() && !arena.overflow();
+  const bool fill = has_memory(arena);
   for (std::int32_t i = 0; i < net.n_neurons && in.good(); ++i) {
     const std::int32_t displacement = in.integer(0, tables.n_displacements - 1);
     const std::int32_t output = n_inputs == 6 ? in.integer(0, n_output - 1) : 0;
@@ -108,23 +75,26 @@ void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, co
   }
 }
 
-double linear_entry(TextReader& in) {
-  const double value = in.real();
-  if (!(std::fabs(value) <= largest_linear)) in.fail(PHN_ERROR_RANGE);
-  return value;
+const Networks* networks(TextReader& in, Arena& arena, const Tables& tables, std::int32_t n_output,
+                         std::size_t& n_scratch) {
+  Networks nets = {};
+  network(in, arena, "force", 3, tables, n_output, nets.force);
+  network(in, arena, "deformation", 6, tables, n_output, nets.deformation);
+  const auto needed = static_cast<std::size_t>(nets.deformation.n_neurons);
+  n_scratch = n_scratch > needed ? n_scratch : needed;
+  return place(arena, nets);
 }
 
-void linear_response(TextReader& in, Arena& arena, std::int32_t n_output, LinearResponse& linear) {
-  in.keyword("stiffness");
-  for (double& entry : linear.stiffness) entry = linear_entry(in);
-  in.end_line();
+const LinearResponse* linear_response(TextReader& in, Arena& arena, std::int32_t n_output) {
+  LinearResponse linear = {};
+  stiffness_line(in, linear.stiffness);
   in.keyword("unit_responses");
   in.end_line();
   double* unit[3];
   for (int axis = 0; axis < 3; ++axis) {
     linear.unit_response[axis] = unit[axis] = arena.take<double>(3 * static_cast<std::size_t>(n_output));
   }
-  const bool fill = !arena.counting() && !arena.overflow();
+  const bool fill = has_memory(arena);
   for (std::int32_t o = 0; o < n_output && in.good(); ++o) {
     for (int axis = 0; axis < 3; ++axis) {
       for (int k = 0; k < 3; ++k) {
@@ -134,6 +104,7 @@ void linear_response(TextReader& in, Arena& arena, std::int32_t n_output, Linear
     }
     in.end_line();
   }
+  return place(arena, linear);
 }
 
 void prescribed(TextReader& in, Arena& arena, std::int32_t n_nodes, const phn_model& model,
@@ -158,8 +129,8 @@ void prescribed(TextReader& in, Arena& arena, std::int32_t n_nodes, const phn_mo
   node.prescribed_weight = weights.get();
 }
 
-void active_node(TextReader& in, Arena& arena, const Tables& tables, const phn_model& model,
-                 std::int32_t number, ActiveNode& node) {
+void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& model, std::int32_t number,
+                 ActiveNode& node) {
   real_line(in, "point", node.point, 3, false);
   node.output = model.output_nodes ? find_sorted(model.output_nodes, model.n_output, number) : -1;
   prescribed(in, arena, model.n_nodes, model, node);
@@ -176,12 +147,35 @@ void active_node(TextReader& in, Arena& arena, const Tables& tables, const phn_m
     in.end_line();
   }
   node.trained_depth = depth.get();
-  if (model.family == Family::linear) return linear_response(in, arena, model.n_output, node.linear);
-  network(in, arena, "force", 3, tables, model.n_output, node.force);
-  network(in, arena, "deformation", 6, tables, model.n_output, node.deformation);
+  switch (model.family) {
+    case Family::rbfn:
+      node.networks = networks(in, arena, tables, model.n_output, model.n_scratch);
+      break;
+    case Family::linear:
+      node.linear = linear_response(in, arena, model.n_output);
+      break;
+    case Family::modal:
+      node.modal = load_modal(in, arena, tables.n_displacements, model, model.n_scratch);
+      break;
+  }
 }
 
-std::int32_t larger(std::int32_t a, std::int32_t b) { return a > b ? a : b; }
+/// The word after `family`, or false.
+bool family_word(TextReader& in, Family& family) {
+  constexpr struct {
+    const char* word;
+    Family family;
+  } known[] = {{"rbfn", Family::rbfn}, {"linear", Family::linear}, {"modal", Family::modal}};
+  for (const auto& each : known) {
+    TextReader attempt = in;
+    attempt.keyword(each.word);
+    if (!attempt.good()) continue;
+    in = attempt;
+    family = each.family;
+    return true;
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -214,31 +208,29 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   in.end_line();
   in.keyword("family");
   if (!in.good()) return in.status();
-  TextReader other = in;
-  in.keyword("rbfn");
-  if (!in.good()) {
-    other.keyword("linear");
-    if (!other.good()) return PHN_ERROR_FAMILY;
-    in = other;
-    model.family = Family::linear;
-  }
+  if (!family_word(in, model.family)) return PHN_ERROR_FAMILY;
   in.end_line();
   for (const char* key : {"title", "software", "mesh_hash", "physics_hash"}) {
     in.keyword(key);
     in.rest_of_line();
     in.end_line();
   }
-  double largest_displacement = 0;
-  real_line(in, "max_displacement_m", &largest_displacement, 1, true);
+  real_line(in, "max_displacement_m", &model.max_displacement, 1, true);
+  const bool modal = model.family == Family::modal;
+  if (modal && !(model.max_displacement >= 1 / largest_max_displacement &&
+                 model.max_displacement <= largest_max_displacement)) {
+    in.fail(PHN_ERROR_RANGE);
+  }
   in.keyword("mesh_nodes");
   model.n_nodes = in.integer(1, INT32_MAX);
   in.end_line();
   model.n_directions = count_line(in, "directions", 1);
-  model.directions = vector_table(in, arena, model.n_directions);
+  model.directions = vector_table(in, arena, model.n_directions, 1);
   Tables tables;
   tables.n_displacements = count_line(in, "displacements", 1);
   if (in.good() && tables.n_displacements % model.n_directions != 0) in.fail(PHN_ERROR_RANGE);
-  tables.displacements = vector_table(in, arena, tables.n_displacements);
+  model.displacements = tables.displacements =
+      vector_table(in, arena, tables.n_displacements, modal ? model.max_displacement : 1);
 
   const std::int32_t n_fixed = count_line(in, "fixed", 0);
   std::int32_t previous = -1;
@@ -257,6 +249,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   }
   model.output_nodes = output_nodes.get();
   model.output_points = tables.output_points = points.get();
+  if (modal) load_shared(in, arena, tables.n_displacements, model);
 
   model.n_active = count_line(in, "active", 0);
   Column<std::int32_t> active_nodes(arena, model.n_active);
@@ -269,7 +262,6 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
     active_nodes.set(i, number);
     ActiveNode node = {};
     active_node(in, arena, tables, model, number, node);
-    model.max_neurons = larger(model.max_neurons, larger(node.force.n_neurons, node.deformation.n_neurons));
     active.set(i, node);
     if (arena.overflow()) return PHN_ERROR_BUFFER;
   }

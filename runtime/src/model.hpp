@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "conservative.hpp"
+
 namespace phynness::runtime {
 
 /// Gaussian network on scaled inputs and outputs, (11)-(12).
@@ -19,7 +21,7 @@ struct Network {
   const double* weight[3];       ///< per output: n_neurons
 };
 
-enum class Family : std::uint8_t { rbfn, linear };
+enum class Family : std::uint8_t { rbfn, linear, modal };
 
 /// Displacements of a linear model are cut to this size per component [m], and no coefficient of one is
 /// larger: their products and sums stay finite.
@@ -31,7 +33,40 @@ struct LinearResponse {
   const double* unit_response[3];  ///< U per axis of d: n_output x 3 [m/m]
 };
 
-/// Of the responses, only those of the model's family are filled in.
+/// Displacements of a modal model are cut to this size per component, in max_displacement_m. With the bounds
+/// below and those of formats/model.md (coefficients 1e100, tables 1e6, 1024 modes) forces and energies stay
+/// below 1e300, and sums of shared modes below 1e37: no float overflows.
+inline constexpr double largest_modal = 1e6;
+inline constexpr double largest_center = 1e3;  ///< per component of a center, in max_displacement_m
+inline constexpr double largest_max_displacement = 1e90;  ///< of a modal model, and one over its least [m]
+
+/// Force and deformation of an active node of a modal model. Tables are 16-bit integers, row by row, with a
+/// factor for each of their n_modes columns.
+struct ModalResponse {
+  Conservative<double> force;
+  std::int32_t n_modes, n_near;   ///< n_modes = 0: forces only
+  const double* weight_scale;     ///< n_modes [m]
+  const std::int16_t* weight;     ///< of the amplitudes: n_centers + 3 rows
+  const double* mixing_scale;     ///< n_modes
+  const std::int16_t* mixing;     ///< shared n_modes rows
+  const std::int32_t* near;       ///< n_near positions among the output nodes
+  const double* near_mode_scale;  ///< n_modes
+  const std::int16_t* near_mode;  ///< 3 n_near rows
+};
+
+/// What the deformations of a modal model share.
+struct SharedModes {
+  std::int32_t n_modes, n_centers;
+  double shape;
+  const float* modes;           ///< n_modes of 3 n_output
+  const std::int32_t* center;   ///< n_centers rows of the displacements
+  const double* basis_at_rest;  ///< n_centers: subtracted so that amplitudes at d = 0 are exactly 0
+};
+
+struct Networks {
+  Network force, deformation;
+};
+
 struct ActiveNode {
   double point[3];                 ///< reference coordinates [m]
   std::int32_t output;             ///< position among the output nodes, or -1
@@ -40,18 +75,24 @@ struct ActiveNode {
   const double* prescribed_weight;
   const double* trained_depth;  ///< n_directions [m]
   bool incomplete;
-  Network force, deformation;
-  LinearResponse linear;
+  // One of these, by the model's family; the others are null.
+  const Networks* networks;
+  const LinearResponse* linear;
+  const ModalResponse* modal;
 };
 
 }  // namespace phynness::runtime
 
 struct phn_model {
   phynness::runtime::Family family;
-  std::int32_t n_nodes, n_active, n_output, n_directions, max_neurons;
+  std::int32_t n_nodes, n_active, n_output, n_directions;
+  std::size_t n_scratch;  ///< doubles that a deformation needs besides its result
   const std::int32_t *active_nodes, *output_nodes;
   const double* output_points;  ///< n_output x 3
   const double* directions;     ///< n_directions x 3
+  double max_displacement;
+  const double* displacements;  ///< rows of 3; in family modal over max_displacement
+  phynness::runtime::SharedModes shared;
   const phynness::runtime::ActiveNode* active;
 };
 

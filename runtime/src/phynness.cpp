@@ -24,6 +24,19 @@ int warnings(const phn_model& model, const ActiveNode& node, const double* d) {
          (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
 }
 
+/// Checks the arguments of a response of one node and finds the node.
+int find_node(const phn_model* model, const phn_data* data, std::int32_t node, const double* d,
+              const double* out, const ActiveNode*& found) {
+  if (model == nullptr || data == nullptr || data->model != model || d == nullptr || out == nullptr) {
+    return PHN_ERROR_ARGUMENT;
+  }
+  const std::int32_t at = phynness::runtime::find_active(*model, node);
+  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
+  if (!finite(d)) return PHN_ERROR_NOT_FINITE;
+  found = &model->active[at];
+  return PHN_OK;
+}
+
 struct DataParts {
   phn_data* data;
   phn_data value;
@@ -35,7 +48,7 @@ DataParts lay_out(Arena& arena, const phn_model& model, std::int32_t max_tools) 
   parts.data = arena.take<phn_data>(1);
   parts.value.model = &model;
   parts.value.max_tools = max_tools;
-  parts.value.displacement_factor = arena.take<double>(static_cast<std::size_t>(model.max_neurons));
+  parts.value.scratch = arena.take<double>(model.n_scratch);
   parts.value.field = arena.take<double>(3 * n_output);
   parts.value.nearest = arena.take<double>(n_output);
   parts.value.weight_sum = arena.take<double>(n_output);
@@ -71,6 +84,8 @@ const char* phn_status_message(int status) {
       return "more tools than the data was made for";
     case PHN_ERROR_SAME_NODE:
       return "two tools at the same node";
+    case PHN_ERROR_UNDEFINED:
+      return "this model does not define what was asked for: its family or node has no such response";
     case PHN_ERROR_NOT_A_MODEL:
       return "the text is not a phynness model";
     case PHN_ERROR_VERSION:
@@ -140,14 +155,32 @@ const double* phn_output_points(const phn_model* model) { return model ? model->
 
 int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3]) {
   zero(force, 3);
-  if (model == nullptr || data == nullptr || data->model != model || d == nullptr || force == nullptr) {
-    return PHN_ERROR_ARGUMENT;
-  }
-  const int32_t at = phynness::runtime::find_active(*model, node);
-  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
-  if (!finite(d)) return PHN_ERROR_NOT_FINITE;
-  phynness::runtime::evaluate_force(*model, model->active[at], d, force);
-  return warnings(*model, model->active[at], d);
+  const ActiveNode* at = nullptr;
+  const int refused = find_node(model, data, node, d, force, at);
+  if (refused != PHN_OK) return refused;
+  phynness::runtime::evaluate_force(*model, *at, d, force);
+  return warnings(*model, *at, d);
+}
+
+int phn_energy(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* energy) {
+  zero(energy, 1);
+  const ActiveNode* at = nullptr;
+  const int refused = find_node(model, data, node, d, energy, at);
+  if (refused != PHN_OK) return refused;
+  if (!phynness::runtime::has_energy(*model)) return PHN_ERROR_UNDEFINED;
+  *energy = phynness::runtime::evaluate_energy(*model, *at, d);
+  return warnings(*model, *at, d);
+}
+
+int phn_stiffness(const phn_model* model, phn_data* data, int32_t node, const double d[3],
+                  double stiffness[9]) {
+  zero(stiffness, 9);
+  const ActiveNode* at = nullptr;
+  const int refused = find_node(model, data, node, d, stiffness, at);
+  if (refused != PHN_OK) return refused;
+  if (!phynness::runtime::has_energy(*model)) return PHN_ERROR_UNDEFINED;
+  phynness::runtime::evaluate_stiffness(*model, *at, d, stiffness);
+  return warnings(*model, *at, d);
 }
 
 int phn_deform(const phn_model* model, phn_data* data, int32_t n_tools, const int32_t* nodes,
@@ -166,12 +199,12 @@ int phn_deform(const phn_model* model, phn_data* data, int32_t n_tools, const in
     for (int32_t s = 0; s < t; ++s) {
       if (nodes[s] == nodes[t]) return PHN_ERROR_SAME_NODE;
     }
+    if (!phynness::runtime::has_deformation(*model, model->active[at])) return PHN_ERROR_UNDEFINED;
     status |= warnings(*model, model->active[at], &displacements[3 * t]);
   }
   if (n_tools == 1) {
     const int32_t at = phynness::runtime::find_active(*model, nodes[0]);
-    phynness::runtime::evaluate_deformation(*model, model->active[at], displacements,
-                                            data->displacement_factor, out);
+    phynness::runtime::evaluate_deformation(*model, model->active[at], displacements, data->scratch, out);
   } else {
     phynness::runtime::blend_tools(*model, *data, n_tools, nodes, displacements, out);
   }

@@ -72,13 +72,17 @@ void TextReader::end_line() {
 
 std::int32_t TextReader::integer(std::int32_t low, std::int32_t high) {
   const Token found = token();
+  const bool negative = low < 0 && found.begin != found.end && *found.begin == '-';
+  const char* first = negative ? found.begin + 1 : found.begin;
+  if (first == found.end) fail(PHN_ERROR_SYNTAX);
   std::int64_t value = 0;
-  // Nothing in the format is negative; ten digits cannot overflow 64 bits.
-  for (const char* c = found.begin; c != found.end && good(); ++c) {
+  // Ten digits cannot overflow 64 bits.
+  for (const char* c = first; c != found.end && good(); ++c) {
     if (*c < '0' || *c > '9') fail(PHN_ERROR_SYNTAX);
-    if (c - found.begin < 10) value = 10 * value + (*c - '0');
+    if (c - first < 10) value = 10 * value + (*c - '0');
   }
-  if (found.end - found.begin > 10) fail(PHN_ERROR_RANGE);
+  if (found.end - first > 10) fail(PHN_ERROR_RANGE);
+  if (negative) value = -value;
   if (good() && (value < low || value > high)) fail(PHN_ERROR_RANGE);
   return good() ? static_cast<std::int32_t>(value) : 0;
 }
@@ -87,6 +91,10 @@ std::int32_t TextReader::count(std::int32_t low) {
   const std::int32_t n = integer(low, INT32_MAX);
   if (n > (_end - _at) / 2) fail(PHN_ERROR_RANGE);
   return good() ? n : 0;
+}
+
+void TextReader::require_room(std::uint64_t n) {
+  if (n > static_cast<std::uint64_t>(_end - _at) / 2) fail(PHN_ERROR_RANGE);
 }
 
 double TextReader::real() {

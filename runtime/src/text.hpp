@@ -30,9 +30,12 @@ class TextReader {
   void end_line();
   bool at_end() const { return _at == _end; }
 
+  /// A sign is read only where `low` is negative.
   std::int32_t integer(std::int32_t low, std::int32_t high);
   /// A number of lines that follow; more than the text can hold is refused.
   std::int32_t count(std::int32_t low);
+  /// Refuses n numbers that the rest of the text cannot hold.
+  void require_room(std::uint64_t n);
   /// Hexadecimal float [-]h[.h...]p(+|-)d..., at most 13 digits after the point; always finite.
   double real();
   double positive_real();

@@ -29,13 +29,14 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return with_checksum(body_of(text.replace(at, from.size(), to)));
 }
 
-/// Both families, small enough to damage at every byte.
+/// Every family, small enough to damage at every byte.
 std::string small_text(Family family, int n_deformation, int n_force) {
+  if (family == Family::modal) return write_model_text(small_modal_model(n_deformation, n_force, 2, 2));
   return write_model_text(family == Family::linear ? small_linear_model()
                                                    : small_model(n_deformation, n_force));
 }
 class DamagedText : public testing::TestWithParam<Family> {};
-INSTANTIATE_TEST_SUITE_P(Families, DamagedText, testing::Values(Family::rbfn, Family::linear),
+INSTANTIATE_TEST_SUITE_P(Families, DamagedText, testing::Values(Family::rbfn, Family::linear, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });
 
 // Claim: every beginning of a model is refused, by size and by init, without touching memory beyond it.
@@ -94,6 +95,9 @@ TEST_P(DamagedText, ParserSurvivesAnythingWithAGoodChecksum) {
       for (int i = 0; i < phn_n_active(model); ++i) {
         ASSERT_GE(phn_deform(model, data, 1, phn_active_nodes(model) + i, d, u.data()), 0);
         for (const double x : u) ASSERT_TRUE(std::isfinite(x));
+        double force[3];
+        ASSERT_GE(phn_force(model, data, phn_active_nodes(model)[i], d, force), 0);
+        for (const double x : force) ASSERT_TRUE(std::isfinite(x));
       }
     }
   }
@@ -105,7 +109,7 @@ TEST(DefectsOfText, AreTold) {
   EXPECT_EQ(size_status("solid liver\n"), PHN_ERROR_NOT_A_MODEL);
   EXPECT_EQ(size_status("phynness-mesh 1\nhash 0\nmore text to be long enough"), PHN_ERROR_NOT_A_MODEL);
   EXPECT_EQ(size_status(replaced(text, "phynness-model 1\n", "phynness-model 2\n")), PHN_ERROR_VERSION);
-  EXPECT_EQ(size_status(replaced(text, "family rbfn", "family modal")), PHN_ERROR_FAMILY);
+  EXPECT_EQ(size_status(replaced(text, "family rbfn", "family spline")), PHN_ERROR_FAMILY);
   EXPECT_EQ(size_status(replaced(text, "spread 1.", "spread 1,")), PHN_ERROR_SYNTAX);
   EXPECT_EQ(size_status(replaced(text, "spread 1.", "spread 0x1.")), PHN_ERROR_SYNTAX);
   EXPECT_EQ(size_status(replaced(text, "point ", "point  ")), PHN_ERROR_SYNTAX);
@@ -123,6 +127,83 @@ TEST(DefectsOfText, AreTold) {
   EXPECT_EQ(size_status(replaced(linear, "unit_responses\n", "unit_responses\n1p+0 ")), PHN_ERROR_SYNTAX);
   EXPECT_EQ(size_status(replaced(linear, "unit_responses\n", "")), PHN_ERROR_SYNTAX);
   EXPECT_EQ(phn_model_size(nullptr, 10, nullptr), PHN_ERROR_ARGUMENT);
+}
+
+/// Another first number in the first line that begins with the word.
+std::string first_number(const std::string& text, const std::string& word, const std::string& number) {
+  const std::size_t at = text.find("\n" + word + " ") + word.size() + 2;
+  const std::size_t end = text.find_first_of(" \n", at);
+  return with_checksum(body_of(text.substr(0, at) + number + text.substr(end)));
+}
+
+// Claim: every bound of family modal in formats/model.md is checked before anything is allocated for it, and
+// the bounds themselves are allowed.
+TEST(DefectsOfText, OfModalModelsAreTold) {
+  const std::string text = write_model_text(small_modal_model());
+  ASSERT_EQ(size_status(text), PHN_OK);
+  EXPECT_EQ(size_status(replaced(text, "family modal", "family moda")), PHN_ERROR_FAMILY);
+  EXPECT_EQ(size_status(replaced(text, "family modal", "family rbfn")), PHN_ERROR_SYNTAX);
+  for (const char* word : {"shape", "shared_modes", "modes", "amplitude_centers", "force", "stiffness",
+                           "deformation", "weights", "mixing", "near", "near_modes"}) {
+    EXPECT_EQ(size_status(replaced(text, std::string("\n") + word + " ", "\nx ")), PHN_ERROR_SYNTAX) << word;
+    EXPECT_EQ(size_status(first_number(text, word, "1,5")), PHN_ERROR_SYNTAX) << word;
+  }
+  for (const char* word : {"shared_modes", "amplitude_centers", "force", "deformation", "near"}) {
+    EXPECT_EQ(size_status(first_number(text, word, "2000000000")), PHN_ERROR_RANGE) << word;
+    EXPECT_EQ(size_status(first_number(text, word, "-1")), PHN_ERROR_SYNTAX) << word;
+    EXPECT_LT(size_status(first_number(text, word, "2")), 0) << word;
+  }
+  for (const char* word : {"shared_modes", "deformation"})
+    EXPECT_EQ(size_status(first_number(text, word, "1025")), PHN_ERROR_RANGE) << word;
+  // 0x1p-20 is just below 1e-6, 0x1.e848p+19 is 1e6.
+  EXPECT_EQ(size_status(first_number(text, "shape", "1p-20")), PHN_ERROR_RANGE);
+  EXPECT_EQ(size_status(first_number(text, "shape", "1.e848p+19")), PHN_OK);
+  EXPECT_EQ(size_status(first_number(text, "shape", "1.e84801p+19")), PHN_ERROR_RANGE);
+  EXPECT_EQ(size_status(first_number(text, "stiffness", "1p+400")), PHN_ERROR_RANGE);
+  for (const char* word : {"modes", "weights", "mixing", "near_modes"}) {
+    EXPECT_EQ(size_status(first_number(text, word, "-1p-30")), PHN_ERROR_RANGE) << word;
+    EXPECT_EQ(size_status(first_number(text, word, "0p+0")), PHN_OK) << word;
+    EXPECT_EQ(size_status(first_number(text, word, "1p+4")), PHN_OK) << word;
+    EXPECT_EQ(size_status(first_number(text, word, "1p+5")), PHN_ERROR_RANGE) << word;  // 1e6 / 32767 = 30.5
+    const std::size_t row = text.find('\n', text.find(std::string("\n") + word + " ") + 1) + 1;
+    const std::size_t end = text.find_first_of(" \n", row);
+    for (const auto& [entry, status] :
+         {std::pair("32767", PHN_OK), std::pair("-32767", PHN_OK), std::pair("32768", PHN_ERROR_RANGE),
+          std::pair("-32768", PHN_ERROR_RANGE), std::pair("-", PHN_ERROR_SYNTAX),
+          std::pair("1p+0", PHN_ERROR_SYNTAX)}) {
+      EXPECT_EQ(size_status(with_checksum(body_of(text.substr(0, row) + entry + text.substr(end)))), status)
+          << word << ' ' << entry;
+    }
+  }
+  // Rows of `displacements` end at 7, positions in `output` at 11; near nodes ascend.
+  EXPECT_EQ(size_status(replaced(text, "near 4\n0\n1\n2\n4\n", "near 4\n0\n1\n2\n12\n")), PHN_ERROR_RANGE);
+  EXPECT_EQ(size_status(replaced(text, "near 4\n0\n1\n2\n4\n", "near 4\n0\n1\n1\n4\n")), PHN_ERROR_RANGE);
+  EXPECT_EQ(size_status(replaced(text, "near 4\n0\n1\n2\n4\n", "near 4\n0\n1\n2\n11\n")), PHN_OK);
+  const std::size_t center = text.find('\n', text.find("\nshape ") + 1) + 1;
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(center, 1, "8")))), PHN_ERROR_RANGE);
+}
+
+// Claim: what could overflow is refused when the model is built: a largest displacement beyond 1e90 or below
+// 1e-90, and a center farther than 1e3 of it.
+TEST(DefectsOfText, ModalModelsThatCouldOverflowAreRefused) {
+  Model model = small_modal_model();
+  const auto init_status = [](const Model& m) {
+    const std::string text = write_model_text(m);
+    std::vector<char> memory(1 << 18);
+    const phn_model* built = nullptr;
+    return phn_model_init(memory.data(), memory.size(), text.data(), text.size(), &built);
+  };
+  model.displacements *= 900;
+  EXPECT_EQ(init_status(model), PHN_OK);
+  model.displacements *= 2;
+  EXPECT_EQ(init_status(model), PHN_ERROR_RANGE);
+  model.displacements *= 0;
+  model.max_displacement_m = 1e91;
+  EXPECT_EQ(init_status(model), PHN_ERROR_RANGE);
+  model.max_displacement_m = 1e-91;
+  EXPECT_EQ(init_status(model), PHN_ERROR_RANGE);
+  model.max_displacement_m = 1e-89;
+  EXPECT_EQ(init_status(model), PHN_OK);
 }
 
 }  // namespace

@@ -32,12 +32,11 @@ using namespace phynness::test;
 // Claim: from loading to evaluation with several tools the library allocates nothing; the counter is shown to
 // count.
 class Memory : public testing::TestWithParam<Family> {};
-INSTANTIATE_TEST_SUITE_P(Families, Memory, testing::Values(Family::rbfn, Family::linear),
+INSTANTIATE_TEST_SUITE_P(Families, Memory, testing::Values(Family::rbfn, Family::linear, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });
 
 TEST_P(Memory, NothingIsAllocated) {
-  const std::string text =
-      write_model_text(GetParam() == Family::linear ? small_linear_model() : small_model());
+  const std::string text = write_model_text(small_model_of(GetParam()));
   const long at_start = n_allocations;
   std::vector<char> model_memory(1 << 20), data_memory(1 << 20);
   ASSERT_GT(n_allocations, at_start);
@@ -46,7 +45,8 @@ TEST_P(Memory, NothingIsAllocated) {
   phn_data* data = nullptr;
   const std::int32_t tools[] = {3, 5, 8};
   const double d[] = {0.001, 0.002, 0.003, -0.001, 0, 0, 0.02, 0, 0};
-  double out[36], depth = 0;
+  double out[36], depth = 0, energy = 0, stiffness[9];
+  const int derivatives = GetParam() == Family::rbfn ? PHN_ERROR_UNDEFINED : PHN_OK;
 
   const long before = n_allocations;
   int worst = phn_model_size(text.data(), text.size(), &bytes);
@@ -57,9 +57,13 @@ TEST_P(Memory, NothingIsAllocated) {
   worst = std::min(worst, phn_deform(model, data, 1, tools, d, out));
   worst = std::min(worst, phn_deform(model, data, 3, tools, d, out));
   worst = std::min(worst, phn_trained_depth(model, 3, d, &depth));
+  const int energy_status = phn_energy(model, data, 3, d, &energy);
+  const int stiffness_status = phn_stiffness(model, data, 3, d, stiffness);
   const long after = n_allocations;
 
   EXPECT_EQ(worst, 0);
+  EXPECT_EQ(energy_status, derivatives);
+  EXPECT_EQ(stiffness_status, derivatives);
   EXPECT_EQ(after, before);
 }
 

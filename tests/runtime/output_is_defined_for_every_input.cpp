@@ -16,14 +16,13 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
 constexpr double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
 
 class EveryInputOf : public testing::TestWithParam<Family> {};
-INSTANTIATE_TEST_SUITE_P(Families, EveryInputOf, testing::Values(Family::rbfn, Family::linear),
+INSTANTIATE_TEST_SUITE_P(Families, EveryInputOf, testing::Values(Family::rbfn, Family::linear, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });
 
 // Claim: NaN and infinity are refused with zeros; every finite displacement, huge or subnormal, gives finite
 // outputs.
 TEST_P(EveryInputOf, NeverNaNOut) {
-  const bool linear = GetParam() == Family::linear;
-  const LoadedModel loaded(write_model_text(linear ? small_linear_model() : small_model()));
+  const LoadedModel loaded(write_model_text(small_model_of(GetParam())));
   const double values[] = {nan, inf, -inf, huge, -huge, 1e200, tiny, -tiny, 1e-308, 0.0, -0.0, 0.01};
   for (const double x : values) {
     for (const double y : values) {
@@ -34,6 +33,12 @@ TEST_P(EveryInputOf, NeverNaNOut) {
         const int status = phn_force(loaded.model, loaded.data, 5, d, force);
         EXPECT_EQ(status < 0, !finite);
         for (const double f : force) EXPECT_TRUE(finite ? std::isfinite(f) : f == 0);
+        double energy = nan, stiffness[9] = {nan, nan, nan, nan, nan, nan, nan, nan, nan};
+        const bool derivatives = finite && GetParam() != Family::rbfn;
+        EXPECT_EQ(phn_energy(loaded.model, loaded.data, 5, d, &energy) < 0, !derivatives);
+        EXPECT_TRUE(derivatives ? std::isfinite(energy) : energy == 0);
+        EXPECT_EQ(phn_stiffness(loaded.model, loaded.data, 5, d, stiffness) < 0, !derivatives);
+        for (const double k : stiffness) EXPECT_TRUE(derivatives ? std::isfinite(k) : k == 0);
         EXPECT_EQ(phn_trained_depth(loaded.model, 5, d, &depth) < 0, !finite);
         EXPECT_TRUE(std::isfinite(depth));
         const std::int32_t tools[] = {5, 8};
@@ -53,6 +58,77 @@ TEST_P(EveryInputOf, NeverNaNOut) {
   }
 }
 
+// Claim: at the bounds of the format, all at once (tables of 1e6, 1024 modes, coefficients of 1e100, the
+// narrowest kernel, the largest displacement), outputs of a modal model stay finite.
+TEST(EveryInput, TheLargestModalModelStaysFinite) {
+  for (const double max_displacement : {1e-90, 1e90}) {
+    Model model = small_modal_model(1024, 8, 1024, 8);
+    model.displacements *= 900 * max_displacement / model.max_displacement_m;
+    model.max_displacement_m = max_displacement;
+    model.nodes.resize(1);
+    const auto fill = [](ScaledTable& table) {
+      table.scale.setConstant(1e6 / 32767 * (1 - 1e-15));
+      table.entries.setConstant(32767);
+    };
+    ActiveNodeModel& node = model.nodes[0];
+    for (ScaledTable* table :
+         {&model.shared.modes, &node.modal.weights, &node.modal.mixing, &node.modal.near_modes})
+      fill(*table);
+    node.conservative.coefficients.setConstant(1e100);
+    node.conservative.stiffness.setConstant(1e100);
+    node.conservative.shape = model.shared.shape = 1e-6;
+    const LoadedModel loaded(write_model_text(model));
+    for (const double size : {0.0, 1e-3, 1.0, 1e6, 1e300}) {
+      for (const double sign : {1.0, -1.0}) {
+        const double length = std::min(size * max_displacement, huge);
+        const double d[] = {sign * length, length, sign * length};
+        double force[3] = {nan, nan, nan}, energy = nan, stiffness[9] = {nan};
+        Points u = Points::Constant(12, 3, nan);
+        EXPECT_GE(phn_force(loaded.model, loaded.data, 3, d, force), 0);
+        EXPECT_GE(phn_energy(loaded.model, loaded.data, 3, d, &energy), 0);
+        EXPECT_GE(phn_stiffness(loaded.model, loaded.data, 3, d, stiffness), 0);
+        EXPECT_GE(phn_deform(loaded.model, loaded.data, 1, &node.node, d, u.data()), 0);
+        for (const double f : force) EXPECT_LT(std::abs(f), 1e300);
+        EXPECT_LT(std::abs(energy), 1e300);
+        for (const double k : stiffness) EXPECT_LT(std::abs(k), 1e300);
+        EXPECT_TRUE(u.allFinite());
+        if (size == 1e6) {
+          EXPECT_GT(u.cwiseAbs().maxCoeff(), 1e25);
+        }
+      }
+    }
+  }
+}
+
+// Claim: what a model does not define is refused with zeros: energy and stiffness of networks, the
+// deformation of a node with forces only, alone or among several tools. What it defines stays.
+TEST(EveryInput, WhatIsUndefinedIsNamed) {
+  const double d[6] = {0.001, 0.002, 0, 0, 0.001, 0};
+  const LoadedModel networks(write_model_text(small_model()));
+  double energy = 1, stiffness[9] = {1, 1, 1, 1, 1, 1, 1, 1, 1}, force[3];
+  EXPECT_EQ(phn_energy(networks.model, networks.data, 3, d, &energy), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(energy, 0);
+  EXPECT_EQ(phn_stiffness(networks.model, networks.data, 3, d, stiffness), PHN_ERROR_UNDEFINED);
+  for (const double k : stiffness) EXPECT_EQ(k, 0);
+
+  Model model = small_modal_model();
+  ModalDeformation& bare = model.nodes[0].modal;
+  for (ScaledTable* table : {&bare.weights, &bare.mixing, &bare.near_modes})
+    *table = scaled_table(Eigen::MatrixXd(table->rows(), 0));
+  const LoadedModel loaded(write_model_text(model));
+  const std::int32_t tools[] = {5, 3};
+  Points u = Points::Ones(12, 3);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 1, &tools[1], d, u.data()), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(u.norm(), 0);
+  u.setOnes();
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 2, tools, d, u.data()), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(u.norm(), 0);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 1, tools, d, u.data()), PHN_WARNING_INCOMPLETE);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, force), PHN_OK);
+  EXPECT_EQ(phn_energy(loaded.model, loaded.data, 3, d, &energy), PHN_OK);
+  EXPECT_GT(energy, 0);
+}
+
 // Claim: each misuse has its own status and leaves zeros.
 TEST(EveryInput, MisuseIsNamed) {
   const std::string text = write_model_text(small_model());
@@ -67,6 +143,14 @@ TEST(EveryInput, MisuseIsNamed) {
   EXPECT_EQ(phn_force(loaded.model, other.data, 3, d, force), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, nullptr, force), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, nullptr), PHN_ERROR_ARGUMENT);
+  double stiffness[9] = {1};
+  EXPECT_EQ(phn_energy(loaded.model, loaded.data, 4, d, force), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_energy(loaded.model, other.data, 3, d, force), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_energy(loaded.model, loaded.data, 3, d, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_stiffness(loaded.model, loaded.data, 4, d, stiffness), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(stiffness[0], 0);
+  EXPECT_EQ(phn_stiffness(loaded.model, loaded.data, 3, nullptr, stiffness), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_stiffness(loaded.model, loaded.data, 3, d, nullptr), PHN_ERROR_ARGUMENT);
   const std::int32_t three[] = {3, 5, 8}, twice[] = {3, 3}, stranger[] = {3, 4};
   Points u = Points::Ones(12, 3);
   EXPECT_EQ(phn_deform(loaded.model, loaded.data, 3, three, d, u.data()), PHN_ERROR_TOOLS);
@@ -81,8 +165,7 @@ TEST(EveryInput, MisuseIsNamed) {
 // Claim: memory one byte too small is refused, at any alignment; memory of the stated size suffices at any
 // alignment.
 TEST_P(EveryInputOf, SizesSufficeAtAnyAlignment) {
-  const bool linear = GetParam() == Family::linear;
-  const std::string text = write_model_text(linear ? small_linear_model() : small_model());
+  const std::string text = write_model_text(small_model_of(GetParam()));
   std::size_t bytes = 0;
   ASSERT_EQ(phn_model_size(text.data(), text.size(), &bytes), PHN_OK);
   std::vector<char> memory(bytes + 64);
@@ -108,7 +191,7 @@ TEST_P(EveryInputOf, SizesSufficeAtAnyAlignment) {
 // Claim: every status has its own sentence.
 TEST(EveryInput, StatusesHaveWords) {
   std::vector<std::string> messages;
-  for (const int status : {0, 1, 2, 3, -1, -2, -3, -4, -5, -6, -10, -11, -12, -13, -14, -15, -16, -99}) {
+  for (const int status : {0, 1, 2, 3, -1, -2, -3, -4, -5, -6, -7, -10, -11, -12, -13, -14, -15, -16, -99}) {
     for (const std::string& other : messages) EXPECT_NE(other, phn_status_message(status));
     messages.push_back(phn_status_message(status));
   }

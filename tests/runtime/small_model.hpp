@@ -125,4 +125,54 @@ inline Model small_linear_model() {
   return model;
 }
 
+inline ScaledTable random_table(Eigen::Index n_rows, Eigen::Index n_columns, double size, Numbers& numbers) {
+  Eigen::MatrixXd values(n_rows, n_columns);
+  for (Eigen::Index r = 0; r < n_rows; ++r) {
+    for (Eigen::Index c = 0; c < n_columns; ++c) values(r, c) = size * numbers.next();
+  }
+  return scaled_table(values);
+}
+
+/// The same nodes and probes with a potential and modes. Coefficients are floats as training writes them, but
+/// at node 5; node 8's near nodes meet its patch; node 15 has no near nodes.
+inline Model small_modal_model(int n_modes = 3, int n_force = 5, int n_shared = 6, int n_amplitudes = 4) {
+  Numbers numbers;
+  Model model = small_model(0, 0);
+  model.family = Family::modal;
+  model.shared.modes =
+      random_table(3 * static_cast<Eigen::Index>(model.output.size()), n_shared, 0.5, numbers);
+  for (int i = 0; i < n_amplitudes; ++i) model.shared.centers.push_back((3 * i + 1) % 8);
+  for (ActiveNodeModel& node : model.nodes) {
+    node.force = node.deformation = RbfNetwork();
+    ConservativeNetwork& force = node.conservative;
+    force.shape = 0.3;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = i; j < 3; ++j)
+        force.stiffness(i, j) = force.stiffness(j, i) = (i == j ? 60 : 0) + 20 * numbers.next();
+    }
+    force.coefficients.resize(n_force, 3);
+    for (int i = 0; i < n_force; ++i) {
+      force.centers.push_back((3 * i + 2) % 8);
+      for (int k = 0; k < 3; ++k) {
+        const double b = 0.05 * numbers.next();
+        force.coefficients(i, k) = node.node == 5 ? b : static_cast<float>(b);
+      }
+    }
+    ModalDeformation& modal = node.modal;
+    modal.weights = random_table(n_amplitudes + 3, n_modes, 0.01, numbers);
+    modal.mixing = random_table(n_shared, n_modes, 1, numbers);
+    if (node.node == 3) modal.near = {0, 1, 2, 4};
+    if (node.node == 5) modal.near = {3};
+    if (node.node == 8) modal.near = {5, 7, 8, 11};
+    modal.near_modes = random_table(3 * static_cast<Eigen::Index>(modal.near.size()), n_modes, 1, numbers);
+  }
+  return model;
+}
+
+/// Every family, for claims about all of them.
+inline Model small_model_of(Family family) {
+  if (family == Family::linear) return small_linear_model();
+  return family == Family::modal ? small_modal_model() : small_model();
+}
+
 }  // namespace phynness::test

@@ -1,4 +1,4 @@
-/* phynness: reaction force and deformation of a trained object, in real time.
+/* phynness: reaction force, energy, stiffness and deformation of a trained object, in real time.
  *
  * Sizes first, memory second: every object lives in memory that the caller owns, nothing here allocates, frees, prints or
  * reads a file. phn_model never changes after phn_model_init: share it between threads. phn_data is scratch: one per thread.
@@ -7,7 +7,7 @@
  * Status of every function that returns int: 0 good; < 0 refused, outputs hold zeros; > 0 outputs are defined, but look:
  * a sum of PHN_WARNING_*. phn_status_message says it in words. No output is ever NaN or infinite.
  *
- * Units are SI: m, N. Vectors are x, y, z in the frame of the mesh. Node numbers are those of the mesh (0-based).
+ * Units are SI: m, N, J. Vectors are x, y, z in the frame of the mesh. Node numbers are those of the mesh (0-based).
  * Force is what must be applied to the object to hold a displacement: a push into it has force . displacement > 0.
  * A haptic device renders its negative. Equation numbers are those of the paper (doc: formats/model.md).
  */
@@ -34,6 +34,7 @@ enum {
   PHN_ERROR_BUFFER = -4,        /* memory smaller than the _size function asked for */
   PHN_ERROR_TOOLS = -5,         /* more tools than phn_data was made for */
   PHN_ERROR_SAME_NODE = -6,     /* two tools at one node */
+  PHN_ERROR_UNDEFINED = -7,     /* the model does not define this: energy of networks, deformation of a node without */
   PHN_ERROR_NOT_A_MODEL = -10,  /* text is not a model.txt */
   PHN_ERROR_VERSION = -11,      /* model.txt of another version */
   PHN_ERROR_TRUNCATED = -12,    /* model.txt ends early */
@@ -75,17 +76,28 @@ const int32_t *phn_output_nodes(const phn_model *model);
 const double *phn_output_points(const phn_model *model);
 
 /* Reaction force [N] at active node `node` displaced by d [m]. Cost: one exponential per force neuron, (11)-(12); in
- * linear models nine multiplications. */
+ * linear models nine multiplications; in modal models one square root and one division per center. */
 int phn_force(const phn_model *model, phn_data *data, int32_t node, const double d[3], double force[3]);
+
+/* Energy [J] stored when active node `node` is displaced from rest to d [m], 0 at d = 0, and stiffness [N/m], 3 x 3,
+ * symmetric to the last bit. Linear and modal models define them, and the force is the gradient of the energy, the
+ * stiffness the derivative of the force: closed loops do no work. Networks (family rbfn) have no energy and give
+ * PHN_ERROR_UNDEFINED. Linear models cut components of d at 1e100 m, modal ones at 1e6 times their largest trained
+ * displacement. Cost: as phn_force, for the stiffness about twice that. */
+int phn_energy(const phn_model *model, phn_data *data, int32_t node, const double d[3], double *energy);
+int phn_stiffness(const phn_model *model, phn_data *data, int32_t node, const double d[3], double stiffness[9]);
 
 /* Displacements [m] of all output nodes, out: n_output x 3 row by row, with tool t at active node nodes[t] displaced by
  * displacements[3 t ... 3 t + 2] [m]. Nodes differ from each other; n_tools = 0 gives zeros.
- * One tool: the network (11)-(12), or in linear models the sum of three unit responses; nodes that the probe itself
- * moved in training move by their weight times d, so the touched node moves by exactly d. Several tools: the fields of
+ * One tool: the network (11)-(12), in linear models the sum of three unit responses, in modal ones a sum of modes, in
+ * float; nodes that the probe itself moved in training move by their weight times d, so the touched node moves by
+ * exactly d. Several tools: the fields of
  * the tools are averaged with the weights (15)-(16), inverse distances in the reference configuration; these are
  * singular at the touched nodes, where each takes exactly its own displacement. The paper defines no force for several
  * tools: phn_force is that of one tool alone.
- * Cost: n_tools x n_output x neurons exponentials; family linear: n_tools x n_output x 9 multiplications. */
+ * Cost: n_tools x n_output x neurons exponentials; family linear: n_tools x n_output x 9 multiplications;
+ * family modal: n_tools x 3 n_output x shared modes. A node of a modal model may have forces only: it gives
+ * PHN_ERROR_UNDEFINED. */
 int phn_deform(const phn_model *model, phn_data *data, int32_t n_tools, const int32_t *nodes,
                const double *displacements, double *out);
 

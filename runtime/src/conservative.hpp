@@ -1,0 +1,129 @@
+// Force, energy and stiffness of family modal: derivatives of one potential, all sums over the same centers.
+// A template on the scalar, so that what rounding does to closed loops can be measured in float, too.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace phynness::runtime {
+
+/// With x = d / R, q(y) = sqrt(|y|^2 + shape^2) and b_i the coefficients:
+///   force = K d + sum_i [Phi(x - c_i) - Phi(x) - Phi(c_i) + Phi(0)] b_i,  Phi(y) = q I + y y^T / q
+/// Evaluation takes one more center, at 0 with the coefficient -sum_i b_i, and constants that make force and
+/// energy at rest exactly 0.
+template <class Real>
+struct Conservative {
+  std::int32_t n_centers;
+  Real max_displacement;        ///< R [m]
+  Real shape;                   ///< without unit
+  Real stiffness[6];            ///< K, xx xy xz yy yz zz [N/m]
+  const std::int32_t* center;   ///< n_centers, rows of the displacements
+  const double* displacements;  ///< over R, rows of 3; of the model
+  /// n_centers x 3 [N], in the smaller of the two types that holds them exactly; the other is null.
+  const float* short_coefficient;
+  const double* coefficient;
+  Real total[3];                          ///< sum_i b_i, see set_rest
+  Real force_at_rest[3], energy_at_rest;  ///< added so that both vanish at d = 0 [N], [J / R]
+};
+
+/// add(x - c, b) for every center, the one at 0 included.
+template <class Real, class Add>
+void for_each_center(const Conservative<Real>& net, const Real* x, Add add) {
+  const auto walk = [&](const auto* coefficient) {
+    for (std::int32_t i = 0; i < net.n_centers; ++i) {
+      const double* c = net.displacements + 3 * static_cast<std::size_t>(net.center[i]);
+      const auto* b = coefficient + 3 * static_cast<std::size_t>(i);
+      const Real y[3] = {x[0] - static_cast<Real>(c[0]), x[1] - static_cast<Real>(c[1]),
+                         x[2] - static_cast<Real>(c[2])};
+      const Real weight[3] = {static_cast<Real>(b[0]), static_cast<Real>(b[1]), static_cast<Real>(b[2])};
+      add(y, weight);
+    }
+  };
+  if (net.short_coefficient) {
+    walk(net.short_coefficient);
+  } else {
+    walk(net.coefficient);
+  }
+  const Real weight[3] = {-net.total[0], -net.total[1], -net.total[2]};
+  add(x, weight);
+}
+
+template <class Real>
+Real dot(const Real* a, const Real* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// K d, K as xx xy xz yy yz zz.
+template <class Real>
+void multiply_symmetric(const Real* k, const Real* d, Real* product) {
+  product[0] = k[0] * d[0] + k[1] * d[1] + k[2] * d[2];
+  product[1] = k[1] * d[0] + k[3] * d[1] + k[4] * d[2];
+  product[2] = k[2] * d[0] + k[4] * d[1] + k[5] * d[2];
+}
+
+/// @param x  d / R, 3; @param force 3 [N]
+template <class Real>
+void conservative_force(const Conservative<Real>& net, const Real* x, Real* force) {
+  const Real s2 = net.shape * net.shape;
+  Real sum[3] = {0, 0, 0};
+  for_each_center(net, x, [&](const Real* y, const Real* b) {
+    const Real q = std::sqrt(dot(y, y) + s2), along = dot(y, b) / q;
+    for (int k = 0; k < 3; ++k) sum[k] += q * b[k] + along * y[k];
+  });
+  const Real d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
+  multiply_symmetric(net.stiffness, d, force);
+  for (int k = 0; k < 3; ++k) force[k] += sum[k] + net.force_at_rest[k];
+}
+
+/// @return the work that led from rest to x [J]
+template <class Real>
+Real conservative_energy(const Conservative<Real>& net, const Real* x) {
+  const Real s2 = net.shape * net.shape;
+  Real sum = 0;
+  for_each_center(net, x,
+                  [&](const Real* y, const Real* b) { sum += std::sqrt(dot(y, y) + s2) * dot(y, b); });
+  const Real d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
+  Real kd[3];
+  multiply_symmetric(net.stiffness, d, kd);
+  return dot(d, kd) / 2 + net.max_displacement * ((sum + net.energy_at_rest) + dot(net.force_at_rest, x));
+}
+
+/// @param stiffness  3 x 3 [N/m], symmetric to the last bit
+template <class Real>
+void conservative_stiffness(const Conservative<Real>& net, const Real* x, Real* stiffness) {
+  const Real s2 = net.shape * net.shape;
+  Real sum[3][3] = {};
+  for_each_center(net, x, [&](const Real* y, const Real* b) {
+    const Real q = std::sqrt(dot(y, y) + s2), n[3] = {y[0] / q, y[1] / q, y[2] / q}, along = dot(n, b);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = i; j < 3; ++j)
+        sum[i][j] += b[i] * n[j] + n[i] * b[j] + along * (static_cast<Real>(i == j) - n[i] * n[j]);
+    }
+  });
+  const Real* k = net.stiffness;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j)
+      stiffness[3 * i + j] = stiffness[3 * j + i] = *k++ + sum[i][j] / net.max_displacement;
+  }
+}
+
+/// Fills total, force_at_rest and energy_at_rest. @pre the rest of net is filled in
+template <class Real>
+void set_rest(Conservative<Real>& net) {
+  const Real rest[3] = {0, 0, 0};
+  Real total[3] = {0, 0, 0}, force[3];
+  for (int k = 0; k < 3; ++k) net.total[k] = net.force_at_rest[k] = 0;
+  net.energy_at_rest = 0;
+  for_each_center(net, rest, [&](const Real*, const Real* b) {
+    for (int k = 0; k < 3; ++k) total[k] += b[k];
+  });
+  // The same functions that add these values compute them: the zeros at rest are exact.
+  Conservative<Real> unit = net;
+  unit.max_displacement = 1;
+  for (int k = 0; k < 3; ++k) unit.total[k] = net.total[k] = total[k];
+  conservative_force(unit, rest, force);
+  net.energy_at_rest = -conservative_energy(unit, rest);
+  for (int k = 0; k < 3; ++k) net.force_at_rest[k] = -force[k];
+}
+
+}  // namespace phynness::runtime

@@ -1,0 +1,167 @@
+// The parts of model.txt that only family modal has.
+#include <cfloat>
+
+#include "load_parts.hpp"
+#include "modal.hpp"
+
+namespace phynness::runtime {
+namespace {
+
+constexpr std::int32_t largest_mode_count = 1024, largest_entry = 32767;
+constexpr double largest_table_value = 1e6;
+
+std::int32_t mode_count_line(TextReader& in, const char* keyword) {
+  in.keyword(keyword);
+  const std::int32_t n = in.integer(0, largest_mode_count);
+  in.end_line();
+  return n;
+}
+
+/// Keyword and scales of a table, whose n_rows x n_columns entries have to fit into the rest of the text.
+const double* table_scale(TextReader& in, Arena& arena, const char* keyword, std::uint64_t n_rows,
+                          std::int32_t n_columns) {
+  in.keyword(keyword);
+  Column<double> scale(arena, n_columns);
+  for (std::int32_t c = 0; c < n_columns && in.good(); ++c) {
+    const double value = in.real();
+    if (!(value >= 0 && value * largest_entry <= largest_table_value)) in.fail(PHN_ERROR_RANGE);
+    scale.set(c, value);
+  }
+  in.end_line();
+  in.require_room(n_rows * static_cast<std::uint64_t>(n_columns));
+  return scale.get();
+}
+
+/// store(row, column, entry) for all of a table.
+template <class Store>
+void table_entries(TextReader& in, std::size_t n_rows, std::int32_t n_columns, Store store) {
+  for (std::size_t r = 0; r < n_rows && n_columns > 0 && in.good(); ++r) {
+    for (std::int32_t c = 0; c < n_columns; ++c) store(r, c, in.integer(-largest_entry, largest_entry));
+    in.end_line();
+  }
+}
+
+const std::int16_t* table(TextReader& in, Arena& arena, const char* keyword, std::size_t n_rows,
+                          std::int32_t n_columns, const double*& scale) {
+  scale = table_scale(in, arena, keyword, n_rows, n_columns);
+  const auto columns = static_cast<std::size_t>(n_columns);
+  Column<std::int16_t> entries(arena, in.good() ? n_rows * columns : 0);
+  table_entries(in, n_rows, n_columns, [&](std::size_t r, std::int32_t c, std::int32_t entry) {
+    entries.set(r * columns + static_cast<std::size_t>(c), static_cast<std::int16_t>(entry));
+  });
+  return entries.get();
+}
+
+/// A row of the displacements, which must not lie absurdly far away. Without memory there is nothing to look
+/// at.
+std::int32_t center(TextReader& in, std::int32_t n_displacements, const phn_model& model) {
+  const std::int32_t row = in.integer(0, n_displacements - 1);
+  for (int k = 0; k < 3 && model.displacements && in.good(); ++k) {
+    if (!(std::fabs(model.displacements[3 * static_cast<std::size_t>(row) + k]) <= largest_center))
+      in.fail(PHN_ERROR_RANGE);
+  }
+  return row;
+}
+
+/// Whether the n lines of centers that follow hold coefficients that a float holds exactly.
+bool coefficients_are_floats(TextReader in, std::int32_t n) {
+  for (std::int32_t i = 0; i < n; ++i) {
+    in.integer(0, INT32_MAX);
+    for (int k = 0; k < 3; ++k) {
+      const double value = in.real();
+      if (!(std::fabs(value) <= FLT_MAX) || static_cast<double>(static_cast<float>(value)) != value)
+        return false;
+    }
+    in.end_line();
+    if (!in.good()) return false;
+  }
+  return true;
+}
+
+void load_conservative(TextReader& in, Arena& arena, std::int32_t n_displacements, const phn_model& model,
+                       Conservative<double>& net) {
+  const std::int32_t n = net.n_centers = count_line(in, "force", 0);
+  net.max_displacement = model.max_displacement;
+  net.displacements = model.displacements;
+  net.shape = width_line(in, "shape");
+  stiffness_line(in, net.stiffness);
+  const bool floats = coefficients_are_floats(in, n);
+  const std::size_t n_values = 3 * static_cast<std::size_t>(n);
+  Column<std::int32_t> centers(arena, n);
+  Column<float> short_values(arena, floats ? n_values : 0);
+  Column<double> values(arena, floats ? 0 : n_values);
+  for (std::int32_t i = 0; i < n && in.good(); ++i) {
+    centers.set(i, center(in, n_displacements, model));
+    for (int k = 0; k < 3; ++k) {
+      const double value = linear_entry(in);
+      if (floats) {
+        short_values.set(3 * static_cast<std::size_t>(i) + k, static_cast<float>(value));
+      } else {
+        values.set(3 * static_cast<std::size_t>(i) + k, value);
+      }
+    }
+    in.end_line();
+  }
+  net.center = centers.get();
+  net.short_coefficient = floats ? short_values.get() : nullptr;
+  net.coefficient = floats ? nullptr : values.get();
+  if (has_memory(arena) && in.good()) set_rest(net);
+}
+
+}  // namespace
+
+void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model) {
+  SharedModes& shared = model.shared;
+  shared.n_modes = mode_count_line(in, "shared_modes");
+  const std::size_t n_rows = 3 * static_cast<std::size_t>(model.n_output);
+  const double* scale = table_scale(in, arena, "modes", n_rows, shared.n_modes);
+  Column<float> modes(arena, in.good() ? n_rows * static_cast<std::size_t>(shared.n_modes) : 0);
+  const bool fill = has_memory(arena);
+  table_entries(in, n_rows, shared.n_modes, [&](std::size_t r, std::int32_t c, std::int32_t entry) {
+    if (fill) modes.set(static_cast<std::size_t>(c) * n_rows + r, static_cast<float>(scale[c] * entry));
+  });
+  shared.modes = modes.get();
+  shared.n_centers = count_line(in, "amplitude_centers", 0);
+  shared.shape = width_line(in, "shape");
+  Column<std::int32_t> centers(arena, shared.n_centers);
+  for (std::int32_t i = 0; i < shared.n_centers && in.good(); ++i) {
+    centers.set(i, center(in, n_displacements, model));
+    in.end_line();
+  }
+  shared.center = centers.get();
+  auto* at_rest = arena.take<double>(static_cast<std::size_t>(shared.n_centers));
+  shared.basis_at_rest = at_rest;
+  if (!has_memory(arena) || !in.good()) return;
+  // The function that subtracts these values computes them: amplitudes at rest are exactly 0.
+  const double rest[3] = {0, 0, 0};
+  for (std::int32_t i = 0; i < shared.n_centers; ++i) at_rest[i] = 0;
+  amplitude_basis(shared, model.displacements, rest, at_rest, at_rest);
+}
+
+const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements,
+                                const phn_model& model, std::size_t& n_scratch) {
+  ModalResponse node = {};
+  load_conservative(in, arena, n_displacements, model, node.force);
+  const std::int32_t m = node.n_modes = mode_count_line(in, "deformation");
+  const std::size_t n_basis = static_cast<std::size_t>(model.shared.n_centers) + 3;
+  node.weight = table(in, arena, "weights", n_basis, m, node.weight_scale);
+  node.mixing =
+      table(in, arena, "mixing", static_cast<std::size_t>(model.shared.n_modes), m, node.mixing_scale);
+  node.n_near = count_line(in, "near", 0);
+  Column<std::int32_t> near(arena, node.n_near);
+  std::int32_t previous = -1;
+  for (std::int32_t i = 0; i < node.n_near && in.good(); ++i) {
+    const std::int32_t position = in.integer(0, model.n_output - 1);
+    if (position <= previous) in.fail(PHN_ERROR_RANGE);
+    near.set(i, previous = position);
+    in.end_line();
+  }
+  node.near = near.get();
+  node.near_mode =
+      table(in, arena, "near_modes", 3 * static_cast<std::size_t>(node.n_near), m, node.near_mode_scale);
+  const std::size_t needed = n_basis + static_cast<std::size_t>(m + model.shared.n_modes);
+  n_scratch = n_scratch > needed ? n_scratch : needed;
+  return place(arena, node);
+}
+
+}  // namespace phynness::runtime

@@ -1,0 +1,77 @@
+// What the loaders of the families share: lines and tables that are read to memory if there is any.
+#pragma once
+
+#include <cmath>
+
+#include "arena.hpp"
+#include "model.hpp"
+#include "text.hpp"
+
+namespace phynness::runtime {
+
+/// An array that is filled if there is memory and merely read past if not.
+template <class T>
+class Column {
+ public:
+  Column(Arena& arena, std::size_t n) : _values(arena.take<T>(n)) {}
+  void set(std::size_t i, T value) {
+    if (_values) _values[i] = value;
+  }
+  T* get() const { return _values; }
+
+ private:
+  T* _values;
+};
+
+/// A copy in the model's memory, if there is any.
+template <class T>
+const T* place(Arena& arena, const T& value) {
+  T* at = arena.take<T>(1);
+  if (at) *at = value;
+  return at;
+}
+
+inline bool has_memory(const Arena& arena) { return !arena.counting() && !arena.overflow(); }
+
+inline void real_line(TextReader& in, const char* keyword, double* values, int n, bool positive) {
+  in.keyword(keyword);
+  for (int k = 0; k < n; ++k) values[k] = positive ? in.positive_real() : in.real();
+  in.end_line();
+}
+
+inline std::int32_t count_line(TextReader& in, const char* keyword, std::int32_t low) {
+  in.keyword(keyword);
+  const std::int32_t n = in.count(low);
+  in.end_line();
+  return in.good() ? n : 0;
+}
+
+/// The width of a kernel: a Gaussian's spread, a conic section's shape. Outside of 1e-6 ... 1e6 it is
+/// refused.
+inline double width_line(TextReader& in, const char* keyword) {
+  double width = 1;
+  real_line(in, keyword, &width, 1, true);
+  if (!(width >= 1e-6 && width <= 1e6)) in.fail(PHN_ERROR_RANGE);
+  return width;
+}
+
+inline double linear_entry(TextReader& in) {
+  const double value = in.real();
+  if (!(std::fabs(value) <= largest_linear)) in.fail(PHN_ERROR_RANGE);
+  return value;
+}
+
+/// @param k  xx xy xz yy yz zz
+inline void stiffness_line(TextReader& in, double* k) {
+  in.keyword("stiffness");
+  for (int i = 0; i < 6; ++i) k[i] = linear_entry(in);
+  in.end_line();
+}
+
+/// The shared part of a modal model. @pre output nodes and displacements of the model are loaded
+void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model);
+/// @param n_scratch  raised to what deformations of this node need
+const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements,
+                                const phn_model& model, std::size_t& n_scratch);
+
+}  // namespace phynness::runtime

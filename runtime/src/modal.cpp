@@ -1,0 +1,102 @@
+#include "modal.hpp"
+
+#include <cmath>
+
+namespace phynness::runtime {
+namespace {
+
+void scaled_displacement(double max_displacement, const double* d, double* x) {
+  for (int k = 0; k < 3; ++k)
+    x[k] = std::fmax(-largest_modal, std::fmin(largest_modal, d[k] / max_displacement));
+}
+
+/// Row r of a table of n columns times a vector.
+double row_times(const std::int16_t* table, const double* scale, std::size_t r, std::int32_t n,
+                 const double* value) {
+  const std::int16_t* row = table + r * static_cast<std::size_t>(n);
+  double sum = 0;
+  for (std::int32_t j = 0; j < n; ++j) sum += row[j] * scale[j] * value[j];
+  return sum;
+}
+
+/// field = sum_s amount_s mode_s in float, a piece at a time: its sums stay near the processor while modes
+/// stream by, several in each pass.
+void add_shared_modes(const SharedModes& shared, std::int32_t n, const double* amount, double* field) {
+  constexpr std::int32_t piece = 512, pass = 4;
+  float sum[piece];
+  for (std::int32_t begin = 0; begin < n; begin += piece) {
+    const std::int32_t size = n - begin < piece ? n - begin : piece;
+    for (std::int32_t i = 0; i < size; ++i) sum[i] = 0;
+    for (std::int32_t s = 0; s < shared.n_modes; s += pass) {
+      float factor[pass];
+      const float* mode[pass];
+      for (std::int32_t j = 0; j < pass; ++j) {
+        // Where no mode is left, the last one counts zero times.
+        const std::int32_t at = s + j < shared.n_modes ? s + j : shared.n_modes - 1;
+        factor[j] = at == s + j ? static_cast<float>(amount[at]) : 0.0f;
+        mode[j] = shared.modes + static_cast<std::size_t>(at) * static_cast<std::size_t>(n) + begin;
+      }
+      const float f0 = factor[0], f1 = factor[1], f2 = factor[2], f3 = factor[3];
+      const float *m0 = mode[0], *m1 = mode[1], *m2 = mode[2], *m3 = mode[3];
+      for (std::int32_t i = 0; i < size; ++i) sum[i] += (f0 * m0[i] + f1 * m1[i]) + (f2 * m2[i] + f3 * m3[i]);
+    }
+    for (std::int32_t i = 0; i < size; ++i) field[begin + i] = static_cast<double>(sum[i]);
+  }
+}
+
+}  // namespace
+
+void modal_force(const ModalResponse& node, const double* d, double* force) {
+  double x[3];
+  scaled_displacement(node.force.max_displacement, d, x);
+  conservative_force(node.force, x, force);
+}
+
+double modal_energy(const ModalResponse& node, const double* d) {
+  double x[3];
+  scaled_displacement(node.force.max_displacement, d, x);
+  return conservative_energy(node.force, x);
+}
+
+void modal_stiffness(const ModalResponse& node, const double* d, double* stiffness) {
+  double x[3];
+  scaled_displacement(node.force.max_displacement, d, x);
+  conservative_stiffness(node.force, x, stiffness);
+}
+
+void amplitude_basis(const SharedModes& shared, const double* displacements, const double* x,
+                     const double* at_rest, double* basis) {
+  const double s2 = shared.shape * shared.shape, q = std::sqrt(dot(x, x) + s2);
+  for (std::int32_t i = 0; i < shared.n_centers; ++i) {
+    const double* c = displacements + 3 * static_cast<std::size_t>(shared.center[i]);
+    const double y[3] = {x[0] - c[0], x[1] - c[1], x[2] - c[2]};
+    basis[i] = (std::sqrt(dot(y, y) + s2) - q) - at_rest[i];
+  }
+}
+
+void modal_deformation(const phn_model& model, const ModalResponse& node, const double* d, double* scratch,
+                       double* field) {
+  const SharedModes& shared = model.shared;
+  const std::int32_t m = node.n_modes, n_basis = shared.n_centers + 3;
+  double *basis = scratch, *amplitude = basis + n_basis, *amount = amplitude + m;
+  double* x = basis + shared.n_centers;
+  scaled_displacement(model.max_displacement, d, x);
+  amplitude_basis(shared, model.displacements, x, shared.basis_at_rest, basis);
+
+  for (std::int32_t j = 0; j < m; ++j) amplitude[j] = 0;
+  for (std::int32_t r = 0; r < n_basis; ++r) {
+    const std::int16_t* row = node.weight + static_cast<std::size_t>(r) * static_cast<std::size_t>(m);
+    for (std::int32_t j = 0; j < m; ++j) amplitude[j] += basis[r] * row[j];
+  }
+  for (std::int32_t j = 0; j < m; ++j) amplitude[j] *= node.weight_scale[j];
+  for (std::int32_t s = 0; s < shared.n_modes; ++s)
+    amount[s] = row_times(node.mixing, node.mixing_scale, static_cast<std::size_t>(s), m, amplitude);
+  add_shared_modes(shared, 3 * model.n_output, amount, field);
+  for (std::int32_t i = 0; i < node.n_near; ++i) {
+    for (int k = 0; k < 3; ++k)
+      field[3 * node.near[i] + k] =
+          row_times(node.near_mode, node.near_mode_scale, 3 * static_cast<std::size_t>(i) + k, m, amplitude);
+  }
+}
+
+}  // namespace phynness::runtime

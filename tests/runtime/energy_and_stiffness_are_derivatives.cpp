@@ -1,0 +1,75 @@
+#include <gtest/gtest.h>
+
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+class DerivativesOf : public testing::TestWithParam<Family> {};
+INSTANTIATE_TEST_SUITE_P(Families, DerivativesOf, testing::Values(Family::linear, Family::modal),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+struct Response {
+  double energy;
+  Vector3d force;
+  Matrix3d stiffness;
+};
+
+Response response(const LoadedModel& loaded, std::int32_t node, const Vector3d& d) {
+  Response r;
+  EXPECT_GE(phn_energy(loaded.model, loaded.data, node, d.data(), &r.energy), 0);
+  EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), r.force.data()), 0);
+  EXPECT_GE(phn_stiffness(loaded.model, loaded.data, node, d.data(), r.stiffness.data()), 0);
+  return r;
+}
+
+/// Fourth-order central difference of f along t at 0, step h.
+template <class F>
+auto difference(F f, double h) -> decltype(f(h)) {
+  return (8.0 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h);
+}
+
+// Claim: force is the gradient of the energy and stiffness the derivative of the force. Steps of a thousandth
+// of the largest displacement R: truncation (h / shape)^4 / 30 = 4e-12 of higher derivatives, rounding 1e-16
+// R / h = 1e-13 of the sizes of the terms; 1e-9 leaves room for both.
+TEST_P(DerivativesOf, EqualFiniteDifferences) {
+  const Model model = small_model_of(GetParam());
+  const LoadedModel loaded(write_model_text(model));
+  const double h = 1e-3 * model.max_displacement_m;
+  Numbers numbers;
+  for (const ActiveNodeModel& node : model.nodes) {
+    for (int trial = 0; trial < 20; ++trial) {
+      Vector3d d;
+      for (int k = 0; k < 3; ++k) d[k] = 1.5 * model.max_displacement_m * numbers.next();
+      const Response at = response(loaded, node.node, d);
+      for (int k = 0; k < 3; ++k) {
+        const auto along = [&](double t) { return response(loaded, node.node, d + t * Vector3d::Unit(k)); };
+        const double slope = difference([&](double t) { return along(t).energy; }, h);
+        const Vector3d column = difference([&](double t) -> Vector3d { return along(t).force; }, h);
+        EXPECT_NEAR(slope, at.force[k], 1e-9 * at.force.norm());
+        EXPECT_LT((column - at.stiffness.col(k)).norm(), 1e-9 * at.stiffness.norm());
+      }
+      EXPECT_EQ(at.stiffness, at.stiffness.transpose());
+    }
+  }
+}
+
+// Claim: linear models give d . K d / 2 and K itself, at any depth.
+TEST(LinearRuntime, EnergyAndStiffnessAreExact) {
+  const Model model = small_linear_model();
+  const LoadedModel loaded(write_model_text(model));
+  for (const ActiveNodeModel& node : model.nodes) {
+    const Vector3d d(20, -0.3, 7);
+    const Response at = response(loaded, node.node, d);
+    EXPECT_EQ(at.stiffness, node.linear.stiffness);
+    // Rounding of two products of three.
+    EXPECT_NEAR(at.energy, d.dot(node.linear.stiffness * d) / 2, 1e-15 * 100 * d.squaredNorm());
+  }
+}
+
+}  // namespace

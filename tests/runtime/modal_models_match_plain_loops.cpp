@@ -1,0 +1,249 @@
+#include <gtest/gtest.h>
+
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// The formulas of formats/model.md as printed there, term by term, from the host's model.
+double q(const Vector3d& y, double s) { return std::sqrt(y.squaredNorm() + s * s); }
+Matrix3d phi(const Vector3d& y, double s) {
+  return q(y, s) * Matrix3d::Identity() + y * y.transpose() / q(y, s);
+}
+Vector3d g(const Vector3d& y, double s) { return q(y, s) * y; }
+Matrix3d h(const Vector3d& y, const Vector3d& b, double s) {
+  return (b * y.transpose() + y * b.transpose() +
+          y.dot(b) * (Matrix3d::Identity() - y * y.transpose() / std::pow(q(y, s), 2))) /
+         q(y, s);
+}
+
+struct Response {
+  Vector3d force;
+  double energy;
+  Matrix3d stiffness;
+  Points u;
+  double force_terms, energy_terms,
+      stiffness_terms;  ///< sums of the sizes of the terms: what rounding is measured by
+  double u_terms;
+};
+
+Response plain(const Model& model, const ActiveNodeModel& node, const Vector3d& d) {
+  const double R = model.max_displacement_m;
+  const auto center = [&](std::int32_t row) {
+    return Vector3d(model.displacements.row(row).transpose() / R);
+  };
+  const Vector3d x = d / R, zero(0, 0, 0);
+  const ConservativeNetwork& net = node.conservative;
+  const double s = net.shape;
+  Response r{net.stiffness * d, d.dot(net.stiffness * d) / 2, net.stiffness, {}, 0, 0, 0, 0};
+  r.force_terms = r.force.norm();
+  r.energy_terms = r.energy;
+  r.stiffness_terms = net.stiffness.norm();
+  for (std::size_t i = 0; i < net.centers.size(); ++i) {
+    const Vector3d c = center(net.centers[i]), b = net.coefficients.row(static_cast<Eigen::Index>(i));
+    r.force += (phi(x - c, s) - phi(x, s) - phi(c, s) + phi(zero, s)) * b;
+    r.energy += R * (g(x - c, s) - g(x, s) + g(c, s) - (phi(c, s) - phi(zero, s)) * x).dot(b);
+    r.stiffness += (h(x - c, b, s) - h(x, b, s)) / R;
+    const double size = q(x, s) + q(c, s);
+    r.force_terms += 4 * size * b.norm();
+    r.energy_terms += 4 * R * size * size * b.norm();
+    r.stiffness_terms += 8 / R * b.norm();
+  }
+  const SharedModes& shared = model.shared;
+  Eigen::VectorXd basis(static_cast<Eigen::Index>(shared.centers.size()) + 3);
+  for (std::size_t i = 0; i < shared.centers.size(); ++i) {
+    const Vector3d c = center(shared.centers[i]);
+    basis[static_cast<Eigen::Index>(i)] =
+        q(x - c, shared.shape) - q(x, shared.shape) - q(c, shared.shape) + q(zero, shared.shape);
+  }
+  basis.tail(3) = x;
+  const Eigen::VectorXd a = node.modal.weights.values().transpose() * basis;
+  const Eigen::VectorXd amounts = node.modal.mixing.values() * a;
+  const Eigen::VectorXd all = shared.modes.values() * amounts, near = node.modal.near_modes.values() * a;
+  r.u_terms = (shared.modes.values().cwiseAbs() * amounts.cwiseAbs()).maxCoeff() +
+              (node.modal.near_modes.values().cwiseAbs() * a.cwiseAbs()).sum();
+  r.u.resize(model.output_points.rows(), 3);
+  for (Eigen::Index o = 0; o < r.u.rows(); ++o) r.u.row(o) = all.segment<3>(3 * o).transpose();
+  for (std::size_t i = 0; i < node.modal.near.size(); ++i)
+    r.u.row(node.modal.near[i]) = near.segment<3>(3 * static_cast<Eigen::Index>(i)).transpose();
+  for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
+    for (std::size_t o = 0; o < model.output.size(); ++o) {
+      if (model.output[o] == node.prescribed[i])
+        r.u.row(static_cast<Eigen::Index>(o)) = node.prescribed_weight[i] * d.transpose();
+    }
+  }
+  return r;
+}
+
+const Vector3d probes[] = {{0, 0, 0},  {0.004, -0.002, 0.001}, {0.01, 0, 0}, {-0.02, 0.03, 0.01},
+                           {1, 1, -1}, {0, 0.005, 0},          {1e-9, 0, 0}, {0.0099, -0.0001, 0.0005}};
+
+/// Models of every shape: no centers, no shared modes, one more than a pass takes, more output than a piece
+/// holds.
+std::vector<Model> models() {
+  std::vector<Model> all = {small_modal_model(), small_modal_model(1, 0, 1, 0), small_modal_model(2, 3, 0, 1),
+                            small_modal_model(7, 30, 13, 8)};
+  Model& large = all.emplace_back(small_modal_model(4, 5, 5, 4));
+  Numbers numbers;
+  large.n_mesh_nodes = 1000;
+  large.output.clear();
+  for (int i = 0; i < 400; ++i) large.output.push_back(i + 2);
+  large.output_points = Points::Random(400, 3);
+  large.shared.modes = random_table(1200, 5, 0.5, numbers);
+  return all;
+}
+
+// Claim: force, energy and stiffness are the formulas of formats/model.md, to rounding: 1e-14 of the sizes of
+// the terms, which the runtime sums in another order; 1e-12 of the force itself, whose terms may be a hundred
+// times larger.
+TEST(ModalRuntime, ForceEnergyAndStiffnessAreTheFormulas) {
+  for (const Model& model : models()) {
+    const LoadedModel loaded(write_model_text(model));
+    for (const ActiveNodeModel& node : model.nodes) {
+      for (const Vector3d& d : probes) {
+        const Response expected = plain(model, node, d);
+        Vector3d force;
+        Matrix3d stiffness;
+        double energy = 0;
+        ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data()), 0);
+        ASSERT_GE(phn_energy(loaded.model, loaded.data, node.node, d.data(), &energy), 0);
+        ASSERT_GE(phn_stiffness(loaded.model, loaded.data, node.node, d.data(), stiffness.data()), 0);
+        EXPECT_LE((force - expected.force).norm(), 1e-14 * expected.force_terms);
+        EXPECT_LE(std::abs(energy - expected.energy), 1e-14 * expected.energy_terms);
+        EXPECT_LE((stiffness - expected.stiffness).norm(), 1e-14 * expected.stiffness_terms);
+        if (d.norm() > 1e-3) {
+          EXPECT_LT((force - expected.force).norm(), 1e-12 * expected.force.norm());
+        }
+        EXPECT_EQ(stiffness, stiffness.transpose());
+      }
+    }
+  }
+}
+
+// Claim: deformation is the sum of modes, with near nodes and the nodes of the probe replaced. Shared modes
+// are summed as floats: 1e-6 of the sizes of the terms is 16 roundings of 6e-8, of which up to 13 modes make,
+// 1e-5 of the largest displacement. The other nodes are sums in double, 1e-14.
+TEST(ModalRuntime, DeformationIsTheSumOfModes) {
+  for (const Model& model : models()) {
+    const LoadedModel loaded(write_model_text(model));
+    for (const ActiveNodeModel& node : model.nodes) {
+      for (const Vector3d& d : probes) {
+        if (d.isZero(0)) continue;  // the printed formula rounds there; see NothingHappensAtRest
+        const Response expected = plain(model, node, d);
+        Points u(model.output_points.rows(), 3);
+        ASSERT_GE(phn_deform(loaded.model, loaded.data, 1, &node.node, d.data(), u.data()), 0);
+        EXPECT_LE((u - expected.u).cwiseAbs().maxCoeff(), 1e-6 * expected.u_terms);
+        EXPECT_LE((u - expected.u).cwiseAbs().maxCoeff(), 1e-5 * expected.u.cwiseAbs().maxCoeff());
+        for (const std::int32_t near : node.modal.near)
+          EXPECT_LE((u.row(near) - expected.u.row(near)).norm(), 1e-14 * (1 + 100 * d.norm()));
+        for (std::size_t o = 0; o < model.output.size(); ++o) {
+          for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
+            if (node.prescribed[i] == model.output[o]) {
+              EXPECT_EQ(u.row(static_cast<Eigen::Index>(o)), node.prescribed_weight[i] * d.transpose());
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+// Claim: a coefficient is never rounded, whether a float holds it or not: with one center the force is as
+// exact as double allows, 1e-15 of its terms. Coefficients that are floats take half the memory.
+TEST(ModalRuntime, CoefficientsAreNotRounded) {
+  std::size_t bytes[2];
+  for (const bool floats : {true, false}) {
+    Model model = small_modal_model(1, 100, 1, 0);
+    for (ActiveNodeModel& node : model.nodes) {
+      for (Eigen::Index i = 0; i < 100; ++i) {
+        for (int k = 0; k < 3; ++k) {
+          double& b = node.conservative.coefficients(i, k);
+          b = floats ? static_cast<float>(b) : static_cast<float>(b) * (1 + 0x1p-40);
+        }
+      }
+    }
+    const std::string text = write_model_text(model);
+    const LoadedModel loaded(text);
+    bytes[floats] = loaded.model_memory.size();
+    const Vector3d d(0.004, -0.002, 0.001);
+    for (const ActiveNodeModel& node : model.nodes) {
+      const Response expected = plain(model, node, d);
+      Vector3d force;
+      ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data()), 0);
+      // Rounding to floats would change the force by 2^-40 = 9e-13 of the terms that differ.
+      EXPECT_LE((force - expected.force).norm(), 1e-15 * expected.force_terms);
+    }
+  }
+  // 4 nodes, 300 coefficients, 4 bytes, but for what aligns arrays to cache lines.
+  EXPECT_NEAR(static_cast<double>(bytes[false] - bytes[true]), 4 * 300 * 4, 4 * 64);
+}
+
+// Claim: the weights (15)-(16) blend modal fields as those of the other families, touched nodes follow
+// exactly.
+TEST(ModalRuntime, SeveralToolsAreBlended) {
+  const Model model = small_modal_model();
+  const LoadedModel loaded(write_model_text(model));
+  const std::int32_t tools[] = {3, 8};
+  const double d[] = {0.004, 0.001, 0, 0, -0.006, 0.002};
+  Points both(12, 3), first(12, 3), second(12, 3);
+  ASSERT_GE(phn_deform(loaded.model, loaded.data, 2, tools, d, both.data()), 0);
+  ASSERT_GE(phn_deform(loaded.model, loaded.data, 1, tools, d, first.data()), 0);
+  ASSERT_GE(phn_deform(loaded.model, loaded.data, 1, tools + 1, d + 3, second.data()), 0);
+  for (Eigen::Index o = 0; o < 12; ++o) {
+    const double to_first = (model.output_points.row(o) - model.output_points.row(3 - 2)).norm();
+    const double to_second = (model.output_points.row(o) - model.output_points.row(8 - 2)).norm();
+    Eigen::RowVector3d expected =
+        (first.row(o) * to_second + second.row(o) * to_first) / (to_first + to_second);
+    if (to_first == 0) expected = first.row(o);
+    if (to_second == 0) expected = second.row(o);
+    // Rounding of a weighted sum in double.
+    EXPECT_LT((both.row(o) - expected).norm(), 1e-14 * both.norm());
+  }
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(both(3 - 2, k), d[k]);
+    EXPECT_EQ(both(8 - 2, k), d[3 + k]);
+  }
+}
+
+// Claim: far beyond what was trained the stiffness tends to K: the force neither collapses nor explodes. What
+// is left of the kernels is sum |b| |c| / |x| / R, at a thousand of the largest displacement 5 * 0.05 / 1000
+// / 0.01 = 0.025 N/m at most, beside a K of 60 N/m: less than 1e-3.
+TEST(ModalRuntime, StiffnessTendsToTheTail) {
+  const Model model = small_modal_model();
+  const LoadedModel loaded(write_model_text(model));
+  for (const ActiveNodeModel& node : model.nodes) {
+    const Vector3d d(6, -8, 5);
+    Matrix3d stiffness;
+    ASSERT_TRUE(phn_stiffness(loaded.model, loaded.data, node.node, d.data(), stiffness.data()) &
+                PHN_WARNING_OUTSIDE);
+    EXPECT_LT((stiffness - node.conservative.stiffness).norm(), 1e-3 * node.conservative.stiffness.norm());
+  }
+}
+
+// Claim: the state of rest is one, exactly: no force, no energy, no displacement, for either sign of zero.
+TEST(ModalRuntime, NothingHappensAtRest) {
+  for (const Model& model : models()) {
+    const LoadedModel loaded(write_model_text(model));
+    for (const ActiveNodeModel& node : model.nodes) {
+      for (const double zero : {0.0, -0.0}) {
+        const double d[] = {zero, 0, zero};
+        Vector3d force(1, 1, 1);
+        double energy = 1;
+        Points u = Points::Ones(model.output_points.rows(), 3);
+        ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d, force.data()), 0);
+        ASSERT_GE(phn_energy(loaded.model, loaded.data, node.node, d, &energy), 0);
+        ASSERT_GE(phn_deform(loaded.model, loaded.data, 1, &node.node, d, u.data()), 0);
+        EXPECT_EQ(force.cwiseAbs().maxCoeff(), 0);
+        EXPECT_EQ(energy, 0);
+        EXPECT_EQ(u.cwiseAbs().maxCoeff(), 0);
+      }
+    }
+  }
+}
+
+}  // namespace
