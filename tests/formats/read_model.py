@@ -2,7 +2,8 @@
 
 Usage: read_model.py model.txt < queries
 One query a line: node dx dy dz (hexadecimal floats as in model.txt).
-One answer a line: the force, then the displacements of all output nodes, as hexadecimal floats.
+One answer a line: the force, then the displacements of all output nodes, then, where the family has them, the energy
+and the nine numbers of the stiffness, as hexadecimal floats.
 """
 import math
 import sys
@@ -28,7 +29,7 @@ class Reader:
             sys.exit("expected " + keyword)
         return fields
 
-    def count(self, keyword):
+    def count(self, keyword=None):
         return int(self.fields(keyword)[0])
 
     def floats(self, keyword=None):
@@ -57,22 +58,59 @@ def read_linear(reader, node, n_output):
     node["unit_responses"] = [reader.floats() for _ in range(n_output)]
 
 
+def read_table(reader, keyword, n_rows):
+    scale = reader.floats(keyword)
+    rows = [reader.fields() for _ in range(n_rows)] if scale else [[]] * n_rows
+    return [[s * int(v) for s, v in zip(scale, row)] for row in rows]
+
+
+def read_shared(reader, model):
+    n_modes = reader.count("shared_modes")
+    model["modes"] = read_table(reader, "modes", 3 * len(model["points"]))
+    n_centers = reader.count("amplitude_centers")
+    model["shape"] = reader.floats("shape")[0]
+    model["centers"] = [model["displacements"][reader.count()] for _ in range(n_centers)]
+    model["n_shared"] = n_modes
+
+
+def read_modal(reader, model, node):
+    n = reader.count("force")
+    node["shape"] = reader.floats("shape")[0]
+    xx, xy, xz, yy, yz, zz = reader.floats("stiffness")
+    node["stiffness"] = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    node["centers"] = []
+    for _ in range(n):
+        row, *b = reader.fields()
+        node["centers"].append((model["displacements"][int(row)], [float.fromhex(v) for v in b]))
+    reader.count("deformation")
+    node["weights"] = read_table(reader, "weights", len(model["centers"]) + 3)
+    node["mixing"] = read_table(reader, "mixing", model["n_shared"])
+    node["near"] = [reader.count() for _ in range(reader.count("near"))]
+    node["near_modes"] = read_table(reader, "near_modes", 3 * len(node["near"]))
+
+
 def read_model(data):
     reader = Reader(checked_lines(data))
     if reader.fields("phynness-model") != ["1"]:
         sys.exit("another version")
     family = reader.fields("family")[0]
-    if family not in ("rbfn", "linear"):
+    if family not in ("rbfn", "linear", "modal"):
         sys.exit("another family")
-    for key in ("title", "software", "mesh_hash", "physics_hash", "max_displacement_m", "mesh_nodes"):
+    for key in ("title", "software", "mesh_hash", "physics_hash"):
         reader.fields(key)
+    largest = reader.floats("max_displacement_m")[0]
+    reader.fields("mesh_nodes")
     directions = [reader.floats() for _ in range(reader.count("directions"))]
     displacements = [reader.floats() for _ in range(reader.count("displacements"))]
     for _ in range(reader.count("fixed")):
         reader.fields()
     output = [reader.fields() for _ in range(reader.count("output"))]
     points = [[float.fromhex(f) for f in fields[1:]] for fields in output]
-    model = {"output": [int(fields[0]) for fields in output], "points": points, "nodes": {}}
+    model = {"family": family, "output": [int(fields[0]) for fields in output], "points": points, "nodes": {}}
+    if family == "modal":
+        model["largest"] = largest
+        model["displacements"] = [[v / largest for v in row] for row in displacements]
+        read_shared(reader, model)
     for _ in range(reader.count("active")):
         node = {}
         number = reader.count("node")
@@ -84,6 +122,8 @@ def read_model(data):
         node["trained_depth"] = [reader.floats()[0] for _ in directions]
         if family == "linear":
             read_linear(reader, node, len(points))
+        elif family == "modal":
+            read_modal(reader, model, node)
         else:
             node["force"] = read_network(reader, "force", [displacements])
             node["deformation"] = read_network(reader, "deformation", [displacements, points])
@@ -101,17 +141,94 @@ def evaluate(net, inputs):
     return [c + h * s for c, h, s in zip(net["output_center"], net["output_half_range"], y)]
 
 
-def force(node, d):
-    if "stiffness" in node:
-        return [sum(k * v for k, v in zip(row, d)) for row in node["stiffness"]]
+def dot(a, b):
+    return math.fsum(u * v for u, v in zip(a, b))
+
+
+def apply(matrix, vector):
+    return [dot(row, vector) for row in matrix]
+
+
+def minus(a, b):
+    return [u - v for u, v in zip(a, b)]
+
+
+def q(y, s):
+    return math.sqrt(dot(y, y) + s * s)
+
+
+def phi(y, s):
+    return [[q(y, s) * (i == j) + y[i] * y[j] / q(y, s) for j in range(3)] for i in range(3)]
+
+
+def g(y, s):
+    return [q(y, s) * v for v in y]
+
+
+def h(y, b, s):
+    along, square = dot(y, b), q(y, s) ** 2
+    return [
+        [(b[i] * y[j] + y[i] * b[j] + along * ((i == j) - y[i] * y[j] / square)) / q(y, s) for j in range(3)]
+        for i in range(3)
+    ]
+
+
+def modal_force(model, node, d):
+    s, x, zero, total = node["shape"], [v / model["largest"] for v in d], [0, 0, 0], apply(node["stiffness"], d)
+    for c, b in node["centers"]:
+        terms = [apply(phi(y, s), b) for y in (minus(x, c), x, c, zero)]
+        total = [t + p - q - r + u for t, p, q, r, u in zip(total, *terms)]
+    return total
+
+
+def force(model, node, d):
+    if model["family"] == "modal":
+        return modal_force(model, node, d)
+    if model["family"] == "linear":
+        return apply(node["stiffness"], d)
     return evaluate(node["force"], d)
 
 
-def displacement(node, position, point, d):
-    if "stiffness" in node:
-        unit = node["unit_responses"][position]
-        return [sum(unit[3 * axis + k] * d[axis] for axis in range(3)) for k in range(3)]
-    return evaluate(node["deformation"], d + point)
+def energy(model, node, d):
+    total = dot(d, apply(node["stiffness"], d)) / 2
+    if model["family"] == "modal":
+        s, x = node["shape"], [v / model["largest"] for v in d]
+        for c, b in node["centers"]:
+            slope = minus(apply(phi(c, s), x), apply(phi([0, 0, 0], s), x))
+            bracket = [p - q + r - t for p, q, r, t in zip(g(minus(x, c), s), g(x, s), g(c, s), slope)]
+            total += model["largest"] * dot(bracket, b)
+    return total
+
+
+def stiffness(model, node, d):
+    total = [v for row in node["stiffness"] for v in row]
+    if model["family"] == "modal":
+        s, x = node["shape"], [v / model["largest"] for v in d]
+        for c, b in node["centers"]:
+            near, far = h(minus(x, c), b, s), h(x, b, s)
+            total = [t + (near[i // 3][i % 3] - far[i // 3][i % 3]) / model["largest"] for i, t in enumerate(total)]
+    return total
+
+
+def modal_displacements(model, node, d):
+    s, x, zero = model["shape"], [v / model["largest"] for v in d], [0, 0, 0]
+    basis = [q(minus(x, c), s) - q(x, s) - q(c, s) + q(zero, s) for c in model["centers"]] + x
+    a = [dot(column, basis) for column in zip(*node["weights"])]
+    all_nodes = apply(model["modes"], apply(node["mixing"], a))
+    near = apply(node["near_modes"], a)
+    u = [all_nodes[3 * o : 3 * o + 3] for o in range(len(model["points"]))]
+    for i, position in enumerate(node["near"]):
+        u[position] = near[3 * i : 3 * i + 3]
+    return u
+
+
+def displacements(model, node, d):
+    if model["family"] == "modal":
+        return modal_displacements(model, node, d)
+    if model["family"] == "linear":
+        return [[sum(unit[3 * axis + k] * d[axis] for axis in range(3)) for k in range(3)]
+                for unit in node["unit_responses"]]
+    return [evaluate(node["deformation"], d + point) for point in model["points"]]
 
 
 def main():
@@ -120,12 +237,13 @@ def main():
     for line in sys.stdin:
         number, *d = line.split()
         node, d = model["nodes"][int(number)], [float.fromhex(v) for v in d]
-        answer = force(node, d)
-        for position, (index, point) in enumerate(zip(model["output"], model["points"])):
+        answer = force(model, node, d)
+        for index, u in zip(model["output"], displacements(model, node, d)):
             if index in node["prescribed"]:
-                answer += [node["prescribed"][index] * v for v in d]
-            else:
-                answer += displacement(node, position, point, d)
+                u = [node["prescribed"][index] * v for v in d]
+            answer += u
+        if model["family"] != "rbfn":
+            answer += [energy(model, node, d)] + stiffness(model, node, d)
         print(*(v.hex() for v in answer))
 
 
