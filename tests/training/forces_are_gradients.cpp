@@ -103,8 +103,8 @@ TEST(ConservativeFit, SurvivesStatesThatSayLittle) {
       EXPECT_LT((evaluate_force(fit.network, tables.displacements, depth, some.x.row(i).transpose()) -
                  some.force.row(i).transpose())
                     .norm(),
-                1e-5 * some.force.row(i).norm())  // coefficients are floats
-          << n << " states";
+                1e-4 * some.force.row(i).norm())  // damping leaves about 1e-6 times the condition
+          X
   }
   ForceStates still = all;
   still.force.setZero();
