@@ -104,7 +104,7 @@ TEST(ConservativeFit, SurvivesStatesThatSayLittle) {
                  some.force.row(i).transpose())
                     .norm(),
                 1e-4 * some.force.row(i).norm())  // damping leaves about 1e-6 times the condition
-          X
+          << n << " states";
   }
   ForceStates still = all;
   still.force.setZero();
