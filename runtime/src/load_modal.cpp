@@ -115,10 +115,16 @@ void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn
   shared.n_modes = mode_count_line(in, "shared_modes");
   const std::size_t n_rows = 3 * static_cast<std::size_t>(model.n_output);
   const double* scale = table_scale(in, arena, "modes", n_rows, shared.n_modes);
-  Column<float> modes(arena, in.good() ? n_rows * static_cast<std::size_t>(shared.n_modes) : 0);
+  constexpr auto rows = static_cast<std::size_t>(rows_per_block);
+  const std::size_t n_modes = static_cast<std::size_t>(shared.n_modes), n_blocks = (n_rows + rows - 1) / rows;
+  const std::size_t n_values = in.good() ? n_blocks * n_modes * rows : 0;
+  Column<float> modes(arena, n_values);
   const bool fill = has_memory(arena);
+  for (std::size_t i = 0; i < n_values; ++i) modes.set(i, 0.0f);  // what fills the last block up
   table_entries(in, n_rows, shared.n_modes, [&](std::size_t r, std::int32_t c, std::int32_t entry) {
-    if (fill) modes.set(static_cast<std::size_t>(c) * n_rows + r, static_cast<float>(scale[c] * entry));
+    if (fill)
+      modes.set(((r / rows) * n_modes + static_cast<std::size_t>(c)) * rows + r % rows,
+                static_cast<float>(scale[c] * entry));
   });
   shared.modes = modes.get();
   shared.n_centers = count_line(in, "amplitude_centers", 0);

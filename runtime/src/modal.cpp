@@ -19,27 +19,17 @@ double row_times(const std::int16_t* table, const double* scale, std::size_t r, 
   return sum;
 }
 
-/// field = sum_s amount_s mode_s in float, a piece at a time: its sums stay near the processor while modes
-/// stream by, several in each pass.
-void add_shared_modes(const SharedModes& shared, std::int32_t n, const double* amount, double* field) {
-  constexpr std::int32_t piece = 512, pass = 4;
-  float sum[piece];
-  for (std::int32_t begin = 0; begin < n; begin += piece) {
-    const std::int32_t size = n - begin < piece ? n - begin : piece;
-    for (std::int32_t i = 0; i < size; ++i) sum[i] = 0;
-    for (std::int32_t s = 0; s < shared.n_modes; s += pass) {
-      float factor[pass];
-      const float* mode[pass];
-      for (std::int32_t j = 0; j < pass; ++j) {
-        // Where no mode is left, the last one counts zero times.
-        const std::int32_t at = s + j < shared.n_modes ? s + j : shared.n_modes - 1;
-        factor[j] = at == s + j ? static_cast<float>(amount[at]) : 0.0f;
-        mode[j] = shared.modes + static_cast<std::size_t>(at) * static_cast<std::size_t>(n) + begin;
-      }
-      const float f0 = factor[0], f1 = factor[1], f2 = factor[2], f3 = factor[3];
-      const float *m0 = mode[0], *m1 = mode[1], *m2 = mode[2], *m3 = mode[3];
-      for (std::int32_t i = 0; i < size; ++i) sum[i] += (f0 * m0[i] + f1 * m1[i]) + (f2 * m2[i] + f3 * m3[i]);
+/// field = sum_s amount_s mode_s in float, a block of rows at a time: its sums stay in registers while the modes stream by
+/// in the order of memory.
+void add_shared_modes(const SharedModes& shared, std::int32_t n, const float* amount, double* field) {
+  const float* mode = shared.modes;
+  for (std::int32_t begin = 0; begin < n; begin += rows_per_block) {
+    float sum[rows_per_block] = {};
+    for (std::int32_t s = 0; s < shared.n_modes; ++s, mode += rows_per_block) {
+      const float factor = amount[s];
+      for (std::int32_t i = 0; i < rows_per_block; ++i) sum[i] += factor * mode[i];
     }
+    const std::int32_t size = n - begin < rows_per_block ? n - begin : rows_per_block;
     for (std::int32_t i = 0; i < size; ++i) field[begin + i] = static_cast<double>(sum[i]);
   }
 }
@@ -78,7 +68,8 @@ void modal_deformation(const phn_model& model, const ModalResponse& node, const 
                        double* field) {
   const SharedModes& shared = model.shared;
   const std::int32_t m = node.n_modes, n_basis = shared.n_centers + 3;
-  double *basis = scratch, *amplitude = basis + n_basis, *amount = amplitude + m;
+  double *basis = scratch, *amplitude = basis + n_basis;
+  auto* amount = reinterpret_cast<float*>(amplitude + m);
   double* x = basis + shared.n_centers;
   scaled_displacement(model.max_displacement, d, x);
   amplitude_basis(shared, model.displacements, x, shared.basis_at_rest, basis);
@@ -90,7 +81,8 @@ void modal_deformation(const phn_model& model, const ModalResponse& node, const 
   }
   for (std::int32_t j = 0; j < m; ++j) amplitude[j] *= node.weight_scale[j];
   for (std::int32_t s = 0; s < shared.n_modes; ++s)
-    amount[s] = row_times(node.mixing, node.mixing_scale, static_cast<std::size_t>(s), m, amplitude);
+    amount[s] = static_cast<float>(
+        row_times(node.mixing, node.mixing_scale, static_cast<std::size_t>(s), m, amplitude));
   add_shared_modes(shared, 3 * model.n_output, amount, field);
   for (std::int32_t i = 0; i < node.n_near; ++i) {
     for (int k = 0; k < 3; ++k)

@@ -54,11 +54,14 @@ struct ModalResponse {
   const std::int16_t* near_mode;  ///< 3 n_near rows
 };
 
+/// Rows of shared modes that are summed together: few enough for the registers of any processor with SIMD.
+inline constexpr std::int32_t rows_per_block = 32;
+
 /// What the deformations of a modal model share.
 struct SharedModes {
   std::int32_t n_modes, n_centers;
   double shape;
-  const float* modes;           ///< n_modes of 3 n_output
+  const float* modes;  ///< for every rows_per_block of the 3 n_output rows: those rows of each mode in turn
   const std::int32_t* center;   ///< n_centers rows of the displacements
   const double* basis_at_rest;  ///< n_centers: subtracted so that amplitudes at d = 0 are exactly 0
 };
