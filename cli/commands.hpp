@@ -20,6 +20,7 @@ void add_precompute_command(CLI::App& app);
 void add_merge_command(CLI::App& app);
 void add_train_command(CLI::App& app);
 void add_validate_command(CLI::App& app);
+void add_tune_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
 void add_solve_command(CLI::App& app);
 void add_info_command(CLI::App& app);

@@ -141,11 +141,15 @@ void report_tools(const ToolOptions& options, const std::vector<Vec3>& displacem
       fmt::print("  force: not defined by these weights\n");
     }
   }
-  json out{{"tools", tools}, {"energy", nullptr}, {"max_displacement", largest}};
+  json out{{"tools", tools}, {"energy", nullptr}, {"max_displacement", nullptr}};
+  if (result.displacement_m.rows() > 0) out["max_displacement"] = largest;
   if (result.energy_J) out["energy"] = *result.energy_J;
   out.update(extra);
   if (result.energy_J) fmt::print("energy {:.6g} J  ", *result.energy_J);
-  fmt::print("largest displacement {:.6g} m\n", largest);
+  if (result.displacement_m.rows() > 0)
+    fmt::print("largest displacement {:.6g} m\n", largest);
+  else
+    fmt::print("forces only\n");
 
   if (options.deformation_csv) {
     std::string csv = "node,x,y,z,ux,uy,uz\n";

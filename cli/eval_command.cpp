@@ -23,6 +23,9 @@ void run(const Options& options) {
                       "use --tools paper: weights (15)-(16), no force");
   const LoadedModel model(options.model);
   const auto response = model.respond(options.tool.nodes, displacements);
+  if (response.displacement_m.rows() == 0 && options.tool.deformation_csv)
+    throw input_error("this model has forces only", "--deformation " + options.tool.deformation_csv->string(),
+                      "train it with [training] modes of 1 or more");
   if (response.status > 0) fmt::print(stderr, "warning: {}\n", phn_status_message(response.status));
   report_tools(options.tool, displacements, model.mesh(),
                {response.force_N, response.energy_J, response.displacement_m, model.model().output},

@@ -21,6 +21,7 @@ void add(CLI::App& app, const std::string& name) {
 
 void add_precompute_command(CLI::App& app) { add(app, "precompute"); }
 void add_validate_command(CLI::App& app) { add(app, "validate"); }
+void add_tune_command(CLI::App& app) { add(app, "tune"); }
 void add_solve_command(CLI::App& app) { add(app, "solve"); }
 void add_run_command(CLI::App& app) { add(app, "run"); }
 

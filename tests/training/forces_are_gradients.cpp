@@ -103,7 +103,7 @@ TEST(ConservativeFit, SurvivesStatesThatSayLittle) {
       EXPECT_LT((evaluate_force(fit.network, tables.displacements, depth, some.x.row(i).transpose()) -
                  some.force.row(i).transpose())
                     .norm(),
-                1e-4 * some.force.row(i).norm())  // damping leaves about 1e-6 times the condition
+                1e-3 * some.force.row(i).norm())  // damping leaves 1e-6 times the condition of few, alike columns
           << n << " states";
   }
   ForceStates still = all;

@@ -6,10 +6,13 @@
 namespace phynness {
 
 LoadedModel::LoadedModel(const std::filesystem::path& dir, std::int32_t max_tools)
-    : _dir(read_model_dir(dir)), _max_tools(max_tools) {
+    : LoadedModel(read_model_dir(dir), (dir / "model.txt").string(), max_tools) {}
+
+LoadedModel::LoadedModel(ModelDir dir, const std::string& name, std::int32_t max_tools)
+    : _dir(std::move(dir)), _max_tools(max_tools) {
   const auto require = [&](int status) {
     if (status < 0)
-      throw input_error("the runtime refuses " + (dir / "model.txt").string(), phn_status_message(status),
+      throw input_error("the runtime refuses " + name, phn_status_message(status),
                         "train the model again with this version");
   };
   std::size_t bytes = 0;
@@ -68,6 +71,10 @@ ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
   for (const auto node : nodes) force(node, {0, 0, 0});  // refuses inactive nodes by number
   response.status = phn_deform(_model, _data, static_cast<std::int32_t>(n_tools), nodes.data(), d.data(),
                                response.displacement_m.data());
+  if (response.status == PHN_ERROR_UNDEFINED) {
+    response.status = PHN_OK;
+    response.displacement_m.resize(0, 3);
+  }
   check(response.status, nodes.empty() ? -1 : nodes[0]);
   response.force_N.assign(n_tools, std::nullopt);
   if (n_tools == 1) {
@@ -77,6 +84,11 @@ ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
     check(status, nodes[0]);
     response.status |= status;
     response.force_N[0] = f;
+    double energy = 0;
+    if (phn_energy(_model, _data, nodes[0], v.data(), &energy) >= 0) {
+      response.energy_J = energy;
+      return response;
+    }
     // Simpson's rule; the network is smooth over its spread, 32 intervals are far below its own error.
     double work = 0;
     constexpr int n = 32;

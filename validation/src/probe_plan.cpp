@@ -1,10 +1,9 @@
-#include "probe_plan.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <phynness/formats/error.hpp>
+#include <phynness/validation/probe_plan.hpp>
 #include <phynness/validation/validation.hpp>
 #include <random>
 
@@ -61,12 +60,12 @@ std::vector<NodePlan> choose_nodes(const LoadedModel& model, std::int64_t wanted
 }  // namespace
 
 std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions directions, std::int64_t probes,
-                                  std::uint64_t seed) {
+                                  std::uint64_t seed, std::int64_t nodes) {
   if (probes < 1)
     throw input_error("the number of probes must be at least 1", std::to_string(probes), "--probes 200");
   std::mt19937_64 random(seed);
   const std::int64_t n_inside = (probes + 1) / 2, n_outside = probes / 2;
-  auto plan = choose_nodes(model, std::min(n_inside, std::max<std::int64_t>(10, probes / 20)), random);
+  auto plan = choose_nodes(model, std::min(n_inside, nodes > 0 ? nodes : std::max<std::int64_t>(10, probes / 20)), random);
   const Points normals = node_normals(model.mesh());
   for (std::int64_t i = 0; i < n_inside; ++i) {
     auto& entry = plan[static_cast<std::size_t>(i) % plan.size()];

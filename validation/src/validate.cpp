@@ -4,9 +4,7 @@
 #include <ctime>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/precompute.hpp>
-#include <phynness/validation/validation.hpp>
-
-#include "probe_plan.hpp"
+#include <phynness/validation/probed_states.hpp>
 
 namespace phynness {
 namespace {
@@ -18,15 +16,6 @@ enum Measure : std::size_t { force, displacement, moving, field_l2, force_relati
 /// Normalized errors, by predictor, group and measure.
 using Samples = std::array<std::array<std::array<std::vector<double>, n_measures>, 2>, n_predictors>;
 
-/// One solved probe and what each predictor says of it, at the output nodes.
-struct Comparison {
-  Vec3 d{};
-  Vec3 force_FE{};
-  Points u_FE;
-  std::array<Vec3, n_predictors> force_of{};
-  std::array<Points, n_predictors> u_of;
-};
-
 double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 double distance(const Vec3& a, const Vec3& b) { return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]}); }
 
@@ -37,39 +26,33 @@ void check_same_scene(const Scene& scene, const LoadedModel& model) {
                       "validate with the scene the database was made from, or precompute and train again");
 }
 
-Comparison compare(const LoadedModel& model, const ProbeSolver& solver, std::int32_t node, const Vec3& d,
-                   const Response& response) {
-  const auto& output = model.model().output;
+ProbedState state_of(const Model& model, const ProbeSolver& solver, const Vec3& d, const Response& response) {
+  const auto& output = model.output;
   const auto n = static_cast<Eigen::Index>(output.size());
-  Comparison c;
-  c.d = d;
-  c.force_FE = response.force_N[0];
-  c.u_FE.resize(n, 3);
-  const auto said = model.respond({node}, {d});
+  ProbedState state;
+  state.d = d;
+  state.force_FE = response.force_N[0];
   const Eigen::Vector3d dd(d[0], d[1], d[2]);
   const Eigen::Vector3d linear_force = solver.rest().stiffness_N_per_m * dd;
-  Points& linear = c.u_of[static_cast<std::size_t>(Predictor::linear)];
-  linear.resize(n, 3);
+  state.force_linear = {linear_force[0], linear_force[1], linear_force[2]};
+  state.u_FE.resize(n, 3);
+  state.u_linear.resize(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto j = output[static_cast<std::size_t>(i)];
-    c.u_FE.row(i) = response.displacement_m.row(j);
-    linear.row(i) = (solver.rest().sensitivity.middleRows(3 * j, 3) * dd).transpose();
+    state.u_FE.row(i) = response.displacement_m.row(j);
+    state.u_linear.row(i) = (solver.rest().sensitivity.middleRows(3 * j, 3) * dd).transpose();
   }
-  c.u_of[static_cast<std::size_t>(Predictor::model)] = said.displacement_m;
-  c.u_of[static_cast<std::size_t>(Predictor::zero)] = Points::Zero(n, 3);
-  c.force_of[static_cast<std::size_t>(Predictor::model)] = *said.force_N[0];
-  c.force_of[static_cast<std::size_t>(Predictor::linear)] = {linear_force[0], linear_force[1],
-                                                             linear_force[2]};
-  return c;
+  return state;
 }
 
 /// Examples travel between ranks as rows of 13 numbers.
 constexpr std::size_t max_examples = 5, example_size = 13;
 
-void add_example(std::int32_t node, const Comparison& c, std::vector<double>& rows) {
+void add_example(const LoadedModel& model, std::int32_t node, const ProbedState& state,
+                 std::vector<double>& rows) {
+  const Vec3 said = model.force(node, state.d);
   rows.push_back(node);
-  for (const auto* v : {&c.d, &c.force_FE, &c.force_of[static_cast<std::size_t>(Predictor::model)],
-                        &c.force_of[static_cast<std::size_t>(Predictor::linear)]})
+  for (const auto* v : {&state.d, &state.force_FE, &said, &state.force_linear})
     rows.insert(rows.end(), v->begin(), v->end());
 }
 
@@ -83,30 +66,35 @@ std::vector<ForceExample> read_examples(const std::vector<double>& rows) {
   return examples;
 }
 
-/// Turns one active node's comparisons of one group into samples of (17).
-void collect(const std::vector<Comparison>& comparisons, const std::vector<char>& counts, Group group,
-             Samples& samples) {
+/// Turns one active node's probes of one group into samples of (17).
+void collect(const LoadedModel& model, const NodeProbes& probes, Group group, Samples& samples) {
+  const auto& counts = probes.counts;
   double largest_force = 0, largest_u = 0;
-  for (const auto& c : comparisons) {
-    largest_force = std::max(largest_force, norm(c.force_FE));
-    for (Eigen::Index i = 0; i < c.u_FE.rows(); ++i)
-      if (counts[static_cast<std::size_t>(i)]) largest_u = std::max(largest_u, c.u_FE.row(i).norm());
+  for (const auto& state : probes.states[group]) {
+    largest_force = std::max(largest_force, norm(state.force_FE));
+    for (Eigen::Index i = 0; i < state.u_FE.rows(); ++i)
+      if (counts[static_cast<std::size_t>(i)]) largest_u = std::max(largest_u, state.u_FE.row(i).norm());
   }
-  for (const auto& c : comparisons) {
+  for (const auto& state : probes.states[group]) {
     std::vector<std::pair<double, Eigen::Index>> by_motion;
-    for (Eigen::Index i = 0; i < c.u_FE.rows(); ++i)
-      if (counts[static_cast<std::size_t>(i)]) by_motion.emplace_back(-c.u_FE.row(i).norm(), i);
+    for (Eigen::Index i = 0; i < state.u_FE.rows(); ++i)
+      if (counts[static_cast<std::size_t>(i)]) by_motion.emplace_back(-state.u_FE.row(i).norm(), i);
     std::sort(by_motion.begin(), by_motion.end());
     const std::size_t n_moving = (by_motion.size() + 9) / 10;
+    const auto said = model.respond({probes.node}, {state.d});
+    const Points none = Points::Zero(state.u_FE.rows(), 3);
+    const std::array<Vec3, n_predictors> force_of{*said.force_N[0], state.force_linear, Vec3{}};
+    const std::array<const Points*, n_predictors> u_of{&said.displacement_m, &state.u_linear, &none};
     for (std::size_t p = 0; p < n_predictors; ++p) {
       auto& out = samples[p][group];
-      const double force_error = distance(c.force_of[p], c.force_FE);
+      const double force_error = distance(force_of[p], state.force_FE);
       if (largest_force > 0) out[force].push_back(force_error / largest_force);
-      if (norm(c.force_FE) > 0) out[force_relative].push_back(force_error / norm(c.force_FE));
+      if (norm(state.force_FE) > 0) out[force_relative].push_back(force_error / norm(state.force_FE));
+      if (u_of[p]->rows() == 0) continue;  // a model of forces only
       double error2 = 0, norm2 = 0;
       for (std::size_t rank = 0; rank < by_motion.size(); ++rank) {
         const auto i = by_motion[rank].second;
-        const double error = (c.u_of[p].row(i) - c.u_FE.row(i)).norm();
+        const double error = (u_of[p]->row(i) - state.u_FE.row(i)).norm();
         if (largest_u > 0) out[displacement].push_back(error / largest_u);
         if (largest_u > 0 && rank < n_moving) out[moving].push_back(error / largest_u);
         error2 += error * error;
@@ -146,13 +134,6 @@ GroupErrors statistics(const std::array<std::vector<double>, n_measures>& sample
   return errors;
 }
 
-/// What one rank found out.
-struct Findings {
-  Samples samples;
-  std::vector<double> examples;
-  double failed = 0, solved[2] = {0, 0}, increments = 0;
-};
-
 /// 1 for the output nodes that count in (17): those that the tool does not move itself.
 std::vector<char> counted_nodes(const ProbeSolver& solver, const std::vector<std::int32_t>& output) {
   std::vector<char> counts(output.size(), 1);
@@ -164,36 +145,71 @@ std::vector<char> counted_nodes(const ProbeSolver& solver, const std::vector<std
 }
 
 /// Solves the probes of one node. `after_each` is called after every ray.
-void probe_node(const LoadedModel& model, ProbeSolver& solver, const NodePlan& entry, double increment_m,
-                bool is_example, Findings& found, const std::function<void()>& after_each) {
+NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& entry, double increment_m,
+                      const std::function<void()>& after_each) {
   solver.touch({entry.node});
-  const auto counts = counted_nodes(solver, model.model().output);
-  std::array<std::vector<Comparison>, 2> comparisons;
+  NodeProbes found;
+  found.node = entry.node;
+  found.counts = counted_nodes(solver, model.output);
   for (const auto& pair : entry.pairs) {
     const auto s = waypoints(pair, increment_m);
     std::array<bool, 2> got{false, false};
     solver.follow({pair.direction}, s, false, [&](std::size_t i, const Response& response) {
       if (response.status != Status::converged) return false;
-      found.increments += 1;
+      ++found.increments;
       const Vec3 d{s[i] * pair.direction[0], s[i] * pair.direction[1], s[i] * pair.direction[2]};
       for (const Group g : {inside, outside})
         if (s[i] == (g == inside ? pair.inside_m : pair.outside_m)) {
-          comparisons[g].push_back(compare(model, solver, entry.node, d, response));
+          found.states[g].push_back(state_of(model, solver, d, response));
           got[g] = true;
         }
       return true;
     });
-    found.solved[inside] += got[inside];
-    found.solved[outside] += got[outside];
     found.failed += !got[inside] + (pair.outside_m > 0 && !got[outside]);
     after_each();
   }
-  for (const Group g : {inside, outside}) collect(comparisons[g], counts, g, found.samples);
-  if (is_example && !comparisons[inside].empty())
-    add_example(entry.node, comparisons[inside].front(), found.examples);
+  return found;
 }
 
 }  // namespace
+
+void solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+                  const std::vector<NodePlan>& plan,
+                  const std::function<void(std::int64_t, std::int64_t)>& progress,
+                  const std::function<bool()>& stop, const std::function<void(std::size_t, NodeProbes&&)>& take) {
+  ProbeSolver solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output});
+  std::int64_t rays = 0, my_rays = 0;
+  for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
+  for (auto e = static_cast<std::size_t>(session.rank()); e < plan.size();
+       e += static_cast<std::size_t>(session.size()))
+    take(e, probe_node(model.model(), solver, plan[e], scene.probe.max_displacement_m / scene.probe.increments, [&] {
+           const auto done = std::min(rays, ++my_rays * session.size());
+           if (progress && session.rank() == 0) progress(done, rays);
+           if (stop && stop())
+             throw failure("validation was interrupted",
+                           std::to_string(done) + " of " + std::to_string(rays) + " rays", "run it again");
+         }));
+}
+
+namespace {
+
+PredictorErrors errors_of(Predictor predictor, const LoadedModel& model, const std::vector<NodeProbes>& probes) {
+  Samples samples;
+  for (const auto& node : probes)
+    for (const Group g : {inside, outside}) collect(model, node, g, samples);
+  const auto& its = samples[static_cast<std::size_t>(predictor)];
+  return {statistics(its[inside]), statistics(its[outside])};
+}
+
+}  // namespace
+
+PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes) {
+  return errors_of(Predictor::model, model, probes);
+}
+
+PredictorErrors linear_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes) {
+  return errors_of(Predictor::linear, model, probes);
+}
 
 ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                           std::int64_t probes, std::uint64_t seed,
@@ -202,46 +218,44 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t cpu_start = std::clock();
   std::vector<NodePlan> plan;
-  Findings found;
+  Samples samples;
+  std::vector<double> examples;
+  double failed = 0, solved[2] = {0, 0}, increments = 0;
   session.together([&] {
     check_same_scene(scene, model);
     plan = plan_probes(model, scene.probe.directions, probes, seed);
-    ProbeSolver solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output});
-    std::int64_t rays = 0, my_rays = 0;
-    for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
-    for (auto e = static_cast<std::size_t>(session.rank()); e < plan.size();
-         e += static_cast<std::size_t>(session.size()))
-      probe_node(model, solver, plan[e], scene.probe.max_displacement_m / scene.probe.increments,
-                 e < max_examples, found, [&] {
-                   const auto done = std::min(rays, ++my_rays * session.size());
-                   if (progress && session.rank() == 0) progress(done, rays);
-                   if (stop && stop())
-                     throw failure("validation was interrupted",
-                                   std::to_string(done) + " of " + std::to_string(rays) + " rays",
-                                   "run it again");
-                 });
+    solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
+      for (const Group g : {inside, outside}) {
+        collect(model, found, g, samples);
+        solved[g] += static_cast<double>(found.states[g].size());
+      }
+      failed += static_cast<double>(found.failed);
+      increments += static_cast<double>(found.increments);
+      if (e < max_examples && !found.states[inside].empty())
+        add_example(model, found.node, found.states[inside].front(), examples);
+    });
   });
 
   ValidationReport report;
   report.probes = probes;
-  report.failed = static_cast<std::int64_t>(session.sum(found.failed));
-  report.solved_inside = static_cast<std::int64_t>(session.sum(found.solved[inside]));
-  report.solved_outside = static_cast<std::int64_t>(session.sum(found.solved[outside]));
+  report.failed = static_cast<std::int64_t>(session.sum(failed));
+  report.solved_inside = static_cast<std::int64_t>(session.sum(solved[inside]));
+  report.solved_outside = static_cast<std::int64_t>(session.sum(solved[outside]));
   report.outside_factor = outside_factor;
   for (const auto& entry : plan) {
     report.nodes.push_back(entry.node);
     report.n_beside_fixed += entry.beside_fixed;
   }
   for (std::size_t p = 0; p < n_predictors; ++p) {
-    for (auto& group : found.samples[p])
+    for (auto& group : samples[p])
       for (auto& list : group) list = session.gather(list);
-    report.errors[p] = {statistics(found.samples[p][inside]), statistics(found.samples[p][outside])};
+    report.errors[p] = {statistics(samples[p][inside]), statistics(samples[p][outside])};
   }
-  report.examples = read_examples(session.gather(found.examples));
+  report.examples = read_examples(session.gather(examples));
   if (session.rank() == 0) report.speed = measure_speed(model);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double cpu = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
-  report.solve_ms_per_increment = 1e3 * session.sum(cpu) / std::max(1.0, session.sum(found.increments));
+  report.solve_ms_per_increment = 1e3 * session.sum(cpu) / std::max(1.0, session.sum(increments));
   return report;
 }
 

@@ -26,9 +26,10 @@ struct ConservativeOptions {
 
 struct ConservativeFit {
   ConservativeNetwork network;
-  /// Errors are mean |model - data| over the states, divided by the largest |data|.
+  /// Mean |model - data| over the states, divided by the largest |data|.
   double training_error = 0;
-  double left_out_error = 0;  ///< of directions left out one by one, by interpolation of all others; 0: not computed
+  /// The same at directions left out one by one, by interpolation of all others; 0: not computed.
+  double left_out_error = 0;
   /// Largest sum of the sizes of the terms over the largest force: digits lost are its decimal logarithm.
   double cancellation = 0;
 };
@@ -40,7 +41,7 @@ std::vector<double> force_shape_candidates();
 inline constexpr double largest_cancellation = 1e3;
 
 /// Centers are states chosen one by one by orthogonal least squares: the next is the one whose three columns explain
-/// most of what is left of all forces (Chen, Cowan & Grant 1991, doi 10.1109/72.80341). Coefficients are rounded to
+/// most of what is left of all forces, small ones counted more (Chen, Cowan & Grant 1991, doi 10.1109/72.80341). Coefficients are rounded to
 /// float32. Cost: about 5 (3 n)^2 m flops for n states and m centers, and a third of (3 n)^3 for each shape tried.
 /// @param max_displacement_m  R
 /// @pre at least one state, all values finite

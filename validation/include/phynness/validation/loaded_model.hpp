@@ -12,8 +12,8 @@ namespace phynness {
 
 struct ModelResponse {
   std::vector<std::optional<Vec3>> force_N;  ///< per tool; empty where the method defines none
-  std::optional<double> energy_J;            ///< work of the force along the straight path from rest
-  Points displacement_m;                     ///< n_output x 3
+  std::optional<double> energy_J;  ///< stored; family rbfn has none: work of the force along the straight path from rest
+  Points displacement_m;                     ///< n_output x 3; empty if the model has forces only
   int status = PHN_OK;                       ///< phn_* status, warnings only
 };
 
@@ -22,6 +22,8 @@ class LoadedModel {
  public:
   /// @throws Error if the directory, its files or their match is unsound
   explicit LoadedModel(const std::filesystem::path& dir, std::int32_t max_tools = 16);
+  /// The same of a model that need not be in files; `name` is for messages.
+  LoadedModel(ModelDir dir, const std::string& name, std::int32_t max_tools = 16);
 
   const Model& model() const { return _dir.model; }
   const Mesh& mesh() const { return _dir.mesh; }

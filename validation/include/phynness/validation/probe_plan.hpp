@@ -20,8 +20,9 @@ struct NodePlan {
 };
 
 /// `probes` in all, split evenly over inside and outside and over the nodes. Directions without trained depth
-/// are drawn again. @throws Error if fewer than 1 probe is asked for
+/// are drawn again. @param nodes  how many are probed; 0: a twentieth of the probes, at least ten
+/// @throws Error if fewer than 1 probe is asked for
 std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions directions, std::int64_t probes,
-                                  std::uint64_t seed);
+                                  std::uint64_t seed, std::int64_t nodes = 0);
 
 }  // namespace phynness

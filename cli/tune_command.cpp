@@ -1,0 +1,208 @@
+#include <fmt/core.h>
+
+#include <charconv>
+#include <cstdio>
+#include <map>
+#include <phynness/formats/error.hpp>
+#include <phynness/precompute/precompute.hpp>
+#include <phynness/precompute/probe_solver.hpp>
+#include <phynness/tuning/tuning.hpp>
+
+#include "commands.hpp"
+#include "console.hpp"
+
+namespace phynness::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path scene, database, output;
+  std::optional<std::filesystem::path> json_file, plot_file;
+  std::optional<std::string> max_error, max_time, max_size;
+  std::int64_t probes = 400;
+  std::int64_t seed = 2;  // other probes than those of phynness validate, which is to judge the choice
+};
+
+using Units = std::map<std::string, double>;
+
+/// "2%" with units {{"%", 0.01}, {"", 1}} is 0.02.
+std::optional<double> limit(const std::optional<std::string>& text, const char* option, const Units& units,
+                            const char* example) {
+  if (!text) return std::nullopt;
+  double value = 0;
+  const auto [end, code] = std::from_chars(text->data(), text->data() + text->size(), value);
+  const auto unit = units.find(std::string(end, text->data() + text->size()));
+  if (code != std::errc{} || unit == units.end() || !(value > 0))
+    throw input_error("a limit is a positive number and its unit", fmt::format("{} {}", option, *text),
+                      fmt::format("{} {}", option, example));
+  return value * unit->second;
+}
+
+void print_table(const TuningReport& report, const std::optional<std::size_t>& chosen) {
+  fmt::print("{:<40} {:>15} {:>15} {:>15} {:>9} {:>9} {:>9}\n", "", "force inside", "displ. inside", "displ. beyond",
+             "force", "deform.", "memory");
+  fmt::print("{:<40} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n", "model, errors of eq. (17) in %", "mean",
+             "p95", "mean", "p95", "mean", "p95", "us", "us", "MB");
+  const auto errors = [](const PredictorErrors& e) {
+    fmt::print(" {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f}", 100 * e.inside.force.mean,
+               100 * e.inside.force.p95, 100 * e.inside.displacement.mean, 100 * e.inside.displacement.p95,
+               100 * e.outside.displacement.mean, 100 * e.outside.displacement.p95);
+  };
+  for (std::size_t i = 0; i < report.models.size(); ++i) {
+    const auto& m = report.models[i];
+    fmt::print("{} {:<38}", chosen == i ? '>' : m.on_front ? '*' : ' ', m.candidate.name);
+    errors(m.errors);
+    fmt::print(" {:9.2f} {:9.1f} {:9.2f}\n", m.speed.force_us, m.speed.deformation_us, m.memory_bytes / 1e6);
+  }
+  fmt::print("  {:<38}", "(linear predictor)");
+  errors(report.linear);
+  fmt::print("\n> chosen; * none is better in error, time and memory\n");
+}
+
+/// Two panels, error against time and against memory, by gnuplot.
+void plot(const std::filesystem::path& file, const TuningReport& report, const std::string& title,
+          const std::optional<std::size_t>& chosen) {
+  std::string families[3], front, best;
+  for (std::size_t i = 0; i < report.models.size(); ++i) {
+    const auto& m = report.models[i];
+    const auto row = fmt::format("{} {} {}\n", m.speed.deformation_us, m.memory_bytes / 1e6, 100 * m.error());
+    families[static_cast<std::size_t>(m.candidate.spec.family)] += row;
+    if (m.on_front) front += row;
+    if (chosen == i) best += row;
+  }
+  const bool png = file.extension() == ".png";
+  std::string script = fmt::format("set terminal {} size 1000,460 background '#ffffff' font 'sans,{}'\n",
+                                   png ? "pngcairo" : "svg", png ? 10 : 13);
+  script += fmt::format("set output '{}'\nset multiplot layout 1,2 title \"{}\"\n", file.string(), title);
+  script += "set logscale xy\nset grid\nset key top right\nset ylabel 'larger mean error of force and displacement, %'\n";
+  const auto block = [&](const char* label, const std::string& rows) {
+    script += fmt::format("${} << END\n{}END\n", label, rows);
+  };
+  std::string series;
+  for (const auto family : {Family::rbfn, Family::modal, Family::linear}) {
+    const auto& rows = families[static_cast<std::size_t>(family)];
+    if (rows.empty()) continue;
+    block(name(family), rows);
+    series += fmt::format("{}${} using COLUMN:3 with points pt 7 ps 0.8 title '{}'", series.empty() ? "" : ", ",
+                          name(family), name(family));
+  }
+  block("front", front);
+  series += ", $front using COLUMN:3 with points pt 6 ps 1.5 lc 'black' title 'on the front'";
+  if (!best.empty()) {
+    block("best", best);
+    series += ", $best using COLUMN:3 with points pt 3 ps 1.5 lc 'red' title 'chosen'";
+  }
+  for (const auto& [column, label] : {std::pair{"1", "one deformation, us"}, std::pair{"2", "memory, MB"}}) {
+    auto panel = series;
+    for (auto at = panel.find("COLUMN"); at != std::string::npos; at = panel.find("COLUMN")) panel.replace(at, 6, column);
+    script += fmt::format("set xlabel '{}'\nplot {}\n", label, panel);
+  }
+  std::FILE* gnuplot = popen("gnuplot", "w");
+  const bool written = gnuplot && std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
+  if (!gnuplot || pclose(gnuplot) != 0 || !written)
+    throw failure("the plot was not drawn", file.string(), "install gnuplot-nox, or leave --plot out");
+  fmt::print("plot: {}\n", file.string());
+}
+
+json to_json(const ErrorStatistics& s) { return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}}; }
+json to_json(const GroupErrors& e) {
+  return {{"force", to_json(e.force)}, {"displacement", to_json(e.displacement)}, {"field_l2", to_json(e.field_l2)}};
+}
+
+void run(const Options& options) {
+  TuningLimits limits;
+  limits.error = limit(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "2%");
+  limits.deformation_us = limit(options.max_time, "--max-time", {{"us", 1}, {"ms", 1e3}, {"s", 1e6}}, "20us");
+  limits.memory_bytes = limit(options.max_size, "--max-size", {{"B", 1}, {"kB", 1e3}, {"MB", 1e6}}, "1MB");
+  if (options.plot_file && options.plot_file->extension() != ".svg" && options.plot_file->extension() != ".png")
+    throw input_error("a plot is .svg or .png", options.plot_file->string(), "--plot trade.svg");
+  for (const auto& file : {options.json_file, options.plot_file})
+    if (file) refuse_overwriting(*file, {options.scene, options.database});
+  install_stop_handler();
+  const SolverSession session;
+  if (session.size() > 1)
+    throw input_error("tune runs as one process", fmt::format("{} ranks", session.size()), "start it without mpirun");
+  const Scene scene = read_scene(options.scene);
+  const auto database = Database::open(options.database);
+  if (physics_hash(scene) != database.header().physics_hash)
+    throw input_error("the database was made from another scene",
+                      "physics " + database.header().physics_hash + ", this scene's " + physics_hash(scene),
+                      "tune with the scene it was made from (phynness info prints it), or precompute again");
+  check_mesh(scene, database.header().mesh_hash, options.database.string());
+
+  TuningReport report;
+  {
+    std::optional<Progress> progress;
+    std::string doing;
+    report = tune(session, scene, database, tuning_candidates(scene), options.probes,
+                  static_cast<std::uint64_t>(options.seed),
+                  [&](const std::string& what, std::int64_t done, std::int64_t total) {
+                    if (what != doing) progress.emplace(doing = what, what == "solve probes" ? "rays" : "nodes");
+                    progress->update(done, total);
+                    return !stop_requested();
+                  });
+  }
+  const auto choice = choose_model(report.models, limits);
+  fmt::print("{}, {}, K/mu = {:.4g}, R = {:.4g} mm: {} probes at {} nodes, {} failed; {}\n", scene.title,
+             name(scene.solver.element), scene.material.bulk_to_shear(), 1e3 * scene.probe.max_displacement_m,
+             report.probes, report.nodes.size(), report.failed, duration(report.seconds));
+  print_table(report, choice.chosen);
+
+  json models = json::array();
+  for (const auto& m : report.models) {
+    const auto& spec = m.candidate.spec;
+    json entry{{"name", m.candidate.name},
+               {"family", name(spec.family)},
+               {"inside", to_json(m.errors.inside)},
+               {"outside", to_json(m.errors.outside)},
+               {"force_us", m.speed.force_us},
+               {"deformation_us", m.speed.deformation_us},
+               {"memory_bytes", m.memory_bytes},
+               {"model_text_bytes", m.text_bytes},
+               {"training_s", m.training_s},
+               {"on_front", m.on_front}};
+    if (spec.family == Family::modal)
+      entry["training"] = {{"modes", spec.modes},
+                           {"shared_modes", spec.shared_modes},
+                           {"near_nodes", spec.near_nodes},
+                           {"amplitude_centers", spec.amplitude_centers},
+                           {"force_centers", spec.force_centers}};
+    if (spec.family == Family::rbfn)
+      entry["training"] = {{"deformation_neurons", spec.deformation_neurons}, {"force_neurons", spec.force_neurons}};
+    models.push_back(entry);
+  }
+  json out{{"models", models}, {"chosen", nullptr}, {"missed", choice.missed}, {"probes", report.probes},
+           {"failed", report.failed}, {"nodes", report.nodes},
+           {"linear", {{"inside", to_json(report.linear.inside)}, {"outside", to_json(report.linear.outside)}}}};
+  if (choice.chosen) out["chosen"] = report.models[*choice.chosen].candidate.name;
+  write_json(options.json_file, out);
+  if (options.plot_file) plot(*options.plot_file, report, scene.title, choice.chosen);
+  if (!choice.chosen)
+    throw failure("no model meets the limits", choice.missed, "allow more, or probe in more directions; nothing was written");
+  write_model_dir(options.output, report.models[*choice.chosen].model, database.header().mesh);
+  fmt::print("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
+}
+
+}  // namespace
+
+void add_tune_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand(
+      "tune", "Trains families and sizes, measures error, time and memory, writes the model that meets the limits");
+  command->add_option("SCENE", options->scene, "the scene the database was made from")->required();
+  command->add_option("DATABASE", options->database, "database.h5 of phynness precompute")->required();
+  command->add_option("-o,--output", options->output, "model directory to write")->required();
+  command->add_option("--max-error", options->max_error,
+                      "mean error (17) of force and displacement inside the trained range, such as 2%");
+  command->add_option("--max-time", options->max_time,
+                      "time of one deformation of all output nodes on this machine, such as 20us");
+  command->add_option("--max-size", options->max_size, "memory of the model in the runtime, such as 1MB");
+  command->add_option("--probes", options->probes, "fresh solves that all models are measured on")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "of those")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_option("--plot", options->plot_file, "draw error against time and memory (.svg or .png; needs gnuplot)");
+  command->add_option("--json", options->json_file, "write the figures for machines");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace phynness::cli

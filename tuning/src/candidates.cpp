@@ -1,0 +1,51 @@
+#include <phynness/tuning/tuning.hpp>
+
+namespace phynness {
+namespace {
+
+struct ModalSize {
+  int modes, shared_modes, near_nodes, amplitude_centers, force_centers;
+};
+
+// Each about 1.6 times as large as the one before; in each, none of the parts dominates the error of a liver's model.
+constexpr ModalSize modal_sizes[] = {
+    {3, 12, 8, 20, 20},     {4, 24, 16, 26, 24},    {4, 40, 20, 30, 30},    {6, 40, 20, 52, 40},
+    {8, 64, 24, 52, 60},    {12, 64, 24, 80, 80},   {16, 64, 40, 80, 80},   {20, 96, 60, 104, 100},
+    {24, 120, 80, 156, 156}};
+
+// The paper's sizes, and half and twice as many.
+constexpr int neurons[] = {25, 50, 100, 200, 300, 400};
+
+}  // namespace
+
+std::vector<Candidate> tuning_candidates(const Scene& scene) {
+  std::vector<Candidate> candidates;
+  if (scene.material.law == Law::linear) {
+    TrainingSpec spec = scene.training;
+    spec.family = Family::linear;
+    candidates.push_back({"linear", spec});
+  }
+  for (const auto& size : modal_sizes) {
+    TrainingSpec spec = scene.training;
+    spec.family = Family::modal;
+    spec.modes = size.modes;
+    spec.shared_modes = size.shared_modes;
+    spec.near_nodes = size.near_nodes;
+    spec.amplitude_centers = size.amplitude_centers;
+    spec.force_centers = size.force_centers;
+    candidates.push_back({"modal " + std::to_string(size.modes) + " of " + std::to_string(size.shared_modes) +
+                              " modes, " + std::to_string(size.force_centers) + " centers",
+                          spec});
+  }
+  for (const int n : neurons) {
+    TrainingSpec spec = scene.training;
+    spec.family = Family::rbfn;
+    spec.deformation_neurons = n;
+    spec.force_neurons = std::min(n, 100);
+    candidates.push_back(
+        {"rbfn " + std::to_string(n) + " neurons, " + std::to_string(spec.force_neurons) + " for force", spec});
+  }
+  return candidates;
+}
+
+}  // namespace phynness

@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <limits>
+#include <phynness/tuning/tuning.hpp>
+
+namespace phynness {
+namespace {
+
+using Costs = std::array<double, 3>;
+
+Costs costs(const MeasuredModel& m) { return {m.error(), m.speed.deformation_us, m.memory_bytes}; }
+
+std::string text(int what, double value) {
+  char buffer[64];
+  if (what == 0)
+    std::snprintf(buffer, sizeof buffer, "%.3g %%", 100 * value);
+  else if (what == 1)
+    std::snprintf(buffer, sizeof buffer, "%.3g us", value);
+  else
+    std::snprintf(buffer, sizeof buffer, "%.3g MB", value / 1e6);
+  return buffer;
+}
+
+constexpr std::array<const char*, 3> what_of{"mean error", "time of a deformation", "memory"};
+
+std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs& limit) {
+  std::string said;
+  for (int k = 0; k < 3; ++k) {
+    const auto best = std::min_element(models.begin(), models.end(), [&](const auto& a, const auto& b) {
+      return costs(a)[static_cast<std::size_t>(k)] < costs(b)[static_cast<std::size_t>(k)];
+    });
+    const double least = costs(*best)[static_cast<std::size_t>(k)], allowed = limit[static_cast<std::size_t>(k)];
+    if (least <= allowed) continue;
+    char times[32];
+    std::snprintf(times, sizeof times, "%.3g", least / allowed);
+    if (!said.empty()) said.append("; ");
+    said.append(what_of[static_cast<std::size_t>(k)]).append(": the least is ").append(text(k, least));
+    said.append(" (").append(best->candidate.name).append("), ").append(times);
+    said.append(" times the limit of ").append(text(k, allowed));
+  }
+  if (!said.empty()) return said;
+  // Each alone can be met: the model that misses by the smallest factor tells the price.
+  const auto worst = [&](const MeasuredModel& m) {
+    double ratio = 0;
+    for (std::size_t k = 0; k < 3; ++k) ratio = std::max(ratio, costs(m)[k] / limit[k]);
+    return ratio;
+  };
+  const auto nearest = std::min_element(models.begin(), models.end(),
+                                        [&](const auto& a, const auto& b) { return worst(a) < worst(b); });
+  said.append("each limit can be met, but not all of them at once; the nearest is ");
+  said.append(nearest->candidate.name).append(":");
+  for (int k = 0; k < 3; ++k)
+    if (const double cost = costs(*nearest)[static_cast<std::size_t>(k)]; cost > limit[static_cast<std::size_t>(k)]) {
+      said.append(" ").append(what_of[static_cast<std::size_t>(k)]).append(" ").append(text(k, cost));
+      said.append(", limit ").append(text(k, limit[static_cast<std::size_t>(k)])).append(";");
+    }
+  said.pop_back();
+  return said;
+}
+
+}  // namespace
+
+void mark_front(std::vector<MeasuredModel>& models) {
+  for (auto& m : models) {
+    m.on_front = std::none_of(models.begin(), models.end(), [&](const MeasuredModel& other) {
+      const auto a = costs(other), b = costs(m);
+      bool as_good = true, better = false;
+      for (std::size_t k = 0; k < 3; ++k) {
+        as_good = as_good && a[k] <= b[k];
+        better = better || a[k] < b[k];
+      }
+      return as_good && better;
+    });
+  }
+}
+
+TuningChoice choose_model(const std::vector<MeasuredModel>& models, const TuningLimits& limits) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  const Costs limit{limits.error.value_or(none), limits.deformation_us.value_or(none),
+                    limits.memory_bytes.value_or(none)};
+  TuningChoice choice;
+  const auto key = [&](const MeasuredModel& m) {
+    const auto c = costs(m);
+    return limits.error ? std::array<double, 2>{c[1], c[2]} : std::array<double, 2>{c[0], c[1]};
+  };
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    const auto c = costs(models[i]);
+    if (!(c[0] <= limit[0] && c[1] <= limit[1] && c[2] <= limit[2])) continue;
+    if (!choice.chosen || key(models[i]) < key(models[*choice.chosen])) choice.chosen = i;
+  }
+  if (!choice.chosen) choice.missed = describe_miss(models, limit);
+  return choice;
+}
+
+}  // namespace phynness

@@ -1,0 +1,68 @@
+#include <chrono>
+#include <phynness/formats/error.hpp>
+#include <phynness/precompute/precompute.hpp>
+#include <phynness/precompute/probe_solver.hpp>
+#include <phynness/training/training.hpp>
+#include <phynness/tuning/tuning.hpp>
+#include <phynness/validation/probed_states.hpp>
+
+namespace phynness {
+namespace {
+
+/// Few nodes and many probes each: (17) divides by the largest force of a node's probes, which few probes do not tell.
+constexpr std::int64_t probed_nodes = 10;
+
+LoadedModel loaded(const Model& model, const Mesh& mesh, const std::string& name) {
+  ModelDir dir;
+  dir.model_text = write_model_text(model);
+  dir.mesh_text = write_mesh_text(mesh);
+  dir.model = model;
+  dir.mesh = mesh;
+  return LoadedModel(std::move(dir), name);
+}
+
+}  // namespace
+
+TuningReport tune(const SolverSession& session, const Scene& scene, const Database& database,
+                  const std::vector<Candidate>& candidates, std::int64_t probes, std::uint64_t seed,
+                  const TuningProgress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto& mesh = database.header().mesh;
+  TuningReport report;
+  report.probes = probes;
+  std::vector<NodeProbes> solved;
+  for (const auto& candidate : candidates) {
+    MeasuredModel measured;
+    measured.candidate = candidate;
+    TrainingReport training;
+    measured.model = train(database, candidate.spec, training, [&](std::int64_t done, std::int64_t total) {
+      return !progress || progress("train " + candidate.name, done, total);
+    });
+    measured.model.title = scene.title;
+    measured.training_s = training.seconds;
+    const auto model = loaded(measured.model, mesh, candidate.name);
+    if (solved.empty()) {
+      const auto plan = plan_probes(model, scene.probe.directions, probes, seed, probed_nodes);
+      bool going = true;
+      solve_probes(
+          session, scene, model, plan,
+          [&](std::int64_t done, std::int64_t total) { going = !progress || progress("solve probes", done, total); },
+          [&] { return !going; }, [&](std::size_t, NodeProbes&& found) {
+            report.nodes.push_back(found.node);
+            report.failed += found.failed;
+            solved.push_back(std::move(found));
+          });
+      report.linear = linear_errors(model, solved);
+    }
+    measured.errors = model_errors(model, solved);
+    measured.speed = measure_speed(model);
+    measured.memory_bytes = static_cast<double>(model.memory_bytes());
+    measured.text_bytes = static_cast<double>(model.text_bytes());
+    report.models.push_back(std::move(measured));
+  }
+  mark_front(report.models);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+}  // namespace phynness

@@ -1,0 +1,37 @@
+// Fresh solves that models are measured on.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <phynness/validation/probe_plan.hpp>
+#include <phynness/validation/validation.hpp>
+#include <vector>
+
+namespace phynness {
+
+/// One solved probe, and the linear predictor's word on it, at the output nodes of the model.
+struct ProbedState {
+  Vec3 d{}, force_FE{}, force_linear{};
+  Points u_FE, u_linear;
+};
+
+struct NodeProbes {
+  std::int32_t node = 0;
+  std::vector<char> counts;  ///< per output node: 0 where the tool moves it itself
+  std::array<std::vector<ProbedState>, 2> states;  ///< inside and beyond the trained range
+  std::int64_t failed = 0, increments = 0;
+};
+
+/// Solves this rank's share of the plan; `take` gets each entry of it with its position.
+/// @throws Error (failure) if `stop` says so
+void solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+                  const std::vector<NodePlan>& plan,
+                  const std::function<void(std::int64_t, std::int64_t)>& progress,
+                  const std::function<bool()>& stop, const std::function<void(std::size_t, NodeProbes&&)>& take);
+
+/// The model's own errors on those probes.
+PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes);
+/// Those of the linear predictor; any model that was trained for the scene will do.
+PredictorErrors linear_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes);
+
+}  // namespace phynness
