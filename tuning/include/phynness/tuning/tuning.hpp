@@ -1,6 +1,7 @@
 // Which model a scene needs: families and sizes trained on one database and measured on the same fresh solves.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <phynness/formats/database.hpp>
@@ -35,9 +36,9 @@ void mark_front(std::vector<MeasuredModel>& models);
 
 /// Largest allowed; absent: no limit.
 struct TuningLimits {
-  std::optional<double> error;           ///< of MeasuredModel::error(), a fraction
-  std::optional<double> deformation_us;  ///< one deformation of all output nodes
-  std::optional<double> memory_bytes;    ///< of the model in the runtime
+  std::optional<double> error = {};           ///< of MeasuredModel::error(), a fraction
+  std::optional<double> deformation_us = {};  ///< one deformation of all output nodes
+  std::optional<double> memory_bytes = {};    ///< of the model in the runtime
 };
 
 struct TuningChoice {

@@ -1,0 +1,88 @@
+// Claim: family modal goes through the pipeline, beats the paper's networks and the linear predictor on the same probes,
+// and tune writes the model that meets the limits or says why none does.
+#include "command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+class Families : public CommandLine {
+ protected:
+  void SetUp() override {
+    CommandLine::SetUp();
+    write_file(folder / "scene.toml", small_scene("P1", 3));
+    ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+  }
+};
+
+TEST_F(Families, ModalIsCloserToTheFiniteElementsThanAnyOther) {
+  for (const std::string family : {"modal", "rbfn"}) {
+    const auto trained = phynness("train scene.toml d.h5 -o " + family + " --family " + family);
+    ASSERT_EQ(trained.exit_status, 0) << trained.err;
+    ASSERT_EQ(phynness("validate scene.toml " + family + " --probes 80 --json " + family + ".json").exit_status, 0);
+  }
+  const auto modal = json("modal.json"), rbfn = json("rbfn.json");
+  for (const char* group : {"inside", "outside"})
+    for (const char* what : {"force", "displacement"}) {
+      const auto mean = [&](const nlohmann::json& of) { return of.at(group).at(what).at("mean").get<double>(); };
+      EXPECT_LT(mean(modal), mean(rbfn)) << group << " " << what;
+      EXPECT_LT(mean(modal), 0.5 * mean(modal.at("linear"))) << group << " " << what;
+    }
+}
+
+TEST_F(Families, EnergyIsTheWorkOfTheForce) {
+  ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal").exit_status, 0);
+  ASSERT_EQ(phynness("info m --json info.json").exit_status, 0);
+  const auto node = json("info.json").at("active").at(0).dump();
+  ASSERT_EQ(phynness("eval m --node " + node + " --displacement 0.002,0,-0.005 --json e.json").exit_status, 0);
+  ASSERT_EQ(phynness("solve d.h5 --node " + node + " --displacement 0.002,0,-0.005 --json s.json").exit_status, 0);
+  const double model = json("e.json").at("energy"), solved = json("s.json").at("energy");
+  // Trained on forces alone: its energy is the integral of forces that are right to about a percent.
+  EXPECT_NEAR(model, solved, 0.02 * solved);
+}
+
+TEST_F(Families, ModelsOfForcesAloneSayThatTheyHaveNoDeformation) {
+  ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal --modes 0").exit_status, 0);
+  ASSERT_EQ(phynness("info m --json info.json").exit_status, 0);
+  const auto tool = " --node " + json("info.json").at("active").at(0).dump() + " --displacement 0,0,-0.005";
+  const auto eval = phynness("eval m" + tool + " --json e.json");
+  ASSERT_EQ(eval.exit_status, 0) << eval.err;
+  EXPECT_TRUE(json("e.json").at("max_displacement").is_null());
+  EXPECT_LT(json("e.json").at("tools").at(0).at("force").at(2).get<double>(), 0);
+  const auto refused = phynness("eval m" + tool + " --deformation u.csv");
+  EXPECT_EQ(refused.exit_status, 2);
+  EXPECT_NE(refused.err.find("forces only"), std::string::npos) << refused.err;
+  const auto validated = phynness("validate scene.toml m --probes 8 --json v.json");
+  ASSERT_EQ(validated.exit_status, 0) << validated.err;
+  EXPECT_TRUE(json("v.json").at("inside").at("displacement").at("mean").is_null());
+  EXPECT_GT(json("v.json").at("inside").at("force").at("n").get<int>(), 0);
+}
+
+TEST_F(Families, TuneMeetsTheLimitsOrSaysWhy) {
+  const auto tuned = phynness("tune scene.toml d.h5 -o m --max-error 5% --max-size 1MB --probes 40 --json t.json");
+  ASSERT_EQ(tuned.exit_status, 0) << tuned.err;
+  const auto report = json("t.json");
+  const auto chosen = report.at("chosen").get<std::string>();
+  bool found = false;
+  for (const auto& model : report.at("models")) {
+    EXPECT_GT(model.at("deformation_us").get<double>(), 0);
+    if (model.at("name") != chosen) continue;
+    found = true;
+    EXPECT_LE(model.at("inside").at("force").at("mean").get<double>(), 0.05);
+    EXPECT_LE(model.at("inside").at("displacement").at("mean").get<double>(), 0.05);
+    EXPECT_LE(model.at("memory_bytes").get<double>(), 1e6);
+    ASSERT_EQ(phynness("info m --json info.json").exit_status, 0);
+    EXPECT_EQ(json("info.json").at("memory_bytes"), model.at("memory_bytes"));
+    EXPECT_EQ(json("info.json").at("family"), model.at("family"));
+  }
+  EXPECT_TRUE(found);
+
+  const auto missed = phynness("tune scene.toml d.h5 -o n --max-size 1kB --probes 4");
+  EXPECT_EQ(missed.exit_status, 1);
+  EXPECT_NE(missed.err.find("memory: the least is"), std::string::npos) << missed.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "n"));
+  for (const std::string wrong : {"--max-error -1%", "--max-error much", "--max-time 20", "--max-size 1GiB"})
+    EXPECT_EQ(phynness("tune scene.toml d.h5 -o n --probes 4 " + wrong).exit_status, 2) << wrong;
+}
+
+}  // namespace
+}  // namespace phynness::test

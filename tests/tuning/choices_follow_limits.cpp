@@ -1,0 +1,84 @@
+// Claim: the front holds exactly the models that none beats in everything, and the choice is the cheapest within the
+// limits, or says which limit is missed and by how much.
+#include <gtest/gtest.h>
+
+#include <phynness/tuning/tuning.hpp>
+
+namespace phynness {
+namespace {
+
+MeasuredModel measured(const std::string& name, double error, double us, double megabytes) {
+  MeasuredModel m;
+  m.candidate.name = name;
+  m.errors.inside.force.mean = error / 2;
+  m.errors.inside.displacement.mean = error;
+  m.speed.deformation_us = us;
+  m.memory_bytes = 1e6 * megabytes;
+  return m;
+}
+
+std::vector<MeasuredModel> some() {
+  return {measured("small", 0.05, 1, 0.5), measured("middle", 0.02, 3, 1), measured("large", 0.005, 9, 4),
+          measured("slow", 0.02, 300, 6), measured("compact", 0.04, 5, 0.3)};
+}
+
+TEST(Front, HoldsWhatNoneBeats) {
+  auto models = some();
+  models.push_back(measured("twin", 0.02, 3, 1));  // as good as "middle" in everything: both stay
+  mark_front(models);
+  std::string front;
+  for (const auto& m : models)
+    if (m.on_front) front += m.candidate.name + " ";
+  EXPECT_EQ(front, "small middle large compact twin ");
+}
+
+TEST(Choice, IsTheFastestWithinTheError) {
+  const auto models = some();
+  EXPECT_EQ(choose_model(models, {.error = 0.05}).chosen, 0u);
+  EXPECT_EQ(choose_model(models, {.error = 0.03}).chosen, 1u);
+  EXPECT_EQ(choose_model(models, {.error = 0.045, .memory_bytes = 0.4e6}).chosen, 4u);
+  EXPECT_EQ(choose_model(models, {.error = 0.01}).chosen, 2u);
+}
+
+TEST(Choice, IsTheMostAccurateWithoutALimitOfTheError) {
+  const auto models = some();
+  EXPECT_EQ(choose_model(models, {}).chosen, 2u);
+  EXPECT_EQ(choose_model(models, {.deformation_us = 4}).chosen, 1u);
+  EXPECT_EQ(choose_model(models, {.memory_bytes = 0.6e6}).chosen, 4u);
+}
+
+TEST(Choice, CountsTheWorseOfForceAndDisplacement) {
+  auto models = some();
+  models[0].errors.inside.force.mean = 0.5;
+  EXPECT_EQ(choose_model(models, {.error = 0.05}).chosen, 1u);
+}
+
+TEST(Choice, SaysWhichLimitIsMissed) {
+  const auto one = choose_model(some(), {.error = 0.001});
+  EXPECT_FALSE(one.chosen);
+  EXPECT_EQ(one.missed, "mean error: the least is 0.5 % (large), 5 times the limit of 0.1 %");
+  const auto two = choose_model(some(), {.error = 0.001, .deformation_us = 0.5});
+  EXPECT_NE(two.missed.find("mean error: the least is 0.5 %"), std::string::npos) << two.missed;
+  EXPECT_NE(two.missed.find("time of a deformation: the least is 1 us (small), 2 times"), std::string::npos) << two.missed;
+  const auto together = choose_model(some(), {.error = 0.01, .deformation_us = 2});
+  EXPECT_FALSE(together.chosen);
+  EXPECT_NE(together.missed.find("not all of them at once; the nearest is middle: mean error 2 %, limit 1 %; time"),
+            std::string::npos)
+      << together.missed;
+}
+
+TEST(Candidates, AreAllowedByTheLaw) {
+  Scene scene;
+  scene.material.law = Law::neo_hookean;
+  bool modal = false;
+  for (const auto& c : tuning_candidates(scene)) {
+    EXPECT_NE(c.spec.family, Family::linear) << c.name;
+    modal = modal || c.spec.family == Family::modal;
+  }
+  EXPECT_TRUE(modal);
+  scene.material.law = Law::linear;
+  EXPECT_EQ(tuning_candidates(scene).front().spec.family, Family::linear);
+}
+
+}  // namespace
+}  // namespace phynness
