@@ -129,8 +129,39 @@ void prescribed(TextReader& in, Arena& arena, std::int32_t n_nodes, const phn_mo
   node.prescribed_weight = weights.get();
 }
 
+/// The depths of the node before, which most nodes have, too: stored once.
+struct Depths {
+  TextReader text;  ///< where they begin
+  const double* values;
+  bool known;
+};
+
+bool same_depths(TextReader a, TextReader b, std::int32_t n) {
+  for (std::int32_t i = 0; i < n; ++i) {
+    if (a.real() != b.real()) return false;
+    a.end_line();
+    b.end_line();
+    if (!a.good() || !b.good()) return false;
+  }
+  return true;
+}
+
+void trained_depths(TextReader& in, Arena& arena, std::int32_t n, Depths& depths) {
+  const bool same = depths.known && same_depths(in, depths.text, n);
+  depths.text = in;
+  Column<double> depth(arena, same ? 0 : n);
+  for (std::int32_t i = 0; i < n && in.good(); ++i) {
+    const double value = in.real();
+    if (!(value >= 0)) in.fail(PHN_ERROR_RANGE);
+    if (!same) depth.set(i, value);
+    in.end_line();
+  }
+  if (!same) depths.values = depth.get();
+  depths.known = true;
+}
+
 void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& model, std::int32_t number,
-                 ActiveNode& node) {
+                 Depths& depths, ActiveNode& node) {
   real_line(in, "point", node.point, 3, false);
   node.output = model.output_nodes ? find_sorted(model.output_nodes, model.n_output, number) : -1;
   prescribed(in, arena, model.n_nodes, model, node);
@@ -139,14 +170,8 @@ void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& 
   in.end_line();
   in.keyword("trained_depth");
   in.end_line();
-  Column<double> depth(arena, model.n_directions);
-  for (std::int32_t i = 0; i < model.n_directions && in.good(); ++i) {
-    const double value = in.real();
-    if (!(value >= 0)) in.fail(PHN_ERROR_RANGE);
-    depth.set(i, value);
-    in.end_line();
-  }
-  node.trained_depth = depth.get();
+  trained_depths(in, arena, model.n_directions, depths);
+  node.trained_depth = depths.values;
   switch (model.family) {
     case Family::rbfn:
       node.networks = networks(in, arena, tables, model.n_output, model.n_scratch);
@@ -254,6 +279,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   model.n_active = count_line(in, "active", 0);
   Column<std::int32_t> active_nodes(arena, model.n_active);
   Column<ActiveNode> active(arena, model.n_active);
+  Depths depths{in, nullptr, false};
   previous = -1;
   for (std::int32_t i = 0; i < model.n_active && in.good(); ++i) {
     in.keyword("node");
@@ -261,7 +287,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
     in.end_line();
     active_nodes.set(i, number);
     ActiveNode node = {};
-    active_node(in, arena, tables, model, number, node);
+    active_node(in, arena, tables, model, number, depths, node);
     active.set(i, node);
     if (arena.overflow()) return PHN_ERROR_BUFFER;
   }
