@@ -14,13 +14,14 @@ struct Options {
   std::filesystem::path scene, model;
   std::optional<std::int64_t> probes;
   std::optional<std::int64_t> seed;
+  std::int64_t nodes = 0;
   std::optional<std::filesystem::path> json_file;
 };
 
 /// Without samples there is no error, not an error of zero.
 json to_json(const ErrorStatistics& s) {
-  if (s.n == 0) return {{"mean", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}};
-  return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
+  if (s.n == 0) return {{"mean", nullptr}, {"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}};
+  return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
 }
 
 json to_json(const GroupErrors& e) {
@@ -96,12 +97,16 @@ void run(const Options& options) {
     Progress progress("validate", "rays");
     report = validate(
         session, scene, model, options.probes.value_or(scene.validation.probes), seed,
-        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
+        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested,
+        options.nodes);
   }
   if (session.rank() != 0) return;
   const double K_mu = scene.material.bulk_to_shear();
   std::string nodes;
-  for (const auto node : report.nodes) nodes += (nodes.empty() ? "" : " ") + std::to_string(node);
+  constexpr std::size_t most_named = 20;
+  for (std::size_t i = 0; i < std::min(most_named, report.nodes.size()); ++i)
+    nodes += (nodes.empty() ? "" : " ") + std::to_string(report.nodes[i]);
+  if (report.nodes.size() > most_named) nodes += " ...";
   fmt::print("{} ({}), {}, K/mu = {:.4g}{}, {} probes, R = {:.4g} mm\n",
              scene.title.empty() ? "scene" : scene.title, name(scene.material.law),
              name(scene.solver.element), K_mu,
@@ -110,6 +115,9 @@ void run(const Options& options) {
   fmt::print("{} probes at {} nodes ({} beside the fixed ones: {}); {} failed\n", report.probes,
              report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
   print_table(report);
+  const auto& inside = report.of(Predictor::model).inside;
+  fmt::print("median inside: force{} %, displacement{} %\n", percent(inside.force.median),
+             percent(inside.displacement.median));
   print_examples(report);
   fmt::print("runtime on this machine, one core: force {:.2f} us, deformation of {} nodes {:.1f} us\n",
              report.speed.force_us, model.model().output.size(), report.speed.deformation_us);
@@ -157,6 +165,9 @@ void add_validate_command(CLI::App& app) {
   command->add_option("SCENE", options->scene, "the scene the model was made from")->required();
   command->add_option("MODEL_DIR", options->model, "directory with model.txt and mesh.txt")->required();
   command->add_option("--probes", options->probes, "how many, inside and beyond the range together")
+      ->check(CLI::Range(1, 10'000'000));
+  command
+      ->add_option("--nodes", options->nodes, "at how many active nodes (default: a twentieth of the probes, at least 10)")
       ->check(CLI::Range(1, 10'000'000));
   command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")
       ->check(CLI::NonNegativeNumber);

@@ -214,7 +214,7 @@ PredictorErrors linear_errors(const LoadedModel& model, const std::vector<NodePr
 ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                           std::int64_t probes, std::uint64_t seed,
                           const std::function<void(std::int64_t, std::int64_t)>& progress,
-                          const std::function<bool()>& stop) {
+                          const std::function<bool()>& stop, std::int64_t nodes) {
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t cpu_start = std::clock();
   std::vector<NodePlan> plan;
@@ -223,7 +223,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   double failed = 0, solved[2] = {0, 0}, increments = 0;
   session.together([&] {
     check_same_scene(scene, model);
-    plan = plan_probes(model, scene.probe.directions, probes, seed);
+    plan = plan_probes(model, scene.probe.directions, probes, seed, nodes);
     solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
       for (const Group g : {inside, outside}) {
         collect(model, found, g, samples);

@@ -12,7 +12,7 @@ namespace phynness {
 
 /// Fractions. Empty samples give zeros and n = 0.
 struct ErrorStatistics {
-  double mean = 0, p95 = 0, max = 0;
+  double mean = 0, median = 0, p95 = 0, max = 0;
   std::int64_t n = 0;
   static ErrorStatistics of(std::vector<double> samples);
 };
@@ -71,10 +71,12 @@ class SolverSession;
 /// hemisphere scenes), magnitudes uniform; half of the probes inside the trained range, half beyond. At least
 /// ten active nodes where there are as many, two in ten of them beside the fixed nodes. Collective over the
 /// session's ranks, the result is the same for any number of them; complete on rank 0.
+/// @param nodes  active nodes probed; 0: a twentieth of the probes, at least ten. (17) divides by the largest response
+///               of a node's probes, so few probes a node make large errors of it
 /// @throws Error if the scene's physics or mesh is not the model's
 ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                           std::int64_t probes, std::uint64_t seed,
                           const std::function<void(std::int64_t, std::int64_t)>& progress = {},
-                          const std::function<bool()>& stop = {});
+                          const std::function<bool()>& stop = {}, std::int64_t nodes = 0);
 
 }  // namespace phynness
