@@ -115,8 +115,10 @@ json about_model(const std::filesystem::path& dir) {
         "responses a 3 x 3 stiffness and three unit responses each; trained to {:.4g} m, exact beyond\n",
         m.max_displacement_m);
   else if (m.family == Family::modal)
-    fmt::print("responses {} force centers and {} modes each, {} shared modes, {} amplitude centers; trained to {:.4g} m\n",
-               centers, modes, m.shared.modes.cols(), m.shared.centers.size(), m.max_displacement_m);
+    fmt::print(
+        "responses {} force centers and {} modes each, {} shared modes, {} amplitude centers; trained to "
+        "{:.4g} m\n",
+        centers, modes, m.shared.modes.cols(), m.shared.centers.size(), m.max_displacement_m);
   else
     fmt::print("networks  {} neurons for deformation, {} for force; trained to {:.4g} m\n", neurons,
                force_neurons, m.max_displacement_m);

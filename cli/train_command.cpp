@@ -34,16 +34,20 @@ void print_modal(const Model& model, const TrainingReport& report) {
     modes = std::max(modes, static_cast<std::size_t>(node.modal.weights.cols()));
   }
   const auto& q = report.modal;
-  fmt::print("{} nodes, up to {} force centers and {} modes each; {} shared modes, {} amplitude centers; {}\n",
-             report.n_networks, centers, modes, model.shared.modes.cols(), model.shared.centers.size(),
-             duration(report.seconds));
-  fmt::print("mean error, eq. (17), on the training states: force {:.3f} %; displacement {:.3f} % by truncation, "
-             "{:.3f} % by regression\n",
-             100 * q.force_training, 100 * q.truncation, 100 * q.regression);
-  fmt::print("with a direction left out: force {:.3f} %, amplitudes {:.3f} %; terms cancel by {:.0f} at most; shapes "
-             "{:.2g} to {:.2g} and {:.2g}\n",
-             100 * q.force_left_out, 100 * q.amplitude_left_out, q.worst_cancellation, q.smallest_force_shape,
-             q.largest_force_shape, q.amplitude_shape);
+  fmt::print(
+      "{} nodes, up to {} force centers and {} modes each; {} shared modes, {} amplitude centers; {}\n",
+      report.n_networks, centers, modes, model.shared.modes.cols(), model.shared.centers.size(),
+      duration(report.seconds));
+  fmt::print(
+      "mean error, eq. (17), on the training states: force {:.3f} %; displacement {:.3f} % by truncation, "
+      "{:.3f} % by regression\n",
+      100 * q.force_training, 100 * q.truncation, 100 * q.regression);
+  fmt::print(
+      "with a direction left out: force {:.3f} %, amplitudes {:.3f} %; terms cancel by {:.0f} at most; "
+      "shapes "
+      "{:.2g} to {:.2g} and {:.2g}\n",
+      100 * q.force_left_out, 100 * q.amplitude_left_out, q.worst_cancellation, q.smallest_force_shape,
+      q.largest_force_shape, q.amplitude_shape);
 }
 
 void run(const Options& options) {

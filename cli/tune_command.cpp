@@ -38,10 +38,10 @@ std::optional<double> limit(const std::optional<std::string>& text, const char* 
 }
 
 void print_table(const TuningReport& report, const std::optional<std::size_t>& chosen) {
-  fmt::print("{:<40} {:>15} {:>15} {:>15} {:>9} {:>9} {:>9}\n", "", "force inside", "displ. inside", "displ. beyond",
-             "force", "deform.", "memory");
-  fmt::print("{:<40} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n", "model, errors of eq. (17) in %", "mean",
-             "p95", "mean", "p95", "mean", "p95", "us", "us", "MB");
+  fmt::print("{:<40} {:>15} {:>15} {:>15} {:>9} {:>9} {:>9}\n", "", "force inside", "displ. inside",
+             "displ. beyond", "force", "deform.", "memory");
+  fmt::print("{:<40} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n",
+             "model, errors of eq. (17) in %", "mean", "p95", "mean", "p95", "mean", "p95", "us", "us", "MB");
   const auto errors = [](const PredictorErrors& e) {
     fmt::print(" {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f} {:7.2f}", 100 * e.inside.force.mean,
                100 * e.inside.force.p95, 100 * e.inside.displacement.mean, 100 * e.inside.displacement.p95,
@@ -73,7 +73,9 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
   std::string script = fmt::format("set terminal {} size 1000,460 background '#ffffff' font 'sans,{}'\n",
                                    png ? "pngcairo" : "svg", png ? 10 : 13);
   script += fmt::format("set output '{}'\nset multiplot layout 1,2 title \"{}\"\n", file.string(), title);
-  script += "set logscale xy\nset grid\nset key top right\nset ylabel 'larger mean error of force and displacement, %'\n";
+  script +=
+      "set logscale xy\nset grid\nset key top right\nset ylabel 'larger mean error of force and "
+      "displacement, %'\n";
   const auto block = [&](const char* label, const std::string& rows) {
     script += fmt::format("${} << END\n{}END\n", label, rows);
   };
@@ -82,8 +84,8 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
     const auto& rows = families[static_cast<std::size_t>(family)];
     if (rows.empty()) continue;
     block(name(family), rows);
-    series += fmt::format("{}${} using COLUMN:3 with points pt 7 ps 0.8 title '{}'", series.empty() ? "" : ", ",
-                          name(family), name(family));
+    series += fmt::format("{}${} using COLUMN:3 with points pt 7 ps 0.8 title '{}'",
+                          series.empty() ? "" : ", ", name(family), name(family));
   }
   block("front", front);
   series += ", $front using COLUMN:3 with points pt 6 ps 1.5 lc 'black' title 'on the front'";
@@ -93,7 +95,8 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
   }
   for (const auto& [column, label] : {std::pair{"1", "one deformation, us"}, std::pair{"2", "memory, MB"}}) {
     auto panel = series;
-    for (auto at = panel.find("COLUMN"); at != std::string::npos; at = panel.find("COLUMN")) panel.replace(at, 6, column);
+    for (auto at = panel.find("COLUMN"); at != std::string::npos; at = panel.find("COLUMN"))
+      panel.replace(at, 6, column);
     script += fmt::format("set xlabel '{}'\nplot {}\n", label, panel);
   }
   std::FILE* gnuplot = popen("gnuplot", "w");
@@ -105,7 +108,9 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
 
 json to_json(const ErrorStatistics& s) { return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}}; }
 json to_json(const GroupErrors& e) {
-  return {{"force", to_json(e.force)}, {"displacement", to_json(e.displacement)}, {"field_l2", to_json(e.field_l2)}};
+  return {{"force", to_json(e.force)},
+          {"displacement", to_json(e.displacement)},
+          {"field_l2", to_json(e.field_l2)}};
 }
 
 void run(const Options& options) {
@@ -113,14 +118,16 @@ void run(const Options& options) {
   limits.error = limit(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "2%");
   limits.deformation_us = limit(options.max_time, "--max-time", {{"us", 1}, {"ms", 1e3}, {"s", 1e6}}, "20us");
   limits.memory_bytes = limit(options.max_size, "--max-size", {{"B", 1}, {"kB", 1e3}, {"MB", 1e6}}, "1MB");
-  if (options.plot_file && options.plot_file->extension() != ".svg" && options.plot_file->extension() != ".png")
+  if (options.plot_file && options.plot_file->extension() != ".svg" &&
+      options.plot_file->extension() != ".png")
     throw input_error("a plot is .svg or .png", options.plot_file->string(), "--plot trade.svg");
   for (const auto& file : {options.json_file, options.plot_file})
     if (file) refuse_overwriting(*file, {options.scene, options.database});
   install_stop_handler();
   const SolverSession session;
   if (session.size() > 1)
-    throw input_error("tune runs as one process", fmt::format("{} ranks", session.size()), "start it without mpirun");
+    throw input_error("tune runs as one process", fmt::format("{} ranks", session.size()),
+                      "start it without mpirun");
   const Scene scene = read_scene(options.scene);
   const auto database = Database::open(options.database);
   if (physics_hash(scene) != database.header().physics_hash)
@@ -136,7 +143,8 @@ void run(const Options& options) {
     report = tune(session, scene, database, tuning_candidates(scene), options.probes,
                   static_cast<std::uint64_t>(options.seed),
                   [&](const std::string& what, std::int64_t done, std::int64_t total) {
-                    if (what != doing) progress.emplace(doing = what, what == "solve probes" ? "rays" : "nodes");
+                    if (what != doing)
+                      progress.emplace(doing = what, what == "solve probes" ? "rays" : "nodes");
                     progress->update(done, total);
                     return !stop_requested();
                   });
@@ -150,16 +158,11 @@ void run(const Options& options) {
   json models = json::array();
   for (const auto& m : report.models) {
     const auto& spec = m.candidate.spec;
-    json entry{{"name", m.candidate.name},
-               {"family", name(spec.family)},
-               {"inside", to_json(m.errors.inside)},
-               {"outside", to_json(m.errors.outside)},
-               {"force_us", m.speed.force_us},
-               {"deformation_us", m.speed.deformation_us},
-               {"memory_bytes", m.memory_bytes},
-               {"model_text_bytes", m.text_bytes},
-               {"training_s", m.training_s},
-               {"on_front", m.on_front}};
+    json entry{{"name", m.candidate.name},           {"family", name(spec.family)},
+               {"inside", to_json(m.errors.inside)}, {"outside", to_json(m.errors.outside)},
+               {"force_us", m.speed.force_us},       {"deformation_us", m.speed.deformation_us},
+               {"memory_bytes", m.memory_bytes},     {"model_text_bytes", m.text_bytes},
+               {"training_s", m.training_s},         {"on_front", m.on_front}};
     if (spec.family == Family::modal)
       entry["training"] = {{"modes", spec.modes},
                            {"shared_modes", spec.shared_modes},
@@ -167,17 +170,24 @@ void run(const Options& options) {
                            {"amplitude_centers", spec.amplitude_centers},
                            {"force_centers", spec.force_centers}};
     if (spec.family == Family::rbfn)
-      entry["training"] = {{"deformation_neurons", spec.deformation_neurons}, {"force_neurons", spec.force_neurons}};
+      entry["training"] = {{"deformation_neurons", spec.deformation_neurons},
+                           {"force_neurons", spec.force_neurons}};
     models.push_back(entry);
   }
-  json out{{"models", models}, {"chosen", nullptr}, {"missed", choice.missed}, {"probes", report.probes},
-           {"failed", report.failed}, {"nodes", report.nodes},
-           {"linear", {{"inside", to_json(report.linear.inside)}, {"outside", to_json(report.linear.outside)}}}};
+  json out{
+      {"models", models},
+      {"chosen", nullptr},
+      {"missed", choice.missed},
+      {"probes", report.probes},
+      {"failed", report.failed},
+      {"nodes", report.nodes},
+      {"linear", {{"inside", to_json(report.linear.inside)}, {"outside", to_json(report.linear.outside)}}}};
   if (choice.chosen) out["chosen"] = report.models[*choice.chosen].candidate.name;
   write_json(options.json_file, out);
   if (options.plot_file) plot(*options.plot_file, report, scene.title, choice.chosen);
   if (!choice.chosen)
-    throw failure("no model meets the limits", choice.missed, "allow more, or probe in more directions; nothing was written");
+    throw failure("no model meets the limits", choice.missed,
+                  "allow more, or probe in more directions; nothing was written");
   write_model_dir(options.output, report.models[*choice.chosen].model, database.header().mesh);
   fmt::print("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
 }
@@ -187,7 +197,8 @@ void run(const Options& options) {
 void add_tune_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
-      "tune", "Trains families and sizes, measures error, time and memory, writes the model that meets the limits");
+      "tune",
+      "Trains families and sizes, measures error, time and memory, writes the model that meets the limits");
   command->add_option("SCENE", options->scene, "the scene the database was made from")->required();
   command->add_option("DATABASE", options->database, "database.h5 of phynness precompute")->required();
   command->add_option("-o,--output", options->output, "model directory to write")->required();
@@ -199,8 +210,11 @@ void add_tune_command(CLI::App& app) {
   command->add_option("--probes", options->probes, "fresh solves that all models are measured on")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of those")->check(CLI::NonNegativeNumber)->capture_default_str();
-  command->add_option("--plot", options->plot_file, "draw error against time and memory (.svg or .png; needs gnuplot)");
+  command->add_option("--seed", options->seed, "of those")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--plot", options->plot_file,
+                      "draw error against time and memory (.svg or .png; needs gnuplot)");
   command->add_option("--json", options->json_file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }

@@ -167,7 +167,8 @@ void add_validate_command(CLI::App& app) {
   command->add_option("--probes", options->probes, "how many, inside and beyond the range together")
       ->check(CLI::Range(1, 10'000'000));
   command
-      ->add_option("--nodes", options->nodes, "at how many active nodes (default: a twentieth of the probes, at least 10)")
+      ->add_option("--nodes", options->nodes,
+                   "at how many active nodes (default: a twentieth of the probes, at least 10)")
       ->check(CLI::Range(1, 10'000'000));
   command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")
       ->check(CLI::NonNegativeNumber);

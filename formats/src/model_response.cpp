@@ -130,7 +130,8 @@ void write_conservative(ModelEmitter& w, const Model& model, const ConservativeN
   w.word("shape").real(force.shape).end();
   write_stiffness(w, force.stiffness);
   for (std::size_t i = 0; i < force.centers.size(); ++i) {
-    require_writable(force.centers[i] >= 0 && force.centers[i] < model.displacements.rows(), "no such center");
+    require_writable(force.centers[i] >= 0 && force.centers[i] < model.displacements.rows(),
+                     "no such center");
     w.integer(force.centers[i]).reals(force.coefficients.row(static_cast<Eigen::Index>(i))).end();
   }
 }
@@ -212,7 +213,8 @@ void read_modal(ModelLexer& lexer, const Model& model, ModalDeformation& modal) 
     previous = position;
     lexer.end_line();
   }
-  modal.near_modes = read_table(lexer, "near_modes", 3 * static_cast<Eigen::Index>(modal.near.size()), n_modes);
+  modal.near_modes =
+      read_table(lexer, "near_modes", 3 * static_cast<Eigen::Index>(modal.near.size()), n_modes);
 }
 
 }  // namespace
@@ -250,7 +252,8 @@ void read_shared(ModelLexer& lexer, Model& model) {
   lexer.keyword("shared_modes");
   const auto n_modes = lexer.integer("modes", 0, largest_mode_count);
   lexer.end_line();
-  model.shared.modes = read_table(lexer, "modes", 3 * static_cast<Eigen::Index>(model.output.size()), n_modes);
+  model.shared.modes =
+      read_table(lexer, "modes", 3 * static_cast<Eigen::Index>(model.output.size()), n_modes);
   model.shared.centers.resize(lexer.count_line("amplitude_centers"));
   model.shared.shape = shape_line(lexer);
   for (auto& center : model.shared.centers) {

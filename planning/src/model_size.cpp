@@ -55,7 +55,8 @@ ScaledTable table(Eigen::Index rows, Eigen::Index columns, Numbers& numbers) {
 
 /// As many of everything as the database allows.
 void add_modes(const TrainingSpec& spec, const Model& model, ActiveNodeModel& node, Numbers& numbers) {
-  const Eigen::Index states = model.displacements.rows(), n_output = static_cast<Eigen::Index>(model.output.size());
+  const Eigen::Index states = model.displacements.rows(),
+                     n_output = static_cast<Eigen::Index>(model.output.size());
   const auto n_centers = std::min<Eigen::Index>(spec.force_centers, states);
   const Eigen::MatrixXd half = numbers.matrix(3, 3).cast<float>().cast<double>();
   node.conservative.stiffness = half + half.transpose();

@@ -78,9 +78,11 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
       return step;
     }
   }
-  // Fewer than the pressures have: where J exceeds e, a pressure that multiplies J meets its volume from the wrong side,
-  // and the equilibrium is one of the element alone. The count may be that of the state before the last update.
-  if (to.negative_pivots < 0 && _equilibrium.linearize(to.state, Eigen::MatrixXd(direction.size(), 0)).negative_pivots < 0) {
+  // Fewer than the pressures have: where J exceeds e, a pressure that multiplies J meets its volume from the
+  // wrong side, and the equilibrium is one of the element alone. The count may be that of the state before
+  // the last update.
+  if (to.negative_pivots < 0 &&
+      _equilibrium.linearize(to.state, Eigen::MatrixXd(direction.size(), 0)).negative_pivots < 0) {
     step.status = Status::diverged;
     return step;
   }

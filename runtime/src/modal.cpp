@@ -19,8 +19,8 @@ double row_times(const std::int16_t* table, const double* scale, std::size_t r, 
   return sum;
 }
 
-/// field = sum_s amount_s mode_s in float, a block of rows at a time: its sums stay in registers while the modes stream by
-/// in the order of memory.
+/// field = sum_s amount_s mode_s in float, a block of rows at a time: its sums stay in registers while the
+/// modes stream by in the order of memory.
 void add_shared_modes(const SharedModes& shared, std::int32_t n, const float* amount, double* field) {
   const float* mode = shared.modes;
   for (std::int32_t begin = 0; begin < n; begin += rows_per_block) {

@@ -1,5 +1,5 @@
-// Claim: the force network of a modal model repeats a conservative force, with no more centers than asked for, and is
-// the gradient of a potential whatever it was trained on.
+// Claim: the force network of a modal model repeats a conservative force, with no more centers than asked
+// for, and is the gradient of a potential whatever it was trained on.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -16,7 +16,8 @@ namespace {
 constexpr double depth = 0.012;  // of small_header()
 
 /// States at all displacements of small_header(), x = d / depth.
-ForceStates states_of(const TrainingTables& tables, const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& force) {
+ForceStates states_of(const TrainingTables& tables,
+                      const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& force) {
   ForceStates states;
   const auto n = tables.displacements.rows();
   states.x = tables.displacements / depth;
@@ -29,7 +30,8 @@ ForceStates states_of(const TrainingTables& tables, const std::function<Eigen::V
   return states;
 }
 
-/// Gradient of x.Ax/2 + 0.3 sin(x_0 + 2 x_1) + 0.1 |x|^4: smooth, stiffer when pushed far, not symmetric in any axis.
+/// Gradient of x.Ax/2 + 0.3 sin(x_0 + 2 x_1) + 0.1 |x|^4: smooth, stiffer when pushed far, not symmetric in
+/// any axis.
 Eigen::Vector3d smooth_force(const Eigen::Vector3d& x) {
   const Eigen::Vector3d linear(2 * x[0] + 0.3 * x[1], 0.3 * x[0] + 1.5 * x[1], x[2]);
   return linear + 0.3 * std::cos(x[0] + 2 * x[1]) * Eigen::Vector3d(1, 2, 0) - Eigen::Vector3d(0.3, 0.6, 0) +
@@ -48,7 +50,8 @@ TEST(ConservativeFit, RepeatsAConservativeForceBetweenTheDirections) {
     error += (evaluate_force(fit.network, tables.displacements, depth, x) - expected).norm() / 200;
     largest = std::max(largest, expected.norm());
   }
-  // 26 directions 35 to 55 degrees apart; half a percent is a tenth of what the nearest direction's force would miss by.
+  // 26 directions 35 to 55 degrees apart; half a percent is a tenth of what the nearest direction's force
+  // would miss by.
   EXPECT_LT(error / largest, 5e-3);
 }
 
@@ -62,7 +65,9 @@ TEST(ConservativeFit, IsExactlyZeroAtRest) {
 TEST(ConservativeFit, HasASymmetricStiffnessEvenWhereTheDataHaveNone) {
   // A force that turns in circles: no potential has it.
   const auto tables = training_tables(small_header());
-  const auto circles = [](const Eigen::Vector3d& x) { return Eigen::Vector3d(x[0] - 2 * x[1], 2 * x[0] + x[1], x[2]); };
+  const auto circles = [](const Eigen::Vector3d& x) {
+    return Eigen::Vector3d(x[0] - 2 * x[1], 2 * x[0] + x[1], x[2]);
+  };
   const auto fit = fit_conservative(states_of(tables, circles), depth, {60, 0});
   const Eigen::Vector3d at(0.31, -0.42, 0.25);
   const double h = 1e-5;
@@ -89,21 +94,25 @@ TEST(ConservativeFit, StaysBoundedFarBeyondTheData) {
   };
   const double tail = (fit.network.stiffness * depth * direction).norm();
   // The kernels' contribution falls as 1 / |x|: by a factor of 100 from 10 to 1000.
-  EXPECT_LT(std::abs(stiffness_along(1000) - tail), 0.05 * std::abs(stiffness_along(10) - tail) + 1e-6 * tail);
+  EXPECT_LT(std::abs(stiffness_along(1000) - tail),
+            0.05 * std::abs(stiffness_along(10) - tail) + 1e-6 * tail);
 }
 
 TEST(ConservativeFit, SurvivesStatesThatSayLittle) {
   const auto tables = training_tables(small_header());
   const auto all = states_of(tables, smooth_force);
   for (const Eigen::Index n : {1, 2, 5, 9}) {
-    ForceStates some{all.x.topRows(n), all.force.topRows(n), {all.row.begin(), all.row.begin() + n},
+    ForceStates some{all.x.topRows(n),
+                     all.force.topRows(n),
+                     {all.row.begin(), all.row.begin() + n},
                      {all.direction.begin(), all.direction.begin() + n}};
     const auto fit = fit_conservative(some, depth, {80, 0});
     for (Eigen::Index i = 0; i < n; ++i)
-      EXPECT_LT((evaluate_force(fit.network, tables.displacements, depth, some.x.row(i).transpose()) -
-                 some.force.row(i).transpose())
-                    .norm(),
-                1e-3 * some.force.row(i).norm())  // damping leaves 1e-6 times the condition of few, alike columns
+      EXPECT_LT(
+          (evaluate_force(fit.network, tables.displacements, depth, some.x.row(i).transpose()) -
+           some.force.row(i).transpose())
+              .norm(),
+          1e-3 * some.force.row(i).norm())  // damping leaves 1e-6 times the condition of few, alike columns
           << n << " states";
   }
   ForceStates still = all;

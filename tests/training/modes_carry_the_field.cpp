@@ -1,5 +1,5 @@
-// Claim: the modes and amplitudes of a modal model repeat the fields they were made of; truncation and regression are
-// told apart; the model does not depend on the number of threads.
+// Claim: the modes and amplitudes of a modal model repeat the fields they were made of; truncation and
+// regression are told apart; the model does not depend on the number of threads.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,10 +22,13 @@ TrainingSpec modal_spec() {
 /// u at all output nodes by plain loops over the model, x = d / R.
 Eigen::VectorXd field(const Model& model, const ActiveNodeModel& node, const Eigen::Vector3d& x) {
   const auto& shared = model.shared;
-  const auto q = [&](const Eigen::Vector3d& y) { return std::sqrt(y.squaredNorm() + shared.shape * shared.shape); };
+  const auto q = [&](const Eigen::Vector3d& y) {
+    return std::sqrt(y.squaredNorm() + shared.shape * shared.shape);
+  };
   Eigen::VectorXd features(static_cast<Eigen::Index>(shared.centers.size()) + 3);
   for (std::size_t i = 0; i < shared.centers.size(); ++i) {
-    const Eigen::Vector3d c = model.displacements.row(shared.centers[i]).transpose() / model.max_displacement_m;
+    const Eigen::Vector3d c =
+        model.displacements.row(shared.centers[i]).transpose() / model.max_displacement_m;
     features[static_cast<Eigen::Index>(i)] = q(x - c) - q(x) - q(c) + shared.shape;
   }
   features.tail<3>() = x;
@@ -47,12 +50,14 @@ double mean_error(const Model& model, const DatabaseHeader& header, std::size_t 
   const auto rays = small_rays(header, active);
   for (std::size_t k = 0; k < rays.size(); ++k) {
     for (int i = 0; i < n_increments; ++i) {
-      const Eigen::Vector3d x = model.displacements.row(static_cast<Eigen::Index>(k) * n_increments + i).transpose() /
-                                model.max_displacement_m;
+      const Eigen::Vector3d x =
+          model.displacements.row(static_cast<Eigen::Index>(k) * n_increments + i).transpose() /
+          model.max_displacement_m;
       const auto u = field(model, node, x);
       for (int o = 0; o < n_nodes; ++o) {
         if (o == node.node) continue;
-        const auto expected = Eigen::Vector3d::Map(&rays[k].displacement[static_cast<std::size_t>(3 * (i * n_nodes + o))]);
+        const auto expected =
+            Eigen::Vector3d::Map(&rays[k].displacement[static_cast<std::size_t>(3 * (i * n_nodes + o))]);
         error += (u.segment<3>(3 * o) - expected).norm();
         largest = std::max(largest, expected.norm());
         ++n;
@@ -86,13 +91,15 @@ TEST(ModalTraining, MoreModesLoseLess) {
     spec.near_nodes = n_nodes;  // so that shared modes lose nothing
     TrainingReport report;
     train(source_of(header), spec, report);
-    EXPECT_LT(report.modal.truncation, 0.7 * before) << modes << " modes";  // a smooth field's modes fall off fast
+    EXPECT_LT(report.modal.truncation, 0.7 * before)
+        << modes << " modes";  // a smooth field's modes fall off fast
     before = report.modal.truncation;
   }
 }
 
 TEST(ModalTraining, NearNodesAndSharedModesReplaceEachOther) {
-  // All nodes near: the shared modes are not needed; none near and as many shared modes as unknowns: nor are those.
+  // All nodes near: the shared modes are not needed; none near and as many shared modes as unknowns: nor are
+  // those.
   const auto header = small_header();
   auto all_near = modal_spec(), all_shared = modal_spec();
   all_near.near_nodes = n_nodes;

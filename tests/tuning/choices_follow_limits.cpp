@@ -1,5 +1,5 @@
-// Claim: the front holds exactly the models that none beats in everything, and the choice is the cheapest within the
-// limits, or says which limit is missed and by how much.
+// Claim: the front holds exactly the models that none beats in everything, and the choice is the cheapest
+// within the limits, or says which limit is missed and by how much.
 #include <gtest/gtest.h>
 
 #include <phynness/tuning/tuning.hpp>
@@ -59,11 +59,13 @@ TEST(Choice, SaysWhichLimitIsMissed) {
   EXPECT_EQ(one.missed, "mean error: the least is 0.5 % (large), 5 times the limit of 0.1 %");
   const auto two = choose_model(some(), {.error = 0.001, .deformation_us = 0.5});
   EXPECT_NE(two.missed.find("mean error: the least is 0.5 %"), std::string::npos) << two.missed;
-  EXPECT_NE(two.missed.find("time of a deformation: the least is 1 us (small), 2 times"), std::string::npos) << two.missed;
+  EXPECT_NE(two.missed.find("time of a deformation: the least is 1 us (small), 2 times"), std::string::npos)
+      << two.missed;
   const auto together = choose_model(some(), {.error = 0.01, .deformation_us = 2});
   EXPECT_FALSE(together.chosen);
-  EXPECT_NE(together.missed.find("not all of them at once; the nearest is middle: mean error 2 %, limit 1 %; time"),
-            std::string::npos)
+  EXPECT_NE(
+      together.missed.find("not all of them at once; the nearest is middle: mean error 2 %, limit 1 %; time"),
+      std::string::npos)
       << together.missed;
 }
 

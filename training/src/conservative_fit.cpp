@@ -15,12 +15,13 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Damping of the least squares, in columns of unit length: with as many centers as states, weights of opposite signs
-/// would grow where a body snaps, and errors beyond the trained range tenfold. It costs 1e-6 of the accuracy.
+/// Damping of the least squares, in columns of unit length: with as many centers as states, weights of
+/// opposite signs would grow where a body snaps, and errors beyond the trained range tenfold. It costs 1e-6
+/// of the accuracy.
 constexpr double damping = 1e-6;
 
-/// Forces far above this part of the median count relative to their size. Parts from 0.3 to 3 were tried on a liver: less is
-/// better where it snaps, and the same elsewhere.
+/// Forces far above this part of the median count relative to their size. Parts from 0.3 to 3 were tried on a
+/// liver: less is better where it snaps, and the same elsewhere.
 constexpr double usual_share = 0.3;
 
 /// More states than this make a search slow and no better: what is left out is whole directions.
@@ -74,8 +75,9 @@ double mean_length(const VectorXd& stacked_vectors) {
   return sum / std::max(1.0, static_cast<double>(stacked_vectors.size() / 3));
 }
 
-/// What a state counts: 1 for small forces, less for large ones. Beside a fixed part a body snaps, with forces a hundred
-/// times those of all other states; counted alike, they would bend the network everywhere else.
+/// What a state counts: 1 for small forces, less for large ones. Beside a fixed part a body snaps, with
+/// forces a hundred times those of all other states; counted alike, they would bend the network everywhere
+/// else.
 VectorXd weights_of(const ForceStates& states) {
   const VectorXd size = states.force.rowwise().norm();
   VectorXd sorted = size;
@@ -84,7 +86,9 @@ VectorXd weights_of(const ForceStates& states) {
   return usual > 0 ? VectorXd(usual / (usual + size.array())) : VectorXd(VectorXd::Ones(size.size()));
 }
 
-double largest_force(const ForceStates& states) { return std::sqrt(states.force.rowwise().squaredNorm().maxCoeff()); }
+double largest_force(const ForceStates& states) {
+  return std::sqrt(states.force.rowwise().squaredNorm().maxCoeff());
+}
 
 /// Every `stride`-th state of each direction, the deepest among them.
 ForceStates thinned(const ForceStates& states, std::size_t stride) {
@@ -104,8 +108,8 @@ ForceStates thinned(const ForceStates& states, std::size_t stride) {
   return some;
 }
 
-/// Mean error at directions left out one by one, over the largest force: interpolation of all states and of no force at
-/// rest, with a constant and a symmetric stiffness.
+/// Mean error at directions left out one by one, over the largest force: interpolation of all states and of
+/// no force at rest, with a constant and a symmetric stiffness.
 double left_out_error(const ForceStates& states, double shape) {
   const Index n = states.x.rows() + 1;
   MatrixXd phi(3 * n, 3 * n), tail(3 * n, 9);
@@ -124,8 +128,9 @@ double left_out_error(const ForceStates& states, double shape) {
 
 /// Forward selection; returns the states chosen, in order.
 std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
-  const MatrixXd q = Eigen::HouseholderQR<MatrixXd>(columns.stiffness).householderQ() *
-                     MatrixXd::Identity(columns.stiffness.rows(), std::min<Index>(6, columns.stiffness.rows()));
+  const MatrixXd q =
+      Eigen::HouseholderQR<MatrixXd>(columns.stiffness).householderQ() *
+      MatrixXd::Identity(columns.stiffness.rows(), std::min<Index>(6, columns.stiffness.rows()));
   MatrixXd& w = columns.centers;
   w.noalias() -= q * (q.transpose() * w);
   rest -= q * (q.transpose() * rest);
@@ -164,20 +169,25 @@ std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
     rest -= direction * step;
     slope.noalias() -= along.transpose() * step;
     for (Index i = 0; i < n; ++i)
-      gram[static_cast<std::size_t>(i)] -= along.middleCols<3>(3 * i).transpose() * along.middleCols<3>(3 * i);
+      gram[static_cast<std::size_t>(i)] -=
+          along.middleCols<3>(3 * i).transpose() * along.middleCols<3>(3 * i);
   }
   return chosen;
 }
 
-ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, int max_centers, double shape) {
+ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, int max_centers,
+                          double shape) {
   const Columns columns = columns_of(states, shape);
-  const VectorXd force = stacked(states), weights = weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>();
-  auto chosen = choose_centers({weights.asDiagonal() * columns.centers, weights.asDiagonal() * columns.stiffness},
-                               weights.cwiseProduct(force), std::min<int>(max_centers, static_cast<int>(states.x.rows())));
+  const VectorXd force = stacked(states),
+                 weights = weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>();
+  auto chosen = choose_centers(
+      {weights.asDiagonal() * columns.centers, weights.asDiagonal() * columns.stiffness},
+      weights.cwiseProduct(force), std::min<int>(max_centers, static_cast<int>(states.x.rows())));
   std::sort(chosen.begin(), chosen.end());
   const auto m = static_cast<Index>(chosen.size());
   MatrixXd a(force.size(), 3 * m + 6);
-  for (Index j = 0; j < m; ++j) a.middleCols<3>(3 * j) = columns.centers.middleCols<3>(3 * chosen[static_cast<std::size_t>(j)]);
+  for (Index j = 0; j < m; ++j)
+    a.middleCols<3>(3 * j) = columns.centers.middleCols<3>(3 * chosen[static_cast<std::size_t>(j)]);
   a.rightCols<6>() = columns.stiffness;
   const MatrixXd weighted = weights.asDiagonal() * a;
   const VectorXd size = weighted.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
@@ -198,7 +208,9 @@ ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, 
     network.coefficients.row(j) = solution.segment<3>(3 * j).transpose().cast<float>().cast<double>();
     solution.segment<3>(3 * j) = network.coefficients.row(j);
   }
-  const auto k = [&](Index i) { return static_cast<double>(static_cast<float>(solution[3 * m + i] / max_displacement_m)); };
+  const auto k = [&](Index i) {
+    return static_cast<double>(static_cast<float>(solution[3 * m + i] / max_displacement_m));
+  };
   network.stiffness << k(0), k(1), k(2), k(1), k(3), k(4), k(2), k(4), k(5);
   const double largest = largest_force(states);
   if (largest > 0) {
@@ -253,12 +265,13 @@ ConservativeFit fit_conservative(const ForceStates& states, double max_displacem
   return fit;
 }
 
-Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements, double max_displacement_m,
-                        const Vector3d& x) {
+Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements,
+                        double max_displacement_m, const Vector3d& x) {
   Vector3d force = network.stiffness * (max_displacement_m * x);
   for (std::size_t i = 0; i < network.centers.size(); ++i) {
     const Vector3d c = displacements.row(network.centers[i]).transpose() / max_displacement_m;
-    force += anchored_kernel(x, c, network.shape) * network.coefficients.row(static_cast<Index>(i)).transpose();
+    force +=
+        anchored_kernel(x, c, network.shape) * network.coefficients.row(static_cast<Index>(i)).transpose();
   }
   return force;
 }

@@ -17,7 +17,8 @@ RowGroups groups_by_direction(const std::vector<std::int32_t>& direction, Index 
   return groups;
 }
 
-MatrixXd left_out(const MatrixXd& kernel, const MatrixXd& tail, const MatrixXd& values, const RowGroups& groups) {
+MatrixXd left_out(const MatrixXd& kernel, const MatrixXd& tail, const MatrixXd& values,
+                  const RowGroups& groups) {
   const Index n = kernel.rows(), m = tail.cols();
   MatrixXd system = MatrixXd::Zero(n + m, n + m);
   system.topLeftCorner(n, n) = kernel;

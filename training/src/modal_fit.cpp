@@ -20,12 +20,13 @@ using Eigen::VectorXd;
 /// Modes smaller than this part of the largest are rounding of the data (float32).
 constexpr double smallest_mode = 1e-6;
 
-/// Damping of the amplitudes' least squares, in columns of unit length: without it, weights of opposite signs grow where
-/// a body snaps, and errors beyond the trained range by a quarter; ten times more would cost accuracy inside.
+/// Damping of the amplitudes' least squares, in columns of unit length: without it, weights of opposite signs
+/// grow where a body snaps, and errors beyond the trained range by a quarter; ten times more would cost
+/// accuracy inside.
 constexpr double damping = 1e-3;
 
-/// More columns than asked for and rounds of subspace iteration: the spectrum falls by half within a few modes, so that
-/// 8 columns and 3 rounds leave the subspace converged beyond what 16 bits show.
+/// More columns than asked for and rounds of subspace iteration: the spectrum falls by half within a few
+/// modes, so that 8 columns and 3 rounds leave the subspace converged beyond what 16 bits show.
 constexpr int spare_columns = 8, rounds = 3;
 
 double q(const Vector3d& y, double shape) { return std::sqrt(y.squaredNorm() + shape * shape); }
@@ -52,7 +53,8 @@ MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, do
 }
 
 MatrixXd orthonormal(const MatrixXd& a) {
-  return Eigen::HouseholderQR<MatrixXd>(a).householderQ() * MatrixXd::Identity(a.rows(), std::min(a.rows(), a.cols()));
+  return Eigen::HouseholderQR<MatrixXd>(a).householderQ() *
+         MatrixXd::Identity(a.rows(), std::min(a.rows(), a.cols()));
 }
 
 /// Mean over rows and output nodes not moved by the probe of |displacement| / largest.
@@ -61,20 +63,24 @@ double mean_share(const MatrixXd& fields, const NodeModes& node) {
   Index n = 0;
   for (std::size_t o = 0; o < node.moved.size(); ++o) {
     if (node.moved[o]) continue;
-    for (Index i = 0; i < fields.rows(); ++i) sum += fields.row(i).segment<3>(3 * static_cast<Index>(o)).norm();
+    for (Index i = 0; i < fields.rows(); ++i)
+      sum += fields.row(i).segment<3>(3 * static_cast<Index>(o)).norm();
     n += fields.rows();
   }
   return n > 0 && node.largest_m > 0 ? sum / static_cast<double>(n) / node.largest_m : 0;
 }
 
-/// Amplitudes at directions left out, mean over states: root mean square over nodes of their error, over the largest
-/// displacement of a node. (Modes are orthonormal: the size of an amplitude vector is that of the whole field.)
+/// Amplitudes at directions left out, mean over states: root mean square over nodes of their error, over the
+/// largest displacement of a node. (Modes are orthonormal: the size of an amplitude vector is that of the
+/// whole field.)
 double left_out_error(const TrainingTables& tables, const NodeModes& node, double shape) {
   const auto x = scaled_rows(tables, node.row);
   const Index n = x.rows() + 1;
   MatrixXd phi(n, n), tail = MatrixXd::Ones(n, 4), values = MatrixXd::Zero(n, node.amplitudes.cols());
   values.bottomRows(n - 1) = node.amplitudes;
-  const auto place = [&](Index i) -> Vector3d { return i == 0 ? Vector3d::Zero() : Vector3d(x.row(i - 1).transpose()); };
+  const auto place = [&](Index i) -> Vector3d {
+    return i == 0 ? Vector3d::Zero() : Vector3d(x.row(i - 1).transpose());
+  };
   for (Index i = 0; i < n; ++i) {
     tail.row(i).tail<3>() = place(i).transpose();
     for (Index j = 0; j < n; ++j) phi(i, j) = q(place(i) - place(j), shape);
@@ -91,7 +97,8 @@ std::vector<std::int32_t> common_rows(const std::vector<const NodeModes*>& nodes
   std::vector<std::int32_t> common = nodes.front()->row;
   for (const auto* node : nodes) {
     std::vector<std::int32_t> both;
-    std::set_intersection(common.begin(), common.end(), node->row.begin(), node->row.end(), std::back_inserter(both));
+    std::set_intersection(common.begin(), common.end(), node->row.begin(), node->row.end(),
+                          std::back_inserter(both));
     common = both;
   }
   return common;
@@ -110,8 +117,8 @@ std::vector<const NodeModes*> nodes_with_most_states(const std::vector<NodeModes
 
 std::vector<double> amplitude_shape_candidates() { return {0.03, 0.1, 0.3, 0.6, 1.0}; }
 
-NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed, const std::vector<Ray>& rays,
-                     int max_modes) {
+NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed,
+                     const std::vector<Ray>& rays, int max_modes) {
   NodeModes node;
   node.row = converged_increments(tables, rays);
   const auto n = static_cast<Index>(node.row.size());
@@ -123,8 +130,9 @@ NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribe
   for (Index i = 0; i < n; ++i) {
     const auto row = node.row[static_cast<std::size_t>(i)];
     node.direction.push_back(row / tables.n_increments);
-    const double* from = &rays[static_cast<std::size_t>(row / tables.n_increments)]
-                              .displacement[3 * static_cast<std::size_t>(row % tables.n_increments) * n_output];
+    const double* from =
+        &rays[static_cast<std::size_t>(row / tables.n_increments)]
+             .displacement[3 * static_cast<std::size_t>(row % tables.n_increments) * n_output];
     u.row(i) = Eigen::Map<const Eigen::RowVectorXd>(from, u.cols());
   }
   if (!u.allFinite())
@@ -191,7 +199,8 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
   chosen.left_out_error = std::numeric_limits<double>::infinity();
   for (const double candidate : shape > 0 ? std::vector<double>{shape} : candidates) {
     double error = 0;
-    for (const auto* node : used) error += left_out_error(tables, *node, candidate) / static_cast<double>(used.size());
+    for (const auto* node : used)
+      error += left_out_error(tables, *node, candidate) / static_cast<double>(used.size());
     if (error < chosen.left_out_error) {
       chosen.left_out_error = error;
       chosen.shape = candidate;
@@ -208,7 +217,8 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
     for (std::size_t r = 0; r < node->row.size(); ++r)
       if (std::binary_search(rows.begin(), rows.end(), node->row[r]))
         rest.row(i++).segment(at, node->amplitudes.cols()) =
-            node->amplitudes.row(static_cast<Index>(r)) / std::max(node->largest_m, std::numeric_limits<double>::min());
+            node->amplitudes.row(static_cast<Index>(r)) /
+            std::max(node->largest_m, std::numeric_limits<double>::min());
     at += node->amplitudes.cols();
   }
   MatrixXd w = features(x, x, chosen.shape);
@@ -243,7 +253,8 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
   return chosen;
 }
 
-ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node, int n_near) {
+ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node,
+                   int n_near) {
   ModalFit fit;
   auto& modal = fit.deformation;
   const MatrixXd basis = shared.modes.values();
@@ -271,7 +282,8 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   for (Index o = 0; o < n_output; ++o)
     if (node.moved[static_cast<std::size_t>(o)]) without(o);
   if (basis.cols() > 0)
-    mixing = Eigen::CompleteOrthogonalDecomposition<MatrixXd>(far.transpose() * far).solve(far.transpose() * target);
+    mixing = Eigen::CompleteOrthogonalDecomposition<MatrixXd>(far.transpose() * far)
+                 .solve(far.transpose() * target);
 
   const auto x = scaled_rows(tables, node.row);
   const MatrixXd f = features(x, scaled_rows(tables, shared.centers), shared.shape);
@@ -279,7 +291,8 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   const MatrixXd unit = f * size.cwiseInverse().asDiagonal();
   MatrixXd normal = unit.transpose() * unit;
   normal.diagonal().array() += damping * damping;
-  const MatrixXd weights = size.cwiseInverse().asDiagonal() * normal.ldlt().solve(unit.transpose() * node.amplitudes);
+  const MatrixXd weights =
+      size.cwiseInverse().asDiagonal() * normal.ldlt().solve(unit.transpose() * node.amplitudes);
 
   modal.weights = scaled_table(weights);
   modal.mixing = scaled_table(mixing);
@@ -292,7 +305,8 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   for (Index o = 0; o < n_output; ++o)
     if (node.moved[static_cast<std::size_t>(o)]) stored.middleRows<3>(3 * o).setZero();
   fit.truncation_error = node.lost + mean_share(node.amplitudes * (stored - node.modes).transpose(), node);
-  fit.regression_error = mean_share((f * modal.weights.values() - node.amplitudes) * stored.transpose(), node);
+  fit.regression_error =
+      mean_share((f * modal.weights.values() - node.amplitudes) * stored.transpose(), node);
   return fit;
 }
 

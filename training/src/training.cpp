@@ -80,7 +80,10 @@ class Training {
   SearchNode read(std::int64_t active_index) {
     const auto active = static_cast<std::int32_t>(active_index);
     const std::int32_t node = _header.sets.active[active];
-    SearchNode read{node, touched_nodes(_header.mesh.nodes, _header.mesh.surface, _header.sets.fixed, node, _source.tool_radius_m), {}};
+    SearchNode read{node,
+                    touched_nodes(_header.mesh.nodes, _header.mesh.surface, _header.sets.fixed, node,
+                                  _source.tool_radius_m),
+                    {}};
     // One read at a time: HDF5 need not be built thread-safe.
     const std::lock_guard lock(_source_mutex);
     read.rays = _source.rays(active);
@@ -96,12 +99,14 @@ class Training {
     }
     const auto n_active = static_cast<std::int32_t>(_header.sets.active.size());
     const double bytes_per_node = 8.0 * 3 * static_cast<double>(_tables.output.size()) * _spec.modes;
-    const auto affordable = static_cast<std::int32_t>(std::min<double>(max_basis_nodes, max_basis_bytes / (bytes_per_node + 1)));
+    const auto affordable =
+        static_cast<std::int32_t>(std::min<double>(max_basis_nodes, max_basis_bytes / (bytes_per_node + 1)));
     const std::int32_t n = std::min(n_active, std::max(min_basis_nodes, affordable));
     std::vector<NodeModes> nodes(static_cast<std::size_t>(n));
     for_each_index(n, threads, [&](std::int32_t i) {
       const SearchNode read_node = read((2 * i + 1) * static_cast<std::int64_t>(n_active) / (2 * n));
-      nodes[static_cast<std::size_t>(i)] = node_modes(_tables, read_node.prescribed, read_node.rays, _spec.modes);
+      nodes[static_cast<std::size_t>(i)] =
+          node_modes(_tables, read_node.prescribed, read_node.rays, _spec.modes);
     });
     _shared.modes = scaled_table(shared_basis(nodes, _spec.shared_modes, _spec.seed));
     std::vector<NodeModes> some;
@@ -179,8 +184,8 @@ class Training {
     report.mean_force_mse /= report.n_networks;
     report.mean_deformation_mse /= report.n_networks;
     if (_spec.family == Family::modal) {
-      for (double* mean : {&report.modal.force_training, &report.modal.force_left_out, &report.modal.truncation,
-                           &report.modal.regression})
+      for (double* mean : {&report.modal.force_training, &report.modal.force_left_out,
+                           &report.modal.truncation, &report.modal.regression})
         *mean /= report.n_networks;
       report.modal.amplitude_left_out = _amplitude_left_out;
       report.modal.amplitude_shape = _shared.shape;

@@ -7,11 +7,11 @@ struct ModalSize {
   int modes, shared_modes, near_nodes, amplitude_centers, force_centers;
 };
 
-// Each about 1.6 times as large as the one before; in each, none of the parts dominates the error of a liver's model.
-constexpr ModalSize modal_sizes[] = {
-    {3, 12, 8, 20, 20},     {4, 24, 16, 26, 24},    {4, 40, 20, 30, 30},    {6, 40, 20, 52, 40},
-    {8, 64, 24, 52, 60},    {12, 64, 24, 80, 80},   {16, 64, 40, 80, 80},   {20, 96, 60, 104, 100},
-    {24, 120, 80, 156, 156}};
+// Each about 1.6 times as large as the one before; in each, none of the parts dominates the error of a
+// liver's model.
+constexpr ModalSize modal_sizes[] = {{3, 12, 8, 20, 20},   {4, 24, 16, 26, 24},    {4, 40, 20, 30, 30},
+                                     {6, 40, 20, 52, 40},  {8, 64, 24, 52, 60},    {12, 64, 24, 80, 80},
+                                     {16, 64, 40, 80, 80}, {20, 96, 60, 104, 100}, {24, 120, 80, 156, 156}};
 
 // The paper's sizes, and half and twice as many.
 constexpr int neurons[] = {25, 50, 100, 200, 300, 400};
@@ -43,7 +43,8 @@ std::vector<Candidate> tuning_candidates(const Scene& scene) {
     spec.deformation_neurons = n;
     spec.force_neurons = std::min(n, 100);
     candidates.push_back(
-        {"rbfn " + std::to_string(n) + " neurons, " + std::to_string(spec.force_neurons) + " for force", spec});
+        {"rbfn " + std::to_string(n) + " neurons, " + std::to_string(spec.force_neurons) + " for force",
+         spec});
   }
   return candidates;
 }

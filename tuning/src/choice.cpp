@@ -30,7 +30,8 @@ std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs&
     const auto best = std::min_element(models.begin(), models.end(), [&](const auto& a, const auto& b) {
       return costs(a)[static_cast<std::size_t>(k)] < costs(b)[static_cast<std::size_t>(k)];
     });
-    const double least = costs(*best)[static_cast<std::size_t>(k)], allowed = limit[static_cast<std::size_t>(k)];
+    const double least = costs(*best)[static_cast<std::size_t>(k)],
+                 allowed = limit[static_cast<std::size_t>(k)];
     if (least <= allowed) continue;
     char times[32];
     std::snprintf(times, sizeof times, "%.3g", least / allowed);
@@ -51,7 +52,8 @@ std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs&
   said.append("each limit can be met, but not all of them at once; the nearest is ");
   said.append(nearest->candidate.name).append(":");
   for (int k = 0; k < 3; ++k)
-    if (const double cost = costs(*nearest)[static_cast<std::size_t>(k)]; cost > limit[static_cast<std::size_t>(k)]) {
+    if (const double cost = costs(*nearest)[static_cast<std::size_t>(k)];
+        cost > limit[static_cast<std::size_t>(k)]) {
       said.append(" ").append(what_of[static_cast<std::size_t>(k)]).append(" ").append(text(k, cost));
       said.append(", limit ").append(text(k, limit[static_cast<std::size_t>(k)])).append(";");
     }

@@ -9,7 +9,8 @@
 namespace phynness {
 namespace {
 
-/// Few nodes and many probes each: (17) divides by the largest force of a node's probes, which few probes do not tell.
+/// Few nodes and many probes each: (17) divides by the largest force of a node's probes, which few probes do
+/// not tell.
 constexpr std::int64_t probed_nodes = 10;
 
 LoadedModel loaded(const Model& model, const Mesh& mesh, const std::string& name) {
@@ -46,8 +47,11 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
       bool going = true;
       solve_probes(
           session, scene, model, plan,
-          [&](std::int64_t done, std::int64_t total) { going = !progress || progress("solve probes", done, total); },
-          [&] { return !going; }, [&](std::size_t, NodeProbes&& found) {
+          [&](std::int64_t done, std::int64_t total) {
+            going = !progress || progress("solve probes", done, total);
+          },
+          [&] { return !going; },
+          [&](std::size_t, NodeProbes&& found) {
             report.nodes.push_back(found.node);
             report.failed += found.failed;
             solved.push_back(std::move(found));

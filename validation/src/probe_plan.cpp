@@ -65,7 +65,8 @@ std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions direction
     throw input_error("the number of probes must be at least 1", std::to_string(probes), "--probes 200");
   std::mt19937_64 random(seed);
   const std::int64_t n_inside = (probes + 1) / 2, n_outside = probes / 2;
-  auto plan = choose_nodes(model, std::min(n_inside, nodes > 0 ? nodes : std::max<std::int64_t>(10, probes / 20)), random);
+  auto plan = choose_nodes(
+      model, std::min(n_inside, nodes > 0 ? nodes : std::max<std::int64_t>(10, probes / 20)), random);
   const Points normals = node_normals(model.mesh());
   for (std::int64_t i = 0; i < n_inside; ++i) {
     auto& entry = plan[static_cast<std::size_t>(i) % plan.size()];

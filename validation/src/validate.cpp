@@ -176,24 +176,28 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
 void solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                   const std::vector<NodePlan>& plan,
                   const std::function<void(std::int64_t, std::int64_t)>& progress,
-                  const std::function<bool()>& stop, const std::function<void(std::size_t, NodeProbes&&)>& take) {
+                  const std::function<bool()>& stop,
+                  const std::function<void(std::size_t, NodeProbes&&)>& take) {
   ProbeSolver solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output});
   std::int64_t rays = 0, my_rays = 0;
   for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
   for (auto e = static_cast<std::size_t>(session.rank()); e < plan.size();
        e += static_cast<std::size_t>(session.size()))
-    take(e, probe_node(model.model(), solver, plan[e], scene.probe.max_displacement_m / scene.probe.increments, [&] {
-           const auto done = std::min(rays, ++my_rays * session.size());
-           if (progress && session.rank() == 0) progress(done, rays);
-           if (stop && stop())
-             throw failure("validation was interrupted",
-                           std::to_string(done) + " of " + std::to_string(rays) + " rays", "run it again");
-         }));
+    take(e, probe_node(model.model(), solver, plan[e],
+                       scene.probe.max_displacement_m / scene.probe.increments, [&] {
+                         const auto done = std::min(rays, ++my_rays * session.size());
+                         if (progress && session.rank() == 0) progress(done, rays);
+                         if (stop && stop())
+                           throw failure("validation was interrupted",
+                                         std::to_string(done) + " of " + std::to_string(rays) + " rays",
+                                         "run it again");
+                       }));
 }
 
 namespace {
 
-PredictorErrors errors_of(Predictor predictor, const LoadedModel& model, const std::vector<NodeProbes>& probes) {
+PredictorErrors errors_of(Predictor predictor, const LoadedModel& model,
+                          const std::vector<NodeProbes>& probes) {
   Samples samples;
   for (const auto& node : probes)
     for (const Group g : {inside, outside}) collect(model, node, g, samples);

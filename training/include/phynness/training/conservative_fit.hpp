@@ -1,4 +1,5 @@
-// From the forces of one active node to a network that is the gradient of a potential (formats/model.md, family modal).
+// From the forces of one active node to a network that is the gradient of a potential (formats/model.md,
+// family modal).
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +14,8 @@ namespace phynness {
 struct ForceStates {
   Eigen::Matrix<double, Eigen::Dynamic, 3> x;      ///< displacement over max_displacement_m
   Eigen::Matrix<double, Eigen::Dynamic, 3> force;  ///< [N]
-  std::vector<std::int32_t> row;        ///< of TrainingTables::displacements
-  std::vector<std::int32_t> direction;  ///< exploratory direction
+  std::vector<std::int32_t> row;                   ///< of TrainingTables::displacements
+  std::vector<std::int32_t> direction;             ///< exploratory direction
 };
 /// @throws Error (failure) if a converged increment holds a force that is not finite
 ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& rays);
@@ -37,18 +38,21 @@ struct ConservativeFit {
 /// Shapes that a search tries, ascending.
 std::vector<double> force_shape_candidates();
 
-/// Networks that cancel by more than this lose the conservation of energy in float32: a smaller shape is taken.
+/// Networks that cancel by more than this lose the conservation of energy in float32: a smaller shape is
+/// taken.
 inline constexpr double largest_cancellation = 1e3;
 
-/// Centers are states chosen one by one by orthogonal least squares: the next is the one whose three columns explain
-/// most of what is left of all forces, small ones counted more (Chen, Cowan & Grant 1991, doi 10.1109/72.80341). Coefficients are rounded to
-/// float32. Cost: about 5 (3 n)^2 m flops for n states and m centers, and a third of (3 n)^3 for each shape tried.
+/// Centers are states chosen one by one by orthogonal least squares: the next is the one whose three columns
+/// explain most of what is left of all forces, small ones counted more (Chen, Cowan & Grant 1991,
+/// doi 10.1109/72.80341). Coefficients are rounded to float32. Cost: about 5 (3 n)^2 m flops for n states and
+/// m centers, and a third of (3 n)^3 for each shape tried.
 /// @param max_displacement_m  R
 /// @pre at least one state, all values finite
-ConservativeFit fit_conservative(const ForceStates& states, double max_displacement_m, const ConservativeOptions& options);
+ConservativeFit fit_conservative(const ForceStates& states, double max_displacement_m,
+                                 const ConservativeOptions& options);
 
 /// Force [N] at x = d / R, by plain loops: the reference that other evaluators are held against.
-Eigen::Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements, double max_displacement_m,
-                               const Eigen::Vector3d& x);
+Eigen::Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements,
+                               double max_displacement_m, const Eigen::Vector3d& x);
 
 }  // namespace phynness

@@ -9,33 +9,34 @@
 
 namespace phynness {
 
-/// Proper orthogonal decomposition of the displacement fields of one active node (the fields without the nodes that the
-/// probe moves itself, where the answer is known).
+/// Proper orthogonal decomposition of the displacement fields of one active node (the fields without the
+/// nodes that the probe moves itself, where the answer is known).
 struct NodeModes {
   std::vector<std::int32_t> row;        ///< n states: of TrainingTables::displacements
   std::vector<std::int32_t> direction;  ///< n states
   Eigen::MatrixXd modes;                ///< 3 n_output x n_modes, orthonormal columns
   Eigen::MatrixXd amplitudes;           ///< n states x n_modes [m]
   Eigen::VectorXd size;                 ///< n_modes: singular values [m]
-  double lost = 0;           ///< mean over states and nodes of what n_modes modes miss, over the largest displacement
-  double largest_m = 0;      ///< largest displacement of a node that the probe does not move itself
-  std::vector<char> moved;   ///< n_output: moved by the probe itself
+  double lost = 0;  ///< mean over states and nodes of what n_modes modes miss, over the largest displacement
+  double largest_m = 0;     ///< largest displacement of a node that the probe does not move itself
+  std::vector<char> moved;  ///< n_output: moved by the probe itself
 };
 /// @param max_modes  fewer if there are fewer states
 /// @throws Error (failure) if a converged increment holds a displacement that is not finite
-NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed, const std::vector<Ray>& rays,
-                     int max_modes);
+NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed,
+                     const std::vector<Ray>& rays, int max_modes);
 
-/// Orthonormal columns that serve the modes of all given nodes best, each weighted by its size: the leading left
-/// singular vectors, by subspace iteration from a start that depends on the seed only (Halko, Martinsson & Tropp 2011,
-/// doi 10.1137/090771806).
+/// Orthonormal columns that serve the modes of all given nodes best, each weighted by its size: the leading
+/// left singular vectors, by subspace iteration from a start that depends on the seed only (Halko, Martinsson
+/// & Tropp 2011, doi 10.1137/090771806).
 Eigen::MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, std::uint64_t seed);
 
 /// Which displacements the amplitudes of all nodes are centered at, and their kernel.
 struct AmplitudeCenters {
   std::vector<std::int32_t> row;  ///< of TrainingTables::displacements
   double shape = 0.3;
-  double left_out_error = 0;  ///< mean over nodes: amplitudes at directions left out, over the largest displacement
+  double left_out_error =
+      0;  ///< mean over nodes: amplitudes at directions left out, over the largest displacement
 };
 /// Chosen by orthogonal least squares on the pooled amplitudes of the given nodes.
 /// @param shape  <= 0: the candidate with the smallest left-out error
@@ -46,11 +47,13 @@ std::vector<double> amplitude_shape_candidates();
 
 struct ModalFit {
   ModalDeformation deformation;
-  /// Means over states and nodes of |difference|, over the largest displacement: of the modes as stored from the data
-  /// (truncation), and of the amplitudes' network from the amplitudes (regression), on the training states.
+  /// Means over states and nodes of |difference|, over the largest displacement: of the modes as stored from
+  /// the data (truncation), and of the amplitudes' network from the amplitudes (regression), on the training
+  /// states.
   double truncation_error = 0, regression_error = 0;
 };
 /// @param n_near  nodes whose rows are stored as they are: those that the shared modes serve worst
-ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node, int n_near);
+ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node,
+                   int n_near);
 
 }  // namespace phynness

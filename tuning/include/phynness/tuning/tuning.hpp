@@ -1,4 +1,5 @@
-// Which model a scene needs: families and sizes trained on one database and measured on the same fresh solves.
+// Which model a scene needs: families and sizes trained on one database and measured on the same fresh
+// solves.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +19,8 @@ struct Candidate {
   std::string name;  ///< family and what its size is, in few words
   TrainingSpec spec;
 };
-/// Sizes of every family that the scene's law allows, each family from small to large. Spreads, samples and seed are the
-/// scene's.
+/// Sizes of every family that the scene's law allows, each family from small to large. Spreads, samples and
+/// seed are the scene's.
 std::vector<Candidate> tuning_candidates(const Scene& scene);
 
 struct MeasuredModel {
@@ -45,8 +46,8 @@ struct TuningChoice {
   std::optional<std::size_t> chosen;  ///< absent: none meets the limits
   std::string missed;                 ///< which limit none meets, and by how much; empty if there is a choice
 };
-/// With a limit of the error the fastest of those that meet all limits (the smaller of two as fast), without one the
-/// most accurate. @pre models not empty
+/// With a limit of the error the fastest of those that meet all limits (the smaller of two as fast), without
+/// one the most accurate. @pre models not empty
 TuningChoice choose_model(const std::vector<MeasuredModel>& models, const TuningLimits& limits);
 
 struct TuningReport {
@@ -57,12 +58,13 @@ struct TuningReport {
   double seconds = 0;
 };
 
-/// Called as work goes on: what is done, how far, of how many. Return false to interrupt (an Error is thrown).
+/// Called as work goes on: what is done, how far, of how many. Return false to interrupt (an Error is
+/// thrown).
 using TuningProgress = std::function<bool(const std::string&, std::int64_t, std::int64_t)>;
 
-/// Trains each candidate on the whole database and measures it on `probes` fresh solves of random directions and depths,
-/// half inside the trained range, at ten active nodes (validation.hpp says which), solved once. Not collective: one
-/// process.
+/// Trains each candidate on the whole database and measures it on `probes` fresh solves of random directions
+/// and depths, half inside the trained range, at ten active nodes (validation.hpp says which), solved once.
+/// Not collective: one process.
 /// @throws Error if the database is not the scene's, or interrupted
 TuningReport tune(const SolverSession& session, const Scene& scene, const Database& database,
                   const std::vector<Candidate>& candidates, std::int64_t probes, std::uint64_t seed,

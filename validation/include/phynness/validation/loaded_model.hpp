@@ -12,9 +12,10 @@ namespace phynness {
 
 struct ModelResponse {
   std::vector<std::optional<Vec3>> force_N;  ///< per tool; empty where the method defines none
-  std::optional<double> energy_J;  ///< stored; family rbfn has none: work of the force along the straight path from rest
-  Points displacement_m;                     ///< n_output x 3; empty if the model has forces only
-  int status = PHN_OK;                       ///< phn_* status, warnings only
+  std::optional<double>
+      energy_J;  ///< stored; family rbfn has none: work of the force along the straight path from rest
+  Points displacement_m;  ///< n_output x 3; empty if the model has forces only
+  int status = PHN_OK;    ///< phn_* status, warnings only
 };
 
 /// Not for several threads at once.

@@ -17,7 +17,7 @@ struct ProbedState {
 
 struct NodeProbes {
   std::int32_t node = 0;
-  std::vector<char> counts;  ///< per output node: 0 where the tool moves it itself
+  std::vector<char> counts;                        ///< per output node: 0 where the tool moves it itself
   std::array<std::vector<ProbedState>, 2> states;  ///< inside and beyond the trained range
   std::int64_t failed = 0, increments = 0;
 };
@@ -27,7 +27,8 @@ struct NodeProbes {
 void solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                   const std::vector<NodePlan>& plan,
                   const std::function<void(std::int64_t, std::int64_t)>& progress,
-                  const std::function<bool()>& stop, const std::function<void(std::size_t, NodeProbes&&)>& take);
+                  const std::function<bool()>& stop,
+                  const std::function<void(std::size_t, NodeProbes&&)>& take);
 
 /// The model's own errors on those probes.
 PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes);

@@ -71,7 +71,8 @@ class SolverSession;
 /// hemisphere scenes), magnitudes uniform; half of the probes inside the trained range, half beyond. At least
 /// ten active nodes where there are as many, two in ten of them beside the fixed nodes. Collective over the
 /// session's ranks, the result is the same for any number of them; complete on rank 0.
-/// @param nodes  active nodes probed; 0: a twentieth of the probes, at least ten. (17) divides by the largest response
+/// @param nodes  active nodes probed; 0: a twentieth of the probes, at least ten. (17) divides by the largest
+/// response
 ///               of a node's probes, so few probes a node make large errors of it
 /// @throws Error if the scene's physics or mesh is not the model's
 ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
