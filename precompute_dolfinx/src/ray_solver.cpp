@@ -79,14 +79,20 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
     }
   }
   // Fewer than the pressures have: where J exceeds e, a pressure that multiplies J meets its volume from the
-  // wrong side, and the equilibrium is one of the element alone. The count may be that of the state before
-  // the last update.
-  if (to.negative_pivots < 0 &&
-      _equilibrium.linearize(to.state, Eigen::MatrixXd(direction.size(), 0)).negative_pivots < 0) {
+  // wrong side, and the equilibrium is one of the element alone. Without tangents the count may be that of the
+  // state before the last update.
+  if (to.negative_pivots < 0 && !all_tangents) {
+    const auto again = _equilibrium.linearize(to.state, Eigen::MatrixXd(direction.size(), 0));
+    if (again.status != Status::converged) {
+      step.status = Status::factorization;
+      return step;
+    }
+    to.negative_pivots = again.negative_pivots;
+  }
+  if (to.negative_pivots < 0) {
     step.status = Status::diverged;
     return step;
   }
-  to.negative_pivots = std::max(0, to.negative_pivots);
   to.energy = _body.energy(to.state);
   return step;
 }

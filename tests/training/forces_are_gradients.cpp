@@ -2,6 +2,7 @@
 // for, and is the gradient of a potential whatever it was trained on.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -82,6 +83,33 @@ TEST(ConservativeFit, HasASymmetricStiffnessEvenWhereTheDataHaveNone) {
   EXPECT_LT((stiffness - stiffness.transpose()).norm(), 1e-8 * stiffness.norm());
 }
 
+TEST(ConservativeFit, NeverPushesTheToolAwayFarBeyondTheData) {
+  // A force that softens until it drops: least squares alone would continue the drop.
+  const auto tables = training_tables(small_header());
+  const auto softening = [](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+    return x * (3 * std::exp(-1.5 * x.squaredNorm()) + 0.2);
+  };
+  const auto fit = fit_conservative(states_of(tables, softening), depth, {80, 0});
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(fit.network.stiffness).eigenvalues()[0], 0);
+  for (const double size : {20.0, 100.0, 1e4})
+    for (int k = 0; k < 26; ++k) {
+      const Eigen::Vector3d e = tables.displacements.row(4 * k).transpose().normalized();
+      EXPECT_GT(evaluate_force(fit.network, tables.displacements, depth, size * e).dot(e), 0) << size << " R";
+    }
+}
+
+TEST(ConservativeFit, OfALinearBodyIsItsStiffness) {
+  const auto tables = training_tables(small_header());
+  Eigen::Matrix3d stiffness;
+  stiffness << 40, 5, -3, 5, 25, 2, -3, 2, 60;
+  const auto fit = fit_conservative(
+      states_of(tables, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return stiffness * depth * x; }), depth, {80, 0});
+  EXPECT_LT((fit.network.stiffness - stiffness).norm(), 1e-6 * stiffness.norm());  // floats
+  const Eigen::Vector3d far(30, -20, 10);
+  const Eigen::Vector3d expected = stiffness * depth * far;
+  EXPECT_LT((evaluate_force(fit.network, tables.displacements, depth, far) - expected).norm(), 1e-5 * expected.norm());
+}
+
 TEST(ConservativeFit, StaysBoundedFarBeyondTheData) {
   const auto tables = training_tables(small_header());
   const auto fit = fit_conservative(states_of(tables, smooth_force), depth, {80, 0});
@@ -107,13 +135,12 @@ TEST(ConservativeFit, SurvivesStatesThatSayLittle) {
                      {all.row.begin(), all.row.begin() + n},
                      {all.direction.begin(), all.direction.begin() + n}};
     const auto fit = fit_conservative(some, depth, {80, 0});
-    for (Eigen::Index i = 0; i < n; ++i)
-      EXPECT_LT(
-          (evaluate_force(fit.network, tables.displacements, depth, some.x.row(i).transpose()) -
-           some.force.row(i).transpose())
-              .norm(),
-          1e-3 * some.force.row(i).norm())  // damping leaves 1e-6 times the condition of few, alike columns
-          << n << " states";
+    EXPECT_LE(2 * fit.network.centers.size(), static_cast<std::size_t>(n));
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Eigen::Vector3d expected = some.force.row(i);
+      const auto said = evaluate_force(fit.network, tables.displacements, depth, some.x.row(i).transpose());
+      EXPECT_LT((said - expected).norm(), 0.25 * expected.norm()) << n << " states";  // nothing would be 1
+    }
   }
   ForceStates still = all;
   still.force.setZero();

@@ -20,6 +20,12 @@ using Eigen::VectorXd;
 /// of the accuracy.
 constexpr double damping = 1e-6;
 
+/// Of the eigenvalues of the stiffness that serves all states best, at least this part is left far beyond them.
+constexpr double least_tail_share = 0.2;
+
+/// Centers are states: with more states than this, some are passed over; a body's force is told by directions.
+constexpr std::size_t max_fit_states = 400;
+
 /// Forces far above this part of the median count relative to their size. Parts from 0.3 to 3 were tried on a
 /// liver: less is better where it snaps, and the same elsewhere.
 constexpr double usual_share = 0.3;
@@ -175,14 +181,49 @@ std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
   return chosen;
 }
 
+/// Least squares of a x = b in columns of unit length, the first n_damped of them damped.
+VectorXd damped_solution(const MatrixXd& a, const VectorXd& b, Index n_damped) {
+  if (a.cols() == 0) return VectorXd(0);
+  const VectorXd size = a.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
+  MatrixXd unit = MatrixXd::Zero(a.rows() + n_damped, a.cols());
+  unit.topRows(a.rows()) = a * size.cwiseInverse().asDiagonal();
+  unit.bottomRows(n_damped).diagonal().setConstant(damping);
+  VectorXd right = VectorXd::Zero(unit.rows());
+  right.head(b.size()) = b;
+  return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(unit).solve(right).cwiseQuotient(size);
+}
+
+Matrix3d symmetric(const Eigen::Matrix<double, 6, 1>& k) {
+  Matrix3d m;
+  m << k[0], k[1], k[2], k[1], k[3], k[4], k[2], k[4], k[5];
+  return m;
+}
+
+/// The smallest eigenvalue that a tail may have: a part of that of the stiffness that serves all states best.
+double least_tail(const MatrixXd& stiffness_columns, const VectorXd& force) {
+  const Matrix3d best = symmetric(damped_solution(stiffness_columns, force, 0));
+  return least_tail_share *
+         std::max(0.0, Eigen::SelfAdjointEigenSolver<Matrix3d>(best, Eigen::EigenvaluesOnly).eigenvalues()[0]);
+}
+
+/// Eigenvalues below `least` raised to it; the same matrix if there are none.
+Matrix3d at_least(const Matrix3d& k, double least) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(k);
+  if (eigen.eigenvalues()[0] >= least) return k;
+  const Matrix3d raised =
+      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).asDiagonal() * eigen.eigenvectors().transpose();
+  return (raised + raised.transpose()) / 2;
+}
+
 ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, int max_centers,
                           double shape) {
   const Columns columns = columns_of(states, shape);
   const VectorXd force = stacked(states),
                  weights = weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>();
+  const int allowed = static_cast<int>(largest_center_share * static_cast<double>(states.x.rows()));
   auto chosen = choose_centers(
       {weights.asDiagonal() * columns.centers, weights.asDiagonal() * columns.stiffness},
-      weights.cwiseProduct(force), std::min<int>(max_centers, static_cast<int>(states.x.rows())));
+      weights.cwiseProduct(force), std::min(max_centers, allowed));
   std::sort(chosen.begin(), chosen.end());
   const auto m = static_cast<Index>(chosen.size());
   MatrixXd a(force.size(), 3 * m + 6);
@@ -190,14 +231,15 @@ ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, 
     a.middleCols<3>(3 * j) = columns.centers.middleCols<3>(3 * chosen[static_cast<std::size_t>(j)]);
   a.rightCols<6>() = columns.stiffness;
   const MatrixXd weighted = weights.asDiagonal() * a;
-  const VectorXd size = weighted.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
-  MatrixXd unit(a.rows() + a.cols(), a.cols());
-  unit.topRows(a.rows()) = weighted * size.cwiseInverse().asDiagonal();
-  unit.bottomRows(a.cols()) = damping * MatrixXd::Identity(a.cols(), a.cols());
-  VectorXd right = VectorXd::Zero(unit.rows());
-  right.head(force.size()) = weights.cwiseProduct(force);
-  VectorXd solution = Eigen::HouseholderQR<MatrixXd>(unit).solve(right);
-  solution.array() /= size.array();
+  const VectorXd target = weights.cwiseProduct(force);
+  VectorXd solution = damped_solution(weighted, target, 3 * m);
+  // Far away the tail is all there is: it must not push the tool away.
+  const Matrix3d tail = at_least(symmetric(solution.tail<6>()), least_tail(weighted.rightCols<6>(), target));
+  if (tail != symmetric(solution.tail<6>())) {
+    solution.tail<6>() << tail(0, 0), tail(0, 1), tail(0, 2), tail(1, 1), tail(1, 2), tail(2, 2);
+    solution.head(3 * m) = damped_solution(
+        weighted.leftCols(3 * m), target - weighted.rightCols<6>() * solution.tail<6>(), 3 * m);
+  }
 
   ConservativeFit fit;
   auto& network = fit.network;
@@ -239,8 +281,9 @@ ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& r
   return states;
 }
 
-ConservativeFit fit_conservative(const ForceStates& states, double max_displacement_m,
+ConservativeFit fit_conservative(const ForceStates& all, double max_displacement_m,
                                  const ConservativeOptions& options) {
+  const ForceStates states = thinned(all, (all.row.size() + max_fit_states - 1) / max_fit_states);
   const auto candidates = force_shape_candidates();
   double shape = options.shape, left_out = 0;
   if (!(shape > 0)) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/modal_fit.hpp>
 
@@ -19,6 +20,9 @@ using Eigen::VectorXd;
 
 /// Modes smaller than this part of the largest are rounding of the data (float32).
 constexpr double smallest_mode = 1e-6;
+
+/// More states than this make a search slow and no better: what is left out is whole directions.
+constexpr std::size_t max_search_states = 100;
 
 /// Damping of the amplitudes' least squares, in columns of unit length: without it, weights of opposite signs
 /// grow where a body snaps, and errors beyond the trained range by a quarter; ten times more would cost
@@ -74,10 +78,22 @@ double mean_share(const MatrixXd& fields, const NodeModes& node) {
 /// largest displacement of a node. (Modes are orthonormal: the size of an amplitude vector is that of the
 /// whole field.)
 double left_out_error(const TrainingTables& tables, const NodeModes& node, double shape) {
-  const auto x = scaled_rows(tables, node.row);
+  // Close neighbours along a direction would make the matrix singular to rounding.
+  std::vector<Index> kept;
+  std::vector<std::int32_t> rows, directions;
+  const auto stride = static_cast<std::int32_t>((node.row.size() + max_search_states - 1) / max_search_states);
+  for (std::size_t i = 0; i < node.row.size(); ++i) {
+    const auto increment = node.row[i] % tables.n_increments;
+    if ((tables.n_increments - 1 - increment) % stride != 0) continue;
+    kept.push_back(static_cast<Index>(i));
+    rows.push_back(node.row[i]);
+    directions.push_back(node.direction[i]);
+  }
+  const auto x = scaled_rows(tables, rows);
   const Index n = x.rows() + 1;
+  if (n == 1) return 0;
   MatrixXd phi(n, n), tail = MatrixXd::Ones(n, 4), values = MatrixXd::Zero(n, node.amplitudes.cols());
-  values.bottomRows(n - 1) = node.amplitudes;
+  values.bottomRows(n - 1) = node.amplitudes(kept, Eigen::all);
   const auto place = [&](Index i) -> Vector3d {
     return i == 0 ? Vector3d::Zero() : Vector3d(x.row(i - 1).transpose());
   };
@@ -85,32 +101,45 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
     tail.row(i).tail<3>() = place(i).transpose();
     for (Index j = 0; j < n; ++j) phi(i, j) = q(place(i) - place(j), shape);
   }
-  const MatrixXd errors = left_out(phi, tail, values, groups_by_direction(node.direction, 1, 1));
+  const MatrixXd errors = left_out(phi, tail, values, groups_by_direction(directions, 1, 1));
   const double n_output = static_cast<double>(node.modes.rows()) / 3;
   return node.largest_m > 0
              ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest_m
              : 0;
 }
 
-/// States that all nodes have; nodes with few states are passed over.
-std::vector<std::int32_t> common_rows(const std::vector<const NodeModes*>& nodes) {
-  std::vector<std::int32_t> common = nodes.front()->row;
-  for (const auto* node : nodes) {
-    std::vector<std::int32_t> both;
-    std::set_intersection(common.begin(), common.end(), node->row.begin(), node->row.end(),
-                          std::back_inserter(both));
-    common = both;
-  }
-  return common;
+/// One node's part in the choice of centers: what its states say of each candidate.
+struct Chooser {
+  MatrixXd columns, rest;  ///< states x candidates, states x modes; orthogonal to the linear part and to what was chosen
+  VectorXd first;          ///< squared lengths of the columns at the start
+};
+
+Chooser chooser(const TrainingTables& tables, const NodeModes& node, const Eigen::MatrixX3d& candidates,
+                double shape) {
+  Chooser c;
+  const MatrixXd f = features(scaled_rows(tables, node.row), candidates, shape);
+  const MatrixXd linear = orthonormal(f.rightCols<3>());
+  c.columns = f.leftCols(candidates.rows());
+  c.columns -= linear * (linear.transpose() * c.columns);
+  c.rest = node.amplitudes / std::max(node.largest_m, std::numeric_limits<double>::min());
+  c.rest -= linear * (linear.transpose() * c.rest);
+  c.first = c.columns.colwise().squaredNorm();
+  return c;
 }
 
-std::vector<const NodeModes*> nodes_with_most_states(const std::vector<NodeModes>& nodes) {
-  std::size_t most = 0;
-  for (const auto& node : nodes) most = std::max(most, node.row.size());
-  std::vector<const NodeModes*> kept;
-  for (const auto& node : nodes)
-    if (node.row.size() == most) kept.push_back(&node);
-  return kept;
+/// How much of each candidate is left, and what it would explain; nothing where what is left is rounding.
+VectorXd explained(const Chooser& c) {
+  const VectorXd left = c.columns.colwise().squaredNorm();
+  const VectorXd slope = (c.columns.transpose() * c.rest).rowwise().squaredNorm();
+  return (left.array() > 1e-10 * c.first.array()).select(slope.array() / left.array(), 0.0);
+}
+
+void remove(Chooser& c, Index candidate) {
+  const double size = c.columns.col(candidate).norm();
+  if (!(size > 0)) return;
+  const VectorXd direction = c.columns.col(candidate) / size;
+  c.columns -= direction * (direction.transpose() * c.columns);
+  c.rest -= direction * (direction.transpose() * c.rest);
 }
 
 }  // namespace
@@ -149,6 +178,13 @@ NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribe
   const VectorXd squares = eigen.eigenvalues().reverse().cwiseMax(0);
   Index m = 0;
   while (m < std::min<Index>(n, max_modes) && squares[m] > smallest_mode * smallest_mode * squares[0]) ++m;
+  if (m == 0 && max_modes > 0) {
+    // Nothing moves but what the probe moves itself: one mode, of zeros.
+    node.size = VectorXd::Zero(1);
+    node.modes = MatrixXd::Zero(u.cols(), 1);
+    node.amplitudes = MatrixXd::Zero(n, 1);
+    return node;
+  }
   node.size = squares.head(m).cwiseSqrt();
   const MatrixXd left = eigen.eigenvectors().rowwise().reverse().leftCols(m);
   node.modes = u.transpose() * left * node.size.cwiseInverse().asDiagonal();
@@ -193,61 +229,38 @@ MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, std::ui
 AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
                                           int max_centers, double shape) {
   AmplitudeCenters chosen;
-  const auto used = nodes_with_most_states(nodes);
-  if (used.empty() || used.front()->row.empty()) return chosen;
-  const auto candidates = amplitude_shape_candidates();
+  std::set<std::int32_t> every;
+  for (const auto& node : nodes) every.insert(node.row.begin(), node.row.end());
+  if (every.empty()) return chosen;
   chosen.left_out_error = std::numeric_limits<double>::infinity();
-  for (const double candidate : shape > 0 ? std::vector<double>{shape} : candidates) {
-    double error = 0;
-    for (const auto* node : used)
-      error += left_out_error(tables, *node, candidate) / static_cast<double>(used.size());
+  for (const double candidate : shape > 0 ? std::vector<double>{shape} : amplitude_shape_candidates()) {
+    // The median: a node where the body snaps is predicted by no shape, and would outweigh all others.
+    std::vector<double> errors;
+    for (const auto& node : nodes) errors.push_back(left_out_error(tables, node, candidate));
+    std::sort(errors.begin(), errors.end());
+    const double error = errors[(errors.size() - 1) / 2];
     if (error < chosen.left_out_error) {
       chosen.left_out_error = error;
       chosen.shape = candidate;
     }
   }
-  const auto rows = common_rows(used);
+  // Candidates are the states of any node; nodes that face different ways have different ones.
+  const std::vector<std::int32_t> rows(every.begin(), every.end());
   const auto x = scaled_rows(tables, rows);
-  Index n_columns = 0;
-  for (const auto* node : used) n_columns += node->amplitudes.cols();
-  MatrixXd rest(x.rows(), n_columns);
-  Index at = 0;
-  for (const auto* node : used) {
-    Index i = 0;
-    for (std::size_t r = 0; r < node->row.size(); ++r)
-      if (std::binary_search(rows.begin(), rows.end(), node->row[r]))
-        rest.row(i++).segment(at, node->amplitudes.cols()) =
-            node->amplitudes.row(static_cast<Index>(r)) /
-            std::max(node->largest_m, std::numeric_limits<double>::min());
-    at += node->amplitudes.cols();
-  }
-  MatrixXd w = features(x, x, chosen.shape);
-  const MatrixXd linear = orthonormal(w.rightCols<3>());
-  w = w.leftCols(x.rows()).eval();
-  w -= linear * (linear.transpose() * w);
-  rest -= linear * (linear.transpose() * rest);
-  const VectorXd first = w.colwise().squaredNorm();
+  std::vector<Chooser> choosers;
+  for (const auto& node : nodes)
+    if (!node.row.empty()) choosers.push_back(chooser(tables, node, x, chosen.shape));
   std::vector<char> open(rows.size(), 1);
   while (static_cast<int>(chosen.row.size()) < max_centers) {
-    const MatrixXd slope = w.transpose() * rest;
-    Index best = -1;
-    double most = 0;
-    for (Index i = 0; i < w.cols(); ++i) {
-      const double left = w.col(i).squaredNorm();
-      // What is left of a column is rounding once it is this small.
-      if (!open[static_cast<std::size_t>(i)] || !(left > 1e-10 * first[i])) continue;
-      const double explained = slope.row(i).squaredNorm() / left;
-      if (explained > most) {
-        most = explained;
-        best = i;
-      }
-    }
-    if (best < 0) break;
+    VectorXd sum = VectorXd::Zero(x.rows());
+    for (const auto& c : choosers) sum += explained(c);
+    for (Index i = 0; i < x.rows(); ++i)
+      if (!open[static_cast<std::size_t>(i)]) sum[i] = 0;
+    Index best = 0;
+    if (!(sum.maxCoeff(&best) > 0)) break;
     open[static_cast<std::size_t>(best)] = 0;
     chosen.row.push_back(rows[static_cast<std::size_t>(best)]);
-    const VectorXd direction = w.col(best).normalized();
-    w -= direction * (direction.transpose() * w);
-    rest -= direction * (direction.transpose() * rest);
+    for (auto& c : choosers) remove(c, best);
   }
   std::sort(chosen.row.begin(), chosen.row.end());
   return chosen;

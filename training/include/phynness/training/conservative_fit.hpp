@@ -38,6 +38,9 @@ struct ConservativeFit {
 /// Shapes that a search tries, ascending.
 std::vector<double> force_shape_candidates();
 
+/// A network with a center for nearly every state follows what lies between them no more: K could be anything.
+inline constexpr double largest_center_share = 0.5;
+
 /// Networks that cancel by more than this lose the conservation of energy in float32: a smaller shape is
 /// taken.
 inline constexpr double largest_cancellation = 1e3;

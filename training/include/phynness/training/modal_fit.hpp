@@ -36,7 +36,7 @@ struct AmplitudeCenters {
   std::vector<std::int32_t> row;  ///< of TrainingTables::displacements
   double shape = 0.3;
   double left_out_error =
-      0;  ///< mean over nodes: amplitudes at directions left out, over the largest displacement
+      0;  ///< median over nodes: amplitudes at directions left out, over the largest displacement
 };
 /// Chosen by orthogonal least squares on the pooled amplitudes of the given nodes.
 /// @param shape  <= 0: the candidate with the smallest left-out error
