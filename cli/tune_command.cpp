@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <map>
 #include <phynness/formats/error.hpp>
@@ -31,7 +32,9 @@ std::optional<double> limit(const std::optional<std::string>& text, const char* 
   double value = 0;
   const auto [end, code] = std::from_chars(text->data(), text->data() + text->size(), value);
   const auto unit = units.find(std::string(end, text->data() + text->size()));
-  if (code != std::errc{} || unit == units.end() || !(value > 0))
+  // A bare 2 may be a factor or percent: the unit tells.
+  const bool vague = unit != units.end() && unit->first.empty() && value >= 1;
+  if (code != std::errc{} || unit == units.end() || !(value > 0) || vague)
     throw input_error("a limit is a positive number and its unit", fmt::format("{} {}", option, *text),
                       fmt::format("{} {}", option, example));
   return value * unit->second;
@@ -58,6 +61,16 @@ void print_table(const TuningReport& report, const std::optional<std::size_t>& c
   fmt::print("\n> chosen; * none is better in error, time and memory\n");
 }
 
+/// As gnuplot reads it: between single quotes nothing is special, but for the quote itself.
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'') out += '\'';
+    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return out + "'";
+}
+
 /// Two panels, error against time and against memory, by gnuplot.
 void plot(const std::filesystem::path& file, const TuningReport& report, const std::string& title,
           const std::optional<std::size_t>& chosen) {
@@ -72,7 +85,8 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
   const bool png = file.extension() == ".png";
   std::string script = fmt::format("set terminal {} size 1000,460 background '#ffffff' font 'sans,{}'\n",
                                    png ? "pngcairo" : "svg", png ? 10 : 13);
-  script += fmt::format("set output '{}'\nset multiplot layout 1,2 title \"{}\"\n", file.string(), title);
+  script += fmt::format("set output {}\nset multiplot layout 1,2 title {} noenhanced\n",
+                        quoted(file.string()), quoted(title));
   script +=
       "set logscale xy\nset grid\nset key top right\nset ylabel 'larger mean error of force and "
       "displacement, %'\n";
@@ -99,6 +113,7 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
       panel.replace(at, 6, column);
     script += fmt::format("set xlabel '{}'\nplot {}\n", label, panel);
   }
+  std::signal(SIGPIPE, SIG_IGN);  // where there is no gnuplot
   std::FILE* gnuplot = popen("gnuplot", "w");
   const bool written = gnuplot && std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
   if (!gnuplot || pclose(gnuplot) != 0 || !written)
@@ -106,7 +121,10 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
   fmt::print("plot: {}\n", file.string());
 }
 
-json to_json(const ErrorStatistics& s) { return {{"mean", s.mean}, {"p95", s.p95}, {"max", s.max}}; }
+json to_json(const ErrorStatistics& s) {
+  if (s.n == 0) return {{"mean", nullptr}, {"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}};
+  return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
+}
 json to_json(const GroupErrors& e) {
   return {{"force", to_json(e.force)},
           {"displacement", to_json(e.displacement)},
@@ -121,8 +139,13 @@ void run(const Options& options) {
   if (options.plot_file && options.plot_file->extension() != ".svg" &&
       options.plot_file->extension() != ".png")
     throw input_error("a plot is .svg or .png", options.plot_file->string(), "--plot trade.svg");
-  for (const auto& file : {options.json_file, options.plot_file})
-    if (file) refuse_overwriting(*file, {options.scene, options.database});
+  if (options.json_file) refuse_overwriting(*options.json_file, {options.scene, options.database});
+  if (options.plot_file)
+    refuse_overwriting(*options.plot_file, {options.scene, options.database, options.json_file.value_or("")});
+  for (const auto& file : {options.json_file, options.plot_file, std::optional(options.output)})
+    if (const auto folder = file ? std::filesystem::absolute(*file).parent_path() : std::filesystem::path();
+        file && !std::filesystem::is_directory(folder))
+      throw input_error("there is no such folder", folder.string(), "make it first: tuning takes minutes");
   install_stop_handler();
   const SolverSession session;
   if (session.size() > 1)
@@ -154,6 +177,10 @@ void run(const Options& options) {
              name(scene.solver.element), scene.material.bulk_to_shear(), 1e3 * scene.probe.max_displacement_m,
              report.probes, report.nodes.size(), report.failed, duration(report.seconds));
   print_table(report, choice.chosen);
+  for (const auto& reason : report.left_out) fmt::print(stderr, "note: not trained: {}\n", reason);
+  if (2 * report.failed > report.probes)
+    fmt::print(stderr, "warning: {} of {} probes failed; errors are those of the others\n", report.failed,
+               report.probes);
 
   json models = json::array();
   for (const auto& m : report.models) {
@@ -183,13 +210,16 @@ void run(const Options& options) {
       {"nodes", report.nodes},
       {"linear", {{"inside", to_json(report.linear.inside)}, {"outside", to_json(report.linear.outside)}}}};
   if (choice.chosen) out["chosen"] = report.models[*choice.chosen].candidate.name;
+  // The model first: what was found is not lost where a plot cannot be drawn.
+  if (choice.chosen) {
+    write_model_dir(options.output, report.models[*choice.chosen].model, database.header().mesh);
+    fmt::print("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
+  }
   write_json(options.json_file, out);
   if (options.plot_file) plot(*options.plot_file, report, scene.title, choice.chosen);
   if (!choice.chosen)
     throw failure("no model meets the limits", choice.missed,
                   "allow more, or probe in more directions; nothing was written");
-  write_model_dir(options.output, report.models[*choice.chosen].model, database.header().mesh);
-  fmt::print("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
 }
 
 }  // namespace

@@ -116,11 +116,15 @@ void run(const Options& options) {
              report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
   print_table(report);
   const auto& inside = report.of(Predictor::model).inside;
-  fmt::print("median inside: force{} %, displacement{} %\n", percent(inside.force.median),
-             percent(inside.displacement.median));
+  if (inside.force.n > 0) fmt::print("median inside: force{} %", percent(inside.force.median));
+  if (inside.displacement.n > 0) fmt::print(", displacement{} %", percent(inside.displacement.median));
+  fmt::print("\n");
   print_examples(report);
-  fmt::print("runtime on this machine, one core: force {:.2f} us, deformation of {} nodes {:.1f} us\n",
-             report.speed.force_us, model.model().output.size(), report.speed.deformation_us);
+  fmt::print("runtime on this machine, one core: force {:.2f} us", report.speed.force_us);
+  if (inside.displacement.n > 0)
+    fmt::print(", deformation of {} nodes {:.1f} us", model.model().output.size(),
+               report.speed.deformation_us);
+  fmt::print("\n");
   fmt::print("{} on {} rank{}\n", duration(report.seconds), session.size(), session.size() == 1 ? "" : "s");
   const auto& of_model = report.of(Predictor::model);
   const auto both = [](const PredictorErrors& e) {

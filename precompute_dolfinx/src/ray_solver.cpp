@@ -79,8 +79,8 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
     }
   }
   // Fewer than the pressures have: where J exceeds e, a pressure that multiplies J meets its volume from the
-  // wrong side, and the equilibrium is one of the element alone. Without tangents the count may be that of the
-  // state before the last update.
+  // wrong side, and the equilibrium is one of the element alone. Without tangents the count may be that of
+  // the state before the last update.
   if (to.negative_pivots < 0 && !all_tangents) {
     const auto again = _equilibrium.linearize(to.state, Eigen::MatrixXd(direction.size(), 0));
     if (again.status != Status::converged) {

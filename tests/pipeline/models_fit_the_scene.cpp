@@ -90,5 +90,28 @@ TEST_F(Families, TuneMeetsTheLimitsOrSaysWhy) {
     EXPECT_EQ(phynness("tune scene.toml d.h5 -o n --probes 4 " + wrong).exit_status, 2) << wrong;
 }
 
+TEST_F(Families, TitlesAndPlacesArePlottedNotRun) {
+  if (shell("command -v gnuplot").exit_status != 0) GTEST_SKIP() << "no gnuplot";
+  auto scene = small_scene("P1", 3);
+  scene.replace(scene.find("small block"), 11, "it's `touch ran` a \\\"; system(\\\"touch ran\\\") #");
+  write_file(folder / "odd.toml", scene);
+  const auto tuned = phynness("tune odd.toml d.h5 -o m --probes 20 --plot \"it's.svg\" --json t.json");
+  ASSERT_EQ(tuned.exit_status, 0) << tuned.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "it's.svg"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "ran"));
+  EXPECT_NE(read_file(folder / "it's.svg").find("touch ran"), std::string::npos)
+      << "the title is in the plot";
+}
+
+TEST_F(Families, FewStatesMakeFewCentersNotWildForces) {
+  write_file(folder / "few.toml", small_scene("P1", 1));
+  ASSERT_EQ(phynness("precompute few.toml -o few.h5").exit_status, 0);
+  ASSERT_EQ(phynness("train few.toml few.h5 -o m --family modal").exit_status, 0);
+  ASSERT_EQ(phynness("validate few.toml m --probes 40 --json v.json").exit_status, 0);
+  const auto v = json("v.json");
+  EXPECT_LT(v.at("inside").at("force").at("mean").get<double>(),
+            0.5 * v.at("linear").at("inside").at("force").at("mean").get<double>());
+}
+
 }  // namespace
 }  // namespace phynness::test

@@ -103,11 +103,13 @@ TEST(ConservativeFit, OfALinearBodyIsItsStiffness) {
   Eigen::Matrix3d stiffness;
   stiffness << 40, 5, -3, 5, 25, 2, -3, 2, 60;
   const auto fit = fit_conservative(
-      states_of(tables, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return stiffness * depth * x; }), depth, {80, 0});
+      states_of(tables, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return stiffness * depth * x; }),
+      depth, {80, 0});
   EXPECT_LT((fit.network.stiffness - stiffness).norm(), 1e-6 * stiffness.norm());  // floats
   const Eigen::Vector3d far(30, -20, 10);
   const Eigen::Vector3d expected = stiffness * depth * far;
-  EXPECT_LT((evaluate_force(fit.network, tables.displacements, depth, far) - expected).norm(), 1e-5 * expected.norm());
+  EXPECT_LT((evaluate_force(fit.network, tables.displacements, depth, far) - expected).norm(),
+            1e-5 * expected.norm());
 }
 
 TEST(ConservativeFit, StaysBoundedFarBeyondTheData) {
@@ -165,15 +167,15 @@ TEST(LeftOut, EqualsSolvingAgain) {
   const auto groups = groups_by_direction(direction, 1, 0);
   const auto errors = left_out(kernel, tail, values, groups);
   for (const auto& group : groups) {
-    std::vector<int> rest;
+    std::vector<Eigen::Index> rest;
     for (int i = 0; i < n; ++i)
       if (std::find(group.begin(), group.end(), i) == group.end()) rest.push_back(i);
     const auto m = static_cast<Eigen::Index>(rest.size());
     Eigen::MatrixXd system = Eigen::MatrixXd::Zero(m + 2, m + 2), right = Eigen::MatrixXd::Zero(m + 2, 1);
     system.topLeftCorner(m, m) = kernel(rest, rest);
-    system.topRightCorner(m, 2) = tail(rest, Eigen::all);
-    system.bottomLeftCorner(2, m) = tail(rest, Eigen::all).transpose();
-    right.topRows(m) = values(rest, Eigen::all);
+    system.topRightCorner(m, 2) = rows_of(tail, rest);
+    system.bottomLeftCorner(2, m) = rows_of(tail, rest).transpose();
+    right.topRows(m) = rows_of(values, rest);
     const Eigen::MatrixXd w = system.fullPivLu().solve(right);
     for (const auto i : group) {
       double said = tail.row(i).dot(w.bottomRows(2).col(0));

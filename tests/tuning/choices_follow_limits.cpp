@@ -12,6 +12,7 @@ MeasuredModel measured(const std::string& name, double error, double us, double 
   m.candidate.name = name;
   m.errors.inside.force.mean = error / 2;
   m.errors.inside.displacement.mean = error;
+  m.errors.inside.force.n = m.errors.inside.displacement.n = 20;
   m.speed.deformation_us = us;
   m.memory_bytes = 1e6 * megabytes;
   return m;
@@ -67,6 +68,15 @@ TEST(Choice, SaysWhichLimitIsMissed) {
       together.missed.find("not all of them at once; the nearest is middle: mean error 2 %, limit 1 %; time"),
       std::string::npos)
       << together.missed;
+}
+
+TEST(Choice, IsNoneWhereNoErrorIsKnown) {
+  auto models = some();
+  for (auto& m : models) m.errors = {};  // no probe was solved: zeros that are no errors
+  const auto choice = choose_model(models, {.error = 0.05});
+  EXPECT_FALSE(choice.chosen);
+  EXPECT_NE(choice.missed.find("no probe"), std::string::npos) << choice.missed;
+  EXPECT_FALSE(choose_model(models, {}).chosen);
 }
 
 TEST(Candidates, AreAllowedByTheLaw) {

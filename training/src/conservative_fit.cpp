@@ -20,10 +20,12 @@ using Eigen::VectorXd;
 /// of the accuracy.
 constexpr double damping = 1e-6;
 
-/// Of the eigenvalues of the stiffness that serves all states best, at least this part is left far beyond them.
+/// Of the eigenvalues of the stiffness that serves all states best, at least this part is left far beyond
+/// them.
 constexpr double least_tail_share = 0.2;
 
-/// Centers are states: with more states than this, some are passed over; a body's force is told by directions.
+/// Centers are states: with more states than this, some are passed over; a body's force is told by
+/// directions.
 constexpr std::size_t max_fit_states = 400;
 
 /// Forces far above this part of the median count relative to their size. Parts from 0.3 to 3 were tried on a
@@ -105,8 +107,8 @@ ForceStates thinned(const ForceStates& states, std::size_t stride) {
   }
   std::reverse(kept.begin(), kept.end());
   ForceStates some;
-  some.x = states.x(kept, Eigen::all);
-  some.force = states.force(kept, Eigen::all);
+  some.x = rows_of(states.x, kept);
+  some.force = rows_of(states.force, kept);
   for (const auto i : kept) {
     some.row.push_back(states.row[static_cast<std::size_t>(i)]);
     some.direction.push_back(states.direction[static_cast<std::size_t>(i)]);
@@ -203,15 +205,16 @@ Matrix3d symmetric(const Eigen::Matrix<double, 6, 1>& k) {
 double least_tail(const MatrixXd& stiffness_columns, const VectorXd& force) {
   const Matrix3d best = symmetric(damped_solution(stiffness_columns, force, 0));
   return least_tail_share *
-         std::max(0.0, Eigen::SelfAdjointEigenSolver<Matrix3d>(best, Eigen::EigenvaluesOnly).eigenvalues()[0]);
+         std::max(0.0,
+                  Eigen::SelfAdjointEigenSolver<Matrix3d>(best, Eigen::EigenvaluesOnly).eigenvalues()[0]);
 }
 
 /// Eigenvalues below `least` raised to it; the same matrix if there are none.
 Matrix3d at_least(const Matrix3d& k, double least) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(k);
   if (eigen.eigenvalues()[0] >= least) return k;
-  const Matrix3d raised =
-      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).asDiagonal() * eigen.eigenvectors().transpose();
+  const Matrix3d raised = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).asDiagonal() *
+                          eigen.eigenvectors().transpose();
   return (raised + raised.transpose()) / 2;
 }
 
@@ -221,9 +224,9 @@ ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, 
   const VectorXd force = stacked(states),
                  weights = weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>();
   const int allowed = static_cast<int>(largest_center_share * static_cast<double>(states.x.rows()));
-  auto chosen = choose_centers(
-      {weights.asDiagonal() * columns.centers, weights.asDiagonal() * columns.stiffness},
-      weights.cwiseProduct(force), std::min(max_centers, allowed));
+  auto chosen =
+      choose_centers({weights.asDiagonal() * columns.centers, weights.asDiagonal() * columns.stiffness},
+                     weights.cwiseProduct(force), std::min(max_centers, allowed));
   std::sort(chosen.begin(), chosen.end());
   const auto m = static_cast<Index>(chosen.size());
   MatrixXd a(force.size(), 3 * m + 6);
@@ -237,8 +240,8 @@ ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, 
   const Matrix3d tail = at_least(symmetric(solution.tail<6>()), least_tail(weighted.rightCols<6>(), target));
   if (tail != symmetric(solution.tail<6>())) {
     solution.tail<6>() << tail(0, 0), tail(0, 1), tail(0, 2), tail(1, 1), tail(1, 2), tail(2, 2);
-    solution.head(3 * m) = damped_solution(
-        weighted.leftCols(3 * m), target - weighted.rightCols<6>() * solution.tail<6>(), 3 * m);
+    solution.head(3 * m) = damped_solution(weighted.leftCols(3 * m),
+                                           target - weighted.rightCols<6>() * solution.tail<6>(), 3 * m);
   }
 
   ConservativeFit fit;

@@ -7,6 +7,12 @@ namespace phynness {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
+MatrixXd rows_of(const MatrixXd& matrix, const std::vector<Index>& which) {
+  MatrixXd rows(static_cast<Index>(which.size()), matrix.cols());
+  for (Index i = 0; i < rows.rows(); ++i) rows.row(i) = matrix.row(which[static_cast<std::size_t>(i)]);
+  return rows;
+}
+
 RowGroups groups_by_direction(const std::vector<std::int32_t>& direction, Index per_state, Index first_row) {
   RowGroups groups;
   for (std::size_t i = 0; i < direction.size(); ++i) {
@@ -29,8 +35,9 @@ MatrixXd left_out(const MatrixXd& kernel, const MatrixXd& tail, const MatrixXd& 
   MatrixXd errors = MatrixXd::Zero(n, values.cols());
   for (const auto& group : groups) {
     const MatrixXd block = inverse(group, group);
-    const MatrixXd error = Eigen::FullPivLU<MatrixXd>(block).solve(weights(group, Eigen::all));
-    errors(group, Eigen::all) = error.allFinite() ? error : MatrixXd(values(group, Eigen::all));
+    MatrixXd error = Eigen::FullPivLU<MatrixXd>(block).solve(rows_of(weights, group));
+    if (!error.allFinite()) error = rows_of(values, group);
+    for (std::size_t i = 0; i < group.size(); ++i) errors.row(group[i]) = error.row(static_cast<Index>(i));
   }
   return errors;
 }

@@ -10,6 +10,9 @@ namespace phynness {
 /// Rows of the data that belong together.
 using RowGroups = std::vector<std::vector<Eigen::Index>>;
 
+/// The rows of a matrix that `which` names, in that order.
+Eigen::MatrixXd rows_of(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Index>& which);
+
 /// One group for each direction of the states: `per_state` rows a state, after `first_row` rows that are
 /// never left out.
 RowGroups groups_by_direction(const std::vector<std::int32_t>& direction, Eigen::Index per_state,

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/modal_fit.hpp>
+#include <set>
 
 #include "left_out.hpp"
 #include "sampling.hpp"
@@ -81,7 +81,8 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
   // Close neighbours along a direction would make the matrix singular to rounding.
   std::vector<Index> kept;
   std::vector<std::int32_t> rows, directions;
-  const auto stride = static_cast<std::int32_t>((node.row.size() + max_search_states - 1) / max_search_states);
+  const auto stride =
+      static_cast<std::int32_t>((node.row.size() + max_search_states - 1) / max_search_states);
   for (std::size_t i = 0; i < node.row.size(); ++i) {
     const auto increment = node.row[i] % tables.n_increments;
     if ((tables.n_increments - 1 - increment) % stride != 0) continue;
@@ -93,7 +94,7 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
   const Index n = x.rows() + 1;
   if (n == 1) return 0;
   MatrixXd phi(n, n), tail = MatrixXd::Ones(n, 4), values = MatrixXd::Zero(n, node.amplitudes.cols());
-  values.bottomRows(n - 1) = node.amplitudes(kept, Eigen::all);
+  values.bottomRows(n - 1) = rows_of(node.amplitudes, kept);
   const auto place = [&](Index i) -> Vector3d {
     return i == 0 ? Vector3d::Zero() : Vector3d(x.row(i - 1).transpose());
   };
@@ -110,8 +111,9 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
 
 /// One node's part in the choice of centers: what its states say of each candidate.
 struct Chooser {
-  MatrixXd columns, rest;  ///< states x candidates, states x modes; orthogonal to the linear part and to what was chosen
-  VectorXd first;          ///< squared lengths of the columns at the start
+  MatrixXd columns,
+      rest;  ///< states x candidates, states x modes; orthogonal to the linear part and to what was chosen
+  VectorXd first;  ///< squared lengths of the columns at the start
 };
 
 Chooser chooser(const TrainingTables& tables, const NodeModes& node, const Eigen::MatrixX3d& candidates,

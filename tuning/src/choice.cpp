@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <phynness/tuning/tuning.hpp>
@@ -25,6 +26,8 @@ std::string text(int what, double value) {
 constexpr std::array<const char*, 3> what_of{"mean error", "time of a deformation", "memory"};
 
 std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs& limit) {
+  if (std::none_of(models.begin(), models.end(), [](const auto& m) { return std::isfinite(m.error()); }))
+    return "no probe inside the trained range was solved, so that no error is known";
   std::string said;
   for (int k = 0; k < 3; ++k) {
     const auto best = std::min_element(models.begin(), models.end(), [&](const auto& a, const auto& b) {
@@ -88,6 +91,7 @@ TuningChoice choose_model(const std::vector<MeasuredModel>& models, const Tuning
   };
   for (std::size_t i = 0; i < models.size(); ++i) {
     const auto c = costs(models[i]);
+    if (!std::isfinite(c[0])) continue;
     if (!(c[0] <= limit[0] && c[1] <= limit[1] && c[2] <= limit[2])) continue;
     if (!choice.chosen || key(models[i]) < key(models[*choice.chosen])) choice.chosen = i;
   }

@@ -22,6 +22,22 @@ LoadedModel loaded(const Model& model, const Mesh& mesh, const std::string& name
   return LoadedModel(std::move(dir), name);
 }
 
+/// What was made, which is less than what was asked where the database has few states.
+std::string described(const Model& model) {
+  std::size_t modes = 0, centers = 0, neurons = 0, force_neurons = 0;
+  for (const auto& node : model.nodes) {
+    modes = std::max(modes, static_cast<std::size_t>(node.modal.weights.cols()));
+    centers = std::max(centers, node.conservative.centers.size());
+    neurons = std::max(neurons, node.deformation.center_displacement.size());
+    force_neurons = std::max(force_neurons, node.force.center_displacement.size());
+  }
+  if (model.family == Family::linear) return "linear";
+  if (model.family == Family::rbfn)
+    return "rbfn " + std::to_string(neurons) + " neurons, " + std::to_string(force_neurons) + " for force";
+  return "modal " + std::to_string(modes) + " of " + std::to_string(model.shared.modes.cols()) + " modes, " +
+         std::to_string(centers) + " centers";
+}
+
 }  // namespace
 
 TuningReport tune(const SolverSession& session, const Scene& scene, const Database& database,
@@ -36,15 +52,22 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
     MeasuredModel measured;
     measured.candidate = candidate;
     TrainingReport training;
-    measured.model = train(database, candidate.spec, training, [&](std::int64_t done, std::int64_t total) {
-      return !progress || progress("train " + candidate.name, done, total);
-    });
+    bool going = true;
+    try {
+      measured.model = train(database, candidate.spec, training, [&](std::int64_t done, std::int64_t total) {
+        return going = !progress || progress("train " + candidate.name, done, total);
+      });
+    } catch (const Error& error) {
+      if (!going) throw;
+      report.left_out.push_back(candidate.name + ": " + error.what());
+      continue;
+    }
+    measured.candidate.name = described(measured.model);
     measured.model.title = scene.title;
     measured.training_s = training.seconds;
     const auto model = loaded(measured.model, mesh, candidate.name);
     if (solved.empty()) {
       const auto plan = plan_probes(model, scene.probe.directions, probes, seed, probed_nodes);
-      bool going = true;
       solve_probes(
           session, scene, model, plan,
           [&](std::int64_t done, std::int64_t total) {
@@ -64,6 +87,10 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
     measured.text_bytes = static_cast<double>(model.text_bytes());
     report.models.push_back(std::move(measured));
   }
+  if (report.models.empty())
+    throw input_error("no candidate could be trained",
+                      report.left_out.empty() ? "there is none" : report.left_out.front(),
+                      "look at the database with `phynness info`");
   mark_front(report.models);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;

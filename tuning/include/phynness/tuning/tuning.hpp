@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/model.hpp>
@@ -31,7 +32,11 @@ struct MeasuredModel {
   bool on_front = false;  ///< no other is at least as good in error, time and memory and better in one
   Model model;
   /// The larger of the mean errors (17) of force and displacement inside the trained range.
-  double error() const { return std::max(errors.inside.force.mean, errors.inside.displacement.mean); }
+  /// Infinite if no probe was solved.
+  double error() const {
+    if (errors.inside.force.n == 0) return std::numeric_limits<double>::infinity();
+    return std::max(errors.inside.force.mean, errors.inside.displacement.mean);
+  }
 };
 void mark_front(std::vector<MeasuredModel>& models);
 
@@ -52,7 +57,8 @@ TuningChoice choose_model(const std::vector<MeasuredModel>& models, const Tuning
 
 struct TuningReport {
   std::vector<MeasuredModel> models;
-  PredictorErrors linear;  ///< the yardstick on the same solves
+  std::vector<std::string> left_out;  ///< candidates that this database cannot train, and why
+  PredictorErrors linear;             ///< the yardstick on the same solves
   std::int64_t probes = 0, failed = 0;
   std::vector<std::int32_t> nodes;  ///< probed
   double seconds = 0;
