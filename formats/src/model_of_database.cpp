@@ -2,6 +2,30 @@
 #include <phynness/formats/model.hpp>
 
 namespace phynness {
+namespace {
+
+Points rows_of(const Points& points, const std::vector<std::int32_t>& nodes) {
+  Points rows(static_cast<Eigen::Index>(nodes.size()), 3);
+  for (std::size_t i = 0; i < nodes.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = points.row(nodes[i]);
+  return rows;
+}
+
+/// The triangles whose corners the model can move: all of them fixed or output nodes.
+Triangles known_triangles(const Mesh& mesh, const Model& model) {
+  std::vector<char> known(static_cast<std::size_t>(mesh.n_nodes()), 0);
+  for (const auto* nodes : {&model.fixed, &model.output})
+    for (const auto node : *nodes) known[static_cast<std::size_t>(node)] = 1;
+  Triangles kept(mesh.surface.rows(), 3);
+  Eigen::Index n = 0;
+  for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t) {
+    bool all = true;
+    for (int k = 0; k < 3; ++k) all = all && known[static_cast<std::size_t>(mesh.surface(t, k))];
+    if (all) kept.row(n++) = mesh.surface.row(t);
+  }
+  return kept.topRows(n);
+}
+
+}  // namespace
 
 Model model_of_database(const DatabaseHeader& header, Family family, const std::string& title) {
   Model model;
@@ -15,9 +39,9 @@ Model model_of_database(const DatabaseHeader& header, Family family, const std::
   model.n_mesh_nodes = header.mesh.n_nodes();
   model.fixed = header.sets.fixed;
   model.output = header.sets.output;
-  model.output_points.resize(static_cast<Eigen::Index>(model.output.size()), 3);
-  for (std::size_t i = 0; i < model.output.size(); ++i)
-    model.output_points.row(static_cast<Eigen::Index>(i)) = header.mesh.nodes.row(model.output[i]);
+  model.fixed_points = rows_of(header.mesh.nodes, model.fixed);
+  model.output_points = rows_of(header.mesh.nodes, model.output);
+  model.surface = known_triangles(header.mesh, model);
   return model;
 }
 

@@ -1,5 +1,6 @@
 // model.txt: writer and reader. The grammar is formats/model.md; the two halves below follow it section by
 // section; model_response.cpp holds what depends on the family.
+#include <algorithm>
 #include <cmath>
 #include <phynness/formats/hash.hpp>
 #include <phynness/formats/model.hpp>
@@ -12,7 +13,7 @@ namespace phynness {
 namespace {
 
 constexpr std::string_view magic = "phynness-model";
-constexpr std::int64_t version = 1;
+constexpr std::int64_t version = 2;
 constexpr std::size_t checksum_line_length = sizeof("checksum 0123456789abcdef\n") - 1;
 
 std::string text_line(ModelLexer& lexer, std::string_view key) {
@@ -26,6 +27,12 @@ std::int32_t read_node(ModelLexer& lexer, const Model& model, std::int32_t& prev
   const std::int32_t node = lexer.integer("node number", 0, model.n_mesh_nodes - 1);
   if (node <= previous) lexer.refuse("node numbers must ascend", std::to_string(node));
   return previous = node;
+}
+
+/// Whether the model knows where the node is.
+bool has_place(const Model& model, std::int32_t node) {
+  return std::binary_search(model.output.begin(), model.output.end(), node) ||
+         std::binary_search(model.fixed.begin(), model.fixed.end(), node);
 }
 
 /// The text between first and last line, checked for magic, version, completeness and checksum in this order.
@@ -100,6 +107,8 @@ void read_active_node(ModelLexer& lexer, const Model& model, ActiveNodeModel& no
 std::string write_model_text(const Model& model) {
   require_writable(model.output_points.rows() == static_cast<Eigen::Index>(model.output.size()),
                    "output_points does not fit output");
+  require_writable(model.fixed_points.rows() == static_cast<Eigen::Index>(model.fixed.size()),
+                   "fixed_points does not fit fixed");
   require_writable(!model.directions.empty() && model.displacements.rows() > 0 &&
                        model.displacements.rows() % static_cast<Eigen::Index>(model.directions.size()) == 0,
                    "displacements are not directions x increments");
@@ -117,10 +126,19 @@ std::string write_model_text(const Model& model) {
   w.word("displacements").integer(model.displacements.rows()).end();
   for (Eigen::Index i = 0; i < model.displacements.rows(); ++i) w.reals(model.displacements.row(i)).end();
   w.word("fixed").integer(static_cast<std::int64_t>(model.fixed.size())).end();
-  for (const std::int32_t node : model.fixed) w.integer(node).end();
+  for (std::size_t i = 0; i < model.fixed.size(); ++i)
+    w.integer(model.fixed[i]).reals(model.fixed_points.row(static_cast<Eigen::Index>(i))).end();
   w.word("output").integer(static_cast<std::int64_t>(model.output.size())).end();
   for (std::size_t i = 0; i < model.output.size(); ++i) {
     w.integer(model.output[i]).reals(model.output_points.row(static_cast<Eigen::Index>(i))).end();
+  }
+  w.word("surface").integer(model.surface.rows()).end();
+  for (Eigen::Index t = 0; t < model.surface.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      require_writable(has_place(model, model.surface(t, k)), "a corner of the surface is neither output nor fixed");
+      w.integer(model.surface(t, k));
+    }
+    w.end();
   }
   write_shared(w, model);
   w.word("active").integer(static_cast<std::int64_t>(model.nodes.size())).end();
@@ -184,8 +202,10 @@ Model read_model_text(const std::string& text, const std::string& source_name) {
   }
   model.fixed.resize(lexer.count_line("fixed"));
   std::int32_t previous = -1;
-  for (std::int32_t& node : model.fixed) {
-    node = read_node(lexer, model, previous);
+  model.fixed_points.resize(static_cast<Eigen::Index>(model.fixed.size()), 3);
+  for (std::size_t i = 0; i < model.fixed.size(); ++i) {
+    model.fixed[i] = read_node(lexer, model, previous);
+    lexer.reals("coordinate", model.fixed_points.row(static_cast<Eigen::Index>(i)));
     lexer.end_line();
   }
   model.output.resize(lexer.count_line("output"));
@@ -194,6 +214,16 @@ Model read_model_text(const std::string& text, const std::string& source_name) {
   for (std::size_t i = 0; i < model.output.size(); ++i) {
     model.output[i] = read_node(lexer, model, previous);
     lexer.reals("coordinate", model.output_points.row(static_cast<Eigen::Index>(i)));
+    lexer.end_line();
+  }
+  model.surface.resize(lexer.count_line("surface"), 3);
+  for (Eigen::Index t = 0; t < model.surface.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t node = lexer.integer("corner", 0, model.n_mesh_nodes - 1);
+      if (!has_place(model, node))
+        lexer.refuse("a corner of the surface is neither output nor fixed", std::to_string(node));
+      model.surface(t, k) = node;
+    }
     lexer.end_line();
   }
   read_shared(lexer, model);

@@ -2,6 +2,7 @@
 // modal responses are in modal.hpp.
 #pragma once
 
+#include "coupled.hpp"
 #include "model.hpp"
 
 struct phn_data {
@@ -11,6 +12,7 @@ struct phn_data {
   double* field;       ///< n_output x 3: the field of one tool
   double* nearest;     ///< n_output: distance to the nearest tool [m]
   double* weight_sum;  ///< n_output: sum of nearest / distance over the tools
+  phynness::runtime::Coupling coupling;
 };
 
 namespace phynness::runtime {

@@ -185,6 +185,40 @@ void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& 
   }
 }
 
+/// Ascending node numbers with reference coordinates. @return their number
+std::int32_t nodes_and_points(TextReader& in, Arena& arena, const char* keyword, std::int32_t n_nodes,
+                              const std::int32_t*& nodes, const double*& points) {
+  const std::int32_t n = count_line(in, keyword, 0);
+  Column<std::int32_t> numbers(arena, n);
+  Column<double> coordinates(arena, 3 * static_cast<std::size_t>(n));
+  std::int32_t previous = -1;
+  for (std::int32_t i = 0; i < n && in.good(); ++i) {
+    numbers.set(i, ascending_node(in, n_nodes, previous));
+    for (int k = 0; k < 3; ++k) coordinates.set(3 * static_cast<std::size_t>(i) + k, in.real());
+    in.end_line();
+  }
+  nodes = numbers.get();
+  points = coordinates.get();
+  return n;
+}
+
+/// Triangles, their corners turned from node numbers to vertices. Without memory there is nothing to look up.
+void surface(TextReader& in, Arena& arena, phn_model& model) {
+  model.n_triangles = count_line(in, "surface", 0);
+  Column<std::int32_t> corners(arena, 3 * static_cast<std::size_t>(model.n_triangles));
+  for (std::int32_t t = 0; t < model.n_triangles && in.good(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t node = in.integer(0, model.n_nodes - 1);
+      if (!has_memory(arena)) continue;
+      const std::int32_t vertex = find_vertex(model, node);
+      if (vertex < 0) in.fail(PHN_ERROR_RANGE);
+      corners.set(3 * static_cast<std::size_t>(t) + k, vertex);
+    }
+    in.end_line();
+  }
+  model.triangles = corners.get();
+}
+
 /// The word after `family`, or false.
 bool family_word(TextReader& in, Family& family) {
   constexpr struct {
@@ -215,6 +249,13 @@ std::int32_t find_sorted(const std::int32_t* list, std::int32_t n, std::int32_t 
     }
   }
   return low < n && list[low] == node ? low : -1;
+}
+
+std::int32_t find_vertex(const phn_model& model, std::int32_t node) {
+  const std::int32_t output = find_sorted(model.output_nodes, model.n_output, node);
+  if (output >= 0) return output;
+  const std::int32_t fixed = find_sorted(model.fixed_nodes, model.n_fixed, node);
+  return fixed < 0 ? -1 : model.n_output + fixed;
 }
 
 std::int32_t find_active(const phn_model& model, std::int32_t node) {
@@ -257,30 +298,17 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   model.displacements = tables.displacements =
       vector_table(in, arena, tables.n_displacements, modal ? model.max_displacement : 1);
 
-  const std::int32_t n_fixed = count_line(in, "fixed", 0);
-  std::int32_t previous = -1;
-  for (std::int32_t i = 0; i < n_fixed && in.good(); ++i) {
-    ascending_node(in, model.n_nodes, previous);
-    in.end_line();
-  }
-  model.n_output = count_line(in, "output", 0);
-  Column<std::int32_t> output_nodes(arena, model.n_output);
-  Column<double> points(arena, 3 * model.n_output);
-  previous = -1;
-  for (std::int32_t i = 0; i < model.n_output && in.good(); ++i) {
-    output_nodes.set(i, ascending_node(in, model.n_nodes, previous));
-    for (int k = 0; k < 3; ++k) points.set(3 * i + k, in.real());
-    in.end_line();
-  }
-  model.output_nodes = output_nodes.get();
-  model.output_points = tables.output_points = points.get();
+  model.n_fixed = nodes_and_points(in, arena, "fixed", model.n_nodes, model.fixed_nodes, model.fixed_points);
+  model.n_output = nodes_and_points(in, arena, "output", model.n_nodes, model.output_nodes, model.output_points);
+  tables.output_points = model.output_points;
+  surface(in, arena, model);
   if (modal) load_shared(in, arena, tables.n_displacements, model);
 
   model.n_active = count_line(in, "active", 0);
   Column<std::int32_t> active_nodes(arena, model.n_active);
   Column<ActiveNode> active(arena, model.n_active);
   Depths depths{in, nullptr, false};
-  previous = -1;
+  std::int32_t previous = -1;
   for (std::int32_t i = 0; i < model.n_active && in.good(); ++i) {
     in.keyword("node");
     const std::int32_t number = ascending_node(in, model.n_nodes, previous);

@@ -88,10 +88,13 @@ struct ActiveNode {
 
 struct phn_model {
   phynness::runtime::Family family;
-  std::int32_t n_nodes, n_active, n_output, n_directions;
+  std::int32_t n_nodes, n_active, n_output, n_fixed, n_triangles, n_directions;
   std::size_t n_scratch;  ///< doubles that a deformation needs besides its result
   const std::int32_t *active_nodes, *output_nodes;
   const double* output_points;  ///< n_output x 3
+  const std::int32_t* fixed_nodes;
+  const double* fixed_points;     ///< n_fixed x 3
+  const std::int32_t* triangles;  ///< n_triangles x 3 vertices: output nodes, then, from n_output on, fixed ones
   const double* directions;     ///< n_directions x 3
   double max_displacement;
   const double* displacements;  ///< rows of 3; in family modal over max_displacement
@@ -110,6 +113,8 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
 
 /// Position of `node` among the active nodes, or -1.
 std::int32_t find_active(const phn_model& model, std::int32_t node);
+/// Vertex of a mesh node: its position among the output nodes, n_output + that among the fixed ones, or -1.
+std::int32_t find_vertex(const phn_model& model, std::int32_t node);
 /// Position of `node` in an ascending list of n, or -1.
 std::int32_t find_sorted(const std::int32_t* list, std::int32_t n, std::int32_t node);
 

@@ -1,28 +1,20 @@
-// The C interface: argument checks and statuses; the work is in load.cpp and evaluate.cpp.
+// The C interface: argument checks and statuses; the work is in load.cpp and evaluate.cpp. Tools anywhere: touch.cpp.
 #include <phynness/phynness.h>
 
 #include <cmath>
 
 #include "arena.hpp"
+#include "arguments.hpp"
 #include "evaluate.hpp"
 #include "model.hpp"
 
 using phynness::runtime::ActiveNode;
 using phynness::runtime::Arena;
+using phynness::runtime::finite;
+using phynness::runtime::warnings;
+using phynness::runtime::zero;
 
 namespace {
-
-bool finite(const double* d) { return std::isfinite(d[0]) && std::isfinite(d[1]) && std::isfinite(d[2]); }
-
-void zero(double* values, std::int32_t n) {
-  if (values == nullptr) return;
-  for (std::int32_t i = 0; i < n; ++i) values[i] = 0;
-}
-
-int warnings(const phn_model& model, const ActiveNode& node, const double* d) {
-  return (phynness::runtime::outside(model, node, d) ? PHN_WARNING_OUTSIDE : 0) |
-         (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
-}
 
 /// Checks the arguments of a response of one node and finds the node.
 int find_node(const phn_model* model, const phn_data* data, std::int32_t node, const double* d,
@@ -52,6 +44,7 @@ DataParts lay_out(Arena& arena, const phn_model& model, std::int32_t max_tools) 
   parts.value.field = arena.take<double>(3 * n_output);
   parts.value.nearest = arena.take<double>(n_output);
   parts.value.weight_sum = arena.take<double>(n_output);
+  parts.value.coupling = phynness::runtime::lay_out_coupling(arena, model, max_tools);
   return parts;
 }
 
@@ -65,6 +58,12 @@ const char* phn_status_message(int status) {
   switch (status) {
     case PHN_OK:
       return "good";
+    case PHN_WARNING_UNSETTLED:
+      return "coupled tools found no balance of forces: the forces are a guess";
+    case PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE:
+    case PHN_WARNING_UNSETTLED | PHN_WARNING_INCOMPLETE:
+    case PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE:
+      return "coupled tools found no balance of forces, at displacements beyond or beside what was trained";
     case PHN_WARNING_OUTSIDE:
       return "displacement is beyond the depth trained in its direction";
     case PHN_WARNING_INCOMPLETE:
@@ -152,6 +151,11 @@ int32_t phn_n_output(const phn_model* model) { return model ? model->n_output : 
 const int32_t* phn_active_nodes(const phn_model* model) { return model ? model->active_nodes : nullptr; }
 const int32_t* phn_output_nodes(const phn_model* model) { return model ? model->output_nodes : nullptr; }
 const double* phn_output_points(const phn_model* model) { return model ? model->output_points : nullptr; }
+int32_t phn_n_triangles(const phn_model* model) { return model ? model->n_triangles : 0; }
+const int32_t* phn_triangles(const phn_model* model) { return model ? model->triangles : nullptr; }
+int32_t phn_n_fixed(const phn_model* model) { return model ? model->n_fixed : 0; }
+const int32_t* phn_fixed_nodes(const phn_model* model) { return model ? model->fixed_nodes : nullptr; }
+const double* phn_fixed_points(const phn_model* model) { return model ? model->fixed_points : nullptr; }
 
 int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3]) {
   zero(force, 3);

@@ -6,7 +6,7 @@ namespace phynness::runtime {
 namespace {
 
 constexpr char magic[] = "phynness-model ";
-constexpr char first_line[] = "phynness-model 1\n";
+constexpr char first_line[] = "phynness-model 2\n";
 constexpr std::size_t checksum_line_length = sizeof("checksum 0123456789abcdef\n") - 1;
 
 }  // namespace

@@ -82,6 +82,8 @@ TEST(ModelText, RoundTripsBitForBit) {
   EXPECT_TRUE(std::signbit(again.nodes[0].force.weights(0, 0)));
   EXPECT_EQ(again.title, model.title);
   EXPECT_EQ(again.fixed, model.fixed);
+  EXPECT_EQ(again.fixed_points, model.fixed_points);
+  EXPECT_EQ(again.surface, model.surface);
 }
 
 // Claim: a linear model comes back bit for bit.
@@ -157,9 +159,9 @@ TEST(ModelText, TablesRoundToTheirColumns) {
   EXPECT_EQ(table.values().col(2).norm(), 0);
 }
 
-// Claim: networks are laid out as before there were other families, so models that exist stay readable. The
-// first word of every line from the family on; # for a line that begins with a number.
-TEST(ModelText, NetworksAreLaidOutAsBefore) {
+// Claim: networks are laid out as formats/model.md has it, so models that exist stay readable. The first
+// word of every line from the family on; # for a line that begins with a number.
+TEST(ModelText, NetworksAreLaidOutAsDescribed) {
   Model model = small_model(1, 1);
   model.nodes.resize(1);
   const std::string text = write_model_text(model);
@@ -173,7 +175,7 @@ TEST(ModelText, NetworksAreLaidOutAsBefore) {
       "input_center input_half_range output_center output_half_range spread bias #";
   EXPECT_EQ(layout,
             "family title software mesh_hash physics_hash max_displacement_m mesh_nodes directions ####"
-            "displacements ########fixed ##output ############active node point prescribed #incomplete "
+            "displacements ########fixed ##output ############surface ####active node point prescribed #incomplete "
             "trained_depth ####force " +
                 transforms + "deformation " + transforms + "checksum ");
 }
@@ -208,8 +210,8 @@ TEST(ModelText, RefusalsSayWhatIsWrong) {
       {text.substr(0, text.size() / 2), "truncated"},
       {text.substr(0, 5), "truncated"},
       {corrupted, "corrupted"},
-      {replaced(text, "phynness-model 1\n", "phynness-model 2\n"), "another version"},
-      {replaced(text, "phynness-model 1\n", "phynness-model 1\r\n"), "line endings"},
+      {replaced(text, "phynness-model 2\n", "phynness-model 3\n"), "another version"},
+      {replaced(text, "phynness-model 2\n", "phynness-model 2\r\n"), "line endings"},
       {replaced(text, "family rbfn", "family tree"), "family"},
       {replaced(text, "spread 1.", "spread 1,"), "comma"},
       {replaced(text, "spread 1.", "spread 1x"), "malformed number"},

@@ -91,7 +91,7 @@ def read_modal(reader, model, node):
 
 def read_model(data):
     reader = Reader(checked_lines(data))
-    if reader.fields("phynness-model") != ["1"]:
+    if reader.fields("phynness-model") != ["2"]:
         sys.exit("another version")
     family = reader.fields("family")[0]
     if family not in ("rbfn", "linear", "modal"):
@@ -106,6 +106,8 @@ def read_model(data):
         reader.fields()
     output = [reader.fields() for _ in range(reader.count("output"))]
     points = [[float.fromhex(f) for f in fields[1:]] for fields in output]
+    for _ in range(reader.count("surface")):
+        reader.fields()
     model = {"family": family, "output": [int(fields[0]) for fields in output], "points": points, "nodes": {}}
     if family == "modal":
         model["largest"] = largest

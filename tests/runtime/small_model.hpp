@@ -71,11 +71,15 @@ inline Model small_model(int n_deformation = 9, int n_force = 5) {
   }
   model.n_mesh_nodes = 20;
   model.fixed = {0, 1};
+  model.fixed_points.resize(2, 3);
+  model.fixed_points << 0.01, 0.02, 0.03, -0.02, 0.01, 0.04;
   model.output_points.resize(12, 3);
   for (int i = 0; i < 12; ++i) {
     model.output.push_back(i + 2);
     for (int k = 0; k < 3; ++k) model.output_points(i, k) = 0.05 * numbers.next();
   }
+  model.surface.resize(4, 3);
+  model.surface << 3, 5, 8, 5, 3, 0, 8, 5, 12, 1, 0, 3;
   for (const std::int32_t number : {3, 5, 8, 15}) {
     ActiveNodeModel& node = model.nodes.emplace_back();
     node.node = number;

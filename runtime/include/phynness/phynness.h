@@ -28,6 +28,7 @@ enum {
   PHN_OK = 0,
   PHN_WARNING_OUTSIDE = 1,      /* a displacement is longer than what was trained in its direction */
   PHN_WARNING_INCOMPLETE = 2,   /* some direction of a touched node stopped short of the full depth in training */
+  PHN_WARNING_UNSETTLED = 4,    /* coupled tools found no balance of forces: displacements hold, forces are a guess */
   PHN_ERROR_ARGUMENT = -1,      /* null pointer, negative number, data of another model */
   PHN_ERROR_NOT_ACTIVE = -2,    /* the node cannot be touched in this model */
   PHN_ERROR_NOT_FINITE = -3,    /* a displacement is NaN or infinite */
@@ -75,6 +76,14 @@ const int32_t *phn_output_nodes(const phn_model *model);
 /* Reference coordinates of the output nodes, n_output x 3, row by row [m]; owned by the model. */
 const double *phn_output_points(const phn_model *model);
 
+/* The surface: triangles, three vertices each, normals outward. Vertices below n_output are output nodes in their order,
+ * those from n_output on fixed nodes, which never move. Reference coordinates of fixed nodes: n_fixed x 3 [m]. */
+int32_t phn_n_triangles(const phn_model *model);
+const int32_t *phn_triangles(const phn_model *model);
+int32_t phn_n_fixed(const phn_model *model);
+const int32_t *phn_fixed_nodes(const phn_model *model);
+const double *phn_fixed_points(const phn_model *model);
+
 /* Reaction force [N] at active node `node` displaced by d [m]. Cost: one exponential per force neuron, (11)-(12); in
  * linear models nine multiplications; in modal models one square root and one division per center. */
 int phn_force(const phn_model *model, phn_data *data, int32_t node, const double d[3], double force[3]);
@@ -100,6 +109,39 @@ int phn_stiffness(const phn_model *model, phn_data *data, int32_t node, const do
  * PHN_ERROR_UNDEFINED. */
 int phn_deform(const phn_model *model, phn_data *data, int32_t n_tools, const int32_t *nodes,
                const double *displacements, double *out);
+
+/* A tool that holds a point of the surface: up to three nodes of one triangle with barycentric weights, >= 0 and of sum
+ * 1. A node alone: {node, -1, -1}, {1, 0, 0}. Nodes are active or fixed ones, by their number in the mesh. */
+typedef struct phn_tool {
+  int32_t nodes[3];       /* -1: none */
+  double weights[3];
+  double displacement[3]; /* of the point [m] */
+} phn_tool;
+
+/* The tool at the point of the undeformed surface nearest to x [m], displaced by 0; `point` [m] may be null. Cost: a
+ * distance to every triangle. PHN_ERROR_UNDEFINED if the model has no triangles. */
+int phn_nearest(const phn_model *model, const double x[3], phn_tool *tool, double point[3]);
+
+typedef struct phn_coupled {
+  double residual;    /* largest distance between a tool's point and where the tool holds it [m] */
+  double energy;      /* [J]; 0 in networks, which have none */
+  int32_t iterations; /* Newton's method, at most 56 */
+} phn_coupled;
+
+/* Forces [N] at up to 16 tools anywhere on the surface, n_tools x 3. Responses of single nodes are superposed: each touched
+ * node has a displacement d_i of its own such that its force is its share of the tools' forces, f_i(d_i) = sum_t w_ti F_t,
+ * and that the points move as the tools do, sum_ti w_ti u_i(d_i) = displacement. Exact in a linear body; the force is
+ * continuous where a tool slides over an edge. `result` may be null. Solved by Newton's method from where the last call
+ * with this data ended, so that answers may depend on the way where there are several; else from rest.
+ * Cost: some 3 iterations, each as much as 3 n_tools forces, stiffnesses and sets of amplitudes.
+ * PHN_ERROR_NOT_ACTIVE: a node can neither be touched nor is fixed, or all of a tool's are fixed. PHN_ERROR_UNDEFINED: a
+ * node has forces only. Components of displacements are cut at 1000 max_displacement_m. */
+int phn_couple(const phn_model *model, phn_data *data, int32_t n_tools, const phn_tool *tools, double *forces,
+               phn_coupled *result);
+
+/* Displacements [m] of all output nodes, n_output x 3, under the tools of the last phn_couple with this data: the sum of
+ * what its nodes do. Zeros before the first. Cost: that of 3 n_tools deformations. */
+int phn_coupled_deform(const phn_model *model, phn_data *data, double *out);
 
 /* How deep [m] `node` was trained in the exploratory direction nearest to d; for d = 0 the least of all directions that
  * were trained. Returns PHN_WARNING_OUTSIDE if |d| is beyond. Linear models are exact at any depth and have no outside:

@@ -110,7 +110,9 @@ struct Model {
   Points displacements;  ///< n_directions * n_increments x 3 [m], row direction * n_increments + increment
   std::int32_t n_mesh_nodes = 0;
   std::vector<std::int32_t> fixed, output;  ///< mesh node numbers, ascending
+  Points fixed_points;                      ///< n_fixed x 3 [m], reference coordinates of the fixed nodes
   Points output_points;                     ///< n_output x 3 [m], reference coordinates of the output nodes
+  Triangles surface;                        ///< mesh node numbers, each output or fixed; normals outward
   SharedModes shared;                       ///< modal
   std::vector<ActiveNodeModel> nodes;       ///< ascending by node
 };

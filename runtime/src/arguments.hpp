@@ -1,0 +1,23 @@
+// What the C functions share: checks of arguments, warnings.
+#pragma once
+
+#include <cmath>
+
+#include "evaluate.hpp"
+
+namespace phynness::runtime {
+
+inline bool finite(const double* d) {
+  return std::isfinite(d[0]) && std::isfinite(d[1]) && std::isfinite(d[2]);
+}
+
+inline void zero(double* values, std::int32_t n) {
+  if (values == nullptr) return;
+  for (std::int32_t i = 0; i < n; ++i) values[i] = 0;
+}
+
+inline int warnings(const phn_model& model, const ActiveNode& node, const double* d) {
+  return (outside(model, node, d) ? PHN_WARNING_OUTSIDE : 0) | (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
+}
+
+}  // namespace phynness::runtime
