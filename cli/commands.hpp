@@ -7,6 +7,7 @@
 #include <optional>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
+#include <phynness/formats/tool.hpp>
 #include <string>
 #include <vector>
 
@@ -45,14 +46,18 @@ void refuse_overwriting(const std::filesystem::path& output,
                         const std::vector<std::filesystem::path>& others);
 void write_json(const std::optional<std::filesystem::path>& file, const json& value);
 
-/// Tools from repeated --node J --displacement dx,dy,dz.
+/// Tools from repeated --node J or --point x,y,z and --displacement dx,dy,dz.
 struct ToolOptions {
   std::vector<std::int32_t> nodes;
-  std::vector<std::string> displacements;
+  std::vector<std::string> points, displacements;
   std::optional<std::filesystem::path> deformation_csv, json_file;
   void add_to(CLI::App& command);
-  /// @throws Error unless there are as many displacements as nodes, at least one, each three finite numbers
+  /// Of the tools at nodes, then of those at points.
+  /// @throws Error unless there are as many displacements as tools, at least one, each three finite numbers
   std::vector<Vec3> parsed_displacements() const;
+  /// Where the tools are: nodes, then the points of the surface nearest to --point; says how far they moved.
+  /// @throws Error if a point is no three finite numbers or a node is none of the mesh
+  std::vector<SurfacePoint> places(const Mesh& mesh) const;
   void refuse_overwriting_inputs(const std::filesystem::path& input) const;
 };
 
@@ -63,7 +68,8 @@ struct ToolResult {
   Points displacement_m;            ///< one row per entry of `nodes`
   std::vector<std::int32_t> nodes;  ///< mesh node numbers of the rows
 };
-void report_tools(const ToolOptions& options, const std::vector<Vec3>& displacements, const Mesh& mesh,
-                  const ToolResult& result, json extra);
+void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& places,
+                  const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result,
+                  json extra);
 
 }  // namespace phynness::cli

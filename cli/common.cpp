@@ -13,8 +13,31 @@
 namespace phynness::cli {
 
 namespace {
+
 /// Far beyond every body that the mesh checks let pass without a warning, far below where squares overflow.
 constexpr double largest_displacement_m = 1e6;
+
+/// @throws Error unless `text` is three finite numbers separated by commas, together no longer than the above
+Vec3 parse_vector(const std::string& text, const std::string& what, const std::string& remedy) {
+  Vec3 v{};
+  const char *at = text.data(), *end = text.data() + text.size();
+  bool good = true;
+  for (int k = 0; k < 3 && good; ++k) {
+    if (k > 0) good = at != end && *at++ == ',';
+    if (!good) break;
+    while (at != end && *at == ' ') ++at;
+    if (at != end && *at == '+') ++at;
+    const auto [next, code] = std::from_chars(at, end, v[static_cast<std::size_t>(k)]);
+    good = code == std::errc{} && std::isfinite(v[static_cast<std::size_t>(k)]);
+    at = next;
+  }
+  if (!good || at != end)
+    throw input_error("a " + what + " is three finite numbers separated by commas", "'" + text + "'", remedy);
+  if (std::hypot(v[0], v[1], v[2]) > largest_displacement_m)
+    throw input_error("a " + what + " is larger than any body", "'" + text + "'", what + "s are in metres");
+  return v;
+}
+
 }  // namespace
 
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
@@ -77,9 +100,14 @@ void write_json(const std::optional<std::filesystem::path>& file, const json& va
 
 void ToolOptions::add_to(CLI::App& command) {
   command.add_option("--node", nodes, "touched node (0-based number of the mesh); repeat for several tools")
-      ->required()
       ->allow_extra_args(false);
-  command.add_option("--displacement", displacements, "its displacement dx,dy,dz [m]; one for each --node")
+  command
+      .add_option("--point", points,
+                  "or a touched point x,y,z [m] of the undeformed surface, where it is nearest; repeat")
+      ->allow_extra_args(false);
+  command
+      .add_option("--displacement", displacements,
+                  "displacement dx,dy,dz [m]; one for each --node, then one for each --point")
       ->required()
       ->allow_extra_args(false);
   command.add_option("--deformation", deformation_csv,
@@ -94,46 +122,65 @@ void ToolOptions::refuse_overwriting_inputs(const std::filesystem::path& input) 
 }
 
 std::vector<Vec3> ToolOptions::parsed_displacements() const {
-  if (nodes.size() != displacements.size())
-    throw input_error("each --node needs one --displacement",
-                      fmt::format("{} nodes, {} displacements", nodes.size(), displacements.size()),
+  if (nodes.empty() && points.empty())
+    throw input_error("no tool", "neither --node nor --point", "--node 5 --displacement 0,0,-0.01");
+  if (nodes.size() + points.size() != displacements.size())
+    throw input_error("each --node and --point needs one --displacement",
+                      fmt::format("{} nodes, {} points, {} displacements", nodes.size(), points.size(),
+                                  displacements.size()),
                       "repeat both: --node 5 --displacement 0,0,-0.01 --node 9 --displacement 0,0.005,0");
   std::vector<Vec3> parsed;
-  for (const auto& text : displacements) {
-    Vec3 d{};
-    const char *at = text.data(), *end = text.data() + text.size();
-    bool good = true;
-    for (int k = 0; k < 3 && good; ++k) {
-      if (k > 0) good = at != end && *at++ == ',';
-      if (!good) break;
-      while (at != end && *at == ' ') ++at;
-      if (at != end && *at == '+') ++at;
-      const auto [next, code] = std::from_chars(at, end, d[static_cast<std::size_t>(k)]);
-      good = code == std::errc{} && std::isfinite(d[static_cast<std::size_t>(k)]);
-      at = next;
-    }
-    if (!good || at != end)
-      throw input_error("a displacement is three finite numbers separated by commas", "'" + text + "'",
-                        "--displacement 0,0,-0.01 (metres)");
-    if (std::hypot(d[0], d[1], d[2]) > largest_displacement_m)
-      throw input_error("a displacement is larger than any body", "'" + text + "'",
-                        "displacements are in metres");
-    parsed.push_back(d);
-  }
+  for (const auto& text : displacements)
+    parsed.push_back(parse_vector(text, "displacement", "--displacement 0,0,-0.01 (metres)"));
   return parsed;
 }
 
-void report_tools(const ToolOptions& options, const std::vector<Vec3>& displacements, const Mesh& mesh,
-                  const ToolResult& result, json extra) {
+std::vector<SurfacePoint> ToolOptions::places(const Mesh& mesh) const {
+  std::vector<SurfacePoint> found;
+  for (const auto node : nodes) {
+    if (node < 0 || node >= mesh.n_nodes())
+      throw input_error("no such node", "node " + std::to_string(node),
+                        "nodes are numbered 0 to " + std::to_string(mesh.n_nodes() - 1));
+    SurfacePoint place{{node, -1, -1}, {1, 0, 0}, {}, 0};
+    for (int k = 0; k < 3; ++k) place.point[static_cast<std::size_t>(k)] = mesh.nodes(node, k);
+    found.push_back(place);
+  }
+  for (const auto& text : points) {
+    const Vec3 wanted = parse_vector(text, "point", "--point 0.1,0.02,0.05 (metres)");
+    found.push_back(nearest_on_surface(mesh.nodes, mesh.surface, wanted));
+    const auto& place = found.back();
+    fmt::print(stderr, "point {}: {:.3g} m from the surface, on the triangle of nodes {}, {}, {}\n", text,
+               place.distance, place.nodes[0], place.nodes[1], place.nodes[2]);
+  }
+  return found;
+}
+
+void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& places,
+                  const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result,
+                  json extra) {
   const double largest =
       result.displacement_m.rows() > 0 ? result.displacement_m.rowwise().norm().maxCoeff() : 0.0;
   json tools = json::array();
-  for (std::size_t t = 0; t < options.nodes.size(); ++t) {
-    json tool{{"node", options.nodes[t]}, {"displacement", displacements[t]}, {"force", nullptr}};
+  for (std::size_t t = 0; t < places.size(); ++t) {
+    json tool;
+    std::string where;
+    if (t < options.nodes.size()) {
+      tool["node"] = options.nodes[t];
+      where = fmt::format("node {}", options.nodes[t]);
+    } else {
+      const auto& p = places[t].point;
+      tool["node"] = nullptr;
+      tool["point"] = p;
+      tool["nodes"] = places[t].nodes;
+      tool["weights"] = places[t].weights;
+      where = fmt::format("point {:.6g} {:.6g} {:.6g} m", p[0], p[1], p[2]);
+    }
+    tool["displacement"] = displacements[t];
+    tool["force"] = nullptr;
     if (result.force_N[t]) tool["force"] = *result.force_N[t];
     tools.push_back(tool);
     const auto& d = displacements[t];
-    fmt::print("node {}  displacement {:g} {:g} {:g} m", options.nodes[t], d[0], d[1], d[2]);
+    fmt::print("{}  displacement {:g} {:g} {:g} m", where, d[0], d[1], d[2]);
     if (result.force_N[t]) {
       const auto& f = *result.force_N[t];
       fmt::print("  force {:.6g} {:.6g} {:.6g} N\n", f[0], f[1], f[2]);

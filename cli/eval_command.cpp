@@ -10,26 +10,47 @@ namespace {
 
 struct Options {
   std::filesystem::path model;
-  std::string tools = "paper";
+  std::string tools = "coupled";
   ToolOptions tool;
 };
+
+std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places,
+                               const std::vector<Vec3>& displacements) {
+  std::vector<phn_tool> tools;
+  for (std::size_t t = 0; t < places.size(); ++t) {
+    phn_tool& tool = tools.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      tool.nodes[k] = places[t].nodes[k];
+      tool.weights[k] = places[t].weights[k];
+      tool.displacement[k] = displacements[t][k];
+    }
+  }
+  return tools;
+}
 
 void run(const Options& options) {
   options.tool.refuse_overwriting_inputs(options.model / "model.txt");
   options.tool.refuse_overwriting_inputs(options.model / "mesh.txt");
   const auto displacements = options.tool.parsed_displacements();
-  if (options.tools == "coupled" && options.tool.nodes.size() > 1)
-    throw input_error("this version couples no tools", "--tools coupled",
-                      "use --tools paper: weights (15)-(16), no force");
+  if (options.tools == "paper" && !options.tool.points.empty())
+    throw input_error("the paper's weights are those of nodes", "--point " + options.tool.points.front(),
+                      "use --tools coupled, or touch nodes");
   const LoadedModel model(options.model);
-  const auto response = model.respond(options.tool.nodes, displacements);
+  const auto places = options.tool.places(model.mesh());
+  const bool coupled = options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty());
+  const auto response = coupled ? model.couple(tools_at(places, displacements))
+                                : model.respond(options.tool.nodes, displacements);
   if (response.displacement_m.rows() == 0 && options.tool.deformation_csv)
     throw input_error("this model has forces only", "--deformation " + options.tool.deformation_csv->string(),
                       "train it with [training] modes of 1 or more");
   if (response.status > 0) fmt::print(stderr, "warning: {}\n", phn_status_message(response.status));
-  report_tools(options.tool, displacements, model.mesh(),
-               {response.force_N, response.energy_J, response.displacement_m, model.model().output},
-               {{"status", response.status}, {"family", name(model.model().family)}});
+  json extra{{"status", response.status}, {"family", name(model.model().family)}};
+  if (coupled) {
+    extra["residual"] = response.coupled.residual;
+    extra["iterations"] = response.coupled.iterations;
+  }
+  report_tools(options.tool, places, displacements, model.mesh(),
+               {response.force_N, response.energy_J, response.displacement_m, model.model().output}, extra);
 }
 
 }  // namespace
@@ -40,8 +61,9 @@ void add_eval_command(CLI::App& app) {
   command->add_option("MODEL_DIR", options->model, "directory with model.txt and mesh.txt")->required();
   options->tool.add_to(*command);
   command
-      ->add_option("--tools", options->tools,
-                   "several tools: paper = weights (15)-(16) (coupled: later versions)")
+      ->add_option(
+          "--tools", options->tools,
+          "several tools: coupled = superposed with a force at each; paper = weights (15)-(16), no force")
       ->check(CLI::IsMember({"coupled", "paper"}));
   command->callback([options] { run(*options); });
 }

@@ -1,8 +1,9 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
-#include <phynness/precompute/probe_solver.hpp>
+#include <phynness/precompute/held_points.hpp>
 
 #include "commands.hpp"
 
@@ -24,15 +25,42 @@ LoadedScene load_source(const std::filesystem::path& source) {
           header.mesh, header.sets};
 }
 
+/// @throws Error if a tool's nodes are all fixed
+std::vector<PointTool> tools_at(const std::vector<SurfacePoint>& places,
+                                const std::vector<Vec3>& displacements, const NodeSets& sets) {
+  std::vector<PointTool> tools;
+  for (std::size_t t = 0; t < places.size(); ++t) {
+    PointTool& tool = tools.emplace_back();
+    tool.displacement_m = displacements[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto node = places[t].nodes[k];
+      if (places[t].weights[k] == 0 || std::binary_search(sets.fixed.begin(), sets.fixed.end(), node))
+        continue;
+      tool.nodes.push_back(node);
+      tool.weights.push_back(places[t].weights[k]);
+    }
+    if (tool.nodes.empty())
+      throw input_error("a tool holds nothing but fixed nodes", fmt::format("tool {}", t),
+                        "touch a part of the surface that can move");
+  }
+  return tools;
+}
+
 void run(const Options& options) {
   options.tool.refuse_overwriting_inputs(options.source);
   const auto displacements = options.tool.parsed_displacements();
   const SolverSession session;
   const auto loaded = load_source(options.source);
   ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
-  solver.touch(options.tool.nodes);
-  const auto response = solver.solve(
-      displacements, options.increments.value_or(loaded.scene.probe.increments), options.tangent);
+  const auto places = options.tool.places(loaded.mesh);
+  const int increments = options.increments.value_or(loaded.scene.probe.increments);
+  Response response;
+  if (options.tool.points.empty()) {
+    solver.touch(options.tool.nodes);
+    response = solver.solve(displacements, increments, options.tangent);
+  } else {
+    response = hold_points(solver, tools_at(places, displacements, loaded.sets), increments).response;
+  }
   if (response.status != Status::converged)
     throw failure("the solve did not converge", name(response.status),
                   "take a smaller displacement or more --increments; " + std::to_string(response.cutbacks) +
@@ -62,7 +90,7 @@ void run(const Options& options) {
     }
     extra["tangent_N_per_m"] = rows;
   }
-  report_tools(options.tool, displacements, loaded.mesh, result, extra);
+  report_tools(options.tool, places, displacements, loaded.mesh, result, extra);
 }
 
 }  // namespace

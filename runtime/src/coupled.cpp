@@ -7,12 +7,10 @@
 namespace phynness::runtime {
 namespace {
 
-/// Newton's method is quadratic: a step this small against the displacements leaves only rounding.
-constexpr double settled_step = 1e-8;
-/// Iterations from where the last call ended; then, from rest, of each of so many steps; then of the fallback.
-constexpr std::int32_t warm_iterations = 12, cold_steps = 4, cold_iterations = 8, fallback_iterations = 12;
-/// No node moves further in one iteration, in max_displacement_m: responses bend on that scale.
-constexpr double longest_step = 0.25;
+/// Changes of e this small against the displacements count as none.
+constexpr double settled_change = 1e-9;
+/// Plain substitution gains a digit in one or two iterations; where it swings, beside a snap, half steps follow.
+constexpr std::int32_t plain_iterations = 20, damped_iterations = 20;
 
 void multiply(const double* a, const double* x, double* y) {
   for (int i = 0; i < 3; ++i) y[i] = a[3 * i] * x[0] + a[3 * i + 1] * x[1] + a[3 * i + 2] * x[2];
@@ -84,211 +82,214 @@ bool solve_dense(double* a, std::int32_t n, double* right, std::int32_t n_right)
   return true;
 }
 
+/// q = share e + left, the two at right angles.
+double share_of(const double* q, const double* e, double* left) {
+  const double square = dot(e, e), share = square > 0 ? dot(q, e) / square : 0;
+  for (int k = 0; k < 3; ++k) left[k] = q[k] - share * e[k];
+  return share;
+}
+
+/// basis = share basis(e) + gradient at rest . left: what belongs to the contribution q of a node.
+double combined_basis(const double* q, const double* e, std::int32_t n, const double* at_e, const double* gradient,
+                      double* basis) {
+  double left[3];
+  const double share = share_of(q, e, left);
+  for (std::int32_t j = 0; j < n; ++j)
+    basis[j] = share * at_e[j] + left[0] * gradient[j] + left[1] * gradient[n + j] + left[2] * gradient[2 * n + j];
+  return share;
+}
+
 class Solver {
  public:
   Solver(const phn_model& model, Coupling& coupling, const double* targets)
       : _model(model), _c(coupling), _targets(targets) {}
 
-  CoupledResult run(const SurfacePoint* points) {
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-      for (std::int32_t i = 0; i < _c.n_nodes; ++i)
-        prepare_local(_model, node(i), 3, points[t].vertex, points[t].weight, _c.local[at(t, i)]);
+  CoupledResult run() {
+    prepare();
+    bool settled = false;
+    std::int32_t n = 0;
+    for (; n < plain_iterations + damped_iterations && !settled; ++n) {
+      if (!substitute()) break;
+      settled = move_reach(n < plain_iterations ? 1.0 : 0.5);
     }
-    bool settled = iterate(1, warm_iterations);
-    if (!settled) {
-      set_to_rest();
-      for (std::int32_t s = 1; s <= cold_steps; ++s)
-        settled = iterate(static_cast<double>(s) / cold_steps, cold_iterations);
-    }
-    if (!settled) fall_back();
-    return result(settled);
+    return result(settled, n);
   }
 
  private:
-  std::size_t at(std::int32_t tool, std::int32_t i) const {
-    return static_cast<std::size_t>(tool) * static_cast<std::size_t>(_c.n_nodes) + static_cast<std::size_t>(i);
+  std::size_t pair(std::int32_t at, std::int32_t by) const {
+    return static_cast<std::size_t>(at) * static_cast<std::size_t>(_c.n_nodes) + static_cast<std::size_t>(by);
   }
   const ActiveNode& node(std::int32_t i) const { return _model.active[_c.active[i]]; }
-  double weight(std::int32_t tool, std::int32_t i) const { return _c.weight[at(tool, i)]; }
+  double weight(std::int32_t tool, std::int32_t i) const { return _c.weight[pair(tool, i)]; }
+  double* basis(std::int32_t i) const { return _c.basis + static_cast<std::size_t>(i) * _model.n_basis; }
+  double* gradient(std::int32_t i) const {
+    return _c.rest_gradient + 3 * static_cast<std::size_t>(i) * _model.n_basis;
+  }
 
-  void set_to_rest() {
-    for (std::int32_t i = 0; i < 3 * _c.n_nodes; ++i) _c.displacement[i] = 0;
+  void prepare() {
+    for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
+      stiffness_at_rest(_model, node(i), _c.rest_stiffness + 9 * i);
+      basis_gradient_at_rest(_model, node(i), gradient(i), _c.kernel);
+      const std::int32_t n = basis_size(_model, node(i));
+      double sum = 0;
+      for (int k = 0; k < 3; ++k) _c.reach[3 * i + k] = _c.displacement[3 * i + k] = 0;
+      for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+        sum += weight(t, i);
+        for (int k = 0; k < 3; ++k) _c.reach[3 * i + k] += weight(t, i) * _targets[3 * t + k];
+      }
+      for (int k = 0; k < 3; ++k) _c.reach[3 * i + k] /= sum;
+      for (std::int32_t j = 0; j < _c.n_nodes; ++j) {
+        LocalResponse& local = _c.local[pair(j, i)];
+        prepare_local(_model, node(i), node(j).output, local);
+        double* response = _c.rest_response + 9 * pair(j, i);
+        for (int k = 0; k < 3; ++k) {
+          const double unit[3] = {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
+          double u[3];
+          local_displacement(local, 0, unit, n, gradient(i) + k * n, u);
+          for (int l = 0; l < 3; ++l) response[3 * l + k] = u[l];
+        }
+        bool& together = _c.together[pair(j, i)] = false;
+        for (std::int32_t t = 0; t < _c.n_tools; ++t) together = together || (weight(t, i) > 0 && weight(t, j) > 0);
+      }
+    }
     for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) _c.force[i] = 0;
   }
 
-  void forces() {
-    for (std::int32_t i = 0; i < _c.n_nodes; ++i)
-      evaluate_force(_model, node(i), _c.displacement + 3 * i, _c.node_force + 3 * i);
-  }
-
-  void compliances() {
-    for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-      double stiffness[9];
-      force_jacobian(_model, node(i), _c.displacement + 3 * i, stiffness);
-      invert(stiffness, _c.compliance + 9 * i);
+  /// Secants of node i through e_i: the symmetric matrix nearest to the rest stiffness that gives the force at e_i
+  /// (Powell, in Nonlinear Programming, 1970), and the rest response with the displacement at e_i in place of its
+  /// product with e_i (Broyden 1965, doi 10.1090/S0025-5718-1965-0198670-6).
+  void take_secants(std::int32_t i) {
+    const double *e = _c.reach + 3 * i, *k0 = _c.rest_stiffness + 9 * i;
+    basis_of(_model, node(i), e, basis(i), _c.kernel);
+    const double square = dot(e, e);
+    const double factor = square > 0 ? 1 / square : 0;
+    double f[3], linear[3], secant[9];
+    evaluate_force(_model, node(i), e, f);
+    multiply(k0, e, linear);
+    const double y[3] = {f[0] - linear[0], f[1] - linear[1], f[2] - linear[2]};
+    const double along = dot(y, e) * factor;
+    for (int r = 0; r < 3; ++r) {
+      for (int s = 0; s < 3; ++s)
+        secant[3 * r + s] = k0[3 * r + s] + factor * (y[r] * e[s] + e[r] * y[s] - along * e[r] * e[s]);
+    }
+    invert(secant, _c.compliance + 9 * i);
+    for (std::int32_t j = 0; j < _c.n_nodes; ++j) {
+      const double* at_rest = _c.rest_response + 9 * pair(j, i);
+      double* response = _c.response + 9 * pair(j, i);
+      double u[3], rest[3];
+      local_displacement(_c.local[pair(j, i)], 1, e, basis_size(_model, node(i)), basis(i), u);
+      multiply(at_rest, e, rest);
+      for (int r = 0; r < 3; ++r) {
+        for (int s = 0; s < 3; ++s) response[3 * r + s] = at_rest[3 * r + s] + factor * (u[r] - rest[r]) * e[s];
+      }
     }
   }
 
-  /// What every node does to every tool's point.
-  void move_points() {
-    for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-      const double* d = _c.displacement + 3 * i;
-      local_basis(_model, node(i), d, _c.basis, _c.gradient, _c.kernel);
-      for (std::int32_t t = 0; t < _c.n_tools; ++t)
-        local_displacement(_c.local[at(t, i)], basis_size(_model, node(i)), d, _c.basis, _c.gradient,
-                           _c.moved + 3 * at(t, i), _c.jacobian + 9 * at(t, i));
-    }
-  }
-
-  /// How far tool t's point is from `share` of its target.
-  void missing(std::int32_t t, double share, double* r) const {
-    for (int k = 0; k < 3; ++k) {
-      r[k] = share * _targets[3 * t + k];
-      for (std::int32_t i = 0; i < _c.n_nodes; ++i) r[k] -= _c.moved[3 * at(t, i) + k];
-    }
-  }
-
-  /// matrix_ts = sum_i jacobian_ti compliance_i weight_si
-  void assemble() {
+  /// Forces and contributions with the secants through the present e: q_i = compliance_i sum_t w_ti force_t such that
+  /// sum_ji w_tj response_ji q_i = target_t.
+  bool substitute() {
     const std::int32_t n = 3 * _c.n_tools;
-    for (std::int32_t i = 0; i < n * n; ++i) _c.matrix[i] = 0;
+    for (std::int32_t i = 0; i < _c.n_nodes; ++i) take_secants(i);
+    for (std::int32_t k = 0; k < n * n; ++k) _c.matrix[k] = 0;
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      for (int k = 0; k < 3; ++k) _c.right[3 * t + k] = _targets[3 * t + k];
       for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-        double product[9];
-        multiply_matrices(_c.jacobian + 9 * at(t, i), _c.compliance + 9 * i, product);
+        double moved[9] = {}, product[9];
+        for (std::int32_t j = 0; j < _c.n_nodes; ++j) {
+          for (int k = 0; k < 9; ++k) moved[k] += weight(t, j) * _c.response[9 * pair(j, i) + static_cast<std::size_t>(k)];
+        }
+        multiply_matrices(moved, _c.compliance + 9 * i, product);
         for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-          const double w = weight(s, i);
-          for (int k = 0; k < 9 && w != 0; ++k)
-            _c.matrix[(3 * t + k / 3) * n + 3 * s + k % 3] += w * product[k];
+          for (int k = 0; k < 9; ++k) _c.matrix[(3 * t + k / 3) * n + 3 * s + k % 3] += weight(s, i) * product[k];
         }
       }
     }
-  }
-
-  /// Scales the steps of all nodes alike so that none is too long. @return the factor
-  double limit(double& longest) const {
-    longest = 0;
-    for (std::int32_t i = 0; i < _c.n_nodes; ++i) longest = std::fmax(longest, length(_c.step + 3 * i));
-    if (_model.family == Family::linear) return 1;
-    const double allowed = longest_step * _model.max_displacement;
-    return longest > allowed ? allowed / longest : 1;
-  }
-
-  /// Newton's method for   node_force_i(d_i) = sum_t weight_ti force_t,   sum_i moved_ti(d_i) = target_t.
-  bool iterate(double share, std::int32_t most) {
-    for (std::int32_t n = 0; n < most; ++n) {
-      ++_iterations;
-      forces();
-      compliances();
-      move_points();
-      assemble();
-      // step_i first holds compliance_i times the force that node i lacks.
-      for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-        double lack[3];
-        for (int k = 0; k < 3; ++k) {
-          lack[k] = -_c.node_force[3 * i + k];
-          for (std::int32_t t = 0; t < _c.n_tools; ++t) lack[k] += weight(t, i) * _c.force[3 * t + k];
-        }
-        multiply(_c.compliance + 9 * i, lack, _c.step + 3 * i);
-      }
+    if (!solve_dense(_c.matrix, n, _c.right, 1)) return false;
+    for (std::int32_t i = 0; i < n; ++i) _c.force[i] = _c.right[i];
+    for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
+      double f[3] = {0, 0, 0};
       for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-        double* right = _c.right + 3 * t;
-        missing(t, share, right);
-        for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-          double already[3];
-          multiply(_c.jacobian + 9 * at(t, i), _c.step + 3 * i, already);
-          for (int k = 0; k < 3; ++k) right[k] -= already[k];
-        }
+        for (int k = 0; k < 3; ++k) f[k] += weight(t, i) * _c.force[3 * t + k];
       }
-      if (!solve_dense(_c.matrix, 3 * _c.n_tools, _c.right, 1)) return false;
-      for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-        double more[3] = {0, 0, 0}, moves[3];
-        for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-          for (int k = 0; k < 3; ++k) more[k] += weight(t, i) * _c.right[3 * t + k];
-        }
-        multiply(_c.compliance + 9 * i, more, moves);
-        for (int k = 0; k < 3; ++k) _c.step[3 * i + k] += moves[k];
-      }
-      double longest = 0, far = 0;
-      const double factor = limit(longest);
-      if (!std::isfinite(longest)) return false;
-      for (std::int32_t i = 0; i < 3 * _c.n_nodes; ++i) _c.displacement[i] += factor * _c.step[i];
-      for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) _c.force[i] += factor * _c.right[i];
-      for (std::int32_t i = 0; i < _c.n_nodes; ++i) far = std::fmax(far, length(_c.displacement + 3 * i));
-      if (longest <= settled_step * far) return true;
+      multiply(_c.compliance + 9 * i, f, _c.displacement + 3 * i);
     }
+    return true;
+  }
+
+  /// e_i becomes how far node i is moved by all nodes that some tool holds together with it; what the others do to it
+  /// carries its surroundings along and strains them little. Stays as it is where it settled, with the secants through
+  /// it, so that points are where they were put.
+  bool move_reach(double step) {
+    double change = 0, far = 0;
+    for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
+      double* moves = _c.moves + 3 * i;
+      for (int k = 0; k < 3; ++k) moves[k] = 0;
+      for (std::int32_t j = 0; j < _c.n_nodes; ++j) {
+        double u[3];
+        multiply(_c.response + 9 * pair(i, j), _c.displacement + 3 * j, u);
+        for (int k = 0; k < 3 && _c.together[pair(i, j)]; ++k) moves[k] += u[k];
+      }
+      const double* e = _c.reach + 3 * i;
+      const double apart[3] = {moves[0] - e[0], moves[1] - e[1], moves[2] - e[2]};
+      change = std::fmax(change, length(apart));
+      far = std::fmax(far, length(moves));
+    }
+    if (change <= settled_change * far) return true;
+    if (!std::isfinite(change)) return false;
+    for (std::int32_t i = 0; i < 3 * _c.n_nodes; ++i) _c.reach[i] += step * (_c.moves[i] - _c.reach[i]);
     return false;
   }
 
-  /// Where no balance was found: displacements in the proportions that a body without curvature has, so that the
-  /// points follow the tools; and the forces that fit those of the nodes best.
-  void fall_back() {
-    set_to_rest();
-    compliances();
-    const std::int32_t n = 3 * _c.n_tools;
-    for (std::int32_t k = 0; k < fallback_iterations; ++k) {
-      ++_iterations;
-      move_points();
-      assemble();
-      for (std::int32_t t = 0; t < _c.n_tools; ++t) missing(t, 1, _c.right + 3 * t);
-      if (!solve_dense(_c.matrix, n, _c.right, 1)) break;
-      for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-        double share[3] = {0, 0, 0};
-        for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-          for (int l = 0; l < 3; ++l) share[l] += weight(t, i) * _c.right[3 * t + l];
-        }
-        multiply(_c.compliance + 9 * i, share, _c.step + 3 * i);
-      }
-      double longest = 0, far = 0;
-      const double factor = limit(longest);
-      if (!std::isfinite(longest)) break;
-      for (std::int32_t i = 0; i < 3 * _c.n_nodes; ++i) _c.displacement[i] += factor * _c.step[i];
-      for (std::int32_t i = 0; i < _c.n_nodes; ++i) far = std::fmax(far, length(_c.displacement + 3 * i));
-      if (longest <= settled_step * far) break;
-    }
-    forces();
+  CoupledResult result(bool settled, std::int32_t iterations) {
+    bool finite = true;
+    for (std::int32_t i = 0; i < 3 * _c.n_nodes; ++i)
+      finite = finite && std::isfinite(_c.displacement[i]) && std::isfinite(_c.reach[i]);
+    for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) finite = finite && std::isfinite(_c.force[i]);
+    for (std::int32_t i = 0; i < 3 * _c.n_nodes && !finite; ++i) _c.displacement[i] = _c.reach[i] = 0;
+    for (std::int32_t i = 0; i < 3 * _c.n_tools && !finite; ++i) _c.force[i] = 0;
+    for (std::int32_t i = 0; i < _c.n_nodes; ++i) basis_of(_model, node(i), _c.reach + 3 * i, basis(i), _c.kernel);
+    CoupledResult result = {settled && finite, 0, 0, iterations};
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-        double sum = 0;
-        for (std::int32_t i = 0; i < _c.n_nodes; ++i) sum += weight(t, i) * weight(s, i);
-        _c.matrix[t * _c.n_tools + s] = sum;
+      double apart[3];
+      for (int k = 0; k < 3; ++k) apart[k] = -_targets[3 * t + k];
+      for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
+        for (std::int32_t j = 0; j < _c.n_nodes; ++j) {
+          double u[3];
+          contribution(j, i, u);
+          for (int k = 0; k < 3; ++k) apart[k] += weight(t, j) * u[k];
+        }
       }
-      for (int k = 0; k < 3; ++k) {
-        _c.right[3 * t + k] = 0;
-        for (std::int32_t i = 0; i < _c.n_nodes; ++i) _c.right[3 * t + k] += weight(t, i) * _c.node_force[3 * i + k];
-      }
+      result.residual = std::fmax(result.residual, length(apart));
     }
-    if (!solve_dense(_c.matrix, _c.n_tools, _c.right, 3)) return;
-    for (std::int32_t i = 0; i < n; ++i) _c.force[i] = _c.right[i];
+    if (has_energy(_model) && finite) result.energy = energy();
+    return result;
   }
 
-  CoupledResult result(bool settled) {
-    bool finite = true;
-    for (std::int32_t i = 0; i < 3 * _c.n_nodes; ++i) finite = finite && std::isfinite(_c.displacement[i]);
-    for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) finite = finite && std::isfinite(_c.force[i]);
-    if (!finite) set_to_rest();
-    CoupledResult result = {settled && finite, 0, 0, _iterations};
-    move_points();
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-      double r[3], u[3], own[3] = {0, 0, 0};
-      missing(t, 1, r);
-      result.residual = std::fmax(result.residual, length(r));
-      for (int k = 0; k < 3; ++k) {
-        u[k] = _targets[3 * t + k] - r[k];
-        for (std::int32_t i = 0; i < _c.n_nodes; ++i) own[k] += weight(t, i) * _c.displacement[3 * i + k];
-        // What the nodes do to each other, once for each pair.
-        if (has_energy(_model)) result.energy += _c.force[3 * t + k] * (u[k] - own[k]) / 2;
-      }
+  /// What node i does to node j.
+  void contribution(std::int32_t j, std::int32_t i, double* u) {
+    const double* q = _c.displacement + 3 * i;
+    const std::int32_t n = basis_size(_model, node(i));
+    const double share = combined_basis(q, _c.reach + 3 * i, n, basis(i), gradient(i), _c.combined);
+    local_displacement(_c.local[pair(j, i)], share, q, n, _c.combined, u);
+  }
+
+  /// Half of force times displacement, a linear body's, and each node's part of what its response stores beyond that.
+  double energy() {
+    double sum = 0;
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) sum += dot(_c.force + 3 * t, _targets + 3 * t) / 2;
+    for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
+      const double *e = _c.reach + 3 * i, *q = _c.displacement + 3 * i;
+      double f[3], left[3];
+      evaluate_force(_model, node(i), e, f);
+      const double share = share_of(q, e, left);
+      sum += share * (evaluate_energy(_model, node(i), e) - dot(f, e) / 2);
     }
-    for (std::int32_t i = 0; i < _c.n_nodes && has_energy(_model); ++i)
-      result.energy += evaluate_energy(_model, node(i), _c.displacement + 3 * i);
-    return result;
+    return sum;
   }
 
   const phn_model& _model;
   Coupling& _c;
   const double* _targets;
-  std::int32_t _iterations = 0;
 };
 
 }  // namespace
@@ -297,57 +298,48 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   Coupling c = {};
   c.max_tools = max_tools < most_coupled ? max_tools : most_coupled;
   const auto t = static_cast<std::size_t>(c.max_tools), n = 3 * t;
-  std::size_t basis = 3;
-  for (std::int32_t i = 0; i < model.n_active; ++i) {
-    const auto size = static_cast<std::size_t>(basis_size(model, model.active[i]));
-    basis = size > basis ? size : basis;
-  }
   c.active = arena.take<std::int32_t>(n);
-  c.displacement = arena.take<double>(3 * n);
-  c.force = arena.take<double>(3 * t);
+  c.together = arena.take<bool>(n * n);
   c.weight = arena.take<double>(t * n);
-  c.old_active = arena.take<std::int32_t>(n);
-  c.old_displacement = arena.take<double>(3 * n);
-  c.node_force = arena.take<double>(3 * n);
-  c.step = arena.take<double>(3 * n);
+  c.displacement = arena.take<double>(3 * n);
+  c.reach = arena.take<double>(3 * n);
+  c.moves = arena.take<double>(3 * n);
+  c.force = arena.take<double>(3 * t);
+  c.rest_stiffness = arena.take<double>(9 * n);
   c.compliance = arena.take<double>(9 * n);
-  c.moved = arena.take<double>(3 * t * n);
-  c.jacobian = arena.take<double>(9 * t * n);
-  c.local = arena.take<LocalResponse>(t * n);
-  auto* rows = arena.take<double>(3 * basis * t * n);
-  for (std::size_t i = 0; c.local && rows && i < t * n; ++i) c.local[i].rows = rows + 3 * basis * i;
-  c.basis = arena.take<double>(basis);
-  c.gradient = arena.take<double>(3 * basis);
-  c.kernel = arena.take<double>(4 * (static_cast<std::size_t>(model.shared.n_centers) + 3));
+  c.rest_gradient = arena.take<double>(3 * n * model.n_basis);
+  c.basis = arena.take<double>(n * model.n_basis);
+  c.combined = arena.take<double>(model.n_basis);
+  c.local = arena.take<LocalResponse>(n * n);
+  auto* rows = arena.take<double>(3 * model.n_basis * n * n);
+  for (std::size_t i = 0; c.local && rows && i < n * n; ++i) c.local[i].rows = rows + 3 * model.n_basis * i;
+  c.rest_response = arena.take<double>(9 * n * n);
+  c.response = arena.take<double>(9 * n * n);
   c.matrix = arena.take<double>(n * n);
   c.right = arena.take<double>(n);
+  c.kernel = arena.take<double>(static_cast<std::size_t>(model.shared.n_centers) + 3);
   return c;
 }
 
-void begin_coupling(Coupling& c, std::int32_t n_tools, std::int32_t n_nodes, const std::int32_t* active,
-                    const double* weight) {
-  const std::int32_t n_old = c.n_nodes;
-  for (std::int32_t i = 0; i < n_old; ++i) c.old_active[i] = c.active[i];
-  for (std::int32_t i = 0; i < 3 * n_old; ++i) c.old_displacement[i] = c.displacement[i];
-  if (n_tools != c.n_tools) {
-    for (std::int32_t i = 0; i < 3 * n_tools; ++i) c.force[i] = 0;
-  }
-  for (std::int32_t i = 0; i < n_nodes; ++i) {
-    c.active[i] = active[i];
-    for (int k = 0; k < 3; ++k) c.displacement[3 * i + k] = 0;
-    for (std::int32_t j = 0; j < n_old; ++j) {
-      for (int k = 0; k < 3 && c.old_active[j] == active[i]; ++k)
-        c.displacement[3 * i + k] = c.old_displacement[3 * j + k];
-    }
-  }
-  for (std::int32_t i = 0; i < n_tools * n_nodes; ++i) c.weight[i] = weight[i];
+CoupledResult solve_coupled(const phn_model& model, Coupling& c, std::int32_t n_tools, std::int32_t n_nodes,
+                            const std::int32_t* active, const double* weight, const double* targets) {
   c.n_tools = n_tools;
   c.n_nodes = n_nodes;
+  for (std::int32_t i = 0; i < n_nodes; ++i) c.active[i] = active[i];
+  for (std::int32_t i = 0; i < n_tools * n_nodes; ++i) c.weight[i] = weight[i];
+  return Solver(model, c, targets).run();
 }
 
-CoupledResult solve_coupled(const phn_model& model, Coupling& coupling, const SurfacePoint* points,
-                            const double* targets) {
-  return Solver(model, coupling, targets).run(points);
+void coupled_field(const phn_model& model, const Coupling& c, double* scratch, double* one, double* field) {
+  for (std::int32_t i = 0; i < c.n_nodes; ++i) {
+    const ActiveNode& node = model.active[c.active[i]];
+    const auto at = static_cast<std::size_t>(i) * model.n_basis;
+    const double* q = c.displacement + 3 * i;
+    const double share = combined_basis(q, c.reach + 3 * i, basis_size(model, node), c.basis + at,
+                                        c.rest_gradient + 3 * at, c.combined);
+    field_of_basis(model, node, share, q, c.combined, scratch, one);
+    for (std::int32_t o = 0; o < 3 * model.n_output; ++o) field[o] += one[o];
+  }
 }
 
 }  // namespace phynness::runtime

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "local_response.hpp"
 #include "modal.hpp"
 
 namespace phynness::runtime {
@@ -9,15 +10,6 @@ namespace {
 
 double scaled_input(const Network& net, int k, double value) {
   return (value - net.input_center[k]) / net.input_half_range[k];
-}
-
-/// factor[i] = exp(-|x - c_i|^2 / r^2) over three inputs from `first`. Huge inputs give exp(-infinity) = 0.
-void gaussian_factors(const Network& net, int first, const double* x, double* factor) {
-  const double *c0 = net.center[first], *c1 = net.center[first + 1], *c2 = net.center[first + 2];
-  for (std::int32_t i = 0; i < net.n_neurons; ++i) {
-    const double t0 = x[0] - c0[i], t1 = x[1] - c1[i], t2 = x[2] - c2[i];
-    factor[i] = std::exp(-(t0 * t0 + t1 * t1 + t2 * t2) * net.inverse_square_spread);
-  }
 }
 
 double cut(double component) { return std::fmax(-largest_linear, std::fmin(largest_linear, component)); }
@@ -61,16 +53,15 @@ void network_force(const Network& net, const double* d, double* force) {
   for (int k = 0; k < 3; ++k) force[k] = net.output_center[k] + net.output_half_range[k] * sum[k];
 }
 
-void network_deformation(const phn_model& model, const Network& net, const double* d, double* factor,
-                         double* field) {
+}  // namespace
+
+void network_field(const phn_model& model, const Network& net, const double* factor, double share, double* field) {
   double x[3];
-  for (int k = 0; k < 3; ++k) x[k] = scaled_input(net, k, d[k]);
-  gaussian_factors(net, 0, x, factor);
   const double *c0 = net.center[3], *c1 = net.center[4], *c2 = net.center[5];
   const double *w0 = net.weight[0], *w1 = net.weight[1], *w2 = net.weight[2];
   for (std::int32_t o = 0; o < model.n_output; ++o) {
     for (int k = 0; k < 3; ++k) x[k] = scaled_input(net, 3 + k, model.output_points[3 * o + k]);
-    double s0 = net.bias[0], s1 = net.bias[1], s2 = net.bias[2];
+    double s0 = share * net.bias[0], s1 = share * net.bias[1], s2 = share * net.bias[2];
     for (std::int32_t i = 0; i < net.n_neurons; ++i) {
       const double t0 = x[0] - c0[i], t1 = x[1] - c1[i], t2 = x[2] - c2[i];
       const double h = factor[i] * std::exp(-(t0 * t0 + t1 * t1 + t2 * t2) * net.inverse_square_spread);
@@ -78,20 +69,17 @@ void network_deformation(const phn_model& model, const Network& net, const doubl
       s1 += w1[i] * h;
       s2 += w2[i] * h;
     }
-    field[3 * o] = net.output_center[0] + net.output_half_range[0] * s0;
-    field[3 * o + 1] = net.output_center[1] + net.output_half_range[1] * s1;
-    field[3 * o + 2] = net.output_center[2] + net.output_half_range[2] * s2;
+    field[3 * o] = share * net.output_center[0] + net.output_half_range[0] * s0;
+    field[3 * o + 1] = share * net.output_center[1] + net.output_half_range[1] * s1;
+    field[3 * o + 2] = share * net.output_center[2] + net.output_half_range[2] * s2;
   }
 }
 
-void linear_deformation(const phn_model& model, const LinearResponse& linear, const double* d,
-                        double* field) {
-  const double x = cut(d[0]), y = cut(d[1]), z = cut(d[2]);
+void linear_field(const phn_model& model, const LinearResponse& linear, const double* d, double* field) {
+  const double x = d[0], y = d[1], z = d[2];
   const double *ux = linear.unit_response[0], *uy = linear.unit_response[1], *uz = linear.unit_response[2];
   for (std::int32_t i = 0; i < 3 * model.n_output; ++i) field[i] = x * ux[i] + y * uy[i] + z * uz[i];
 }
-
-}  // namespace
 
 void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force) {
   switch (model.family) {
@@ -130,20 +118,9 @@ bool has_deformation(const phn_model& model, const ActiveNode& node) {
 
 void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* scratch,
                           double* field) {
-  switch (model.family) {
-    case Family::rbfn:
-      network_deformation(model, node.networks->deformation, d, scratch, field);
-      break;
-    case Family::linear:
-      linear_deformation(model, *node.linear, d, field);
-      break;
-    case Family::modal:
-      modal_deformation(model, *node.modal, d, scratch, field);
-      break;
-  }
-  for (std::int32_t p = 0; p < node.n_prescribed; ++p) {
-    for (int k = 0; k < 3; ++k) field[3 * node.prescribed[p] + k] = node.prescribed_weight[p] * d[k];
-  }
+  double* basis = scratch + model.n_scratch - model.n_basis;
+  basis_of(model, node, d, basis, scratch);
+  field_of_basis(model, node, 1, d, basis, scratch, field);
 }
 
 void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,

@@ -76,12 +76,12 @@ void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, co
 }
 
 const Networks* networks(TextReader& in, Arena& arena, const Tables& tables, std::int32_t n_output,
-                         std::size_t& n_scratch) {
+                         std::size_t& n_basis) {
   Networks nets = {};
   network(in, arena, "force", 3, tables, n_output, nets.force);
   network(in, arena, "deformation", 6, tables, n_output, nets.deformation);
   const auto needed = static_cast<std::size_t>(nets.deformation.n_neurons);
-  n_scratch = n_scratch > needed ? n_scratch : needed;
+  n_basis = n_basis > needed ? n_basis : needed;
   return place(arena, nets);
 }
 
@@ -174,13 +174,13 @@ void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& 
   node.trained_depth = depths.values;
   switch (model.family) {
     case Family::rbfn:
-      node.networks = networks(in, arena, tables, model.n_output, model.n_scratch);
+      node.networks = networks(in, arena, tables, model.n_output, model.n_basis);
       break;
     case Family::linear:
       node.linear = linear_response(in, arena, model.n_output);
       break;
     case Family::modal:
-      node.modal = load_modal(in, arena, tables.n_displacements, model, model.n_scratch);
+      node.modal = load_modal(in, arena, tables.n_displacements, model, model.n_basis);
       break;
   }
 }
@@ -268,6 +268,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   if (envelope != PHN_OK) return envelope;
   TextReader in(text, length);
   phn_model model = {};
+  model.n_basis = 3;
   auto* placed = arena.take<phn_model>(1);
 
   in.rest_of_line();
@@ -319,6 +320,9 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
     active.set(i, node);
     if (arena.overflow()) return PHN_ERROR_BUFFER;
   }
+  const auto n_kernels = static_cast<std::size_t>(model.shared.n_centers) + 3;
+  const auto n_shared = static_cast<std::size_t>(model.shared.n_modes);
+  model.n_scratch = (n_kernels > n_shared ? n_kernels : n_shared) + model.n_basis;
   model.active_nodes = active_nodes.get();
   model.active = active.get();
   if (in.good() && !in.at_end()) in.fail(PHN_ERROR_SYNTAX);

@@ -145,12 +145,12 @@ void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn
 }
 
 const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements,
-                                const phn_model& model, std::size_t& n_scratch) {
+                                const phn_model& model, std::size_t& n_basis) {
   ModalResponse node = {};
   load_conservative(in, arena, n_displacements, model, node.force);
   const std::int32_t m = node.n_modes = mode_count_line(in, "deformation");
-  const std::size_t n_basis = static_cast<std::size_t>(model.shared.n_centers) + 3;
-  node.weight = table(in, arena, "weights", n_basis, m, node.weight_scale);
+  const std::size_t n_kernels = static_cast<std::size_t>(model.shared.n_centers) + 3;
+  node.weight = table(in, arena, "weights", n_kernels, m, node.weight_scale);
   node.mixing =
       table(in, arena, "mixing", static_cast<std::size_t>(model.shared.n_modes), m, node.mixing_scale);
   node.n_near = count_line(in, "near", 0);
@@ -165,8 +165,7 @@ const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_dis
   node.near = near.get();
   node.near_mode =
       table(in, arena, "near_modes", 3 * static_cast<std::size_t>(node.n_near), m, node.near_mode_scale);
-  const std::size_t needed = n_basis + static_cast<std::size_t>(m + model.shared.n_modes);
-  n_scratch = n_scratch > needed ? n_scratch : needed;
+  n_basis = n_basis > static_cast<std::size_t>(m) ? n_basis : static_cast<std::size_t>(m);
   return place(arena, node);
 }
 

@@ -70,8 +70,8 @@ inline void stiffness_line(TextReader& in, double* k) {
 
 /// The shared part of a modal model. @pre output nodes and displacements of the model are loaded
 void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model);
-/// @param n_scratch  raised to what deformations of this node need
+/// @param n_basis  raised to the number of this node's modes
 const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements,
-                                const phn_model& model, std::size_t& n_scratch);
+                                const phn_model& model, std::size_t& n_basis);
 
 }  // namespace phynness::runtime

@@ -64,22 +64,11 @@ void amplitude_basis(const SharedModes& shared, const double* displacements, con
   }
 }
 
-void modal_deformation(const phn_model& model, const ModalResponse& node, const double* d, double* scratch,
-                       double* field) {
+void modal_field(const phn_model& model, const ModalResponse& node, const double* amplitude, double* scratch,
+                 double* field) {
   const SharedModes& shared = model.shared;
-  const std::int32_t m = node.n_modes, n_basis = shared.n_centers + 3;
-  double *basis = scratch, *amplitude = basis + n_basis;
-  auto* amount = reinterpret_cast<float*>(amplitude + m);
-  double* x = basis + shared.n_centers;
-  scaled_displacement(model.max_displacement, d, x);
-  amplitude_basis(shared, model.displacements, x, shared.basis_at_rest, basis);
-
-  for (std::int32_t j = 0; j < m; ++j) amplitude[j] = 0;
-  for (std::int32_t r = 0; r < n_basis; ++r) {
-    const std::int16_t* row = node.weight + static_cast<std::size_t>(r) * static_cast<std::size_t>(m);
-    for (std::int32_t j = 0; j < m; ++j) amplitude[j] += basis[r] * row[j];
-  }
-  for (std::int32_t j = 0; j < m; ++j) amplitude[j] *= node.weight_scale[j];
+  const std::int32_t m = node.n_modes;
+  auto* amount = reinterpret_cast<float*>(scratch);
   for (std::int32_t s = 0; s < shared.n_modes; ++s)
     amount[s] = static_cast<float>(
         row_times(node.mixing, node.mixing_scale, static_cast<std::size_t>(s), m, amplitude));

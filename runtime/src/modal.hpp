@@ -14,10 +14,9 @@ double modal_energy(const ModalResponse& node, const double* d);
 void modal_stiffness(const ModalResponse& node, const double* d, double* stiffness);
 
 /// Displacements of all output nodes, those of the probe not yet set.
-/// @pre node.n_modes > 0
-/// @param scratch  n_centers + 3 + node.n_modes + shared n_modes; @param field n_output x 3 [m]
-void modal_deformation(const phn_model& model, const ModalResponse& node, const double* d, double* scratch,
-                       double* field);
+/// @param amplitude  node.n_modes > 0; @param scratch shared n_modes; @param field n_output x 3 [m]
+void modal_field(const phn_model& model, const ModalResponse& node, const double* amplitude, double* scratch,
+                 double* field);
 
 /// basis_i = q(x - c_i) - q(x) - at_rest_i; with zeros for at_rest and x this gives at_rest.
 void amplitude_basis(const SharedModes& shared, const double* displacements, const double* x,

@@ -89,7 +89,8 @@ struct ActiveNode {
 struct phn_model {
   phynness::runtime::Family family;
   std::int32_t n_nodes, n_active, n_output, n_fixed, n_triangles, n_directions;
-  std::size_t n_scratch;  ///< doubles that a deformation needs besides its result
+  std::size_t n_scratch;  ///< doubles that a deformation needs besides its result, its basis at the end
+  std::size_t n_basis;    ///< the largest basis_size of a node
   const std::int32_t *active_nodes, *output_nodes;
   const double* output_points;  ///< n_output x 3
   const std::int32_t* fixed_nodes;

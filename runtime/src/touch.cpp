@@ -7,7 +7,6 @@ using phynness::runtime::ActiveNode;
 using phynness::runtime::Coupling;
 using phynness::runtime::finite;
 using phynness::runtime::most_coupled;
-using phynness::runtime::SurfacePoint;
 using phynness::runtime::warnings;
 using phynness::runtime::zero;
 
@@ -31,11 +30,9 @@ struct Touched {
 };
 
 /// Checks one tool and adds its nodes.
-int add_tool(const phn_model& model, const phn_tool& tool, std::int32_t t, Touched& touched, SurfacePoint& point) {
+int add_tool(const phn_model& model, const phn_tool& tool, std::int32_t t, Touched& touched) {
   double sum = 0, movable = 0;
   for (int k = 0; k < 3; ++k) {
-    point.vertex[k] = -1;
-    point.weight[k] = 0;
     const double w = tool.weights[k];
     if (!(w >= 0 && w <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
     sum += w;
@@ -43,8 +40,6 @@ int add_tool(const phn_model& model, const phn_tool& tool, std::int32_t t, Touch
     const std::int32_t active = phynness::runtime::find_active(model, tool.nodes[k]);
     const std::int32_t vertex = phynness::runtime::find_vertex(model, tool.nodes[k]);
     if (active < 0 && vertex < model.n_output) return PHN_ERROR_NOT_ACTIVE;
-    point.vertex[k] = vertex;
-    point.weight[k] = w;
     if (active < 0) continue;  // fixed
     movable += w;
     touched.weight[t][touched.place(active)] += w;
@@ -76,9 +71,14 @@ double cut(const phn_model& model, double component) {
 }
 
 /// One tool at one node: what that node says, and nothing to solve.
-phynness::runtime::CoupledResult single(const phn_model& model, Coupling& c, double weight, const double* target) {
-  const ActiveNode& node = model.active[c.active[0]];
-  for (int k = 0; k < 3; ++k) c.displacement[k] = target[k] / weight;
+phynness::runtime::CoupledResult single(const phn_model& model, Coupling& c, std::int32_t active, double weight,
+                                        const double* target) {
+  const ActiveNode& node = model.active[active];
+  c.n_tools = c.n_nodes = 1;
+  c.active[0] = active;
+  for (int k = 0; k < 3; ++k) c.reach[k] = c.displacement[k] = target[k] / weight;
+  phynness::runtime::basis_of(model, node, c.reach, c.basis, c.kernel);
+  phynness::runtime::basis_gradient_at_rest(model, node, c.rest_gradient, c.kernel);
   phynness::runtime::evaluate_force(model, node, c.displacement, c.force);
   for (int k = 0; k < 3; ++k) c.force[k] /= weight;
   const double energy = phynness::runtime::has_energy(model)
@@ -123,10 +123,9 @@ int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const ph
   for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(n_tools); ++i) forces[i] = 0;
   if (n_tools > c.max_tools) return PHN_ERROR_TOOLS;
   Touched touched;
-  SurfacePoint points[most_coupled];
   double targets[3 * most_coupled];
   for (std::int32_t t = 0; t < n_tools; ++t) {
-    const int refused = add_tool(*model, tools[t], t, touched, points[t]);
+    const int refused = add_tool(*model, tools[t], t, touched);
     if (refused != PHN_OK) return refused;
     for (int k = 0; k < 3; ++k) targets[3 * t + k] = cut(*model, tools[t].displacement[k]);
   }
@@ -140,14 +139,14 @@ int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const ph
   for (std::int32_t t = 0; t < n_tools; ++t) {
     for (std::int32_t i = 0; i < touched.n; ++i) weight[t * touched.n + i] = touched.weight[t][i];
   }
-  begin_coupling(c, n_tools, touched.n, touched.active, weight);
+  c.n_tools = c.n_nodes = 0;
   if (n_tools == 0) return PHN_OK;
-
-  const auto solved = alone ? single(*model, c, touched.weight[0][0], targets)
-                            : phynness::runtime::solve_coupled(*model, c, points, targets);
+  const auto solved =
+      alone ? single(*model, c, touched.active[0], touched.weight[0][0], targets)
+            : phynness::runtime::solve_coupled(*model, c, n_tools, touched.n, touched.active, weight, targets);
   int status = solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED;
   for (std::int32_t i = 0; i < touched.n; ++i)
-    status |= warnings(*model, model->active[touched.active[i]], c.displacement + 3 * i);
+    status |= warnings(*model, model->active[touched.active[i]], c.reach + 3 * i);
   for (std::int32_t i = 0; i < 3 * n_tools; ++i) forces[i] = c.force[i];
   if (result != nullptr) {
     const double energy = std::isfinite(solved.energy) ? solved.energy : 0;
@@ -165,12 +164,9 @@ int phn_coupled_deform(const phn_model* model, phn_data* data, double* out) {
     if (!phynness::runtime::has_deformation(*model, model->active[c.active[i]])) return PHN_ERROR_UNDEFINED;
   }
   int status = PHN_OK;
-  for (std::int32_t i = 0; i < c.n_nodes; ++i) {
-    const ActiveNode& node = model->active[c.active[i]];
-    status |= warnings(*model, node, c.displacement + 3 * i);
-    phynness::runtime::evaluate_deformation(*model, node, c.displacement + 3 * i, data->scratch, data->field);
-    for (std::int32_t o = 0; o < 3 * model->n_output; ++o) out[o] += data->field[o];
-  }
+  for (std::int32_t i = 0; i < c.n_nodes; ++i)
+    status |= warnings(*model, model->active[c.active[i]], c.reach + 3 * i);
+  coupled_field(*model, c, data->scratch, data->field, out);
   return status;
 }
 

@@ -102,4 +102,35 @@ ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
   return response;
 }
 
+ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
+  const std::size_t n_tools = tools.size();
+  ModelResponse response;
+  std::vector<double> forces(3 * n_tools);
+  int status = phn_couple(_model, _data, static_cast<std::int32_t>(n_tools), tools.data(), forces.data(),
+                          &response.coupled);
+  if (status == PHN_ERROR_TOOLS)
+    throw input_error("too many tools to couple", std::to_string(n_tools), "at most 16");
+  if (status == PHN_ERROR_UNDEFINED)
+    throw input_error(
+        "this model has forces only, or a touched node is no output node", "coupled tools",
+        "train it with modes and with all touched nodes among the output nodes, or touch single nodes");
+  for (const auto& tool : tools)
+    for (int k = 0; k < 3 && status == PHN_ERROR_NOT_ACTIVE; ++k) {
+      const bool fixed = std::binary_search(_dir.model.fixed.begin(), _dir.model.fixed.end(), tool.nodes[k]);
+      if (tool.weights[k] > 0 && !fixed) force(tool.nodes[k], {0, 0, 0});  // refuses inactive nodes by number
+    }
+  if (status == PHN_ERROR_NOT_ACTIVE)
+    throw input_error("a tool holds nothing but fixed nodes", "",
+                      "touch a part of the surface that can move");
+  check(status, n_tools == 0 ? -1 : tools[0].nodes[0]);
+  for (std::size_t t = 0; t < n_tools; ++t)
+    response.force_N.emplace_back(Vec3{forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]});
+  if (_dir.model.family != Family::rbfn) response.energy_J = response.coupled.energy;
+  response.displacement_m.resize(phn_n_output(_model), 3);
+  const int deformed = phn_coupled_deform(_model, _data, response.displacement_m.data());
+  if (deformed == PHN_ERROR_UNDEFINED) response.displacement_m.resize(0, 3);
+  response.status = status;
+  return response;
+}
+
 }  // namespace phynness

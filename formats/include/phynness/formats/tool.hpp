@@ -1,8 +1,10 @@
 // Which nodes a tool holds and how firmly, and whether the fixed ones hold the body: rules that stages share.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <phynness/formats/mesh.hpp>
+#include <phynness/formats/scene.hpp>
 #include <span>
 #include <vector>
 
@@ -31,5 +33,15 @@ TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::s
 /// True if no rigid motion leaves the fixed nodes where they are: at least three of them, not on one line.
 /// A singular factorization does not show this reliably, as rounding makes its zero pivots small numbers.
 bool hold_the_body(const Points& nodes, std::span<const std::int32_t> fixed);
+
+/// A point of the undeformed surface: a triangle's nodes and barycentric weights, >= 0 and of sum 1.
+struct SurfacePoint {
+  std::array<std::int32_t, 3> nodes{};
+  std::array<double, 3> weights{};
+  Vec3 point{};         ///< [m]
+  double distance = 0;  ///< from where it was looked for [m]
+};
+/// The point of the surface nearest to x [m]. @pre surface has triangles
+SurfacePoint nearest_on_surface(const Points& nodes, const Triangles& surface, const Vec3& x);
 
 }  // namespace phynness

@@ -16,6 +16,7 @@ struct ModelResponse {
       energy_J;  ///< stored; family rbfn has none: work of the force along the straight path from rest
   Points displacement_m;  ///< n_output x 3; empty if the model has forces only
   int status = PHN_OK;    ///< phn_* status, warnings only
+  phn_coupled coupled{};  ///< what coupled tools left over
 };
 
 /// Not for several threads at once.
@@ -40,6 +41,9 @@ class LoadedModel {
   Vec3 force(std::int32_t node, const Vec3& displacement_m) const;
   /// Deep into the trained range of the exploratory direction nearest to `displacement_m` [m].
   double trained_depth(std::int32_t node, const Vec3& displacement_m) const;
+  /// Tools anywhere on the surface, coupled.
+  /// @throws Error if a tool's nodes can neither be touched nor are fixed, or the model has forces only
+  ModelResponse couple(const std::vector<phn_tool>& tools) const;
   /// Several tools with the paper's weights (15)-(16).
   ModelResponse respond(const std::vector<std::int32_t>& nodes,
                         const std::vector<Vec3>& displacement_m) const;

@@ -1,0 +1,72 @@
+#include <Eigen/LU>
+#include <algorithm>
+#include <phynness/precompute/held_points.hpp>
+
+namespace phynness {
+namespace {
+
+/// Quadratic convergence: after a step this small against the displacement only the solver's own error is
+/// left.
+constexpr double settled_step = 1e-6;
+constexpr int most_solves = 25;
+
+/// Weights of the touched nodes in the tools' points: 3 n_tools x 3 n_nodes.
+Eigen::MatrixXd point_weights(const std::vector<PointTool>& tools, const std::vector<std::int32_t>& nodes) {
+  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(tools.size()),
+                                                  3 * static_cast<Eigen::Index>(nodes.size()));
+  for (std::size_t t = 0; t < tools.size(); ++t)
+    for (std::size_t i = 0; i < tools[t].nodes.size(); ++i) {
+      const auto at = std::find(nodes.begin(), nodes.end(), tools[t].nodes[i]) - nodes.begin();
+      for (int k = 0; k < 3; ++k)
+        weights(3 * static_cast<Eigen::Index>(t) + k, 3 * at + k) += tools[t].weights[i];
+    }
+  return weights;
+}
+
+}  // namespace
+
+HeldPoints hold_points(ProbeSolver& solver, const std::vector<PointTool>& tools, int increments) {
+  std::vector<std::int32_t> nodes;
+  for (const auto& tool : tools)
+    for (const auto node : tool.nodes)
+      if (std::find(nodes.begin(), nodes.end(), node) == nodes.end()) nodes.push_back(node);
+  solver.touch(nodes);
+  const Eigen::MatrixXd B = point_weights(tools, nodes);
+  Eigen::VectorXd target(B.rows());
+  for (std::size_t t = 0; t < tools.size(); ++t)
+    for (int k = 0; k < 3; ++k) target[3 * static_cast<Eigen::Index>(t) + k] = tools[t].displacement_m[k];
+
+  HeldPoints held;
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(B.cols()), f = q, F = Eigen::VectorXd::Zero(B.rows());
+  Eigen::MatrixXd stiffness = solver.rest().stiffness_N_per_m;
+  int iterations = 0, cutbacks = 0;
+  for (bool settled = false; !settled && held.solves < most_solves; ++held.solves) {
+    // B (q + step) = target,  f + stiffness step = B^T F
+    const Eigen::PartialPivLU<Eigen::MatrixXd> factors(stiffness);
+    const Eigen::MatrixXd moved = factors.solve(B.transpose());
+    const Eigen::VectorXd balance = factors.solve(f);
+    F = (B * moved).partialPivLu().solve(target - B * q + B * balance);
+    const Eigen::VectorXd step = moved * F - balance;
+    q += step;
+    settled = held.solves > 0 && step.norm() <= settled_step * q.norm();
+    std::vector<Vec3> displacement(nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (int k = 0; k < 3; ++k) displacement[i][k] = q[3 * static_cast<Eigen::Index>(i) + k];
+    held.response = solver.solve(displacement, increments, true);
+    iterations += held.response.iterations;
+    cutbacks += held.response.cutbacks;
+    if (held.response.status != Status::converged) break;
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (int k = 0; k < 3; ++k) f[3 * static_cast<Eigen::Index>(i) + k] = held.response.force_N[i][k];
+    stiffness = held.response.tangent_N_per_m;
+    if (!settled && held.solves + 1 == most_solves) held.response.status = Status::diverged;
+  }
+  held.response.iterations = iterations;
+  held.response.cutbacks = cutbacks;
+  held.response.force_N.assign(tools.size(), Vec3{});
+  for (std::size_t t = 0; t < tools.size(); ++t)
+    for (int k = 0; k < 3; ++k) held.response.force_N[t][k] = F[3 * static_cast<Eigen::Index>(t) + k];
+  return held;
+}
+
+}  // namespace phynness
