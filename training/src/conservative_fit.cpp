@@ -284,28 +284,23 @@ ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& r
   return states;
 }
 
-ConservativeFit fit_conservative(const ForceStates& all, double max_displacement_m,
-                                 const ConservativeOptions& options) {
+ConservativeFit fit_conservative(const ForceStates& all, double max_displacement_m, int max_centers) {
   const ForceStates states = thinned(all, (all.row.size() + max_fit_states - 1) / max_fit_states);
+  const ForceStates some = thinned(states, (states.row.size() + max_search_states - 1) / max_search_states);
   const auto candidates = force_shape_candidates();
-  double shape = options.shape, left_out = 0;
-  if (!(shape > 0)) {
-    const ForceStates some = thinned(states, (states.row.size() + max_search_states - 1) / max_search_states);
-    left_out = std::numeric_limits<double>::infinity();
-    shape = candidates.front();
-    for (const double candidate : candidates) {
-      const double error = largest_force(some) > 0 ? left_out_error(some, candidate) : 0;
-      if (error < left_out) {
-        left_out = error;
-        shape = candidate;
-      }
+  double shape = candidates.front(), left_out = std::numeric_limits<double>::infinity();
+  for (const double candidate : candidates) {
+    const double error = largest_force(some) > 0 ? left_out_error(some, candidate) : 0;
+    if (error < left_out) {
+      left_out = error;
+      shape = candidate;
     }
   }
-  auto fit = fit_shape(states, max_displacement_m, options.max_centers, shape);
+  auto fit = fit_shape(states, max_displacement_m, max_centers, shape);
   // Flat kernels cancel; the next sharper one does less.
   while (fit.cancellation > largest_cancellation && shape > candidates.front()) {
     shape = *std::prev(std::lower_bound(candidates.begin(), candidates.end(), shape));
-    fit = fit_shape(states, max_displacement_m, options.max_centers, shape);
+    fit = fit_shape(states, max_displacement_m, max_centers, shape);
   }
   fit.left_out_error = left_out;
   return fit;
