@@ -1,5 +1,7 @@
 #include <phynness/tuning/tuning.hpp>
 
+#include "model_name.hpp"
+
 namespace phynness {
 namespace {
 
@@ -23,7 +25,7 @@ std::vector<Candidate> tuning_candidates(const Scene& scene) {
   if (scene.material.law == Law::linear) {
     TrainingSpec spec = scene.training;
     spec.family = Family::linear;
-    candidates.push_back({"linear", spec});
+    candidates.push_back({model_name(spec), spec});
   }
   for (const auto& size : modal_sizes) {
     TrainingSpec spec = scene.training;
@@ -33,18 +35,14 @@ std::vector<Candidate> tuning_candidates(const Scene& scene) {
     spec.near_nodes = size.near_nodes;
     spec.amplitude_centers = size.amplitude_centers;
     spec.force_centers = size.force_centers;
-    candidates.push_back({"modal " + std::to_string(size.modes) + " of " + std::to_string(size.shared_modes) +
-                              " modes, " + std::to_string(size.force_centers) + " centers",
-                          spec});
+    candidates.push_back({model_name(spec), spec});
   }
   for (const int n : neurons) {
     TrainingSpec spec = scene.training;
     spec.family = Family::rbfn;
     spec.deformation_neurons = n;
     spec.force_neurons = std::min(n, 100);
-    candidates.push_back(
-        {"rbfn " + std::to_string(n) + " neurons, " + std::to_string(spec.force_neurons) + " for force",
-         spec});
+    candidates.push_back({model_name(spec), spec});
   }
   return candidates;
 }
