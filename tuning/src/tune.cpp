@@ -82,7 +82,7 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
             report.failed += found.failed;
             solved.push_back(std::move(found));
           });
-      report.linear = linear_errors(model, solved);
+      report.linear = linear_errors(solved);
     }
     measured.errors = model_errors(model, solved);
     measured.speed = measure_speed(model);
