@@ -11,6 +11,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "error_json.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -121,16 +122,6 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
   fmt::print("plot: {}\n", file.string());
 }
 
-json to_json(const ErrorStatistics& s) {
-  if (s.n == 0) return {{"mean", nullptr}, {"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}};
-  return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
-}
-json to_json(const GroupErrors& e) {
-  return {{"force", to_json(e.force)},
-          {"displacement", to_json(e.displacement)},
-          {"field_l2", to_json(e.field_l2)}};
-}
-
 void run(const Options& options) {
   TuningLimits limits;
   limits.error = limit(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "2%");
@@ -201,14 +192,13 @@ void run(const Options& options) {
                            {"force_neurons", spec.force_neurons}};
     models.push_back(entry);
   }
-  json out{
-      {"models", models},
-      {"chosen", nullptr},
-      {"missed", choice.missed},
-      {"probes", report.probes},
-      {"failed", report.failed},
-      {"nodes", report.nodes},
-      {"linear", {{"inside", to_json(report.linear.inside)}, {"outside", to_json(report.linear.outside)}}}};
+  json out{{"models", models},
+           {"chosen", nullptr},
+           {"missed", choice.missed},
+           {"probes", report.probes},
+           {"failed", report.failed},
+           {"nodes", report.nodes},
+           {"linear", to_json(report.linear)}};
   if (choice.chosen) out["chosen"] = report.models[*choice.chosen].candidate.name;
   // The model first: what was found is not lost where a plot cannot be drawn.
   if (choice.chosen) {

@@ -6,6 +6,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "error_json.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -17,20 +18,6 @@ struct Options {
   std::int64_t nodes = 0;
   std::optional<std::filesystem::path> json_file;
 };
-
-/// Without samples there is no error, not an error of zero.
-json to_json(const ErrorStatistics& s) {
-  if (s.n == 0) return {{"mean", nullptr}, {"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}};
-  return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
-}
-
-json to_json(const GroupErrors& e) {
-  return {{"force", to_json(e.force)},
-          {"displacement", to_json(e.displacement)},
-          {"displacement_moving", to_json(e.displacement_moving)},
-          {"field_l2", to_json(e.field_l2)},
-          {"force_relative", to_json(e.force_relative)}};
-}
 
 /// Two decimals, or the order of magnitude where those would show nothing.
 std::string percent(double fraction) {
@@ -127,17 +114,14 @@ void run(const Options& options) {
   fmt::print("\n");
   fmt::print("{} on {} rank{}\n", duration(report.seconds), session.size(), session.size() == 1 ? "" : "s");
   const auto& of_model = report.of(Predictor::model);
-  const auto both = [](const PredictorErrors& e) {
-    return json{{"inside", to_json(e.inside)}, {"outside", to_json(e.outside)}};
-  };
   json out{{"probes", report.probes},
            {"failed", report.failed},
            {"solved_inside", report.solved_inside},
            {"solved_outside", report.solved_outside},
            {"inside", to_json(of_model.inside)},
            {"outside", to_json(of_model.outside)},
-           {"linear", both(report.of(Predictor::linear))},
-           {"zero", both(report.of(Predictor::zero))},
+           {"linear", to_json(report.of(Predictor::linear))},
+           {"zero", to_json(report.of(Predictor::zero))},
            {"conditions",
             {{"law", name(scene.material.law)},
              {"element", name(scene.solver.element)},

@@ -41,7 +41,7 @@ Eigen::Vector3d smooth_force(const Eigen::Vector3d& x) {
 
 TEST(ConservativeFit, RepeatsAConservativeForceBetweenTheDirections) {
   const auto tables = training_tables(small_header());
-  const auto fit = fit_conservative(states_of(tables, smooth_force), depth, {80, 0});
+  const auto fit = fit_conservative(states_of(tables, smooth_force), depth, 80);
   EXPECT_LE(fit.network.centers.size(), 80u);
   double error = 0, largest = 0;
   for (int i = 0; i < 200; ++i) {
@@ -58,7 +58,7 @@ TEST(ConservativeFit, RepeatsAConservativeForceBetweenTheDirections) {
 
 TEST(ConservativeFit, IsExactlyZeroAtRest) {
   const auto tables = training_tables(small_header());
-  const auto fit = fit_conservative(states_of(tables, smooth_force), depth, {40, 0});
+  const auto fit = fit_conservative(states_of(tables, smooth_force), depth, 40);
   const auto at_rest = evaluate_force(fit.network, tables.displacements, depth, Eigen::Vector3d::Zero());
   for (int k = 0; k < 3; ++k) EXPECT_EQ(at_rest[k], 0.0);
 }
@@ -69,7 +69,7 @@ TEST(ConservativeFit, HasASymmetricStiffnessEvenWhereTheDataHaveNone) {
   const auto circles = [](const Eigen::Vector3d& x) {
     return Eigen::Vector3d(x[0] - 2 * x[1], 2 * x[0] + x[1], x[2]);
   };
-  const auto fit = fit_conservative(states_of(tables, circles), depth, {60, 0});
+  const auto fit = fit_conservative(states_of(tables, circles), depth, 60);
   const Eigen::Vector3d at(0.31, -0.42, 0.25);
   const double h = 1e-5;
   Eigen::Matrix3d stiffness;
@@ -89,7 +89,7 @@ TEST(ConservativeFit, NeverPushesTheToolAwayFarBeyondTheData) {
   const auto softening = [](const Eigen::Vector3d& x) -> Eigen::Vector3d {
     return x * (3 * std::exp(-1.5 * x.squaredNorm()) + 0.2);
   };
-  const auto fit = fit_conservative(states_of(tables, softening), depth, {80, 0});
+  const auto fit = fit_conservative(states_of(tables, softening), depth, 80);
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(fit.network.stiffness).eigenvalues()[0], 0);
   for (const double size : {20.0, 100.0, 1e4})
     for (int k = 0; k < 26; ++k) {
@@ -104,7 +104,7 @@ TEST(ConservativeFit, OfALinearBodyIsItsStiffness) {
   stiffness << 40, 5, -3, 5, 25, 2, -3, 2, 60;
   const auto fit = fit_conservative(
       states_of(tables, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return stiffness * depth * x; }),
-      depth, {80, 0});
+      depth, 80);
   EXPECT_LT((fit.network.stiffness - stiffness).norm(), 1e-6 * stiffness.norm());  // floats
   const Eigen::Vector3d far(30, -20, 10);
   const Eigen::Vector3d expected = stiffness * depth * far;
@@ -114,7 +114,7 @@ TEST(ConservativeFit, OfALinearBodyIsItsStiffness) {
 
 TEST(ConservativeFit, StaysBoundedFarBeyondTheData) {
   const auto tables = training_tables(small_header());
-  const auto fit = fit_conservative(states_of(tables, smooth_force), depth, {80, 0});
+  const auto fit = fit_conservative(states_of(tables, smooth_force), depth, 80);
   const Eigen::Vector3d direction = Eigen::Vector3d(1, 2, -1).normalized();
   const auto stiffness_along = [&](double size) {
     return (evaluate_force(fit.network, tables.displacements, depth, (size + 0.1) * direction) -
@@ -136,7 +136,7 @@ TEST(ConservativeFit, SurvivesStatesThatSayLittle) {
                      all.force.topRows(n),
                      {all.row.begin(), all.row.begin() + n},
                      {all.direction.begin(), all.direction.begin() + n}};
-    const auto fit = fit_conservative(some, depth, {80, 0});
+    const auto fit = fit_conservative(some, depth, 80);
     EXPECT_LE(2 * fit.network.centers.size(), static_cast<std::size_t>(n));
     for (Eigen::Index i = 0; i < n; ++i) {
       const Eigen::Vector3d expected = some.force.row(i);
@@ -146,7 +146,7 @@ TEST(ConservativeFit, SurvivesStatesThatSayLittle) {
   }
   ForceStates still = all;
   still.force.setZero();
-  const auto fit = fit_conservative(still, depth, {80, 0});
+  const auto fit = fit_conservative(still, depth, 80);
   EXPECT_EQ(evaluate_force(fit.network, tables.displacements, depth, {0.3, 0.2, 0.1}).norm(), 0);
 }
 

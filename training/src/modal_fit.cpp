@@ -229,13 +229,13 @@ MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, std::ui
 }
 
 AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
-                                          int max_centers, double shape) {
+                                          int max_centers) {
   AmplitudeCenters chosen;
   std::set<std::int32_t> every;
   for (const auto& node : nodes) every.insert(node.row.begin(), node.row.end());
   if (every.empty()) return chosen;
   chosen.left_out_error = std::numeric_limits<double>::infinity();
-  for (const double candidate : shape > 0 ? std::vector<double>{shape} : amplitude_shape_candidates()) {
+  for (const double candidate : amplitude_shape_candidates()) {
     // The median: a node where the body snaps is predicted by no shape, and would outweigh all others.
     std::vector<double> errors;
     for (const auto& node : nodes) errors.push_back(left_out_error(tables, node, candidate));

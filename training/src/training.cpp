@@ -113,7 +113,7 @@ class Training {
     const std::int32_t n_some = std::min(n, n_center_nodes);
     for (std::int32_t i = 0; i < n_some; ++i)
       some.push_back(std::move(nodes[static_cast<std::size_t>((2 * i + 1) * n / (2 * n_some))]));
-    const auto chosen = choose_amplitude_centers(_tables, some, _spec.amplitude_centers, 0);
+    const auto chosen = choose_amplitude_centers(_tables, some, _spec.amplitude_centers);
     _shared.centers = chosen.row;
     _shared.shape = chosen.shape;
     _amplitude_left_out = chosen.left_out_error;
@@ -233,7 +233,7 @@ class Training {
     const ForceStates forces = force_states(_tables, read.rays);
     if (forces.row.empty()) return;
     outcome.trained = true;
-    outcome.conservative = fit_conservative(forces, _tables.magnitudes_m.back(), {_spec.force_centers, 0});
+    outcome.conservative = fit_conservative(forces, _tables.magnitudes_m.back(), _spec.force_centers);
     outcome.model = describe_node(_tables, read.node, point, read.prescribed, read.rays);
     outcome.model.conservative = std::move(outcome.conservative.network);
     if (_spec.modes == 0) {

@@ -6,6 +6,8 @@
 #include <phynness/tuning/tuning.hpp>
 #include <phynness/validation/probed_states.hpp>
 
+#include "model_name.hpp"
+
 namespace phynness {
 namespace {
 
@@ -23,19 +25,20 @@ LoadedModel loaded(const Model& model, const Mesh& mesh, const std::string& name
 }
 
 /// What was made, which is less than what was asked where the database has few states.
-std::string described(const Model& model) {
-  std::size_t modes = 0, centers = 0, neurons = 0, force_neurons = 0;
+TrainingSpec made(const Model& model) {
+  TrainingSpec spec;
+  spec.family = model.family;
+  spec.modes = spec.force_centers = spec.deformation_neurons = spec.force_neurons = 0;
+  spec.shared_modes = static_cast<int>(model.shared.modes.cols());
   for (const auto& node : model.nodes) {
-    modes = std::max(modes, static_cast<std::size_t>(node.modal.weights.cols()));
-    centers = std::max(centers, node.conservative.centers.size());
-    neurons = std::max(neurons, node.deformation.center_displacement.size());
-    force_neurons = std::max(force_neurons, node.force.center_displacement.size());
+    spec.modes = std::max(spec.modes, static_cast<int>(node.modal.weights.cols()));
+    spec.force_centers = std::max(spec.force_centers, static_cast<int>(node.conservative.centers.size()));
+    spec.deformation_neurons =
+        std::max(spec.deformation_neurons, static_cast<int>(node.deformation.center_displacement.size()));
+    spec.force_neurons =
+        std::max(spec.force_neurons, static_cast<int>(node.force.center_displacement.size()));
   }
-  if (model.family == Family::linear) return "linear";
-  if (model.family == Family::rbfn)
-    return "rbfn " + std::to_string(neurons) + " neurons, " + std::to_string(force_neurons) + " for force";
-  return "modal " + std::to_string(modes) + " of " + std::to_string(model.shared.modes.cols()) + " modes, " +
-         std::to_string(centers) + " centers";
+  return spec;
 }
 
 }  // namespace
@@ -62,7 +65,7 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
       report.left_out.push_back(candidate.name + ": " + error.what());
       continue;
     }
-    measured.candidate.name = described(measured.model);
+    measured.candidate.name = model_name(made(measured.model));
     measured.model.title = scene.title;
     measured.training_s = training.seconds;
     const auto model = loaded(measured.model, mesh, candidate.name);
@@ -79,7 +82,7 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
             report.failed += found.failed;
             solved.push_back(std::move(found));
           });
-      report.linear = linear_errors(model, solved);
+      report.linear = linear_errors(solved);
     }
     measured.errors = model_errors(model, solved);
     measured.speed = measure_speed(model);

@@ -13,8 +13,26 @@ constexpr std::size_t n_predictors = predictors.size();
 enum Group : std::size_t { inside = 0, outside = 1 };
 enum Measure : std::size_t { force, displacement, moving, field_l2, force_relative, n_measures };
 
-/// Normalized errors, by predictor, group and measure.
-using Samples = std::array<std::array<std::array<std::vector<double>, n_measures>, 2>, n_predictors>;
+/// Normalized errors of one predictor, by group and measure.
+using Samples = std::array<std::array<std::vector<double>, n_measures>, 2>;
+
+/// What a predictor says of a probe; `u` is empty if it has forces only.
+struct Prediction {
+  Vec3 force{};
+  Points u;
+};
+using Predict = std::function<Prediction(std::int32_t node, const ProbedState&)>;
+
+Predict by_model(const LoadedModel& model) {
+  return [&model](std::int32_t node, const ProbedState& state) {
+    auto said = model.respond({node}, {state.d});
+    return Prediction{*said.force_N[0], std::move(said.displacement_m)};
+  };
+}
+Prediction by_linear(std::int32_t, const ProbedState& state) { return {state.force_linear, state.u_linear}; }
+Prediction by_zero(std::int32_t, const ProbedState& state) {
+  return {Vec3{}, Points::Zero(state.u_FE.rows(), 3)};
+}
 
 double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 double distance(const Vec3& a, const Vec3& b) { return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]}); }
@@ -67,8 +85,9 @@ std::vector<ForceExample> read_examples(const std::vector<double>& rows) {
 }
 
 /// Turns one active node's probes of one group into samples of (17).
-void collect(const LoadedModel& model, const NodeProbes& probes, Group group, Samples& samples) {
+void collect(const Predict& predict, const NodeProbes& probes, Group group, Samples& samples) {
   const auto& counts = probes.counts;
+  auto& out = samples[group];
   double largest_force = 0, largest_u = 0;
   for (const auto& state : probes.states[group]) {
     largest_force = std::max(largest_force, norm(state.force_FE));
@@ -81,27 +100,21 @@ void collect(const LoadedModel& model, const NodeProbes& probes, Group group, Sa
       if (counts[static_cast<std::size_t>(i)]) by_motion.emplace_back(-state.u_FE.row(i).norm(), i);
     std::sort(by_motion.begin(), by_motion.end());
     const std::size_t n_moving = (by_motion.size() + 9) / 10;
-    const auto said = model.respond({probes.node}, {state.d});
-    const Points none = Points::Zero(state.u_FE.rows(), 3);
-    const std::array<Vec3, n_predictors> force_of{*said.force_N[0], state.force_linear, Vec3{}};
-    const std::array<const Points*, n_predictors> u_of{&said.displacement_m, &state.u_linear, &none};
-    for (std::size_t p = 0; p < n_predictors; ++p) {
-      auto& out = samples[p][group];
-      const double force_error = distance(force_of[p], state.force_FE);
-      if (largest_force > 0) out[force].push_back(force_error / largest_force);
-      if (norm(state.force_FE) > 0) out[force_relative].push_back(force_error / norm(state.force_FE));
-      if (u_of[p]->rows() == 0) continue;  // a model of forces only
-      double error2 = 0, norm2 = 0;
-      for (std::size_t rank = 0; rank < by_motion.size(); ++rank) {
-        const auto i = by_motion[rank].second;
-        const double error = (u_of[p]->row(i) - state.u_FE.row(i)).norm();
-        if (largest_u > 0) out[displacement].push_back(error / largest_u);
-        if (largest_u > 0 && rank < n_moving) out[moving].push_back(error / largest_u);
-        error2 += error * error;
-        norm2 += by_motion[rank].first * by_motion[rank].first;
-      }
-      if (norm2 > 0) out[field_l2].push_back(std::sqrt(error2 / norm2));
+    const Prediction said = predict(probes.node, state);
+    const double force_error = distance(said.force, state.force_FE);
+    if (largest_force > 0) out[force].push_back(force_error / largest_force);
+    if (norm(state.force_FE) > 0) out[force_relative].push_back(force_error / norm(state.force_FE));
+    if (said.u.rows() == 0) continue;
+    double error2 = 0, norm2 = 0;
+    for (std::size_t rank = 0; rank < by_motion.size(); ++rank) {
+      const auto i = by_motion[rank].second;
+      const double error = (said.u.row(i) - state.u_FE.row(i)).norm();
+      if (largest_u > 0) out[displacement].push_back(error / largest_u);
+      if (largest_u > 0 && rank < n_moving) out[moving].push_back(error / largest_u);
+      error2 += error * error;
+      norm2 += by_motion[rank].first * by_motion[rank].first;
     }
+    if (norm2 > 0) out[field_l2].push_back(std::sqrt(error2 / norm2));
   }
 }
 
@@ -124,14 +137,17 @@ std::vector<double> waypoints(const ProbePair& pair, double increment_m) {
   return kept;
 }
 
-GroupErrors statistics(const std::array<std::vector<double>, n_measures>& samples) {
-  GroupErrors errors;
-  errors.force = ErrorStatistics::of(samples[force]);
-  errors.displacement = ErrorStatistics::of(samples[displacement]);
-  errors.displacement_moving = ErrorStatistics::of(samples[moving]);
-  errors.field_l2 = ErrorStatistics::of(samples[field_l2]);
-  errors.force_relative = ErrorStatistics::of(samples[force_relative]);
-  return errors;
+PredictorErrors statistics(const Samples& samples) {
+  const auto of = [](const auto& group) {
+    GroupErrors errors;
+    errors.force = ErrorStatistics::of(group[force]);
+    errors.displacement = ErrorStatistics::of(group[displacement]);
+    errors.displacement_moving = ErrorStatistics::of(group[moving]);
+    errors.field_l2 = ErrorStatistics::of(group[field_l2]);
+    errors.force_relative = ErrorStatistics::of(group[force_relative]);
+    return errors;
+  };
+  return {of(samples[inside]), of(samples[outside])};
 }
 
 /// 1 for the output nodes that count in (17): those that the tool does not move itself.
@@ -196,24 +212,20 @@ void solve_probes(const SolverSession& session, const Scene& scene, const Loaded
 
 namespace {
 
-PredictorErrors errors_of(Predictor predictor, const LoadedModel& model,
-                          const std::vector<NodeProbes>& probes) {
+PredictorErrors errors_of(const Predict& predict, const std::vector<NodeProbes>& probes) {
   Samples samples;
   for (const auto& node : probes)
-    for (const Group g : {inside, outside}) collect(model, node, g, samples);
-  const auto& its = samples[static_cast<std::size_t>(predictor)];
-  return {statistics(its[inside]), statistics(its[outside])};
+    for (const Group g : {inside, outside}) collect(predict, node, g, samples);
+  return statistics(samples);
 }
 
 }  // namespace
 
 PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes) {
-  return errors_of(Predictor::model, model, probes);
+  return errors_of(by_model(model), probes);
 }
 
-PredictorErrors linear_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes) {
-  return errors_of(Predictor::linear, model, probes);
-}
+PredictorErrors linear_errors(const std::vector<NodeProbes>& probes) { return errors_of(by_linear, probes); }
 
 ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                           std::int64_t probes, std::uint64_t seed,
@@ -222,7 +234,8 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t cpu_start = std::clock();
   std::vector<NodePlan> plan;
-  Samples samples;
+  const std::array<Predict, n_predictors> predict{by_model(model), by_linear, by_zero};  // by Predictor
+  std::array<Samples, n_predictors> samples;
   std::vector<double> examples;
   double failed = 0, solved[2] = {0, 0}, increments = 0;
   session.together([&] {
@@ -230,7 +243,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
     plan = plan_probes(model, scene.probe.directions, probes, seed, nodes);
     solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
       for (const Group g : {inside, outside}) {
-        collect(model, found, g, samples);
+        for (std::size_t p = 0; p < n_predictors; ++p) collect(predict[p], found, g, samples[p]);
         solved[g] += static_cast<double>(found.states[g].size());
       }
       failed += static_cast<double>(found.failed);
@@ -253,7 +266,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   for (std::size_t p = 0; p < n_predictors; ++p) {
     for (auto& group : samples[p])
       for (auto& list : group) list = session.gather(list);
-    report.errors[p] = {statistics(samples[p][inside]), statistics(samples[p][outside])};
+    report.errors[p] = statistics(samples[p]);
   }
   report.examples = read_examples(session.gather(examples));
   if (session.rank() == 0) report.speed = measure_speed(model);

@@ -20,16 +20,12 @@ struct ForceStates {
 /// @throws Error (failure) if a converged increment holds a force that is not finite
 ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& rays);
 
-struct ConservativeOptions {
-  int max_centers = 80;
-  double shape = 0;  ///< <= 0: the candidate with the smallest left-out error
-};
-
 struct ConservativeFit {
   ConservativeNetwork network;
   /// Mean |model - data| over the states, divided by the largest |data|.
   double training_error = 0;
-  /// The same at directions left out one by one, by interpolation of all others; 0: not computed.
+  /// The same at directions left out one by one, by interpolation of all others, at the shape that predicts
+  /// them best.
   double left_out_error = 0;
   /// Largest sum of the sizes of the terms over the largest force: digits lost are its decimal logarithm.
   double cancellation = 0;
@@ -38,7 +34,8 @@ struct ConservativeFit {
 /// Shapes that a search tries, ascending.
 std::vector<double> force_shape_candidates();
 
-/// A network with a center for nearly every state follows what lies between them no more: K could be anything.
+/// A network with a center for nearly every state follows what lies between them no more: K could be
+/// anything.
 inline constexpr double largest_center_share = 0.5;
 
 /// Networks that cancel by more than this lose the conservation of energy in float32: a smaller shape is
@@ -47,12 +44,13 @@ inline constexpr double largest_cancellation = 1e3;
 
 /// Centers are states chosen one by one by orthogonal least squares: the next is the one whose three columns
 /// explain most of what is left of all forces, small ones counted more (Chen, Cowan & Grant 1991,
-/// doi 10.1109/72.80341). Coefficients are rounded to float32. Cost: about 5 (3 n)^2 m flops for n states and
-/// m centers, and a third of (3 n)^3 for each shape tried.
+/// doi 10.1109/72.80341). The shape is the candidate with the smallest left-out error. Coefficients are
+/// rounded to float32. Cost: about 5 (3 n)^2 m flops for n states and m centers, and a third of (3 n)^3 for
+/// each shape tried.
 /// @param max_displacement_m  R
+/// @param max_centers  at most this many, and at most largest_center_share of the states
 /// @pre at least one state, all values finite
-ConservativeFit fit_conservative(const ForceStates& states, double max_displacement_m,
-                                 const ConservativeOptions& options);
+ConservativeFit fit_conservative(const ForceStates& states, double max_displacement_m, int max_centers);
 
 /// Force [N] at x = d / R, by plain loops: the reference that other evaluators are held against.
 Eigen::Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements,

@@ -38,10 +38,10 @@ struct AmplitudeCenters {
   double left_out_error =
       0;  ///< median over nodes: amplitudes at directions left out, over the largest displacement
 };
-/// Chosen by orthogonal least squares on the pooled amplitudes of the given nodes.
-/// @param shape  <= 0: the candidate with the smallest left-out error
+/// Chosen by orthogonal least squares on the pooled amplitudes of the given nodes; the shape is the candidate
+/// with the smallest left-out error.
 AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
-                                          int max_centers, double shape);
+                                          int max_centers);
 /// Shapes that a search tries, ascending.
 std::vector<double> amplitude_shape_candidates();
 

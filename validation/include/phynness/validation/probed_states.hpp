@@ -32,7 +32,7 @@ void solve_probes(const SolverSession& session, const Scene& scene, const Loaded
 
 /// The model's own errors on those probes.
 PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes);
-/// Those of the linear predictor; any model that was trained for the scene will do.
-PredictorErrors linear_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes);
+/// Those of the linear predictor.
+PredictorErrors linear_errors(const std::vector<NodeProbes>& probes);
 
 }  // namespace phynness

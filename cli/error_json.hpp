@@ -1,0 +1,27 @@
+// Errors against finite elements, for machines: the same words from validate and tune.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <phynness/validation/validation.hpp>
+
+namespace phynness::cli {
+
+/// Without samples there is no error, not an error of zero.
+inline nlohmann::ordered_json to_json(const ErrorStatistics& s) {
+  if (s.n == 0) return {{"mean", nullptr}, {"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}};
+  return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
+}
+
+inline nlohmann::ordered_json to_json(const GroupErrors& e) {
+  return {{"force", to_json(e.force)},
+          {"displacement", to_json(e.displacement)},
+          {"displacement_moving", to_json(e.displacement_moving)},
+          {"field_l2", to_json(e.field_l2)},
+          {"force_relative", to_json(e.force_relative)}};
+}
+
+inline nlohmann::ordered_json to_json(const PredictorErrors& e) {
+  return {{"inside", to_json(e.inside)}, {"outside", to_json(e.outside)}};
+}
+
+}  // namespace phynness::cli
