@@ -2,7 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <phynness/validation/validation.hpp>
+#include <phynness/validation/surface_points.hpp>
 
 namespace phynness::cli {
 
@@ -22,6 +22,23 @@ inline nlohmann::ordered_json to_json(const GroupErrors& e) {
 
 inline nlohmann::ordered_json to_json(const PredictorErrors& e) {
   return {{"inside", to_json(e.inside)}, {"outside", to_json(e.outside)}};
+}
+
+inline nlohmann::ordered_json to_json(const PointErrors& e) {
+  return {{"force", to_json(e.force)},
+          {"displacement", to_json(e.displacement)},
+          {"field_l2", to_json(e.field_l2)}};
+}
+
+inline nlohmann::ordered_json to_json(const PointReport& r) {
+  return {{"points", r.points},
+          {"displacements", r.displacements},
+          {"failed", r.failed},
+          {"unsettled", r.unsettled},
+          {"largest_residual_m", r.largest_residual_m},
+          {"coupled", to_json(r.coupled)},
+          {"linear", to_json(r.linear)},
+          {"at_nodes", to_json(r.at_nodes)}};
 }
 
 }  // namespace phynness::cli

@@ -2,7 +2,7 @@
 
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
-#include <phynness/validation/validation.hpp>
+#include <phynness/validation/surface_points.hpp>
 
 #include "commands.hpp"
 #include "console.hpp"
@@ -11,11 +11,14 @@
 namespace phynness::cli {
 namespace {
 
+/// (17) divides by the largest of a place's responses: one alone would be all there is to divide by.
+constexpr std::int64_t displacements_per_point = 4;
+
 struct Options {
   std::filesystem::path scene, model;
   std::optional<std::int64_t> probes;
   std::optional<std::int64_t> seed;
-  std::int64_t nodes = 0;
+  std::int64_t nodes = 0, points = 0;
   std::optional<std::filesystem::path> json_file;
 };
 
@@ -64,6 +67,29 @@ void print_examples(const ValidationReport& report) {
   }
 }
 
+void print_points(const PointReport& report) {
+  fmt::print("{} points of the surface, {} displacements each; {} not solved, {} unsettled by the model\n",
+             report.points, report.displacements, report.failed, report.unsettled);
+  fmt::print("{:<24} | {:^31} | {:^31} | {:^31}\n", "tools between nodes", "coupled model",
+             "linear predictor", "model at the nearest nodes");
+  fmt::print("{:<24}", "  error in %");
+  for (int i = 0; i < 3; ++i) fmt::print(" | {:>7} {:>7} {:>7} {:>7}", "mean", "median", "p95", "max");
+  fmt::print("\n");
+  const auto row = [&](const char* what, const ErrorStatistics PointErrors::*member) {
+    fmt::print("  {:<22}", what);
+    for (const auto* errors : {&report.coupled, &report.linear, &report.at_nodes}) {
+      const auto& s = errors->*member;
+      fmt::print(" | {} {} {} {}", percent(s.mean), percent(s.median), percent(s.p95), percent(s.max));
+    }
+    fmt::print("\n");
+  };
+  row("force, as eq. (17)", &PointErrors::force);
+  row("displacement", &PointErrors::displacement);
+  row("field, relative L2", &PointErrors::field_l2);
+  fmt::print("points follow their tools to {:.1e} m; {}\n", report.largest_residual_m,
+             duration(report.seconds));
+}
+
 void run(const Options& options) {
   if (options.json_file)
     refuse_overwriting(*options.json_file,
@@ -87,6 +113,13 @@ void run(const Options& options) {
         [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested,
         options.nodes);
   }
+  PointReport points;
+  if (options.points > 0) {
+    Progress progress("validate", "points");
+    points = validate_points(
+        session, scene, model, options.points, displacements_per_point, seed,
+        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
+  }
   if (session.rank() != 0) return;
   const double K_mu = scene.material.bulk_to_shear();
   std::string nodes;
@@ -107,6 +140,7 @@ void run(const Options& options) {
   if (inside.displacement.n > 0) fmt::print(", displacement{} %", percent(inside.displacement.median));
   fmt::print("\n");
   print_examples(report);
+  if (options.points > 0) print_points(points);
   fmt::print("runtime on this machine, one core: force {:.2f} us", report.speed.force_us);
   if (inside.displacement.n > 0)
     fmt::print(", deformation of {} nodes {:.1f} us", model.model().output.size(),
@@ -142,6 +176,7 @@ void run(const Options& options) {
                                {"force_finite_elements", e.finite_elements_N},
                                {"force_model", e.model_N},
                                {"force_linear", e.linear_N}});
+  if (options.points > 0) out["points"] = to_json(points);
   write_json(options.json_file, out);
 }
 
@@ -158,6 +193,10 @@ void add_validate_command(CLI::App& app) {
       ->add_option("--nodes", options->nodes,
                    "at how many active nodes (default: a twentieth of the probes, at least 10)")
       ->check(CLI::Range(1, 10'000'000));
+  command
+      ->add_option("--points", options->points,
+                   "also tools at so many random points between nodes, against point-constrained solves")
+      ->check(CLI::Range(1, 1'000'000));
   command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--json", options->json_file, "write the figures for machines");

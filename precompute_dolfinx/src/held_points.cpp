@@ -23,6 +23,13 @@ Eigen::MatrixXd point_weights(const std::vector<PointTool>& tools, const std::ve
   return weights;
 }
 
+std::vector<Vec3> per_tool(const Eigen::VectorXd& values) {
+  std::vector<Vec3> rows(static_cast<std::size_t>(values.size() / 3));
+  for (std::size_t t = 0; t < rows.size(); ++t)
+    for (int k = 0; k < 3; ++k) rows[t][k] = values[3 * static_cast<Eigen::Index>(t) + k];
+  return rows;
+}
+
 }  // namespace
 
 HeldPoints hold_points(ProbeSolver& solver, const std::vector<PointTool>& tools, int increments) {
@@ -48,6 +55,11 @@ HeldPoints hold_points(ProbeSolver& solver, const std::vector<PointTool>& tools,
     F = (B * moved).partialPivLu().solve(target - B * q + B * balance);
     const Eigen::VectorXd step = moved * F - balance;
     q += step;
+    if (held.solves == 0) {
+      held.linear_force_N = per_tool(F);
+      const Eigen::VectorXd u = solver.rest().sensitivity * q;
+      held.linear_displacement_m = Eigen::Map<const Points>(u.data(), u.size() / 3, 3);
+    }
     settled = held.solves > 0 && step.norm() <= settled_step * q.norm();
     std::vector<Vec3> displacement(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i)
@@ -63,9 +75,7 @@ HeldPoints hold_points(ProbeSolver& solver, const std::vector<PointTool>& tools,
   }
   held.response.iterations = iterations;
   held.response.cutbacks = cutbacks;
-  held.response.force_N.assign(tools.size(), Vec3{});
-  for (std::size_t t = 0; t < tools.size(); ++t)
-    for (int k = 0; k < 3; ++k) held.response.force_N[t][k] = F[3 * static_cast<Eigen::Index>(t) + k];
+  held.response.force_N = per_tool(F);
   return held;
 }
 

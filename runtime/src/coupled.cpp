@@ -9,6 +9,9 @@ namespace {
 
 /// Changes of e this small against the displacements count as none.
 constexpr double settled_change = 1e-9;
+/// Shorter secants, in max_displacement_m, are those at rest: their difference would be rounding, and networks, which
+/// are not 0 at rest, would divide by nothing.
+constexpr double shortest_secant = 1e-4;
 /// Plain substitution gains a digit in one or two iterations; where it swings, beside a snap, half steps follow.
 constexpr std::int32_t plain_iterations = 20, damped_iterations = 20;
 
@@ -112,6 +115,7 @@ class Solver {
       if (!substitute()) break;
       settled = move_reach(n < plain_iterations ? 1.0 : 0.5);
     }
+    if (!settled) substitute();  // points are where they were put, whatever else does not fit
     return result(settled, n);
   }
 
@@ -161,8 +165,8 @@ class Solver {
   void take_secants(std::int32_t i) {
     const double *e = _c.reach + 3 * i, *k0 = _c.rest_stiffness + 9 * i;
     basis_of(_model, node(i), e, basis(i), _c.kernel);
-    const double square = dot(e, e);
-    const double factor = square > 0 ? 1 / square : 0;
+    const double shortest = shortest_secant * _model.max_displacement;
+    const double factor = 1 / std::fmax(dot(e, e), shortest * shortest);
     double f[3], linear[3], secant[9];
     evaluate_force(_model, node(i), e, f);
     multiply(k0, e, linear);

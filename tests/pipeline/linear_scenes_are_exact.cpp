@@ -63,6 +63,49 @@ TEST_F(LinearScenes, EvalWarnsOfNothingAtAnyDepth) {
   EXPECT_NEAR(result.at("energy").get<double>(), work / 2, 1e-12 * work);
 }
 
+// Claim: tools between nodes and several at once are exact, too: eval --point and two --node repeat the
+// constrained solve. (Where probes move midside points with the node, several nodes held at once are another
+// problem than their sum: docs/theory.md.) 1e-6: float32 in the database.
+TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
+  for (const char* element : {"P1", "p1-p1"}) {
+    auto scene = linear_scene(element);
+    const auto active = scene.find("active = [");
+    scene.replace(
+        active, scene.find("[probe]") - active,
+        "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
+    write_file(folder / "scene.toml", scene);
+    std::filesystem::remove_all(folder / "out");
+    ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+    for (const std::string tools : {"--point 0.041,0.033,0.05 --displacement 0.002,0.001,-0.004",
+                                    "--point 0.021,0.033,0.05 --displacement 0.002,0.001,-0.004 --point "
+                                    "0.07,0.05,0.05 --displacement 0,0,0.003"}) {
+      const auto eval = phynness("eval out/model " + tools + " --json eval.json --deformation eval.csv");
+      ASSERT_EQ(eval.exit_status, 0) << eval.err;
+      const auto solve = phynness("solve scene.toml " + tools + " --json solve.json --deformation solve.csv");
+      ASSERT_EQ(solve.exit_status, 0) << solve.err;
+      const auto e = json("eval.json"), s = json("solve.json");
+      EXPECT_LT(e.at("residual").get<double>(), 1e-12);
+      const double energy = s.at("energy");
+      EXPECT_NEAR(e.at("energy").get<double>(), energy, 1e-6 * energy);
+      EXPECT_NEAR(e.at("max_displacement").get<double>(), s.at("max_displacement").get<double>(), 1e-8);
+      for (std::size_t t = 0; t < e.at("tools").size(); ++t) {
+        const auto said = e.at("tools").at(t).at("force").get<std::vector<double>>();
+        const auto truth = s.at("tools").at(t).at("force").get<std::vector<double>>();
+        double size = 0;
+        for (const double f : truth) size = std::max(size, std::abs(f));
+        for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(said[k], truth[k], 1e-6 * size) << element;
+        EXPECT_GT(size, 0);
+      }
+    }
+  }
+  EXPECT_EQ(
+      phynness("eval out/model --point 0.041,0.033,0.05 --displacement 0,0,0.001 --tools paper").exit_status,
+      2);
+  EXPECT_EQ(phynness("eval out/model --point 0.041,0.033 --displacement 0,0,0.001").exit_status, 2);
+  EXPECT_EQ(phynness("eval out/model --point 0.0,0.033,0.0 --displacement 0,0,0.001").exit_status, 2);
+  EXPECT_EQ(phynness("solve scene.toml --point 0.03,0.033,0.0 --displacement 0,0,0.001").exit_status, 2);
+}
+
 TEST_F(LinearScenes, WhatCannotBeTrainedIsRefusedBeforeAnythingIsSolved) {
   write_file(folder / "bent.toml", changed(linear_scene(), "law = \"linear\"", "law = \"neo-hookean\""));
   for (const std::string command : {"run ", "precompute "}) {

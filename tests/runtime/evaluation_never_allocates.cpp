@@ -57,6 +57,13 @@ TEST_P(Memory, NothingIsAllocated) {
   worst = std::min(worst, phn_deform(model, data, 1, tools, d, out));
   worst = std::min(worst, phn_deform(model, data, 3, tools, d, out));
   worst = std::min(worst, phn_trained_depth(model, 3, d, &depth));
+  const phn_tool held[] = {{{3, 5, 8}, {0.5, 0.25, 0.25}, {0.001, 0, 0}},
+                           {{5, 3, 0}, {0.5, 0.25, 0.25}, {0, 0.001, 0}}};
+  const double x[] = {0.01, 0, 0};
+  phn_tool nearest;
+  worst = std::min(worst, phn_couple(model, data, 2, held, out, nullptr));
+  worst = std::min(worst, phn_coupled_deform(model, data, out));
+  worst = std::min(worst, phn_nearest(model, x, &nearest, nullptr));
   const int energy_status = phn_energy(model, data, 3, d, &energy);
   const int stiffness_status = phn_stiffness(model, data, 3, d, stiffness);
   const long after = n_allocations;

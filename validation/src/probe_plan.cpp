@@ -8,9 +8,7 @@
 #include <random>
 
 namespace phynness {
-namespace {
 
-/// Uniform in [0, 1), the same on every platform (std distributions are not).
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
 Vec3 on_sphere(std::mt19937_64& random) {
@@ -18,6 +16,8 @@ Vec3 on_sphere(std::mt19937_64& random) {
   const double r = std::sqrt(std::max(0.0, 1 - z * z));
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
+
+namespace {
 
 template <typename T>
 void shuffle(std::vector<T>& items, std::mt19937_64& random) {

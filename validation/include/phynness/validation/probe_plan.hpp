@@ -3,9 +3,15 @@
 
 #include <cstdint>
 #include <phynness/validation/loaded_model.hpp>
+#include <random>
 #include <vector>
 
 namespace phynness {
+
+/// Uniform in [0, 1), the same on every platform (std distributions are not).
+double uniform(std::mt19937_64& random);
+/// Uniform on the unit sphere.
+Vec3 on_sphere(std::mt19937_64& random);
 
 /// A ray solved for one probe inside the trained range and one beyond; either may be absent (0).
 struct ProbePair {

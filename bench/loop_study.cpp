@@ -1,0 +1,257 @@
+// Work over closed paths, integrated from forces: what a device could be fed by a model.
+#include <phynness/phynness.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <phynness/formats/error.hpp>
+#include <phynness/validation/loaded_model.hpp>
+#include <random>
+
+namespace {
+
+using phynness::LoadedModel;
+using Vector = Eigen::Vector3d;
+
+struct Loop {
+  double work = 0, energy = 0;  ///< [J]: around the path; the largest on it
+};
+
+class Paths {
+ public:
+  Paths(const LoadedModel& model, std::uint64_t seed) : _model(model), _random(seed) {
+    std::vector<std::int32_t> active;
+    for (const auto& node : model.model().nodes) active.push_back(node.node);
+    const auto& surface = model.model().surface;
+    const auto is_active = [&](std::int32_t node) {
+      return std::binary_search(active.begin(), active.end(), node);
+    };
+    for (Eigen::Index t = 0; t < surface.rows(); ++t)
+      if (is_active(surface(t, 0)) && is_active(surface(t, 1)) && is_active(surface(t, 2)))
+        _triangles.push_back({surface(t, 0), surface(t, 1), surface(t, 2)});
+  }
+
+  bool has_points() const { return !_triangles.empty(); }
+
+  /// A quadrilateral of displacements at one node, corners uniform in the ball of the trained depth.
+  Loop at_node() {
+    const auto& nodes = _model.model().nodes;
+    const std::int32_t node = nodes[index(nodes.size())].node;
+    return quadrilateral([&](const Vector& d, Vector& force) {
+      const int status = phn_force(_model.handle(), _model.data(), node, d.data(), force.data());
+      double energy = 0;
+      if (phn_energy(_model.handle(), _model.data(), node, d.data(), &energy) < 0) energy = force.dot(d) / 2;
+      return status < 0 ? 0 : energy;
+    });
+  }
+
+  /// The same at one point of the surface.
+  Loop at_point() {
+    const auto& triangle = _triangles[index(_triangles.size())];
+    const double s = std::sqrt(uniform()), q = uniform();
+    phn_tool tool{{triangle[0], triangle[1], triangle[2]}, {1 - s, s * (1 - q), s * q}, {}};
+    return quadrilateral([&](const Vector& d, Vector& force) {
+      for (int k = 0; k < 3; ++k) tool.displacement[k] = d[k];
+      return coupled(tool, force);
+    });
+  }
+
+  /// A tool that is pushed to one displacement slides around a node, over every edge that meets there. What
+  /// it does to the body is its force times how the material under it moves: sum over corners of weight force
+  /// . du.
+  Loop sliding(int steps_per_triangle) {
+    std::vector<std::array<std::int32_t, 3>> ring;
+    std::int32_t center = 0;
+    for (int attempt = 0; attempt < 1000 && ring.empty(); ++attempt) {
+      center = _triangles[index(_triangles.size())][0];
+      ring = ring_of(center);
+    }
+    if (ring.empty()) return {};
+    const Vector d = in_ball();
+    const double radius = 0.2 + 0.6 * uniform();
+    Loop loop;
+    State first, last;
+    for (const auto& triangle : ring)
+      for (int i = 0; i < steps_per_triangle; ++i) {
+        const double s = static_cast<double>(i) / steps_per_triangle;
+        const State state =
+            slid_to({center, triangle[1], triangle[2]}, {1 - radius, radius * (1 - s), radius * s}, d);
+        loop.energy = std::max(loop.energy, std::abs(state.energy));
+        if (last.u.size() > 0)
+          loop.work += work_between(last, state);
+        else
+          first = state;
+        last = state;
+      }
+    loop.work += work_between(last, first);
+    return loop;
+  }
+
+ private:
+  struct State {
+    std::vector<double> u;                ///< n_output x 3
+    std::map<std::int32_t, Vector> pull;  ///< position among the output nodes: weight times force
+    double energy = 0;
+  };
+
+  double uniform() { return static_cast<double>(_random() >> 11) * 0x1p-53; }
+  std::size_t index(std::size_t n) { return static_cast<std::size_t>(uniform() * static_cast<double>(n)); }
+  Vector in_ball() {
+    Vector d;
+    do {
+      for (double& x : d) x = 2 * uniform() - 1;
+    } while (d.norm() > 1);
+    return d * _model.model().max_displacement_m;
+  }
+
+  double coupled(const phn_tool& tool, Vector& force) {
+    phn_coupled result{};
+    if (phn_couple(_model.handle(), _model.data(), 1, &tool, force.data(), &result) < 0)
+      throw phynness::failure("the runtime refuses a tool", "", "this is a defect");
+    if (_model.model().family == phynness::Family::rbfn)
+      result.energy = force.dot(Vector(tool.displacement[0], tool.displacement[1], tool.displacement[2])) / 2;
+    return result.energy;
+  }
+
+  /// Gauss-Legendre with eight points on 40 pieces of each side: halving them changes no figure's first two
+  /// digits.
+  template <class Respond>
+  Loop quadrilateral(const Respond& respond) {
+    static constexpr std::array<double, 4> x{0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                             0.9602898564975363},
+        w{0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+    constexpr int pieces = 40;
+    std::array<Vector, 4> corners;
+    for (auto& corner : corners) corner = in_ball();
+    Loop loop;
+    for (std::size_t side = 0; side < 4; ++side) {
+      const Vector along = corners[(side + 1) % 4] - corners[side];
+      for (int i = 0; i < pieces; ++i)
+        for (std::size_t j = 0; j < 8; ++j) {
+          const double z = j % 2 ? x[j / 2] : -x[j / 2];
+          Vector force;
+          const double energy = respond(corners[side] + (i + (1 + z) / 2) / pieces * along, force);
+          loop.work += w[j / 2] / (2 * pieces) * force.dot(along);
+          loop.energy = std::max(loop.energy, std::abs(energy));
+        }
+    }
+    return loop;
+  }
+
+  /// The triangles around a node in order, each with the node first; empty unless they close.
+  std::vector<std::array<std::int32_t, 3>> ring_of(std::int32_t center) const {
+    std::map<std::int32_t, std::array<std::int32_t, 3>> next;
+    for (auto triangle : _triangles)
+      for (int turn = 0; turn < 3; ++turn) {
+        if (triangle[0] == center) next[triangle[1]] = triangle;
+        std::rotate(triangle.begin(), triangle.begin() + 1, triangle.end());
+      }
+    std::vector<std::array<std::int32_t, 3>> ring;
+    if (next.empty()) return ring;
+    std::int32_t at = next.begin()->first;
+    for (std::size_t i = 0; i < next.size(); ++i) {
+      const auto it = next.find(at);
+      if (it == next.end()) return {};
+      ring.push_back(it->second);
+      at = it->second[2];
+    }
+    if (at != next.begin()->first) ring.clear();
+    return ring;
+  }
+
+  State slid_to(const std::array<std::int32_t, 3>& nodes, const std::array<double, 3>& weights,
+                const Vector& d) {
+    const phn_tool tool{
+        {nodes[0], nodes[1], nodes[2]}, {weights[0], weights[1], weights[2]}, {d[0], d[1], d[2]}};
+    State state;
+    Vector force;
+    state.energy = coupled(tool, force);
+    state.u.resize(3 * static_cast<std::size_t>(phn_n_output(_model.handle())));
+    phn_coupled_deform(_model.handle(), _model.data(), state.u.data());
+    const auto& output = _model.model().output;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto at = std::lower_bound(output.begin(), output.end(), nodes[k]) - output.begin();
+      state.pull[static_cast<std::int32_t>(at)] = weights[k] * force;
+    }
+    return state;
+  }
+
+  /// Trapezoidal.
+  static double work_between(const State& a, const State& b) {
+    const auto u = [](const State& state, std::int32_t at) {
+      return Vector(&state.u[3 * static_cast<std::size_t>(at)]);
+    };
+    double work = 0;
+    for (const State* state : {&a, &b})
+      for (const auto& [at, pull] : state->pull) work += pull.dot(u(b, at) - u(a, at)) / 2;
+    return work;
+  }
+
+  const LoadedModel& _model;
+  std::mt19937_64 _random;
+  std::vector<std::array<std::int32_t, 3>> _triangles;
+};
+
+/// Prints quantiles and a histogram by decades of |work| / energy.
+nlohmann::ordered_json report(const char* what, const std::vector<Loop>& loops) {
+  std::vector<double> ratio;
+  for (const auto& loop : loops)
+    if (loop.energy > 0) ratio.push_back(std::abs(loop.work) / loop.energy);
+  if (ratio.empty()) return {};
+  std::sort(ratio.begin(), ratio.end());
+  const auto quantile = [&](double q) {
+    return ratio[static_cast<std::size_t>(q * static_cast<double>(ratio.size() - 1))];
+  };
+  std::printf("%-44s %zu loops: median %.1e, p95 %.1e, largest %.1e\n", what, ratio.size(), quantile(0.5),
+              quantile(0.95), ratio.back());
+  std::map<int, int> decades;
+  for (const double r : ratio) ++decades[r > 0 ? static_cast<int>(std::floor(std::log10(r))) : -20];
+  nlohmann::ordered_json histogram;
+  for (const auto& [decade, n] : decades) {
+    std::printf("  1e%+03d ... %5d %s\n", decade, n,
+                std::string(static_cast<std::size_t>(60 * n) / ratio.size(), '#').c_str());
+    histogram["1e" + std::to_string(decade)] = n;
+  }
+  return {
+      {"median", quantile(0.5)}, {"p95", quantile(0.95)}, {"max", ratio.back()}, {"by_decade", histogram}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Work over closed paths, integrated from the forces of a model, over the largest energy on the path");
+  std::string directory, json_file;
+  int loops = 1000, steps = 200;
+  std::uint64_t seed = 1;
+  app.add_option("MODEL_DIR", directory)->required();
+  app.add_option("--loops", loops, "of each kind")->check(CLI::Range(1, 1'000'000));
+  app.add_option("--steps", steps, "of a sliding tool in each triangle")->check(CLI::Range(2, 100'000));
+  app.add_option("--seed", seed);
+  app.add_option("--json", json_file);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const LoadedModel model(directory);
+    Paths paths(model, seed);
+    nlohmann::ordered_json out;
+    const auto run = [&](const char* key, const char* what, const auto& walk) {
+      std::vector<Loop> walked;
+      for (int i = 0; i < loops; ++i) walked.push_back(walk());
+      out[key] = report(what, walked);
+    };
+    run("at_nodes", "quadrilaterals at nodes", [&] { return paths.at_node(); });
+    if (paths.has_points()) {
+      run("at_points", "quadrilaterals at points between nodes", [&] { return paths.at_point(); });
+      run("sliding", "sliding around a node over its edges", [&] { return paths.sliding(steps); });
+    }
+    if (!json_file.empty()) std::ofstream(json_file) << out.dump(2) << "\n";
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,202 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <phynness/formats/error.hpp>
+#include <phynness/precompute/held_points.hpp>
+#include <phynness/validation/probe_plan.hpp>
+#include <phynness/validation/surface_points.hpp>
+#include <random>
+
+namespace phynness {
+namespace {
+
+struct Place {
+  std::array<std::int32_t, 3> nodes{};
+  std::array<double, 3> weights{};
+  std::vector<Vec3> displacements;
+
+  std::int32_t nearest_corner() const {
+    return nodes[static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) -
+                                          weights.begin())];
+  }
+};
+
+std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, std::int64_t points,
+                                 std::int64_t displacements, std::uint64_t seed) {
+  const auto& surface = model.model().surface;
+  std::vector<std::int32_t> active;
+  for (const auto& node : model.model().nodes) active.push_back(node.node);
+  std::vector<Eigen::Index> triangles;
+  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
+    bool all = true;
+    for (int k = 0; k < 3; ++k) all = all && std::binary_search(active.begin(), active.end(), surface(t, k));
+    if (all) triangles.push_back(t);
+  }
+  if (triangles.empty())
+    throw input_error("no triangle of the surface has three active corners",
+                      std::to_string(active.size()) + " active nodes",
+                      "probe a coherent part of the surface, or leave --points out");
+  const Points normals = node_normals(model.mesh());
+  std::mt19937_64 random(seed);
+  std::vector<Place> places(static_cast<std::size_t>(points));
+  for (auto& place : places) {
+    const auto t =
+        triangles[static_cast<std::size_t>(uniform(random) * static_cast<double>(triangles.size()))];
+    const double s = std::sqrt(uniform(random)), q = uniform(random);
+    place.weights = {1 - s, s * (1 - q), s * q};
+    for (int k = 0; k < 3; ++k) place.nodes[static_cast<std::size_t>(k)] = surface(t, k);
+    const Eigen::Vector3d normal = normals.row(place.nearest_corner()).transpose();
+    for (int attempt = 0; attempt < 1000 && std::ssize(place.displacements) < displacements; ++attempt) {
+      const Vec3 e = on_sphere(random);
+      if (scene.probe.directions == Directions::hemisphere &&
+          normal.dot(Eigen::Vector3d(e[0], e[1], e[2])) >= 0)
+        continue;
+      double depth = model.trained_depth(place.nodes[0], e);
+      for (const auto node : place.nodes) depth = std::min(depth, model.trained_depth(node, e));
+      const double d = depth * (1 - uniform(random));
+      if (d > 0) place.displacements.push_back({d * e[0], d * e[1], d * e[2]});
+    }
+  }
+  return places;
+}
+
+/// One predictor's word and the truth, at one place and displacement.
+struct Compared {
+  Vec3 force{}, force_FE{};
+  Points u, u_FE;  ///< n_output x 3
+};
+
+enum Measure : std::size_t { force, displacement, field_l2, n_measures };
+using Samples = std::array<std::vector<double>, n_measures>;
+
+/// @param without  position among the output nodes that does not count; -1: all do
+void collect(const std::vector<Compared>& compared, Eigen::Index without, Samples& samples) {
+  const auto vector = [](const Vec3& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
+  double largest_force = 0, largest_u = 0;
+  for (const auto& c : compared) {
+    largest_force = std::max(largest_force, vector(c.force_FE).norm());
+    for (Eigen::Index o = 0; o < c.u_FE.rows(); ++o)
+      if (o != without) largest_u = std::max(largest_u, c.u_FE.row(o).norm());
+  }
+  for (const auto& c : compared) {
+    if (largest_force > 0)
+      samples[force].push_back((vector(c.force) - vector(c.force_FE)).norm() / largest_force);
+    double error2 = 0, norm2 = 0;
+    for (Eigen::Index o = 0; o < c.u_FE.rows(); ++o) {
+      if (o == without) continue;
+      const double error = (c.u.row(o) - c.u_FE.row(o)).norm();
+      if (largest_u > 0) samples[displacement].push_back(error / largest_u);
+      error2 += error * error;
+      norm2 += c.u_FE.row(o).squaredNorm();
+    }
+    if (norm2 > 0) samples[field_l2].push_back(std::sqrt(error2 / norm2));
+  }
+}
+
+PointErrors statistics(const SolverSession& session, const Samples& samples) {
+  return {ErrorStatistics::of(session.gather(samples[force])),
+          ErrorStatistics::of(session.gather(samples[displacement])),
+          ErrorStatistics::of(session.gather(samples[field_l2]))};
+}
+
+Points rows_of(const Points& all, const std::vector<std::int32_t>& nodes) {
+  Points rows(static_cast<Eigen::Index>(nodes.size()), 3);
+  for (std::size_t i = 0; i < nodes.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = all.row(nodes[i]);
+  return rows;
+}
+
+class Comparison {
+ public:
+  Comparison(const Scene& scene, const LoadedModel& model)
+      : _model(model),
+        _increments(scene.probe.increments),
+        _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {}
+
+  void at(const Place& place, PointReport& report) {
+    std::vector<Compared> coupled, linear, at_node;
+    for (const auto& d : place.displacements) {
+      PointTool tool{{}, {}, d};
+      phn_tool held{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        tool.nodes.push_back(place.nodes[k]);
+        tool.weights.push_back(place.weights[k]);
+        held.nodes[k] = place.nodes[k];
+        held.weights[k] = place.weights[k];
+        held.displacement[k] = d[k];
+      }
+      const auto truth = hold_points(_solver, {tool}, _increments);
+      if (truth.response.status != Status::converged) {
+        ++report.failed;
+        continue;
+      }
+      const auto& output = _model.model().output;
+      const Points u = rows_of(truth.response.displacement_m, output);
+      const auto said = _model.couple({held});
+      report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
+      report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
+      coupled.push_back({*said.force_N[0], truth.response.force_N[0], said.displacement_m, u});
+      linear.push_back({truth.linear_force_N[0], truth.response.force_N[0],
+                        rows_of(truth.linear_displacement_m, output), u});
+    }
+    const auto corner = place.nearest_corner();
+    _solver.touch({corner});
+    for (const auto& d : place.displacements) {
+      const auto truth = _solver.solve({d}, _increments);
+      if (truth.status != Status::converged) continue;
+      const auto said = _model.respond({corner}, {d});
+      at_node.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m,
+                         rows_of(truth.displacement_m, _model.model().output)});
+    }
+    collect(coupled, -1, _coupled);
+    collect(linear, -1, _linear);
+    const auto& output = _model.model().output;
+    collect(at_node, std::lower_bound(output.begin(), output.end(), corner) - output.begin(), _at_nodes);
+  }
+
+  void finish(const SolverSession& session, PointReport& report) const {
+    report.coupled = statistics(session, _coupled);
+    report.linear = statistics(session, _linear);
+    report.at_nodes = statistics(session, _at_nodes);
+    report.failed = static_cast<std::int64_t>(session.sum(static_cast<double>(report.failed)));
+    report.unsettled = static_cast<std::int64_t>(session.sum(static_cast<double>(report.unsettled)));
+    for (const double r : session.gather({report.largest_residual_m}))
+      report.largest_residual_m = std::max(report.largest_residual_m, r);
+  }
+
+ private:
+  const LoadedModel& _model;
+  int _increments;
+  ProbeSolver _solver;
+  Samples _coupled, _linear, _at_nodes;
+};
+
+}  // namespace
+
+PointReport validate_points(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+                            std::int64_t points, std::int64_t displacements, std::uint64_t seed,
+                            const std::function<void(std::int64_t, std::int64_t)>& progress,
+                            const std::function<bool()>& stop) {
+  const auto start = std::chrono::steady_clock::now();
+  PointReport report;
+  report.points = points;
+  report.displacements = displacements;
+  std::optional<Comparison> comparison;
+  session.together([&] {
+    const auto places = choose_places(scene, model, points, displacements, seed);
+    comparison.emplace(scene, model);
+    for (auto i = static_cast<std::size_t>(session.rank()); i < places.size();
+         i += static_cast<std::size_t>(session.size())) {
+      comparison->at(places[i], report);
+      const auto done = std::min<std::int64_t>(points, static_cast<std::int64_t>(i) + session.size());
+      if (progress && session.rank() == 0) progress(done, points);
+      if (stop && stop())
+        throw failure("validation was interrupted",
+                      std::to_string(done) + " of " + std::to_string(points) + " points", "run it again");
+    }
+  });
+  comparison->finish(session, report);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+}  // namespace phynness
