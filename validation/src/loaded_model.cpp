@@ -109,7 +109,7 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
   int status = phn_couple(_model, _data, static_cast<std::int32_t>(n_tools), tools.data(), forces.data(),
                           &response.coupled);
   if (status == PHN_ERROR_TOOLS)
-    throw input_error("too many tools to couple", std::to_string(n_tools), "at most 16");
+    throw input_error("too many tools to couple", std::to_string(n_tools), "at most 8");
   if (status == PHN_ERROR_UNDEFINED)
     throw input_error(
         "this model has forces only, or a touched node is no output node", "coupled tools",

@@ -28,7 +28,7 @@ enum {
   PHN_OK = 0,
   PHN_WARNING_OUTSIDE = 1,      /* a displacement is longer than what was trained in its direction */
   PHN_WARNING_INCOMPLETE = 2,   /* some direction of a touched node stopped short of the full depth in training */
-  PHN_WARNING_UNSETTLED = 4,    /* coupled tools found no balance of forces: displacements hold, forces are a guess */
+  PHN_WARNING_UNSETTLED = 4,    /* coupled tools: substitution did not settle, as beside a snap; forces are a guess */
   PHN_ERROR_ARGUMENT = -1,      /* null pointer, negative number, data of another model */
   PHN_ERROR_NOT_ACTIVE = -2,    /* the node cannot be touched in this model */
   PHN_ERROR_NOT_FINITE = -3,    /* a displacement is NaN or infinite */
@@ -125,15 +125,16 @@ int phn_nearest(const phn_model *model, const double x[3], phn_tool *tool, doubl
 typedef struct phn_coupled {
   double residual;    /* largest distance between a tool's point and where the tool holds it [m] */
   double energy;      /* [J]; 0 in networks, which have none */
-  int32_t iterations; /* Newton's method, at most 56 */
+  int32_t iterations; /* substitutions, at most 40 */
 } phn_coupled;
 
-/* Forces [N] at up to 16 tools anywhere on the surface, n_tools x 3. Responses of single nodes are superposed: each touched
- * node has a displacement d_i of its own such that its force is its share of the tools' forces, f_i(d_i) = sum_t w_ti F_t,
- * and that the points move as the tools do, sum_ti w_ti u_i(d_i) = displacement. Exact in a linear body; the force is
- * continuous where a tool slides over an edge. `result` may be null. Solved by Newton's method from where the last call
- * with this data ended, so that answers may depend on the way where there are several; else from rest.
- * Cost: some 3 iterations, each as much as 3 n_tools forces, stiffnesses and sets of amplitudes.
+/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. Responses of single nodes are superposed: each touched
+ * node contributes q_i such that its force is its share of the tools' forces, sum_t w_ti F_t, and that the points move as
+ * the tools do. Responses are secants through the displacement that a node really has, which is found by substitution.
+ * Exact in a linear body; at a node that node's own answer; the force is continuous where a tool slides over edges and
+ * nodes. No potential has it, unlike that of phn_force (docs/decisions/coupled-tools.md). The answer depends on these
+ * arguments alone, not on earlier calls. `result` may be null.
+ * Cost: 3 n_tools stiffnesses, then some 5 to 15 substitutions of 3 n_tools forces and sets of amplitudes each.
  * PHN_ERROR_NOT_ACTIVE: a node can neither be touched nor is fixed, or all of a tool's are fixed. PHN_ERROR_UNDEFINED: a
  * node has forces only. Components of displacements are cut at 1000 max_displacement_m. */
 int phn_couple(const phn_model *model, phn_data *data, int32_t n_tools, const phn_tool *tools, double *forces,
