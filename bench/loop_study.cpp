@@ -125,7 +125,7 @@ class Paths {
     static constexpr std::array<double, 4> x{0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
                                              0.9602898564975363},
         w{0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
-    constexpr int pieces = 40;
+    constexpr int pieces = 100;
     std::array<Vector, 4> corners;
     for (auto& corner : corners) corner = in_ball();
     Loop loop;

@@ -7,13 +7,14 @@
 namespace phynness::runtime {
 namespace {
 
-/// Changes of e this small against the displacements count as none.
-constexpr double settled_change = 1e-9;
-/// Shorter secants, in max_displacement_m, are those at rest: their difference would be rounding, and networks, which
-/// are not 0 at rest, would divide by nothing.
-constexpr double shortest_secant = 1e-4;
-/// Plain substitution gains a digit in one or two iterations; where it swings, beside a snap, half steps follow.
-constexpr std::int32_t plain_iterations = 20, damped_iterations = 20;
+/// Changes of p this small against the displacements count as none.
+constexpr double settled_change = 1e-10;
+constexpr std::int32_t most_iterations = 40;
+constexpr double shortest_step = 1e-3;
+
+/// Gauss-Legendre on 0 ... 1: exact for the first six powers of the depth.
+constexpr double gauss_point[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
+constexpr double gauss_weight[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
 
 void multiply(const double* a, const double* x, double* y) {
   for (int i = 0; i < 3; ++i) y[i] = a[3 * i] * x[0] + a[3 * i + 1] * x[1] + a[3 * i + 2] * x[2];
@@ -85,21 +86,14 @@ bool solve_dense(double* a, std::int32_t n, double* right, std::int32_t n_right)
   return true;
 }
 
-/// q = share e + left, the two at right angles.
-double share_of(const double* q, const double* e, double* left) {
-  const double square = dot(e, e), share = square > 0 ? dot(q, e) / square : 0;
-  for (int k = 0; k < 3; ++k) left[k] = q[k] - share * e[k];
-  return share;
+void multiply_transposed(const double* a, const double* x, double* y) {
+  for (int i = 0; i < 3; ++i) y[i] = a[i] * x[0] + a[3 + i] * x[1] + a[6 + i] * x[2];
 }
 
-/// basis = share basis(e) + gradient at rest . left: what belongs to the contribution q of a node.
-double combined_basis(const double* q, const double* e, std::int32_t n, const double* at_e, const double* gradient,
-                      double* basis) {
-  double left[3];
-  const double share = share_of(q, e, left);
-  for (std::int32_t j = 0; j < n; ++j)
-    basis[j] = share * at_e[j] + left[0] * gradient[j] + left[1] * gradient[n + j] + left[2] * gradient[2 * n + j];
-  return share;
+double inner_product(const double* a, const double* b) {
+  double sum = 0;
+  for (int k = 0; k < 9; ++k) sum += a[k] * b[k];
+  return sum;
 }
 
 class Solver {
@@ -108,187 +102,286 @@ class Solver {
       : _model(model), _c(coupling), _targets(targets) {}
 
   CoupledResult run() {
-    prepare();
-    bool settled = false;
-    std::int32_t n = 0;
-    for (; n < plain_iterations + damped_iterations && !settled; ++n) {
-      if (!substitute()) break;
-      settled = move_reach(n < plain_iterations ? 1.0 : 0.5);
-    }
-    if (!settled) substitute();  // points are where they were put, whatever else does not fit
-    return result(settled, n);
-  }
-
- private:
-  std::size_t pair(std::int32_t at, std::int32_t by) const {
-    return static_cast<std::size_t>(at) * static_cast<std::size_t>(_c.n_nodes) + static_cast<std::size_t>(by);
-  }
-  const ActiveNode& node(std::int32_t i) const { return _model.active[_c.active[i]]; }
-  double weight(std::int32_t tool, std::int32_t i) const { return _c.weight[pair(tool, i)]; }
-  double* basis(std::int32_t i) const { return _c.basis + static_cast<std::size_t>(i) * _model.n_basis; }
-  double* gradient(std::int32_t i) const {
-    return _c.rest_gradient + 3 * static_cast<std::size_t>(i) * _model.n_basis;
-  }
-
-  void prepare() {
-    for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-      stiffness_at_rest(_model, node(i), _c.rest_stiffness + 9 * i);
-      basis_gradient_at_rest(_model, node(i), gradient(i), _c.kernel);
-      const std::int32_t n = basis_size(_model, node(i));
-      double sum = 0;
-      for (int k = 0; k < 3; ++k) _c.reach[3 * i + k] = _c.displacement[3 * i + k] = 0;
-      for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-        sum += weight(t, i);
-        for (int k = 0; k < 3; ++k) _c.reach[3 * i + k] += weight(t, i) * _targets[3 * t + k];
-      }
-      for (int k = 0; k < 3; ++k) _c.reach[3 * i + k] /= sum;
-      for (std::int32_t j = 0; j < _c.n_nodes; ++j) {
-        LocalResponse& local = _c.local[pair(j, i)];
-        prepare_local(_model, node(i), node(j).output, local);
-        double* response = _c.rest_response + 9 * pair(j, i);
-        for (int k = 0; k < 3; ++k) {
-          const double unit[3] = {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
-          double u[3];
-          local_displacement(local, 0, unit, n, gradient(i) + k * n, u);
-          for (int l = 0; l < 3; ++l) response[3 * l + k] = u[l];
-        }
-        bool& together = _c.together[pair(j, i)] = false;
-        for (std::int32_t t = 0; t < _c.n_tools; ++t) together = together || (weight(t, i) > 0 && weight(t, j) > 0);
-      }
-    }
-    for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) _c.force[i] = 0;
-  }
-
-  /// Secants of node i through e_i: the symmetric matrix nearest to the rest stiffness that gives the force at e_i
-  /// (Powell, in Nonlinear Programming, 1970), and the rest response with the displacement at e_i in place of its
-  /// product with e_i (Broyden 1965, doi 10.1090/S0025-5718-1965-0198670-6).
-  void take_secants(std::int32_t i) {
-    const double *e = _c.reach + 3 * i, *k0 = _c.rest_stiffness + 9 * i;
-    basis_of(_model, node(i), e, basis(i), _c.kernel);
-    const double shortest = shortest_secant * _model.max_displacement;
-    const double factor = 1 / std::fmax(dot(e, e), shortest * shortest);
-    double f[3], linear[3], secant[9];
-    evaluate_force(_model, node(i), e, f);
-    multiply(k0, e, linear);
-    const double y[3] = {f[0] - linear[0], f[1] - linear[1], f[2] - linear[2]};
-    const double along = dot(y, e) * factor;
-    for (int r = 0; r < 3; ++r) {
-      for (int s = 0; s < 3; ++s)
-        secant[3 * r + s] = k0[3 * r + s] + factor * (y[r] * e[s] + e[r] * y[s] - along * e[r] * e[s]);
-    }
-    invert(secant, _c.compliance + 9 * i);
-    for (std::int32_t j = 0; j < _c.n_nodes; ++j) {
-      const double* at_rest = _c.rest_response + 9 * pair(j, i);
-      double* response = _c.response + 9 * pair(j, i);
-      double u[3], rest[3];
-      local_displacement(_c.local[pair(j, i)], 1, e, basis_size(_model, node(i)), basis(i), u);
-      multiply(at_rest, e, rest);
-      for (int r = 0; r < 3; ++r) {
-        for (int s = 0; s < 3; ++s) response[3 * r + s] = at_rest[3 * r + s] + factor * (u[r] - rest[r]) * e[s];
-      }
-    }
-  }
-
-  /// Forces and contributions with the secants through the present e: q_i = compliance_i sum_t w_ti force_t such that
-  /// sum_ji w_tj response_ji q_i = target_t.
-  bool substitute() {
-    const std::int32_t n = 3 * _c.n_tools;
-    for (std::int32_t i = 0; i < _c.n_nodes; ++i) take_secants(i);
-    for (std::int32_t k = 0; k < n * n; ++k) _c.matrix[k] = 0;
+    for (std::int32_t s = 0; s < _c.n_tools; ++s) prepare(s);
+    CoupledResult result = {};
+    double far = 0;
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-      for (int k = 0; k < 3; ++k) _c.right[3 * t + k] = _targets[3 * t + k];
-      for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-        double moved[9] = {}, product[9];
-        for (std::int32_t j = 0; j < _c.n_nodes; ++j) {
-          for (int k = 0; k < 9; ++k) moved[k] += weight(t, j) * _c.response[9 * pair(j, i) + static_cast<std::size_t>(k)];
-        }
-        multiply_matrices(moved, _c.compliance + 9 * i, product);
-        for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-          for (int k = 0; k < 9; ++k) _c.matrix[(3 * t + k / 3) * n + 3 * s + k % 3] += weight(s, i) * product[k];
-        }
-      }
+      for (int k = 0; k < 3; ++k) _c.point[t].own[k] = _c.n_tools == 1 ? _targets[k] : 0;
+      far = std::fmax(far, length(_targets + 3 * t));
     }
-    if (!solve_dense(_c.matrix, n, _c.right, 1)) return false;
-    for (std::int32_t i = 0; i < n; ++i) _c.force[i] = _c.right[i];
-    for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-      double f[3] = {0, 0, 0};
-      for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-        for (int k = 0; k < 3; ++k) f[k] += weight(t, i) * _c.force[3 * t + k];
-      }
-      multiply(_c.compliance + 9 * i, f, _c.displacement + 3 * i);
+    if (_c.n_tools > 1) result.iterations = find_own(far);
+    for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+      take_field(s);
+      result.energy += pull(s);
     }
-    return true;
-  }
-
-  /// e_i becomes how far node i is moved by all nodes that some tool holds together with it; what the others do to it
-  /// carries its surroundings along and strains them little. Stays as it is where it settled, with the secants through
-  /// it, so that points are where they were put.
-  bool move_reach(double step) {
-    double change = 0, far = 0;
-    for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-      double* moves = _c.moves + 3 * i;
-      for (int k = 0; k < 3; ++k) moves[k] = 0;
-      for (std::int32_t j = 0; j < _c.n_nodes; ++j) {
-        double u[3];
-        multiply(_c.response + 9 * pair(i, j), _c.displacement + 3 * j, u);
-        for (int k = 0; k < 3 && _c.together[pair(i, j)]; ++k) moves[k] += u[k];
-      }
-      const double* e = _c.reach + 3 * i;
-      const double apart[3] = {moves[0] - e[0], moves[1] - e[1], moves[2] - e[2]};
-      change = std::fmax(change, length(apart));
-      far = std::fmax(far, length(moves));
+    result.residual = miss();
+    result.settled = result.residual <= 10 * settled_change * far;
+    if (!result.settled && correct()) {
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) add_linear(s, _c.right + 3 * s);
+      result.residual = miss();
     }
-    if (change <= settled_change * far) return true;
-    if (!std::isfinite(change)) return false;
-    for (std::int32_t i = 0; i < 3 * _c.n_nodes; ++i) _c.reach[i] += step * (_c.moves[i] - _c.reach[i]);
-    return false;
-  }
-
-  CoupledResult result(bool settled, std::int32_t iterations) {
-    bool finite = true;
-    for (std::int32_t i = 0; i < 3 * _c.n_nodes; ++i)
-      finite = finite && std::isfinite(_c.displacement[i]) && std::isfinite(_c.reach[i]);
-    for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) finite = finite && std::isfinite(_c.force[i]);
-    for (std::int32_t i = 0; i < 3 * _c.n_nodes && !finite; ++i) _c.displacement[i] = _c.reach[i] = 0;
-    for (std::int32_t i = 0; i < 3 * _c.n_tools && !finite; ++i) _c.force[i] = 0;
-    for (std::int32_t i = 0; i < _c.n_nodes; ++i) basis_of(_model, node(i), _c.reach + 3 * i, basis(i), _c.kernel);
-    CoupledResult result = {settled && finite, 0, 0, iterations};
+    if (!finite()) return give_up(far);
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-      double apart[3];
-      for (int k = 0; k < 3; ++k) apart[k] = -_targets[3 * t + k];
-      for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-        for (std::int32_t j = 0; j < _c.n_nodes; ++j) {
-          double u[3];
-          contribution(j, i, u);
-          for (int k = 0; k < 3; ++k) apart[k] += weight(t, j) * u[k];
-        }
-      }
-      result.residual = std::fmax(result.residual, length(apart));
+      for (int k = 0; k < 3; ++k)
+        result.energy += _c.point[t].force[k] * (_targets[3 * t + k] - _c.point[t].own[k]) / 2;
     }
-    if (has_energy(_model) && finite) result.energy = energy();
+    if (!has_energy(_model)) result.energy = 0;
     return result;
   }
 
-  /// What node i does to node j.
-  void contribution(std::int32_t j, std::int32_t i, double* u) {
-    const double* q = _c.displacement + 3 * i;
-    const std::int32_t n = basis_size(_model, node(i));
-    const double share = combined_basis(q, _c.reach + 3 * i, n, basis(i), gradient(i), _c.combined);
-    local_displacement(_c.local[pair(j, i)], share, q, n, _c.combined, u);
+ private:
+  const ActiveNode& node(const HeldPoint& point, std::int32_t i) const { return _model.active[point.active[i]]; }
+  std::size_t at(std::int32_t t, std::int32_t s, std::int32_t i) const {
+    return 3 * (static_cast<std::size_t>(t) * static_cast<std::size_t>(_c.max_tools) + static_cast<std::size_t>(s)) +
+           static_cast<std::size_t>(i);
+  }
+  double* gradient_at_rest(std::int32_t s, std::int32_t i) const {
+    return _c.rest_gradient + 3 * static_cast<std::size_t>(3 * s + i) * _model.n_basis;
+  }
+  double* node_basis(std::int32_t s, std::int32_t i) const {
+    return _c.node_basis + static_cast<std::size_t>(3 * s + i) * _model.n_basis;
   }
 
-  /// Half of force times displacement, a linear body's, and each node's part of what its response stores beyond that.
-  double energy() {
-    double sum = 0;
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) sum += dot(_c.force + 3 * t, _targets + 3 * t) / 2;
-    for (std::int32_t i = 0; i < _c.n_nodes; ++i) {
-      const double *e = _c.reach + 3 * i, *q = _c.displacement + 3 * i;
-      double f[3], left[3];
-      evaluate_force(_model, node(i), e, f);
-      const double share = share_of(q, e, left);
-      sum += share * (evaluate_energy(_model, node(i), e) - dot(f, e) / 2);
+  /// Derivative of a local response at rest. @param response 3 x 3
+  void rest_response(const LocalResponse& local, std::int32_t n, const double* gradient, double* response) const {
+    for (int k = 0; k < 3; ++k) {
+      const double unit[3] = {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
+      double u[3];
+      local_displacement(local, 0, unit, n, gradient + k * n, u);
+      for (int l = 0; l < 3; ++l) response[3 * l + k] = u[l];
     }
-    return sum;
+  }
+
+  /// What several tools cause themselves: the p whose fields add up to the targets. Corrections are those of the
+  /// undeformed body; one that makes it worse is taken back and halved. @return iterations
+  std::int32_t find_own(double far) {
+    const std::int32_t n = 3 * _c.n_tools;
+    double step = 1, least = -1;
+    std::int32_t iteration = 0;
+    for (; iteration < most_iterations && step > shortest_step; ++iteration) {
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) take_field(s);
+      const double residual = miss();
+      if (least < 0 || residual < least) {
+        least = residual;
+        for (std::int32_t i = 0; i < n; ++i) _c.best[i] = _c.point[i / 3].own[i % 3];
+        if (residual <= settled_change * far || !correct()) break;
+        for (std::int32_t i = 0; i < n; ++i) _c.correction[i] = _c.right[i];
+        step = std::fmin(1.0, 2 * step);
+      } else {
+        step /= 4;
+      }
+      for (std::int32_t i = 0; i < n; ++i) _c.point[i / 3].own[i % 3] = _c.best[i] + step * _c.correction[i];
+    }
+    for (std::int32_t i = 0; i < n; ++i) _c.point[i / 3].own[i % 3] = _c.best[i];
+    return iteration;
+  }
+
+  /// Everything about a tool that does not depend on its displacement.
+  void prepare(std::int32_t s) {
+    HeldPoint& point = _c.point[s];
+    double compliance[3][9], between[3][3][9], sum[9] = {}, inverse[9];
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      const ActiveNode& by = node(point, i);
+      stiffness_at_rest(_model, by, point.rest_stiffness[i]);
+      invert(point.rest_stiffness[i], compliance[i]);
+      basis_gradient_at_rest(_model, by, gradient_at_rest(s, i), _c.kernel);
+      const std::int32_t n = basis_size(_model, by);
+      for (std::int32_t j = 0; j < point.n_nodes; ++j) {
+        const double one = 1;
+        prepare_local(_model, by, 1, &node(point, j).output, &one, _c.pair);
+        rest_response(_c.pair, n, gradient_at_rest(s, i), between[j][i]);
+        double moved[9];
+        multiply_matrices(between[j][i], compliance[i], moved);
+        for (int k = 0; k < 9; ++k) sum[k] += point.weight[j] * point.weight[i] * moved[k];
+      }
+      for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+        const HeldPoint& other = _c.point[t];
+        std::int32_t vertex[3] = {-1, -1, -1};
+        for (std::int32_t j = 0; j < other.n_nodes; ++j) vertex[j] = node(other, j).output;
+        LocalResponse& local = _c.local[at(t, s, i)];
+        prepare_local(_model, by, other.n_nodes, vertex, other.weight, local);
+        rest_response(local, n, gradient_at_rest(s, i), _c.rest_response + 9 * at(t, s, i));
+      }
+    }
+    invert(sum, inverse);
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) point.stiffness[3 * r + c] = (inverse[3 * r + c] + inverse[3 * c + r]) / 2;
+    }
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      multiply_matrices(compliance[i], inverse, point.contribution[i]);
+      for (double& q : point.contribution[i]) q *= point.weight[i];
+    }
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      for (double& m : point.reach[i]) m = 0;
+      for (std::int32_t j = 0; j < point.n_nodes; ++j) {
+        double part[9];
+        multiply_matrices(between[i][j], point.contribution[j], part);
+        for (int k = 0; k < 9; ++k) point.reach[i][k] += part[k];
+      }
+      const double square = inner_product(point.reach[i], point.reach[i]);
+      point.share[i] = square > 0 ? inner_product(point.contribution[i], point.reach[i]) / square : 0;
+    }
+  }
+
+  /// Contributions of tool s's nodes: node i's response through e_i, scaled to q_i; what is missing at the tool's own
+  /// point is added as the undeformed body has it.
+  void take_field(std::int32_t s) {
+    HeldPoint& point = _c.point[s];
+    double r[3] = {point.own[0], point.own[1], point.own[2]};
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      const std::int32_t n = basis_size(_model, node(point, i));
+      double q[3], e[3], left[3], u[3];
+      multiply(point.contribution[i], point.own, q);
+      multiply(point.reach[i], point.own, e);
+      const double square = dot(e, e), share = square > 0 ? dot(q, e) / square : 0;
+      for (int k = 0; k < 3; ++k) left[k] = q[k] - share * e[k];
+      basis_of(_model, node(point, i), e, _c.basis, _c.kernel);
+      const double* gradient = gradient_at_rest(s, i);
+      double* basis = node_basis(s, i);
+      for (std::int32_t j = 0; j < n; ++j)
+        basis[j] = share * _c.basis[j] + left[0] * gradient[j] + left[1] * gradient[n + j] + left[2] * gradient[2 * n + j];
+      point.node_share[i] = share;
+      for (int k = 0; k < 3; ++k) point.node_own[i][k] = q[k];
+      local_displacement(_c.local[at(s, s, i)], share, q, n, basis, u);
+      for (int k = 0; k < 3; ++k) r[k] -= u[k];
+    }
+    add_linear(s, r);
+    for (int k = 0; k < 3; ++k) point.force[k] = 0;
+  }
+
+  /// Moves tool s's point by r as the undeformed body does.
+  void add_linear(std::int32_t s, const double* r) {
+    HeldPoint& point = _c.point[s];
+    double f[3];
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      const std::int32_t n = basis_size(_model, node(point, i));
+      const double* gradient = gradient_at_rest(s, i);
+      double* basis = node_basis(s, i);
+      double q[3];
+      multiply(point.contribution[i], r, q);
+      for (std::int32_t j = 0; j < n; ++j)
+        basis[j] += q[0] * gradient[j] + q[1] * gradient[n + j] + q[2] * gradient[2 * n + j];
+      for (int k = 0; k < 3; ++k) point.node_own[i][k] += q[k];
+    }
+    multiply(point.stiffness, r, f);
+    for (int k = 0; k < 3; ++k) point.force[k] += f[k];
+  }
+
+  /// right = what the points lack of their targets. @return the largest distance
+  double miss() {
+    double largest = 0;
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      double* r = _c.right + 3 * t;
+      for (int k = 0; k < 3; ++k) r[k] = _targets[3 * t + k];
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+        const HeldPoint& point = _c.point[s];
+        for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+          double u[3];
+          local_displacement(_c.local[at(t, s, i)], point.node_share[i], point.node_own[i],
+                             basis_size(_model, node(point, i)), node_basis(s, i), u);
+          for (int k = 0; k < 3; ++k) r[k] -= u[k];
+        }
+      }
+      largest = std::fmax(largest, length(r));
+    }
+    return largest;
+  }
+
+  /// right becomes the change of the p that makes up for it in the undeformed body.
+  bool correct() {
+    const std::int32_t n = 3 * _c.n_tools;
+    for (std::int32_t k = 0; k < n * n; ++k) _c.matrix[k] = 0;
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+        for (std::int32_t i = 0; i < _c.point[s].n_nodes; ++i) {
+          double product[9];
+          multiply_matrices(_c.rest_response + 9 * at(t, s, i), _c.point[s].contribution[i], product);
+          for (int k = 0; k < 9; ++k) _c.matrix[(3 * t + k / 3) * n + 3 * s + k % 3] += product[k];
+        }
+      }
+    }
+    return solve_dense(_c.matrix, n, _c.right, 1);
+  }
+
+  /// Adds the force of tool s at its p, the gradient of the energy
+  ///   p . A p / 2 + sum_i s_i [E_i(e_i) - e_i . K_i e_i / 2] - sum_g w_g / x_g psi(x_g p),
+  ///   psi(p) = sum_i s_i A p . z_i(M_i p),  z_i(e) = u_i(e) - u_i'(0) e at the point.
+  /// @return that energy, without E_i where there is none
+  double pull(std::int32_t s) {
+    HeldPoint& point = _c.point[s];
+    double linear[3];
+    multiply(point.stiffness, point.own, linear);
+    double energy = dot(linear, point.own) / 2;
+    for (int k = 0; k < 3; ++k) point.force[k] = linear[k];
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      const ActiveNode& by = node(point, i);
+      double e[3], f[3], ke[3], pulled[3];
+      multiply(point.reach[i], point.own, e);
+      evaluate_force(_model, by, e, f);
+      multiply(point.rest_stiffness[i], e, ke);
+      for (int k = 0; k < 3; ++k) f[k] -= ke[k];
+      multiply_transposed(point.reach[i], f, pulled);
+      for (int k = 0; k < 3; ++k) point.force[k] += point.share[i] * pulled[k];
+      if (has_energy(_model)) energy += point.share[i] * (evaluate_energy(_model, by, e) - dot(ke, e) / 2);
+      for (int g = 0; g < 3; ++g) energy -= pull_of_coupling(s, i, e, linear, gauss_point[g], gauss_weight[g]);
+    }
+    return energy;
+  }
+
+  /// The part of node i in psi, at x p. @return w / x times it
+  double pull_of_coupling(std::int32_t s, std::int32_t i, const double* e, const double* linear, double x, double w) {
+    HeldPoint& point = _c.point[s];
+    const ActiveNode& by = node(point, i);
+    const LocalResponse& local = _c.local[at(s, s, i)];
+    const double *rest = _c.rest_response + 9 * at(s, s, i), *rest_gradient = gradient_at_rest(s, i);
+    const std::int32_t n = basis_size(_model, by);
+    const double there[3] = {x * e[0], x * e[1], x * e[2]};
+    basis_and_gradient(_model, by, there, _c.basis, _c.gradient, _c.kernel);
+    double z[3], expected[3], back[3] = {0, 0, 0}, pulled[3], reached[3];
+    local_displacement(local, 1, there, n, _c.basis, z);
+    multiply(rest, there, expected);
+    for (int k = 0; k < 3; ++k) z[k] -= expected[k];
+    // Transposed derivative of z by e, times A p.
+    for (int r = 0; r < 3; ++r) {
+      const double* row = local.rows + r * n;
+      for (int k = 0; k < 3; ++k) {
+        double sum = 0;
+        for (std::int32_t j = 0; j < n; ++j) sum += row[j] * (_c.gradient[k * n + j] - rest_gradient[k * n + j]);
+        back[k] += x * linear[r] * sum;
+      }
+    }
+    multiply(point.stiffness, z, pulled);
+    multiply_transposed(point.reach[i], back, reached);
+    for (int k = 0; k < 3; ++k) point.force[k] -= w * point.share[i] * (pulled[k] + reached[k]);
+    return w * point.share[i] * dot(linear, z);
+  }
+
+  bool finite() const {
+    bool all = true;
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      const HeldPoint& point = _c.point[t];
+      for (int k = 0; k < 3; ++k) all = all && std::isfinite(point.force[k]) && std::isfinite(point.own[k]);
+      for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+        for (int k = 0; k < 3; ++k) all = all && std::isfinite(point.node_own[i][k]);
+        for (std::int32_t j = 0; j < basis_size(_model, node(point, i)); ++j)
+          all = all && std::isfinite(node_basis(t, i)[j]);
+      }
+    }
+    return all;
+  }
+
+  /// Zeros: sums left the range of numbers.
+  CoupledResult give_up(double far) {
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      HeldPoint& point = _c.point[t];
+      for (int k = 0; k < 3; ++k) point.force[k] = point.own[k] = 0;
+      for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+        point.node_share[i] = 0;
+        for (int k = 0; k < 3; ++k) point.node_own[i][k] = 0;
+        for (std::int32_t j = 0; j < basis_size(_model, node(point, i)); ++j) node_basis(t, i)[j] = 0;
+      }
+    }
+    return {false, far, 0, 0};
   }
 
   const phn_model& _model;
@@ -301,48 +394,38 @@ class Solver {
 Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max_tools) {
   Coupling c = {};
   c.max_tools = max_tools < most_coupled ? max_tools : most_coupled;
-  const auto t = static_cast<std::size_t>(c.max_tools), n = 3 * t;
-  c.active = arena.take<std::int32_t>(n);
-  c.together = arena.take<bool>(n * n);
-  c.weight = arena.take<double>(t * n);
-  c.displacement = arena.take<double>(3 * n);
-  c.reach = arena.take<double>(3 * n);
-  c.moves = arena.take<double>(3 * n);
-  c.force = arena.take<double>(3 * t);
-  c.rest_stiffness = arena.take<double>(9 * n);
-  c.compliance = arena.take<double>(9 * n);
-  c.rest_gradient = arena.take<double>(3 * n * model.n_basis);
-  c.basis = arena.take<double>(n * model.n_basis);
-  c.combined = arena.take<double>(model.n_basis);
-  c.local = arena.take<LocalResponse>(n * n);
-  auto* rows = arena.take<double>(3 * model.n_basis * n * n);
-  for (std::size_t i = 0; c.local && rows && i < n * n; ++i) c.local[i].rows = rows + 3 * model.n_basis * i;
-  c.rest_response = arena.take<double>(9 * n * n);
-  c.response = arena.take<double>(9 * n * n);
-  c.matrix = arena.take<double>(n * n);
-  c.right = arena.take<double>(n);
-  c.kernel = arena.take<double>(static_cast<std::size_t>(model.shared.n_centers) + 3);
+  const auto t = static_cast<std::size_t>(c.max_tools);
+  const std::size_t n_locals = 3 * t * t;
+  c.point = arena.take<HeldPoint>(t);
+  c.local = arena.take<LocalResponse>(n_locals);
+  auto* rows = arena.take<double>(3 * model.n_basis * (n_locals + 1));
+  for (std::size_t i = 0; c.local && rows && i < n_locals; ++i) c.local[i].rows = rows + 3 * model.n_basis * i;
+  c.pair.rows = rows ? rows + 3 * model.n_basis * n_locals : nullptr;
+  c.rest_response = arena.take<double>(9 * n_locals);
+  c.rest_gradient = arena.take<double>(9 * t * model.n_basis);
+  c.node_basis = arena.take<double>(3 * t * model.n_basis);
+  c.basis = arena.take<double>(model.n_basis);
+  c.gradient = arena.take<double>(3 * model.n_basis);
+  c.kernel = arena.take<double>(4 * (static_cast<std::size_t>(model.shared.n_centers) + 3));
+  c.matrix = arena.take<double>(9 * t * t);
+  c.right = arena.take<double>(3 * t);
+  c.best = arena.take<double>(3 * t);
+  c.correction = arena.take<double>(3 * t);
   return c;
 }
 
-CoupledResult solve_coupled(const phn_model& model, Coupling& c, std::int32_t n_tools, std::int32_t n_nodes,
-                            const std::int32_t* active, const double* weight, const double* targets) {
-  c.n_tools = n_tools;
-  c.n_nodes = n_nodes;
-  for (std::int32_t i = 0; i < n_nodes; ++i) c.active[i] = active[i];
-  for (std::int32_t i = 0; i < n_tools * n_nodes; ++i) c.weight[i] = weight[i];
-  return Solver(model, c, targets).run();
+CoupledResult solve_coupled(const phn_model& model, Coupling& coupling, const double* targets) {
+  return Solver(model, coupling, targets).run();
 }
 
 void coupled_field(const phn_model& model, const Coupling& c, double* scratch, double* one, double* field) {
-  for (std::int32_t i = 0; i < c.n_nodes; ++i) {
-    const ActiveNode& node = model.active[c.active[i]];
-    const auto at = static_cast<std::size_t>(i) * model.n_basis;
-    const double* q = c.displacement + 3 * i;
-    const double share = combined_basis(q, c.reach + 3 * i, basis_size(model, node), c.basis + at,
-                                        c.rest_gradient + 3 * at, c.combined);
-    field_of_basis(model, node, share, q, c.combined, scratch, one);
-    for (std::int32_t o = 0; o < 3 * model.n_output; ++o) field[o] += one[o];
+  for (std::int32_t s = 0; s < c.n_tools; ++s) {
+    const HeldPoint& point = c.point[s];
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      const double* basis = c.node_basis + static_cast<std::size_t>(3 * s + i) * model.n_basis;
+      field_of_basis(model, model.active[point.active[i]], point.node_share[i], point.node_own[i], basis, scratch, one);
+      for (std::int32_t o = 0; o < 3 * model.n_output; ++o) field[o] += one[o];
+    }
   }
 }
 

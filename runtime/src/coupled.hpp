@@ -1,5 +1,4 @@
-// Tools anywhere on the surface, several at once: superposed responses of single nodes, each a secant through the
-// displacement that its surroundings really have (docs/theory.md, coupled superposition).
+// Tools anywhere on the surface, several at once, from the responses of single nodes (docs/theory.md, tools anywhere).
 #pragma once
 
 #include "arena.hpp"
@@ -7,51 +6,54 @@
 
 namespace phynness::runtime {
 
-/// More tools than this are not coupled: memory and time grow with the square of the nodes.
+/// More tools than this are not coupled: memory and time grow with the square.
 inline constexpr std::int32_t most_coupled = 8;
 
 /// Components of what a tool asks for are cut here, in max_displacement_m; linear models at largest_linear.
 inline constexpr double largest_coupled = 1e3;
 
-/// Touched nodes, what they do to each other, and scratch. N = 3 max_tools.
+/// A tool at a point: up to three active nodes. Matrices are 3 x 3, p is the displacement of the point that the tool
+/// itself causes.
+struct HeldPoint {
+  std::int32_t n_nodes;
+  std::int32_t active[3];      ///< positions among the active nodes
+  double weight[3];            ///< barycentric; fixed corners left out
+  double stiffness[9];         ///< A: of the point at rest, symmetric [N/m]
+  double contribution[3][9];   ///< Q_i: q_i = Q_i p, what node i contributes
+  double reach[3][9];          ///< M_i: e_i = M_i p, how far node i goes
+  double share[3];             ///< s_i: q_i = s_i e_i as nearly as a number can say
+  double rest_stiffness[3][9]; ///< K_i of the nodes [N/m]
+  double own[3], force[3];     ///< p [m]; at the tool [N]
+  double node_share[3], node_own[3][3];  ///< what the field is made of: see local_displacement
+};
+
+/// The latest tools and their solution, and scratch.
 struct Coupling {
-  std::int32_t max_tools, n_tools, n_nodes;
-  std::int32_t* active;     ///< N positions among the active nodes
-  double* weight;           ///< max_tools x N: of each node in each tool's point
-  double* displacement;     ///< N x 3 [m]: q, what a node contributes
-  double* reach;            ///< N x 3 [m]: e, where its response is taken
-  double* moves;            ///< N x 3 [m]: where e should be
-  double* force;            ///< max_tools x 3 [N], at the tools
-  // Of each node at rest and at e.
-  double *rest_stiffness, *compliance;  ///< N x 9
-  double* rest_gradient;                ///< N x 3 x n_basis
-  double* basis;                        ///< N x n_basis
-  double* combined;                     ///< n_basis, scratch
-  // Of node j under node i, at j N + i.
-  LocalResponse* local;
-  double *rest_response, *response;  ///< 9 each: dq_j / dd_i at rest, and the secant through e_i
-  bool* together;                    ///< whether some tool holds both
-  double *matrix, *right;            ///< (3 max_tools)^2 and 3 max_tools
-  double* kernel;                    ///< scratch of basis_of
+  std::int32_t max_tools, n_tools;
+  HeldPoint* point;        ///< max_tools
+  LocalResponse* local;    ///< of tool t's point under node i of tool s, at 3 (t max_tools + s) + i
+  double* rest_response;   ///< 9 each, as local: its derivative at rest
+  double* rest_gradient;   ///< of node i of tool s, at 3 s + i: 3 x n_basis
+  double* node_basis;      ///< n_basis each: what the field is made of
+  LocalResponse pair;      ///< scratch: of one node under another
+  double *basis, *gradient, *kernel, *matrix, *right, *best, *correction;
 };
 
 Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max_tools);
 
 struct CoupledResult {
-  bool settled;             ///< responses were taken where the nodes really are
+  bool settled;             ///< own displacements add up to what the tools ask for
   double residual;          ///< largest distance between a tool's point and where the tool holds it [m]
   double energy;            ///< [J]; 0 where the family has none
   std::int32_t iterations;
 };
 
-/// @param active  n_nodes positions among the active nodes, different ones
-/// @param weight  n_tools x n_nodes, some weight of each tool and each node above 0
-/// @param targets n_tools x 3 [m]
-CoupledResult solve_coupled(const phn_model& model, Coupling& coupling, std::int32_t n_tools, std::int32_t n_nodes,
-                            const std::int32_t* active, const double* weight, const double* targets);
+/// @param coupling  n_tools and, of each point, nodes and weights are set
+/// @param targets   n_tools x 3 [m]
+CoupledResult solve_coupled(const phn_model& model, Coupling& coupling, const double* targets);
 
-/// The field of the latest solution, added up over its nodes to what `field` holds. @param scratch model.n_scratch
-/// @param one, field  n_output x 3 [m]: scratch and result
+/// The field of the latest solution, added up over its nodes to what `field` holds.
+/// @param scratch model.n_scratch; @param one, field n_output x 3 [m]: scratch and result
 void coupled_field(const phn_model& model, const Coupling& coupling, double* scratch, double* one, double* field);
 
 }  // namespace phynness::runtime

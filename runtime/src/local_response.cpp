@@ -52,28 +52,67 @@ void amplitudes_of(const phn_model& model, const ModalResponse& node, const doub
   for (std::int32_t j = 0; j < m; ++j) amplitude[j] *= node.weight_scale[j];
 }
 
+void modal_amplitudes_and_gradient(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
+                                   double* gradient, double* scratch) {
+  const SharedModes& shared = model.shared;
+  const std::int32_t m = node.n_modes, n = shared.n_centers;
+  const double R = model.max_displacement, x[3] = {d[0] / R, d[1] / R, d[2] / R};
+  const double s2 = shared.shape * shared.shape, q0 = std::sqrt(dot(x, x) + s2);
+  // Value and gradient of each kernel, then of the three linear terms.
+  for (std::int32_t i = 0; i < n; ++i) {
+    const double* c = model.displacements + 3 * static_cast<std::size_t>(shared.center[i]);
+    const double y[3] = {x[0] - c[0], x[1] - c[1], x[2] - c[2]}, q = std::sqrt(dot(y, y) + s2);
+    double* kernel = scratch + 4 * i;
+    kernel[0] = (q - q0) - shared.basis_at_rest[i];
+    for (int k = 0; k < 3; ++k) kernel[1 + k] = (y[k] / q - x[k] / q0) / R;
+  }
+  for (int k = 0; k < 3; ++k) {
+    double* kernel = scratch + 4 * (n + k);
+    kernel[0] = x[k];
+    for (int l = 0; l < 3; ++l) kernel[1 + l] = k == l ? 1 / R : 0;
+  }
+  for (std::int32_t j = 0; j < m; ++j) basis[j] = gradient[j] = gradient[m + j] = gradient[2 * m + j] = 0;
+  for (std::int32_t r = 0; r < n + 3; ++r) {
+    const double* kernel = scratch + 4 * r;
+    const std::int16_t* row = node.weight + static_cast<std::size_t>(r) * static_cast<std::size_t>(m);
+    for (std::int32_t j = 0; j < m; ++j) {
+      const double w = row[j];
+      basis[j] += kernel[0] * w;
+      gradient[j] += kernel[1] * w;
+      gradient[m + j] += kernel[2] * w;
+      gradient[2 * m + j] += kernel[3] * w;
+    }
+  }
+  for (std::int32_t j = 0; j < m; ++j) {
+    basis[j] *= node.weight_scale[j];
+    for (int k = 0; k < 3; ++k) gradient[k * m + j] *= node.weight_scale[j];
+  }
+}
+
 void add_row(const std::int16_t* row, const double* scale, double factor, std::int32_t m, double* sum) {
   for (std::int32_t j = 0; j < m; ++j) sum[j] += factor * (row[j] * scale[j]);
 }
 
 /// One component of one output node's displacement, per amplitude.
-void add_modes(const phn_model& model, const ModalResponse& node, std::int32_t output, int component, double* sum) {
+void add_modes(const phn_model& model, const ModalResponse& node, std::int32_t output, int component,
+               double weight, double* sum) {
   const auto m = static_cast<std::size_t>(node.n_modes);
   const std::int32_t at = find_sorted(node.near, node.n_near, output);
   if (at >= 0) {
     const std::size_t row = 3 * static_cast<std::size_t>(at) + static_cast<std::size_t>(component);
-    return add_row(node.near_mode + row * m, node.near_mode_scale, 1, node.n_modes, sum);
+    return add_row(node.near_mode + row * m, node.near_mode_scale, weight, node.n_modes, sum);
   }
   const std::int32_t row = 3 * output + component, block = row / rows_per_block;
   const float* mode = model.shared.modes + static_cast<std::size_t>(block) * rows_per_block *
                                                static_cast<std::size_t>(model.shared.n_modes);
   for (std::int32_t s = 0; s < model.shared.n_modes; ++s) {
-    const double factor = static_cast<double>(mode[s * rows_per_block + row % rows_per_block]);
+    const double factor = weight * static_cast<double>(mode[s * rows_per_block + row % rows_per_block]);
     add_row(node.mixing + static_cast<std::size_t>(s) * m, node.mixing_scale, factor, node.n_modes, sum);
   }
 }
 
-void add_gaussians(const phn_model& model, const Network& net, std::int32_t output, LocalResponse& local) {
+void add_gaussians(const phn_model& model, const Network& net, std::int32_t output, double weight,
+                   LocalResponse& local) {
   const double* point = model.output_points + 3 * static_cast<std::size_t>(output);
   double x[3];
   for (int k = 0; k < 3; ++k) x[k] = (point[k] - net.input_center[3 + k]) / net.input_half_range[3 + k];
@@ -83,12 +122,12 @@ void add_gaussians(const phn_model& model, const Network& net, std::int32_t outp
       const double y = x[k] - net.center[3 + k][i];
       square += y * y;
     }
-    const double h = std::exp(-square * net.inverse_square_spread);
+    const double h = weight * std::exp(-square * net.inverse_square_spread);
     for (int k = 0; k < 3; ++k)
       local.rows[k * net.n_neurons + i] += h * net.output_half_range[k] * net.weight[k][i];
   }
   for (int k = 0; k < 3; ++k)
-    local.constant[k] = net.output_center[k] + net.output_half_range[k] * net.bias[k];
+    local.constant[k] += weight * (net.output_center[k] + net.output_half_range[k] * net.bias[k]);
 }
 
 }  // namespace
@@ -144,28 +183,57 @@ void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, doub
   }
 }
 
-void prepare_local(const phn_model& model, const ActiveNode& node, std::int32_t vertex, LocalResponse& local) {
+void basis_and_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* basis,
+                        double* gradient, double* scratch) {
+  const std::int32_t n = basis_size(model, node);
+  switch (model.family) {
+    case Family::rbfn: {
+      const Network& net = node.networks->deformation;
+      gaussians(net, d, basis);
+      for (std::int32_t i = 0; i < n; ++i) {
+        for (int k = 0; k < 3; ++k) {
+          const double y = (d[k] - net.input_center[k]) / net.input_half_range[k] - net.center[k][i];
+          gradient[k * n + i] = -2 * y * net.inverse_square_spread / net.input_half_range[k] * basis[i];
+        }
+      }
+      return;
+    }
+    case Family::linear:
+      basis_of(model, node, d, basis, scratch);
+      return basis_gradient_at_rest(model, node, gradient, scratch);
+    case Family::modal:
+      return modal_amplitudes_and_gradient(model, *node.modal, d, basis, gradient, scratch);
+  }
+}
+
+void prepare_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
+                   const double* weights, LocalResponse& local) {
   const std::int32_t size = basis_size(model, node);
   local.direct = 0;
   for (int k = 0; k < 3; ++k) local.constant[k] = 0;
   for (std::int32_t i = 0; i < 3 * size; ++i) local.rows[i] = 0;
-  if (vertex < 0 || vertex >= model.n_output) return;
-  const std::int32_t moved = position_of(node.prescribed, node.n_prescribed, vertex);
-  if (moved >= 0) {
-    local.direct = node.prescribed_weight[moved];
-    return;
-  }
-  switch (model.family) {
-    case Family::rbfn:
-      return add_gaussians(model, node.networks->deformation, vertex, local);
-    case Family::linear:
-      for (int k = 0; k < 3; ++k) {
-        for (int l = 0; l < 3; ++l) local.rows[3 * k + l] = node.linear->unit_response[l][3 * vertex + k];
-      }
-      return;
-    case Family::modal:
-      for (int k = 0; k < 3; ++k) add_modes(model, *node.modal, vertex, k, local.rows + k * size);
-      return;
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t vertex = vertices[i];
+    if (vertex < 0 || vertex >= model.n_output || weights[i] == 0) continue;
+    const std::int32_t moved = position_of(node.prescribed, node.n_prescribed, vertex);
+    if (moved >= 0) {
+      local.direct += weights[i] * node.prescribed_weight[moved];
+      continue;
+    }
+    switch (model.family) {
+      case Family::rbfn:
+        add_gaussians(model, node.networks->deformation, vertex, weights[i], local);
+        break;
+      case Family::linear:
+        for (int k = 0; k < 3; ++k) {
+          for (int l = 0; l < 3; ++l)
+            local.rows[3 * k + l] += weights[i] * node.linear->unit_response[l][3 * vertex + k];
+        }
+        break;
+      case Family::modal:
+        for (int k = 0; k < 3; ++k) add_modes(model, *node.modal, vertex, k, weights[i], local.rows + k * size);
+        break;
+    }
   }
 }
 

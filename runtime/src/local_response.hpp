@@ -6,10 +6,10 @@
 
 namespace phynness::runtime {
 
-/// Displacement of one vertex under one active node displaced by d: constant + direct d + rows . basis(d).
+/// Weighted displacements of a few vertices under one active node displaced by d: constant + direct d + rows . basis(d).
 struct LocalResponse {
   double constant[3];
-  double direct;  ///< if the probe moves the vertex itself
+  double direct;  ///< of vertices that the probe moves itself
   double* rows;   ///< 3 x basis_size(node)
 };
 
@@ -22,8 +22,14 @@ void basis_of(const phn_model& model, const ActiveNode& node, const double* d, d
 /// Derivatives at d = 0. @param gradient  3 x basis_size(node), row k by d_k [1/m]; @param scratch shared n_centers + 3
 void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, double* gradient, double* scratch);
 
-/// @param vertex  as in phn_model::triangles; fixed ones do not move
-void prepare_local(const phn_model& model, const ActiveNode& node, std::int32_t vertex, LocalResponse& local);
+/// Values and derivatives at any d that is not cut. @param gradient  3 x basis_size(node)
+/// @param scratch  4 (shared n_centers + 3)
+void basis_and_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* basis,
+                        double* gradient, double* scratch);
+
+/// @param vertices, weights  n of them; vertices as in phn_model::triangles, fixed ones and -1 do not move
+void prepare_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
+                   const double* weights, LocalResponse& local);
 
 /// share constant + direct d + rows . basis. @param u  3 [m]
 void local_displacement(const LocalResponse& local, double share, const double* d, std::int32_t n_basis,

@@ -6,6 +6,7 @@
 using phynness::runtime::ActiveNode;
 using phynness::runtime::Coupling;
 using phynness::runtime::finite;
+using phynness::runtime::HeldPoint;
 using phynness::runtime::most_coupled;
 using phynness::runtime::warnings;
 using phynness::runtime::zero;
@@ -15,22 +16,9 @@ namespace {
 /// Barycentric weights add up to 1 but for this; below it the movable part of a point counts as fixed.
 constexpr double weight_slack = 1e-6;
 
-/// The touched nodes of all tools.
-struct Touched {
-  std::int32_t n = 0, active[3 * most_coupled];
-  double weight[most_coupled][3 * most_coupled] = {};
-
-  std::int32_t place(std::int32_t wanted) {
-    for (std::int32_t i = 0; i < n; ++i) {
-      if (active[i] == wanted) return i;
-    }
-    active[n] = wanted;
-    return n++;
-  }
-};
-
-/// Checks one tool and adds its nodes.
-int add_tool(const phn_model& model, const phn_tool& tool, std::int32_t t, Touched& touched) {
+/// Checks one tool and finds its nodes.
+int find_point(const phn_model& model, const phn_tool& tool, HeldPoint& point) {
+  point.n_nodes = 0;
   double sum = 0, movable = 0;
   for (int k = 0; k < 3; ++k) {
     const double w = tool.weights[k];
@@ -38,29 +26,22 @@ int add_tool(const phn_model& model, const phn_tool& tool, std::int32_t t, Touch
     sum += w;
     if (w == 0) continue;
     const std::int32_t active = phynness::runtime::find_active(model, tool.nodes[k]);
-    const std::int32_t vertex = phynness::runtime::find_vertex(model, tool.nodes[k]);
-    if (active < 0 && vertex < model.n_output) return PHN_ERROR_NOT_ACTIVE;
+    if (active < 0 && phynness::runtime::find_vertex(model, tool.nodes[k]) < model.n_output) return PHN_ERROR_NOT_ACTIVE;
     if (active < 0) continue;  // fixed
     movable += w;
-    touched.weight[t][touched.place(active)] += w;
+    std::int32_t i = 0;
+    while (i < point.n_nodes && point.active[i] != active) ++i;
+    if (i == point.n_nodes) point.weight[point.n_nodes++] = 0;
+    point.active[i] = active;
+    point.weight[i] += w;
   }
   if (!(sum >= 1 - weight_slack && sum <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
   if (!(movable > weight_slack)) return PHN_ERROR_NOT_ACTIVE;
   return finite(tool.displacement) ? PHN_OK : PHN_ERROR_NOT_FINITE;
 }
 
-/// Whether two tools hold nothing but one and the same node.
-bool same_node(const Touched& touched, std::int32_t n_tools) {
-  for (std::int32_t i = 0; i < touched.n; ++i) {
-    std::int32_t alone = 0;
-    for (std::int32_t t = 0; t < n_tools; ++t) {
-      double others = 0;
-      for (std::int32_t j = 0; j < touched.n; ++j) others += j == i ? 0 : touched.weight[t][j];
-      alone += touched.weight[t][i] > 0 && others == 0;
-    }
-    if (alone > 1) return true;
-  }
-  return false;
+bool same_node(const HeldPoint& a, const HeldPoint& b) {
+  return a.n_nodes == 1 && b.n_nodes == 1 && a.active[0] == b.active[0];
 }
 
 double cut(const phn_model& model, double component) {
@@ -71,20 +52,35 @@ double cut(const phn_model& model, double component) {
 }
 
 /// One tool at one node: what that node says, and nothing to solve.
-phynness::runtime::CoupledResult single(const phn_model& model, Coupling& c, std::int32_t active, double weight,
-                                        const double* target) {
-  const ActiveNode& node = model.active[active];
-  c.n_tools = c.n_nodes = 1;
-  c.active[0] = active;
-  for (int k = 0; k < 3; ++k) c.reach[k] = c.displacement[k] = target[k] / weight;
-  phynness::runtime::basis_of(model, node, c.reach, c.basis, c.kernel);
-  phynness::runtime::basis_gradient_at_rest(model, node, c.rest_gradient, c.kernel);
-  phynness::runtime::evaluate_force(model, node, c.displacement, c.force);
-  for (int k = 0; k < 3; ++k) c.force[k] /= weight;
-  const double energy = phynness::runtime::has_energy(model)
-                            ? phynness::runtime::evaluate_energy(model, node, c.displacement)
-                            : 0;
-  return {true, 0, energy, 0};
+phynness::runtime::CoupledResult single(const phn_model& model, Coupling& c, const double* target) {
+  using namespace phynness::runtime;
+  HeldPoint& point = c.point[0];
+  const ActiveNode& node = model.active[point.active[0]];
+  double* d = point.node_own[0];
+  for (int k = 0; k < 3; ++k) {
+    d[k] = target[k] / point.weight[0];
+    point.own[k] = target[k];
+    for (int l = 0; l < 3; ++l) point.reach[0][3 * k + l] = k == l ? 1 / point.weight[0] : 0;
+  }
+  point.node_share[0] = 1;
+  evaluate_force(model, node, d, point.force);
+  for (double& f : point.force) f /= point.weight[0];
+  if (has_deformation(model, node)) basis_of(model, node, d, c.node_basis, c.kernel);
+  return {true, 0, has_energy(model) ? evaluate_energy(model, node, d) : 0, 0};
+}
+
+/// Warnings of all nodes at the displacements where their responses are taken.
+int warnings_of(const phn_model& model, const Coupling& c) {
+  int status = PHN_OK;
+  for (std::int32_t t = 0; t < c.n_tools; ++t) {
+    const HeldPoint& point = c.point[t];
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      double e[3] = {0, 0, 0};
+      for (int k = 0; k < 9; ++k) e[k / 3] += point.reach[i][k] * point.own[k % 3];
+      status |= warnings(model, model.active[point.active[i]], e);
+    }
+  }
+  return status;
 }
 
 }  // namespace
@@ -122,32 +118,30 @@ int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const ph
   if (n_tools > 0 && (tools == nullptr || forces == nullptr)) return PHN_ERROR_ARGUMENT;
   for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(n_tools); ++i) forces[i] = 0;
   if (n_tools > c.max_tools) return PHN_ERROR_TOOLS;
-  Touched touched;
+  c.n_tools = 0;
   double targets[3 * most_coupled];
   for (std::int32_t t = 0; t < n_tools; ++t) {
-    const int refused = add_tool(*model, tools[t], t, touched);
+    const int refused = find_point(*model, tools[t], c.point[t]);
     if (refused != PHN_OK) return refused;
     for (int k = 0; k < 3; ++k) targets[3 * t + k] = cut(*model, tools[t].displacement[k]);
+    for (std::int32_t s = 0; s < t; ++s) {
+      if (same_node(c.point[s], c.point[t])) return PHN_ERROR_SAME_NODE;
+    }
   }
-  if (same_node(touched, n_tools)) return PHN_ERROR_SAME_NODE;
-  const bool alone = n_tools == 1 && touched.n == 1;
-  for (std::int32_t i = 0; i < touched.n && !alone; ++i) {
-    const ActiveNode& node = model->active[touched.active[i]];
-    if (node.output < 0 || !phynness::runtime::has_deformation(*model, node)) return PHN_ERROR_UNDEFINED;
+  const bool alone = n_tools == 1 && c.point[0].n_nodes == 1;
+  for (std::int32_t t = 0; t < n_tools && !alone; ++t) {
+    for (std::int32_t i = 0; i < c.point[t].n_nodes; ++i) {
+      const ActiveNode& node = model->active[c.point[t].active[i]];
+      if (node.output < 0 || !phynness::runtime::has_deformation(*model, node)) return PHN_ERROR_UNDEFINED;
+    }
   }
-  double weight[most_coupled * 3 * most_coupled] = {};
-  for (std::int32_t t = 0; t < n_tools; ++t) {
-    for (std::int32_t i = 0; i < touched.n; ++i) weight[t * touched.n + i] = touched.weight[t][i];
-  }
-  c.n_tools = c.n_nodes = 0;
   if (n_tools == 0) return PHN_OK;
-  const auto solved =
-      alone ? single(*model, c, touched.active[0], touched.weight[0][0], targets)
-            : phynness::runtime::solve_coupled(*model, c, n_tools, touched.n, touched.active, weight, targets);
-  int status = solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED;
-  for (std::int32_t i = 0; i < touched.n; ++i)
-    status |= warnings(*model, model->active[touched.active[i]], c.reach + 3 * i);
-  for (std::int32_t i = 0; i < 3 * n_tools; ++i) forces[i] = c.force[i];
+  c.n_tools = n_tools;
+  const auto solved = alone ? single(*model, c, targets) : phynness::runtime::solve_coupled(*model, c, targets);
+  const int status = (solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | warnings_of(*model, c);
+  for (std::int32_t t = 0; t < n_tools; ++t) {
+    for (int k = 0; k < 3; ++k) forces[3 * t + k] = c.point[t].force[k];
+  }
   if (result != nullptr) {
     const double energy = std::isfinite(solved.energy) ? solved.energy : 0;
     *result = {solved.residual, energy, solved.iterations};
@@ -160,14 +154,13 @@ int phn_coupled_deform(const phn_model* model, phn_data* data, double* out) {
   zero(out, 3 * model->n_output);
   if (data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
   const Coupling& c = data->coupling;
-  for (std::int32_t i = 0; i < c.n_nodes; ++i) {
-    if (!phynness::runtime::has_deformation(*model, model->active[c.active[i]])) return PHN_ERROR_UNDEFINED;
+  for (std::int32_t t = 0; t < c.n_tools; ++t) {
+    for (std::int32_t i = 0; i < c.point[t].n_nodes; ++i) {
+      if (!phynness::runtime::has_deformation(*model, model->active[c.point[t].active[i]])) return PHN_ERROR_UNDEFINED;
+    }
   }
-  int status = PHN_OK;
-  for (std::int32_t i = 0; i < c.n_nodes; ++i)
-    status |= warnings(*model, model->active[c.active[i]], c.reach + 3 * i);
   coupled_field(*model, c, data->scratch, data->field, out);
-  return status;
+  return warnings_of(*model, c);
 }
 
 }  // extern "C"

@@ -97,6 +97,21 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
         EXPECT_GT(size, 0);
       }
     }
+    ASSERT_EQ(phynness("validate scene.toml out/model --probes 2 --points 3 --json points.json").exit_status,
+              0);
+    const auto points = json("points.json").at("points");
+    EXPECT_EQ(points.at("failed"), 0);
+    EXPECT_EQ(points.at("unsettled"), 0);
+    for (const char* who : {"coupled", "linear", "at_nodes"}) {
+      EXPECT_LT(points.at(who).at("force").at("max").get<double>(), 1e-6) << element << ' ' << who;
+      EXPECT_LT(points.at(who).at("displacement").at("max").get<double>(), 1e-6) << element << ' ' << who;
+      EXPECT_EQ(points.at(who).at("force").at("n"), 12);
+    }
+    const auto ranks = shell(
+        "mpirun --oversubscribe -n 2 \"$PHYNNESS\" validate scene.toml out/model --probes 2 --points 3 "
+        "--json ranks.json");
+    ASSERT_EQ(ranks.exit_status, 0) << ranks.err;
+    EXPECT_EQ(json("ranks.json").at("points"), points);
   }
   EXPECT_EQ(
       phynness("eval out/model --point 0.041,0.033,0.05 --displacement 0,0,0.001 --tools paper").exit_status,
