@@ -206,7 +206,12 @@ void run(const Options& options) {
     fmt::print("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
   }
   write_json(options.json_file, out);
-  if (options.plot_file) plot(*options.plot_file, report, scene.title, choice.chosen);
+  if (options.plot_file)
+    plot(*options.plot_file, report,
+         fmt::format("{}: {}, K/mu = {:.4g}, {} probes, R = {:.4g} mm", scene.title,
+                     name(scene.solver.element), scene.material.bulk_to_shear(), name(scene.probe.kind),
+                     1e3 * scene.probe.max_displacement_m),
+         choice.chosen);
   if (!choice.chosen)
     throw failure("no model meets the limits", choice.missed,
                   "allow more, or probe in more directions; nothing was written");

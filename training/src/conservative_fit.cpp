@@ -4,6 +4,7 @@
 #include <limits>
 #include <phynness/training/conservative_fit.hpp>
 
+#include "fixed_shapes.hpp"
 #include "left_out.hpp"
 
 namespace phynness {
@@ -35,6 +36,9 @@ constexpr double usual_share = 0.3;
 
 /// More states than this make a search slow and no better: what is left out is whole directions.
 constexpr std::size_t max_search_states = 100;
+
+/// Displacements this close, in R, are the same but for rounding.
+constexpr double same_place = 1e-9;
 
 Matrix3d kernel(const Vector3d& y, double shape) {
   const double q = std::sqrt(y.squaredNorm() + shape * shape);
@@ -117,6 +121,36 @@ ForceStates thinned(const ForceStates& states, std::size_t stride) {
   return some;
 }
 
+/// States at the same displacement are one, their mean: twice the same would make interpolation singular, so
+/// that no shape could be found, and let centers be as many as places.
+ForceStates merged(const ForceStates& states) {
+  std::vector<Index> first;
+  std::vector<double> copies;
+  ForceStates some;
+  for (Index i = 0; i < states.x.rows(); ++i) {
+    const auto same = std::find_if(first.begin(), first.end(), [&](Index j) {
+      return (states.x.row(i) - states.x.row(j)).squaredNorm() <= same_place * same_place;
+    });
+    if (same == first.end()) {
+      first.push_back(i);
+      copies.push_back(1);
+    } else {
+      copies[static_cast<std::size_t>(same - first.begin())] += 1;
+    }
+  }
+  if (first.size() == states.row.size()) return states;
+  some.x = rows_of(states.x, first);
+  some.force = MatrixXd::Zero(static_cast<Index>(first.size()), 3);
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    some.row.push_back(states.row[static_cast<std::size_t>(first[k])]);
+    some.direction.push_back(states.direction[static_cast<std::size_t>(first[k])]);
+    for (Index i = first[k]; i < states.x.rows(); ++i)
+      if ((states.x.row(i) - states.x.row(first[k])).squaredNorm() <= same_place * same_place)
+        some.force.row(static_cast<Index>(k)) += states.force.row(i) / copies[k];
+  }
+  return some;
+}
+
 /// Mean error at directions left out one by one, over the largest force: interpolation of all states and of
 /// no force at rest, with a constant and a symmetric stiffness.
 double left_out_error(const ForceStates& states, double shape) {
@@ -184,13 +218,23 @@ std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
   return chosen;
 }
 
-/// Least squares of a x = b in columns of unit length, the first n_damped of them damped.
-VectorXd damped_solution(const MatrixXd& a, const VectorXd& b, Index n_damped) {
-  if (a.cols() == 0) return VectorXd(0);
-  const VectorXd size = a.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
+/// The columns scaled to unit length, and rows of damping for the first n_damped of them.
+MatrixXd damped_columns(const MatrixXd& a, const VectorXd& size, Index n_damped) {
   MatrixXd unit = MatrixXd::Zero(a.rows() + n_damped, a.cols());
   unit.topRows(a.rows()) = a * size.cwiseInverse().asDiagonal();
   unit.bottomRows(n_damped).diagonal().setConstant(damping);
+  return unit;
+}
+
+VectorXd column_sizes(const MatrixXd& a) {
+  return a.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
+}
+
+/// Least squares of a x = b in columns of unit length, the first n_damped of them damped.
+VectorXd damped_solution(const MatrixXd& a, const VectorXd& b, Index n_damped) {
+  if (a.cols() == 0) return VectorXd(0);
+  const VectorXd size = column_sizes(a);
+  const MatrixXd unit = damped_columns(a, size, n_damped);
   VectorXd right = VectorXd::Zero(unit.rows());
   right.head(b.size()) = b;
   return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(unit).solve(right).cwiseQuotient(size);
@@ -286,7 +330,8 @@ ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& r
 }
 
 ConservativeFit fit_conservative(const ForceStates& all, double max_displacement_m, int max_centers) {
-  const ForceStates states = thinned(all, (all.row.size() + max_fit_states - 1) / max_fit_states);
+  const ForceStates once = merged(all);
+  const ForceStates states = thinned(once, (once.row.size() + max_fit_states - 1) / max_fit_states);
   const ForceStates some = thinned(states, (states.row.size() + max_search_states - 1) / max_search_states);
   const auto candidates = force_shape_candidates();
   double shape = candidates.front(), left_out = std::numeric_limits<double>::infinity();
@@ -305,6 +350,29 @@ ConservativeFit fit_conservative(const ForceStates& all, double max_displacement
   }
   fit.left_out_error = left_out;
   return fit;
+}
+
+ConservativeFit fit_conservative_of_shape(const ForceStates& states, double max_displacement_m,
+                                          int max_centers, double shape) {
+  return fit_shape(merged(states), max_displacement_m, max_centers, shape);
+}
+
+double condition_number(const ForceStates& states, const ConservativeNetwork& network) {
+  const Columns columns = columns_of(states, network.shape);
+  const auto m = static_cast<Index>(network.centers.size());
+  MatrixXd a(3 * states.x.rows(), 3 * m + 6);
+  for (Index j = 0; j < m; ++j) {
+    const auto state =
+        std::lower_bound(states.row.begin(), states.row.end(), network.centers[static_cast<std::size_t>(j)]) -
+        states.row.begin();
+    a.middleCols<3>(3 * j) = columns.centers.middleCols<3>(3 * state);
+  }
+  a.rightCols<6>() = columns.stiffness;
+  const MatrixXd weighted =
+      VectorXd(weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>()).asDiagonal() * a;
+  const VectorXd singular =
+      Eigen::BDCSVD<MatrixXd>(damped_columns(weighted, column_sizes(weighted), 3 * m)).singularValues();
+  return std::pow(singular[0] / singular[singular.size() - 1], 2);
 }
 
 Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements,

@@ -6,6 +6,7 @@
 #include <phynness/training/modal_fit.hpp>
 #include <set>
 
+#include "fixed_shapes.hpp"
 #include "left_out.hpp"
 #include "sampling.hpp"
 
@@ -28,6 +29,9 @@ constexpr std::size_t max_search_states = 100;
 /// grow where a body snaps, and errors beyond the trained range by a quarter; ten times more would cost
 /// accuracy inside.
 constexpr double damping = 1e-3;
+
+/// Displacements this close, in the largest, are the same but for rounding.
+constexpr double same_place = 1e-9;
 
 /// More columns than asked for and rounds of subspace iteration: the spectrum falls by half within a few
 /// modes, so that 8 columns and 3 rounds leave the subspace converged beyond what 16 bits show.
@@ -78,12 +82,19 @@ double mean_share(const MatrixXd& fields, const NodeModes& node) {
 /// largest displacement of a node. (Modes are orthonormal: the size of an amplitude vector is that of the
 /// whole field.)
 double left_out_error(const TrainingTables& tables, const NodeModes& node, double shape) {
-  // Close neighbours along a direction would make the matrix singular to rounding.
+  // The same displacement twice would make the matrix singular, close neighbours along a direction singular
+  // to rounding.
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < node.row.size(); ++i)
+    if (std::none_of(places.begin(), places.end(), [&](std::size_t j) {
+          return (tables.displacements.row(node.row[i]) - tables.displacements.row(node.row[j])).norm() <=
+                 same_place * tables.magnitudes_m.back();
+        }))
+      places.push_back(i);
   std::vector<Index> kept;
   std::vector<std::int32_t> rows, directions;
-  const auto stride =
-      static_cast<std::int32_t>((node.row.size() + max_search_states - 1) / max_search_states);
-  for (std::size_t i = 0; i < node.row.size(); ++i) {
+  const auto stride = static_cast<std::int32_t>((places.size() + max_search_states - 1) / max_search_states);
+  for (const auto i : places) {
     const auto increment = node.row[i] % tables.n_increments;
     if ((tables.n_increments - 1 - increment) % stride != 0) continue;
     kept.push_back(static_cast<Index>(i));
@@ -108,6 +119,18 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
              ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest_m
              : 0;
 }
+
+/// The least squares of the amplitudes: features in columns of unit length, damped.
+struct AmplitudeProblem {
+  explicit AmplitudeProblem(const MatrixXd& f)
+      : size(f.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min())),
+        unit(f * size.cwiseInverse().asDiagonal()),
+        normal(unit.transpose() * unit) {
+    normal.diagonal().array() += damping * damping;
+  }
+  VectorXd size;
+  MatrixXd unit, normal;
+};
 
 /// One node's part in the choice of centers: what its states say of each candidate.
 struct Chooser {
@@ -231,9 +254,8 @@ MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, std::ui
 AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
                                           int max_centers) {
   AmplitudeCenters chosen;
-  std::set<std::int32_t> every;
-  for (const auto& node : nodes) every.insert(node.row.begin(), node.row.end());
-  if (every.empty()) return chosen;
+  if (std::all_of(nodes.begin(), nodes.end(), [](const auto& node) { return node.row.empty(); }))
+    return chosen;
   chosen.left_out_error = std::numeric_limits<double>::infinity();
   for (const double candidate : amplitude_shape_candidates()) {
     // The median: a node where the body snaps is predicted by no shape, and would outweigh all others.
@@ -246,14 +268,24 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
       chosen.shape = candidate;
     }
   }
+  chosen.row = amplitude_centers_of_shape(tables, nodes, max_centers, chosen.shape).row;
+  return chosen;
+}
+
+AmplitudeCenters amplitude_centers_of_shape(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
+                                            int max_centers, double shape) {
+  AmplitudeCenters chosen;
+  chosen.shape = shape;
+  std::set<std::int32_t> every;
+  for (const auto& node : nodes) every.insert(node.row.begin(), node.row.end());
   // Candidates are the states of any node; nodes that face different ways have different ones.
   const std::vector<std::int32_t> rows(every.begin(), every.end());
   const auto x = scaled_rows(tables, rows);
   std::vector<Chooser> choosers;
   for (const auto& node : nodes)
-    if (!node.row.empty()) choosers.push_back(chooser(tables, node, x, chosen.shape));
+    if (!node.row.empty()) choosers.push_back(chooser(tables, node, x, shape));
   std::vector<char> open(rows.size(), 1);
-  while (static_cast<int>(chosen.row.size()) < max_centers) {
+  while (!rows.empty() && static_cast<int>(chosen.row.size()) < max_centers) {
     VectorXd sum = VectorXd::Zero(x.rows());
     for (const auto& c : choosers) sum += explained(c);
     for (Index i = 0; i < x.rows(); ++i)
@@ -302,12 +334,9 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
 
   const auto x = scaled_rows(tables, node.row);
   const MatrixXd f = features(x, scaled_rows(tables, shared.centers), shared.shape);
-  const VectorXd size = f.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
-  const MatrixXd unit = f * size.cwiseInverse().asDiagonal();
-  MatrixXd normal = unit.transpose() * unit;
-  normal.diagonal().array() += damping * damping;
-  const MatrixXd weights =
-      size.cwiseInverse().asDiagonal() * normal.ldlt().solve(unit.transpose() * node.amplitudes);
+  const AmplitudeProblem problem(f);
+  const MatrixXd weights = problem.size.cwiseInverse().asDiagonal() *
+                           problem.normal.ldlt().solve(problem.unit.transpose() * node.amplitudes);
 
   modal.weights = scaled_table(weights);
   modal.mixing = scaled_table(mixing);
@@ -323,6 +352,14 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   fit.regression_error =
       mean_share((f * modal.weights.values() - node.amplitudes) * stored.transpose(), node);
   return fit;
+}
+
+double condition_number(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node) {
+  const AmplitudeProblem problem(
+      features(scaled_rows(tables, node.row), scaled_rows(tables, shared.centers), shared.shape));
+  const VectorXd values =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(problem.normal, Eigen::EigenvaluesOnly).eigenvalues();
+  return values[values.size() - 1] / values[0];
 }
 
 }  // namespace phynness

@@ -1,0 +1,335 @@
+// How stable training is: disturbed data and forced parameters, measured on the same fresh solves; and where
+// the error of what it makes comes from. Usage: tools/study-models SCENE database.h5 [--json FILE]
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <phynness/formats/error.hpp>
+#include <phynness/precompute/precompute.hpp>
+#include <phynness/precompute/probe_solver.hpp>
+
+#include "console.hpp"
+#include "error_parts.hpp"
+#include "fixed_shapes.hpp"
+#include "study_report.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::study;
+using nlohmann::json;
+
+constexpr std::uint64_t noise_seed = 7;
+
+struct Options {
+  std::filesystem::path scene, database;
+  std::optional<std::filesystem::path> json_file;
+  std::int64_t probes = 1000, nodes = 10, seed = 1;
+  int others = 60;
+  std::vector<std::string> families{"modal", "rbfn"};
+};
+
+/// The solves that every row is held against.
+struct Fresh {
+  std::vector<NodeProbes> all, calm;  ///< calm: at nodes that do not snap
+};
+
+/// Probes no deeper than this, as if they were all.
+Fresh within(const Fresh& fresh, double depth_m) {
+  Fresh some = fresh;
+  for (auto* list : {&some.all, &some.calm})
+    for (auto& node : *list) {
+      node.states[1].clear();
+      std::erase_if(node.states[0], [&](const ProbedState& s) {
+        return Eigen::Vector3d(s.d[0], s.d[1], s.d[2]).norm() > depth_m;
+      });
+    }
+  return some;
+}
+
+bool all_finite(const LoadedModel& model, const std::vector<NodeProbes>& probes) {
+  for (const auto& node : probes)
+    for (const auto& group : node.states)
+      for (const auto& state : group) {
+        const auto said = model.respond({node.node}, {state.d});
+        const auto& f = *said.force_N[0];
+        if (!said.displacement_m.allFinite() || !std::isfinite(f[0] + f[1] + f[2])) return false;
+      }
+  return true;
+}
+
+void measure(Row& row, const LoadedModel& model, const Fresh& fresh) {
+  // Nodes without a single converged state have no model.
+  Fresh known = fresh;
+  for (auto* list : {&known.all, &known.calm})
+    std::erase_if(*list, [&](const NodeProbes& p) {
+      return std::none_of(model.model().nodes.begin(), model.model().nodes.end(),
+                          [&](const auto& node) { return node.node == p.node; });
+    });
+  row.all = model_errors(model, known.all);
+  row.calm = model_errors(model, known.calm);
+  for (const auto& node : known.all) {
+    const auto errors = model_errors(model, {node});
+    row.by_node.push_back({errors.inside.force.mean, errors.inside.displacement.mean});
+  }
+  row.finite = all_finite(model, known.all);
+}
+
+class Study {
+ public:
+  Study(const Scene& scene, const StudyData& data, Fresh fresh)
+      : _spec(scene.training), _data(data), _fresh(std::move(fresh)) {}
+
+  void modal(const std::string& name, const StudyData& data, const ForcedShapes& forced = {}) {
+    modal(name, data, _fresh, forced);
+  }
+  void modal(const std::string& name, const StudyData& data, const Fresh& fresh,
+             const ForcedShapes& forced = {}) {
+    row("modal", name, [&](Row& row) {
+      const auto studied = train_modal(data, _spec, forced);
+      const auto model = loaded(studied.model, data.header.mesh);
+      measure(row, model, fresh);
+      describe(row, data, studied);
+    });
+  }
+  void rbfn(const std::string& name, const StudyData& data, double spread = 0) {
+    row("rbfn", name, [&](Row& row) {
+      TrainingSpec spec = _spec;
+      if (spread > 0) spec.deformation_spread = spec.force_spread = spread;
+      const auto model = loaded(train_rbfn(data, spec, row.diagonal_ratio), data.header.mesh);
+      measure(row, model, _fresh);
+    });
+  }
+
+  void modal_rows();
+  void rbfn_rows();
+  std::vector<ErrorParts> parts(const StudyData& data) const {
+    const auto studied = train_modal(data, _spec, {});
+    return error_parts(data, studied, loaded(studied.model, data.header.mesh), _fresh.all);
+  }
+  const std::vector<Row>& rows() const { return _rows; }
+
+ private:
+  void row(const char* family, const std::string& name, const std::function<void(Row&)>& work) {
+    Row row;
+    row.family = family;
+    row.name = name;
+    try {
+      work(row);
+    } catch (const Error& error) {
+      const std::string text = error.what();
+      row.refused = text.substr(0, text.find('\n'));
+    }
+    print_row(row);
+    _rows.push_back(std::move(row));
+  }
+
+  static void describe(Row& row, const StudyData& data, const StudiedModal& studied) {
+    const TrainingTables tables = training_tables(data.header);
+    row.amplitude_shape = studied.model.shared.shape;
+    row.smallest_shape = std::numeric_limits<double>::infinity();
+    for (const auto& fit : studied.fits) {
+      row.smallest_shape = std::min(row.smallest_shape, fit.force.network.shape);
+      row.largest_shape = std::max(row.largest_shape, fit.force.network.shape);
+      row.cancellation = std::max(row.cancellation, fit.force.cancellation);
+      row.force_condition = std::max(row.force_condition, condition_number(fit.states, fit.force.network));
+      row.amplitude_condition =
+          std::max(row.amplitude_condition, condition_number(tables, studied.model.shared, fit.modes));
+    }
+    row.single = single_precision(studied.model, noise_seed);
+  }
+
+  TrainingSpec _spec;
+  const StudyData& _data;
+  Fresh _fresh;
+  std::vector<Row> _rows;
+};
+
+/// The increments of every second one, the deepest among them.
+std::vector<std::size_t> every_second(std::size_t n) {
+  std::vector<std::size_t> kept;
+  for (std::size_t i = n % 2 == 0 ? 1 : 0; i < n; i += 2) kept.push_back(i);
+  return kept;
+}
+
+void Study::modal_rows() {
+  const std::size_t n_increments = _data.header.magnitudes_m.size();
+  modal("as it is", _data);
+  modal("every second increment", with_increments(_data, every_second(n_increments)));
+  modal("deepest increment alone", with_increments(_data, {n_increments - 1}));
+  modal("10 % of the rays failed", with_failed_rays(_data, 0.1, noise_seed));
+  modal("a third of the rays failed", with_failed_rays(_data, 1.0 / 3, noise_seed));
+  modal("two thirds of the rays failed", with_failed_rays(_data, 2.0 / 3, noise_seed));
+  modal("all rays failed but one", with_rays(_data, {0}));
+  modal("all rays failed", with_rays(_data, {}));
+  const auto half = failing_from(_data, n_increments / 2);
+  const double half_m = _data.header.magnitudes_m[n_increments / 2 - 1];
+  modal("rays end at half depth", half);
+  modal("the same, probes to half depth", half, within(_fresh, half_m));
+  modal("as it is, probes to half depth", _data, within(_fresh, half_m));
+  modal("every probe twice", duplicated(_data, 0, noise_seed));
+  modal("every probe twice, 1e-3 apart", duplicated(_data, 1e-3, noise_seed));
+  for (const double level : {1e-4, 1e-3, 1e-2})
+    modal(fmt::format("noise {:.0e}", level), with_noise(_data, level, noise_seed));
+  for (const double shape : {1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0})
+    modal(fmt::format("force shape {:g}", shape), _data, {shape, 0});
+  for (const double shape : {1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0})
+    modal(fmt::format("amplitude shape {:g}", shape), _data, {0, shape});
+}
+
+void Study::rbfn_rows() {
+  rbfn("as it is", _data);
+  rbfn("every second increment", with_increments(_data, every_second(_data.header.magnitudes_m.size())));
+  rbfn("a third of the rays failed", with_failed_rays(_data, 1.0 / 3, noise_seed));
+  rbfn("every probe twice", duplicated(_data, 0, noise_seed));
+  rbfn("every probe twice, 1e-3 apart", duplicated(_data, 1e-3, noise_seed));
+  for (const double level : {1e-3, 1e-2})
+    rbfn(fmt::format("noise {:.0e}", level), with_noise(_data, level, noise_seed));
+  for (const double spread : {0.05, 0.2, 0.5, 1.0, 2.0, 5.0, 20.0})
+    rbfn(fmt::format("both spreads {:g}", spread), _data, spread);
+}
+
+/// Largest force over the median active node's, by active node.
+std::vector<double> force_ratios(const Database& database) {
+  const auto n = static_cast<std::int32_t>(database.header().sets.active.size());
+  cli::Progress progress("read", "nodes");
+  std::vector<double> largest;
+  for (std::int32_t i = 0; i < n; ++i) {
+    largest.push_back(largest_force_N(database.rays(i)));
+    progress.update(i + 1, n);
+  }
+  std::vector<double> sorted = largest;
+  std::sort(sorted.begin(), sorted.end());
+  for (double& f : largest) f /= sorted[sorted.size() / 2];
+  return largest;
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  CLI::App app{"How stable training is, and where its error comes from (docs/stability.md)"};
+  app.add_option("SCENE", options.scene, "the scene the database was made from")->required();
+  app.add_option("DATABASE", options.database, "database.h5 of phynness precompute")->required();
+  app.add_option("--probes", options.probes, "fresh solves, half inside the trained range")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--nodes", options.nodes, "active nodes trained and measured")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "of the probes; nodes are those of phynness validate --nodes")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--others", options.others, "more nodes that the shared modes are made of")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--family", options.families, "which rows")->check(CLI::IsMember({"modal", "rbfn"}));
+  app.add_option("--json", options.json_file, "write the figures for machines");
+  CLI11_PARSE(app, argc, argv);
+
+  const SolverSession session;
+  const Scene scene = read_scene(options.scene);
+  const auto database = Database::open(options.database);
+  if (physics_hash(scene) != database.header().physics_hash)
+    throw input_error("the database was made from another scene",
+                      "physics " + database.header().physics_hash + ", this scene's " + physics_hash(scene),
+                      "give the scene it was made from (phynness info prints it)");
+  const double tool_radius_m = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
+
+  const auto skeleton = loaded(without_response(database, tool_radius_m), database.header().mesh);
+  const auto plan = plan_probes(skeleton, scene.probe.directions, options.probes,
+                                static_cast<std::uint64_t>(options.seed), options.nodes);
+  const auto ratios = force_ratios(database);
+  const auto& active = database.header().sets.active;
+  const auto snaps = [&](std::int32_t node) {
+    return ratios[static_cast<std::size_t>(std::lower_bound(active.begin(), active.end(), node) -
+                                           active.begin())] > snap_ratio;
+  };
+  Fresh fresh;
+  {
+    cli::Progress progress("solve", "rays");
+    solve_probes(
+        session, scene, skeleton, plan,
+        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, {},
+        [&](std::size_t, NodeProbes&& found) { fresh.all.push_back(std::move(found)); });
+  }
+  std::vector<std::int32_t> probed;
+  std::int64_t failed = 0;
+  for (const auto& node : fresh.all) {
+    if (!snaps(node.node)) fresh.calm.push_back(node);
+    probed.push_back(node.node);
+    failed += node.failed;
+  }
+  const auto data = read_data(database, probed, options.others, tool_radius_m);
+
+  fmt::print("{}, {}, K/mu = {:.4g}, {} probes, R = {:.4g} mm, {} directions x {} increments\n", scene.title,
+             name(scene.solver.element), scene.material.bulk_to_shear(), name(scene.probe.kind),
+             1e3 * scene.probe.max_displacement_m, data.header.directions.size(),
+             data.header.magnitudes_m.size());
+  fmt::print(
+      "{} probes at {} nodes, {} failed; of {} active nodes {} snap (largest force over {} times the "
+      "median)\n\n",
+      options.probes, probed.size(), failed, active.size(),
+      std::count_if(ratios.begin(), ratios.end(), [](double r) { return r > snap_ratio; }), snap_ratio);
+  print_head();
+  const auto linear = linear_errors(fresh.all), linear_calm = linear_errors(fresh.calm);
+  std::vector<std::array<double, 2>> linear_by_node;
+  for (const auto& node : fresh.all) {
+    const auto errors = linear_errors({node});
+    linear_by_node.push_back({errors.inside.force.mean, errors.inside.displacement.mean});
+  }
+  print_errors("linear predictor", linear, linear_calm, linear_by_node);
+
+  Study study(scene, data, fresh);
+  json out{{"element", name(scene.solver.element)},
+           {"bulk_to_shear", scene.material.bulk_to_shear()},
+           {"probe", name(scene.probe.kind)},
+           {"max_displacement_m", scene.probe.max_displacement_m},
+           {"probes", options.probes},
+           {"failed", failed},
+           {"seed", options.seed},
+           {"nodes", probed},
+           {"snap_ratio", snap_ratio},
+           {"linear", {{"all", to_json(linear)}, {"without_snaps", to_json(linear_calm)}}},
+           {"rows", json::array()},
+           {"parts", json::object()}};
+  const auto wanted = [&](const char* family) {
+    return std::find(options.families.begin(), options.families.end(), family) != options.families.end();
+  };
+  if (wanted("modal")) study.modal_rows();
+  if (wanted("rbfn")) study.rbfn_rows();
+  print_numbers(study.rows());
+  const auto half = every_second(data.header.magnitudes_m.size());
+  for (const auto& [name, some] :
+       {std::pair{"as it is", data}, std::pair{"every second increment", with_increments(data, half)}}) {
+    if (!wanted("modal")) break;
+    const auto parts = study.parts(some);
+    std::vector<char> of_parts;
+    for (const auto& p : parts) {
+      of_parts.push_back(snaps(p.node));
+      out["parts"][name].push_back(to_json(p));
+      out["parts"][name].back()["snaps"] = snaps(p.node);
+    }
+    print_parts(name, parts, of_parts);
+  }
+  for (const auto& row : study.rows()) out["rows"].push_back(to_json(row));
+  if (options.json_file) {
+    std::ofstream file(*options.json_file);
+    file << out.dump(1) << '\n';
+    if (!file.flush())
+      throw failure("writing failed", options.json_file->string(), "look at the disk's space");
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const phynness::Error& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return error.kind() == phynness::Error::Kind::input ? 2 : 1;
+  }
+}
