@@ -334,14 +334,15 @@ CoupledResult solve_coupled(const phn_model& model, Coupling& c, std::int32_t n_
   return Solver(model, c, targets).run();
 }
 
-void coupled_field(const phn_model& model, const Coupling& c, double* scratch, double* one, double* field) {
+void coupled_field(const phn_model& model, const Coupling& c, PreparedNodes& prepared, double* scratch, double* one,
+                   double* field) {
   for (std::int32_t i = 0; i < c.n_nodes; ++i) {
     const ActiveNode& node = model.active[c.active[i]];
     const auto at = static_cast<std::size_t>(i) * model.n_basis;
     const double* q = c.displacement + 3 * i;
     const double share = combined_basis(q, c.reach + 3 * i, basis_size(model, node), c.basis + at,
                                         c.rest_gradient + 3 * at, c.combined);
-    field_of_basis(model, node, share, q, c.combined, scratch, one);
+    field_of_basis(model, node, touch(model, prepared, c.active[i]), share, q, c.combined, scratch, one);
     for (std::int32_t o = 0; o < 3 * model.n_output; ++o) field[o] += one[o];
   }
 }

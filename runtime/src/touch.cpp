@@ -166,7 +166,7 @@ int phn_coupled_deform(const phn_model* model, phn_data* data, double* out) {
   int status = PHN_OK;
   for (std::int32_t i = 0; i < c.n_nodes; ++i)
     status |= warnings(*model, model->active[c.active[i]], c.reach + 3 * i);
-  coupled_field(*model, c, data->scratch, data->field, out);
+  coupled_field(*model, c, data->prepared, data->scratch, data->field, out);
   return status;
 }
 

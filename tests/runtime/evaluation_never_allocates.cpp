@@ -56,6 +56,7 @@ TEST_P(Memory, NothingIsAllocated) {
   worst = std::min(worst, phn_force(model, data, 3, d, out));
   worst = std::min(worst, phn_deform(model, data, 1, tools, d, out));
   worst = std::min(worst, phn_deform(model, data, 3, tools, d, out));
+  worst = std::min(worst, phn_prepare(model, data, 8));
   worst = std::min(worst, phn_trained_depth(model, 3, d, &depth));
   const phn_tool held[] = {{{3, 5, 8}, {0.5, 0.25, 0.25}, {0.001, 0, 0}},
                            {{5, 3, 0}, {0.5, 0.25, 0.25}, {0, 0.001, 0}}};
