@@ -54,6 +54,7 @@ CoupledResult solve_coupled(const phn_model& model, Coupling& coupling, const do
 
 /// The field of the latest solution, added up over its nodes to what `field` holds.
 /// @param scratch model.n_scratch; @param one, field n_output x 3 [m]: scratch and result
-void coupled_field(const phn_model& model, const Coupling& coupling, double* scratch, double* one, double* field);
+void coupled_field(const phn_model& model, const Coupling& coupling, PreparedNodes& prepared, double* scratch,
+                   double* one, double* field);
 
 }  // namespace phynness::runtime

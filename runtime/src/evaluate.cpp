@@ -116,11 +116,12 @@ bool has_deformation(const phn_model& model, const ActiveNode& node) {
   return model.family != Family::modal || node.modal->n_modes > 0;
 }
 
-void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* scratch,
+void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t active, const double* d,
                           double* field) {
-  double* basis = scratch + model.n_scratch - model.n_basis;
-  basis_of(model, node, d, basis, scratch);
-  field_of_basis(model, node, 1, d, basis, scratch, field);
+  const ActiveNode& node = model.active[active];
+  double* basis = data.scratch + model.n_scratch - model.n_basis;
+  basis_of(model, node, d, basis, data.scratch);
+  field_of_basis(model, node, touch(model, data.prepared, active), 1, d, basis, data.scratch, field);
 }
 
 void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,
@@ -144,7 +145,7 @@ void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, c
     for (int k = 0; k < 3; ++k) out[3 * o + k] = 0;
   }
   for (std::int32_t t = 0; t < n_tools; ++t) {
-    evaluate_deformation(model, tool(t), &displacements[3 * t], data.scratch, data.field);
+    evaluate_deformation(model, data, find_active(model, nodes[t]), &displacements[3 * t], data.field);
     for (std::int32_t o = 0; o < model.n_output; ++o) {
       const double distance = distance_between(&model.output_points[3 * o], tool(t).point);
       const double weight = (distance > 0 ? data.nearest[o] / distance : 1) / data.weight_sum[o];

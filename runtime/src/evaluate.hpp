@@ -4,6 +4,7 @@
 
 #include "coupled.hpp"
 #include "model.hpp"
+#include "prepared.hpp"
 
 struct phn_data {
   const phn_model* model;
@@ -13,6 +14,7 @@ struct phn_data {
   double* nearest;     ///< n_output: distance to the nearest tool [m]
   double* weight_sum;  ///< n_output: sum of nearest / distance over the tools
   phynness::runtime::Coupling coupling;
+  phynness::runtime::PreparedNodes prepared;
 };
 
 namespace phynness::runtime {
@@ -33,9 +35,9 @@ void evaluate_stiffness(const phn_model& model, const ActiveNode& node, const do
 bool has_deformation(const phn_model& model, const ActiveNode& node);
 
 /// Field of one tool at all output nodes, nodes moved by the probe itself included.
-/// @pre has_deformation(model, node)
-/// @param scratch  model.n_scratch; @param field n_output x 3 [m]
-void evaluate_deformation(const phn_model& model, const ActiveNode& node, const double* d, double* scratch,
+/// @param active  position among the active nodes. @pre has_deformation(model, model.active[active])
+/// @param data    its scratch and prepared nodes are used; @param field n_output x 3 [m]
+void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t active, const double* d,
                           double* field);
 
 /// Fields of a basis (local_response.hpp), nodes moved by the probe itself not yet set. @param field n_output x 3 [m]

@@ -180,7 +180,7 @@ void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& 
       node.linear = linear_response(in, arena, model.n_output);
       break;
     case Family::modal:
-      node.modal = load_modal(in, arena, tables.n_displacements, model, model.n_basis);
+      node.modal = load_modal(in, arena, tables.n_displacements, model);
       break;
   }
 }

@@ -2,7 +2,7 @@
 #include <cfloat>
 
 #include "load_parts.hpp"
-#include "modal.hpp"
+#include "modal_kernels.hpp"
 
 namespace phynness::runtime {
 namespace {
@@ -129,23 +129,27 @@ void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn
   shared.modes = modes.get();
   shared.n_centers = count_line(in, "amplitude_centers", 0);
   shared.shape = width_line(in, "shape");
-  Column<std::int32_t> centers(arena, shared.n_centers);
-  for (std::int32_t i = 0; i < shared.n_centers && in.good(); ++i) {
-    centers.set(i, center(in, n_displacements, model));
-    in.end_line();
-  }
-  shared.center = centers.get();
+  double* centers[3];
+  for (int k = 0; k < 3; ++k)
+    shared.center[k] = centers[k] = arena.take<double>(static_cast<std::size_t>(shared.n_centers));
   auto* at_rest = arena.take<double>(static_cast<std::size_t>(shared.n_centers));
   shared.basis_at_rest = at_rest;
-  if (!has_memory(arena) || !in.good()) return;
+  const bool place_centers = has_memory(arena);
+  for (std::int32_t i = 0; i < shared.n_centers && in.good(); ++i) {
+    const std::int32_t row = center(in, n_displacements, model);
+    for (int k = 0; k < 3 && place_centers; ++k)
+      centers[k][i] = model.displacements[3 * static_cast<std::size_t>(row) + k];
+    in.end_line();
+  }
+  if (!place_centers || !in.good()) return;
   // The function that subtracts these values computes them: amplitudes at rest are exactly 0.
   const double rest[3] = {0, 0, 0};
   for (std::int32_t i = 0; i < shared.n_centers; ++i) at_rest[i] = 0;
-  amplitude_basis(shared, model.displacements, rest, at_rest, at_rest);
+  amplitude_basis(shared, rest, at_rest, at_rest);
 }
 
 const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements,
-                                const phn_model& model, std::size_t& n_basis) {
+                                phn_model& model) {
   ModalResponse node = {};
   load_conservative(in, arena, n_displacements, model, node.force);
   const std::int32_t m = node.n_modes = mode_count_line(in, "deformation");
@@ -165,7 +169,13 @@ const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_dis
   node.near = near.get();
   node.near_mode =
       table(in, arena, "near_modes", 3 * static_cast<std::size_t>(node.n_near), m, node.near_mode_scale);
-  n_basis = n_basis > static_cast<std::size_t>(m) ? n_basis : static_cast<std::size_t>(m);
+  const auto n_modes = static_cast<std::size_t>(m);
+  model.n_basis = model.n_basis > n_modes ? model.n_basis : n_modes;
+  if (worth_preparing(model.shared, node)) {
+    const std::size_t n_near_values = 3 * static_cast<std::size_t>(node.n_near) * n_modes;
+    model.prepared_modes = model.prepared_modes > m ? model.prepared_modes : m;
+    model.prepared_near = model.prepared_near > n_near_values ? model.prepared_near : n_near_values;
+  }
   return place(arena, node);
 }
 

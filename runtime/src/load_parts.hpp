@@ -70,8 +70,7 @@ inline void stiffness_line(TextReader& in, double* k) {
 
 /// The shared part of a modal model. @pre output nodes and displacements of the model are loaded
 void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model);
-/// @param n_basis  raised to the number of this node's modes
-const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements,
-                                const phn_model& model, std::size_t& n_basis);
+/// @param model  its largest sizes are raised to those of this node
+const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model);
 
 }  // namespace phynness::runtime

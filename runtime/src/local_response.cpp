@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "evaluate.hpp"
-#include "modal.hpp"
+#include "modal_kernels.hpp"
 
 namespace phynness::runtime {
 namespace {
@@ -60,8 +60,8 @@ void modal_amplitudes_and_gradient(const phn_model& model, const ModalResponse& 
   const double s2 = shared.shape * shared.shape, q0 = std::sqrt(dot(x, x) + s2);
   // Value and gradient of each kernel, then of the three linear terms.
   for (std::int32_t i = 0; i < n; ++i) {
-    const double* c = model.displacements + 3 * static_cast<std::size_t>(shared.center[i]);
-    const double y[3] = {x[0] - c[0], x[1] - c[1], x[2] - c[2]}, q = std::sqrt(dot(y, y) + s2);
+    const double y[3] = {x[0] - shared.center[0][i], x[1] - shared.center[1][i], x[2] - shared.center[2][i]};
+    const double q = std::sqrt(dot(y, y) + s2);
     double* kernel = scratch + 4 * i;
     kernel[0] = (q - q0) - shared.basis_at_rest[i];
     for (int k = 0; k < 3; ++k) kernel[1 + k] = (y[k] / q - x[k] / q0) / R;
@@ -152,10 +152,9 @@ void basis_of(const phn_model& model, const ActiveNode& node, const double* d, d
       for (int k = 0; k < 3; ++k) basis[k] = cut(d[k], largest_linear);
       return;
     case Family::modal: {
-      double* x = scratch + model.shared.n_centers;
+      double x[3];
       for (int k = 0; k < 3; ++k) x[k] = cut(d[k] / model.max_displacement, largest_modal);
-      amplitude_basis(model.shared, model.displacements, x, model.shared.basis_at_rest, scratch);
-      return amplitudes_of(model, *node.modal, scratch, basis);
+      return best_modal_kernels().amplitudes(model, *node.modal, x, scratch, basis);
     }
   }
 }
@@ -172,7 +171,7 @@ void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, doub
       const SharedModes& shared = model.shared;
       for (int k = 0; k < 3; ++k) {
         for (std::int32_t i = 0; i < shared.n_centers; ++i) {
-          const double* c = model.displacements + 3 * static_cast<std::size_t>(shared.center[i]);
+          const double c[3] = {shared.center[0][i], shared.center[1][i], shared.center[2][i]};
           scratch[i] = -c[k] / std::sqrt(dot(c, c) + shared.shape * shared.shape) / model.max_displacement;
         }
         for (int l = 0; l < 3; ++l) scratch[shared.n_centers + l] = k == l ? 1 / model.max_displacement : 0;
@@ -245,8 +244,8 @@ void local_displacement(const LocalResponse& local, double share, const double* 
   }
 }
 
-void field_of_basis(const phn_model& model, const ActiveNode& node, double share, const double* d,
-                    const double* basis, double* scratch, double* field) {
+void field_of_basis(const phn_model& model, const ActiveNode& node, const PreparedNode* prepared, double share,
+                    const double* d, const double* basis, double* scratch, double* field) {
   switch (model.family) {
     case Family::rbfn:
       network_field(model, node.networks->deformation, basis, share, field);
@@ -255,7 +254,7 @@ void field_of_basis(const phn_model& model, const ActiveNode& node, double share
       linear_field(model, *node.linear, basis, field);
       break;
     case Family::modal:
-      modal_field(model, *node.modal, basis, scratch, field);
+      best_modal_kernels().field(model, *node.modal, prepared, basis, scratch, field);
       break;
   }
   for (std::int32_t p = 0; p < node.n_prescribed; ++p) {

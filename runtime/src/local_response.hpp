@@ -2,7 +2,7 @@
 // amplitudes of modes, Gaussians of its displacement d, or d itself.
 #pragma once
 
-#include "model.hpp"
+#include "prepared.hpp"
 
 namespace phynness::runtime {
 
@@ -36,9 +36,10 @@ void local_displacement(const LocalResponse& local, double share, const double* 
                         const double* basis, double* u);
 
 /// The same for all output nodes. @pre has_deformation(model, node)
-/// @param scratch  model.n_scratch; @param field n_output x 3 [m]
-void field_of_basis(const phn_model& model, const ActiveNode& node, double share, const double* d,
-                    const double* basis, double* scratch, double* field);
+/// @param prepared  of this node, or null
+/// @param scratch   model.n_scratch; @param field n_output x 3 [m]
+void field_of_basis(const phn_model& model, const ActiveNode& node, const PreparedNode* prepared, double share,
+                    const double* d, const double* basis, double* scratch, double* field);
 
 /// Derivative of the force by d at rest, made symmetric where the family has no energy. @param stiffness 3 x 3 [N/m]
 void stiffness_at_rest(const phn_model& model, const ActiveNode& node, double* stiffness);

@@ -10,30 +10,6 @@ void scaled_displacement(double max_displacement, const double* d, double* x) {
     x[k] = std::fmax(-largest_modal, std::fmin(largest_modal, d[k] / max_displacement));
 }
 
-/// Row r of a table of n columns times a vector.
-double row_times(const std::int16_t* table, const double* scale, std::size_t r, std::int32_t n,
-                 const double* value) {
-  const std::int16_t* row = table + r * static_cast<std::size_t>(n);
-  double sum = 0;
-  for (std::int32_t j = 0; j < n; ++j) sum += row[j] * scale[j] * value[j];
-  return sum;
-}
-
-/// field = sum_s amount_s mode_s in float, a block of rows at a time: its sums stay in registers while the
-/// modes stream by in the order of memory.
-void add_shared_modes(const SharedModes& shared, std::int32_t n, const float* amount, double* field) {
-  const float* mode = shared.modes;
-  for (std::int32_t begin = 0; begin < n; begin += rows_per_block) {
-    float sum[rows_per_block] = {};
-    for (std::int32_t s = 0; s < shared.n_modes; ++s, mode += rows_per_block) {
-      const float factor = amount[s];
-      for (std::int32_t i = 0; i < rows_per_block; ++i) sum[i] += factor * mode[i];
-    }
-    const std::int32_t size = n - begin < rows_per_block ? n - begin : rows_per_block;
-    for (std::int32_t i = 0; i < size; ++i) field[begin + i] = static_cast<double>(sum[i]);
-  }
-}
-
 }  // namespace
 
 void modal_force(const ModalResponse& node, const double* d, double* force) {
@@ -52,32 +28,6 @@ void modal_stiffness(const ModalResponse& node, const double* d, double* stiffne
   double x[3];
   scaled_displacement(node.force.max_displacement, d, x);
   conservative_stiffness(node.force, x, stiffness);
-}
-
-void amplitude_basis(const SharedModes& shared, const double* displacements, const double* x,
-                     const double* at_rest, double* basis) {
-  const double s2 = shared.shape * shared.shape, q = std::sqrt(dot(x, x) + s2);
-  for (std::int32_t i = 0; i < shared.n_centers; ++i) {
-    const double* c = displacements + 3 * static_cast<std::size_t>(shared.center[i]);
-    const double y[3] = {x[0] - c[0], x[1] - c[1], x[2] - c[2]};
-    basis[i] = (std::sqrt(dot(y, y) + s2) - q) - at_rest[i];
-  }
-}
-
-void modal_field(const phn_model& model, const ModalResponse& node, const double* amplitude, double* scratch,
-                 double* field) {
-  const SharedModes& shared = model.shared;
-  const std::int32_t m = node.n_modes;
-  auto* amount = reinterpret_cast<float*>(scratch);
-  for (std::int32_t s = 0; s < shared.n_modes; ++s)
-    amount[s] = static_cast<float>(
-        row_times(node.mixing, node.mixing_scale, static_cast<std::size_t>(s), m, amplitude));
-  add_shared_modes(shared, 3 * model.n_output, amount, field);
-  for (std::int32_t i = 0; i < node.n_near; ++i) {
-    for (int k = 0; k < 3; ++k)
-      field[3 * node.near[i] + k] =
-          row_times(node.near_mode, node.near_mode_scale, 3 * static_cast<std::size_t>(i) + k, m, amplitude);
-  }
 }
 
 }  // namespace phynness::runtime

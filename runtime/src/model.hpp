@@ -62,9 +62,14 @@ struct SharedModes {
   std::int32_t n_modes, n_centers;
   double shape;
   const float* modes;  ///< for every rows_per_block of the 3 n_output rows: those rows of each mode in turn
-  const std::int32_t* center;   ///< n_centers rows of the displacements
+  const double* center[3];      ///< per component: n_centers, over max_displacement
   const double* basis_at_rest;  ///< n_centers: subtracted so that amplitudes at d = 0 are exactly 0
 };
+
+/// Whether a node has fewer modes than are shared: then summing those beforehand gains.
+inline bool worth_preparing(const SharedModes& shared, const ModalResponse& node) {
+  return node.n_modes > 0 && node.n_modes < shared.n_modes;
+}
 
 struct Networks {
   Network force, deformation;
@@ -91,6 +96,8 @@ struct phn_model {
   std::int32_t n_nodes, n_active, n_output, n_fixed, n_triangles, n_directions;
   std::size_t n_scratch;  ///< doubles that a deformation needs besides its result, its basis at the end
   std::size_t n_basis;    ///< the largest basis_size of a node
+  std::int32_t prepared_modes;  ///< most modes of a node that is worth preparing (prepared.hpp); 0 in other families
+  std::size_t prepared_near;    ///< most entries of near_mode of such a node
   const std::int32_t *active_nodes, *output_nodes;
   const double* output_points;  ///< n_output x 3
   const std::int32_t* fixed_nodes;

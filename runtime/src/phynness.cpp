@@ -45,6 +45,7 @@ DataParts lay_out(Arena& arena, const phn_model& model, std::int32_t max_tools) 
   parts.value.nearest = arena.take<double>(n_output);
   parts.value.weight_sum = arena.take<double>(n_output);
   parts.value.coupling = phynness::runtime::lay_out_coupling(arena, model, max_tools);
+  parts.value.prepared = phynness::runtime::lay_out_prepared(arena, model, max_tools);
   return parts;
 }
 
@@ -208,11 +209,19 @@ int phn_deform(const phn_model* model, phn_data* data, int32_t n_tools, const in
   }
   if (n_tools == 1) {
     const int32_t at = phynness::runtime::find_active(*model, nodes[0]);
-    phynness::runtime::evaluate_deformation(*model, model->active[at], displacements, data->scratch, out);
+    phynness::runtime::evaluate_deformation(*model, *data, at, displacements, out);
   } else {
     phynness::runtime::blend_tools(*model, *data, n_tools, nodes, displacements, out);
   }
   return status;
+}
+
+int phn_prepare(const phn_model* model, phn_data* data, int32_t node) {
+  if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
+  const int32_t at = phynness::runtime::find_active(*model, node);
+  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
+  if (model->family == phynness::runtime::Family::modal) phynness::runtime::prepare(*model, data->prepared, at);
+  return PHN_OK;
 }
 
 int phn_trained_depth(const phn_model* model, int32_t node, const double d[3], double* depth) {

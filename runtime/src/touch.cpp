@@ -159,7 +159,7 @@ int phn_coupled_deform(const phn_model* model, phn_data* data, double* out) {
       if (!phynness::runtime::has_deformation(*model, model->active[c.point[t].active[i]])) return PHN_ERROR_UNDEFINED;
     }
   }
-  coupled_field(*model, c, data->scratch, data->field, out);
+  coupled_field(*model, c, data->prepared, data->scratch, data->field, out);
   return warnings_of(*model, c);
 }
 

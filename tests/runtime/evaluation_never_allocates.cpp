@@ -29,7 +29,7 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-// Claim: from loading to evaluation with several tools the library allocates nothing; the counter is shown to
+// Claim: from loading to evaluation with several tools and finer surfaces the library allocates nothing; the counter is shown to
 // count.
 class Memory : public testing::TestWithParam<Family> {};
 INSTANTIATE_TEST_SUITE_P(Families, Memory, testing::Values(Family::rbfn, Family::linear, Family::modal),
@@ -46,6 +46,9 @@ TEST_P(Memory, NothingIsAllocated) {
   const std::int32_t tools[] = {3, 5, 8};
   const double d[] = {0.001, 0.002, 0.003, -0.001, 0, 0, 0.02, 0, 0};
   double out[36], depth = 0, energy = 0, stiffness[9];
+  std::vector<char> surface_memory(1 << 20);
+  std::vector<float> scratch(10000), fine(10000);
+  const phn_surface* surface = nullptr;
   const int derivatives = GetParam() == Family::rbfn ? PHN_ERROR_UNDEFINED : PHN_OK;
 
   const long before = n_allocations;
@@ -56,6 +59,7 @@ TEST_P(Memory, NothingIsAllocated) {
   worst = std::min(worst, phn_force(model, data, 3, d, out));
   worst = std::min(worst, phn_deform(model, data, 1, tools, d, out));
   worst = std::min(worst, phn_deform(model, data, 3, tools, d, out));
+  worst = std::min(worst, phn_prepare(model, data, 8));
   worst = std::min(worst, phn_trained_depth(model, 3, d, &depth));
   const phn_tool held[] = {{{3, 5, 8}, {0.5, 0.25, 0.25}, {0.001, 0, 0}},
                            {{5, 3, 0}, {0.5, 0.25, 0.25}, {0, 0.001, 0}}};
@@ -64,11 +68,16 @@ TEST_P(Memory, NothingIsAllocated) {
   worst = std::min(worst, phn_couple(model, data, 2, held, out, nullptr));
   worst = std::min(worst, phn_coupled_deform(model, data, out));
   worst = std::min(worst, phn_nearest(model, x, &nearest, nullptr));
+  worst = std::min(worst, phn_surface_size(model, 3, &bytes));
+  worst = std::min(worst, phn_surface_init(surface_memory.data(), bytes, model, 3, &surface));
+  worst = std::min(worst, phn_surface_deform(surface, scratch.data(), out, fine.data()));
   const int energy_status = phn_energy(model, data, 3, d, &energy);
   const int stiffness_status = phn_stiffness(model, data, 3, d, stiffness);
   const long after = n_allocations;
 
   EXPECT_EQ(worst, 0);
+  EXPECT_LE(phn_surface_scratch(surface), scratch.size());
+  EXPECT_LE(3 * phn_surface_n_vertices(surface), static_cast<std::int32_t>(fine.size()));
   EXPECT_EQ(energy_status, derivatives);
   EXPECT_EQ(stiffness_status, derivatives);
   EXPECT_EQ(after, before);

@@ -5,7 +5,7 @@
 set -euo pipefail
 nm=$1
 library=$2
-allowed='^(exp|frexp|ldexp|sqrt|fmax|fmin|memcmp|memcpy|memset|memmove|strlen|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail)$'
+allowed='^(exp|frexp|ldexp|sqrt|fmax|fmin|memcmp|memcpy|memset|memmove|strlen|__cpu_model|_GLOBAL_OFFSET_TABLE_|__stack_chk_fail)$'
 undefined=$("$nm" -u "$library" | awk '$1 == "U" {print $2}' | sort -u)
 defined=$("$nm" --defined-only "$library" | awk 'NF == 3 {print $3}' | sort -u)
 unknown=$(comm -23 <(echo "$undefined") <(echo "$defined") | grep -Ev "$allowed" || true)

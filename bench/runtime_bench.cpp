@@ -1,0 +1,243 @@
+// Times of the runtime on one core beside plain loops, at the sizes of the paper's liver.
+// Usage: phynness_runtime_bench [--json FILE] [--model MODEL_DIR]
+#include <phynness/phynness.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "liver_sized_model.hpp"
+#include "plain_runtime.hpp"
+
+namespace {
+
+using namespace phynness;
+
+constexpr int n_neurons_force = 100, n_neurons_deformation = 200, n_levels = 3;
+
+/// Median over batches of the mean time of a call in a batch [us]. Batches of half a millisecond, so that
+/// one that another process interrupts is an outlier.
+double median_us(const std::function<void(int)>& call) {
+  using clock = std::chrono::steady_clock;
+  const auto time_of = [&](int n) {
+    const auto start = clock::now();
+    for (int i = 0; i < n; ++i) call(i);
+    return std::chrono::duration<double, std::micro>(clock::now() - start).count();
+  };
+  int n = 1;
+  while (time_of(n) < 500) n *= 2;
+  std::vector<double> times;
+  for (int b = 0; b < 201; ++b) times.push_back(time_of(n) / n);
+  std::nth_element(times.begin(), times.begin() + 100, times.end());
+  return times[100];
+}
+
+void check(int status) {
+  if (status < 0) throw std::runtime_error(phn_status_message(status));
+}
+
+struct Loaded {
+  explicit Loaded(const std::string& text) {
+    std::size_t bytes = 0;
+    check(phn_model_size(text.data(), text.size(), &bytes));
+    model_memory.resize(bytes);
+    check(phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model));
+    check(phn_data_size(model, 1, &bytes));
+    data_memory.resize(bytes);
+    check(phn_data_init(data_memory.data(), bytes, model, 1, &data));
+    field.resize(3 * static_cast<std::size_t>(phn_n_output(model)));
+    check(phn_surface_size(model, n_levels, &bytes));
+    surface_memory.resize(bytes);
+    check(phn_surface_init(surface_memory.data(), bytes, model, n_levels, &surface));
+    scratch.resize(phn_surface_scratch(surface));
+    fine.resize(3 * static_cast<std::size_t>(phn_surface_n_vertices(surface)));
+  }
+
+  std::int32_t node(int i) const { return phn_active_nodes(model)[i % phn_n_active(model)]; }
+  void deform(std::int32_t touched, const double* d) {
+    phn_deform(model, data, 1, &touched, d, field.data());
+  }
+  void refine() { phn_surface_deform(surface, scratch.data(), field.data(), fine.data()); }
+
+  std::vector<char> model_memory, data_memory, surface_memory;
+  std::vector<double> field;
+  std::vector<float> scratch, fine;
+  const phn_model* model = nullptr;
+  phn_data* data = nullptr;
+  const phn_surface* surface = nullptr;
+};
+
+/// As a hand moves: another displacement for each call, within 15 mm.
+void displacement(int i, double* d) {
+  for (int k = 0; k < 3; ++k) d[k] = 0.0003 * ((i * (k + 3)) % 50);
+}
+
+class Table {
+ public:
+  void add(const std::string& key, double value, const std::string& words) {
+    std::printf("  %-34s %12.2f   %s\n", key.c_str(), value, words.c_str());
+    std::fflush(stdout);
+    _json += (_json.empty() ? "{\"" : ", \"") + key + "\": " + std::to_string(value);
+  }
+  bool write(const std::string& file) const {
+    std::ofstream out(file);
+    out << _json << "}\n";
+    return static_cast<bool>(out);
+  }
+
+ private:
+  std::string _json;
+};
+
+double sink = 0;
+
+double force_us(Loaded& loaded) {
+  return median_us([&](int i) {
+    double d[3], f[3];
+    displacement(i, d);
+    phn_force(loaded.model, loaded.data, loaded.node(i), d, f);
+    sink += f[0];
+  });
+}
+
+double deformation_us(Loaded& loaded, std::int32_t touched) {
+  return median_us([&](int i) {
+    double d[3];
+    displacement(i, d);
+    loaded.deform(touched, d);
+    sink += loaded.field[0];
+  });
+}
+
+double frames_per_s(Loaded& loaded, std::int32_t touched) {
+  return 1e6 / median_us([&](int i) {
+           double d[3];
+           displacement(i, d);
+           loaded.deform(touched, d);
+           loaded.refine();
+           sink += static_cast<double>(loaded.fine[0]);
+         });
+}
+
+void bench_networks(Table& table) {
+  Loaded loaded(write_model_text(bench::networks_model(n_neurons_force, n_neurons_deformation, 20)));
+  bench::PlainNetwork<3> plain_force;
+  bench::PlainNetwork<6> plain_deformation;
+  bench::Arbitrary arbitrary;
+  const auto fill = [&](auto& net, int n) {
+    net.neurons.resize(static_cast<std::size_t>(n));
+    net.spread = 1.4;
+    for (auto& neuron : net.neurons) {
+      for (double& c : neuron.center) c = arbitrary.number();
+      for (double& w : neuron.weight) w = arbitrary.number();
+    }
+  };
+  fill(plain_force, n_neurons_force);
+  fill(plain_deformation, n_neurons_deformation);
+  const double plain_force_us = median_us([&](int i) {
+    double d[3], f[3];
+    displacement(i, d);
+    bench::plain_force(plain_force, d, f);
+    sink += f[0];
+  });
+  const auto plain_us = [&](std::size_t n_points) {
+    std::vector<std::array<double, 3>> points(n_points);
+    for (auto& point : points) point = {arbitrary.number(), arbitrary.number(), arbitrary.number()};
+    std::vector<double> field(3 * n_points);
+    return median_us([&](int i) {
+      double d[3];
+      displacement(i, d);
+      bench::plain_deformation(plain_deformation, points, d, field.data());
+      sink += field[0];
+    });
+  };
+  const double force = force_us(loaded), deformation = deformation_us(loaded, loaded.node(3)),
+               plain = plain_us(bench::n_output);
+  table.add("force_ns_100", 1e3 * force, "force of 100 neurons [ns]");
+  table.add("force_ns_100_plain", 1e3 * plain_force_us, "the plain loop [ns]");
+  table.add("force_ratio_to_plain", plain_force_us / force, "");
+  table.add("deformation_us_486x200", deformation, "486 nodes, 200 neurons [us]");
+  table.add("deformation_us_486x200_plain", plain, "the plain loop [us]");
+  table.add("deformation_ratio_to_plain", plain / deformation, "");
+  table.add("frames_per_s_38018_rbfn", frames_per_s(loaded, loaded.node(3)), "the same, then three levels");
+  table.add("frames_per_s_38018_plain", 1e6 / plain_us(38018), "the plain loop at every point");
+}
+
+void bench_modes(Table& table, Loaded& loaded) {
+  table.add("force_ns_modal", 1e3 * force_us(loaded), "force of family modal [ns]");
+  std::int32_t next = 0;
+  const double prepare = median_us([&](int) {
+    // Every fourth node again: none of the three that are kept.
+    check(phn_prepare(loaded.model, loaded.data, loaded.node(next = (next + 1) % 4)));
+  });
+  const double unprepared = median_us([&](int i) {
+    double d[3];
+    displacement(i, d);
+    loaded.deform(loaded.node(next = (next + 1) % 4), d);
+    sink += loaded.field[0];
+  });
+  check(phn_prepare(loaded.model, loaded.data, loaded.node(7)));
+  const double modal = deformation_us(loaded, loaded.node(7));
+  table.add("deformation_us_486_modal", modal, "a node that is prepared [us]");
+  table.add("deformation_us_486_modal_unprepared", unprepared, "a node that was not touched lately [us]");
+  table.add("prepare_us_486_modal", prepare, "phn_prepare [us]");
+  table.add("surface_us_38018", median_us([&](int) {
+              loaded.refine();
+              sink += static_cast<double>(loaded.fine[0]);
+            }),
+            "three levels of subdivision [us]");
+  table.add("frames_per_s_38018_modal", frames_per_s(loaded, loaded.node(7)), "deformation and subdivision");
+}
+
+int run(int argc, char** argv) {
+  std::string json, model_dir;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string option = argv[i];
+    if (option == "--json") json = argv[i + 1];
+    if (option == "--model") model_dir = argv[i + 1];
+  }
+  if (argc != 1 + 2 * (!json.empty() + !model_dir.empty())) {
+    std::fprintf(stderr, "usage: %s [--json FILE] [--model MODEL_DIR]\n", argv[0]);
+    return 2;
+  }
+  Table table;
+  std::printf(
+      "runtime, one core, medians; models of arbitrary coefficients, 486 output nodes, 596 vertices\n");
+  bench_networks(table);
+  std::printf(
+      "family modal: 64 shared and 16 own modes, 78 centers of amplitudes, 30 near nodes, 78 of forces\n");
+  {
+    Loaded loaded(write_model_text(bench::modal_model(78, 64, 16, 78, 30, bench::n_output)));
+    if (phn_surface_n_vertices(loaded.surface) != 38018) throw std::runtime_error("not 38018 vertices");
+    bench_modes(table, loaded);
+  }
+  if (!model_dir.empty()) {
+    Loaded loaded(read_model_dir(model_dir).model_text);
+    std::printf("%s: %d output nodes, %d fine vertices (not in the JSON file)\n", model_dir.c_str(),
+                phn_n_output(loaded.model), phn_surface_n_vertices(loaded.surface));
+    Table other;
+    bench_modes(other, loaded);
+  }
+  volatile double keep = sink;  // the calls have results that somebody reads
+  static_cast<void>(keep);
+  if (json.empty() || table.write(json)) return 0;
+  std::fprintf(stderr, "writing failed: %s\n", json.c_str());
+  return 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}

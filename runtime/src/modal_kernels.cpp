@@ -1,0 +1,165 @@
+#include "modal_kernels.hpp"
+
+namespace phynness::runtime {
+namespace {
+
+/// Row r of a table of n columns times a vector.
+PHN_INLINE double row_times(const std::int16_t* table, const double* scale, std::size_t r, std::int32_t n,
+                            const double* value) {
+  const std::int16_t* row = table + r * static_cast<std::size_t>(n);
+  double sum = 0;
+  for (std::int32_t j = 0; j < n; ++j) sum += row[j] * scale[j] * value[j];
+  return sum;
+}
+
+/// field = sum_s amount_s mode_s in float for n rows from the begin of a block, a block of rows at a time: its sums
+/// stay in registers while the modes stream by in the order of memory.
+PHN_INLINE void sum_modes(std::int32_t n_modes, std::int32_t n, const float* mode, const float* amount,
+                          double* field) {
+  for (std::int32_t begin = 0; begin < n; begin += rows_per_block) {
+    float sum[rows_per_block] = {};
+    for (std::int32_t s = 0; s < n_modes; ++s, mode += rows_per_block) {
+      const float factor = amount[s];
+      for (std::int32_t i = 0; i < rows_per_block; ++i) sum[i] += factor * mode[i];
+    }
+    const std::int32_t size = n - begin < rows_per_block ? n - begin : rows_per_block;
+    if (size == rows_per_block) {
+      for (std::int32_t i = 0; i < rows_per_block; ++i) field[begin + i] = static_cast<double>(sum[i]);
+    } else {
+      for (std::int32_t i = 0; i < size; ++i) field[begin + i] = static_cast<double>(sum[i]);
+    }
+  }
+}
+
+/// amplitude_j = scale_j sum_r basis_r weight_rj.
+PHN_INLINE void sum_amplitudes(const ModalResponse& node, std::int32_t n_basis, const double* basis,
+                               double* amplitude) {
+  const std::int32_t m = node.n_modes;
+  constexpr std::int32_t at_once = 8;
+  for (std::int32_t begin = 0; begin < m; begin += at_once) {
+    const std::int16_t* row = node.weight + begin;
+    double sum[at_once] = {};
+    const std::int32_t size = m - begin < at_once ? m - begin : at_once;
+    if (size == at_once) {
+      for (std::int32_t r = 0; r < n_basis; ++r, row += m) {
+        for (std::int32_t j = 0; j < at_once; ++j) sum[j] += basis[r] * row[j];
+      }
+    } else {
+      for (std::int32_t r = 0; r < n_basis; ++r, row += m) {
+        for (std::int32_t j = 0; j < size; ++j) sum[j] += basis[r] * row[j];
+      }
+    }
+    for (std::int32_t j = 0; j < size; ++j) amplitude[begin + j] = sum[j] * node.weight_scale[begin + j];
+  }
+}
+
+/// The nodes where shared modes do not serve. The same products in the same order, whether prepared or not.
+PHN_INLINE void near_nodes(const ModalResponse& node, const PreparedNode* prepared, const double* amplitude,
+                           double* field) {
+  const std::int32_t n = 3 * node.n_near;
+  constexpr std::int32_t at_once = 12;
+  for (std::int32_t begin = 0; begin < n; begin += at_once) {
+    const std::int32_t size = n - begin < at_once ? n - begin : at_once;
+    double sum[at_once] = {};
+    if (prepared != nullptr && size == at_once) {
+      for (std::int32_t j = 0; j < node.n_modes; ++j) {
+        const double* row = prepared->near_mode + static_cast<std::size_t>(j) * static_cast<std::size_t>(n) + begin;
+        for (std::int32_t i = 0; i < at_once; ++i) sum[i] += row[i] * amplitude[j];
+      }
+    } else {
+      for (std::int32_t i = 0; i < size; ++i)
+        sum[i] = row_times(node.near_mode, node.near_mode_scale, static_cast<std::size_t>(begin + i), node.n_modes,
+                           amplitude);
+    }
+    for (std::int32_t i = 0; i < size; ++i) field[3 * node.near[(begin + i) / 3] + i % 3] = sum[i];
+  }
+}
+
+PHN_INLINE void amplitudes(const phn_model& model, const ModalResponse& node, const double* x, double* scratch,
+                           double* amplitude) {
+  const SharedModes& shared = model.shared;
+  amplitude_basis(shared, x, shared.basis_at_rest, scratch);
+  for (int k = 0; k < 3; ++k) scratch[shared.n_centers + k] = x[k];
+  sum_amplitudes(node, shared.n_centers + 3, scratch, amplitude);
+}
+
+PHN_INLINE void field_of_amplitudes(const phn_model& model, const ModalResponse& node, const PreparedNode* prepared,
+                                    const double* amplitude, double* scratch, double* field) {
+  const SharedModes& shared = model.shared;
+  const std::int32_t m = node.n_modes, n = 3 * model.n_output;
+  // A node that is prepared has fewer modes than are shared: there is room for both.
+  auto *amount = reinterpret_cast<float*>(scratch), *own_amount = amount + shared.n_modes;
+  if (prepared != nullptr && prepared->n_blocks == 0) prepared = nullptr;
+  std::int32_t n_own = prepared != nullptr ? prepared->n_blocks * rows_per_block : 0;
+  n_own = n_own < n ? n_own : n;
+  if (n_own > 0) {
+    for (std::int32_t j = 0; j < m; ++j) own_amount[j] = static_cast<float>(amplitude[j]);
+    sum_modes(m, n_own, prepared->modes, own_amount, field);
+  }
+  if (n_own < n) {
+    for (std::int32_t s = 0; s < shared.n_modes; ++s)
+      amount[s] =
+          static_cast<float>(row_times(node.mixing, node.mixing_scale, static_cast<std::size_t>(s), m, amplitude));
+    const std::size_t ready = static_cast<std::size_t>(n_own) * static_cast<std::size_t>(shared.n_modes);
+    sum_modes(shared.n_modes, n - n_own, shared.modes + ready, amount, field + n_own);
+  }
+  near_nodes(node, prepared, amplitude, field);
+}
+
+/// Shared modes times mixing, for one block of rows.
+PHN_INLINE void sum_block(const SharedModes& shared, const ModalResponse& node, const float* block, float* out) {
+  for (std::int32_t j = 0; j < node.n_modes; ++j, out += rows_per_block) {
+    float sum[rows_per_block] = {};
+    const auto scale = static_cast<float>(node.mixing_scale[j]);
+    const std::int16_t* mixing = node.mixing + j;
+    const float* mode = block;
+    for (std::int32_t s = 0; s < shared.n_modes; ++s, mode += rows_per_block, mixing += node.n_modes) {
+      const auto factor = static_cast<float>(*mixing);
+      for (std::int32_t i = 0; i < rows_per_block; ++i) sum[i] += factor * mode[i];
+    }
+    for (std::int32_t i = 0; i < rows_per_block; ++i) out[i] = scale * sum[i];
+  }
+}
+
+/// Everything above once more for each set of instructions.
+#define PHN_KERNELS(name, attributes)                                                                         \
+  namespace name {                                                                                            \
+  attributes void amplitudes_here(const phn_model& model, const ModalResponse& node, const double* x,         \
+                                  double* scratch, double* amplitude) {                                       \
+    amplitudes(model, node, x, scratch, amplitude);                                                           \
+  }                                                                                                           \
+  attributes void field_here(const phn_model& model, const ModalResponse& node, const PreparedNode* prepared, \
+                             const double* amplitude, double* scratch, double* field) {                       \
+    field_of_amplitudes(model, node, prepared, amplitude, scratch, field);                                    \
+  }                                                                                                           \
+  attributes void sum_block_here(const SharedModes& shared, const ModalResponse& node, const float* block,    \
+                                 float* out) {                                                                \
+    sum_block(shared, node, block, out);                                                                      \
+  }                                                                                                           \
+  constexpr ModalKernels kernels = {#name, amplitudes_here, field_here, sum_block_here};                      \
+  }
+
+PHN_KERNELS(any, )
+#ifdef PHN_X86_64
+PHN_KERNELS(avx2, __attribute__((target("avx2"))))
+PHN_KERNELS(avx512, __attribute__((target("avx512f"))))
+#endif
+
+}  // namespace
+
+const ModalKernels* modal_kernels(int set) {
+#ifdef PHN_X86_64
+  if (set == 1) return __builtin_cpu_supports("avx2") ? &avx2::kernels : nullptr;
+  if (set == 2) return __builtin_cpu_supports("avx512f") ? &avx512::kernels : nullptr;
+#endif
+  return set == 0 ? &any::kernels : nullptr;
+}
+
+const ModalKernels& best_modal_kernels() {
+  for (int set = n_instruction_sets - 1; set > 0; --set) {
+    if (const ModalKernels* kernels = modal_kernels(set)) return *kernels;
+  }
+  return any::kernels;
+}
+
+}  // namespace phynness::runtime

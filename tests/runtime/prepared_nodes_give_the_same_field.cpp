@@ -1,0 +1,169 @@
+#include <gtest/gtest.h>
+
+#include "evaluate.hpp"
+#include "loaded_model.hpp"
+#include "modal_kernels.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+/// 400 output nodes are 38 blocks of rows: nodes become ready over several calls, and the last block is not
+/// full.
+Model large_model(int n_modes = 5, int n_shared = 12) {
+  Model model = small_modal_model(n_modes, 5, n_shared, 4);
+  Numbers numbers;
+  model.n_mesh_nodes = 1000;
+  model.output.clear();
+  for (int i = 0; i < 400; ++i) model.output.push_back(i + 2);
+  model.output_points.resize(400, 3);
+  for (Eigen::Index i = 0; i < model.output_points.size(); ++i)
+    model.output_points.data()[i] = 0.05 * numbers.next();
+  model.shared.modes = random_table(1200, n_shared, 0.5, numbers);
+  return model;
+}
+
+std::vector<Model> models() {
+  return {large_model(), large_model(13, 20), large_model(1, 2), large_model(12, 12), small_modal_model()};
+}
+
+/// What a node says that was never touched before.
+Points fresh_field(const phn_model* model, std::int32_t max_tools, std::int32_t n_tools,
+                   const std::int32_t* nodes, const double* d) {
+  std::size_t bytes = 0;
+  EXPECT_EQ(phn_data_size(model, max_tools, &bytes), PHN_OK);
+  std::vector<char> memory(bytes);
+  phn_data* data = nullptr;
+  EXPECT_EQ(phn_data_init(memory.data(), bytes, model, max_tools, &data), PHN_OK);
+  Points u(phn_n_output(model), 3);
+  EXPECT_GE(phn_deform(model, data, n_tools, nodes, d, u.data()), 0);
+  return u;
+}
+
+/// Floats are summed in another order: 64 roundings of 6e-8 of the sizes of the terms, which are a few times
+/// the displacements here.
+constexpr double rounding = 2e-5;
+
+// Claim: whatever was touched before, in whatever order, by one tool or several, fields are those of a node
+// that nothing was prepared for, to rounding. Scratch for one tool keeps three of four nodes.
+TEST(PreparedNodes, GiveTheSameFieldInAnyOrder) {
+  for (const Model& model : models()) {
+    for (const std::int32_t max_tools : {1, 3}) {
+      const LoadedModel loaded(write_model_text(model), max_tools);
+      Numbers numbers;
+      const auto choose = [&](int n) { return static_cast<int>((numbers.next() + 1) / 2 * n * 0.999); };
+      const std::int32_t active[] = {3, 5, 8, 15};
+      std::int32_t stays = 0;
+      for (int call = 0; call < 400; ++call) {
+        if (call % 7 == 0) stays = choose(4);
+        const bool several = max_tools > 1 && call % 5 == 0;
+        const std::int32_t nodes[] = {active[stays], active[(stays + 1 + choose(3)) % 4]};
+        double d[6];
+        for (double& x : d) x = 0.01 * numbers.next();
+        if (call % 50 == 49) {
+          ASSERT_EQ(phn_prepare(loaded.model, loaded.data, active[choose(4)]), PHN_OK);
+        }
+        Points u(phn_n_output(loaded.model), 3);
+        ASSERT_GE(phn_deform(loaded.model, loaded.data, several ? 2 : 1, nodes, d, u.data()), 0);
+        const Points expected = fresh_field(loaded.model, max_tools, several ? 2 : 1, nodes, d);
+        ASSERT_LE((u - expected).cwiseAbs().maxCoeff(), rounding * expected.cwiseAbs().maxCoeff());
+      }
+    }
+  }
+}
+
+// Claim: a node that is touched again and again ends where phn_prepare brings it at once, to the last bit;
+// nodes of the probe and near nodes never change by a bit. At rest nothing moves, ready or not.
+TEST(PreparedNodes, CallsAndPrepareEndAlike) {
+  for (const Model& model : models()) {
+    const std::string text = write_model_text(model);
+    const LoadedModel little(text), once(text);
+    for (const ActiveNodeModel& node : model.nodes) {
+      const double d[] = {0.004, -0.003, 0.002}, rest[] = {0, 0, 0};
+      Points u(phn_n_output(little.model), 3), v = u;
+      ASSERT_EQ(phn_prepare(once.model, once.data, node.node), PHN_OK);
+      ASSERT_GE(phn_deform(once.model, once.data, 1, &node.node, d, v.data()), 0);
+      const Points cold = fresh_field(little.model, 1, 1, &node.node, d);
+      for (int call = 0; call < 40; ++call) {
+        ASSERT_GE(phn_deform(little.model, little.data, 1, &node.node, rest, u.data()), 0);
+        EXPECT_EQ(u.cwiseAbs().maxCoeff(), 0);
+        ASSERT_GE(phn_deform(little.model, little.data, 1, &node.node, d, u.data()), 0);
+        for (const std::int32_t near : node.modal.near) EXPECT_EQ(u.row(near), cold.row(near));
+      }
+      EXPECT_EQ(u, v);
+      EXPECT_LE((u - cold).cwiseAbs().maxCoeff(), rounding * cold.cwiseAbs().maxCoeff());
+    }
+  }
+}
+
+// Claim: every set of instructions that this processor has gives the same bits.
+TEST(PreparedNodes, EveryInstructionSetGivesTheSameBits) {
+  using namespace phynness::runtime;
+  for (const Model& model : models()) {
+    const LoadedModel loaded(write_model_text(model));
+    const phn_model& m = *loaded.model;
+    const double x[] = {0.3, -0.7, 0.2};
+    for (std::int32_t active = 0; active < m.n_active; ++active) {
+      prepare(m, loaded.data->prepared, active);
+      const PreparedNode* ready = touch(m, loaded.data->prepared, active);
+      for (const PreparedNode* prepared : {ready, static_cast<const PreparedNode*>(nullptr)}) {
+        const auto field_by = [&](const ModalKernels& kernels) {
+          const ModalResponse& node = *m.active[active].modal;
+          Eigen::VectorXd amplitude(node.n_modes);
+          Points u(m.n_output, 3);
+          kernels.amplitudes(m, node, x, loaded.data->scratch, amplitude.data());
+          kernels.field(m, node, prepared, amplitude.data(), loaded.data->scratch, u.data());
+          return u;
+        };
+        const Points expected = field_by(*modal_kernels(0));
+        for (int set = 1; set < n_instruction_sets; ++set) {
+          if (modal_kernels(set) == nullptr) continue;
+          EXPECT_EQ(field_by(*modal_kernels(set)), expected) << modal_kernels(set)->name;
+        }
+      }
+      const ModalResponse& node = *m.active[active].modal;
+      const auto n = static_cast<std::size_t>(node.n_modes) * rows_per_block;
+      std::vector<float> expected(n), block(n);
+      modal_kernels(0)->sum_block(m.shared, node, m.shared.modes, expected.data());
+      for (int set = 1; set < n_instruction_sets; ++set) {
+        if (modal_kernels(set) == nullptr) continue;
+        modal_kernels(set)->sum_block(m.shared, node, m.shared.modes, block.data());
+        EXPECT_EQ(block, expected) << modal_kernels(set)->name;
+      }
+    }
+  }
+}
+
+// Claim: coupled tools deform the body alike before and after their nodes are prepared.
+TEST(PreparedNodes, ServeCoupledTools) {
+  Model model = large_model();
+  const LoadedModel loaded(write_model_text(model));
+  const phn_tool tools[] = {{{3, 5, -1}, {0.25, 0.75, 0}, {0.001, -0.002, 0.001}},
+                            {{8, -1, -1}, {1, 0, 0}, {0, 0.001, -0.001}}};
+  double forces[6];
+  ASSERT_GE(phn_couple(loaded.model, loaded.data, 2, tools, forces, nullptr), 0);
+  Points cold(400, 3), warm(400, 3);
+  ASSERT_GE(phn_coupled_deform(loaded.model, loaded.data, cold.data()), 0);
+  for (const std::int32_t node : {3, 5, 8}) ASSERT_EQ(phn_prepare(loaded.model, loaded.data, node), PHN_OK);
+  ASSERT_GE(phn_coupled_deform(loaded.model, loaded.data, warm.data()), 0);
+  EXPECT_GT(cold.cwiseAbs().maxCoeff(), 0);
+  EXPECT_LE((warm - cold).cwiseAbs().maxCoeff(), rounding * cold.cwiseAbs().maxCoeff());
+}
+
+// Claim: what cannot be prepared is named; where there is nothing to prepare, all is well.
+TEST(PreparedNodes, MisuseIsNamed) {
+  const std::string text = write_model_text(small_modal_model());
+  const LoadedModel loaded(text), other(text);
+  EXPECT_EQ(phn_prepare(nullptr, loaded.data, 3), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_prepare(loaded.model, nullptr, 3), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_prepare(loaded.model, other.data, 3), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_prepare(loaded.model, loaded.data, 4), PHN_ERROR_NOT_ACTIVE);
+  for (const Family family : {Family::rbfn, Family::linear}) {
+    const LoadedModel without(write_model_text(small_model_of(family)));
+    EXPECT_EQ(phn_prepare(without.model, without.data, 3), PHN_OK);
+  }
+}
+
+}  // namespace
