@@ -184,7 +184,7 @@ class Solver {
       const ActiveNode& by = node(point, i);
       stiffness_at_rest(_model, by, point.rest_stiffness[i]);
       invert(point.rest_stiffness[i], compliance[i]);
-      basis_gradient_at_rest(_model, by, gradient_at_rest(s, i), _c.kernel);
+      basis_gradient_at_rest(_model, by, gradient_at_rest(s, i), _c.kernel, _c.basis);
       const std::int32_t n = basis_size(_model, by);
       for (std::int32_t j = 0; j < point.n_nodes; ++j) {
         const double one = 1;

@@ -1,6 +1,7 @@
 // model.txt -> phn_model. Follows formats/model.md section by section.
 #include <initializer_list>
 
+#include "evaluate.hpp"
 #include "load_parts.hpp"
 
 namespace phynness::runtime {
@@ -298,6 +299,11 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   if (in.good() && tables.n_displacements % model.n_directions != 0) in.fail(PHN_ERROR_RANGE);
   model.displacements = tables.displacements =
       vector_table(in, arena, tables.n_displacements, modal ? model.max_displacement : 1);
+  model.first_increment = model.max_displacement / 10;
+  if (has_memory(arena) && in.good()) {
+    const double first = phynness::runtime::length(model.displacements) * (modal ? model.max_displacement : 1);
+    if (first > 1e-6 * model.max_displacement && first < 1e3 * model.max_displacement) model.first_increment = first;
+  }
 
   model.n_fixed = nodes_and_points(in, arena, "fixed", model.n_nodes, model.fixed_nodes, model.fixed_points);
   model.n_output = nodes_and_points(in, arena, "output", model.n_nodes, model.output_nodes, model.output_points);

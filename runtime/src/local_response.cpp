@@ -28,30 +28,6 @@ void gaussians(const Network& net, const double* d, double* basis) {
   }
 }
 
-void gaussian_gradient_at_rest(const Network& net, double* gradient) {
-  const double rest[3] = {0, 0, 0};
-  gaussians(net, rest, gradient);
-  const std::int32_t n = net.n_neurons;
-  for (std::int32_t i = 0; i < n; ++i) {
-    const double h = gradient[i];
-    for (int k = 0; k < 3; ++k) {
-      const double y = -net.input_center[k] / net.input_half_range[k] - net.center[k][i];
-      gradient[k * n + i] = -2 * y * net.inverse_square_spread / net.input_half_range[k] * h;
-    }
-  }
-}
-
-/// amplitudes = weights^T kernel, kernel of n_centers + 3 values.
-void amplitudes_of(const phn_model& model, const ModalResponse& node, const double* kernel, double* amplitude) {
-  const std::int32_t m = node.n_modes;
-  for (std::int32_t j = 0; j < m; ++j) amplitude[j] = 0;
-  for (std::int32_t r = 0; r < model.shared.n_centers + 3; ++r) {
-    const std::int16_t* row = node.weight + static_cast<std::size_t>(r) * static_cast<std::size_t>(m);
-    for (std::int32_t j = 0; j < m; ++j) amplitude[j] += kernel[r] * row[j];
-  }
-  for (std::int32_t j = 0; j < m; ++j) amplitude[j] *= node.weight_scale[j];
-}
-
 void modal_amplitudes_and_gradient(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
                                    double* gradient, double* scratch) {
   const SharedModes& shared = model.shared;
@@ -159,26 +135,15 @@ void basis_of(const phn_model& model, const ActiveNode& node, const double* d, d
   }
 }
 
-void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, double* gradient, double* scratch) {
+void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, double* gradient, double* scratch,
+                            double* other) {
   const std::int32_t n = basis_size(model, node);
-  switch (model.family) {
-    case Family::rbfn:
-      return gaussian_gradient_at_rest(node.networks->deformation, gradient);
-    case Family::linear:
-      for (int i = 0; i < 9; ++i) gradient[i] = i % 4 == 0 ? 1 : 0;
-      return;
-    case Family::modal: {
-      const SharedModes& shared = model.shared;
-      for (int k = 0; k < 3; ++k) {
-        for (std::int32_t i = 0; i < shared.n_centers; ++i) {
-          const double c[3] = {shared.center[0][i], shared.center[1][i], shared.center[2][i]};
-          scratch[i] = -c[k] / std::sqrt(dot(c, c) + shared.shape * shared.shape) / model.max_displacement;
-        }
-        for (int l = 0; l < 3; ++l) scratch[shared.n_centers + l] = k == l ? 1 / model.max_displacement : 0;
-        amplitudes_of(model, *node.modal, scratch, gradient + k * n);
-      }
-      return;
-    }
+  const double h = model.family == Family::linear ? 1 : model.first_increment;
+  for (int k = 0; k < 3; ++k) {
+    const double to[3] = {k == 0 ? h : 0, k == 1 ? h : 0, k == 2 ? h : 0}, from[3] = {-to[0], -to[1], -to[2]};
+    basis_of(model, node, to, gradient + k * n, scratch);
+    basis_of(model, node, from, other, scratch);
+    for (std::int32_t j = 0; j < n; ++j) gradient[k * n + j] = (gradient[k * n + j] - other[j]) / (2 * h);
   }
 }
 
@@ -199,7 +164,8 @@ void basis_and_gradient(const phn_model& model, const ActiveNode& node, const do
     }
     case Family::linear:
       basis_of(model, node, d, basis, scratch);
-      return basis_gradient_at_rest(model, node, gradient, scratch);
+      for (int i = 0; i < 9; ++i) gradient[i] = i % 4 == 0 ? 1 : 0;
+      return;
     case Family::modal:
       return modal_amplitudes_and_gradient(model, *node.modal, d, basis, gradient, scratch);
   }
@@ -263,24 +229,21 @@ void field_of_basis(const phn_model& model, const ActiveNode& node, const Prepar
 }
 
 void stiffness_at_rest(const phn_model& model, const ActiveNode& node, double* stiffness) {
-  const double rest[3] = {0, 0, 0};
-  if (has_energy(model)) return evaluate_stiffness(model, node, rest, stiffness);
-  const Network& net = node.networks->force;
-  for (int i = 0; i < 9; ++i) stiffness[i] = 0;
-  for (std::int32_t i = 0; i < net.n_neurons; ++i) {
-    double y[3], square = 0;
-    for (int k = 0; k < 3; ++k) {
-      y[k] = -net.input_center[k] / net.input_half_range[k] - net.center[k][i];
-      square += y[k] * y[k];
-    }
-    const double h = -2 * net.inverse_square_spread * std::exp(-square * net.inverse_square_spread);
-    for (int r = 0; r < 3; ++r) {
-      const double w = net.output_half_range[r] * net.weight[r][i] * h;
-      for (int c = 0; c < 3; ++c) {
-        stiffness[3 * r + c] += w * y[c] / net.input_half_range[c] / 2;
-        stiffness[3 * c + r] += w * y[c] / net.input_half_range[c] / 2;
-      }
-    }
+  if (model.family == Family::linear) {
+    const double rest[3] = {0, 0, 0};
+    return evaluate_stiffness(model, node, rest, stiffness);
+  }
+  const double h = model.first_increment;
+  double secant[9];
+  for (int k = 0; k < 3; ++k) {
+    const double to[3] = {k == 0 ? h : 0, k == 1 ? h : 0, k == 2 ? h : 0}, from[3] = {-to[0], -to[1], -to[2]};
+    double f[3], g[3];
+    evaluate_force(model, node, to, f);
+    evaluate_force(model, node, from, g);
+    for (int i = 0; i < 3; ++i) secant[3 * i + k] = (f[i] - g[i]) / (2 * h);
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) stiffness[3 * i + k] = (secant[3 * i + k] + secant[3 * k + i]) / 2;
   }
 }
 

@@ -19,8 +19,12 @@ std::int32_t basis_size(const phn_model& model, const ActiveNode& node);
 /// @param basis  basis_size(node); @param scratch shared n_centers + 3
 void basis_of(const phn_model& model, const ActiveNode& node, const double* d, double* basis, double* scratch);
 
-/// Derivatives at d = 0. @param gradient  3 x basis_size(node), row k by d_k [1/m]; @param scratch shared n_centers + 3
-void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, double* gradient, double* scratch);
+/// Derivatives around rest, as differences over the first increment that was trained, forth and back: beside a snap a
+/// derivative at 0 itself is that of the interpolation, not of the body.
+/// @param gradient  3 x basis_size(node), row k by d_k [1/m]; @param scratch shared n_centers + 3
+/// @param other     scratch, basis_size(node)
+void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, double* gradient, double* scratch,
+                            double* other);
 
 /// Values and derivatives at any d that is not cut. @param gradient  3 x basis_size(node)
 /// @param scratch  4 (shared n_centers + 3)
@@ -41,7 +45,7 @@ void local_displacement(const LocalResponse& local, double share, const double* 
 void field_of_basis(const phn_model& model, const ActiveNode& node, const PreparedNode* prepared, double share,
                     const double* d, const double* basis, double* scratch, double* field);
 
-/// Derivative of the force by d at rest, made symmetric where the family has no energy. @param stiffness 3 x 3 [N/m]
+/// Derivative of the force around rest, in the same way, symmetric. @param stiffness 3 x 3 [N/m]
 void stiffness_at_rest(const phn_model& model, const ActiveNode& node, double* stiffness);
 
 }  // namespace phynness::runtime

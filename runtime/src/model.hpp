@@ -105,6 +105,7 @@ struct phn_model {
   const std::int32_t* triangles;  ///< n_triangles x 3 vertices: output nodes, then, from n_output on, fixed ones
   const double* directions;     ///< n_directions x 3
   double max_displacement;
+  double first_increment;  ///< [m]: length of the first row of displacements
   const double* displacements;  ///< rows of 3; in family modal over max_displacement
   phynness::runtime::SharedModes shared;
   const phynness::runtime::ActiveNode* active;
