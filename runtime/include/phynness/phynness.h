@@ -132,16 +132,15 @@ int phn_nearest(const phn_model *model, const double x[3], phn_tool *tool, doubl
 typedef struct phn_coupled {
   double residual;    /* largest distance between a tool's point and where the tool holds it [m] */
   double energy;      /* [J]; 0 in networks, which have none */
-  int32_t iterations; /* substitutions, at most 40 */
+  int32_t iterations; /* substitutions, 0 for one tool, at most 40 */
 } phn_coupled;
 
-/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. Responses of single nodes are superposed: each touched
- * node contributes q_i such that its force is its share of the tools' forces, sum_t w_ti F_t, and that the points move as
- * the tools do. Responses are secants through the displacement that a node really has, which is found by substitution.
- * Exact in a linear body; at a node that node's own answer; the force is continuous where a tool slides over edges and
- * nodes. No potential has it, unlike that of phn_force (docs/decisions/coupled-tools.md). The answer depends on these
- * arguments alone, not on earlier calls. `result` may be null.
- * Cost: 3 n_tools stiffnesses, then some 5 to 15 substitutions of 3 n_tools forces and sets of amplitudes each.
+/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3, from the responses of single nodes (docs/theory.md,
+ * tools anywhere). Exact in a linear body; at a node that node's own answer; continuous where a tool slides over edges and
+ * nodes. The force of one tool is the gradient of an energy while it holds one point, in families that have one. The answer
+ * depends on these arguments alone, not on earlier calls. `result` may be null.
+ * Cost, one tool: as much as 21 forces, 27 sets of amplitudes and their gradients, nothing to iterate. Several: some 5 to 15
+ * substitutions of 3 n_tools sets of amplitudes each besides.
  * PHN_ERROR_NOT_ACTIVE: a node can neither be touched nor is fixed, or all of a tool's are fixed. PHN_ERROR_UNDEFINED: a
  * node has forces only. Components of displacements are cut at 1000 max_displacement_m. */
 int phn_couple(const phn_model *model, phn_data *data, int32_t n_tools, const phn_tool *tools, double *forces,
