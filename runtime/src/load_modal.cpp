@@ -142,10 +142,9 @@ void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn
     in.end_line();
   }
   if (!place_centers || !in.good()) return;
-  // The function that subtracts these values computes them: amplitudes at rest are exactly 0.
-  const double rest[3] = {0, 0, 0};
-  for (std::int32_t i = 0; i < shared.n_centers; ++i) at_rest[i] = 0;
-  amplitude_basis(shared, rest, at_rest, at_rest);
+  // The function from which these values are subtracted computes them: amplitudes at rest are exactly 0.
+  const double rest[3] = {0, 0, 0}, q = std::sqrt(dot(rest, rest) + shared.shape * shared.shape);
+  for (std::int32_t i = 0; i < shared.n_centers; ++i) at_rest[i] = amplitude_kernel(shared, rest, q, i);
 }
 
 const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements,

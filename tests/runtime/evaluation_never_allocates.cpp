@@ -29,8 +29,8 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-// Claim: from loading to evaluation with several tools and finer surfaces the library allocates nothing; the counter is shown to
-// count.
+// Claim: from loading to evaluation with several tools and finer surfaces the library allocates nothing; the
+// counter is shown to count.
 class Memory : public testing::TestWithParam<Family> {};
 INSTANTIATE_TEST_SUITE_P(Families, Memory, testing::Values(Family::rbfn, Family::linear, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });

@@ -35,7 +35,8 @@ enum class Predictor { model, linear, zero };
 inline constexpr std::array<Predictor, 3> predictors{Predictor::model, Predictor::linear, Predictor::zero};
 const char* name(Predictor);
 
-/// Median time of one call of the runtime on this machine, this process alone.
+/// Median time of one call of the runtime on this machine, this process alone; deformations of nodes that are ready
+/// (phn_prepare).
 struct RuntimeSpeed {
   double force_us = 0, deformation_us = 0;
 };
