@@ -275,6 +275,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   model.output_nodes = output_nodes.get();
   model.output_points = tables.output_points = points.get();
   if (modal) load_shared(in, arena, tables.n_displacements, model);
+  if (modal) load_fields(in, arena, model);
 
   model.n_active = count_line(in, "active", 0);
   Column<std::int32_t> active_nodes(arena, model.n_active);

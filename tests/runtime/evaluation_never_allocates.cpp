@@ -67,4 +67,24 @@ TEST_P(Memory, NothingIsAllocated) {
   EXPECT_EQ(after, before);
 }
 
+TEST(Memory, FieldsAllocateNothing) {
+  const std::string text = write_model_text(small_field_model());
+  std::vector<char> model_memory(1 << 20), data_memory(1 << 20);
+  std::size_t bytes = 0;
+  const phn_model* model = nullptr;
+  phn_data* data = nullptr;
+  const double d[] = {0.001, 0.002, 0.003};
+  double out[12];
+  const long before = n_allocations;
+  int worst = phn_model_size(text.data(), text.size(), &bytes);
+  worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model));
+  worst = std::min(worst, phn_data_size(model, 1, &bytes));
+  worst = std::min(worst, phn_data_init(data_memory.data(), bytes, model, 1, &data));
+  for (const std::int32_t field : {0, 1}) worst = std::min(worst, phn_field(model, data, 3, d, field, out));
+  const long after = n_allocations;
+  EXPECT_EQ(worst, 0);
+  EXPECT_EQ(phn_n_fields(model), 2);
+  EXPECT_EQ(after, before);
+}
+
 }  // namespace
