@@ -27,8 +27,14 @@ void run(const Options& options) {
     throw input_error("this model has forces only", "--deformation " + options.tool.deformation_csv->string(),
                       "train it with [training] modes of 1 or more");
   if (response.status > 0) fmt::print(stderr, "warning: {}\n", phn_status_message(response.status));
-  report_tools(options.tool, displacements, model.mesh(),
-               {response.force_N, response.energy_J, response.displacement_m, model.model().output},
+  ToolResult result{response.force_N, response.energy_J, response.displacement_m, model.model().output, {}};
+  for (Eigen::Index f = 0; f < response.fields.cols(); ++f) {
+    const auto& field = model.model().fields[static_cast<std::size_t>(f)];
+    const auto known = field_named(field.name);
+    result.fields.push_back(
+        {field.name, field.unit, known ? column(*known) : field.name, response.fields.col(f)});
+  }
+  report_tools(options.tool, displacements, model.mesh(), result,
                {{"status", response.status}, {"family", name(model.model().family)}});
 }
 

@@ -11,10 +11,31 @@ namespace {
 
 constexpr std::size_t n_predictors = predictors.size();
 enum Group : std::size_t { inside = 0, outside = 1 };
+/// Two for each field follow: nodal and l2 of field f at n_measures + 2 f.
 enum Measure : std::size_t { force, displacement, moving, field_l2, force_relative, n_measures };
 
 /// Normalized errors, by predictor, group and measure.
-using Samples = std::array<std::array<std::array<std::vector<double>, n_measures>, 2>, n_predictors>;
+using GroupSamples = std::vector<std::vector<double>>;
+using Samples = std::array<std::array<GroupSamples, 2>, n_predictors>;
+
+Samples no_samples(const Model& model) {
+  Samples samples;
+  for (auto& groups : samples) groups.fill(GroupSamples(n_measures + 2 * model.fields.size()));
+  return samples;
+}
+
+/// The model's fields in the words of the solver.
+std::vector<Field> fields_of(const Model& model) {
+  std::vector<Field> fields;
+  for (const auto& of_model : model.fields) {
+    const auto field = field_named(of_model.name);
+    if (!field || (!fields.empty() && *field <= fields.back()))
+      throw input_error("the model has a field that this program cannot solve for", of_model.name,
+                        "validate with the phynness that trained it");
+    fields.push_back(*field);
+  }
+  return fields;
+}
 
 double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 double distance(const Vec3& a, const Vec3& b) { return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]}); }
@@ -42,6 +63,14 @@ ProbedState state_of(const Model& model, const ProbeSolver& solver, const Vec3& 
     state.u_FE.row(i) = response.displacement_m.row(j);
     state.u_linear.row(i) = (solver.rest().sensitivity.middleRows(3 * j, 3) * dd).transpose();
   }
+  if (model.fields.empty()) return state;
+  const Eigen::MatrixXd linear = solver.linear_fields({d});
+  state.fields_FE.resize(n, response.fields.cols());
+  state.fields_linear.resize(n, response.fields.cols());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    state.fields_FE.row(i) = response.fields.row(output[static_cast<std::size_t>(i)]);
+    state.fields_linear.row(i) = linear.row(output[static_cast<std::size_t>(i)]);
+  }
   return state;
 }
 
@@ -66,6 +95,33 @@ std::vector<ForceExample> read_examples(const std::vector<double>& rows) {
   return examples;
 }
 
+/// The same of fields; `said` is each state's response of the model.
+void collect_fields(const NodeProbes& probes, Group group, const std::vector<Eigen::MatrixXd>& said,
+                    Samples& samples) {
+  const auto& states = probes.states[group];
+  const Eigen::Index n_fields = states.empty() ? 0 : states.front().fields_FE.cols();
+  for (Eigen::Index f = 0; f < n_fields; ++f) {
+    double largest = 0;
+    for (const auto& state : states)
+      largest = std::max(largest, state.fields_FE.col(f).cwiseAbs().maxCoeff());
+    for (std::size_t s = 0; s < states.size(); ++s) {
+      const Eigen::VectorXd FE = states[s].fields_FE.col(f), none = Eigen::VectorXd::Zero(FE.size());
+      const Eigen::VectorXd linear = states[s].fields_linear.col(f);
+      for (std::size_t p = 0; p < n_predictors; ++p) {
+        if (p == 0 && said[s].size() == 0) continue;  // a node of forces only
+        const Eigen::VectorXd error = (p == 0   ? Eigen::VectorXd(said[s].col(f))
+                                       : p == 1 ? linear
+                                                : none) -
+                                      FE;
+        auto* out = &samples[p][group][n_measures + 2 * static_cast<std::size_t>(f)];
+        for (Eigen::Index i = 0; largest > 0 && i < error.size(); ++i)
+          out[0].push_back(std::abs(error[i]) / largest);
+        if (FE.norm() > 0) out[1].push_back(error.norm() / FE.norm());
+      }
+    }
+  }
+}
+
 /// Turns one active node's probes of one group into samples of (17).
 void collect(const LoadedModel& model, const NodeProbes& probes, Group group, Samples& samples) {
   const auto& counts = probes.counts;
@@ -75,6 +131,7 @@ void collect(const LoadedModel& model, const NodeProbes& probes, Group group, Sa
     for (Eigen::Index i = 0; i < state.u_FE.rows(); ++i)
       if (counts[static_cast<std::size_t>(i)]) largest_u = std::max(largest_u, state.u_FE.row(i).norm());
   }
+  std::vector<Eigen::MatrixXd> fields_said;
   for (const auto& state : probes.states[group]) {
     std::vector<std::pair<double, Eigen::Index>> by_motion;
     for (Eigen::Index i = 0; i < state.u_FE.rows(); ++i)
@@ -82,6 +139,7 @@ void collect(const LoadedModel& model, const NodeProbes& probes, Group group, Sa
     std::sort(by_motion.begin(), by_motion.end());
     const std::size_t n_moving = (by_motion.size() + 9) / 10;
     const auto said = model.respond({probes.node}, {state.d});
+    fields_said.push_back(said.fields);
     const Points none = Points::Zero(state.u_FE.rows(), 3);
     const std::array<Vec3, n_predictors> force_of{*said.force_N[0], state.force_linear, Vec3{}};
     const std::array<const Points*, n_predictors> u_of{&said.displacement_m, &state.u_linear, &none};
@@ -103,6 +161,7 @@ void collect(const LoadedModel& model, const NodeProbes& probes, Group group, Sa
       if (norm2 > 0) out[field_l2].push_back(std::sqrt(error2 / norm2));
     }
   }
+  collect_fields(probes, group, fields_said, samples);
 }
 
 /// Values of s that a ray visits: the trained increments up to the deepest probe, and the probes themselves.
@@ -124,13 +183,15 @@ std::vector<double> waypoints(const ProbePair& pair, double increment_m) {
   return kept;
 }
 
-GroupErrors statistics(const std::array<std::vector<double>, n_measures>& samples) {
+GroupErrors statistics(const GroupSamples& samples) {
   GroupErrors errors;
   errors.force = ErrorStatistics::of(samples[force]);
   errors.displacement = ErrorStatistics::of(samples[displacement]);
   errors.displacement_moving = ErrorStatistics::of(samples[moving]);
   errors.field_l2 = ErrorStatistics::of(samples[field_l2]);
   errors.force_relative = ErrorStatistics::of(samples[force_relative]);
+  for (std::size_t at = n_measures; at < samples.size(); at += 2)
+    errors.fields.push_back({ErrorStatistics::of(samples[at]), ErrorStatistics::of(samples[at + 1])});
   return errors;
 }
 
@@ -178,7 +239,10 @@ void solve_probes(const SolverSession& session, const Scene& scene, const Loaded
                   const std::function<void(std::int64_t, std::int64_t)>& progress,
                   const std::function<bool()>& stop,
                   const std::function<void(std::size_t, NodeProbes&&)>& take) {
-  ProbeSolver solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output});
+  // Which fields are stored is no part of the physics: the model's are solved for.
+  Scene with_fields = scene;
+  with_fields.database.fields = fields_of(model.model());
+  ProbeSolver solver(with_fields, model.mesh(), {model.model().fixed, {}, model.model().output});
   std::int64_t rays = 0, my_rays = 0;
   for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
   for (auto e = static_cast<std::size_t>(session.rank()); e < plan.size();
@@ -198,7 +262,7 @@ namespace {
 
 PredictorErrors errors_of(Predictor predictor, const LoadedModel& model,
                           const std::vector<NodeProbes>& probes) {
-  Samples samples;
+  Samples samples = no_samples(model.model());
   for (const auto& node : probes)
     for (const Group g : {inside, outside}) collect(model, node, g, samples);
   const auto& its = samples[static_cast<std::size_t>(predictor)];
@@ -222,7 +286,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t cpu_start = std::clock();
   std::vector<NodePlan> plan;
-  Samples samples;
+  Samples samples = no_samples(model.model());
   std::vector<double> examples;
   double failed = 0, solved[2] = {0, 0}, increments = 0;
   session.together([&] {

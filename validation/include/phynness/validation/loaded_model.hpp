@@ -15,7 +15,9 @@ struct ModelResponse {
   std::optional<double>
       energy_J;  ///< stored; family rbfn has none: work of the force along the straight path from rest
   Points displacement_m;  ///< n_output x 3; empty if the model has forces only
-  int status = PHN_OK;    ///< phn_* status, warnings only
+  Eigen::MatrixXd
+      fields;  ///< n_output x n_fields, in their units; empty if the model has none, or for several tools
+  int status = PHN_OK;  ///< phn_* status, warnings only
 };
 
 /// Not for several threads at once.
