@@ -111,7 +111,7 @@ const char *phn_field_unit(const phn_model *model, int32_t field);
 /* Values of a field at all output nodes, out: n_output [unit of the field], 0 or greater, exactly 0 at d = 0, with one
  * tool at active node `node` displaced by d [m]. Fields of several tools are not defined. A field number that the model
  * does not have gives PHN_ERROR_ARGUMENT, a node without deformation PHN_ERROR_UNDEFINED.
- * Cost: a third of that of phn_deform of a modal model. */
+ * Cost: the amplitudes, as in phn_deform, and n_output x shared modes: a third of the rest. */
 int phn_field(const phn_model *model, phn_data *data, int32_t node, const double d[3], int32_t field, double *out);
 
 /* How deep [m] `node` was trained in the exploratory direction nearest to d; for d = 0 the least of all directions that

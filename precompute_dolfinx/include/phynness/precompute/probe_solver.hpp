@@ -61,8 +61,9 @@ class ProbeSolver {
   /// @throws Error if a node is not on the surface, is fixed, or named twice
   void touch(const std::vector<std::int32_t>& nodes);
   const RestResponse& rest() const;
-  /// The fields that linear theory gives a displacement: those of the sensitivities at rest, at a displacement so small
-  /// that the body is linear, scaled up by the power with which each grows. n_nodes x n_fields, in their units.
+  /// The fields that linear theory gives a displacement: those of the sensitivities at rest, at a
+  /// displacement so small that the body is linear, scaled up by the power with which each grows. n_nodes x
+  /// n_fields, in their units.
   /// @pre as many displacements [m] as touched tools, not all zero
   Eigen::MatrixXd linear_fields(const std::vector<Vec3>& displacement_m) const;
   /// Nodes moved by touched tool t, with weights w (u_i = w_i d); the touched node itself has weight 1.

@@ -33,9 +33,9 @@ NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribe
 NodeModes field_modes(const TrainingTables& tables, const std::vector<Ray>& rays, std::size_t field,
                       double scale, int max_modes);
 
-/// What the amplitudes of fields have beside kernels and linear terms: x_j x_k |x|^(degree - 2) for the pairs xx xy xz
-/// yy yz zz, zero at x = 0. A field takes the same value at rest for x and -x: of degree 1 (a norm) or 2 (a quadratic
-/// form), which no linear term can follow.
+/// What the amplitudes of fields have beside kernels and linear terms: x_j x_k |x|^(degree - 2) for the pairs
+/// xx xy xz yy yz zz, zero at x = 0. A field takes the same value at rest for x and -x: of degree 1 (a norm)
+/// or 2 (a quadratic form), which no linear term can follow.
 Eigen::Matrix<double, 6, 1> even_features(const Eigen::Vector3d& x, int degree);
 
 /// Orthonormal columns that serve the modes of all given nodes best, each weighted by its size: the leading
