@@ -67,6 +67,11 @@ struct ToolResult {
   std::optional<double> energy_J;
   Points displacement_m;            ///< one row per entry of `nodes`
   std::vector<std::int32_t> nodes;  ///< mesh node numbers of the rows
+  struct Column {
+    std::string name, unit, heading;  ///< heading: of a table, unit included
+    Eigen::VectorXd values;           ///< one per entry of `nodes`
+  };
+  std::vector<Column> fields;
 };
 void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& places,
                   const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result,

@@ -110,8 +110,9 @@ void ToolOptions::add_to(CLI::App& command) {
                   "displacement dx,dy,dz [m]; one for each --node, then one for each --point")
       ->required()
       ->allow_extra_args(false);
-  command.add_option("--deformation", deformation_csv,
-                     "write the displacement of the output nodes: node,x,y,z,ux,uy,uz [m]");
+  command.add_option(
+      "--deformation", deformation_csv,
+      "write the displacement of the output nodes: node,x,y,z,ux,uy,uz [m], and fields, if there are");
   command.add_option("--json", json_file, "write the result for machines");
 }
 
@@ -197,13 +198,23 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
     fmt::print("largest displacement {:.6g} m\n", largest);
   else
     fmt::print("forces only\n");
+  for (const auto& field : result.fields) {
+    const double most = field.values.size() > 0 ? field.values.maxCoeff() : 0.0;
+    fmt::print("largest {} {:.6g} {}\n", field.name, most, field.unit);
+    out["fields"][field.name] = {{"max", most}, {"unit", field.unit}};
+  }
 
   if (options.deformation_csv) {
-    std::string csv = "node,x,y,z,ux,uy,uz\n";
+    std::string csv = "node,x,y,z,ux,uy,uz";
+    for (const auto& field : result.fields) csv += "," + field.heading;
+    csv += "\n";
     for (std::size_t i = 0; i < result.nodes.size(); ++i) {
       const auto x = mesh.nodes.row(result.nodes[i]);
       const auto u = result.displacement_m.row(static_cast<Eigen::Index>(i));
-      csv += fmt::format("{},{},{},{},{},{},{}\n", result.nodes[i], x[0], x[1], x[2], u[0], u[1], u[2]);
+      csv += fmt::format("{},{},{},{},{},{},{}", result.nodes[i], x[0], x[1], x[2], u[0], u[1], u[2]);
+      for (const auto& field : result.fields)
+        csv += fmt::format(",{}", field.values[static_cast<Eigen::Index>(i)]);
+      csv += "\n";
     }
     write_text_file(*options.deformation_csv, csv);
     fmt::print(stderr, "deformation of {} nodes: {}\n", result.nodes.size(),

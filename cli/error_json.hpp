@@ -12,12 +12,16 @@ inline nlohmann::ordered_json to_json(const ErrorStatistics& s) {
   return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
 }
 
-inline nlohmann::ordered_json to_json(const GroupErrors& e) {
-  return {{"force", to_json(e.force)},
-          {"displacement", to_json(e.displacement)},
-          {"displacement_moving", to_json(e.displacement_moving)},
-          {"field_l2", to_json(e.field_l2)},
-          {"force_relative", to_json(e.force_relative)}};
+/// @param fields  those of the model, as many as `e` has
+inline nlohmann::ordered_json to_json(const GroupErrors& e, const std::vector<FieldModes>& fields = {}) {
+  nlohmann::ordered_json out{{"force", to_json(e.force)},
+                             {"displacement", to_json(e.displacement)},
+                             {"displacement_moving", to_json(e.displacement_moving)},
+                             {"field_l2", to_json(e.field_l2)},
+                             {"force_relative", to_json(e.force_relative)}};
+  for (std::size_t f = 0; f < fields.size(); ++f)
+    out["fields"][fields[f].name] = {{"nodal", to_json(e.fields[f].nodal)}, {"l2", to_json(e.fields[f].l2)}};
+  return out;
 }
 
 inline nlohmann::ordered_json to_json(const PredictorErrors& e) {

@@ -4,6 +4,7 @@
 #include <phynness/validation/loaded_model.hpp>
 
 #include "commands.hpp"
+#include "fine_surface.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -12,7 +13,23 @@ struct Options {
   std::filesystem::path model;
   std::string tools = "coupled";
   ToolOptions tool;
+  std::optional<std::filesystem::path> surface;
+  int levels = 0;
 };
+
+void check_surface_options(const Options& options) {
+  if (!options.surface) {
+    if (options.levels > 0)
+      throw input_error("a subdivided surface needs a file", fmt::format("--subdivide {}", options.levels),
+                        "--surface file.vtk");
+    return;
+  }
+  check_surface_name(*options.surface);
+  refuse_overwriting(*options.surface, {options.model / "model.txt", options.model / "mesh.txt"});
+  for (const auto& other : {options.tool.deformation_csv, options.tool.json_file}) {
+    if (other) refuse_overwriting(*options.surface, {*other});
+  }
+}
 
 std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places,
                                const std::vector<Vec3>& displacements) {
@@ -31,6 +48,7 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places,
 void run(const Options& options) {
   options.tool.refuse_overwriting_inputs(options.model / "model.txt");
   options.tool.refuse_overwriting_inputs(options.model / "mesh.txt");
+  check_surface_options(options);
   const auto displacements = options.tool.parsed_displacements();
   if (options.tools == "paper" && !options.tool.points.empty())
     throw input_error("the paper's weights are those of nodes", "--point " + options.tool.points.front(),
@@ -40,8 +58,9 @@ void run(const Options& options) {
   const bool coupled = options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty());
   const auto response = coupled ? model.couple(tools_at(places, displacements))
                                 : model.respond(options.tool.nodes, displacements);
-  if (response.displacement_m.rows() == 0 && options.tool.deformation_csv)
-    throw input_error("this model has forces only", "--deformation " + options.tool.deformation_csv->string(),
+  const auto& wanted = options.tool.deformation_csv ? options.tool.deformation_csv : options.surface;
+  if (response.displacement_m.rows() == 0 && wanted)
+    throw input_error("this model has forces only", wanted->string(),
                       "train it with [training] modes of 1 or more");
   if (response.status > 0) fmt::print(stderr, "warning: {}\n", phn_status_message(response.status));
   json extra{{"status", response.status}, {"family", name(model.model().family)}};
@@ -49,8 +68,18 @@ void run(const Options& options) {
     extra["residual"] = response.coupled.residual;
     extra["iterations"] = response.coupled.iterations;
   }
-  report_tools(options.tool, places, displacements, model.mesh(),
-               {response.force_N, response.energy_J, response.displacement_m, model.model().output}, extra);
+  ToolResult result{response.force_N, response.energy_J, response.displacement_m, model.model().output, {}};
+  for (Eigen::Index f = 0; f < response.fields.cols(); ++f) {
+    const auto& field = model.model().fields[static_cast<std::size_t>(f)];
+    const auto known = field_named(field.name);
+    result.fields.push_back(
+        {field.name, field.unit, known ? column(*known) : field.name, response.fields.col(f)});
+  }
+  report_tools(options.tool, places, displacements, model.mesh(), result, extra);
+  if (!options.surface) return;
+  const auto n = write_fine_surface(model, response.displacement_m, options.levels, *options.surface,
+                                    model.model().title);
+  fmt::print(stderr, "surface of {} vertices: {}\n", n, options.surface->string());
 }
 
 }  // namespace
@@ -65,6 +94,10 @@ void add_eval_command(CLI::App& app) {
           "--tools", options->tools,
           "several tools: coupled = superposed with a force at each; paper = weights (15)-(16), no force")
       ->check(CLI::IsMember({"coupled", "paper"}));
+  command->add_option("--surface", options->surface,
+                      "write the surface: .vtk or .vtu at rest with its displacement, .obj deformed");
+  command->add_option("--subdivide", options->levels, "levels of subdivision of that surface (Loop's scheme)")
+      ->check(CLI::Range(0, 6));
   command->callback([options] { run(*options); });
 }
 

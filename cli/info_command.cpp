@@ -68,6 +68,13 @@ json about_database(const std::filesystem::path& file) {
   print_mesh(h.mesh, h.sets);
   fmt::print("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(),
              h.magnitudes_m.size(), h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
+  json fields = json::array();
+  for (const auto field : h.fields) fields.push_back(name(field));
+  if (!h.fields.empty()) {
+    std::string names;
+    for (const auto field : h.fields) names += fmt::format(" {} [{}]", name(field), unit(field));
+    fmt::print("fields   {}\n", names);
+  }
   const auto n_rays = static_cast<std::int64_t>(h.sets.active.size() * h.directions.size());
   const std::int64_t n_mirrored = n_rays - MirroredRays(h).n_solved();
   if (h.sets.mirror)
@@ -89,6 +96,7 @@ json about_database(const std::filesystem::path& file) {
           {"physics_hash", h.physics_hash},
           {"nodes", h.mesh.n_nodes()},
           {"active", h.sets.active},
+          {"fields", fields},
           {"rays_mirrored", n_mirrored},
           {"states", states},
           {"newton_iterations", summary.newton_iterations},
@@ -122,6 +130,12 @@ json about_model(const std::filesystem::path& dir) {
   else
     fmt::print("networks  {} neurons for deformation, {} for force; trained to {:.4g} m\n", neurons,
                force_neurons, m.max_displacement_m);
+  json fields = json::array();
+  for (const auto& field : m.fields) {
+    fmt::print("field     {} [{}], {} shared modes, up to {:.4g} in training\n", field.name, field.unit,
+               field.modes.cols(), field.scale);
+    fields.push_back(field.name);
+  }
   fmt::print("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n",
              bytes(static_cast<double>(model.text_bytes())),
              bytes(static_cast<double>(model.mesh_text_bytes())),
@@ -135,6 +149,7 @@ json about_model(const std::filesystem::path& dir) {
           {"force_neurons", force_neurons},
           {"force_centers", centers},
           {"modes", modes},
+          {"fields", fields},
           {"model_text_bytes", model.text_bytes()},
           {"memory_bytes", model.memory_bytes()}};
 }

@@ -131,8 +131,17 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
         Eigen::Map<const Eigen::RowVector3d>(&ray.force[3 * i]);
     shown.states.push_back(
         {depth_m, {{"displacement", std::move(u)}, {"force", std::move(force)}, {"prescribed", weight}}});
+    for (std::size_t f = 0; f < header.fields.size(); ++f) {
+      Eigen::MatrixXd values = Eigen::MatrixXd::Zero(n_points, 1);
+      for (std::size_t j = 0; j < output.size(); ++j)
+        values(point_of[static_cast<std::size_t>(output[j])], 0) = ray.fields[f][i * output.size() + j];
+      shown.states.back().fields.push_back({column(header.fields[f]), std::move(values)});
+    }
     shown.increments.push_back(number);
   }
+  if (const auto left = grid.node_numbers.size() - output.size(); !header.fields.empty() && left > 0)
+    shown.notes.push_back(
+        fmt::format("fields are stored at output nodes only, and shown as 0 at {} other points", left));
   return shown;
 }
 

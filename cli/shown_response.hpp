@@ -13,7 +13,7 @@ struct ShownResponse {
   VtkGrid grid;
   /// One per increment that converged: time is the prescribed displacement [m]; fields `displacement` [m],
   /// `force` [N] (the whole force, at the touched node; zero elsewhere), `prescribed` (weight of the tool, 0
-  /// to 1).
+  /// to 1), and stored scalar fields by their column() (0 at nodes that are no output nodes).
   std::vector<VtkState> states;
   std::vector<int> increments;     ///< numbers of the states, 1 is the first
   std::vector<std::string> notes;  ///< what is not shown, and why

@@ -76,6 +76,13 @@ void run(const Options& options) {
   result.displacement_m.resize(static_cast<Eigen::Index>(result.nodes.size()), 3);
   for (std::size_t i = 0; i < result.nodes.size(); ++i)
     result.displacement_m.row(static_cast<Eigen::Index>(i)) = response.displacement_m.row(result.nodes[i]);
+  for (std::size_t f = 0; f < loaded.scene.database.fields.size(); ++f) {
+    const auto field = loaded.scene.database.fields[f];
+    Eigen::VectorXd values(static_cast<Eigen::Index>(result.nodes.size()));
+    for (std::size_t i = 0; i < result.nodes.size(); ++i)
+      values[static_cast<Eigen::Index>(i)] = response.fields(result.nodes[i], static_cast<Eigen::Index>(f));
+    result.fields.push_back({name(field), unit(field), column(field), std::move(values)});
+  }
   json extra{{"newton_iterations", response.iterations},
              {"cutbacks", response.cutbacks},
              {"negative_pivots", response.negative_pivots},

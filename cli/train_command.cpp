@@ -50,6 +50,20 @@ void print_modal(const Model& model, const TrainingReport& report) {
       q.largest_force_shape, q.amplitude_shape);
 }
 
+void print_fields(const Model& model, const TrainingReport& report, const std::vector<Field>& stored) {
+  for (std::size_t f = 0; f < model.fields.size(); ++f) {
+    const auto& q = report.modal.fields[f];
+    fmt::print("{}: {:.3f} % by truncation, {:.3f} % by regression, of the node's largest\n",
+               model.fields[f].name, 100 * q.truncation, 100 * q.regression);
+  }
+  if (stored.empty() || !model.fields.empty()) return;
+  std::string names;
+  for (const auto field : stored) names += (names.empty() ? "" : ", ") + std::string(name(field));
+  fmt::print(stderr, "note: the database's fields ({}) are not modelled: {}\n", names,
+             model.family == Family::modal ? "a model without modes has forces only"
+                                           : "only family modal does, --family modal");
+}
+
 void run(const Options& options) {
   check_spread(options.spread, "--spread");
   check_spread(options.force_spread, "--force-spread");
@@ -121,6 +135,7 @@ void run(const Options& options) {
                report.n_networks, neurons, force_neurons, report.deformation_spread, report.force_spread,
                duration(report.seconds));
   }
+  print_fields(model, report, header.fields);
   if (report.n_skipped > 0)
     fmt::print(stderr, "warning: {} active nodes have no converged increment and are left out\n",
                report.n_skipped);
@@ -150,6 +165,9 @@ void run(const Options& options) {
                     {"regression_error", report.modal.regression},
                     {"amplitude_left_out_error", report.modal.amplitude_left_out},
                     {"worst_cancellation", report.modal.worst_cancellation}};
+  for (std::size_t f = 0; f < model.fields.size(); ++f)
+    out["modal"]["fields"][model.fields[f].name] = {{"truncation_error", report.modal.fields[f].truncation},
+                                                    {"regression_error", report.modal.fields[f].regression}};
   write_json(options.json_file, out);
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <functional>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/surface_points.hpp>
@@ -28,12 +29,12 @@ std::string percent(double fraction) {
   return value > 0 && value < 0.005 ? fmt::format("{:7.0e}", value) : fmt::format("{:7.2f}", value);
 }
 
-void print_table(const ValidationReport& report) {
-  const auto row = [&](const char* what, const ErrorStatistics GroupErrors::*member,
-                       GroupErrors PredictorErrors::*group) {
+void print_table(const ValidationReport& report, const std::vector<FieldModes>& fields) {
+  using Member = std::function<const ErrorStatistics&(const GroupErrors&)>;
+  const auto row = [&](const std::string& what, const Member& member, GroupErrors PredictorErrors::*group) {
     fmt::print("  {:<22}", what);
     for (const auto p : predictors) {
-      const auto& s = report.of(p).*group.*member;
+      const auto& s = member(report.of(p).*group);
       if (s.n == 0)
         fmt::print(" | {:>7} {:>7} {:>7}", "-", "-", "-");
       else
@@ -50,6 +51,13 @@ void print_table(const ValidationReport& report) {
     row("displacement, eq. (17)", &GroupErrors::displacement, group);
     row("  tenth moving most", &GroupErrors::displacement_moving, group);
     row("field, relative L2", &GroupErrors::field_l2, group);
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      row(
+          fields[f].name + " (17)", [f](const GroupErrors& e) -> const auto& { return e.fields[f].nodal; },
+          group);
+      row(
+          "  relative L2", [f](const GroupErrors& e) -> const auto& { return e.fields[f].l2; }, group);
+    }
   }
 }
 
@@ -134,7 +142,8 @@ void run(const Options& options) {
              1e3 * scene.probe.max_displacement_m);
   fmt::print("{} probes at {} nodes ({} beside the fixed ones: {}); {} failed\n", report.probes,
              report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
-  print_table(report);
+  const auto& fields = model.model().fields;
+  print_table(report, fields);
   const auto& inside = report.of(Predictor::model).inside;
   if (inside.force.n > 0) fmt::print("median inside: force{} %", percent(inside.force.median));
   if (inside.displacement.n > 0) fmt::print(", displacement{} %", percent(inside.displacement.median));
@@ -145,17 +154,21 @@ void run(const Options& options) {
   if (inside.displacement.n > 0)
     fmt::print(", deformation of {} nodes {:.1f} us", model.model().output.size(),
                report.speed.deformation_us);
+  if (!fields.empty()) fmt::print(", a field {:.1f} us", report.speed.field_us);
   fmt::print("\n");
   fmt::print("{} on {} rank{}\n", duration(report.seconds), session.size(), session.size() == 1 ? "" : "s");
   const auto& of_model = report.of(Predictor::model);
+  const auto both = [&](const PredictorErrors& e) {
+    return json{{"inside", to_json(e.inside, fields)}, {"outside", to_json(e.outside, fields)}};
+  };
   json out{{"probes", report.probes},
            {"failed", report.failed},
            {"solved_inside", report.solved_inside},
            {"solved_outside", report.solved_outside},
-           {"inside", to_json(of_model.inside)},
-           {"outside", to_json(of_model.outside)},
-           {"linear", to_json(report.of(Predictor::linear))},
-           {"zero", to_json(report.of(Predictor::zero))},
+           {"inside", to_json(of_model.inside, fields)},
+           {"outside", to_json(of_model.outside, fields)},
+           {"linear", both(report.of(Predictor::linear))},
+           {"zero", both(report.of(Predictor::zero))},
            {"conditions",
             {{"law", name(scene.material.law)},
              {"element", name(scene.solver.element)},
@@ -168,6 +181,7 @@ void run(const Options& options) {
            {"examples", json::array()},
            {"force_us", report.speed.force_us},
            {"deformation_us", report.speed.deformation_us},
+           {"field_us", report.speed.field_us},
            {"seconds", report.seconds},
            {"solve_ms_per_increment", report.solve_ms_per_increment}};
   for (const auto& e : report.examples)

@@ -237,6 +237,32 @@ inline void tabulate(const ufcx_expression& expression, std::span<double> values
 #endif
 }
 
+/// The constants of a form as its kernel wants them.
+inline std::vector<double> packed_constants(const ufcx_form& form,
+                                            const std::map<std::string, double>& constants) {
+  std::vector<double> packed;
+  for (const auto& name : dolfinx::fem::get_constant_names(form)) packed.push_back(constants.at(name));
+  return packed;
+}
+
+/// One cell's share of a functional.
+/// @param w  the cell's dofs  @param c  packed_constants()  @param x  cell_coordinates()
+inline double tabulate_cell(const ufcx_form& functional, std::span<const double> w, std::span<const double> c,
+                            std::span<const double, 12> x) {
+  double value = 0;
+#if PHYNNESS_DOLFINX == 5
+  const ufcx_integral& integral = *functional.integrals(ufcx_integral_type::cell)[0];
+#else
+  const ufcx_integral& integral = *functional.form_integrals[functional.form_integral_offsets[cell]];
+#endif
+#if PHYNNESS_DOLFINX <= 9
+  integral.tabulate_tensor_float64(&value, w.data(), c.data(), x.data(), nullptr, nullptr);
+#else
+  integral.tabulate_tensor_float64(&value, w.data(), c.data(), x.data(), nullptr, nullptr, nullptr);
+#endif
+  return value;
+}
+
 /// Reference tetrahedron's edges as pairs of local vertices, in the order of its edge dofs.
 inline const std::vector<std::vector<int>>& edge_vertices() {
   static const std::vector<std::vector<int>> edges{{2, 3}, {1, 3}, {1, 2}, {0, 3}, {0, 2}, {0, 1}};

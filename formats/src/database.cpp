@@ -68,6 +68,7 @@ void Database::Impl::check_shapes() const {
   check(path::force, {3});
   if (header.tangents) check(path::tangent, {3, 3});
   check(path::displacement, {header.sets.output.size(), 3});
+  for (const auto field : header.fields) check(layout::path_of(field).c_str(), {header.sets.output.size()});
 }
 
 Database::Database(std::unique_ptr<Impl> impl) : _impl(std::move(impl)) {}
@@ -127,6 +128,11 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
   const auto seconds = _impl->of_node<double>(path::seconds, active);
   const auto displacement = _impl->of_node<double>(path::displacement, active, output);
 
+  std::vector<std::vector<double>> fields;
+  for (const auto field : header.fields)
+    fields.push_back(
+        _impl->of_node<double>(layout::path_of(field).c_str(), active, header.sets.output.size()));
+
   const std::size_t n = header.magnitudes_m.size();
   std::vector<Ray> rays(header.directions.size());
   for (std::size_t d = 0; d < rays.size(); ++d) {
@@ -147,6 +153,7 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
     ray.min_jacobian = part(jacobian, 1);
     ray.seconds = part(seconds, 1);
     ray.displacement = part(displacement, output);
+    for (const auto& values : fields) ray.fields.push_back(part(values, header.sets.output.size()));
   }
   return rays;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
+#include <sstream>
 
 namespace phynness::database_layout {
 namespace {
@@ -62,7 +63,33 @@ void check_mirror(const MirrorSymmetry& mirror, std::int32_t n_nodes) {
         "the file is damaged, or was written by a defective program");
 }
 
+/// "von-mises-stress energy-density"
+std::string listed(const std::vector<Field>& fields) {
+  std::string text;
+  for (const auto field : fields) {
+    if (!text.empty()) text += ' ';
+    text += name(field);
+  }
+  return text;
+}
+
+/// @throws Error if a name is unknown, twice or out of order
+std::vector<Field> fields_of(const std::string& text) {
+  std::vector<Field> fields;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const auto field = field_named(word);
+    if (!field || (!fields.empty() && *field <= fields.back()))
+      throw input_error("a database names fields that this program does not know, or not in their order",
+                        text, "use a newer phynness; if it is this one's, the file is damaged");
+    fields.push_back(*field);
+  }
+  return fields;
+}
+
 }  // namespace
+
+std::string path_of(Field field) { return std::string(path::fields) + "/" + name(field); }
 
 void check_header(const DatabaseHeader& header) {
   const auto require = [](bool good, const char* what) {
@@ -90,6 +117,8 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   file.write_attribute("/", "mesh_hash", header.mesh_hash);
   file.write_attribute("/", "tangents", std::int32_t{header.tangents});
   file.write_attribute("/", "displacement_precision", std::string(header.float64 ? "float64" : "float32"));
+  // Absent where there are none, as in files of before there were any.
+  if (!header.fields.empty()) file.write_attribute("/", "fields", listed(header.fields));
   file.write_attribute("/", "scene_name", header.scene_name);
   file.write_attribute("/", "scene_folder", header.scene_folder);
   if (header.shard && !complete) {
@@ -158,6 +187,7 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.mesh_hash = file.read_text_attribute("/", "mesh_hash");
   header.tangents = file.read_int_attribute("/", "tangents") != 0;
   header.float64 = file.read_text_attribute("/", "displacement_precision") == "float64";
+  if (file.has_attribute("/", "fields")) header.fields = fields_of(file.read_text_attribute("/", "fields"));
   header.scene_name = file.read_text_attribute("/", "scene_name");
   header.scene_folder = file.read_text_attribute("/", "scene_folder");
   header.scene_text = file.read_text(path::scene);
@@ -272,6 +302,15 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
   file.create_dataset(path::displacement, header.float64 ? f64 : hdf5::Type<float>::stored(),
                       {n_active, n_directions, n_increments, n_output, 3},
                       {1, together, n_increments, n_output, 3}, "m", "displacement of the output nodes");
+  if (header.fields.empty()) return;
+  file.create_group(path::fields);
+  const hsize_t field_rays =
+      std::clamp<hsize_t>(chunk_bytes / (n_increments * n_output * sizeof(float)), 1, n_directions);
+  for (const auto field : header.fields)
+    file.create_dataset(path_of(field), hdf5::Type<float>::stored(),
+                        {n_active, n_directions, n_increments, n_output},
+                        {1, field_rays, n_increments, n_output}, unit(field),
+                        std::string(description(field)) + ", at the output nodes");
 }
 
 }  // namespace phynness::database_layout

@@ -36,7 +36,11 @@ inline constexpr const char* cutbacks = "/responses/cutbacks";
 inline constexpr const char* min_jacobian = "/responses/min_jacobian";
 inline constexpr const char* seconds = "/responses/seconds";
 inline constexpr const char* solved_as = "/responses/solved_as";
+inline constexpr const char* fields = "/responses/fields";
 }  // namespace path
+
+/// Where a field's values are.
+std::string path_of(Field field);
 
 /// Everything but the rays, into a new file. `file_name` names a defect of the header in messages.
 void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete);

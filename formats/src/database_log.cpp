@@ -1,5 +1,6 @@
 #include "database_log.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <phynness/formats/error.hpp>
@@ -54,12 +55,14 @@ Layout::Layout(const DatabaseHeader& header)
       n_increments(static_cast<std::int32_t>(header.magnitudes_m.size())),
       n_output(static_cast<std::int32_t>(header.sets.output.size())),
       tangents(header.tangents),
-      float64(header.float64) {}
+      float64(header.float64),
+      fields(header.fields) {}
 
 std::size_t Layout::payload_bytes() const {
   const std::size_t per_increment =
       sizeof(std::int8_t) + (3 + 1 + (tangents ? 9 : 0) + 2) * sizeof(double) + 3 * sizeof(std::int32_t) +
-      3 * static_cast<std::size_t>(n_output) * (float64 ? sizeof(double) : sizeof(float));
+      3 * static_cast<std::size_t>(n_output) * (float64 ? sizeof(double) : sizeof(float)) +
+      fields.size() * static_cast<std::size_t>(n_output) * sizeof(float);
   return 2 * sizeof(std::int32_t) + static_cast<std::size_t>(n_increments) * per_increment;
 }
 
@@ -81,8 +84,10 @@ std::vector<unsigned char> encode_opening(const DatabaseHeader& header) {
     hash.resize(hash_bytes, ' ');
     bytes.put(hash.data(), hash_bytes);
   }
-  for (std::int32_t n : {layout.n_active, layout.n_directions, layout.n_increments, layout.n_output,
-                         std::int32_t{layout.tangents}, std::int32_t{layout.float64}})
+  std::int32_t stored = layout.tangents ? 1 : 0;
+  for (const auto field : layout.fields) stored |= 2 << static_cast<int>(field);
+  for (std::int32_t n : {layout.n_active, layout.n_directions, layout.n_increments, layout.n_output, stored,
+                         std::int32_t{layout.float64}})
     bytes.put(n);
   bytes.put(checksum(bytes.get().data(), bytes.get().size()));
   return bytes.take();
@@ -97,7 +102,11 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout,
                     ray.tangent.size() == (layout.tangents ? 9 * n : 0) && ray.negative_pivots.size() == n &&
                     ray.iterations.size() == n && ray.cutbacks.size() == n && ray.min_jacobian.size() == n &&
                     ray.seconds.size() == n &&
-                    ray.displacement.size() == 3 * n * static_cast<std::size_t>(layout.n_output);
+                    ray.displacement.size() == 3 * n * static_cast<std::size_t>(layout.n_output) &&
+                    ray.fields.size() == layout.fields.size() &&
+                    std::all_of(ray.fields.begin(), ray.fields.end(), [&](const auto& values) {
+                      return values.size() == n * static_cast<std::size_t>(layout.n_output);
+                    });
   if (!fits)
     throw failure("a ray does not fit its database",
                   "active " + std::to_string(ray.active) + ", direction " + std::to_string(ray.direction),
@@ -118,6 +127,10 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout,
     bytes.put(ray.displacement.data(), ray.displacement.size());
   } else {
     const std::vector<float> rounded(ray.displacement.begin(), ray.displacement.end());
+    bytes.put(rounded.data(), rounded.size());
+  }
+  for (const auto& values : ray.fields) {
+    const std::vector<float> rounded(values.begin(), values.end());
     bytes.put(rounded.data(), rounded.size());
   }
   bytes.put(record_checksum(opening, bytes.get().data(), bytes.get().size()));
@@ -144,6 +157,10 @@ Ray decode(const unsigned char* payload, const Layout& layout) {
   } else {
     const auto rounded = take<float>(payload, displacements);
     ray.displacement.assign(rounded.begin(), rounded.end());
+  }
+  for (std::size_t f = 0; f < layout.fields.size(); ++f) {
+    const auto rounded = take<float>(payload, n * static_cast<std::size_t>(layout.n_output));
+    ray.fields.emplace_back(rounded.begin(), rounded.end());
   }
   return ray;
 }

@@ -24,6 +24,7 @@ struct Layout {
   explicit Layout(const DatabaseHeader& header);
   std::int32_t n_active, n_directions, n_increments, n_output;
   bool tangents, float64;
+  std::vector<Field> fields;
   std::size_t payload_bytes() const;
   std::size_t record_bytes() const { return prefix_bytes + payload_bytes() + checksum_bytes; }
 };

@@ -53,14 +53,19 @@ void write_responses(hdf5::File& out, const DatabaseHeader& header, const dl::In
     SmallArrays small;
     for (hsize_t active = first; active < first + count; ++active) {
       std::vector<double> displacement;
+      std::vector<std::vector<double>> fields(header.fields.size());
       for (std::size_t d = 0; d < header.directions.size(); ++d) {
         Ray ray = reader.read(records[active * header.directions.size() + d]);
         const auto a = static_cast<std::int32_t>(active), direction = static_cast<std::int32_t>(d);
         if (!mirrored.is_solved(a, direction)) ray = mirrored.image(ray, a, direction);
         small.add(ray);
         displacement.insert(displacement.end(), ray.displacement.begin(), ray.displacement.end());
+        for (std::size_t f = 0; f < fields.size(); ++f)
+          fields[f].insert(fields[f].end(), ray.fields[f].begin(), ray.fields[f].end());
       }
       out.write_slab(path::displacement, active, 1, displacement.data());
+      for (std::size_t f = 0; f < fields.size(); ++f)
+        out.write_slab(layout::path_of(header.fields[f]), active, 1, fields[f].data());
     }
     small.write(out, first, count);
   }

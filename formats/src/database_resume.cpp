@@ -64,6 +64,15 @@ std::string text(const std::optional<MirrorSymmetry>& mirror) {
   return out.str();
 }
 
+std::string text(const std::vector<Field>& fields) {
+  std::string names;
+  for (const auto field : fields) {
+    if (!names.empty()) names += ", ";
+    names += name(field);
+  }
+  return names.empty() ? "none" : names;
+}
+
 }  // namespace
 
 void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted,
@@ -104,6 +113,9 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
     throw input_error(name + " was begun with another [database] displacement_precision",
                       both(on_disk.float64 ? "float64" : "float32", wanted.float64 ? "float64" : "float32"),
                       remedy);
+  if (on_disk.fields != wanted.fields)
+    throw input_error(name + " was begun with other [database] fields",
+                      both(text(on_disk.fields), text(wanted.fields)), remedy);
 }
 
 }  // namespace phynness

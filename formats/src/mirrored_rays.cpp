@@ -118,6 +118,13 @@ Ray MirroredRays::image(const Ray& solved, std::int32_t active, std::int32_t dir
       const auto other = from.mirrored ? static_cast<std::size_t>(_image_of_output[o]) : o;
       turned(&solved.displacement[3 * (i * n_output + other)], &ray.displacement[3 * (i * n_output + o)]);
     }
+  // Numbers without a direction: the image's at a node is the node's image's.
+  for (std::size_t f = 0; f < solved.fields.size(); ++f)
+    for (std::size_t i = 0; i < solved.status.size(); ++i)
+      for (std::size_t o = 0; o < n_output; ++o) {
+        const auto other = from.mirrored ? static_cast<std::size_t>(_image_of_output[o]) : o;
+        ray.fields[f][i * n_output + o] = solved.fields[f][i * n_output + other];
+      }
   return ray;
 }
 

@@ -45,6 +45,12 @@ class ModelLexer {
     if (found != word) refuse("expected '" + std::string(word) + "'", found);
   }
 
+  /// Whether the next token of the line is this word. Reads nothing.
+  bool next_is(std::string_view word) const {
+    ModelLexer ahead = *this;
+    return ahead.token(word) == word;
+  }
+
   /// Everything up to the end of the line, the separating space excluded; may be empty.
   std::string rest_of_line() {
     if (_at < _text.size() && _text[_at] == ' ') ++_at;

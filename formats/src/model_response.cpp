@@ -148,6 +148,8 @@ void read_conservative(ModelLexer& lexer, const Model& model, ConservativeNetwor
   }
 }
 
+}  // namespace
+
 void write_table(ModelEmitter& w, std::string_view key, const ScaledTable& table) {
   require_writable(table.scale.size() == table.cols(), "scales do not fit the columns of a table");
   require_writable((table.scale.array() >= 0).all() &&
@@ -181,16 +183,16 @@ ScaledTable read_table(ModelLexer& lexer, std::string_view key, Eigen::Index row
   return table;
 }
 
-void write_modal(ModelEmitter& w, const Model& model, const ModalDeformation& modal) {
+void write_modes(ModelEmitter& w, std::string_view key, const ModesShape& shape,
+                 const ModalDeformation& modal) {
   const auto n_modes = modal.weights.cols(), n_near = static_cast<Eigen::Index>(modal.near.size());
   require_writable(n_modes <= largest_mode_count, "too many modes");
   require_writable(modal.mixing.cols() == n_modes && modal.near_modes.cols() == n_modes,
                    "tables differ in their number of modes");
-  require_writable(modal.weights.rows() == static_cast<Eigen::Index>(model.shared.centers.size()) + 3 &&
-                       modal.mixing.rows() == model.shared.modes.cols() &&
-                       modal.near_modes.rows() == 3 * n_near,
+  require_writable(modal.weights.rows() == shape.n_basis && modal.mixing.rows() == shape.n_shared &&
+                       modal.near_modes.rows() == shape.components * n_near,
                    "tables do not fit the shared modes, centers or near nodes");
-  w.word("deformation").integer(n_modes).end();
+  w.word(key).integer(n_modes).end();
   write_table(w, "weights", modal.weights);
   write_table(w, "mixing", modal.mixing);
   w.word("near").integer(n_near).end();
@@ -198,23 +200,30 @@ void write_modal(ModelEmitter& w, const Model& model, const ModalDeformation& mo
   write_table(w, "near_modes", modal.near_modes);
 }
 
-void read_modal(ModelLexer& lexer, const Model& model, ModalDeformation& modal) {
-  lexer.keyword("deformation");
+void read_modes(ModelLexer& lexer, std::string_view key, const ModesShape& shape, Eigen::Index n_output,
+                ModalDeformation& modal) {
+  lexer.keyword(key);
   const auto n_modes = lexer.integer("modes", 0, largest_mode_count);
   lexer.end_line();
-  modal.weights =
-      read_table(lexer, "weights", static_cast<Eigen::Index>(model.shared.centers.size()) + 3, n_modes);
-  modal.mixing = read_table(lexer, "mixing", model.shared.modes.cols(), n_modes);
+  modal.weights = read_table(lexer, "weights", shape.n_basis, n_modes);
+  modal.mixing = read_table(lexer, "mixing", shape.n_shared, n_modes);
   modal.near.resize(lexer.count_line("near"));
   std::int32_t previous = -1;
   for (auto& position : modal.near) {
-    position = lexer.integer("near node", 0, model.output_points.rows() - 1);
+    position = lexer.integer("near node", 0, n_output - 1);
     if (position <= previous) lexer.refuse("near nodes must ascend", std::to_string(position));
     previous = position;
     lexer.end_line();
   }
-  modal.near_modes =
-      read_table(lexer, "near_modes", 3 * static_cast<Eigen::Index>(modal.near.size()), n_modes);
+  modal.near_modes = read_table(lexer, "near_modes",
+                                shape.components * static_cast<Eigen::Index>(modal.near.size()), n_modes);
+}
+
+namespace {
+
+/// Of a deformation.
+ModesShape modes_shape(const Model& model) {
+  return {static_cast<Eigen::Index>(model.shared.centers.size()) + 3, model.shared.modes.cols(), 3};
 }
 
 }  // namespace
@@ -278,7 +287,8 @@ void write_response(ModelEmitter& w, const Model& model, const ActiveNodeModel& 
   if (model.family == Family::linear) return write_linear(w, model, node.linear);
   if (model.family == Family::modal) {
     write_conservative(w, model, node.conservative);
-    return write_modal(w, model, node.modal);
+    write_modes(w, "deformation", modes_shape(model), node.modal);
+    return write_node_fields(w, model, node);
   }
   write_network(w, model, node.force, "force");
   write_network(w, model, node.deformation, "deformation");
@@ -288,7 +298,8 @@ void read_response(ModelLexer& lexer, const Model& model, ActiveNodeModel& node)
   if (model.family == Family::linear) return read_linear(lexer, model, node.linear);
   if (model.family == Family::modal) {
     read_conservative(lexer, model, node.conservative);
-    return read_modal(lexer, model, node.modal);
+    read_modes(lexer, "deformation", modes_shape(model), model.output_points.rows(), node.modal);
+    return read_node_fields(lexer, model, node);
   }
   read_network(lexer, model, node.force, "force");
   read_network(lexer, model, node.deformation, "deformation");

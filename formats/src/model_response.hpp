@@ -13,12 +13,32 @@ namespace phynness {
 /// @throws Error (failure) on what the format cannot hold
 void write_response(ModelEmitter& writer, const Model& model, const ActiveNodeModel& node);
 
-/// The part that all active nodes share, between the tables and the active nodes; nothing but in family modal.
+/// The part that all active nodes share, between the tables and the active nodes; nothing but in family
+/// modal.
 void write_shared(ModelEmitter& writer, const Model& model);
 void read_shared(ModelLexer& lexer, Model& model);
 
 /// @pre the tables of the model (displacements, output, shared part) have been read
 /// @throws Error (input) with file and line
 void read_response(ModelLexer& lexer, const Model& model, ActiveNodeModel& node);
+
+/// Tables of scaled integers; formats/model.md, TABLE.
+void write_table(ModelEmitter& writer, std::string_view key, const ScaledTable& table);
+ScaledTable read_table(ModelLexer& lexer, std::string_view key, Eigen::Index rows, Eigen::Index cols);
+
+/// How many rows the tables of an active node's modes have.
+struct ModesShape {
+  Eigen::Index n_basis, n_shared, components;  ///< of weights; of mixing; for each near node
+};
+void write_modes(ModelEmitter& writer, std::string_view key, const ModesShape& shape,
+                 const ModalDeformation& modal);
+void read_modes(ModelLexer& lexer, std::string_view key, const ModesShape& shape, Eigen::Index n_output,
+                ModalDeformation& modal);
+
+/// The fields of a model, nothing where it has none; and those of an active node.
+void write_fields(ModelEmitter& writer, const Model& model);
+void read_fields(ModelLexer& lexer, Model& model);
+void write_node_fields(ModelEmitter& writer, const Model& model, const ActiveNodeModel& node);
+void read_node_fields(ModelLexer& lexer, const Model& model, ActiveNodeModel& node);
 
 }  // namespace phynness

@@ -141,6 +141,7 @@ std::string write_model_text(const Model& model) {
     w.end();
   }
   write_shared(w, model);
+  write_fields(w, model);
   w.word("active").integer(static_cast<std::int64_t>(model.nodes.size())).end();
   for (const ActiveNodeModel& node : model.nodes) {
     require_writable(node.prescribed.size() == node.prescribed_weight.size(),
@@ -227,6 +228,7 @@ Model read_model_text(const std::string& text, const std::string& source_name) {
     lexer.end_line();
   }
   read_shared(lexer, model);
+  read_fields(lexer, model);
   const std::int32_t n_active = lexer.count_line("active");
   previous = -1;
   for (std::int32_t i = 0; i < n_active; ++i)

@@ -28,7 +28,7 @@ const std::vector<Table>& tables() {
       {"solver", {"element", "relative_tolerance", "max_iterations", "max_cutbacks"}},
       {"nodes", {"fixed", "active", "output"}},
       {"probe", {"kind", "tool_radius_m", "directions", "increments", "max_displacement_m"}},
-      {"database", {"tangents", "displacement_precision"}},
+      {"database", {"tangents", "displacement_precision", "fields"}},
       {"training",
        {"family", "deformation_neurons", "force_neurons", "deformation_spread", "force_spread", "samples",
         "target_mse", "force_centers", "amplitude_centers", "modes", "shared_modes", "near_nodes", "seed"}},

@@ -171,6 +171,7 @@ DatabaseSpec parse_database(const SceneTable& table) {
   spec.tangents = table.flag_or("tangents", spec.tangents);
   spec.float64 = table.choice<bool>("displacement_precision", {{"float32", false}, {"float64", true}})
                      .value_or(spec.float64);
+  spec.fields = parse_fields(table);
   return spec;
 }
 

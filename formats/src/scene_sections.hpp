@@ -19,6 +19,8 @@ SolverSpec parse_solver(const SceneTable& table, const Material& material);
 void parse_nodes(const SceneTable& table, Scene& scene);
 ProbeSpec parse_probe(const SceneTable& table);
 DatabaseSpec parse_database(const SceneTable& table);
+/// [database] fields, in the order of enum Field.
+std::vector<Field> parse_fields(const SceneTable& database);
 /// Refuses a family that cannot be trained on the material, before hours are spent on its database.
 TrainingSpec parse_training(const SceneTable& table, const Material& material);
 ValidationSpec parse_validation(const SceneTable& table);

@@ -69,9 +69,17 @@ void add_modes(const TrainingSpec& spec, const Model& model, ActiveNodeModel& no
   node.modal.weights = table(static_cast<Eigen::Index>(model.shared.centers.size()) + 3, n_modes, numbers);
   node.modal.mixing = table(model.shared.modes.cols(), n_modes, numbers);
   node.modal.near_modes = table(3 * n_near, n_modes, numbers);
+  for (const auto& field : model.fields) {
+    ModalDeformation& of_node = node.fields.emplace_back();
+    of_node.near = node.modal.near;
+    of_node.weights = table(static_cast<Eigen::Index>(model.shared.centers.size()) + 9, n_modes, numbers);
+    of_node.mixing = table(field.modes.cols(), n_modes, numbers);
+    of_node.near_modes = table(n_near, n_modes, numbers);
+  }
 }
 
-void add_shared_modes(const TrainingSpec& spec, Model& model, Numbers& numbers) {
+void add_shared_modes(const TrainingSpec& spec, const std::vector<Field>& fields, Model& model,
+                      Numbers& numbers) {
   const auto states = model.displacements.rows();
   const Eigen::Index n_output = static_cast<Eigen::Index>(model.output.size());
   const bool deforms = spec.modes > 0;
@@ -79,6 +87,9 @@ void add_shared_modes(const TrainingSpec& spec, Model& model, Numbers& numbers) 
       table(3 * n_output, deforms ? std::min<Eigen::Index>(spec.shared_modes, 3 * n_output) : 0, numbers);
   for (Eigen::Index i = 0; deforms && i < std::min<Eigen::Index>(spec.amplitude_centers, states); ++i)
     model.shared.centers.push_back(numbers.below(static_cast<std::size_t>(states)));
+  for (std::size_t f = 0; deforms && f < fields.size(); ++f)
+    model.fields.push_back({name(fields[f]), unit(fields[f]), degree(fields[f]), 1,
+                            table(n_output, std::min<Eigen::Index>(spec.shared_modes, n_output), numbers)});
 }
 
 double text_bytes(const Scene& scene, const DatabaseHeader& header, std::size_t n_nodes) {
@@ -86,7 +97,7 @@ double text_bytes(const Scene& scene, const DatabaseHeader& header, std::size_t 
   Model model = model_of_database(header, scene.training.family, scene.title);
   model.displacements =
       numbers.matrix(static_cast<Eigen::Index>(header.directions.size() * header.magnitudes_m.size()), 3);
-  if (model.family == Family::modal) add_shared_modes(scene.training, model, numbers);
+  if (model.family == Family::modal) add_shared_modes(scene.training, header.fields, model, numbers);
   const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
   const auto& active = header.sets.active;
   for (std::size_t k = 0; k < n_nodes; ++k) {

@@ -17,4 +17,4 @@ def volumetric(F):
     return tr(strain(F))
 
 
-globals().update(every_element(shape, volumetric, lmbda, klaas(alpha, mu, finite=False)))
+globals().update(every_element(shape, volumetric, lmbda, klaas(alpha, mu, finite=False), finite=False))

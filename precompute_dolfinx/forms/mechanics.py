@@ -10,6 +10,8 @@ and the coefficient kappa. From these follow, for every element, in this order,
     energy      Pi(w)                 stored energy; stationary at equilibrium without loads
     residual    dPi(w; v)             the weak form (5): assembled, it is the nodal force that holds the state
     tangent     d2Pi(w; v, dw)        its derivative, symmetric
+    von_mises   int sigma_v           of the Cauchy stress sigma = P F^T / J, P = dW/dF at fixed p
+    stored      int W                 the energy cell by cell (mixed elements: see mixed())
     jacobian    J = det F             at the quadrature points of the forms
 
 Displacement elements: w = u, Pi = int W. Mixed elements: w = (u, p), perturbed Lagrangian
@@ -28,8 +30,8 @@ All lengths and moduli arrive without dimension (see scaling.hpp).
 import basix
 from elements import displacement_space, domain, mixed_space
 from ufl import (
-    CellDiameter, Coefficient, Constant, Identity, Jacobian, TestFunction, TrialFunction, cross, derivative, det, dot,
-    dx, exp, grad, inner, ln, split, sym, tr,
+    CellDiameter, Coefficient, Constant, Identity, Jacobian, TestFunction, TrialFunction, cross, derivative, det, dev,
+    diff, dot, dx, exp, grad, inner, ln, split, sqrt, sym, tr, variable,
 )
 
 I = Identity(3)
@@ -51,13 +53,25 @@ def _chain(energy, w, space):
     return energy, residual, derivative(residual, w, TrialFunction(space))
 
 
-def displacement(discretization, shape, volumetric, kappa):
-    """Forms of a displacement element: (energy, residual, tangent, (jacobian, points))."""
+def von_mises(density, F, finite):
+    """Von Mises stress, sqrt(3/2) |dev sigma|. Small strains (not `finite`): sigma = dW/de, and P is that."""
+    F = variable(F)
+    P = diff(density(F), F)
+    s = dev(P * F.T / det(F) if finite else sym(P))
+    return sqrt(3 / 2 * inner(s, s))
+
+
+def displacement(discretization, shape, volumetric, kappa, finite=True):
+    """Forms of a displacement element: (energy, residual, tangent, von_mises, stored, (jacobian, points))."""
     space, degree = discretization
     u = Coefficient(space)
     F = I + grad(u)
-    energy = (shape(F) + kappa / 2 * volumetric(F) ** 2) * dx(metadata={"quadrature_degree": degree})
-    return (*_chain(energy, u, space), (det(F), _points(degree)))
+    density = lambda F: shape(F) + kappa / 2 * volumetric(F) ** 2
+    measure = dx(metadata={"quadrature_degree": degree})
+    stress = von_mises(density, F, finite) * measure
+    # Two objects: ffcx knows names by them.
+    energy, stored = density(F) * measure, density(F) * measure
+    return (*_chain(energy, u, space), stress, stored, (det(F), _points(degree)))
 
 
 def quadratic(volumetric, kappa):
@@ -65,23 +79,34 @@ def quadratic(volumetric, kappa):
     return lambda F, p: p * volumetric(F) - p**2 / (2 * kappa)
 
 
-def mixed(discretization, shape, coupling, kappa, stabilization=None):
+def mixed(discretization, shape, coupling, kappa, stabilization=None, finite=True):
     """Forms of a displacement-pressure element. `coupling(F, p)` and `stabilization(F, p)` are energy densities.
 
     Equal order is linear: F is constant in a cell, and all but -p^2 / (2 kappa) is linear in p, or nearly so where p is
     small beside kappa (a coupling of its own; the difference is of second order in the cell's size). So one point is
     enough, with the exact integral of p^2: its value at the middle and the variance of p in the cell.
     (Two quadrature degrees in one form are not an alternative: ffcx 0.5 then takes p of the one for the other.)
+
+    The integrand e of the energy is a density for its stationary point only: where p and kappa g differ, which they do in
+    every cell, it may well be negative. `stored` is e - p de/dp, for a quadratic coupling shape + p^2 / (2 kappa). As
+    p de/dp integrates to nothing at equilibrium (it is the pressure equations times p), both have the same integral.
     """
     space, degree = discretization
     w = Coefficient(space)
     u, p = split(w)
     F = I + grad(u)
     density = shape(F) + coupling(F, p)
+    q = variable(p)
+    stored = density - p * diff(coupling(F, q), q)
     if stabilization is not None:
-        density -= stabilization(F, p) + variance(p) / (2 * kappa)
-    energy = density * dx(metadata={"quadrature_degree": degree})
-    return (*_chain(energy, w, space), (det(F), _points(degree)))
+        # Quadratic in p: p d/dp is twice the function.
+        of_element = stabilization(F, p) + variance(p) / (2 * kappa)
+        density -= of_element
+        stored += of_element
+    measure = dx(metadata={"quadrature_degree": degree})
+    # The stabilization belongs to the element and not to the material: it is no part of the stress.
+    stress = von_mises(lambda F: shape(F) + coupling(F, p), F, finite) * measure
+    return (*_chain(density * measure, w, space), stress, stored * measure, (det(F), _points(degree)))
 
 
 def variance(p):
@@ -106,16 +131,19 @@ def klaas(alpha, mu, finite=True):
     return density
 
 
-def every_element(shape, volumetric, kappa, stabilization, coupling=None):
-    """What ffcx compiles, by name: {p1,p2,th,p1p1}_{energy,residual,tangent,jacobian}, `forms` and `expressions`."""
+def every_element(shape, volumetric, kappa, stabilization, coupling=None, finite=True):
+    """What ffcx compiles, by name: {p1,p2,th,p1p1}_{energy,residual,tangent,von_mises,stored,jacobian}, and lists of them.
+
+    `finite` is False for the theory of small strains, whose stress knows one configuration only.
+    """
     coupling = coupling or quadratic(volumetric, kappa)
     built = {
-        "p1": displacement(P1, shape, volumetric, kappa),
-        "p2": displacement(P2, shape, volumetric, kappa),
-        "th": mixed(TAYLOR_HOOD, shape, coupling, kappa),
-        "p1p1": mixed(P1_P1, shape, coupling, kappa, stabilization),
+        "p1": displacement(P1, shape, volumetric, kappa, finite),
+        "p2": displacement(P2, shape, volumetric, kappa, finite),
+        "th": mixed(TAYLOR_HOOD, shape, coupling, kappa, finite=finite),
+        "p1p1": mixed(P1_P1, shape, coupling, kappa, stabilization, finite),
     }
-    quantities = ("energy", "residual", "tangent", "jacobian")
+    quantities = ("energy", "residual", "tangent", "von_mises", "stored", "jacobian")
     names = {f"{e}_{q}": value for e, values in built.items() for q, value in zip(quantities, values)}
     names["forms"] = [v for n, v in names.items() if not n.endswith("_jacobian")]
     names["expressions"] = [v for n, v in names.items() if n.endswith("_jacobian")]

@@ -1,5 +1,6 @@
 #include "discretization.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -138,6 +139,31 @@ double Discretization::min_jacobian(std::span<const double> state) {
       least = std::isnan(J) ? -std::numeric_limits<double>::infinity() : std::min(least, J);
   }
   return least;
+}
+
+void Discretization::cell_integrals(const ufcx_form& functional, std::span<const double> state,
+                                    std::span<double> out) const {
+  const auto constants = api::packed_constants(functional, _dolfinx->forms.constants);
+  std::vector<double> w(_n_element_dofs);
+  std::array<double, 12> x;
+  for (int cell = 0; cell < _n_cells; ++cell) {
+    const auto dofs = element_dofs(cell);
+    std::transform(dofs.begin(), dofs.end(), w.begin(), [&](auto i) { return state[i]; });
+    api::cell_coordinates(*_dolfinx->mesh, cell, x);
+    out[cell] = api::tabulate_cell(functional, w, constants, x);
+  }
+}
+
+std::array<std::int32_t, 4> Discretization::cell_nodes(int cell) const {
+  return api::cell_nodes(*_dolfinx->mesh, cell);
+}
+
+double Discretization::cell_volume(int cell) const {
+  std::array<double, 12> x;
+  api::cell_coordinates(*_dolfinx->mesh, cell, x);
+  const auto corner = Eigen::Map<const Points>(x.data(), 4, 3);
+  const Eigen::Matrix3d edges = corner.bottomRows<3>().rowwise() - corner.row(0);
+  return std::abs(edges.determinant()) / 6;
 }
 
 void Discretization::element_tangents(

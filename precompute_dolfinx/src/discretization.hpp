@@ -59,6 +59,13 @@ class Discretization {
   /// Element tangents, row-major n_element_dofs x n_element_dofs, one call per cell in order.
   void element_tangents(std::span<const double> state,
                         const std::function<void(std::int32_t, std::span<const double>)>& take);
+  /// A functional (a form without arguments) cell by cell: integrals over each. @param out n_cells,
+  /// overwritten
+  void cell_integrals(const ufcx_form& functional, std::span<const double> state,
+                      std::span<double> out) const;
+  /// Nodes of a cell, in the mesh's numbers, and its volume at rest in units of length_m^3.
+  std::array<std::int32_t, 4> cell_nodes(int cell) const;
+  double cell_volume(int cell) const;
   const FormSet& forms() const;
 
  private:

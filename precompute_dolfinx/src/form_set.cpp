@@ -11,10 +11,11 @@ namespace phynness {
 namespace {
 
 // One row per element, in the order of enum Element; ffcx numbers expressions in the order of mechanics.py.
-#define PHYNNESS_FORMS(law, name, number, element)                                               \
-  FormSet {                                                                                      \
-    form_##law##_##name##_energy, form_##law##_##name##_residual, form_##law##_##name##_tangent, \
-        expression_##law##_##number, element, {}                                                 \
+#define PHYNNESS_FORMS(law, name, number, element)                                                           \
+  FormSet {                                                                                                  \
+    form_##law##_##name##_energy, form_##law##_##name##_residual, form_##law##_##name##_tangent,             \
+        form_##law##_##name##_von_mises, form_##law##_##name##_stored, expression_##law##_##number, element, \
+    {}                                                                                                       \
   }
 #define PHYNNESS_LAW(law)                                                                              \
   std::array<FormSet, 4> {                                                                             \

@@ -13,6 +13,8 @@ struct FormSet {
   const ufcx_form* energy = nullptr;
   const ufcx_form* residual = nullptr;
   const ufcx_form* tangent = nullptr;
+  const ufcx_form* von_mises = nullptr;       ///< functional: integral of the von Mises stress
+  const ufcx_form* stored = nullptr;          ///< functional: the energy, not negative in any cell
   const ufcx_expression* jacobian = nullptr;  ///< J = det F at the quadrature points
   Element element = Element::p1;
   std::map<std::string, double> constants;  ///< by their names in the UFL file, without dimension

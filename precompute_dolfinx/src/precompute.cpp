@@ -121,6 +121,7 @@ DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeS
     header.magnitudes_m.push_back(scene.probe.max_displacement_m * i / scene.probe.increments);
   header.tangents = scene.database.tangents;
   header.float64 = scene.database.float64;
+  header.fields = scene.database.fields;
   header.scene_text = scene.text;
   header.scene_name = scene.source_name;
   header.scene_folder = scene.mesh.file.parent_path().string();

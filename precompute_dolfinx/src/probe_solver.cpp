@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <cmath>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/tool.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 
 #include "discretization.hpp"
+#include "nodal_fields.hpp"
 #include "ray_solver.hpp"
 #include "scaling.hpp"
 
@@ -26,7 +28,8 @@ struct ProbeSolver::Impl {
              form_set(s.material, s.solver.element, scaling.modulus_Pa)),
         fixed(fixed_points(body, sets.fixed)),
         equilibrium(body, displacement_dofs(body, fixed), s.solver, team),
-        rays(body, equilibrium, s.solver) {
+        rays(body, equilibrium, s.solver),
+        fields(body, s.database.fields) {
     if (!hold_the_body(mesh.nodes, sets.fixed))
       throw input_error("the fixed nodes do not hold the body",
                         std::to_string(sets.fixed.size()) + " fixed nodes",
@@ -39,15 +42,32 @@ struct ProbeSolver::Impl {
   std::vector<char> fixed;
   Equilibrium equilibrium;
   RaySolver rays;
+  NodalFields fields;
   std::vector<std::vector<double>> weights;  // per tool and point
   RaySolver::Rest rest;
   RestResponse rest_SI;
+
+  Eigen::Index n_fields() const { return static_cast<Eigen::Index>(scene.database.fields.size()); }
 
   Points displacement(std::span<const double> state) const {
     Points u(body.n_nodes(), 3);
     for (int i = 0; i < body.n_nodes(); ++i)
       for (int k = 0; k < 3; ++k) u(i, k) = scaling.length_m * state[body.dofs(i)[k]];
     return u;
+  }
+
+  /// Three parameters a tool, without dimension.
+  Eigen::VectorXd parameters(const std::vector<Vec3>& displacement_m) const {
+    Eigen::VectorXd q(static_cast<Eigen::Index>(3 * displacement_m.size()));
+    for (std::size_t t = 0; t < displacement_m.size(); ++t)
+      for (int k = 0; k < 3; ++k)
+        q[static_cast<Eigen::Index>(3 * t) + k] = displacement_m[t][k] / scaling.length_m;
+    return q;
+  }
+
+  /// Stresses and energies per volume have the unit of moduli.
+  Eigen::MatrixXd fields_of(std::span<const double> state) const {
+    return scaling.modulus_Pa * fields.at_nodes(body, state);
   }
 };
 
@@ -95,6 +115,23 @@ void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
 
 const RestResponse& ProbeSolver::rest() const { return _impl->rest_SI; }
 
+Eigen::MatrixXd ProbeSolver::linear_fields(const std::vector<Vec3>& displacement_m) const {
+  // Strains near a tool are then some 1e-4: squares of rounding and of nonlinearity are both far below.
+  constexpr double small = 1e-5;
+  const auto& s = *_impl;
+  const Eigen::VectorXd change = s.rest.sensitivity * s.parameters(displacement_m);
+  double largest = 0;
+  for (int i = 0; i < s.body.n_nodes(); ++i)
+    for (const auto dof : s.body.dofs(i)) largest = std::max(largest, std::abs(change[dof]));
+  const double scale = small / largest;
+  std::vector<double> state(static_cast<std::size_t>(change.size()));
+  Eigen::Map<Eigen::VectorXd>(state.data(), change.size()) = scale * change;
+  Eigen::MatrixXd fields = s.fields_of(state);
+  for (std::size_t f = 0; f < s.scene.database.fields.size(); ++f)
+    fields.col(static_cast<Eigen::Index>(f)) *= std::pow(scale, -degree(s.scene.database.fields[f]));
+  return fields;
+}
+
 std::vector<std::pair<std::int32_t, double>> ProbeSolver::prescribed(std::size_t tool) const {
   std::vector<std::pair<std::int32_t, double>> nodes;
   for (int i = 0; i < _impl->body.n_nodes(); ++i)
@@ -107,10 +144,7 @@ void ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vec
   auto& s = *_impl;
   const std::size_t n_tools = s.weights.size();
   if (displacement_m.size() != n_tools) throw std::logic_error("follow: one displacement per touched tool");
-  Eigen::VectorXd direction(static_cast<Eigen::Index>(3 * n_tools));
-  for (std::size_t t = 0; t < n_tools; ++t)
-    for (int k = 0; k < 3; ++k)
-      direction[static_cast<Eigen::Index>(3 * t) + k] = displacement_m[t][k] / s.scaling.length_m;
+  const Eigen::VectorXd direction = s.parameters(displacement_m);
 
   s.rays.follow(s.rest, direction, s_values, tangents,
                 [&](std::size_t i, const PathStep& step, const PathPoint& point) {
@@ -121,6 +155,7 @@ void ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vec
                   response.force_N.assign(n_tools, Vec3{});
                   if (step.status != Status::converged) {
                     response.displacement_m = Points::Zero(s.body.n_nodes(), 3);
+                    response.fields.setZero(s.body.n_nodes(), s.n_fields());
                     return take(i, response);
                   }
                   for (std::size_t t = 0; t < n_tools; ++t)
@@ -132,6 +167,7 @@ void ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vec
                   response.negative_pivots = point.negative_pivots;
                   response.min_jacobian = point.min_jacobian;
                   response.displacement_m = s.displacement(point.state);
+                  response.fields = s.fields_of(point.state);
                   return take(i, response);
                 });
 }
@@ -144,6 +180,7 @@ Response ProbeSolver::solve(const std::vector<Vec3>& displacement_m, int increme
   if (at_rest) {
     last.force_N.assign(displacement_m.size(), Vec3{});
     last.displacement_m = Points::Zero(_impl->body.n_nodes(), 3);
+    last.fields.setZero(_impl->body.n_nodes(), _impl->n_fields());
     last.negative_pivots = _impl->rest.negative_pivots;
     if (tangents) last.tangent_N_per_m = _impl->rest_SI.stiffness_N_per_m;
     return last;

@@ -22,6 +22,9 @@ void store(const Response& response, std::size_t i, const DatabaseHeader& header
     for (int k = 0; k < 3; ++k)
       ray.displacement[3 * (i * output.size() + j) + static_cast<std::size_t>(k)] =
           response.displacement_m(output[j], k);
+  for (std::size_t f = 0; f < ray.fields.size(); ++f)
+    for (std::size_t j = 0; j < output.size(); ++j)
+      ray.fields[f][i * output.size() + j] = response.fields(output[j], static_cast<Eigen::Index>(f));
 }
 
 }  // namespace
@@ -47,6 +50,7 @@ Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t di
   ray.min_jacobian.assign(n, 0.0);
   ray.seconds.assign(n, 0.0);
   ray.displacement.assign(3 * n * header.sets.output.size(), 0.0);
+  ray.fields.assign(header.fields.size(), std::vector<double>(n * header.sets.output.size(), 0.0));
   return ray;
 }
 

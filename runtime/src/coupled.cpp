@@ -424,8 +424,8 @@ void coupled_field(const phn_model& model, const Coupling& c, PreparedNodes& pre
     const HeldPoint& point = c.point[s];
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       const double* basis = c.node_basis + static_cast<std::size_t>(3 * s + i) * model.n_basis;
-      field_of_basis(model, model.active[point.active[i]], touch(model, prepared, point.active[i]), point.node_share[i],
-                     point.node_own[i], basis, scratch, one);
+      field_of_basis(model, model.active[point.active[i]], prepare(model, prepared, point.active[i]),
+                     point.node_share[i], point.node_own[i], basis, scratch, one);
       for (std::int32_t o = 0; o < 3 * model.n_output; ++o) field[o] += one[o];
     }
   }

@@ -121,7 +121,7 @@ void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t a
   const ActiveNode& node = model.active[active];
   double* basis = data.scratch + model.n_scratch - model.n_basis;
   basis_of(model, node, d, basis, data.scratch);
-  field_of_basis(model, node, touch(model, data.prepared, active), 1, d, basis, data.scratch, field);
+  field_of_basis(model, node, prepare(model, data.prepared, active), 1, d, basis, data.scratch, field);
 }
 
 void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,

@@ -310,6 +310,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   tables.output_points = model.output_points;
   surface(in, arena, model);
   if (modal) load_shared(in, arena, tables.n_displacements, model);
+  if (modal) load_fields(in, arena, model);
 
   model.n_active = count_line(in, "active", 0);
   Column<std::int32_t> active_nodes(arena, model.n_active);
@@ -329,6 +330,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   const auto n_kernels = static_cast<std::size_t>(model.shared.n_centers) + 3;
   const auto n_shared = static_cast<std::size_t>(model.shared.n_modes);
   model.n_scratch = (n_kernels > n_shared ? n_kernels : n_shared) + model.n_basis;
+  if (model.n_scratch < model.n_field_scratch) model.n_scratch = model.n_field_scratch;
   model.active_nodes = active_nodes.get();
   model.active = active.get();
   if (in.good() && !in.at_end()) in.fail(PHN_ERROR_SYNTAX);

@@ -110,23 +110,26 @@ void load_conservative(TextReader& in, Arena& arena, std::int32_t n_displacement
 
 }  // namespace
 
-void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model) {
-  SharedModes& shared = model.shared;
-  shared.n_modes = mode_count_line(in, "shared_modes");
-  const std::size_t n_rows = 3 * static_cast<std::size_t>(model.n_output);
-  const double* scale = table_scale(in, arena, "modes", n_rows, shared.n_modes);
+const float* shared_modes_table(TextReader& in, Arena& arena, std::size_t n_rows, std::int32_t& n_modes) {
+  n_modes = mode_count_line(in, "shared_modes");
+  const double* scale = table_scale(in, arena, "modes", n_rows, n_modes);
   constexpr auto rows = static_cast<std::size_t>(rows_per_block);
-  const std::size_t n_modes = static_cast<std::size_t>(shared.n_modes), n_blocks = (n_rows + rows - 1) / rows;
-  const std::size_t n_values = in.good() ? n_blocks * n_modes * rows : 0;
+  const std::size_t columns = static_cast<std::size_t>(n_modes), n_blocks = (n_rows + rows - 1) / rows;
+  const std::size_t n_values = in.good() ? n_blocks * columns * rows : 0;
   Column<float> modes(arena, n_values);
   const bool fill = has_memory(arena);
   for (std::size_t i = 0; i < n_values; ++i) modes.set(i, 0.0f);  // what fills the last block up
-  table_entries(in, n_rows, shared.n_modes, [&](std::size_t r, std::int32_t c, std::int32_t entry) {
+  table_entries(in, n_rows, n_modes, [&](std::size_t r, std::int32_t c, std::int32_t entry) {
     if (fill)
-      modes.set(((r / rows) * n_modes + static_cast<std::size_t>(c)) * rows + r % rows,
+      modes.set(((r / rows) * columns + static_cast<std::size_t>(c)) * rows + r % rows,
                 static_cast<float>(scale[c] * entry));
   });
-  shared.modes = modes.get();
+  return modes.get();
+}
+
+void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model) {
+  SharedModes& shared = model.shared;
+  shared.modes = shared_modes_table(in, arena, 3 * static_cast<std::size_t>(model.n_output), shared.n_modes);
   shared.n_centers = count_line(in, "amplitude_centers", 0);
   shared.shape = width_line(in, "shape");
   double* centers[3];
@@ -142,40 +145,44 @@ void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn
     in.end_line();
   }
   if (!place_centers || !in.good()) return;
-  // The function that subtracts these values computes them: amplitudes at rest are exactly 0.
-  const double rest[3] = {0, 0, 0};
-  for (std::int32_t i = 0; i < shared.n_centers; ++i) at_rest[i] = 0;
-  amplitude_basis(shared, rest, at_rest, at_rest);
+  // The function from which these values are subtracted computes them: amplitudes at rest are exactly 0.
+  const double rest[3] = {0, 0, 0}, q = std::sqrt(dot(rest, rest) + shared.shape * shared.shape);
+  for (std::int32_t i = 0; i < shared.n_centers; ++i) at_rest[i] = amplitude_kernel(shared, rest, q, i);
+}
+
+void load_tables(TextReader& in, Arena& arena, const char* keyword, std::size_t n_kernels,
+                 std::int32_t n_shared, std::size_t components, std::int32_t n_output, ModalTables& tables) {
+  const std::int32_t m = tables.n_modes = mode_count_line(in, keyword);
+  tables.weight = table(in, arena, "weights", n_kernels, m, tables.weight_scale);
+  tables.mixing = table(in, arena, "mixing", static_cast<std::size_t>(n_shared), m, tables.mixing_scale);
+  tables.n_near = count_line(in, "near", 0);
+  Column<std::int32_t> near(arena, tables.n_near);
+  std::int32_t previous = -1;
+  for (std::int32_t i = 0; i < tables.n_near && in.good(); ++i) {
+    const std::int32_t position = in.integer(0, n_output - 1);
+    if (position <= previous) in.fail(PHN_ERROR_RANGE);
+    near.set(i, previous = position);
+    in.end_line();
+  }
+  tables.near = near.get();
+  tables.near_mode = table(in, arena, "near_modes", components * static_cast<std::size_t>(tables.n_near), m,
+                            tables.near_mode_scale);
 }
 
 const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements,
                                 phn_model& model) {
   ModalResponse node = {};
   load_conservative(in, arena, n_displacements, model, node.force);
-  const std::int32_t m = node.n_modes = mode_count_line(in, "deformation");
-  const std::size_t n_kernels = static_cast<std::size_t>(model.shared.n_centers) + 3;
-  node.weight = table(in, arena, "weights", n_kernels, m, node.weight_scale);
-  node.mixing =
-      table(in, arena, "mixing", static_cast<std::size_t>(model.shared.n_modes), m, node.mixing_scale);
-  node.n_near = count_line(in, "near", 0);
-  Column<std::int32_t> near(arena, node.n_near);
-  std::int32_t previous = -1;
-  for (std::int32_t i = 0; i < node.n_near && in.good(); ++i) {
-    const std::int32_t position = in.integer(0, model.n_output - 1);
-    if (position <= previous) in.fail(PHN_ERROR_RANGE);
-    near.set(i, previous = position);
-    in.end_line();
-  }
-  node.near = near.get();
-  node.near_mode =
-      table(in, arena, "near_modes", 3 * static_cast<std::size_t>(node.n_near), m, node.near_mode_scale);
-  const auto n_modes = static_cast<std::size_t>(m);
+  load_tables(in, arena, "deformation", static_cast<std::size_t>(model.shared.n_centers) + 3,
+              model.shared.n_modes, 3, model.n_output, node);
+  const auto n_modes = static_cast<std::size_t>(node.n_modes);
   model.n_basis = model.n_basis > n_modes ? model.n_basis : n_modes;
   if (worth_preparing(model.shared, node)) {
     const std::size_t n_near_values = 3 * static_cast<std::size_t>(node.n_near) * n_modes;
-    model.prepared_modes = model.prepared_modes > m ? model.prepared_modes : m;
+    model.prepared_modes = model.prepared_modes > node.n_modes ? model.prepared_modes : node.n_modes;
     model.prepared_near = model.prepared_near > n_near_values ? model.prepared_near : n_near_values;
   }
+  node.fields = load_node_fields(in, arena, model);
   return place(arena, node);
 }
 

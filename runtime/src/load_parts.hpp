@@ -68,6 +68,16 @@ inline void stiffness_line(TextReader& in, double* k) {
   in.end_line();
 }
 
+/// Number and table of modes that nodes share, as modal_sum() reads them. @param n_modes  set
+const float* shared_modes_table(TextReader& in, Arena& arena, std::size_t n_rows, std::int32_t& n_modes);
+/// Number of modes (line `keyword`) and tables of a node.
+void load_tables(TextReader& in, Arena& arena, const char* keyword, std::size_t n_basis,
+                 std::int32_t n_shared, std::size_t components, std::int32_t n_output, ModalTables& tables);
+
+/// The fields of a modal model, none if the text has none; and those of a node.
+void load_fields(TextReader& in, Arena& arena, phn_model& model);
+const ModalTables* load_node_fields(TextReader& in, Arena& arena, phn_model& model);
+
 /// The shared part of a modal model. @pre output nodes and displacements of the model are loaded
 void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model);
 /// @param model  its largest sizes are raised to those of this node

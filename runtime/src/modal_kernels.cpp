@@ -12,8 +12,8 @@ PHN_INLINE double row_times(const std::int16_t* table, const double* scale, std:
   return sum;
 }
 
-/// field = sum_s amount_s mode_s in float for n rows from the begin of a block, a block of rows at a time: its sums
-/// stay in registers while the modes stream by in the order of memory.
+/// field = sum_s amount_s mode_s in float for n rows, a block of them at a time: its sums stay in registers while the
+/// modes stream by in the order of memory.
 PHN_INLINE void sum_modes(std::int32_t n_modes, std::int32_t n, const float* mode, const float* amount,
                           double* field) {
   for (std::int32_t begin = 0; begin < n; begin += rows_per_block) {
@@ -42,7 +42,10 @@ PHN_INLINE void sum_amplitudes(const ModalResponse& node, std::int32_t n_basis, 
     const std::int32_t size = m - begin < at_once ? m - begin : at_once;
     if (size == at_once) {
       for (std::int32_t r = 0; r < n_basis; ++r, row += m) {
-        for (std::int32_t j = 0; j < at_once; ++j) sum[j] += basis[r] * row[j];
+        // In two steps, which compilers turn into vectors.
+        std::int32_t whole[at_once];
+        for (std::int32_t j = 0; j < at_once; ++j) whole[j] = row[j];
+        for (std::int32_t j = 0; j < at_once; ++j) sum[j] += basis[r] * whole[j];
       }
     } else {
       for (std::int32_t r = 0; r < n_basis; ++r, row += m) {
@@ -77,9 +80,12 @@ PHN_INLINE void near_nodes(const ModalResponse& node, const PreparedNode* prepar
 
 PHN_INLINE void amplitudes(const phn_model& model, const ModalResponse& node, const double* x, double* scratch,
                            double* amplitude) {
-  const SharedModes& shared = model.shared;
-  amplitude_basis(shared, x, shared.basis_at_rest, scratch);
-  for (int k = 0; k < 3; ++k) scratch[shared.n_centers + k] = x[k];
+  const SharedModes shared = model.shared;  // a copy, which the results below cannot touch
+  const double at[3] = {x[0], x[1], x[2]}, q = std::sqrt(dot(at, at) + shared.shape * shared.shape);
+  double* __restrict kernel = scratch;
+  for (std::int32_t i = 0; i < shared.n_centers; ++i)
+    kernel[i] = amplitude_kernel(shared, at, q, i) - shared.basis_at_rest[i];
+  for (int k = 0; k < 3; ++k) kernel[shared.n_centers + k] = at[k];
   sum_amplitudes(node, shared.n_centers + 3, scratch, amplitude);
 }
 
@@ -87,21 +93,15 @@ PHN_INLINE void field_of_amplitudes(const phn_model& model, const ModalResponse&
                                     const double* amplitude, double* scratch, double* field) {
   const SharedModes& shared = model.shared;
   const std::int32_t m = node.n_modes, n = 3 * model.n_output;
-  // A node that is prepared has fewer modes than are shared: there is room for both.
-  auto *amount = reinterpret_cast<float*>(scratch), *own_amount = amount + shared.n_modes;
-  if (prepared != nullptr && prepared->n_blocks == 0) prepared = nullptr;
-  std::int32_t n_own = prepared != nullptr ? prepared->n_blocks * rows_per_block : 0;
-  n_own = n_own < n ? n_own : n;
-  if (n_own > 0) {
-    for (std::int32_t j = 0; j < m; ++j) own_amount[j] = static_cast<float>(amplitude[j]);
-    sum_modes(m, n_own, prepared->modes, own_amount, field);
-  }
-  if (n_own < n) {
+  auto* amount = reinterpret_cast<float*>(scratch);
+  if (prepared != nullptr) {
+    for (std::int32_t j = 0; j < m; ++j) amount[j] = static_cast<float>(amplitude[j]);
+    sum_modes(m, n, prepared->modes, amount, field);
+  } else {
     for (std::int32_t s = 0; s < shared.n_modes; ++s)
       amount[s] =
           static_cast<float>(row_times(node.mixing, node.mixing_scale, static_cast<std::size_t>(s), m, amplitude));
-    const std::size_t ready = static_cast<std::size_t>(n_own) * static_cast<std::size_t>(shared.n_modes);
-    sum_modes(shared.n_modes, n - n_own, shared.modes + ready, amount, field + n_own);
+    sum_modes(shared.n_modes, n, shared.modes, amount, field);
   }
   near_nodes(node, prepared, amplitude, field);
 }

@@ -37,14 +37,10 @@ inline constexpr int n_instruction_sets = 3;
 const ModalKernels* modal_kernels(int set);
 const ModalKernels& best_modal_kernels();
 
-/// basis_i = q(x - c_i) - q(x) - at_rest_i; with zeros for at_rest and x this gives at_rest.
-PHN_INLINE void amplitude_basis(const SharedModes& shared, const double* x, const double* at_rest, double* basis) {
-  const double s2 = shared.shape * shared.shape, q = std::sqrt(dot(x, x) + s2);
-  const double *cx = shared.center[0], *cy = shared.center[1], *cz = shared.center[2];
-  for (std::int32_t i = 0; i < shared.n_centers; ++i) {
-    const double y[3] = {x[0] - cx[i], x[1] - cy[i], x[2] - cz[i]};
-    basis[i] = (std::sqrt(dot(y, y) + s2) - q) - at_rest[i];
-  }
+/// q(x - c_i) - q(x), q(x) given.
+PHN_INLINE double amplitude_kernel(const SharedModes& shared, const double* x, double q, std::int32_t i) {
+  const double y[3] = {x[0] - shared.center[0][i], x[1] - shared.center[1][i], x[2] - shared.center[2][i]};
+  return std::sqrt(dot(y, y) + shared.shape * shared.shape) - q;
 }
 
 }  // namespace phynness::runtime

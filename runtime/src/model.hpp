@@ -40,18 +40,33 @@ inline constexpr double largest_modal = 1e6;
 inline constexpr double largest_center = 1e3;  ///< per component of a center, in max_displacement_m
 inline constexpr double largest_max_displacement = 1e90;  ///< of a modal model, and one over its least [m]
 
-/// Force and deformation of an active node of a modal model. Tables are 16-bit integers, row by row, with a
-/// factor for each of their n_modes columns.
-struct ModalResponse {
-  Conservative<double> force;
-  std::int32_t n_modes, n_near;   ///< n_modes = 0: forces only
-  const double* weight_scale;     ///< n_modes [m]
-  const std::int16_t* weight;     ///< of the amplitudes: n_centers + 3 rows
+/// Amplitudes of an active node and the modes that they multiply. Tables are 16-bit integers, row by row,
+/// with a factor for each of their n_modes columns.
+struct ModalTables {
+  std::int32_t n_modes, n_near;
+  const double* weight_scale;     ///< n_modes [m]; of a field in its scale
+  const std::int16_t* weight;     ///< of the amplitudes: n_centers + 3 rows, of a field + 9
   const double* mixing_scale;     ///< n_modes
   const std::int16_t* mixing;     ///< shared n_modes rows
   const std::int32_t* near;       ///< n_near positions among the output nodes
   const double* near_mode_scale;  ///< n_modes
-  const std::int16_t* near_mode;  ///< 3 n_near rows
+  const std::int16_t* near_mode;  ///< 3 n_near rows, of a field n_near
+};
+
+/// Force, deformation (n_modes = 0: none) and fields of an active node of a modal model.
+struct ModalResponse : ModalTables {
+  Conservative<double> force;
+  const ModalTables* fields;  ///< one for each field of the model
+};
+
+inline constexpr std::int32_t largest_field_count = 8;
+
+/// What the nodes of a modal model share of a field.
+struct SharedField {
+  const char *name, *unit;  ///< end with 0
+  std::int32_t degree, n_modes;
+  double scale;
+  const float* modes;  ///< as SharedModes::modes, n_output rows
 };
 
 /// Rows of shared modes that are summed together: few enough for the registers of any processor with SIMD.
@@ -95,6 +110,7 @@ struct phn_model {
   phynness::runtime::Family family;
   std::int32_t n_nodes, n_active, n_output, n_fixed, n_triangles, n_directions;
   std::size_t n_scratch;  ///< doubles that a deformation needs besides its result, its basis at the end
+  std::size_t n_field_scratch;  ///< doubles that a field needs
   std::size_t n_basis;    ///< the largest basis_size of a node
   std::int32_t prepared_modes;  ///< most modes of a node that is worth preparing (prepared.hpp); 0 in other families
   std::size_t prepared_near;    ///< most entries of near_mode of such a node
@@ -108,6 +124,8 @@ struct phn_model {
   double first_increment;  ///< [m]: length of the first row of displacements
   const double* displacements;  ///< rows of 3; in family modal over max_displacement
   phynness::runtime::SharedModes shared;
+  std::int32_t n_fields;
+  phynness::runtime::SharedField fields[phynness::runtime::largest_field_count];
   const phynness::runtime::ActiveNode* active;
 };
 

@@ -6,6 +6,7 @@
 #include "arena.hpp"
 #include "arguments.hpp"
 #include "evaluate.hpp"
+#include "modal.hpp"
 #include "model.hpp"
 
 using phynness::runtime::ActiveNode;
@@ -222,6 +223,27 @@ int phn_prepare(const phn_model* model, phn_data* data, int32_t node) {
   if (at < 0) return PHN_ERROR_NOT_ACTIVE;
   if (model->family == phynness::runtime::Family::modal) phynness::runtime::prepare(*model, data->prepared, at);
   return PHN_OK;
+}
+
+int32_t phn_n_fields(const phn_model* model) { return model ? model->n_fields : 0; }
+const char* phn_field_name(const phn_model* model, int32_t field) {
+  return model && field >= 0 && field < model->n_fields ? model->fields[field].name : nullptr;
+}
+const char* phn_field_unit(const phn_model* model, int32_t field) {
+  return model && field >= 0 && field < model->n_fields ? model->fields[field].unit : nullptr;
+}
+
+int phn_field(const phn_model* model, phn_data* data, int32_t node, const double d[3], int32_t field,
+              double* out) {
+  if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
+  zero(out, model->n_output);
+  if (field < 0 || field >= model->n_fields) return PHN_ERROR_ARGUMENT;
+  const ActiveNode* at = nullptr;
+  const int refused = find_node(model, data, node, d, out, at);
+  if (refused != PHN_OK) return refused;
+  if (at->modal->fields[field].n_modes == 0) return PHN_ERROR_UNDEFINED;
+  phynness::runtime::modal_field(*model, *at->modal, field, d, data->scratch, out);
+  return warnings(*model, *at, d);
 }
 
 int phn_trained_depth(const phn_model* model, int32_t node, const double d[3], double* depth) {

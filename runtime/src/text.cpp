@@ -63,6 +63,16 @@ void TextReader::rest_of_line() {
   while (good() && _at != _end && *_at != '\n') ++_at;
 }
 
+TextReader::Word TextReader::word() {
+  constexpr std::size_t longest = 40;
+  const Token found = token();
+  const auto length = static_cast<std::size_t>(found.end - found.begin);
+  if (length < 1 || length > longest) fail(PHN_ERROR_SYNTAX);
+  for (const char* c = found.begin; c != found.end && good(); ++c)
+    if (*c <= 0x20 || *c >= 0x7f) fail(PHN_ERROR_SYNTAX);
+  return good() ? Word{found.begin, length} : Word{nullptr, 0};
+}
+
 void TextReader::end_line() {
   if (!good()) return;
   if (_at == _end || *_at != '\n') return fail(PHN_ERROR_SYNTAX);

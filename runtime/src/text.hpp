@@ -27,6 +27,12 @@ class TextReader {
 
   void keyword(const char* word);
   void rest_of_line();
+  /// A token of 1 to 40 visible ASCII characters; it lies in the text. Length 0 if there is none.
+  struct Word {
+    const char* begin;
+    std::size_t length;
+  };
+  Word word();
   void end_line();
   bool at_end() const { return _at == _end; }
 

@@ -78,6 +78,7 @@ inline Ray random_ray(const DatabaseHeader& h, int active, int direction) {
   r.min_jacobian = numbers(n);
   r.seconds = numbers(n);
   r.displacement = numbers(3 * n * h.sets.output.size());
+  for (std::size_t f = 0; f < h.fields.size(); ++f) r.fields.push_back(numbers(n * h.sets.output.size()));
   return r;
 }
 

@@ -46,6 +46,19 @@ Model one_modal_node() {
   return model;
 }
 
+/// The same with a field.
+Model one_field_node() {
+  Numbers numbers;
+  Model model = one_modal_node();
+  model.fields = {
+      {"f", "Pa", 1, 2.5, random_table(static_cast<Eigen::Index>(model.output.size()), 1, 1, numbers)}};
+  ModalDeformation& of_node = model.nodes[0].fields.emplace_back();
+  of_node.near = {3};
+  of_node.weights = random_table(2 + 9, 1, 1, numbers);
+  of_node.mixing = of_node.near_modes = random_table(1, 1, 1, numbers);
+  return model;
+}
+
 class ModelTextOf : public testing::TestWithParam<Family> {};
 INSTANTIATE_TEST_SUITE_P(Families, ModelTextOf, testing::Values(Family::rbfn, Family::linear, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });
@@ -140,6 +153,32 @@ TEST(ModelText, ModalModelsRoundTripBitForBit) {
     EXPECT_EQ(again.nodes[i].modal.near, model.nodes[i].modal.near);
   }
   EXPECT_TRUE(std::signbit(again.nodes[0].conservative.coefficients(0, 0)));
+}
+
+// Claim: so does one with fields; without them the text has no trace of any.
+TEST(ModelText, FieldsRoundTripBitForBit) {
+  const Model model = small_field_model();
+  const std::string text = write_model_text(model);
+  const Model again = read_model_text(text, "model.txt");
+  EXPECT_EQ(write_model_text(again), text);
+  const auto equal = [](const ScaledTable& a, const ScaledTable& b) {
+    return a.scale == b.scale && a.entries == b.entries;
+  };
+  ASSERT_EQ(again.fields.size(), 2u);
+  for (std::size_t f = 0; f < 2; ++f) {
+    EXPECT_EQ(again.fields[f].name, model.fields[f].name);
+    EXPECT_EQ(again.fields[f].unit, model.fields[f].unit);
+    EXPECT_EQ(again.fields[f].degree, model.fields[f].degree);
+    EXPECT_EQ(again.fields[f].scale, model.fields[f].scale);
+    EXPECT_TRUE(equal(again.fields[f].modes, model.fields[f].modes));
+    for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+      EXPECT_TRUE(equal(again.nodes[i].fields[f].weights, model.nodes[i].fields[f].weights));
+      EXPECT_TRUE(equal(again.nodes[i].fields[f].mixing, model.nodes[i].fields[f].mixing));
+      EXPECT_TRUE(equal(again.nodes[i].fields[f].near_modes, model.nodes[i].fields[f].near_modes));
+      EXPECT_EQ(again.nodes[i].fields[f].near, model.nodes[i].fields[f].near);
+    }
+  }
+  EXPECT_EQ(write_model_text(small_modal_model()).find("field"), std::string::npos);
 }
 
 // Claim: a scaled table holds every number to 1 / 65534 of its column's largest, and zeros as zeros.
@@ -275,7 +314,7 @@ TEST(ModelText, RefusalsSayWhatIsWrong) {
 // checksum.
 TEST_P(ModelTextOf, HostAndRuntimeRefuseTheSame) {
   const std::string text = write_model_text(GetParam() == Family::linear  ? one_linear_node()
-                                            : GetParam() == Family::modal ? one_modal_node()
+                                            : GetParam() == Family::modal ? one_field_node()
                                                                           : small_model(1, 1));
   const std::string body = text.substr(0, text.rfind("checksum "));
   for (std::size_t at = body.find("family"); at < body.size(); at += 1) {
@@ -396,7 +435,7 @@ TEST(ModelDirectory, RefusesAnotherMesh) {
 // stiffness): both round in double, in different orders; but modal displacements, which the runtime sums as
 // floats, to 1e-5. 1e-16 is what the reader's terms leave at rest, where the runtime's cancel exactly.
 TEST_P(ModelTextOf, AReaderInAnotherLanguageAgrees) {
-  const Model model = small_model_of(GetParam());
+  const Model model = GetParam() == Family::modal ? small_field_model() : small_model_of(GetParam());
   const std::string text = write_model_text(model);
   const LoadedModel loaded(text);
   const auto folder =
@@ -424,22 +463,33 @@ TEST_P(ModelTextOf, AReaderInAnotherLanguageAgrees) {
       std::vector<double> force(3), u(3 * model.output.size()), energy(1), stiffness(9);
       ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data()), 0);
       ASSERT_GE(phn_deform(loaded.model, loaded.data, 1, &node.node, d.data(), u.data()), 0);
-      std::vector<std::pair<const std::vector<double>*, double>> mine = {
-          {&force, 1e-12}, {&u, GetParam() == Family::modal ? 1e-5 : 1e-12}};
+      struct Kind {
+        const std::vector<double>* values;
+        double tolerance, unit = 1;
+      };
+      std::vector<Kind> mine = {{&force, 1e-12}, {&u, GetParam() == Family::modal ? 1e-5 : 1e-12}};
       if (GetParam() != Family::rbfn) {
         ASSERT_GE(phn_energy(loaded.model, loaded.data, node.node, d.data(), energy.data()), 0);
         ASSERT_GE(phn_stiffness(loaded.model, loaded.data, node.node, d.data(), stiffness.data()), 0);
-        mine.insert(mine.end(), {{&energy, 1e-12}, {&stiffness, 1e-12}});
+        mine.insert(mine.end(), {Kind{&energy, 1e-12}, Kind{&stiffness, 1e-12}});
+      }
+      std::vector<std::vector<double>> fields(model.fields.size(), std::vector<double>(model.output.size()));
+      for (std::size_t f = 0; f < fields.size(); ++f) {
+        if (node.fields[f].weights.cols() == 0) continue;
+        ASSERT_GE(phn_field(loaded.model, loaded.data, node.node, d.data(), static_cast<std::int32_t>(f),
+                            fields[f].data()),
+                  0);
+        mine.push_back({&fields[f], 1e-5, model.fields[f].scale});  // summed as floats, too
       }
       std::string line, word;
       ASSERT_TRUE(std::getline(answers, line));
       std::istringstream words(line);
-      for (const auto& [values, tolerance] : mine) {
+      for (const auto& [values, tolerance, unit] : mine) {
         double largest = 0;
         for (const double x : *values) largest = std::max(largest, std::abs(x));
         for (const double x : *values) {
           ASSERT_TRUE(words >> word);
-          EXPECT_NEAR(std::strtod(word.c_str(), nullptr), x, tolerance * largest + 1e-16);
+          EXPECT_NEAR(std::strtod(word.c_str(), nullptr), x, tolerance * largest + 1e-16 * unit);
         }
       }
       EXPECT_FALSE(words >> word);

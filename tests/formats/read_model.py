@@ -3,7 +3,7 @@
 Usage: read_model.py model.txt < queries
 One query a line: node dx dy dz (hexadecimal floats as in model.txt).
 One answer a line: the force, then the displacements of all output nodes, then, where the family has them, the energy
-and the nine numbers of the stiffness, as hexadecimal floats.
+and the nine numbers of the stiffness, and the values of each field that the node has, as hexadecimal floats.
 """
 import math
 import sys
@@ -21,10 +21,14 @@ def checked_lines(data):
 
 class Reader:
     def __init__(self, lines):
-        self.lines = iter(lines)
+        self.lines, self.at = lines, 0
+
+    def next_is(self, keyword):
+        return self.lines[self.at].split(" ")[0] == keyword
 
     def fields(self, keyword=None):
-        fields = next(self.lines).split(" ")
+        fields = self.lines[self.at].split(" ")
+        self.at += 1
         if keyword is not None and fields.pop(0) != keyword:
             sys.exit("expected " + keyword)
         return fields
@@ -71,6 +75,13 @@ def read_shared(reader, model):
     model["shape"] = reader.floats("shape")[0]
     model["centers"] = [model["displacements"][reader.count()] for _ in range(n_centers)]
     model["n_shared"] = n_modes
+    model["fields"] = []
+    for _ in range(reader.count("fields") if reader.next_is("fields") else 0):
+        name, unit = reader.fields("field")
+        field = {"name": name, "unit": unit, "degree": reader.count("degree"), "scale": reader.floats("scale")[0]}
+        field["n_shared"] = reader.count("shared_modes")
+        field["modes"] = read_table(reader, "modes", len(model["points"]))
+        model["fields"].append(field)
 
 
 def read_modal(reader, model, node):
@@ -87,6 +98,14 @@ def read_modal(reader, model, node):
     node["mixing"] = read_table(reader, "mixing", model["n_shared"])
     node["near"] = [reader.count() for _ in range(reader.count("near"))]
     node["near_modes"] = read_table(reader, "near_modes", 3 * len(node["near"]))
+    node["fields"] = []
+    for shared in model["fields"]:
+        field = {"n_modes": reader.count("field")}
+        field["weights"] = read_table(reader, "weights", len(model["centers"]) + 9)
+        field["mixing"] = read_table(reader, "mixing", shared["n_shared"])
+        field["near"] = [reader.count() for _ in range(reader.count("near"))]
+        field["near_modes"] = read_table(reader, "near_modes", len(field["near"]))
+        node["fields"].append(field)
 
 
 def read_model(data):
@@ -224,6 +243,19 @@ def modal_displacements(model, node, d):
     return u
 
 
+def field_values(model, shared, field, d):
+    s, x = model["shape"], [v / model["largest"] for v in d]
+    size = math.sqrt(dot(x, x))
+    by = size if shared["degree"] == 1 and size > 0 else 1
+    basis = [q(minus(x, c), s) - q(x, s) - q(c, s) + q([0, 0, 0], s) for c in model["centers"]] + x
+    basis += [x[j] * x[k] / by for j in range(3) for k in range(j, 3)]
+    a = [dot(column, basis) for column in zip(*field["weights"])]
+    values = apply(shared["modes"], apply(field["mixing"], a))
+    for position, value in zip(field["near"], apply(field["near_modes"], a)):
+        values[position] = value
+    return [max(0.0, shared["scale"] * v) for v in values]
+
+
 def displacements(model, node, d):
     if model["family"] == "modal":
         return modal_displacements(model, node, d)
@@ -246,6 +278,9 @@ def main():
             answer += u
         if model["family"] != "rbfn":
             answer += [energy(model, node, d)] + stiffness(model, node, d)
+        for shared, field in zip(model.get("fields", []), node.get("fields", [])):
+            if field["n_modes"] > 0:
+                answer += field_values(model, shared, field, d)
         print(*(v.hex() for v in answer))
 
 

@@ -146,6 +146,14 @@ TEST(PhysicsHash, ignores_what_does_not_decide_a_solve) {
   EXPECT_EQ(physics_hash(parsed(with(good_scene, "500.0", "5e2"))), hash);
   EXPECT_EQ(physics_hash(parsed(good_scene + "[validation]\nprobes = 3\n[database]\ntangents = true\n")),
             hash);
+  EXPECT_EQ(physics_hash(parsed(good_scene + "[database]\nfields = [\"energy-density\"]\n")), hash);
+}
+
+TEST(SceneFields, are_none_by_default_and_in_one_order) {
+  EXPECT_TRUE(parsed(good_scene).database.fields.empty());
+  EXPECT_TRUE(parsed(good_scene + "[database]\nfields = []\n").database.fields.empty());
+  const auto both = parsed(good_scene + "[database]\nfields = [\"energy-density\", \"von-mises-stress\"]\n");
+  EXPECT_EQ(both.database.fields, (std::vector<Field>{Field::von_mises_stress, Field::energy_density}));
 }
 
 TEST(PhysicsHash, follows_everything_that_decides_a_solve) {

@@ -2,6 +2,10 @@
 // inside and beyond the trained depth: forces to 1e-8 (the solver's relative tolerance), displacements to
 // 1e-6 (float32 in the database, 6e-8, twice). So does the linear predictor, as it must. What cannot be
 // trained is refused before anything is solved.
+#include <array>
+#include <cstdio>
+#include <sstream>
+
 #include "command_line.hpp"
 
 namespace phynness::test {
@@ -119,6 +123,49 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
   EXPECT_EQ(phynness("eval out/model --point 0.041,0.033 --displacement 0,0,0.001").exit_status, 2);
   EXPECT_EQ(phynness("eval out/model --point 0.0,0.033,0.0 --displacement 0,0,0.001").exit_status, 2);
   EXPECT_EQ(phynness("solve scene.toml --point 0.03,0.033,0.0 --displacement 0,0,0.001").exit_status, 2);
+}
+
+// Claim: eval writes the surface at any level: at level 0 the vertex of the touched node lies where the tool
+// put it, to the float's rounding; each level has four times the triangles. Files that cannot be written are
+// refused before that.
+TEST_F(LinearScenes, EvalWritesTheDeformedSurface) {
+  write_file(folder / "scene.toml", linear_scene());
+  ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+  ASSERT_EQ(phynness("info out/model --json info.json").exit_status, 0);
+  const auto node = json("info.json").at("active").at(0).dump();
+  const auto eval = "eval out/model --node " + node + " --displacement 0,0,-0.006 --deformation u.csv";
+  long before = 0;
+  for (const int levels : {0, 1, 2}) {
+    const auto written =
+        phynness(eval + " --surface s.obj" + (levels > 0 ? " --subdivide " + std::to_string(levels) : ""));
+    ASSERT_EQ(written.exit_status, 0) << written.err;
+    std::istringstream obj(read_file(folder / "s.obj")), csv(read_file(folder / "u.csv"));
+    long n_triangles = 0;
+    std::vector<std::array<double, 3>> vertices;
+    for (std::string line; std::getline(obj, line);) {
+      n_triangles += line.starts_with("f ");
+      auto& v = vertices.emplace_back();
+      if (std::sscanf(line.c_str(), "v %lf %lf %lf", &v[0], &v[1], &v[2]) != 3) vertices.pop_back();
+    }
+    if (levels > 0) {
+      EXPECT_EQ(n_triangles, 4 * before);
+    }
+    before = n_triangles;
+    std::string line;
+    std::getline(csv, line);
+    for (std::size_t row = 0; levels == 0 && std::getline(csv, line); ++row) {
+      double x[3], u[3];
+      ASSERT_EQ(std::sscanf(line.c_str(), "%*d,%lf,%lf,%lf,%lf,%lf,%lf", x, x + 1, x + 2, u, u + 1, u + 2),
+                6);
+      for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(vertices.at(row)[k], x[k] + u[k], 1e-7);
+    }
+  }
+  EXPECT_GT(before, 0);
+  EXPECT_EQ(phynness(eval + " --surface s.vtk --subdivide 1").exit_status, 0);
+  EXPECT_EQ(read_file(folder / "s.vtk").substr(0, 5), "# vtk");
+  for (const char* wrong : {" --surface s.stl", " --subdivide 1", " --surface out/model/model.txt",
+                            " --surface u.csv", " --surface s.obj --subdivide 7"})
+    EXPECT_NE(phynness(eval + wrong).exit_status, 0) << wrong;
 }
 
 TEST_F(LinearScenes, WhatCannotBeTrainedIsRefusedBeforeAnythingIsSolved) {

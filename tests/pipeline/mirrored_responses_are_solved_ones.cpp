@@ -21,7 +21,10 @@ class MirroredResponses : public CommandLine,
     auto text = small_scene(element);
     text = changed(text, "target_size_m = 0.025", "target_size_m = 0.025\nsymmetry = \"x\"");
     text = changed(text, "[solver]", "[solver]\nrelative_tolerance = 1e-10");
-    text = changed(text, "[probe]", "[database]\ndisplacement_precision = \"float64\"\n[probe]\n" + probe);
+    text = changed(text, "[probe]",
+                   "[database]\ndisplacement_precision = \"float64\"\n"
+                   "fields = [\"von-mises-stress\", \"energy-density\"]\n[probe]\n" +
+                       probe);
     // Two nodes of a pair, and one on the plane.
     const auto from = text.find("active ="), to = text.find("[database]");
     return text.replace(
@@ -64,6 +67,9 @@ TEST_P(MirroredResponses, AreThoseOfSolvingEverything) {
       EXPECT_LT(difference(these[d].force, those[d].force), 1e-8);
       EXPECT_LT(difference(these[d].energy, those[d].energy), 1e-8);
       EXPECT_LT(difference(these[d].displacement, those[d].displacement), 1e-8);
+      ASSERT_EQ(these[d].fields.size(), 2u);
+      // Stored as float32, whose rounding is 6e-8; two of them.
+      for (std::size_t f = 0; f < 2; ++f) EXPECT_LT(difference(these[d].fields[f], those[d].fields[f]), 2e-7);
     }
   }
   const auto info = phynness("info mirrored.h5");

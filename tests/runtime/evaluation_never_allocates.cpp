@@ -29,8 +29,8 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-// Claim: from loading to evaluation with several tools and finer surfaces the library allocates nothing; the counter is shown to
-// count.
+// Claim: from loading to evaluation with several tools and finer surfaces the library allocates nothing; the
+// counter is shown to count.
 class Memory : public testing::TestWithParam<Family> {};
 INSTANTIATE_TEST_SUITE_P(Families, Memory, testing::Values(Family::rbfn, Family::linear, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });
@@ -80,6 +80,26 @@ TEST_P(Memory, NothingIsAllocated) {
   EXPECT_LE(3 * phn_surface_n_vertices(surface), static_cast<std::int32_t>(fine.size()));
   EXPECT_EQ(energy_status, derivatives);
   EXPECT_EQ(stiffness_status, derivatives);
+  EXPECT_EQ(after, before);
+}
+
+TEST(Memory, FieldsAllocateNothing) {
+  const std::string text = write_model_text(small_field_model());
+  std::vector<char> model_memory(1 << 20), data_memory(1 << 20);
+  std::size_t bytes = 0;
+  const phn_model* model = nullptr;
+  phn_data* data = nullptr;
+  const double d[] = {0.001, 0.002, 0.003};
+  double out[12];
+  const long before = n_allocations;
+  int worst = phn_model_size(text.data(), text.size(), &bytes);
+  worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model));
+  worst = std::min(worst, phn_data_size(model, 1, &bytes));
+  worst = std::min(worst, phn_data_init(data_memory.data(), bytes, model, 1, &data));
+  for (const std::int32_t field : {0, 1}) worst = std::min(worst, phn_field(model, data, 3, d, field, out));
+  const long after = n_allocations;
+  EXPECT_EQ(worst, 0);
+  EXPECT_EQ(phn_n_fields(model), 2);
   EXPECT_EQ(after, before);
 }
 

@@ -191,8 +191,6 @@ TEST(ModalRuntime, SeveralToolsAreBlended) {
   const std::int32_t tools[] = {3, 8};
   const double d[] = {0.004, 0.001, 0, 0, -0.006, 0.002};
   Points both(12, 3), first(12, 3), second(12, 3);
-  // Prepared nodes round their floats otherwise; here all calls find them alike.
-  for (const std::int32_t node : tools) ASSERT_EQ(phn_prepare(loaded.model, loaded.data, node), PHN_OK);
   ASSERT_GE(phn_deform(loaded.model, loaded.data, 2, tools, d, both.data()), 0);
   ASSERT_GE(phn_deform(loaded.model, loaded.data, 1, tools, d, first.data()), 0);
   ASSERT_GE(phn_deform(loaded.model, loaded.data, 1, tools + 1, d + 3, second.data()), 0);

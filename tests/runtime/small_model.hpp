@@ -173,6 +173,28 @@ inline Model small_modal_model(int n_modes = 3, int n_force = 5, int n_shared = 
   return model;
 }
 
+/// The same with two fields: one of degree 1 with fewer shared modes, one of degree 2 with none near. Node 15
+/// has no modes of the second.
+inline Model small_field_model() {
+  Numbers numbers;
+  Model model = small_modal_model();
+  const auto n_output = static_cast<Eigen::Index>(model.output.size());
+  const auto n_basis = static_cast<Eigen::Index>(model.shared.centers.size()) + 9;
+  model.fields = {{"von-mises-stress", "Pa", 1, 1234.5, random_table(n_output, 4, 0.5, numbers)},
+                  {"energy-density", "J/m^3", 2, 0.75, random_table(n_output, 6, 0.5, numbers)}};
+  for (ActiveNodeModel& node : model.nodes) {
+    for (const auto& field : model.fields) {
+      const Eigen::Index n_modes = field.degree == 2 && node.node == 15 ? 0 : 5;
+      ModalDeformation& of_node = node.fields.emplace_back();
+      if (field.degree == 1) of_node.near = {1, 4, 6};
+      of_node.weights = random_table(n_basis, n_modes, 1, numbers);
+      of_node.mixing = random_table(field.modes.cols(), n_modes, 1, numbers);
+      of_node.near_modes = random_table(static_cast<Eigen::Index>(of_node.near.size()), n_modes, 1, numbers);
+    }
+  }
+  return model;
+}
+
 /// Every family, for claims about all of them.
 inline Model small_model_of(Family family) {
   if (family == Family::linear) return small_linear_model();

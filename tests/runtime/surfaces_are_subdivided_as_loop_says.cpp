@@ -66,6 +66,7 @@ struct FineSurface {
   Points deform(const Points& field) {
     Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> out(n_vertices, 3);
     out.setConstant(std::numeric_limits<float>::quiet_NaN());
+    std::fill(scratch.begin(), scratch.end(), std::numeric_limits<float>::quiet_NaN());
     EXPECT_EQ(phn_surface_deform(surface, scratch.data(), field.data(), out.data()), PHN_OK);
     return out.cast<double>();
   }
@@ -223,6 +224,10 @@ std::vector<Body> bodies() {
       {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {5, 5, 5}},  // a bow, and a lone vertex
        {{0, 1, 2}, {0, 3, 4}},
        1});
+  // An edge of four triangles that ends at vertex 0.
+  all.push_back({{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 1, 0}, {0, -1, 0}, {-1, -1, 0}},
+                 {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 4}, {0, 4, 5}, {0, 5, 1}},
+                 2});
   all.push_back({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, 3});  // nothing moves
   return all;
 }

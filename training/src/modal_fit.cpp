@@ -5,6 +5,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/training/modal_fit.hpp>
 #include <set>
+#include <string>
 
 #include "fixed_shapes.hpp"
 #include "left_out.hpp"
@@ -37,6 +38,9 @@ constexpr double same_place = 1e-9;
 /// modes, so that 8 columns and 3 rounds leave the subspace converged beyond what 16 bits show.
 constexpr int spare_columns = 8, rounds = 3;
 
+/// Products of two components of a displacement.
+constexpr int n_even = 6;
+
 double q(const Vector3d& y, double shape) { return std::sqrt(y.squaredNorm() + shape * shape); }
 
 double anchored_kernel(const Vector3d& x, const Vector3d& c, double shape) {
@@ -50,13 +54,18 @@ Eigen::MatrixX3d scaled_rows(const TrainingTables& tables, const std::vector<std
   return x;
 }
 
-/// n x (centers + 3): the amplitudes' features at each x.
-MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, double shape) {
-  MatrixXd f(x.rows(), centers.rows() + 3);
+/// n x (centers + 3), of a field + 9: the amplitudes' features at each x.
+/// @param degree  of a field near rest; 0: a displacement
+MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, double shape, int degree = 0) {
+  const Index n_centers = centers.rows();
+  MatrixXd f(x.rows(), n_centers + 3 + (degree > 0 ? n_even : 0));
   for (Index i = 0; i < x.rows(); ++i)
-    for (Index j = 0; j < centers.rows(); ++j)
+    for (Index j = 0; j < n_centers; ++j)
       f(i, j) = anchored_kernel(x.row(i).transpose(), centers.row(j).transpose(), shape);
-  f.rightCols<3>() = x;
+  f.middleCols<3>(n_centers) = x;
+  if (degree > 0)
+    for (Index i = 0; i < x.rows(); ++i)
+      f.row(i).tail<n_even>() = even_features(x.row(i).transpose(), degree).transpose();
   return f;
 }
 
@@ -65,17 +74,18 @@ MatrixXd orthonormal(const MatrixXd& a) {
          MatrixXd::Identity(a.rows(), std::min(a.rows(), a.cols()));
 }
 
-/// Mean over rows and output nodes not moved by the probe of |displacement| / largest.
+/// Mean over rows and output nodes not moved by the probe of |displacement| (of a field: |value|) / largest.
 double mean_share(const MatrixXd& fields, const NodeModes& node) {
   double sum = 0;
   Index n = 0;
+  const Index k = node.components;
   for (std::size_t o = 0; o < node.moved.size(); ++o) {
     if (node.moved[o]) continue;
     for (Index i = 0; i < fields.rows(); ++i)
-      sum += fields.row(i).segment<3>(3 * static_cast<Index>(o)).norm();
+      sum += fields.row(i).segment(k * static_cast<Index>(o), k).norm();
     n += fields.rows();
   }
-  return n > 0 && node.largest_m > 0 ? sum / static_cast<double>(n) / node.largest_m : 0;
+  return n > 0 && node.largest > 0 ? sum / static_cast<double>(n) / node.largest : 0;
 }
 
 /// Amplitudes at directions left out, mean over states: root mean square over nodes of their error, over the
@@ -114,9 +124,9 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
     for (Index j = 0; j < n; ++j) phi(i, j) = q(place(i) - place(j), shape);
   }
   const MatrixXd errors = left_out(phi, tail, values, groups_by_direction(directions, 1, 1));
-  const double n_output = static_cast<double>(node.modes.rows()) / 3;
-  return node.largest_m > 0
-             ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest_m
+  const double n_output = static_cast<double>(node.modes.rows()) / node.components;
+  return node.largest > 0
+             ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest
              : 0;
 }
 
@@ -146,7 +156,7 @@ Chooser chooser(const TrainingTables& tables, const NodeModes& node, const Eigen
   const MatrixXd linear = orthonormal(f.rightCols<3>());
   c.columns = f.leftCols(candidates.rows());
   c.columns -= linear * (linear.transpose() * c.columns);
-  c.rest = node.amplitudes / std::max(node.largest_m, std::numeric_limits<double>::min());
+  c.rest = node.amplitudes / std::max(node.largest, std::numeric_limits<double>::min());
   c.rest -= linear * (linear.transpose() * c.rest);
   c.first = c.columns.colwise().squaredNorm();
   return c;
@@ -167,37 +177,41 @@ void remove(Chooser& c, Index candidate) {
   c.rest -= direction * (direction.transpose() * c.rest);
 }
 
-}  // namespace
-
-std::vector<double> amplitude_shape_candidates() { return {0.03, 0.1, 0.3, 0.6, 1.0}; }
-
-NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed,
-                     const std::vector<Ray>& rays, int max_modes) {
+/// A node that has its states and `moved`, and no modes yet.
+NodeModes node_of(const TrainingTables& tables, const std::vector<Ray>& rays, int components) {
   NodeModes node;
+  node.components = components;
   node.row = converged_increments(tables, rays);
-  const auto n = static_cast<Index>(node.row.size());
-  const auto n_output = tables.output.size();
-  node.moved.assign(n_output, 0);
-  for (std::size_t o = 0; o < n_output; ++o)
-    node.moved[o] = std::binary_search(prescribed.nodes.begin(), prescribed.nodes.end(), tables.output[o]);
-  MatrixXd u(n, 3 * static_cast<Index>(n_output));
-  for (Index i = 0; i < n; ++i) {
+  for (const auto row : node.row) node.direction.push_back(row / tables.n_increments);
+  node.moved.assign(tables.output.size(), 0);
+  return node;
+}
+
+/// What each state of the node holds, one per row; `values(ray)` are those of all of a ray's increments.
+template <typename Values>
+MatrixXd states_of(const TrainingTables& tables, const std::vector<Ray>& rays, const NodeModes& node,
+                   const Values& values) {
+  const std::size_t columns = static_cast<std::size_t>(node.components) * tables.output.size();
+  MatrixXd u(static_cast<Index>(node.row.size()), static_cast<Index>(columns));
+  for (Index i = 0; i < u.rows(); ++i) {
     const auto row = node.row[static_cast<std::size_t>(i)];
-    node.direction.push_back(row / tables.n_increments);
-    const double* from =
-        &rays[static_cast<std::size_t>(row / tables.n_increments)]
-             .displacement[3 * static_cast<std::size_t>(row % tables.n_increments) * n_output];
+    const std::vector<double>& of_ray = values(rays[static_cast<std::size_t>(row / tables.n_increments)]);
+    const double* from = &of_ray[columns * static_cast<std::size_t>(row % tables.n_increments)];
     u.row(i) = Eigen::Map<const Eigen::RowVectorXd>(from, u.cols());
   }
   if (!u.allFinite())
-    throw failure("database holds a displacement that is not finite in an increment marked converged", "",
-                  "precompute this database again");
-  for (std::size_t o = 0; o < n_output; ++o) {
-    if (node.moved[o]) u.middleCols<3>(3 * static_cast<Index>(o)).setZero();
-    for (Index i = 0; i < n; ++i)
-      node.largest_m = std::max(node.largest_m, u.row(i).segment<3>(3 * static_cast<Index>(o)).norm());
-  }
-  if (n == 0) return node;
+    throw failure("database holds a " + std::string(node.components == 3 ? "displacement" : "field") +
+                      " that is not finite in an increment marked converged",
+                  "", "precompute this database again");
+  return u;
+}
+
+/// Fills in modes, amplitudes and what is said of them.
+void decompose(const MatrixXd& u, int max_modes, NodeModes& node) {
+  const Index n = u.rows(), k = node.components;
+  for (Index o = 0; o < u.cols() / k; ++o)
+    for (Index i = 0; i < n; ++i) node.largest = std::max(node.largest, u.row(i).segment(k * o, k).norm());
+  if (n == 0) return;
   // Fewer states than unknowns: the small Gram matrix has the same singular values.
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(u * u.transpose());
   const VectorXd squares = eigen.eigenvalues().reverse().cwiseMax(0);
@@ -208,13 +222,48 @@ NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribe
     node.size = VectorXd::Zero(1);
     node.modes = MatrixXd::Zero(u.cols(), 1);
     node.amplitudes = MatrixXd::Zero(n, 1);
-    return node;
+    return;
   }
   node.size = squares.head(m).cwiseSqrt();
   const MatrixXd left = eigen.eigenvectors().rowwise().reverse().leftCols(m);
   node.modes = u.transpose() * left * node.size.cwiseInverse().asDiagonal();
   node.amplitudes = left * node.size.asDiagonal();
   node.lost = mean_share(u - node.amplitudes * node.modes.transpose(), node);
+}
+
+}  // namespace
+
+std::vector<double> amplitude_shape_candidates() { return {0.03, 0.1, 0.3, 0.6, 1.0}; }
+
+Eigen::Matrix<double, 6, 1> even_features(const Vector3d& x, int degree) {
+  const double size = x.norm();
+  if (!(size > 0)) return Eigen::Matrix<double, 6, 1>::Zero();
+  const double by = degree == 1 ? size : 1;
+  Eigen::Matrix<double, 6, 1> e;
+  e << x[0] * x[0], x[0] * x[1], x[0] * x[2], x[1] * x[1], x[1] * x[2], x[2] * x[2];
+  return e / by;
+}
+
+NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed,
+                     const std::vector<Ray>& rays, int max_modes) {
+  auto node = node_of(tables, rays, 3);
+  MatrixXd u = states_of(tables, rays, node,
+                         [](const Ray& ray) -> const std::vector<double>& { return ray.displacement; });
+  for (std::size_t o = 0; o < tables.output.size(); ++o) {
+    node.moved[o] = std::binary_search(prescribed.nodes.begin(), prescribed.nodes.end(), tables.output[o]);
+    if (node.moved[o]) u.middleCols<3>(3 * static_cast<Index>(o)).setZero();
+  }
+  decompose(u, max_modes, node);
+  return node;
+}
+
+NodeModes field_modes(const TrainingTables& tables, const std::vector<Ray>& rays, std::size_t field,
+                      double scale, int max_modes) {
+  auto node = node_of(tables, rays, 1);
+  const MatrixXd values =
+      states_of(tables, rays, node,
+                [field](const Ray& ray) -> const std::vector<double>& { return ray.fields.at(field); });
+  decompose(values / scale, max_modes, node);
   return node;
 }
 
@@ -229,7 +278,7 @@ MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, std::ui
   MatrixXf all(n_rows, n_columns);
   Index at = 0;
   for (const auto& node : nodes) {
-    const double weight = node.largest_m > 0 ? 1 / node.largest_m : 0;
+    const double weight = node.largest > 0 ? 1 / node.largest : 0;
     all.middleCols(at, node.modes.cols()) = (node.modes * (weight * node.size).asDiagonal()).cast<float>();
     at += node.modes.cols();
   }
@@ -300,12 +349,12 @@ AmplitudeCenters amplitude_centers_of_shape(const TrainingTables& tables, const 
   return chosen;
 }
 
-ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node,
-                   int n_near) {
+ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node, int n_near,
+                   int degree) {
   ModalFit fit;
   auto& modal = fit.deformation;
   const MatrixXd basis = shared.modes.values();
-  const Index n_output = basis.rows() / 3, m = node.modes.cols();
+  const Index k = node.components, n_output = basis.rows() / k, m = node.modes.cols();
 
   // Near nodes: where the shared modes miss most, the sizes of the modes counted in.
   MatrixXd mixing = basis.transpose() * node.modes;
@@ -313,17 +362,17 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   std::vector<std::pair<double, std::int32_t>> worst;
   for (Index o = 0; o < n_output; ++o)
     if (!node.moved[static_cast<std::size_t>(o)])
-      worst.emplace_back(-missing.middleRows<3>(3 * o).squaredNorm(), static_cast<std::int32_t>(o));
+      worst.emplace_back(-missing.middleRows(k * o, k).squaredNorm(), static_cast<std::int32_t>(o));
   std::sort(worst.begin(), worst.end());
   for (std::size_t i = 0; i < std::min<std::size_t>(worst.size(), static_cast<std::size_t>(n_near)); ++i)
     modal.near.push_back(worst[i].second);
   std::sort(modal.near.begin(), modal.near.end());
-  MatrixXd far = basis, target = node.modes, near(3 * static_cast<Index>(modal.near.size()), m);
+  MatrixXd far = basis, target = node.modes, near(k * static_cast<Index>(modal.near.size()), m);
   for (std::size_t i = 0; i < modal.near.size(); ++i)
-    near.middleRows<3>(3 * static_cast<Index>(i)) = node.modes.middleRows<3>(3 * modal.near[i]);
+    near.middleRows(k * static_cast<Index>(i), k) = node.modes.middleRows(k * modal.near[i], k);
   const auto without = [&](Index o) {
-    far.middleRows<3>(3 * o).setZero();
-    target.middleRows<3>(3 * o).setZero();
+    far.middleRows(k * o, k).setZero();
+    target.middleRows(k * o, k).setZero();
   };
   for (const auto o : modal.near) without(o);
   for (Index o = 0; o < n_output; ++o)
@@ -333,7 +382,7 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
                  .solve(far.transpose() * target);
 
   const auto x = scaled_rows(tables, node.row);
-  const MatrixXd f = features(x, scaled_rows(tables, shared.centers), shared.shape);
+  const MatrixXd f = features(x, scaled_rows(tables, shared.centers), shared.shape, degree);
   const AmplitudeProblem problem(f);
   const MatrixXd weights = problem.size.cwiseInverse().asDiagonal() *
                            problem.normal.ldlt().solve(problem.unit.transpose() * node.amplitudes);
@@ -345,9 +394,9 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   MatrixXd stored = basis * modal.mixing.values();
   const MatrixXd stored_near = modal.near_modes.values();
   for (std::size_t i = 0; i < modal.near.size(); ++i)
-    stored.middleRows<3>(3 * modal.near[i]) = stored_near.middleRows<3>(3 * static_cast<Index>(i));
+    stored.middleRows(k * modal.near[i], k) = stored_near.middleRows(k * static_cast<Index>(i), k);
   for (Index o = 0; o < n_output; ++o)
-    if (node.moved[static_cast<std::size_t>(o)]) stored.middleRows<3>(3 * o).setZero();
+    if (node.moved[static_cast<std::size_t>(o)]) stored.middleRows(k * o, k).setZero();
   fit.truncation_error = node.lost + mean_share(node.amplitudes * (stored - node.modes).transpose(), node);
   fit.regression_error =
       mean_share((f * modal.weights.values() - node.amplitudes) * stored.transpose(), node);

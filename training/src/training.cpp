@@ -98,15 +98,19 @@ class Training {
       return;
     }
     const auto n_active = static_cast<std::int32_t>(_header.sets.active.size());
-    const double bytes_per_node = 8.0 * 3 * static_cast<double>(_tables.output.size()) * _spec.modes;
+    const auto components = static_cast<double>(3 + _header.fields.size());
+    const double bytes_per_node = 8.0 * components * static_cast<double>(_tables.output.size()) * _spec.modes;
     const auto affordable =
         static_cast<std::int32_t>(std::min<double>(max_basis_nodes, max_basis_bytes / (bytes_per_node + 1)));
     const std::int32_t n = std::min(n_active, std::max(min_basis_nodes, affordable));
     std::vector<NodeModes> nodes(static_cast<std::size_t>(n));
+    std::vector<std::vector<NodeModes>> of_field(_header.fields.size(), nodes);
     for_each_index(n, threads, [&](std::int32_t i) {
       const SearchNode read_node = read((2 * i + 1) * static_cast<std::int64_t>(n_active) / (2 * n));
       nodes[static_cast<std::size_t>(i)] =
           node_modes(_tables, read_node.prescribed, read_node.rays, _spec.modes);
+      for (std::size_t f = 0; f < of_field.size(); ++f)
+        of_field[f][static_cast<std::size_t>(i)] = field_modes(_tables, read_node.rays, f, 1, _spec.modes);
     });
     _shared.modes = scaled_table(shared_basis(nodes, _spec.shared_modes, _spec.seed));
     std::vector<NodeModes> some;
@@ -117,6 +121,7 @@ class Training {
     _shared.centers = chosen.row;
     _shared.shape = chosen.shape;
     _amplitude_left_out = chosen.left_out_error;
+    for (std::size_t f = 0; f < of_field.size(); ++f) share_field(_header.fields[f], of_field[f]);
   }
 
   void choose_spreads() {
@@ -190,6 +195,12 @@ class Training {
       report.modal.amplitude_left_out = _amplitude_left_out;
       report.modal.amplitude_shape = _shared.shape;
       model.shared = _shared;
+      for (std::size_t f = 0; f < _fields.size(); ++f) {
+        for (auto* mean : {&report.modal.fields[f].truncation, &report.modal.fields[f].regression})
+          *mean /= report.n_networks;
+        model.fields.push_back(_fields[f]);
+        model.fields.back().modes = _shared_of_field[f].modes;
+      }
     }
     if (_spec.family == Family::rbfn) {
       report.force_spread = _spec.force_spread;
@@ -206,6 +217,7 @@ class Training {
     LinearQuality linear;
     ConservativeFit conservative;
     ModalFit modal;
+    std::vector<ModalFit> fields;
     std::int64_t used = 0, failed = 0;
   };
 
@@ -243,6 +255,23 @@ class Training {
     const NodeModes modes = node_modes(_tables, read.prescribed, read.rays, _spec.modes);
     outcome.modal = fit_modal(_tables, _shared, modes, _spec.near_nodes);
     outcome.model.modal = std::move(outcome.modal.deformation);
+    for (std::size_t f = 0; f < _fields.size(); ++f) {
+      const auto& field = _fields[f];
+      const NodeModes values = field_modes(_tables, read.rays, f, field.scale, _spec.modes);
+      outcome.fields.push_back(
+          fit_modal(_tables, _shared_of_field[f], values, _spec.near_nodes, field.degree));
+      outcome.model.fields.push_back(std::move(outcome.fields.back().deformation));
+    }
+  }
+
+  /// Modes of a field that all nodes mix from; centers and kernel are those of the displacement.
+  void share_field(Field field, const std::vector<NodeModes>& nodes) {
+    FieldModes modes{name(field), unit(field), degree(field), 0, {}};
+    for (const auto& node : nodes) modes.scale = std::max(modes.scale, node.largest);
+    if (!(modes.scale > 0)) modes.scale = 1;
+    _fields.push_back(std::move(modes));
+    _shared_of_field.push_back(
+        {scaled_table(shared_basis(nodes, _spec.shared_modes, _spec.seed)), _shared.centers, _shared.shape});
   }
 
   static void add(ModalQuality& sum, const Outcome& outcome) {
@@ -250,6 +279,11 @@ class Training {
     sum.force_left_out += outcome.conservative.left_out_error;
     sum.truncation += outcome.modal.truncation_error;
     sum.regression += outcome.modal.regression_error;
+    sum.fields.resize(outcome.fields.size());
+    for (std::size_t f = 0; f < outcome.fields.size(); ++f) {
+      sum.fields[f].truncation += outcome.fields[f].truncation_error;
+      sum.fields[f].regression += outcome.fields[f].regression_error;
+    }
     sum.worst_cancellation = std::max(sum.worst_cancellation, outcome.conservative.cancellation);
     const double shape = outcome.model.conservative.shape;
     sum.largest_force_shape = std::max(sum.largest_force_shape, shape);
@@ -268,6 +302,8 @@ class Training {
   TrainingSpec _spec;
   TrainingTables _tables;
   SharedModes _shared;
+  std::vector<FieldModes> _fields;  ///< their modes are in _shared_of_field
+  std::vector<SharedModes> _shared_of_field;
   double _amplitude_left_out = 0;
   std::mutex _source_mutex;
 };

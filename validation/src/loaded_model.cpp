@@ -84,6 +84,10 @@ ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
     check(status, nodes[0]);
     response.status |= status;
     response.force_N[0] = f;
+    const std::int32_t n_fields = response.displacement_m.rows() > 0 ? phn_n_fields(_model) : 0;
+    if (n_fields > 0) response.fields.resize(phn_n_output(_model), n_fields);
+    for (std::int32_t field = 0; field < n_fields; ++field)
+      check(phn_field(_model, _data, nodes[0], v.data(), field, response.fields.col(field).data()), nodes[0]);
     double energy = 0;
     if (phn_energy(_model, _data, nodes[0], v.data(), &energy) >= 0) {
       response.energy_J = energy;

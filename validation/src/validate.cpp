@@ -11,27 +11,52 @@ namespace {
 
 constexpr std::size_t n_predictors = predictors.size();
 enum Group : std::size_t { inside = 0, outside = 1 };
+/// Two for each field follow: nodal and l2 of field f at n_measures + 2 f.
 enum Measure : std::size_t { force, displacement, moving, field_l2, force_relative, n_measures };
 
 /// Normalized errors of one predictor, by group and measure.
-using Samples = std::array<std::array<std::vector<double>, n_measures>, 2>;
+using GroupSamples = std::vector<std::vector<double>>;
+using Samples = std::array<GroupSamples, 2>;
 
-/// What a predictor says of a probe; `u` is empty if it has forces only.
+Samples no_samples(std::size_t n_fields) {
+  Samples samples;
+  samples.fill(GroupSamples(n_measures + 2 * n_fields));
+  return samples;
+}
+
+/// What a predictor says of a probe; `u` is empty if it has forces only, as are `fields` then.
 struct Prediction {
   Vec3 force{};
   Points u;
+  Eigen::MatrixXd fields;  ///< n_output x n_fields
 };
 using Predict = std::function<Prediction(std::int32_t node, const ProbedState&)>;
 
 Predict by_model(const LoadedModel& model) {
   return [&model](std::int32_t node, const ProbedState& state) {
     auto said = model.respond({node}, {state.d});
-    return Prediction{*said.force_N[0], std::move(said.displacement_m)};
+    return Prediction{*said.force_N[0], std::move(said.displacement_m), std::move(said.fields)};
   };
 }
-Prediction by_linear(std::int32_t, const ProbedState& state) { return {state.force_linear, state.u_linear}; }
+Prediction by_linear(std::int32_t, const ProbedState& state) {
+  return {state.force_linear, state.u_linear, state.fields_linear};
+}
 Prediction by_zero(std::int32_t, const ProbedState& state) {
-  return {Vec3{}, Points::Zero(state.u_FE.rows(), 3)};
+  return {Vec3{}, Points::Zero(state.u_FE.rows(), 3),
+          Eigen::MatrixXd::Zero(state.fields_FE.rows(), state.fields_FE.cols())};
+}
+
+/// The model's fields in the words of the solver.
+std::vector<Field> fields_of(const Model& model) {
+  std::vector<Field> fields;
+  for (const auto& of_model : model.fields) {
+    const auto field = field_named(of_model.name);
+    if (!field || (!fields.empty() && *field <= fields.back()))
+      throw input_error("the model has a field that this program cannot solve for", of_model.name,
+                        "validate with the phynness that trained it");
+    fields.push_back(*field);
+  }
+  return fields;
 }
 
 double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
@@ -60,6 +85,14 @@ ProbedState state_of(const Model& model, const ProbeSolver& solver, const Vec3& 
     state.u_FE.row(i) = response.displacement_m.row(j);
     state.u_linear.row(i) = (solver.rest().sensitivity.middleRows(3 * j, 3) * dd).transpose();
   }
+  if (model.fields.empty()) return state;
+  const Eigen::MatrixXd linear = solver.linear_fields({d});
+  state.fields_FE.resize(n, response.fields.cols());
+  state.fields_linear.resize(n, response.fields.cols());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    state.fields_FE.row(i) = response.fields.row(output[static_cast<std::size_t>(i)]);
+    state.fields_linear.row(i) = linear.row(output[static_cast<std::size_t>(i)]);
+  }
   return state;
 }
 
@@ -84,6 +117,25 @@ std::vector<ForceExample> read_examples(const std::vector<double>& rows) {
   return examples;
 }
 
+/// The same of fields; `said` is each state's response of the predictor.
+void collect_fields(const std::vector<ProbedState>& states, const std::vector<Eigen::MatrixXd>& said,
+                    GroupSamples& samples) {
+  const Eigen::Index n_fields = states.empty() ? 0 : states.front().fields_FE.cols();
+  for (Eigen::Index f = 0; f < n_fields; ++f) {
+    double largest = 0;
+    for (const auto& state : states)
+      largest = std::max(largest, state.fields_FE.col(f).cwiseAbs().maxCoeff());
+    for (std::size_t s = 0; s < states.size(); ++s) {
+      if (said[s].size() == 0) continue;  // a node of forces only
+      const Eigen::VectorXd FE = states[s].fields_FE.col(f), error = said[s].col(f) - FE;
+      auto* out = &samples[n_measures + 2 * static_cast<std::size_t>(f)];
+      for (Eigen::Index i = 0; largest > 0 && i < error.size(); ++i)
+        out[0].push_back(std::abs(error[i]) / largest);
+      if (FE.norm() > 0) out[1].push_back(error.norm() / FE.norm());
+    }
+  }
+}
+
 /// Turns one active node's probes of one group into samples of (17).
 void collect(const Predict& predict, const NodeProbes& probes, Group group, Samples& samples) {
   const auto& counts = probes.counts;
@@ -94,6 +146,7 @@ void collect(const Predict& predict, const NodeProbes& probes, Group group, Samp
     for (Eigen::Index i = 0; i < state.u_FE.rows(); ++i)
       if (counts[static_cast<std::size_t>(i)]) largest_u = std::max(largest_u, state.u_FE.row(i).norm());
   }
+  std::vector<Eigen::MatrixXd> fields_said;
   for (const auto& state : probes.states[group]) {
     std::vector<std::pair<double, Eigen::Index>> by_motion;
     for (Eigen::Index i = 0; i < state.u_FE.rows(); ++i)
@@ -101,6 +154,7 @@ void collect(const Predict& predict, const NodeProbes& probes, Group group, Samp
     std::sort(by_motion.begin(), by_motion.end());
     const std::size_t n_moving = (by_motion.size() + 9) / 10;
     const Prediction said = predict(probes.node, state);
+    fields_said.push_back(said.fields);
     const double force_error = distance(said.force, state.force_FE);
     if (largest_force > 0) out[force].push_back(force_error / largest_force);
     if (norm(state.force_FE) > 0) out[force_relative].push_back(force_error / norm(state.force_FE));
@@ -116,6 +170,7 @@ void collect(const Predict& predict, const NodeProbes& probes, Group group, Samp
     }
     if (norm2 > 0) out[field_l2].push_back(std::sqrt(error2 / norm2));
   }
+  collect_fields(probes.states[group], fields_said, out);
 }
 
 /// Values of s that a ray visits: the trained increments up to the deepest probe, and the probes themselves.
@@ -138,13 +193,15 @@ std::vector<double> waypoints(const ProbePair& pair, double increment_m) {
 }
 
 PredictorErrors statistics(const Samples& samples) {
-  const auto of = [](const auto& group) {
+  const auto of = [](const GroupSamples& group) {
     GroupErrors errors;
     errors.force = ErrorStatistics::of(group[force]);
     errors.displacement = ErrorStatistics::of(group[displacement]);
     errors.displacement_moving = ErrorStatistics::of(group[moving]);
     errors.field_l2 = ErrorStatistics::of(group[field_l2]);
     errors.force_relative = ErrorStatistics::of(group[force_relative]);
+    for (std::size_t at = n_measures; at < group.size(); at += 2)
+      errors.fields.push_back({ErrorStatistics::of(group[at]), ErrorStatistics::of(group[at + 1])});
     return errors;
   };
   return {of(samples[inside]), of(samples[outside])};
@@ -194,7 +251,10 @@ void solve_probes(const SolverSession& session, const Scene& scene, const Loaded
                   const std::function<void(std::int64_t, std::int64_t)>& progress,
                   const std::function<bool()>& stop,
                   const std::function<void(std::size_t, NodeProbes&&)>& take) {
-  ProbeSolver solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output});
+  // Which fields are stored is no part of the physics: the model's are solved for.
+  Scene with_fields = scene;
+  with_fields.database.fields = fields_of(model.model());
+  ProbeSolver solver(with_fields, model.mesh(), {model.model().fixed, {}, model.model().output});
   std::int64_t rays = 0, my_rays = 0;
   for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
   for (auto e = static_cast<std::size_t>(session.rank()); e < plan.size();
@@ -213,7 +273,12 @@ void solve_probes(const SolverSession& session, const Scene& scene, const Loaded
 namespace {
 
 PredictorErrors errors_of(const Predict& predict, const std::vector<NodeProbes>& probes) {
-  Samples samples;
+  std::size_t n_fields = 0;
+  for (const auto& node : probes)
+    for (const auto& states : node.states)
+      for (const auto& state : states)
+        n_fields = std::max(n_fields, static_cast<std::size_t>(state.fields_FE.cols()));
+  Samples samples = no_samples(n_fields);
   for (const auto& node : probes)
     for (const Group g : {inside, outside}) collect(predict, node, g, samples);
   return statistics(samples);
@@ -236,6 +301,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   std::vector<NodePlan> plan;
   const std::array<Predict, n_predictors> predict{by_model(model), by_linear, by_zero};  // by Predictor
   std::array<Samples, n_predictors> samples;
+  samples.fill(no_samples(model.model().fields.size()));
   std::vector<double> examples;
   double failed = 0, solved[2] = {0, 0}, increments = 0;
   session.together([&] {

@@ -43,6 +43,7 @@ struct Ray {
   std::vector<double> min_jacobian;  ///< smallest J over all quadrature points
   std::vector<double> seconds;       ///< CPU time spent
   std::vector<double> displacement;  ///< x n_output x 3 [m]
+  std::vector<std::vector<double>> fields;  ///< of DatabaseHeader::fields: x n_output, in the field's unit
 };
 
 /// Everything but the rays. Empty `mesh_hash` and `physics_hash` are filled in when a database is created.
@@ -52,6 +53,7 @@ struct DatabaseHeader {
   std::vector<Vec3> directions;          ///< unit vectors
   std::vector<double> magnitudes_m;      ///< increments, ascending; the last is the maximum displacement
   bool tangents = false, float64 = false;
+  std::vector<Field> fields;             ///< stored at the output nodes, in the order of the enum; always float32
   std::string scene_text, scene_name, scene_folder;
   std::string physics_hash, mesh_hash, software_version;
   /// Set if the file is to hold the rays of one shard only; never in a finished database.

@@ -76,10 +76,22 @@ struct ModalDeformation {
   ScaledTable near_modes;          ///< 3 n_near x n_modes
 };
 
+/// A scalar field that a modal model carries beside the deformation: what all active nodes share of it. At each of them
+/// it has a ModalDeformation of its own, with one row for each output node instead of three, and six more weights: with
+/// e_jk(x) = x_j x_k |x|^(degree - 2), zero at x = 0,
+///   a = (as above) + w_xx e_xx + w_xy e_xy + w_xz e_xz + w_yy e_yy + w_yz e_yz + w_zz e_zz,   field = max(0, scale u).
+struct FieldModes {
+  std::string name, unit;  ///< words of 1 to 40 visible ASCII characters
+  int degree = 1;          ///< power of the displacement with which it grows near rest, 1 or 2
+  double scale = 1;        ///< in `unit`; the tables count in it
+  ScaledTable modes;       ///< n_output x n_shared
+};
+
 /// Bounds of what a modal model holds: with displacements cut at 1e6 times max_displacement_m no output
 /// leaves the range of a float.
 inline constexpr double largest_table_value = 1e6;
 inline constexpr int largest_mode_count = 1024;
+inline constexpr int largest_field_count = 8;
 
 /// Largest size of an entry of a LinearResponse or ConservativeNetwork that model.txt holds. Together with the largest displacement
 /// component that the runtime multiplies, the same number in m, it keeps every output finite.
@@ -99,6 +111,7 @@ struct ActiveNodeModel {
   LinearResponse linear;          ///< linear
   ConservativeNetwork conservative;  ///< modal: d [m] -> force [N], energy [J], stiffness [N/m]
   ModalDeformation modal;            ///< modal: d [m] -> u [m]; without modes the model has forces only
+  std::vector<ModalDeformation> fields;  ///< one for each of Model::fields
 };
 
 struct Model {
@@ -114,6 +127,7 @@ struct Model {
   Points output_points;                     ///< n_output x 3 [m], reference coordinates of the output nodes
   Triangles surface;                        ///< mesh node numbers, each output or fixed; normals outward
   SharedModes shared;                       ///< modal
+  std::vector<FieldModes> fields;           ///< modal; none unless the database had them
   std::vector<ActiveNodeModel> nodes;       ///< ascending by node
 };
 

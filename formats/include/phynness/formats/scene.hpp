@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <phynness/formats/fields.hpp>
+
 namespace phynness {
 
 /// Where in a scene file a value stands, for messages: "file.toml:12".
@@ -97,6 +99,7 @@ struct ProbeSpec {
 struct DatabaseSpec {
   bool tangents = false;         ///< store the condensed 3x3 tangent of every increment
   bool float64 = false;          ///< displacements as float64 instead of float32
+  std::vector<Field> fields;     ///< stored beside the displacement, each once, in the order of the enum
 };
 
 enum class Family { rbfn, modal, linear };

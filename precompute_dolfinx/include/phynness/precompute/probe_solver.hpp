@@ -24,6 +24,7 @@ struct Response {
   std::vector<Vec3> force_N;  ///< per tool: must be applied to hold the displacement
   double energy_J = 0;
   Points displacement_m;            ///< n_nodes x 3, all nodes of the mesh
+  Eigen::MatrixXd fields;           ///< n_nodes x n_fields: those of the scene's [database], in their units
   Eigen::MatrixXd tangent_N_per_m;  ///< 3 n_tools square, dF/dd, if asked for
   int negative_pivots = 0, iterations = 0, cutbacks = 0;
   double min_jacobian = 1;
@@ -60,6 +61,11 @@ class ProbeSolver {
   /// @throws Error if a node is not on the surface, is fixed, or named twice
   void touch(const std::vector<std::int32_t>& nodes);
   const RestResponse& rest() const;
+  /// The fields that linear theory gives a displacement: those of the sensitivities at rest, at a
+  /// displacement so small that the body is linear, scaled up by the power with which each grows. n_nodes x
+  /// n_fields, in their units.
+  /// @pre as many displacements [m] as touched tools, not all zero
+  Eigen::MatrixXd linear_fields(const std::vector<Vec3>& displacement_m) const;
   /// Nodes moved by touched tool t, with weights w (u_i = w_i d); the touched node itself has weight 1.
   std::vector<std::pair<std::int32_t, double>> prescribed(std::size_t tool = 0) const;
 

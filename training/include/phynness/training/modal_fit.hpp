@@ -10,21 +10,33 @@
 namespace phynness {
 
 /// Proper orthogonal decomposition of the displacement fields of one active node (the fields without the
-/// nodes that the probe moves itself, where the answer is known).
+/// nodes that the probe moves itself, where the answer is known), or of a scalar field at all output nodes.
+/// Units: m; of a field, its scale.
 struct NodeModes {
+  int components = 3;                   ///< at each output node: 3 of a displacement, 1 of a field
   std::vector<std::int32_t> row;        ///< n states: of TrainingTables::displacements
   std::vector<std::int32_t> direction;  ///< n states
-  Eigen::MatrixXd modes;                ///< 3 n_output x n_modes, orthonormal columns
-  Eigen::MatrixXd amplitudes;           ///< n states x n_modes [m]
-  Eigen::VectorXd size;                 ///< n_modes: singular values [m]
+  Eigen::MatrixXd modes;                ///< components * n_output x n_modes, orthonormal columns
+  Eigen::MatrixXd amplitudes;           ///< n states x n_modes
+  Eigen::VectorXd size;                 ///< n_modes: singular values
   double lost = 0;  ///< mean over states and nodes of what n_modes modes miss, over the largest displacement
-  double largest_m = 0;     ///< largest displacement of a node that the probe does not move itself
+  double largest = 0;       ///< largest displacement or value at a node that the probe does not move itself
   std::vector<char> moved;  ///< n_output: moved by the probe itself
 };
 /// @param max_modes  fewer if there are fewer states
 /// @throws Error (failure) if a converged increment holds a displacement that is not finite
 NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed,
                      const std::vector<Ray>& rays, int max_modes);
+
+/// The same of a scalar field, counted in `scale`. @param field  index into DatabaseHeader::fields
+/// @throws Error (failure) if a converged increment holds a value that is not finite
+NodeModes field_modes(const TrainingTables& tables, const std::vector<Ray>& rays, std::size_t field,
+                      double scale, int max_modes);
+
+/// What the amplitudes of fields have beside kernels and linear terms: x_j x_k |x|^(degree - 2) for the pairs
+/// xx xy xz yy yz zz, zero at x = 0. A field takes the same value at rest for x and -x: of degree 1 (a norm)
+/// or 2 (a quadratic form), which no linear term can follow.
+Eigen::Matrix<double, 6, 1> even_features(const Eigen::Vector3d& x, int degree);
 
 /// Orthonormal columns that serve the modes of all given nodes best, each weighted by its size: the leading
 /// left singular vectors, by subspace iteration from a start that depends on the seed only (Halko, Martinsson
@@ -46,14 +58,15 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
 std::vector<double> amplitude_shape_candidates();
 
 struct ModalFit {
-  ModalDeformation deformation;
+  ModalDeformation deformation;  ///< or, of a field, its tables
   /// Means over states and nodes of |difference|, over the largest displacement: of the modes as stored from
   /// the data (truncation), and of the amplitudes' network from the amplitudes (regression), on the training
   /// states.
   double truncation_error = 0, regression_error = 0;
 };
 /// @param n_near  nodes whose rows are stored as they are: those that the shared modes serve worst
-ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node,
-                   int n_near);
+/// @param degree  of a field: adds even_features() to the amplitudes; 0: a displacement
+ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node, int n_near,
+                   int degree = 0);
 
 }  // namespace phynness

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/model.hpp>
 #include <phynness/training/conservative_fit.hpp>
@@ -15,6 +16,10 @@ namespace phynness {
 /// (17). What the exploratory directions do not tell (sampling) shows in the left-out errors; they are those of
 /// interpolating all the others and so larger than what a model of all directions makes between them.
 struct ModalQuality {
+  struct OfField {
+    double truncation = 0, regression = 0;
+  };
+  std::vector<OfField> fields;                    ///< one for each of Model::fields
   double force_training = 0, force_left_out = 0;  ///< regression alone; with a direction left out
   double truncation = 0;                          ///< of the modes, on the training states
   double regression = 0;                          ///< of the amplitudes, on the training states

@@ -15,6 +15,8 @@ struct ModelResponse {
   std::optional<double>
       energy_J;  ///< stored; family rbfn has none: work of the force along the straight path from rest
   Points displacement_m;  ///< n_output x 3; empty if the model has forces only
+  Eigen::MatrixXd
+      fields;  ///< n_output x n_fields, in their units; empty if the model has none, or for several tools
   int status = PHN_OK;    ///< phn_* status, warnings only
   phn_coupled coupled{};  ///< what coupled tools left over
 };

@@ -13,6 +13,8 @@ namespace phynness {
 struct ProbedState {
   Vec3 d{}, force_FE{}, force_linear{};
   Points u_FE, u_linear;
+  Eigen::MatrixXd fields_FE,
+      fields_linear;  ///< n_output x n_fields, those of the model; linear: linear theory's
 };
 
 struct NodeProbes {

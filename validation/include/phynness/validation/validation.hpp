@@ -17,14 +17,21 @@ struct ErrorStatistics {
   static ErrorStatistics of(std::vector<double> samples);
 };
 
+/// Of one scalar field, at all output nodes, those that the tool holds included.
+struct FieldErrors {
+  ErrorStatistics nodal;  ///< (17): |prediction - FE| over the largest FE value of that active node and group
+  ErrorStatistics l2;  ///< per probe: Euclidean norm over the output nodes of the difference, over that of FE
+};
+
 /// (17): |prediction - FE| over the largest FE norm of that active node's probes of the same group (inside,
 /// outside).
 struct GroupErrors {
   ErrorStatistics force;
   ErrorStatistics displacement;         ///< all output nodes but the prescribed ones
   ErrorStatistics displacement_moving;  ///< of these, per probe, the tenth that moves most
-  ErrorStatistics field_l2;        ///< per probe: |u - u_FE| / |u_FE| Euclidean norms over the same nodes
-  ErrorStatistics force_relative;  ///< per probe: |f - f_FE| / |f_FE|
+  ErrorStatistics field_l2;         ///< per probe: |u - u_FE| / |u_FE| Euclidean norms over the same nodes
+  ErrorStatistics force_relative;   ///< per probe: |f - f_FE| / |f_FE|
+  std::vector<FieldErrors> fields;  ///< one for each of Model::fields
 };
 
 struct PredictorErrors {
@@ -35,9 +42,11 @@ enum class Predictor { model, linear, zero };
 inline constexpr std::array<Predictor, 3> predictors{Predictor::model, Predictor::linear, Predictor::zero};
 const char* name(Predictor);
 
-/// Median time of one call of the runtime on this machine, this process alone.
+/// Median time of one call of the runtime on this machine, this process alone; deformations of nodes that are ready
+/// (phn_prepare).
 struct RuntimeSpeed {
   double force_us = 0, deformation_us = 0;
+  double field_us = 0;  ///< of one field; 0: the model has none
 };
 RuntimeSpeed measure_speed(const LoadedModel& model);
 

@@ -1,0 +1,38 @@
+// [database] fields: which scalar fields are stored beside the displacement.
+#include <algorithm>
+
+#include "scene_keys.hpp"
+#include "scene_sections.hpp"
+
+namespace phynness::scene_detail {
+
+std::vector<Field> parse_fields(const SceneTable& database) {
+  std::vector<Field> fields;
+  const auto* node = database.find("fields");
+  if (!node) return fields;
+  std::vector<std::string_view> known;
+  for (const auto field : every_field) known.push_back(phynness::name(field));
+  const auto* array = node->as_array();
+  if (!array)
+    database.reject("fields", "must be an array of names",
+                    "write fields = [\"" + std::string(known[0]) + "\"]");
+  for (const auto& entry : *array) {
+    const auto* word = entry.as_string();
+    const auto field = word ? field_named(word->get()) : std::nullopt;
+    if (!field) {
+      const auto near = word ? nearest(word->get(), known) : std::string_view{};
+      refuse(database.where(entry), database.label("fields") + " holds a name that is none of those known",
+             shown(entry),
+             "write " + listed(known, " or ") + " between quotes" +
+                 (near.empty() ? "" : "; did you mean \"" + std::string(near) + "\"?"));
+    }
+    if (std::find(fields.begin(), fields.end(), *field) != fields.end())
+      refuse(database.where(entry), database.label("fields") + " names a field twice", shown(entry),
+             "name each field once");
+    fields.push_back(*field);
+  }
+  std::sort(fields.begin(), fields.end());
+  return fields;
+}
+
+}  // namespace phynness::scene_detail

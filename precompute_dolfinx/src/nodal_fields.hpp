@@ -1,0 +1,36 @@
+// Scalar fields of a state: means of cells, and from them values at nodes.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <phynness/formats/fields.hpp>
+#include <span>
+#include <vector>
+
+#include "discretization.hpp"
+
+namespace phynness {
+
+class NodalFields {
+ public:
+  NodalFields(const Discretization& body, std::vector<Field> fields);
+
+  bool empty() const { return _fields.empty(); }
+
+  /// Means over the cells, in units of Scaling::modulus_Pa: the integral of the field over the element's own
+  /// quadrature points by the volume at rest. At equilibrium energy densities times volumes add up to
+  /// Discretization::energy (forms/mechanics.py, mixed()).
+  /// @return n_cells x n_fields
+  Eigen::MatrixXd in_cells(const Discretization& body, std::span<const double> state) const;
+
+  /// At a node: the average of the cells that meet there, weighted by their volumes at rest.
+  /// @return n_nodes x n_fields, in units of Scaling::modulus_Pa
+  Eigen::MatrixXd at_nodes(const Discretization& body, std::span<const double> state) const;
+
+ private:
+  std::vector<Field> _fields;
+  std::vector<double> _volume;       ///< of each cell
+  Eigen::VectorXd _volume_at_nodes;  ///< sum over the cells of each node
+};
+
+}  // namespace phynness

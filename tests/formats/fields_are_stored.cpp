@@ -1,0 +1,129 @@
+// Claims: fields come back from a database as float32, rounded once; mirror images take the value of the
+// image node; a database is not continued or merged with other fields; one without fields has not a byte of
+// them.
+#include <phynness/formats/database_merge.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
+
+#include "database_under_test.hpp"
+
+namespace phynness::test {
+namespace {
+
+DatabaseHeader header_with(std::vector<Field> fields) {
+  auto header = small_header(true);
+  header.fields = std::move(fields);
+  return header;
+}
+const std::vector<Field> both{Field::von_mises_stress, Field::energy_density};
+
+class StoredFields : public DatabaseTest {};
+
+TEST_F(StoredFields, ComeBackAsFloat32) {
+  for (const auto& fields : {both, std::vector<Field>{Field::energy_density}}) {
+    fs::remove(file);
+    const auto header = header_with(fields);
+    write_logs(header, 2);
+    EXPECT_EQ(read_database_header(file).fields, fields);  // unfinished
+    DatabaseWriter::pack(file, header);
+    const auto database = Database::open(file);
+    EXPECT_EQ(database.header().fields, fields);
+    for (std::int32_t a = 0; a < 3; ++a)
+      for (const Ray& ray : database.rays(a)) {
+        const Ray expected = random_ray(header, a, ray.direction);
+        EXPECT_EQ(ray.displacement, expected.displacement);
+        ASSERT_EQ(ray.fields.size(), fields.size());
+        for (std::size_t f = 0; f < fields.size(); ++f) {
+          ASSERT_EQ(ray.fields[f].size(), expected.fields[f].size());
+          for (std::size_t i = 0; i < ray.fields[f].size(); ++i)
+            EXPECT_EQ(ray.fields[f][i], static_cast<double>(static_cast<float>(expected.fields[f][i])));
+        }
+      }
+  }
+}
+
+TEST_F(StoredFields, AreRefusedIfTheRayHasNone) {
+  const auto header = header_with(both);
+  DatabaseWriter::create(file, header, false);
+  DatabaseWriter writer(file, header, 0);
+  auto ray = random_ray(header, 0, 0);
+  ray.fields.pop_back();
+  refusal([&] { writer.append(ray); }, Error::Kind::failure);
+}
+
+TEST_F(StoredFields, AreTheSameOnResumeAndMerge) {
+  const auto header = header_with(both);
+  write_logs(header);
+  for (const auto& fields : {std::vector<Field>{}, std::vector<Field>{Field::von_mises_stress}})
+    expect_contains(refusal([&] { DatabaseWriter::create(file, header_with(fields), true); }),
+                    {"other [database] fields", "von-mises-stress, energy-density in the file",
+                     fields.empty() ? "none now" : "von-mises-stress now"});
+  // The header is gone, the logs are not: they say themselves that they hold something else.
+  fs::remove(file);
+  DatabaseWriter::create(file, header_with({Field::energy_density}), true);
+  EXPECT_NE(refusal([&] {
+              DatabaseWriter::logged(file, header_with({Field::energy_density}));
+            }).find("another scene"),
+            std::string::npos);
+}
+
+TEST_F(StoredFields, GoThroughShards) {
+  auto header = header_with(both);
+  write_logs(header);
+  DatabaseWriter::pack(file, header);
+  const auto one_run = bytes_of(file);
+  std::vector<fs::path> shards;
+  const auto rays = all_rays(header);
+  for (int index = 0; index < 2; ++index) {
+    header.shard = Shard{index, 2};
+    shards.push_back(shard_file(file, *header.shard));
+    DatabaseWriter::create(shards.back(), header, false);
+    DatabaseWriter writer(shards.back(), header, 0);
+    for (std::size_t i = static_cast<std::size_t>(index); i < rays.size(); i += 2) writer.append(rays[i]);
+    writer.close();
+  }
+  const auto merged = folder() / "merged.h5";
+  EXPECT_TRUE(merge_shards(shards, merged).missing.empty());
+  EXPECT_EQ(bytes_of(merged), one_run);
+}
+
+TEST_F(StoredFields, LeaveNoTraceWhereThereAreNone) {
+  // Readers and logs of before there were fields: the same opening, no attribute, no dataset.
+  const auto header = header_with({});
+  write_logs(header);
+  DatabaseWriter::pack(file, header);
+  const auto bytes = bytes_of(file);
+  const std::string text(bytes.begin(), bytes.end());
+  EXPECT_EQ(text.find("von-mises"), std::string::npos);
+  EXPECT_EQ(text.find("fields"), std::string::npos);
+  EXPECT_TRUE(Database::open(file).rays(0).front().fields.empty());
+}
+
+TEST(MirroredFields, AreThoseOfTheImageNode) {
+  // Nodes 1 and 2 are each other's image across x = y, as in a mesh that is.
+  auto header = small_header(true);
+  header.fields = both;
+  header.directions = exploratory_directions(Directions::twenty_six);
+  header.mesh.nodes.row(5) << 0.2, 0.2, 1.0 / 3;
+  header.sets.active = {1, 2};
+  header.sets.output = {1, 2, 3};
+  header.sets.mirror = MirrorSymmetry{};
+  header.sets.mirror->normal = {std::sqrt(0.5), -std::sqrt(0.5), 0};
+  header.sets.mirror->image = {0, 2, 1, 3, 4, 5};
+  const MirroredRays rays(header);
+  for (std::int32_t a = 0; a < 2; ++a)
+    for (std::int32_t d = 0; d < 26; ++d) {
+      const auto& source = rays.source(a, d);
+      if (source.is_itself()) continue;
+      const Ray solved = random_ray(header, source.active, source.direction);
+      const Ray image = rays.image(solved, a, d);
+      const std::size_t other[3] = {1, 0, 2};
+      for (std::size_t f = 0; f < 2; ++f)
+        for (std::size_t i = 0; i < 3; ++i)
+          for (std::size_t o = 0; o < 3; ++o)
+            EXPECT_EQ(image.fields[f][3 * i + o], solved.fields[f][3 * i + other[o]]);
+    }
+  EXPECT_LT(rays.n_solved(), 52);
+}
+
+}  // namespace
+}  // namespace phynness::test

@@ -1,0 +1,162 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+using Eigen::Vector3d;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN(), huge = std::numeric_limits<double>::max();
+
+double q(const Vector3d& y, double s) { return std::sqrt(y.squaredNorm() + s * s); }
+
+/// The formulas of formats/model.md, "Fields", term by term.
+Eigen::VectorXd plain(const Model& model, const ActiveNodeModel& node, std::size_t f, const Vector3d& d,
+                      double& terms) {
+  const Vector3d x = d / model.max_displacement_m;
+  const double s = model.shared.shape;
+  const auto n_centers = static_cast<Eigen::Index>(model.shared.centers.size());
+  Eigen::VectorXd basis(n_centers + 9);
+  for (Eigen::Index i = 0; i < n_centers; ++i) {
+    const Vector3d c =
+        model.displacements.row(model.shared.centers[static_cast<std::size_t>(i)]).transpose() /
+        model.max_displacement_m;
+    basis[i] = q(x - c, s) - q(x, s) - q(c, s) + s;
+  }
+  basis.segment<3>(n_centers) = x;
+  const double by = model.fields[f].degree == 1 ? x.norm() : 1;
+  Eigen::Index at = n_centers + 3;
+  for (int j = 0; j < 3; ++j)
+    for (int k = j; k < 3; ++k) basis[at++] = x[j] * x[k] / by;
+  const ModalDeformation& of_node = node.fields[f];
+  const Eigen::VectorXd a = of_node.weights.values().transpose() * basis;
+  const Eigen::VectorXd amounts = of_node.mixing.values() * a;
+  Eigen::VectorXd values = model.fields[f].modes.values() * amounts;
+  const Eigen::VectorXd near = of_node.near_modes.values() * a;
+  for (std::size_t i = 0; i < of_node.near.size(); ++i)
+    values[of_node.near[i]] = near[static_cast<Eigen::Index>(i)];
+  terms = model.fields[f].scale * (model.fields[f].modes.values().cwiseAbs() * amounts.cwiseAbs()).maxCoeff();
+  return (model.fields[f].scale * values).cwiseMax(0);
+}
+
+const Vector3d probes[] = {
+    {0.004, -0.002, 0.001}, {0.01, 0, 0}, {-0.02, 0.03, 0.01}, {0, 0.005, 0}, {1, 1, -1}};
+
+// Claim: a field is the formulas of formats/model.md. Shared modes are summed as floats: 1e-6 of the sizes of
+// the terms is 16 roundings of 6e-8, of which 6 modes make. (Values at near nodes are sums in double, and of
+// that size.)
+TEST(Fields, MatchPlainLoops) {
+  const Model model = small_field_model();
+  const LoadedModel loaded(write_model_text(model));
+  ASSERT_EQ(phn_n_fields(loaded.model), 2);
+  int positive = 0, cut = 0;
+  for (const ActiveNodeModel& node : model.nodes) {
+    for (std::int32_t f = 0; f < 2; ++f) {
+      if (node.fields[static_cast<std::size_t>(f)].weights.cols() == 0) continue;
+      for (const Vector3d& d : probes) {
+        double terms = 0;
+        const auto expected = plain(model, node, static_cast<std::size_t>(f), d, terms);
+        Eigen::VectorXd values = Eigen::VectorXd::Constant(12, nan);
+        const int status = phn_field(loaded.model, loaded.data, node.node, d.data(), f, values.data());
+        double force[3];
+        EXPECT_EQ(status, phn_force(loaded.model, loaded.data, node.node, d.data(), force));
+        ASSERT_GE(status, 0);
+        EXPECT_LE((values - expected).cwiseAbs().maxCoeff(), 1e-6 * terms);
+        positive += static_cast<int>((values.array() > 0).count());
+        cut += static_cast<int>((values.array() == 0).count());
+      }
+    }
+  }
+  // Random tables: both signs occur, and negative values are cut to zero.
+  EXPECT_GT(positive, 50);
+  EXPECT_GT(cut, 50);
+}
+
+// Claim: names and units are those of the text; what the model does not have is null or refused, with zeros.
+TEST(Fields, SayWhatTheyAre) {
+  const LoadedModel loaded(write_model_text(small_field_model())),
+      without(write_model_text(small_modal_model()));
+  EXPECT_STREQ(phn_field_name(loaded.model, 0), "von-mises-stress");
+  EXPECT_STREQ(phn_field_unit(loaded.model, 0), "Pa");
+  EXPECT_STREQ(phn_field_name(loaded.model, 1), "energy-density");
+  EXPECT_STREQ(phn_field_unit(loaded.model, 1), "J/m^3");
+  EXPECT_EQ(phn_n_fields(nullptr), 0);
+  EXPECT_EQ(phn_n_fields(without.model), 0);
+  const double d[3] = {0.001, 0, 0};
+  double out[12];
+  for (const std::int32_t field : {-1, 2, 1000}) {
+    EXPECT_EQ(phn_field_name(loaded.model, field), nullptr);
+    EXPECT_EQ(phn_field_unit(loaded.model, field), nullptr);
+    std::fill(out, out + 12, 1);
+    EXPECT_EQ(phn_field(loaded.model, loaded.data, 3, d, field, out), PHN_ERROR_ARGUMENT);
+    for (const double v : out) EXPECT_EQ(v, 0);
+  }
+  EXPECT_EQ(phn_field(without.model, without.data, 3, d, 0, out), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_field(loaded.model, loaded.data, 4, d, 0, out), PHN_ERROR_NOT_ACTIVE);
+  std::fill(out, out + 12, 1);
+  EXPECT_EQ(phn_field(loaded.model, loaded.data, 15, d, 1, out), PHN_ERROR_UNDEFINED);
+  for (const double v : out) EXPECT_EQ(v, 0);
+  EXPECT_EQ(phn_field(loaded.model, without.data, 3, d, 0, out), PHN_ERROR_ARGUMENT);
+}
+
+// Claim: at rest a field is exactly zero; NaN is refused, and any finite displacement gives finite values, 0
+// or greater.
+TEST(Fields, AreDefinedForEveryInput) {
+  const LoadedModel loaded(write_model_text(small_field_model()));
+  for (const double x : {nan, huge, -huge, 1e200, 1e-320, 0.0, -0.0, 0.01}) {
+    for (const double y : {0.0, -1e300, 1e-200, std::numeric_limits<double>::infinity()}) {
+      for (std::int32_t f = 0; f < 2; ++f) {
+        const double d[3] = {x, y, -x};
+        double out[12];
+        std::fill(out, out + 12, nan);
+        const int status = phn_field(loaded.model, loaded.data, 3, d, f, out);
+        const bool finite = std::isfinite(x) && std::isfinite(y);
+        EXPECT_EQ(status, finite ? status : PHN_ERROR_NOT_FINITE);
+        for (const double v : out) {
+          EXPECT_TRUE(std::isfinite(v) && v >= 0);
+          if (!finite || (x == 0 && y == 0)) {
+            EXPECT_EQ(v, 0);
+          }
+        }
+      }
+    }
+  }
+}
+
+// Claim: at the bounds of the format, all at once, no float overflows.
+TEST(Fields, StayFiniteAtTheBoundsOfTheFormat) {
+  Model model = small_modal_model(1, 1, 1, 8);
+  model.nodes.resize(1);
+  const auto full = [](Eigen::Index rows, Eigen::Index columns) {
+    ScaledTable table;
+    table.scale = Eigen::VectorXd::Constant(columns, 1e6 / 32767 * (1 - 1e-15));
+    table.entries.setConstant(rows, columns, 32767);
+    return table;
+  };
+  model.fields = {{"f", "u", 2, 1e100, full(12, 1024)}};
+  ModalDeformation of_node;
+  of_node.near = {3};
+  of_node.weights = full(8 + 9, 1024);
+  of_node.mixing = full(1024, 1024);
+  of_node.near_modes = full(1, 1024);
+  model.nodes[0].fields = {of_node};
+  const LoadedModel loaded(write_model_text(model));
+  for (const double size : {1.0, 1e300}) {
+    const double d[3] = {size, size, size};
+    double out[12];
+    ASSERT_GE(phn_field(loaded.model, loaded.data, model.nodes[0].node, d, 0, out), 0);
+    for (const double v : out) EXPECT_TRUE(std::isfinite(v));
+    // The bound would be idle if values stayed small: scale 1e100 and sums of 1e30 at least.
+    if (size > 1) {
+      EXPECT_GT(out[0], 1e130);
+    }
+  }
+}
+
+}  // namespace
