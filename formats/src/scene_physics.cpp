@@ -181,8 +181,12 @@ const char* name(Directions directions) {
   switch (directions) {
     case Directions::three:
       return "3";
+    case Directions::fourteen:
+      return "14";
     case Directions::twenty_six:
       return "26";
+    case Directions::ninety_eight:
+      return "98";
     case Directions::hemisphere:
       return "hemisphere";
   }

@@ -77,9 +77,10 @@ Directions parse_directions(const SceneTable& table) {
     word = std::to_string(number->get());
   else if (const auto* text = node->as_string())
     word = text->get();
-  for (auto kind : {Directions::three, Directions::twenty_six, Directions::hemisphere})
+  for (auto kind : {Directions::three, Directions::fourteen, Directions::twenty_six, Directions::ninety_eight,
+                    Directions::hemisphere})
     if (word == phynness::name(kind)) return kind;
-  table.reject("directions", "is none of those known", "write 26, 3 or \"hemisphere\"");
+  table.reject("directions", "is none of those known", "write 14, 26, 98, 3 or \"hemisphere\"");
 }
 
 /// A spread, or <= 0 for "search".

@@ -121,19 +121,57 @@ TEST(Directions, may_be_written_as_number_or_text) {
             Directions::twenty_six);
   EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = \"hemisphere\"")).probe.directions,
             Directions::hemisphere);
+  EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = 14")).probe.directions,
+            Directions::fourteen);
+  EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = 98")).probe.directions,
+            Directions::ninety_eight);
 }
 
 TEST(Directions, are_distinct_unit_vectors_closed_under_sign) {
-  const auto all = exploratory_directions(Directions::twenty_six);
-  ASSERT_EQ(all.size(), 26u);
-  EXPECT_EQ(all[0], (Vec3{-1, 0, 0}));
-  EXPECT_EQ(all[5], (Vec3{1, 0, 0}));
-  EXPECT_EQ(exploratory_directions(Directions::hemisphere), all);
+  const std::pair<Directions, std::size_t> kinds[] = {
+      {Directions::fourteen, 14}, {Directions::twenty_six, 26}, {Directions::ninety_eight, 98}};
+  for (const auto& [kind, count] : kinds) {
+    const auto all = exploratory_directions(kind);
+    ASSERT_EQ(all.size(), count);
+    EXPECT_EQ(all[0], (Vec3{-1, 0, 0}));
+    EXPECT_EQ(all[5], (Vec3{1, 0, 0}));
+    for (const auto& d : all) {
+      EXPECT_NEAR(std::hypot(d[0], d[1], d[2]), 1, 1e-15);
+      EXPECT_EQ(std::count(all.begin(), all.end(), d), 1);
+      EXPECT_EQ(std::count(all.begin(), all.end(), Vec3{-d[0], -d[1], -d[2]}), 1);
+    }
+  }
+  EXPECT_EQ(exploratory_directions(Directions::hemisphere), exploratory_directions(Directions::twenty_six));
   EXPECT_EQ(exploratory_directions(Directions::three), (std::vector<Vec3>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
-  for (const auto& d : all) {
-    EXPECT_NEAR(std::hypot(d[0], d[1], d[2]), 1, 1e-15);
-    EXPECT_EQ(std::count(all.begin(), all.end(), d), 1);
-    EXPECT_EQ(std::count(all.begin(), all.end(), Vec3{-d[0], -d[1], -d[2]}), 1);
+}
+
+TEST(Directions, finer_ones_hold_the_coarser_ones) {
+  const auto all = exploratory_directions(Directions::ninety_eight);
+  const auto some = exploratory_directions(Directions::twenty_six);
+  EXPECT_TRUE(std::equal(some.begin(), some.end(), all.begin()));
+  for (const auto& d : exploratory_directions(Directions::fourteen))
+    EXPECT_EQ(std::count(some.begin(), some.end(), d), 1);
+}
+
+TEST(Directions, leave_no_gap) {
+  // Farthest point of the sphere from the nearest direction, in degrees: the middle of a triangle of three,
+  // from its plane's normal. 14: axis, two corners. 26: axis, edge, corner. 98: the widest of the quarters of
+  // that.
+  const std::pair<Directions, double> kinds[] = {
+      {Directions::fourteen, 36.2}, {Directions::twenty_six, 27.6}, {Directions::ninety_eight, 14.3}};
+  for (const auto& [kind, gap] : kinds) {
+    const auto all = exploratory_directions(kind);
+    double widest = 0;
+    const int n =
+        200;  // along each edge of a face of the cube: half a degree, so at most 0.4 beside the middle
+    for (int i = 0; i <= n; ++i)
+      for (int j = 0; j <= n; ++j) {
+        const double y = 2.0 * i / n - 1, z = 2.0 * j / n - 1, norm = std::sqrt(1 + y * y + z * z);
+        double nearest = -1;
+        for (const auto& d : all) nearest = std::max(nearest, (d[0] + y * d[1] + z * d[2]) / norm);
+        widest = std::max(widest, std::acos(nearest) * 180 / 3.14159265358979);
+      }
+    EXPECT_NEAR(widest, gap, 0.4) << phynness::name(kind);
   }
 }
 

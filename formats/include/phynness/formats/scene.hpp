@@ -85,7 +85,7 @@ struct Selector {
 using Selection = std::vector<Selector>;
 
 enum class ProbeKind { node, patch };
-enum class Directions { three, twenty_six, hemisphere };
+enum class Directions { three, fourteen, twenty_six, ninety_eight, hemisphere };
 
 struct ProbeSpec {
   ProbeKind kind = ProbeKind::node;
