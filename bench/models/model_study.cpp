@@ -155,10 +155,26 @@ std::vector<std::size_t> every_second(std::size_t n) {
   return kept;
 }
 
+/// Where the directions of a smaller set are among these.
+std::vector<std::size_t> found_among(const std::vector<Vec3>& directions, const std::vector<Vec3>& some) {
+  std::vector<std::size_t> found;
+  for (const auto& direction : some) {
+    const auto at = std::find(directions.begin(), directions.end(), direction);
+    if (at != directions.end()) found.push_back(static_cast<std::size_t>(at - directions.begin()));
+  }
+  return found;
+}
+
 void Study::modal_rows() {
   const std::size_t n_increments = _data.header.magnitudes_m.size();
   modal("as it is", _data);
   modal("every second increment", with_increments(_data, every_second(n_increments)));
+  for (const auto kind : {Directions::fourteen, Directions::twenty_six}) {
+    const auto fewer = exploratory_directions(kind);
+    const auto found = found_among(_data.header.directions, fewer);
+    if (found.size() == fewer.size() && found.size() < _data.header.directions.size())
+      modal(fmt::format("{} of the directions", name(kind)), with_rays(_data, found));
+  }
   modal("deepest increment alone", with_increments(_data, {n_increments - 1}));
   modal("10 % of the rays failed", with_failed_rays(_data, 0.1, noise_seed));
   modal("a third of the rays failed", with_failed_rays(_data, 1.0 / 3, noise_seed));

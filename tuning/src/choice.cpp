@@ -10,7 +10,33 @@ namespace {
 
 using Costs = std::array<double, 3>;
 
-Costs costs(const MeasuredModel& m) { return {m.error(), m.speed.deformation_us, m.memory_bytes}; }
+Costs costs(const MeasuredModel& m, ErrorStatistic statistic) {
+  return {m.error(statistic), m.speed.deformation_us, m.memory_bytes};
+}
+
+double value_of(const ErrorStatistics& errors, ErrorStatistic statistic) {
+  switch (statistic) {
+    case ErrorStatistic::mean:
+      return errors.mean;
+    case ErrorStatistic::median:
+      return errors.median;
+    case ErrorStatistic::p95:
+      return errors.p95;
+  }
+  return errors.mean;
+}
+
+const char* name_of_error(ErrorStatistic statistic) {
+  switch (statistic) {
+    case ErrorStatistic::mean:
+      return "mean error";
+    case ErrorStatistic::median:
+      return "median error";
+    case ErrorStatistic::p95:
+      return "95 % quantile of the error";
+  }
+  return "error";
+}
 
 std::string text(int what, double value) {
   char buffer[64];
@@ -23,17 +49,19 @@ std::string text(int what, double value) {
   return buffer;
 }
 
-constexpr std::array<const char*, 3> what_of{"mean error", "time of a deformation", "memory"};
-
-std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs& limit) {
-  if (std::none_of(models.begin(), models.end(), [](const auto& m) { return std::isfinite(m.error()); }))
+std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs& limit,
+                          ErrorStatistic statistic) {
+  const std::array<const char*, 3> what_of{name_of_error(statistic), "time of a deformation", "memory"};
+  const auto costs_of = [&](const MeasuredModel& m) { return costs(m, statistic); };
+  if (std::none_of(models.begin(), models.end(),
+                   [&](const auto& m) { return std::isfinite(m.error(statistic)); }))
     return "no probe inside the trained range was solved, so that no error is known";
   std::string said;
   for (int k = 0; k < 3; ++k) {
     const auto best = std::min_element(models.begin(), models.end(), [&](const auto& a, const auto& b) {
-      return costs(a)[static_cast<std::size_t>(k)] < costs(b)[static_cast<std::size_t>(k)];
+      return costs_of(a)[static_cast<std::size_t>(k)] < costs_of(b)[static_cast<std::size_t>(k)];
     });
-    const double least = costs(*best)[static_cast<std::size_t>(k)],
+    const double least = costs_of(*best)[static_cast<std::size_t>(k)],
                  allowed = limit[static_cast<std::size_t>(k)];
     if (least <= allowed) continue;
     char times[32];
@@ -47,7 +75,7 @@ std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs&
   // Each alone can be met: the model that misses by the smallest factor tells the price.
   const auto worst = [&](const MeasuredModel& m) {
     double ratio = 0;
-    for (std::size_t k = 0; k < 3; ++k) ratio = std::max(ratio, costs(m)[k] / limit[k]);
+    for (std::size_t k = 0; k < 3; ++k) ratio = std::max(ratio, costs_of(m)[k] / limit[k]);
     return ratio;
   };
   const auto nearest = std::min_element(models.begin(), models.end(),
@@ -55,7 +83,7 @@ std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs&
   said.append("each limit can be met, but not all of them at once; the nearest is ");
   said.append(nearest->candidate.name).append(":");
   for (int k = 0; k < 3; ++k)
-    if (const double cost = costs(*nearest)[static_cast<std::size_t>(k)];
+    if (const double cost = costs_of(*nearest)[static_cast<std::size_t>(k)];
         cost > limit[static_cast<std::size_t>(k)]) {
       said.append(" ").append(what_of[static_cast<std::size_t>(k)]).append(" ").append(text(k, cost));
       said.append(", limit ").append(text(k, limit[static_cast<std::size_t>(k)])).append(";");
@@ -66,10 +94,15 @@ std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs&
 
 }  // namespace
 
-void mark_front(std::vector<MeasuredModel>& models) {
+double MeasuredModel::error(ErrorStatistic statistic) const {
+  if (errors.inside.force.n == 0) return std::numeric_limits<double>::infinity();
+  return std::max(value_of(errors.inside.force, statistic), value_of(errors.inside.displacement, statistic));
+}
+
+void mark_front(std::vector<MeasuredModel>& models, ErrorStatistic statistic) {
   for (auto& m : models) {
     m.on_front = std::none_of(models.begin(), models.end(), [&](const MeasuredModel& other) {
-      const auto a = costs(other), b = costs(m);
+      const auto a = costs(other, statistic), b = costs(m, statistic);
       bool as_good = true, better = false;
       for (std::size_t k = 0; k < 3; ++k) {
         as_good = as_good && a[k] <= b[k];
@@ -86,16 +119,16 @@ TuningChoice choose_model(const std::vector<MeasuredModel>& models, const Tuning
                     limits.memory_bytes.value_or(none)};
   TuningChoice choice;
   const auto key = [&](const MeasuredModel& m) {
-    const auto c = costs(m);
+    const auto c = costs(m, limits.statistic);
     return limits.error ? std::array<double, 2>{c[1], c[2]} : std::array<double, 2>{c[0], c[1]};
   };
   for (std::size_t i = 0; i < models.size(); ++i) {
-    const auto c = costs(models[i]);
+    const auto c = costs(models[i], limits.statistic);
     if (!std::isfinite(c[0])) continue;
     if (!(c[0] <= limit[0] && c[1] <= limit[1] && c[2] <= limit[2])) continue;
     if (!choice.chosen || key(models[i]) < key(models[*choice.chosen])) choice.chosen = i;
   }
-  if (!choice.chosen) choice.missed = describe_miss(models, limit);
+  if (!choice.chosen) choice.missed = describe_miss(models, limit, limits.statistic);
   return choice;
 }
 

@@ -94,7 +94,6 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
     throw input_error("no candidate could be trained",
                       report.left_out.empty() ? "there is none" : report.left_out.front(),
                       "look at the database with `phynness info`");
-  mark_front(report.models);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }

@@ -24,6 +24,10 @@ struct Candidate {
 /// seed are the scene's.
 std::vector<Candidate> tuning_candidates(const Scene& scene);
 
+/// What stands for the errors of many probes. The mean is made by few of them where the body snaps; the median
+/// does not see these.
+enum class ErrorStatistic { mean, median, p95 };
+
 struct MeasuredModel {
   Candidate candidate;
   PredictorErrors errors;
@@ -31,20 +35,18 @@ struct MeasuredModel {
   double memory_bytes = 0, text_bytes = 0, training_s = 0;
   bool on_front = false;  ///< no other is at least as good in error, time and memory and better in one
   Model model;
-  /// The larger of the mean errors (17) of force and displacement inside the trained range.
+  /// The larger of the errors (17) of force and displacement inside the trained range.
   /// Infinite if no probe was solved.
-  double error() const {
-    if (errors.inside.force.n == 0) return std::numeric_limits<double>::infinity();
-    return std::max(errors.inside.force.mean, errors.inside.displacement.mean);
-  }
+  double error(ErrorStatistic statistic) const;
 };
-void mark_front(std::vector<MeasuredModel>& models);
+void mark_front(std::vector<MeasuredModel>& models, ErrorStatistic statistic = ErrorStatistic::mean);
 
 /// Largest allowed; absent: no limit.
 struct TuningLimits {
-  std::optional<double> error = {};           ///< of MeasuredModel::error(), a fraction
+  std::optional<double> error = {};           ///< of MeasuredModel::error(statistic), a fraction
   std::optional<double> deformation_us = {};  ///< one deformation of all output nodes
   std::optional<double> memory_bytes = {};    ///< of the model in the runtime
+  ErrorStatistic statistic = ErrorStatistic::mean;
 };
 
 struct TuningChoice {
