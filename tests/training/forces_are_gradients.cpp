@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/training/conservative_fit.hpp>
+#include <random>
 
 #include "left_out.hpp"
 #include "small_responses.hpp"
@@ -54,6 +55,17 @@ TEST(ConservativeFit, RepeatsAConservativeForceBetweenTheDirections) {
   // 26 directions 35 to 55 degrees apart; half a percent is a tenth of what the nearest direction's force
   // would miss by.
   EXPECT_LT(error / largest, 5e-3);
+}
+
+TEST(ConservativeFit, TakesAsManyCentersAsTheStatesAreFor) {
+  const auto tables = training_tables(small_header());
+  const auto states = states_of(tables, smooth_force);
+  auto noisy = states;
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.1);  // a thirtieth of the largest force
+  for (Eigen::Index i = 0; i < noisy.force.size(); ++i) noisy.force(i) += noise(random);
+  EXPECT_EQ(fit_conservative(states, depth, 30).network.centers.size(), 30u);
+  EXPECT_LT(fit_conservative(noisy, depth, 30).network.centers.size(), 15u);
 }
 
 TEST(ConservativeFit, IsExactlyZeroAtRest) {

