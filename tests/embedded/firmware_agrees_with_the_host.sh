@@ -10,7 +10,7 @@ phynness=$3
 write_models=$4
 work=$5
 for tool in arm-none-eabi-g++ arm-none-eabi-nm qemu-system-arm; do
-  command -v "$tool" > /dev/null || { echo "skipped: no $tool; tools/install-deps installs it"; exit 77; }
+  command -v "$tool" > /dev/null || { echo "skipped: no $tool; tools/install-deps --devices installs it"; exit 77; }
 done
 command -v make > /dev/null || export CMAKE_GENERATOR=Ninja
 rm -rf "$work"

@@ -8,7 +8,7 @@ source=$2
 phynness=$3
 write_models=$4
 work=$5
-skip() { echo "skipped: $1; tools/install-deps installs it"; exit 77; }
+skip() { echo "skipped: $1; tools/install-deps --devices installs it"; exit 77; }
 for tool in clang++ wasm-ld node; do command -v "$tool" > /dev/null || skip "no $tool"; done
 mkdir -p "$work"
 printf '#include <cmath>\nint main() { return 0; }\n' > "$work/try.cpp"
