@@ -3,8 +3,9 @@
  * `phynness export` makes an image of a model directory, as C source or as a file. Nothing is parsed, copied or
  * allocated: phn_image_open checks the bytes and returns the same address. An image never changes: share it.
  * Functions with `f` take images of floats (phynness export --float), the others images of doubles. Whoever links only
- * one kind gets the code of that kind alone. They need no library, not even a C library's mathematics: the same image
- * gives the same bits on every machine with IEEE 754 arithmetic. Layout: formats/image.md.
+ * one kind gets the code of that kind alone. They need no library, not even a C library's mathematics (doubles on a
+ * processor without them: sqrt): the same image gives the same bits on every machine with IEEE 754 arithmetic. Layout:
+ * formats/image.md.
  *
  * Units, signs, frames and statuses are those of phynness.h: status < 0 refused, outputs hold zeros; > 0 a sum of
  * PHN_WARNING_*; no output is ever NaN or infinite. Components of displacements are cut at 1e6 times the largest trained
