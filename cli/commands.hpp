@@ -24,6 +24,7 @@ void add_validate_command(CLI::App& app);
 void add_tune_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
 void add_solve_command(CLI::App& app);
+void add_export_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_show_command(CLI::App& app);
 void add_run_command(CLI::App& app);

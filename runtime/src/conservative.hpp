@@ -1,9 +1,12 @@
 // Force, energy and stiffness of family modal: derivatives of one potential, all sums over the same centers.
-// A template on the scalar, so that what rounding does to closed loops can be measured in float, too.
+// Templates on the scalar, so that what rounding does to closed loops can be measured in float, too, and on where the
+// coefficients lie: in a model (Conservative) or in an image (image.hpp).
 #pragma once
 
-#include <cmath>
-#include <cstdint>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "square_root.hpp"
 
 namespace phynness::runtime {
 
@@ -13,11 +16,11 @@ namespace phynness::runtime {
 /// energy at rest exactly 0.
 template <class Real>
 struct Conservative {
-  std::int32_t n_centers;
+  int32_t n_centers;
   Real max_displacement;        ///< R [m]
   Real shape;                   ///< without unit
   Real stiffness[6];            ///< K, xx xy xz yy yz zz [N/m]
-  const std::int32_t* center;   ///< n_centers, rows of the displacements
+  const int32_t* center;   ///< n_centers, rows of the displacements
   const double* displacements;  ///< over R, rows of 3; of the model
   /// n_centers x 3 [N], in the smaller of the two types that holds them exactly; the other is null.
   const float* short_coefficient;
@@ -30,9 +33,9 @@ struct Conservative {
 template <class Real, class Add>
 void for_each_center(const Conservative<Real>& net, const Real* x, Add add) {
   const auto walk = [&](const auto* coefficient) {
-    for (std::int32_t i = 0; i < net.n_centers; ++i) {
-      const double* c = net.displacements + 3 * static_cast<std::size_t>(net.center[i]);
-      const auto* b = coefficient + 3 * static_cast<std::size_t>(i);
+    for (int32_t i = 0; i < net.n_centers; ++i) {
+      const double* c = net.displacements + 3 * static_cast<size_t>(net.center[i]);
+      const auto* b = coefficient + 3 * static_cast<size_t>(i);
       const Real y[3] = {x[0] - static_cast<Real>(c[0]), x[1] - static_cast<Real>(c[1]),
                          x[2] - static_cast<Real>(c[2])};
       const Real weight[3] = {static_cast<Real>(b[0]), static_cast<Real>(b[1]), static_cast<Real>(b[2])};
@@ -61,13 +64,14 @@ void multiply_symmetric(const Real* k, const Real* d, Real* product) {
   product[2] = k[2] * d[0] + k[4] * d[1] + k[5] * d[2];
 }
 
-/// @param x  d / R, 3; @param force 3 [N]
-template <class Real>
-void conservative_force(const Conservative<Real>& net, const Real* x, Real* force) {
+/// @param net  as Conservative: its constants, and for_each_center finds its coefficients
+/// @param x    d / R, 3; @param force 3 [N]
+template <class Net, class Real>
+void conservative_force(const Net& net, const Real* x, Real* force) {
   const Real s2 = net.shape * net.shape;
   Real sum[3] = {0, 0, 0};
   for_each_center(net, x, [&](const Real* y, const Real* b) {
-    const Real q = std::sqrt(dot(y, y) + s2), along = dot(y, b) / q;
+    const Real q = square_root(dot(y, y) + s2), along = dot(y, b) / q;
     for (int k = 0; k < 3; ++k) sum[k] += q * b[k] + along * y[k];
   });
   const Real d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
@@ -76,12 +80,12 @@ void conservative_force(const Conservative<Real>& net, const Real* x, Real* forc
 }
 
 /// @return the work that led from rest to x [J]
-template <class Real>
-Real conservative_energy(const Conservative<Real>& net, const Real* x) {
+template <class Net, class Real>
+Real conservative_energy(const Net& net, const Real* x) {
   const Real s2 = net.shape * net.shape;
   Real sum = 0;
   for_each_center(net, x,
-                  [&](const Real* y, const Real* b) { sum += std::sqrt(dot(y, y) + s2) * dot(y, b); });
+                  [&](const Real* y, const Real* b) { sum += square_root(dot(y, y) + s2) * dot(y, b); });
   const Real d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
   Real kd[3];
   multiply_symmetric(net.stiffness, d, kd);
@@ -89,12 +93,12 @@ Real conservative_energy(const Conservative<Real>& net, const Real* x) {
 }
 
 /// @param stiffness  3 x 3 [N/m], symmetric to the last bit
-template <class Real>
-void conservative_stiffness(const Conservative<Real>& net, const Real* x, Real* stiffness) {
+template <class Net, class Real>
+void conservative_stiffness(const Net& net, const Real* x, Real* stiffness) {
   const Real s2 = net.shape * net.shape;
   Real sum[3][3] = {};
   for_each_center(net, x, [&](const Real* y, const Real* b) {
-    const Real q = std::sqrt(dot(y, y) + s2), n[3] = {y[0] / q, y[1] / q, y[2] / q}, along = dot(n, b);
+    const Real q = square_root(dot(y, y) + s2), n[3] = {y[0] / q, y[1] / q, y[2] / q}, along = dot(n, b);
     for (int i = 0; i < 3; ++i) {
       for (int j = i; j < 3; ++j)
         sum[i][j] += b[i] * n[j] + n[i] * b[j] + along * (static_cast<Real>(i == j) - n[i] * n[j]);

@@ -1,5 +1,6 @@
 #!/bin/bash
-# Claim: the runtime builds from its own folder, installs, and an external C program finds and uses it.
+# Claim: the runtime builds from its own folder, installs, and an external C program finds and uses it, by CMake and by
+# pkg-config, also after the installation was moved.
 # Usage: builds_alone_and_installs.sh CMAKE RUNTIME_SOURCE CONSUMER_SOURCE WORK_DIR
 set -euo pipefail
 cmake=$1
@@ -14,3 +15,15 @@ rm -rf "$work"
 "$cmake" -S "$consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
 "$cmake" --build "$work/consumer" >> "$work.log"
 "$work/consumer/c_consumer"
+
+mv "$work/prefix" "$work/moved"
+folder=$(dirname "$(find "$work/moved" -name phynness.pc)")
+if ! command -v pkg-config > /dev/null; then
+  echo "no pkg-config here: its half of the claim is not checked; tools/install-deps installs it"
+  exit 0
+fi
+export PKG_CONFIG_PATH=$folder
+[ "$(pkg-config --modversion phynness)" = "$(pkg-config --modversion phynness-image)" ]
+read -ra flags <<< "$(pkg-config --cflags --libs phynness phynness-image)"
+"${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$consumer/c_consumer.c" "${flags[@]}" -o "$work/by_pkg_config"
+"$work/by_pkg_config"

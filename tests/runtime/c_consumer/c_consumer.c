@@ -1,10 +1,17 @@
-/* The header is C; the installed library links from C; a text that is no model is refused in words. */
+/* The headers are C; the installed libraries link from C; a text or image that is no model is refused in
+ * words. */
+#include <phynness/image.h>
 #include <phynness/phynness.h>
 #include <stdio.h>
 
 int main(void) {
   size_t bytes = 1;
-  const int status = phn_model_size("hello", 5, &bytes);
+  const double words[] = {1, 2, 3};
+  const phn_image* image = NULL;
+  const int status = phn_model_size("hello", 5, &bytes),
+            of_image = phn_image_open(words, sizeof words, &image);
   printf("phynness %s: %s\n", phn_version(), phn_status_message(status));
-  return status == PHN_ERROR_NOT_A_MODEL && bytes == 0 ? 0 : 1;
+  return status == PHN_ERROR_NOT_A_MODEL && bytes == 0 && of_image == PHN_ERROR_NOT_A_MODEL && image == NULL
+             ? 0
+             : 1;
 }

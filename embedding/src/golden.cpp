@@ -1,0 +1,150 @@
+// Questions whose answers a device compares with its own.
+#include <phynness/image.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <phynness/embedding/embedding.hpp>
+#include <phynness/formats/error.hpp>
+#include <phynness/validation/loaded_model.hpp>
+
+namespace phynness {
+namespace {
+
+/// Repeatable numbers in [-1, 1), the same on every machine.
+class Numbers {
+ public:
+  double next() {
+    _state = _state * 6364136223846793005ULL + 1442695040888963407ULL;
+    return static_cast<double>(_state >> 11) * 0x1p-52 - 1;
+  }
+
+ private:
+  std::uint64_t _state = 1;
+};
+
+Vec3 direction(Numbers& numbers) {
+  for (;;) {
+    const Vec3 d{numbers.next(), numbers.next(), numbers.next()};
+    const double size = std::hypot(d[0], d[1], d[2]);
+    if (size > 0.1 && size <= 1) return {d[0] / size, d[1] / size, d[2] / size};
+  }
+}
+
+Vec3 displacement(const LoadedModel& model, std::int32_t node, std::size_t i, Numbers& numbers) {
+  if (i == 0) return {0, 0, 0};
+  Vec3 e = direction(numbers);
+  double share = 0.5 + 0.5 * numbers.next();
+  if (i <= 6) {
+    e = {0, 0, 0};
+    e[(i - 1) / 2] = i % 2 == 1 ? 1 : -1;
+    share = 0.7;
+  } else if (i % 16 == 15) {
+    share = 3;
+  } else if (i % 4 == 3) {
+    share = 1 + 0.43 * share;
+  }
+  const double depth = model.trained_depth(node, e),
+               deep = depth > 0 ? depth : model.model().max_displacement_m;
+  return {share * deep * e[0], share * deep * e[1], share * deep * e[2]};
+}
+
+/// An image with the functions of its numbers.
+class Device {
+ public:
+  explicit Device(const ModelImage& image)
+      : _words(image.bytes.size() / 8),
+        _scratch_f(image.n_scratch),
+        _field_f(3 * image.n_output),
+        _scratch(image.n_scratch),
+        _field(3 * image.n_output) {
+    std::memcpy(_words.data(), image.bytes.data(), image.bytes.size());
+    const int status = image.options.floats ? phn_imagef_open(_words.data(), image.bytes.size(), &_floats)
+                                            : phn_image_open(_words.data(), image.bytes.size(), &_doubles);
+    if (status != PHN_OK)
+      throw failure("the image that was made is refused", std::to_string(status),
+                    "this is a defect; please report it");
+  }
+
+  /// d as the image can hold it.
+  Vec3 held(const Vec3& d) const {
+    if (_doubles) return d;
+    return {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
+  }
+  int force(std::int32_t node, const Vec3& d, Vec3& force) const {
+    if (_doubles) return phn_image_force(_doubles, node, d.data(), force.data());
+    const float at[3] = {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
+    float out[3];
+    const int status = phn_imagef_force(_floats, node, at, out);
+    std::copy_n(out, 3, force.begin());
+    return status;
+  }
+  void deformation(std::int32_t node, const Vec3& d, std::int32_t output, Vec3& u) {
+    if (_field.empty()) return;
+    if (_doubles) {
+      phn_image_deform(_doubles, _scratch.data(), node, d.data(), _field.data());
+      std::copy_n(&_field[3 * static_cast<std::size_t>(output)], 3, u.begin());
+    } else {
+      const float at[3] = {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
+      phn_imagef_deform(_floats, _scratch_f.data(), node, at, _field_f.data());
+      std::copy_n(&_field_f[3 * static_cast<std::size_t>(output)], 3, u.begin());
+    }
+  }
+
+ private:
+  std::vector<std::uint64_t> _words;
+  const phn_image* _doubles = nullptr;
+  const phn_imagef* _floats = nullptr;
+  std::vector<float> _scratch_f, _field_f;
+  std::vector<double> _scratch, _field;
+};
+
+/// Largest difference over largest value.
+class Deviation {
+ public:
+  void add(const Vec3& expected, const Vec3& got) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      _largest = std::max(_largest, std::fabs(expected[k]));
+      _difference = std::max(_difference, std::fabs(expected[k] - got[k]));
+    }
+  }
+  double relative() const { return _largest > 0 ? _difference / _largest : _difference; }
+
+ private:
+  double _largest = 0, _difference = 0;
+};
+
+}  // namespace
+
+GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, std::size_t n) {
+  const auto& nodes = model.model().nodes;
+  if (nodes.empty()) throw input_error("the model has no active nodes", "", "train it with some");
+  Device device(image);
+  Numbers numbers;
+  GoldenQueries all;
+  Deviation force, deformation;
+  std::vector<double> field(3 * model.model().output.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    GoldenQuery query;
+    // Strides that meet all nodes, but seldom neighbours in turn.
+    query.node = nodes[(i * 7919) % nodes.size()].node;
+    query.displacement_m = device.held(displacement(model, query.node, i, numbers));
+    const Vec3& d = query.displacement_m;
+    phn_force(model.handle(), model.data(), query.node, d.data(), query.force_N.data());
+    query.status = device.force(query.node, d, query.image_force_N);
+    force.add(query.force_N, query.image_force_N);
+    if (image.n_output > 0) {
+      query.output = static_cast<std::int32_t>((i * 104729) % image.n_output);
+      phn_deform(model.handle(), model.data(), 1, &query.node, d.data(), field.data());
+      std::copy_n(&field[3 * static_cast<std::size_t>(query.output)], 3, query.deformation_m.begin());
+      device.deformation(query.node, d, query.output, query.image_deformation_m);
+      deformation.add(query.deformation_m, query.image_deformation_m);
+    }
+    all.query.push_back(query);
+  }
+  all.force_deviation = force.relative();
+  all.deformation_deviation = deformation.relative();
+  return all;
+}
+
+}  // namespace phynness

@@ -1,0 +1,323 @@
+// Model -> image. Follows runtime/include/phynness/image_layout.hpp.
+#include <phynness/image.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <phynness/embedding/embedding.hpp>
+#include <phynness/formats/error.hpp>
+#include <phynness/image_layout.hpp>
+
+namespace phynness {
+namespace {
+
+/// With displacements cut at 1e6 R, no sum of numbers below these leaves the range of a float.
+constexpr double largest_float_value = 1e12, largest_float_displacement = 1e6;
+constexpr std::size_t largest_index = 65535;
+
+struct Functions {
+  static int open(const void* memory, std::size_t bytes, const phn_image** image) {
+    return phn_image_open(memory, bytes, image);
+  }
+  static int open(const void* memory, std::size_t bytes, const phn_imagef** image) {
+    return phn_imagef_open(memory, bytes, image);
+  }
+  static int force(const phn_image* image, std::int32_t node, const double* d, double* out) {
+    return phn_image_force(image, node, d, out);
+  }
+  static int force(const phn_imagef* image, std::int32_t node, const float* d, float* out) {
+    return phn_imagef_force(image, node, d, out);
+  }
+  static int energy(const phn_image* image, std::int32_t node, const double* d, double* out) {
+    return phn_image_energy(image, node, d, out);
+  }
+  static int energy(const phn_imagef* image, std::int32_t node, const float* d, float* out) {
+    return phn_imagef_energy(image, node, d, out);
+  }
+};
+
+template <class Real>
+class ImageWriter {
+ public:
+  ImageWriter(const Model& model, const ImageOptions& options) : _model(model), _options(options) {}
+
+  ModelImage write() {
+    check_sizes();
+    const bool deforms = !_options.force_only;
+    _bytes.resize(sizeof(_header));
+    _header.magic = image::magic;
+    _header.version = image::version;
+    _header.real_bytes = sizeof(Real);
+    _header.family = family();
+    const double R = _model.max_displacement_m;
+    if (_options.floats && !(R >= 1 / largest_float_displacement && R <= largest_float_displacement))
+      throw too_large("the largest displacement [m]", R);
+    _header.max_displacement = real(R);
+    if (_model.family == Family::modal) _header.amplitude_shape = real(_model.shared.shape);
+    std::vector<std::int32_t> active;
+    std::vector<Real> points;
+    for (const auto& node : _model.nodes) {
+      active.push_back(node.node);
+      for (const double x : node.point) points.push_back(real(x));
+    }
+    _header.active_nodes = put(active);
+    _header.active_points = put(points);
+    if (deforms) {
+      _header.output_nodes = put(_model.output);
+      _header.output_points = put(reals(_model.output_points));
+    }
+    std::vector<Real> directions;
+    for (const auto& e : _model.directions)
+      for (const double component : e) directions.push_back(real(component));
+    _header.directions = put(directions);
+    const double unit = _model.family == Family::modal ? R : 1;
+    _displacements = reals(_model.displacements, [&](double value) { return value / unit; });
+    _header.displacements = put(_displacements);
+    if (deforms && _model.family == Family::modal) put_shared();
+
+    std::vector<image::ActiveNode<Real>> nodes;
+    for (const auto& node : _model.nodes) nodes.push_back(active_node(node));
+    _header.active = put(nodes);
+    _header.n_scratch = static_cast<std::uint32_t>(_n_scratch);
+    if (_model.family == Family::modal) set_rest(nodes);
+    seal();
+    return {_bytes, _options, _model.nodes.size(), deforms ? _model.output.size() : 0, _n_scratch};
+  }
+
+ private:
+  image::Family family() const {
+    switch (_model.family) {
+      case Family::linear:
+        return image::Family::linear;
+      case Family::modal:
+        return image::Family::modal;
+      default:
+        return image::Family::rbfn;
+    }
+  }
+
+  Error too_large(const std::string& what, double value) const {
+    return input_error("the model cannot be held by floats: " + what + " is out of their range",
+                       std::to_string(value), "export it without --float");
+  }
+
+  void check_sizes() const {
+    const auto n_displacements = static_cast<std::size_t>(_model.displacements.rows());
+    if (n_displacements > largest_index || _model.output.size() > largest_index)
+      throw input_error(
+          "the model is too large for an image",
+          std::to_string(n_displacements) + " displacements, " + std::to_string(_model.output.size()) +
+              " output nodes",
+          "an image holds up to 65535 of each: precompute with fewer increments or output nodes");
+  }
+
+  Real real(double value) const {
+    if (_options.floats && !(std::fabs(value) <= largest_float_value))
+      throw too_large("a coefficient", value);
+    return static_cast<Real>(value);
+  }
+  template <class Matrix, class Change>
+  std::vector<Real> reals(const Matrix& values, Change change) const {
+    std::vector<Real> out;
+    for (Eigen::Index r = 0; r < values.rows(); ++r)
+      for (Eigen::Index c = 0; c < values.cols(); ++c) out.push_back(real(change(values(r, c))));
+    return out;
+  }
+  template <class Matrix>
+  std::vector<Real> reals(const Matrix& values) const {
+    return reals(values, [](double value) { return value; });
+  }
+
+  /// Appends values and says where they are. Equal tables of depths, weights and points are kept once.
+  template <class T>
+  image::Table put(const std::vector<T>& values) {
+    if (values.empty()) return {0, 0};
+    return {put_bytes(values.data(), values.size() * sizeof(T)), static_cast<std::uint32_t>(values.size())};
+  }
+  std::uint32_t put_bytes(const void* data, std::size_t size) {
+    const std::size_t at = (_bytes.size() + sizeof(Real) - 1) / sizeof(Real) * sizeof(Real);
+    if (size > image::largest_table - at)
+      throw input_error("the image is larger than 2 GB", "", "use --force-only, --float or family modal");
+    _bytes.resize(at + size);
+    std::memcpy(_bytes.data() + at, data, size);
+    return static_cast<std::uint32_t>(at);
+  }
+  image::Table put_indices(const std::vector<std::int32_t>& values) {
+    return put(std::vector<std::uint16_t>(values.begin(), values.end()));
+  }
+  image::ScaledTable put_scaled(const ScaledTable& table) {
+    if (table.cols() == 0) return {};
+    const auto* entry = table.entries.data();
+    return {put(reals(table.scale)), put(std::vector<std::int16_t>(entry, entry + table.entries.size()))};
+  }
+
+  void put_shared() {
+    const auto& shared = _model.shared;
+    std::vector<Real> at_rest;
+    // As modal_field computes at x = 0.
+    const Real s2 = _header.amplitude_shape * _header.amplitude_shape, q = std::sqrt(s2);
+    for (const auto row : shared.centers) {
+      const Real* c = &_displacements[3 * static_cast<std::size_t>(row)];
+      at_rest.push_back(std::sqrt((c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + s2) - q);
+    }
+    _header.amplitude_center = put_indices(shared.centers);
+    _header.amplitude_at_rest = put(at_rest);
+    _header.modes = put_scaled(shared.modes);
+  }
+
+  image::ActiveNode<Real> active_node(const ActiveNodeModel& node) {
+    image::ActiveNode<Real> out{};
+    if (!_options.force_only) {
+      std::vector<std::uint16_t> positions;
+      std::vector<Real> weights;
+      for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
+        const auto found = std::lower_bound(_model.output.begin(), _model.output.end(), node.prescribed[i]);
+        if (found == _model.output.end() || *found != node.prescribed[i]) continue;
+        positions.push_back(static_cast<std::uint16_t>(found - _model.output.begin()));
+        weights.push_back(real(node.prescribed_weight[i]));
+      }
+      out.prescribed = put(positions);
+      out.prescribed_weight = put(weights);
+    }
+    // Most nodes were trained as deep as the node before.
+    if (node.trained_depth_m != _depth) {
+      std::vector<Real> depth;
+      for (const double value : node.trained_depth_m) depth.push_back(real(value));
+      _depth = node.trained_depth_m;
+      _depth_table = put(depth);
+    }
+    out.trained_depth = _depth_table;
+    out.incomplete = node.n_incomplete > 0 ? 1 : 0;
+    switch (_model.family) {
+      case Family::linear:
+        out.response = response(node.linear);
+        break;
+      case Family::modal:
+        out.response = modal_response(node);
+        break;
+      default:
+        out.response = rbfn_response(node);
+    }
+    return out;
+  }
+
+  template <int n_inputs>
+  image::Network<Real, n_inputs> network(const RbfNetwork& from) {
+    image::Network<Real, n_inputs> net{};
+    net.displacement = put_indices(from.center_displacement);
+    net.output = put_indices(from.center_output);
+    // Gaussians count in powers of two, weights in the unit of the output.
+    for (int k = 0; k < n_inputs; ++k)
+      net.factor[k] = real(std::sqrt(1 / std::log(2.0)) / (from.spread * from.input_half_range[k]));
+    const Eigen::MatrixXd weights = from.weights * from.output_half_range.asDiagonal();
+    net.weight = put(reals(weights));
+    for (int k = 0; k < 3; ++k)
+      net.constant[k] = real(from.output_center[k] + from.output_half_range[k] * from.bias[k]);
+    return net;
+  }
+  std::uint32_t rbfn_response(const ActiveNodeModel& node) {
+    image::RbfnResponse<Real> out{};
+    out.force = network<3>(node.force);
+    if (!_options.force_only) {
+      out.deformation = network<6>(node.deformation);
+      _n_scratch = std::max(_n_scratch, node.deformation.center_output.size());
+    }
+    return put_bytes(&out, sizeof out);
+  }
+
+  void stiffness(const Eigen::Matrix3d& from, Real* k) const {
+    for (int i = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j) *k++ = real(from(i, j));
+  }
+  std::uint32_t response(const LinearResponse& from) {
+    image::LinearResponse<Real> out{};
+    stiffness(from.stiffness, out.stiffness);
+    if (!_options.force_only) out.unit_responses = put(reals(from.unit_responses));
+    return put_bytes(&out, sizeof out);
+  }
+
+  std::uint32_t modal_response(const ActiveNodeModel& node) {
+    image::ModalResponse<Real> out{};
+    const auto& force = node.conservative;
+    out.center = put_indices(force.centers);
+    const auto coefficients = reals(force.coefficients);
+    out.coefficient = put(coefficients);
+    for (std::size_t i = 0; i < coefficients.size(); ++i) out.total[i % 3] += coefficients[i];
+    out.shape = real(force.shape);
+    stiffness(force.stiffness, out.stiffness);
+    const auto& modal = node.modal;
+    const auto m = static_cast<std::size_t>(modal.weights.cols());
+    if (!_options.force_only && m > 0) {
+      out.weights = put_scaled(modal.weights);
+      out.mixing = put_scaled(modal.mixing);
+      out.near = put_indices(modal.near);
+      out.near_modes = put_scaled(modal.near_modes);
+      const auto n_shared = static_cast<std::size_t>(_model.shared.modes.cols());
+      _n_scratch = std::max(_n_scratch, _model.shared.centers.size() + 3 + n_shared + 2 * m);
+    }
+    return put_bytes(&out, sizeof out);
+  }
+
+  /// The functions that will evaluate the image say what they leave at rest: with R = 1, where nothing is
+  /// rounded afterwards.
+  void set_rest(const std::vector<image::ActiveNode<Real>>& nodes) {
+    const Real R = _header.max_displacement;
+    _header.max_displacement = 1;
+    seal();
+    using Image = std::conditional_t<std::is_same_v<Real, float>, phn_imagef, phn_image>;
+    const auto copy = aligned();
+    const Image* opened = nullptr;
+    const int status = Functions::open(copy.data(), _bytes.size(), &opened);
+    if (status != PHN_OK)
+      throw failure("the image that was made is refused", phn_status_message(status),
+                    "this is a defect; please report it");
+    const Real rest[3] = {0, 0, 0};
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      Real force[3], energy = 0;
+      Functions::force(opened, _model.nodes[i].node, rest, force);
+      Functions::energy(opened, _model.nodes[i].node, rest, &energy);
+      image::ModalResponse<Real> response;
+      std::byte* at = _bytes.data() + nodes[i].response;
+      std::memcpy(&response, at, sizeof response);
+      for (int k = 0; k < 3; ++k) response.force_at_rest[k] = -force[k];
+      response.energy_at_rest = -energy;
+      std::memcpy(at, &response, sizeof response);
+    }
+    _header.max_displacement = R;
+  }
+
+  /// Header, size and checksum.
+  void seal() {
+    _bytes.resize((_bytes.size() + 7) / 8 * 8);
+    _header.bytes = static_cast<std::uint32_t>(_bytes.size());
+    std::memcpy(_bytes.data(), &_header, sizeof _header);
+    const auto copy = aligned();
+    const auto* words = reinterpret_cast<const std::uint32_t*>(copy.data());
+    _header.checksum =
+        image::checksum(words + image::n_unchecked_words, _bytes.size() / 4 - image::n_unchecked_words);
+    std::memcpy(_bytes.data(), &_header, sizeof _header);
+  }
+  std::vector<std::uint64_t> aligned() const {
+    std::vector<std::uint64_t> copy(_bytes.size() / 8);
+    std::memcpy(copy.data(), _bytes.data(), copy.size() * 8);
+    return copy;
+  }
+
+  const Model& _model;
+  const ImageOptions& _options;
+  std::vector<std::byte> _bytes;
+  image::Header<Real> _header{};
+  std::vector<Real> _displacements;
+  std::vector<double> _depth;
+  image::Table _depth_table{};
+  std::size_t _n_scratch = 0;
+};
+
+}  // namespace
+
+ModelImage model_image(const Model& model, const ImageOptions& options) {
+  return options.floats ? ImageWriter<float>(model, options).write()
+                        : ImageWriter<double>(model, options).write();
+}
+
+}  // namespace phynness

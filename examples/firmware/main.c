@@ -1,0 +1,148 @@
+/* Evaluates every golden query with the model in flash, compares with the host's double, counts instructions.
+ * Prints one figure per line, NAME VALUE, and exits with 0 if all agree.
+ *
+ * A device's loop is the one line phn_imagef_force (or phn_image_force): no set-up but open, no memory but
+ * its stack.
+ */
+#include <phynness/image.h>
+#include <stdint.h>
+
+#include "board.h"
+#include "model.h"
+#include "model_golden.h"
+
+#if MODEL_REAL_BYTES == 4
+typedef float real;
+typedef phn_imagef image_type;
+#define open_image phn_imagef_open
+#define force_image phn_imagef_force
+#define deform_image phn_imagef_deform
+/* Of the largest answer. Weights of wide Gaussians cancel by 1e4, times a float's last bit: phynness export
+ * measures it. */
+#define FORCE_TOLERANCE 1e-3
+#define DEFORMATION_TOLERANCE 1e-3
+#else
+typedef double real;
+typedef phn_image image_type;
+#define open_image phn_image_open
+#define force_image phn_image_force
+#define deform_image phn_image_deform
+#define FORCE_TOLERANCE 1e-11
+#define DEFORMATION_TOLERANCE 1e-6 /* the runtime sums shared modes in float */
+#endif
+
+static const image_type* model;
+
+static double absolute(double value) { return value < 0 ? -value : value; }
+static double larger(double a, double b) { return a > b ? a : b; }
+
+static void set(const double* from, real* to) {
+  for (int k = 0; k < 3; ++k) to[k] = (real)from[k];
+}
+
+static void report(const char* name, uint32_t value) {
+  board_print(name);
+  board_print(" ");
+  board_print_number(value);
+  board_print("\n");
+}
+
+/* What the device says beside what the host said: the runtime in double, and the same image, bit for bit. */
+struct agreement {
+  double largest, difference;
+  uint32_t other_bits;
+};
+
+static void compare(struct agreement* agreement, const double* runtime, const double* image,
+                    const real* got) {
+  for (int k = 0; k < 3; ++k) {
+    agreement->largest = larger(agreement->largest, absolute(runtime[k]));
+    agreement->difference = larger(agreement->difference, absolute(runtime[k] - (double)got[k]));
+    if (image[k] != (double)got[k]) ++agreement->other_bits;
+  }
+}
+
+static int agrees(const struct agreement* agreement, const char* what, double tolerance) {
+  const double size = agreement->largest > 0 ? agreement->largest : 1,
+               relative = agreement->difference / size;
+  board_print(what);
+  report("_deviation_1e-9", (uint32_t)(1e9 * (relative < 4 ? relative : 4) + 0.5));
+  board_print(what);
+  report("_other_bits", agreement->other_bits);
+  return relative <= tolerance && agreement->other_bits == 0;
+}
+
+static int check_forces(void) {
+  struct agreement agreement = {0, 0, 0};
+  uint32_t other_statuses = 0;
+  for (uint32_t i = 0; i < MODEL_GOLDEN; ++i) {
+    const struct model_query* query = &model_golden[i];
+    real d[3], force[3];
+    set(query->displacement, d);
+    if (force_image(model, query->node, d, force) != query->status) ++other_statuses;
+    compare(&agreement, query->force, query->image_force, force);
+  }
+  report("other_statuses", other_statuses);
+  return agrees(&agreement, "force", FORCE_TOLERANCE) && other_statuses == 0;
+}
+
+/* All golden queries, then the same loop without the call. */
+static void count_forces(void) {
+  uint32_t most = 0, spent[2];
+  real d[3], force[3] = {0, 0, 0};
+  for (int called = 0; called < 2; ++called) {
+    board_start_counting();
+    for (uint32_t i = 0; i < MODEL_GOLDEN; ++i) {
+      set(model_golden[i].displacement, d);
+      __asm volatile("" ::: "memory");
+      if (called) force_image(model, model_golden[i].node, d, force);
+    }
+    spent[called] = board_instructions();
+  }
+  report("instructions_per_force", (spent[1] - spent[0]) / MODEL_GOLDEN);
+  for (uint32_t i = 0; i < MODEL_GOLDEN; ++i) {
+    set(model_golden[i].displacement, d);
+    board_start_counting();
+    for (int repeated = 0; repeated < 10; ++repeated) force_image(model, model_golden[i].node, d, force);
+    const uint32_t once = board_instructions() / 10;
+    if (once > most) most = once;
+  }
+  report("instructions_per_force_at_most", most);
+}
+
+#if MODEL_OUTPUT > 0
+static real scratch[MODEL_SCRATCH > 0 ? MODEL_SCRATCH : 1], field[MODEL_FIELD];
+
+static int check_deformations(void) {
+  struct agreement agreement = {0, 0, 0};
+  const uint32_t n = MODEL_GOLDEN < 32 ? MODEL_GOLDEN : 32;
+  uint32_t spent = 0;
+  for (uint32_t i = 0; i < n; ++i) {
+    const struct model_query* query = &model_golden[i];
+    real d[3];
+    set(query->displacement, d);
+    board_start_counting();
+    deform_image(model, scratch, query->node, d, field);
+    spent += board_instructions() / n;
+    compare(&agreement, query->deformation, query->image_deformation, &field[3 * query->output]);
+  }
+  report("instructions_per_deformation", spent);
+  return agrees(&agreement, "deformation", DEFORMATION_TOLERANCE);
+}
+#else
+static int check_deformations(void) { return 1; }
+#endif
+
+int main(void) {
+  board_start_counting();
+  const int status = open_image(model_image, sizeof model_image, &model);
+  report("instructions_of_open", board_instructions());
+  if (status != PHN_OK) {
+    board_print("the image is refused\n");
+    return 1;
+  }
+  count_forces();
+  const int forces = check_forces(), deformations = check_deformations();
+  board_print(forces && deformations ? "agree 1\n" : "agree 0\n");
+  return forces && deformations ? 0 : 1;
+}

@@ -1,0 +1,79 @@
+/* phynness images: models that a device evaluates where they lie, in flash, in float or double.
+ *
+ * `phynness export` makes an image of a model directory, as C source or as a file. Nothing is parsed, copied or
+ * allocated: phn_image_open checks the bytes and returns the same address. An image never changes: share it.
+ * Functions with `f` take images of floats (phynness export --float), the others images of doubles. Whoever links only
+ * one kind gets the code of that kind alone. They need no library, not even a C library's mathematics (doubles on a
+ * processor without them: sqrt): the same image gives the same bits on every machine with IEEE 754 arithmetic. Layout:
+ * formats/image.md.
+ *
+ * Units, signs, frames and statuses are those of phynness.h: status < 0 refused, outputs hold zeros; > 0 a sum of
+ * PHN_WARNING_*; no output is ever NaN or infinite. Components of displacements are cut at 1e6 times the largest trained
+ * displacement R. Tools between nodes, several tools, surfaces and fields are the business of phynness.h.
+ */
+#ifndef PHYNNESS_IMAGE_H
+#define PHYNNESS_IMAGE_H
+
+#include <phynness/phynness.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct phn_image phn_image;
+typedef struct phn_imagef phn_imagef;
+
+/* Checks the `bytes` bytes at `memory` (aligned to 8, of floats to 4; they may be followed by others) and gives the image.
+ * It reads them once: some five instructions for each four bytes. Memory must stay as it is as long as the image is used.
+ * PHN_ERROR_NOT_A_MODEL: not an image, or one for the other order of bytes. PHN_ERROR_VERSION: of another version, or of
+ * the other kind of number. PHN_ERROR_TRUNCATED, PHN_ERROR_CHECKSUM: damaged. PHN_ERROR_FAMILY, PHN_ERROR_RANGE: its
+ * parts do not fit each other. PHN_ERROR_ARGUMENT: null, or not aligned. On failure *image is null. */
+int phn_image_open(const void *memory, size_t bytes, const phn_image **image);
+int phn_imagef_open(const void *memory, size_t bytes, const phn_imagef **image);
+
+/* Active nodes: their numbers in the mesh, ascending, and reference coordinates, n_active x 3 [m]; owned by the image. */
+int32_t phn_image_n_active(const phn_image *image);
+int32_t phn_imagef_n_active(const phn_imagef *image);
+const int32_t *phn_image_active_nodes(const phn_image *image);
+const int32_t *phn_imagef_active_nodes(const phn_imagef *image);
+const double *phn_image_active_points(const phn_image *image);
+const float *phn_imagef_active_points(const phn_imagef *image);
+
+/* Output nodes, those whose displacement is modelled; none if the image was exported with --force-only. */
+int32_t phn_image_n_output(const phn_image *image);
+int32_t phn_imagef_n_output(const phn_imagef *image);
+const int32_t *phn_image_output_nodes(const phn_image *image);
+const int32_t *phn_imagef_output_nodes(const phn_imagef *image);
+const double *phn_image_output_points(const phn_image *image);
+const float *phn_imagef_output_points(const phn_imagef *image);
+
+/* Reaction force [N] at active node `node` displaced by d [m], as phn_force. No scratch. */
+int phn_image_force(const phn_image *image, int32_t node, const double d[3], double force[3]);
+int phn_imagef_force(const phn_imagef *image, int32_t node, const float d[3], float force[3]);
+
+/* Energy [J] and stiffness [N/m], 3 x 3, symmetric to the last bit, as phn_energy and phn_stiffness; 0 and the constant
+ * at d = 0. PHN_ERROR_UNDEFINED in family rbfn. */
+int phn_image_energy(const phn_image *image, int32_t node, const double d[3], double *energy);
+int phn_imagef_energy(const phn_imagef *image, int32_t node, const float d[3], float *energy);
+int phn_image_stiffness(const phn_image *image, int32_t node, const double d[3], double stiffness[9]);
+int phn_imagef_stiffness(const phn_imagef *image, int32_t node, const float d[3], float stiffness[9]);
+
+/* How deep [m] `node` was trained in the direction nearest to d, as phn_trained_depth. */
+int phn_image_trained_depth(const phn_image *image, int32_t node, const double d[3], double *depth);
+int phn_imagef_trained_depth(const phn_imagef *image, int32_t node, const float d[3], float *depth);
+
+/* Numbers of scratch that a deformation needs; it may be 0. */
+size_t phn_image_scratch(const phn_image *image);
+size_t phn_imagef_scratch(const phn_imagef *image);
+
+/* Displacements [m] of all output nodes, n_output x 3, with one tool at `node` displaced by d [m], as phn_deform.
+ * `scratch`: one for each thread; overlaps nothing else. Modal models multiply their 16-bit tables as they lie in the
+ * image: 3 n_output x shared modes products. PHN_ERROR_UNDEFINED: the image or the node has forces only. */
+int phn_image_deform(const phn_image *image, double *scratch, int32_t node, const double d[3], double *out);
+int phn_imagef_deform(const phn_imagef *image, float *scratch, int32_t node, const float d[3], float *out);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,112 @@
+// Layout of an image (formats/image.md): what phn_image_open accepts and exporters write. Little-endian; every structure
+// and table starts at a multiple of the size of its numbers; offsets count bytes from the image's start.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+namespace phynness::image {
+
+inline constexpr uint32_t magic = 0x494e4850;  ///< "PHNI"
+inline constexpr uint32_t version = 1;
+inline constexpr uint32_t largest_table = 0x7fffffff;  ///< bytes of an image
+
+enum class Family : uint32_t { rbfn, linear, modal };
+
+/// Displacements are cut to this size per component, in max_displacement.
+inline constexpr double largest_displacement = 1e6;
+
+/// n values at an offset; n = 0: none.
+struct Table {
+  uint32_t at, n;
+};
+
+/// Gaussian network with weights in units of its output: constant + sum_i w_i 2^-|factor (v - c_i)|^2, where the input
+/// v is d and, in deformation networks, the coordinates of the output node. Centers are rows of the shared tables.
+template <class Real, int n_inputs>
+struct Network {
+  Table displacement;        ///< uint16: row of Header::displacements, one per neuron
+  Table output;              ///< uint16: row of Header::output_points; deformation only
+  Table weight;              ///< Real: 3 per neuron
+  Real factor[n_inputs];     ///< sqrt(log2 e) / (spread half_range)
+  Real constant[3];
+};
+
+template <class Real>
+struct RbfnResponse {
+  Network<Real, 3> force;
+  Network<Real, 6> deformation;
+};
+
+template <class Real>
+struct LinearResponse {
+  Real stiffness[6];     ///< xx xy xz yy yz zz [N/m]
+  Table unit_responses;  ///< Real: n_output x 9
+};
+
+/// A matrix of 16-bit integers, row by row, with a factor for each of n_columns.
+struct ScaledTable {
+  Table scale;  ///< Real: n_columns
+  Table entry;  ///< int16: n_rows n_columns
+};
+
+template <class Real>
+struct ModalResponse {
+  Table center;       ///< uint16: row of Header::displacements, one per force center
+  Table coefficient;  ///< Real: 3 per force center [N]
+  Real shape;
+  Real stiffness[6];                      ///< [N/m]
+  Real total[3];                          ///< sum of the coefficients
+  Real force_at_rest[3], energy_at_rest;  ///< added so that both vanish at d = 0 [N], [J / R]
+  ScaledTable weights;     ///< n_amplitude_centers + 3 rows, n_modes columns; none: no deformation
+  ScaledTable mixing;      ///< n_shared rows
+  Table near;              ///< uint16: positions among the output nodes
+  ScaledTable near_modes;  ///< 3 n_near rows
+};
+
+template <class Real>
+struct ActiveNode {
+  Table prescribed;         ///< uint16: positions among the output nodes
+  Table prescribed_weight;  ///< Real
+  Table trained_depth;      ///< Real: n_directions [m]
+  uint32_t incomplete;      ///< 0 or 1
+  uint32_t response;        ///< offset of the family's response
+};
+
+template <class Real>
+struct Header {
+  uint32_t magic, version, real_bytes;
+  uint32_t bytes;     ///< of the whole image
+  uint32_t checksum;  ///< of all words behind this one
+  Family family;
+  uint32_t n_scratch;     ///< Reals
+  uint32_t reserved;      ///< 0
+  Table active_nodes;     ///< int32, ascending
+  Table active_points;    ///< Real: n_active x 3 [m]
+  Table active;           ///< ActiveNode<Real>
+  Table output_nodes;     ///< int32, ascending
+  Table output_points;    ///< Real: n_output x 3 [m]
+  Table directions;       ///< Real: n_directions x 3
+  Table displacements;    ///< Real: n x 3, [m], in family modal over max_displacement; n <= 65535
+  Table amplitude_center;   ///< uint16: row of displacements; modal, as are the next two
+  Table amplitude_at_rest;  ///< Real: subtracted so that amplitudes at d = 0 are exactly 0
+  ScaledTable modes;        ///< 3 n_output rows, n_shared columns
+  Real max_displacement;    ///< R [m]
+  Real amplitude_shape;
+};
+
+/// Of `n` words from `word` on. Every step is invertible in the sum and in the word: no single damaged word escapes.
+inline uint32_t checksum(const uint32_t* word, size_t n) {
+  uint32_t sum = 0x9e3779b9u;
+  for (size_t i = 0; i < n; ++i) {
+    sum ^= word[i];
+    sum = (sum << 13) | (sum >> 19);
+    sum = sum * 5 + 0xe6546b64u;
+  }
+  return sum;
+}
+
+/// Words before those that the checksum covers: magic, version, real_bytes, bytes and itself.
+inline constexpr size_t n_unchecked_words = 5;
+
+}  // namespace phynness::image

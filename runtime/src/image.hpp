@@ -1,0 +1,229 @@
+// Evaluation of images (image_layout.hpp): no header of a C++ library, no function of anybody else's.
+#pragma once
+
+#include <phynness/image.h>
+
+#include <phynness/image_layout.hpp>
+
+#include "conservative.hpp"
+
+namespace phynness::runtime {
+
+template <class Real>
+using ImageHeader = image::Header<Real>;
+
+template <class T, class Real>
+const T* at(const ImageHeader<Real>& image, uint32_t offset) {
+  return reinterpret_cast<const T*>(reinterpret_cast<const unsigned char*>(&image) + offset);
+}
+template <class T, class Real>
+const T* at(const ImageHeader<Real>& image, image::Table table) {
+  return at<T>(image, table.at);
+}
+
+/// What depends on the number: 2^-t for 0 <= t and the slack of "deeper than trained".
+template <class Real>
+struct Arithmetic;
+template <>
+struct Arithmetic<float> {
+  using Bits = uint32_t;
+  static constexpr int n_terms = 8, mantissa_bits = 23, bias = 127;
+  static constexpr float largest_exponent = 126, slack = 1 + 1e-6f;
+};
+template <>
+struct Arithmetic<double> {
+  using Bits = uint64_t;
+  static constexpr int n_terms = 14, mantissa_bits = 52, bias = 1023;
+  static constexpr double largest_exponent = 1022, slack = 1 + 1e-9;
+};
+
+/// 2^-t, relative error some 1e-7 (float) or 3e-16 (double): t is cut where the result would leave normal numbers.
+template <class Real>
+Real power_of_half(Real t) {
+  using A = Arithmetic<Real>;
+  t = t < A::largest_exponent ? t : A::largest_exponent;
+  const auto whole = static_cast<int32_t>(t + Real(0.5));
+  const Real z = (static_cast<Real>(whole) - t) * Real(0.693147180559945309417);  // 2^-t = 2^-whole e^z, |z| < 0.35
+  constexpr double factorial[14] = {1, 1, 2, 6, 24, 120, 720, 5040, 40320, 362880, 3628800, 39916800, 479001600,
+                                    6227020800.};
+  Real sum = static_cast<Real>(1 / factorial[A::n_terms - 1]);
+#ifdef __GNUC__
+#pragma GCC unroll 16
+#endif
+  for (int k = A::n_terms - 2; k >= 0; --k) sum = sum * z + static_cast<Real>(1 / factorial[k]);
+  const auto bits = static_cast<typename A::Bits>(A::bias - whole) << A::mantissa_bits;
+  Real scale;
+  __builtin_memcpy(&scale, &bits, sizeof scale);
+  return sum * scale;
+}
+
+template <class Real>
+Real cut(Real value, Real largest) {
+  return value > largest ? largest : value < -largest ? -largest : value;
+}
+
+template <class Real>
+bool finite(const Real* d) {
+  return d[0] - d[0] == 0 && d[1] - d[1] == 0 && d[2] - d[2] == 0;
+}
+
+template <class Real>
+void clear(Real* out, size_t n) {
+  for (size_t i = 0; i < n; ++i) out[i] = 0;
+}
+
+/// d cut. @return whether nothing was cut
+template <class Real>
+bool cut_displacement(const ImageHeader<Real>& image, const Real* d, Real* at) {
+  const Real largest = static_cast<Real>(image::largest_displacement) * image.max_displacement;
+  bool whole = true;
+  for (int k = 0; k < 3; ++k) {
+    at[k] = cut(d[k], largest);
+    whole = whole && at[k] == d[k];
+  }
+  return whole;
+}
+
+template <class Real>
+const image::ActiveNode<Real>* find_active(const ImageHeader<Real>& image, int32_t node) {
+  const auto* list = at<int32_t>(image, image.active_nodes);
+  uint32_t low = 0, high = image.active_nodes.n;
+  while (low < high) {
+    const uint32_t middle = low + (high - low) / 2;
+    if (list[middle] < node) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low < image.active_nodes.n && list[low] == node ? at<image::ActiveNode<Real>>(image, image.active) + low
+                                                         : nullptr;
+}
+
+/// @param d  cut
+template <class Real>
+Real trained_depth(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d) {
+  const Real* direction = at<Real>(image, image.directions);
+  const Real* trained = at<Real>(image, node.trained_depth);
+  const bool moves = d[0] != 0 || d[1] != 0 || d[2] != 0;
+  Real depth = 0, best = 0;
+  for (uint32_t i = 0; i < node.trained_depth.n; ++i, direction += 3) {
+    if (moves) {
+      const Real along = dot(d, direction);
+      if (i == 0 || along > best) {
+        best = along;
+        depth = trained[i];
+      }
+    } else if (trained[i] > 0 && (depth == 0 || trained[i] < depth)) {
+      depth = trained[i];
+    }
+  }
+  return depth;
+}
+
+/// @param d  cut, unless `whole` is false
+template <class Real>
+int image_warnings(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, bool whole, const Real* d) {
+  const bool outside =
+      !whole || (image.family != image::Family::linear &&
+                 square_root(dot(d, d)) > Arithmetic<Real>::slack * trained_depth(image, node, d));
+  return (outside ? PHN_WARNING_OUTSIDE : 0) | (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
+}
+
+template <class Real>
+void network_force(const ImageHeader<Real>& image, const image::Network<Real, 3>& net, const Real* d, Real* force) {
+  const Real d0 = d[0], d1 = d[1], d2 = d[2], f0 = net.factor[0], f1 = net.factor[1], f2 = net.factor[2];
+  const Real* rows = at<Real>(image, image.displacements);
+  const auto* row = at<uint16_t>(image, net.displacement);
+  const Real* w = at<Real>(image, net.weight);
+  Real s0 = net.constant[0], s1 = net.constant[1], s2 = net.constant[2];
+  for (const auto* end = row + net.displacement.n; row != end; ++row, w += 3) {
+    const Real* c = rows + 3 * static_cast<size_t>(*row);
+    const Real y0 = f0 * (d0 - c[0]), y1 = f1 * (d1 - c[1]), y2 = f2 * (d2 - c[2]);
+    const Real h = power_of_half(y0 * y0 + y1 * y1 + y2 * y2);
+    s0 += w[0] * h;
+    s1 += w[1] * h;
+    s2 += w[2] * h;
+  }
+  force[0] = s0;
+  force[1] = s1;
+  force[2] = s2;
+}
+
+/// Family modal: a response with its header, as the functions of conservative.hpp want it.
+template <class Real>
+struct ImageForce {
+  const ImageHeader<Real>& image;
+  const image::ModalResponse<Real>& node;
+  Real max_displacement, shape;
+  const Real *stiffness, *force_at_rest;
+  Real energy_at_rest;
+};
+
+template <class Real, class Add>
+void for_each_center(const ImageForce<Real>& net, const Real* x, Add add) {
+  const Real* rows = at<Real>(net.image, net.image.displacements);
+  const auto* row = at<uint16_t>(net.image, net.node.center);
+  const Real* b = at<Real>(net.image, net.node.coefficient);
+  for (const auto* end = row + net.node.center.n; row != end; ++row, b += 3) {
+    const Real* c = rows + 3 * static_cast<size_t>(*row);
+    const Real y[3] = {x[0] - c[0], x[1] - c[1], x[2] - c[2]};
+    add(y, b);
+  }
+  const Real weight[3] = {-net.node.total[0], -net.node.total[1], -net.node.total[2]};
+  add(x, weight);
+}
+
+template <class Real>
+ImageForce<Real> image_force(const ImageHeader<Real>& image, const image::ModalResponse<Real>& node) {
+  return {image, node, image.max_displacement, node.shape, node.stiffness, node.force_at_rest, node.energy_at_rest};
+}
+
+/// d over max_displacement. @param d  cut
+template <class Real>
+void scale_displacement(const ImageHeader<Real>& image, const Real* d, Real* x) {
+  for (int k = 0; k < 3; ++k)
+    x[k] = cut(d[k] / image.max_displacement, static_cast<Real>(image::largest_displacement));
+}
+
+/// @param d  cut
+template <class Real>
+void image_force_at(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d, Real* force) {
+  if (image.family == image::Family::rbfn) {
+    network_force(image, at<image::RbfnResponse<Real>>(image, node.response)->force, d, force);
+  } else if (image.family == image::Family::linear) {
+    multiply_symmetric(at<image::LinearResponse<Real>>(image, node.response)->stiffness, d, force);
+  } else {
+    Real x[3];
+    scale_displacement(image, d, x);
+    conservative_force(image_force(image, *at<image::ModalResponse<Real>>(image, node.response)), x, force);
+  }
+}
+
+template <class Real>
+Real image_energy_at(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d) {
+  Real x[3];
+  if (image.family == image::Family::linear) {
+    multiply_symmetric(at<image::LinearResponse<Real>>(image, node.response)->stiffness, d, x);
+    return dot(d, x) / 2;
+  }
+  scale_displacement(image, d, x);
+  return conservative_energy(image_force(image, *at<image::ModalResponse<Real>>(image, node.response)), x);
+}
+
+template <class Real>
+void image_stiffness_at(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d,
+                        Real* stiffness) {
+  if (image.family == image::Family::linear) {
+    const Real* k = at<image::LinearResponse<Real>>(image, node.response)->stiffness;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = i; j < 3; ++j) stiffness[3 * i + j] = stiffness[3 * j + i] = *k++;
+    }
+    return;
+  }
+  Real x[3];
+  scale_displacement(image, d, x);
+  conservative_stiffness(image_force(image, *at<image::ModalResponse<Real>>(image, node.response)), x, stiffness);
+}
+
+}  // namespace phynness::runtime

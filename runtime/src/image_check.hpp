@@ -1,0 +1,135 @@
+// What phn_image_open looks at: identity, bytes, and that every table lies inside and every index in its table.
+#pragma once
+
+#include "image.hpp"
+
+namespace phynness::runtime {
+
+template <class Real>
+class ImageCheck {
+ public:
+  explicit ImageCheck(const ImageHeader<Real>& image) : _image(image) {}
+
+  int status() {
+    header();
+    const auto* node = at<image::ActiveNode<Real>>(_image, _image.active);
+    for (uint32_t i = 0; i < _image.active.n && _good; ++i) active(node[i]);
+    return _good ? PHN_OK : PHN_ERROR_RANGE;
+  }
+
+ private:
+  void require(bool condition) { _good = _good && condition; }
+
+  /// Whether n values of T lie inside.
+  template <class T>
+  bool inside(uint32_t offset, uint32_t n) const {
+    return offset % alignof(T) == 0 && offset <= _image.bytes && n <= (_image.bytes - offset) / sizeof(T);
+  }
+  /// A table of n x per values.
+  template <class T>
+  void table(image::Table found, uint32_t n, uint32_t per = 1) {
+    require(n <= image::largest_table / per && found.n == n * per && inside<T>(found.at, found.n));
+  }
+  void indices(image::Table found, uint32_t below) {
+    require(inside<uint16_t>(found.at, found.n));
+    if (!_good) return;
+    const auto* index = at<uint16_t>(_image, found);
+    for (uint32_t i = 0; i < found.n; ++i) require(index[i] < below);
+  }
+  void ascending(image::Table found) {
+    require(inside<int32_t>(found.at, found.n));
+    if (!_good) return;
+    const auto* node = at<int32_t>(_image, found);
+    for (uint32_t i = 1; i < found.n; ++i) require(node[i] > node[i - 1]);
+  }
+  void scaled(const image::ScaledTable& found, uint32_t n_rows, uint32_t n_columns) {
+    table<Real>(found.scale, n_columns);
+    require(n_columns == 0 || n_rows <= image::largest_table / n_columns);
+    table<int16_t>(found.entry, n_rows * n_columns);
+  }
+
+  void header() {
+    ascending(_image.active_nodes);
+    table<Real>(_image.active_points, _image.active_nodes.n, 3);
+    table<image::ActiveNode<Real>>(_image.active, _image.active_nodes.n);
+    ascending(_image.output_nodes);
+    table<Real>(_image.output_points, _image.output_nodes.n, 3);
+    require(_image.directions.n % 3 == 0 && inside<Real>(_image.directions.at, _image.directions.n));
+    require(_image.displacements.n % 3 == 0 && inside<Real>(_image.displacements.at, _image.displacements.n));
+    _n_displacements = _image.displacements.n / 3;
+    indices(_image.amplitude_center, _n_displacements);
+    table<Real>(_image.amplitude_at_rest, _image.amplitude_center.n);
+    scaled(_image.modes, 3 * _image.output_nodes.n, _image.modes.scale.n);
+    require(_image.max_displacement > 0);
+  }
+
+  template <int n_inputs>
+  void network(const image::Network<Real, n_inputs>& net, uint32_t n_outputs) {
+    indices(net.displacement, _n_displacements);
+    table<Real>(net.weight, net.displacement.n, 3);
+    if (n_inputs == 3) return;
+    indices(net.output, n_outputs);
+    require(net.output.n == net.displacement.n && net.displacement.n <= _image.n_scratch);
+  }
+
+  void response(const image::RbfnResponse<Real>& rbfn) {
+    network(rbfn.force, 0);
+    network(rbfn.deformation, _image.output_nodes.n);
+  }
+  void response(const image::LinearResponse<Real>& linear) {
+    table<Real>(linear.unit_responses, _image.output_nodes.n, 9);
+  }
+  void response(const image::ModalResponse<Real>& modal) {
+    indices(modal.center, _n_displacements);
+    table<Real>(modal.coefficient, modal.center.n, 3);
+    const uint32_t m = modal.weights.scale.n, n_centers = _image.amplitude_center.n, n_shared = _image.modes.scale.n;
+    scaled(modal.weights, n_centers + 3, m);
+    scaled(modal.mixing, n_shared, m);
+    indices(modal.near, _image.output_nodes.n);
+    scaled(modal.near_modes, 3 * modal.near.n, m);
+    require(m == 0 || static_cast<uint64_t>(n_centers) + 3 + n_shared + 2 * static_cast<uint64_t>(m) <= _image.n_scratch);
+  }
+  template <class Response>
+  void response_at(uint32_t offset) {
+    require(inside<Response>(offset, 1));
+    if (_good) response(*at<Response>(_image, offset));
+  }
+
+  void active(const image::ActiveNode<Real>& node) {
+    indices(node.prescribed, _image.output_nodes.n);
+    table<Real>(node.prescribed_weight, node.prescribed.n);
+    table<Real>(node.trained_depth, _image.directions.n / 3);
+    if (_image.family == image::Family::rbfn) {
+      response_at<image::RbfnResponse<Real>>(node.response);
+    } else if (_image.family == image::Family::linear) {
+      response_at<image::LinearResponse<Real>>(node.response);
+    } else {
+      response_at<image::ModalResponse<Real>>(node.response);
+    }
+  }
+
+  const ImageHeader<Real>& _image;
+  uint32_t _n_displacements = 0;
+  bool _good = true;
+};
+
+template <class Real>
+int open_image(const void* memory, size_t bytes, const ImageHeader<Real>*& opened) {
+  opened = nullptr;
+  if (memory == nullptr || reinterpret_cast<uintptr_t>(memory) % alignof(ImageHeader<Real>) != 0)
+    return PHN_ERROR_ARGUMENT;
+  const auto& image = *static_cast<const ImageHeader<Real>*>(memory);
+  if (bytes < sizeof(uint32_t) || image.magic != image::magic) return PHN_ERROR_NOT_A_MODEL;
+  if (bytes < sizeof(image)) return PHN_ERROR_TRUNCATED;
+  if (image.version != image::version || image.real_bytes != sizeof(Real)) return PHN_ERROR_VERSION;
+  if (image.bytes > bytes || image.bytes < sizeof(image) || image.bytes % 4 != 0 || image.bytes > image::largest_table)
+    return PHN_ERROR_TRUNCATED;
+  const auto* word = static_cast<const uint32_t*>(memory) + image::n_unchecked_words;
+  if (image::checksum(word, image.bytes / 4 - image::n_unchecked_words) != image.checksum) return PHN_ERROR_CHECKSUM;
+  if (image.family > image::Family::modal) return PHN_ERROR_FAMILY;
+  const int status = ImageCheck<Real>(image).status();
+  if (status == PHN_OK) opened = &image;
+  return status;
+}
+
+}  // namespace phynness::runtime

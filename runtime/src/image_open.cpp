@@ -1,0 +1,26 @@
+// The C interface to images that runs once. Apart from the rest so that it can be compiled for size.
+#include "image_check.hpp"
+
+using namespace phynness::runtime;
+
+namespace {
+
+template <class Real, class Image>
+int open(const void* memory, size_t bytes, const Image** image) {
+  if (image == nullptr) return PHN_ERROR_ARGUMENT;
+  const ImageHeader<Real>* opened = nullptr;
+  const int status = open_image(memory, bytes, opened);
+  *image = reinterpret_cast<const Image*>(opened);
+  return status;
+}
+
+}  // namespace
+
+extern "C" {
+int phn_image_open(const void* memory, size_t bytes, const phn_image** image) {
+  return open<double>(memory, bytes, image);
+}
+int phn_imagef_open(const void* memory, size_t bytes, const phn_imagef** image) {
+  return open<float>(memory, bytes, image);
+}
+}

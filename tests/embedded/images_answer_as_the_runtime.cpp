@@ -1,0 +1,180 @@
+// Claims: an image of doubles gives the runtime's forces, energies, stiffnesses, depths and deformations but
+// for rounding (1e-12 of the largest of the model: sums are ordered otherwise, Gaussians are powers of two);
+// one of floats to 1e-6 of the largest (weights of these models cancel by up to a hundred, a float's half
+// unit is 6e-8). Rest is exactly 0.
+#include <gtest/gtest.h>
+#include <phynness/image.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <phynness/embedding/embedding.hpp>
+#include <phynness/formats/error.hpp>
+
+#include "../runtime/loaded_model.hpp"
+#include "../runtime/small_model.hpp"
+#include "opened_image.hpp"
+
+namespace phynness::test {
+namespace {
+
+/// Inside and a little beyond what was trained.
+std::vector<Vec3> near_displacements() {
+  std::vector<Vec3> all{{0, 0, 0}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (const double depth : {1e-12, -1e-12, 0.004, -0.007, 0.014, -0.02}) {
+      Vec3 d{0, 0, 0};
+      d[k] = depth;
+      all.push_back(d);
+    }
+  }
+  Numbers numbers;
+  for (int i = 0; i < 40; ++i)
+    all.push_back({0.01 * numbers.next(), 0.01 * numbers.next(), 0.01 * numbers.next()});
+  return all;
+}
+
+/// Far beyond, where other numbers are large.
+std::vector<Vec3> far_displacements() { return {{10, -20, 5}, {0, 0.1, 0}, {0, 0, -1000}}; }
+
+template <class Real>
+class Answers : public ::testing::Test {};
+using Reals = ::testing::Types<double, float>;
+TYPED_TEST_SUITE(Answers, Reals);
+
+template <class Real>
+constexpr double tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-6;
+
+/// The largest difference over the largest value.
+class Difference {
+ public:
+  template <class Real>
+  void add(const double* expected, const Real* got, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      ASSERT_TRUE(std::isfinite(got[i]));
+      _largest = std::max(_largest, std::fabs(expected[i]));
+      _difference = std::max(_difference, std::fabs(expected[i] - static_cast<double>(got[i])));
+    }
+  }
+  double relative() const { return _largest > 0 ? _difference / _largest : _difference; }
+
+ private:
+  double _largest = 0, _difference = 0;
+};
+
+template <class Real>
+void answers_are_the_runtimes(const std::vector<Vec3>& displacements) {
+  for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
+    const Model model = small_model_of(family);
+    const LoadedModel loaded(write_model_text(model));
+    const OpenedImage<Real> opened(model_image(model, {false, sizeof(Real) == 4}));
+    const auto* image = opened.image;
+    ASSERT_EQ(opened.n_active(), phn_n_active(loaded.model));
+    ASSERT_EQ(opened.n_output(), phn_n_output(loaded.model));
+    const auto n_field = 3 * static_cast<std::size_t>(opened.n_output());
+    Difference force, energy, stiffness, depth, field;
+    for (const auto& node : model.nodes) {
+      for (const Vec3& d : displacements) {
+        const Real at[3] = {static_cast<Real>(d[0]), static_cast<Real>(d[1]), static_cast<Real>(d[2])};
+        const double rounded[3] = {at[0], at[1], at[2]};
+        double expected[9];
+        Real got[9];
+        const int status = phn_force(loaded.model, loaded.data, node.node, rounded, expected);
+        ASSERT_EQ(Image<Real>::force(image, node.node, at, got), status) << name(family);
+        force.add(expected, got, 3);
+        if (family != Family::rbfn) {
+          phn_energy(loaded.model, loaded.data, node.node, rounded, expected);
+          ASSERT_EQ(Image<Real>::energy(image, node.node, at, got), status);
+          energy.add(expected, got, 1);
+          phn_stiffness(loaded.model, loaded.data, node.node, rounded, expected);
+          ASSERT_EQ(Image<Real>::stiffness(image, node.node, at, got), status);
+          stiffness.add(expected, got, 9);
+        } else {
+          ASSERT_EQ(Image<Real>::energy(image, node.node, at, got), PHN_ERROR_UNDEFINED);
+          ASSERT_EQ(Image<Real>::stiffness(image, node.node, at, got), PHN_ERROR_UNDEFINED);
+        }
+        const int deep = phn_trained_depth(loaded.model, node.node, rounded, expected);
+        ASSERT_EQ(Image<Real>::trained_depth(image, node.node, at, got), deep);
+        depth.add(expected, got, 1);
+        std::vector<double> u(n_field);
+        std::vector<Real> v(n_field), scratch(Image<Real>::scratch(image));
+        phn_deform(loaded.model, loaded.data, 1, &node.node, rounded, u.data());
+        ASSERT_EQ(Image<Real>::deform(image, scratch.data(), node.node, at, v.data()), status);
+        field.add(u.data(), v.data(), n_field);
+      }
+    }
+    for (const auto& difference : {force, energy, stiffness, depth})
+      EXPECT_LT(difference.relative(), tolerance<Real>) << name(family);
+    EXPECT_LT(field.relative(), std::max(family == Family::modal ? 1e-6 : 0.0, tolerance<Real>))
+        << name(family);
+  }
+}
+
+TYPED_TEST(Answers, AreTheRuntimesInside) { answers_are_the_runtimes<TypeParam>(near_displacements()); }
+TYPED_TEST(Answers, AreTheRuntimesFarBeyond) { answers_are_the_runtimes<TypeParam>(far_displacements()); }
+
+TYPED_TEST(Answers, AreZeroAtRest) {
+  using Real = TypeParam;
+  const Model model = small_modal_model(3, 70, 6, 20);
+  const OpenedImage<Real> opened(model_image(model, {false, sizeof(Real) == 4}));
+  const Real rest[3] = {0, 0, 0};
+  for (const auto& node : model.nodes) {
+    Real force[3], energy;
+    Image<Real>::force(opened.image, node.node, rest, force);
+    Image<Real>::energy(opened.image, node.node, rest, &energy);
+    std::vector<Real> u(3 * static_cast<std::size_t>(opened.n_output())),
+        scratch(Image<Real>::scratch(opened.image));
+    Image<Real>::deform(opened.image, scratch.data(), node.node, rest, u.data());
+    EXPECT_EQ(force[0], 0);
+    EXPECT_EQ(force[1], 0);
+    EXPECT_EQ(force[2], 0);
+    EXPECT_EQ(energy, 0);
+    EXPECT_EQ(std::count(u.begin(), u.end(), Real(0)), static_cast<std::ptrdiff_t>(u.size()));
+  }
+}
+
+TYPED_TEST(Answers, ToBadQuestionsAreZeros) {
+  using Real = TypeParam;
+  const Model model = small_model_of(Family::modal);
+  const OpenedImage<Real> opened(model_image(model, {true, sizeof(Real) == 4}));
+  EXPECT_EQ(opened.n_output(), 0);
+  EXPECT_EQ(Image<Real>::scratch(opened.image), 0U);
+  const Real d[3] = {0, 0, Real(-0.01)}, huge = std::numeric_limits<Real>::max();
+  Real force[3] = {1, 1, 1};
+  EXPECT_EQ(Image<Real>::force(opened.image, 4, d, force), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(force[2], 0);
+  for (const Real bad : {std::numeric_limits<Real>::infinity(), std::numeric_limits<Real>::quiet_NaN()}) {
+    const Real at[3] = {0, bad, 0};
+    EXPECT_EQ(Image<Real>::force(opened.image, 3, at, force), PHN_ERROR_NOT_FINITE);
+  }
+  EXPECT_EQ(Image<Real>::force(nullptr, 3, d, force), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(Image<Real>::deform(opened.image, nullptr, 3, d, force), PHN_ERROR_UNDEFINED);
+  for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
+    const OpenedImage<Real> other(model_image(small_model_of(family), {true, sizeof(Real) == 4}));
+    const Real away[3] = {huge, -huge, huge};
+    EXPECT_EQ(Image<Real>::force(other.image, 3, away, force), PHN_WARNING_OUTSIDE);
+    for (const Real f : force) EXPECT_TRUE(std::isfinite(f)) << name(family);
+    Real energy = 0;
+    Image<Real>::energy(other.image, 3, away, &energy);
+    EXPECT_TRUE(std::isfinite(energy));
+  }
+}
+
+/// Claim: what a float or an image cannot hold is refused in words, not cut.
+TEST(ModelImage, RefusesWhatDoesNotFit) {
+  Model model = small_linear_model();
+  model.nodes[1].linear.stiffness(0, 0) = 1e13;
+  EXPECT_NO_THROW(model_image(model, {false, false}));
+  EXPECT_THROW(model_image(model, {false, true}), Error);
+  model = small_model();
+  model.max_displacement_m = 1e7;
+  EXPECT_NO_THROW(model_image(model, {false, false}));
+  EXPECT_THROW(model_image(model, {false, true}), Error);
+  model = small_model();
+  model.displacements.conservativeResize(65536, 3);
+  model.displacements.bottomRows(65528).setZero();
+  EXPECT_THROW(model_image(model, {false, false}), Error);
+}
+
+}  // namespace
+}  // namespace phynness::test

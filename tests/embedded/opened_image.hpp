@@ -1,0 +1,57 @@
+// An image in aligned memory, and its functions by the type of its numbers.
+#pragma once
+
+#include <phynness/image.h>
+
+#include <cstdint>
+#include <cstring>
+#include <phynness/embedding/embedding.hpp>
+#include <stdexcept>
+#include <vector>
+
+namespace phynness::test {
+
+template <class Real>
+struct Image;
+template <>
+struct Image<double> {
+  using Type = phn_image;
+  static constexpr auto open = phn_image_open;
+  static constexpr auto force = phn_image_force;
+  static constexpr auto energy = phn_image_energy;
+  static constexpr auto stiffness = phn_image_stiffness;
+  static constexpr auto trained_depth = phn_image_trained_depth;
+  static constexpr auto scratch = phn_image_scratch;
+  static constexpr auto deform = phn_image_deform;
+  static constexpr auto n_active = phn_image_n_active;
+  static constexpr auto n_output = phn_image_n_output;
+};
+template <>
+struct Image<float> {
+  using Type = phn_imagef;
+  static constexpr auto open = phn_imagef_open;
+  static constexpr auto force = phn_imagef_force;
+  static constexpr auto energy = phn_imagef_energy;
+  static constexpr auto stiffness = phn_imagef_stiffness;
+  static constexpr auto trained_depth = phn_imagef_trained_depth;
+  static constexpr auto scratch = phn_imagef_scratch;
+  static constexpr auto deform = phn_imagef_deform;
+  static constexpr auto n_active = phn_imagef_n_active;
+  static constexpr auto n_output = phn_imagef_n_output;
+};
+
+template <class Real>
+struct OpenedImage {
+  explicit OpenedImage(const ModelImage& from) : words(from.bytes.size() / 8) {
+    std::memcpy(words.data(), from.bytes.data(), from.bytes.size());
+    if (Image<Real>::open(words.data(), from.bytes.size(), &image) != PHN_OK)
+      throw std::runtime_error("the image is refused");
+  }
+  std::int32_t n_active() const { return Image<Real>::n_active(image); }
+  std::int32_t n_output() const { return Image<Real>::n_output(image); }
+
+  std::vector<std::uint64_t> words;
+  const typename Image<Real>::Type* image = nullptr;
+};
+
+}  // namespace phynness::test

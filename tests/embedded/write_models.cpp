@@ -1,0 +1,72 @@
+// Model directories for tests of devices: write_models DIR makes DIR/rbfn, DIR/linear and DIR/modal. 60
+// neurons or centers of force, 26 directions, as the paper's models have.
+#include <cmath>
+#include <cstdio>
+#include <exception>
+
+#include "../runtime/small_model.hpp"
+
+namespace phynness::test {
+namespace {
+
+Model model_of(Family family) {
+  constexpr int n_force = 60;
+  Model model = family == Family::linear  ? small_linear_model()
+                : family == Family::modal ? small_modal_model(6, n_force, 12, 20)
+                                          : small_model(40, n_force);
+  const auto n_known = model.displacements.rows();
+  model.directions.clear();
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        const double size = std::sqrt(static_cast<double>(x * x + y * y + z * z));
+        if (size > 0) model.directions.push_back({x / size, y / size, z / size});
+      }
+  const auto n_directions = static_cast<Eigen::Index>(model.directions.size());
+  model.displacements.conservativeResize(2 * n_directions, 3);
+  for (Eigen::Index i = n_known; i < 2 * n_directions; ++i)
+    for (int k = 0; k < 3; ++k)
+      model.displacements(i, k) =
+          (i % 2 == 0 ? 0.005 : 0.01) *
+          model.directions[static_cast<std::size_t>(i / 2)][static_cast<std::size_t>(k)];
+  for (auto& node : model.nodes) node.trained_depth_m.assign(model.directions.size(), 0.01);
+  return model;
+}
+
+Mesh mesh() {
+  Numbers numbers;
+  Mesh mesh;
+  mesh.nodes.resize(20, 3);
+  for (Eigen::Index i = 0; i < 20; ++i)
+    for (int k = 0; k < 3; ++k) mesh.nodes(i, k) = numbers.next();
+  mesh.nodes.topRows(4) << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
+  mesh.cells.resize(1, 4);
+  mesh.cells << 0, 1, 2, 3;
+  mesh.surface = boundary_triangles(mesh.cells);
+  return mesh;
+}
+
+}  // namespace
+}  // namespace phynness::test
+
+int main(int argc, char** argv) {
+  using namespace phynness;
+  if (argc != 2) {
+    std::fputs("usage: write_models DIR\n", stderr);
+    return 2;
+  }
+  try {
+    const Mesh mesh = test::mesh();
+    for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
+      Model model = test::model_of(family);
+      model.mesh_hash = mesh_hash(mesh);
+      const auto dir = std::filesystem::path(argv[1]) / name(family);
+      std::filesystem::create_directories(dir.parent_path());
+      write_model_dir(dir, model, mesh);
+    }
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
