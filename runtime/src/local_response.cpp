@@ -130,7 +130,9 @@ void basis_of(const phn_model& model, const ActiveNode& node, const double* d, d
     case Family::modal: {
       double x[3];
       for (int k = 0; k < 3; ++k) x[k] = cut(d[k] / model.max_displacement, largest_modal);
-      return best_modal_kernels().amplitudes(model, *node.modal, x, scratch, basis);
+      const ModalKernels& kernels = best_modal_kernels();
+      kernels.basis(model.shared, x, scratch);
+      return kernels.amplitudes(*node.modal, model.shared.n_centers + 3, scratch, basis);
     }
   }
 }
@@ -220,7 +222,7 @@ void field_of_basis(const phn_model& model, const ActiveNode& node, const Prepar
       linear_field(model, *node.linear, basis, field);
       break;
     case Family::modal:
-      best_modal_kernels().field(model, *node.modal, prepared, basis, scratch, field);
+      best_modal_kernels().field(model.shared, *node.modal, prepared, basis, scratch, field);
       break;
   }
   for (std::int32_t p = 0; p < node.n_prescribed; ++p) {
