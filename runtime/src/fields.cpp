@@ -74,7 +74,7 @@ void modal_field(const phn_model& model, const ModalResponse& node, std::int32_t
   const ModalTables& tables = node.fields[field];
   const std::int32_t n_centers = model.shared.n_centers, n_basis = n_centers + 3 + n_even;
   double x[3], *basis = scratch, *amplitude = basis + n_basis;
-  scaled_displacement(model.max_displacement, d, x);
+  cut(d, model.max_displacement, largest_modal, x);
   const ModalKernels& kernels = best_modal_kernels();
   kernels.basis(model.shared, x, basis);
   even_basis(x, shared.degree, basis + n_centers + 3);

@@ -13,9 +13,6 @@ double modal_energy(const ModalResponse& node, const double* d);
 /// @param stiffness  3 x 3 [N/m]
 void modal_stiffness(const ModalResponse& node, const double* d, double* stiffness);
 
-/// d over max_displacement, cut at largest_modal.
-void scaled_displacement(double max_displacement, const double* d, double* x);
-
 /// Values of a field at all output nodes, 0 or greater.
 /// @param scratch  as model.n_scratch  @param out  n_output
 void modal_field(const phn_model& model, const ModalResponse& node, std::int32_t field, const double* d,

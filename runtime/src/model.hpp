@@ -23,6 +23,11 @@ struct Network {
 
 enum class Family : std::uint8_t { rbfn, linear, modal };
 
+/// at = d / unit, components beyond `largest` cut there. @param d, at  3
+inline void cut(const double* d, double unit, double largest, double* at) {
+  for (int k = 0; k < 3; ++k) at[k] = std::fmax(-largest, std::fmin(largest, d[k] / unit));
+}
+
 /// Displacements of a linear model are cut to this size per component [m], and no coefficient of one is
 /// larger: their products and sums stay finite.
 inline constexpr double largest_linear = 1e100;
