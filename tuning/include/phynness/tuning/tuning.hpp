@@ -25,7 +25,8 @@ struct Candidate {
 std::vector<Candidate> tuning_candidates(const Scene& scene);
 
 struct MeasuredModel {
-  Candidate candidate;
+  Candidate candidate;   ///< name: of the sizes that were made
+  TrainingSpec trained;  ///< those: less than candidate.spec asks for where a database has few states
   PredictorErrors errors;
   RuntimeSpeed speed;
   double memory_bytes = 0, text_bytes = 0, training_s = 0;
