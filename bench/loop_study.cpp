@@ -13,6 +13,8 @@
 #include <phynness/validation/loaded_model.hpp>
 #include <random>
 
+#include "exit_status.hpp"
+
 namespace {
 
 using phynness::LoadedModel;
@@ -221,9 +223,7 @@ nlohmann::ordered_json report(const char* what, const std::vector<Loop>& loops) 
       {"median", quantile(0.5)}, {"p95", quantile(0.95)}, {"max", ratio.back()}, {"by_decade", histogram}};
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app(
       "Work over closed paths, integrated from the forces of a model, over the largest energy on the path");
   std::string directory, json_file;
@@ -235,23 +235,23 @@ int main(int argc, char** argv) {
   app.add_option("--seed", seed);
   app.add_option("--json", json_file);
   CLI11_PARSE(app, argc, argv);
-  try {
-    const LoadedModel model(directory);
-    Paths paths(model, seed);
-    nlohmann::ordered_json out;
-    const auto run = [&](const char* key, const char* what, const auto& walk) {
-      std::vector<Loop> walked;
-      for (int i = 0; i < loops; ++i) walked.push_back(walk());
-      out[key] = report(what, walked);
-    };
-    run("at_nodes", "quadrilaterals at nodes", [&] { return paths.at_node(); });
-    if (paths.has_points()) {
-      run("at_points", "quadrilaterals at points between nodes", [&] { return paths.at_point(); });
-      run("sliding", "sliding around a node over its edges", [&] { return paths.sliding(steps); });
-    }
-    if (!json_file.empty()) std::ofstream(json_file) << out.dump(2) << "\n";
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 1;
+  const LoadedModel model(directory);
+  Paths paths(model, seed);
+  nlohmann::ordered_json out;
+  const auto measure = [&](const char* key, const char* what, const auto& walk) {
+    std::vector<Loop> walked;
+    for (int i = 0; i < loops; ++i) walked.push_back(walk());
+    out[key] = report(what, walked);
+  };
+  measure("at_nodes", "quadrilaterals at nodes", [&] { return paths.at_node(); });
+  if (paths.has_points()) {
+    measure("at_points", "quadrilaterals at points between nodes", [&] { return paths.at_point(); });
+    measure("sliding", "sliding around a node over its edges", [&] { return paths.sliding(steps); });
   }
+  if (!json_file.empty()) std::ofstream(json_file) << out.dump(2) << "\n";
+  return 0;
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return phynness::bench::exit_status(run, argc, argv); }

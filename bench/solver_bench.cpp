@@ -14,6 +14,7 @@
 #include <phynness/precompute/probe_solver.hpp>
 #include <random>
 
+#include "exit_status.hpp"
 #include "plain_loop.hpp"
 
 namespace {
@@ -210,9 +211,7 @@ void measure(const Options& options, const std::string& element, Scene scene, co
   json["other_equilibria_" + key] = elsewhere;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   Options options;
   CLI::App app("CPU per converged increment, the plain loop against phynness");
   app.add_option("--scene", options.scene, "scene file");
@@ -229,31 +228,30 @@ int main(int argc, char** argv) {
   app.add_flag("--verbose", options.verbose, "a line per increment");
   app.add_option("--json", options.json, "write the figures for machines");
   CLI11_PARSE(app, argc, argv);
-  try {
-    const SolverSession session;
-    Scene scene = read_scene(options.scene);
-    if (options.increments > 0) scene.probe.increments = options.increments;
-    if (options.depth_m > 0) scene.probe.max_displacement_m = options.depth_m;
-    if (options.bulk_over_shear > 0) {
-      auto& m = scene.material;
-      m.bulk_modulus_Pa = options.bulk_over_shear * m.shear_modulus_Pa;
-      m.lame_lambda_Pa = m.bulk_modulus_Pa - 2 * m.shear_modulus_Pa / 3;
-    }
-    const auto made = make_mesh(scene);
-    const auto sets = resolve_selections(scene, made.mesh);
-    std::printf("solver, %s: %d nodes, %d cells, %zu active nodes\n", scene.title.c_str(),
-                static_cast<int>(made.mesh.nodes.rows()), static_cast<int>(made.mesh.cells.rows()),
-                sets.active.size());
-    nlohmann::ordered_json json;
-    for (const auto& element : options.elements) measure(options, element, scene, made.mesh, sets, json);
-    if (!options.json.empty()) {
-      std::ofstream out(options.json);
-      out << json.dump(1) << "\n";
-      if (!out) throw failure("writing failed", options.json, "is there space?");
-    }
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 1;
+  const SolverSession session;
+  Scene scene = read_scene(options.scene);
+  if (options.increments > 0) scene.probe.increments = options.increments;
+  if (options.depth_m > 0) scene.probe.max_displacement_m = options.depth_m;
+  if (options.bulk_over_shear > 0) {
+    auto& m = scene.material;
+    m.bulk_modulus_Pa = options.bulk_over_shear * m.shear_modulus_Pa;
+    m.lame_lambda_Pa = m.bulk_modulus_Pa - 2 * m.shear_modulus_Pa / 3;
+  }
+  const auto made = make_mesh(scene);
+  const auto sets = resolve_selections(scene, made.mesh);
+  std::printf("solver, %s: %d nodes, %d cells, %zu active nodes\n", scene.title.c_str(),
+              static_cast<int>(made.mesh.nodes.rows()), static_cast<int>(made.mesh.cells.rows()),
+              sets.active.size());
+  nlohmann::ordered_json json;
+  for (const auto& element : options.elements) measure(options, element, scene, made.mesh, sets, json);
+  if (!options.json.empty()) {
+    std::ofstream out(options.json);
+    out << json.dump(1) << "\n";
+    if (!out) throw failure("writing failed", options.json, "is there space?");
   }
   return 0;
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return phynness::bench::exit_status(run, argc, argv); }

@@ -130,6 +130,16 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
   fmt::print("plot: {}\n", file.string());
 }
 
+json sizes(const TrainingSpec& spec) {
+  if (spec.family == Family::rbfn)
+    return {{"deformation_neurons", spec.deformation_neurons}, {"force_neurons", spec.force_neurons}};
+  return {{"modes", spec.modes},
+          {"shared_modes", spec.shared_modes},
+          {"near_nodes", spec.near_nodes},
+          {"amplitude_centers", spec.amplitude_centers},
+          {"force_centers", spec.force_centers}};
+}
+
 void run(const Options& options) {
   TuningLimits limits;
   limits.error = limit(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "2%");
@@ -185,21 +195,16 @@ void run(const Options& options) {
 
   json models = json::array();
   for (const auto& m : report.models) {
-    const auto& spec = m.candidate.spec;
-    json entry{{"name", m.candidate.name},           {"family", name(spec.family)},
+    json entry{{"name", m.candidate.name},           {"family", name(m.trained.family)},
                {"inside", to_json(m.errors.inside)}, {"outside", to_json(m.errors.outside)},
                {"force_us", m.speed.force_us},       {"deformation_us", m.speed.deformation_us},
                {"memory_bytes", m.memory_bytes},     {"model_text_bytes", m.text_bytes},
                {"training_s", m.training_s},         {"on_front", m.on_front}};
-    if (spec.family == Family::modal)
-      entry["training"] = {{"modes", spec.modes},
-                           {"shared_modes", spec.shared_modes},
-                           {"near_nodes", spec.near_nodes},
-                           {"amplitude_centers", spec.amplitude_centers},
-                           {"force_centers", spec.force_centers}};
-    if (spec.family == Family::rbfn)
-      entry["training"] = {{"deformation_neurons", spec.deformation_neurons},
-                           {"force_neurons", spec.force_neurons}};
+    // Linear models have no sizes.
+    if (m.trained.family != Family::linear) {
+      entry["training"] = sizes(m.trained);
+      entry["asked"] = sizes(m.candidate.spec);
+    }
     models.push_back(entry);
   }
   json out{{"models", models},        {"chosen", nullptr},

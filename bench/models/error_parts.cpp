@@ -5,20 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "multiquadric.hpp"
+
 namespace phynness::study {
 namespace {
 
 using Eigen::Index;
-using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-double q(const Vector3d& y, double shape) { return std::sqrt(y.squaredNorm() + shape * shape); }
-
-Matrix3d force_kernel(const Vector3d& y, double shape) {
-  return q(y, shape) * Matrix3d::Identity() + y * y.transpose() / q(y, shape);
-}
 
 /// A constant and a symmetric stiffness.
 Eigen::Matrix<double, 3, 9> force_tail(const Vector3d& x) {
@@ -82,14 +77,14 @@ class FieldInterpolation {
     const Index n = _x.rows();
     MatrixXd kernel(n, n), tail = MatrixXd::Ones(n, 4), values = MatrixXd::Zero(n, fields.cols());
     for (Index i = 0; i < n; ++i)
-      for (Index j = 0; j < n; ++j) kernel(i, j) = q(_x.row(i) - _x.row(j), shape);
+      for (Index j = 0; j < n; ++j) kernel(i, j) = multiquadric(_x.row(i) - _x.row(j), shape);
     tail.rightCols<3>() = _x;
     values.bottomRows(n - 1) = fields;
     _coefficients = interpolated(kernel, tail, values);
   }
   VectorXd operator()(const Vector3d& x) const {
     VectorXd features(_x.rows() + 4);
-    for (Index i = 0; i < _x.rows(); ++i) features[i] = q(x - _x.row(i).transpose(), _shape);
+    for (Index i = 0; i < _x.rows(); ++i) features[i] = multiquadric(x - _x.row(i).transpose(), _shape);
     features.tail<4>() << 1, x;
     return _coefficients.transpose() * features;
   }
@@ -119,7 +114,7 @@ class StoredField {
   VectorXd amplitudes(const Vector3d& x) const {
     VectorXd f(static_cast<Index>(_centers.size()) + 3);
     for (std::size_t i = 0; i < _centers.size(); ++i)
-      f[static_cast<Index>(i)] = q(x - _centers[i], _shape) - q(x, _shape) - q(_centers[i], _shape) + _shape;
+      f[static_cast<Index>(i)] = anchored_multiquadric(x, _centers[i], _shape);
     f.tail<3>() = x;
     return _weights.transpose() * f;
   }

@@ -13,6 +13,7 @@
 
 #include "console.hpp"
 #include "error_parts.hpp"
+#include "exit_status.hpp"
 #include "fixed_shapes.hpp"
 #include "study_report.hpp"
 
@@ -341,11 +342,4 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const phynness::Error& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return error.kind() == phynness::Error::Kind::input ? 2 : 1;
-  }
-}
+int main(int argc, char** argv) { return phynness::bench::exit_status(run, argc, argv); }

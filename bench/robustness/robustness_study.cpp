@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <phynness/formats/error.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 
 #include "closed_paths.hpp"
+#include "exit_status.hpp"
 #include "rays.hpp"
 
 namespace {
@@ -199,11 +199,4 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const phynness::Error& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return error.kind() == phynness::Error::Kind::input ? 2 : 1;
-  }
-}
+int main(int argc, char** argv) { return phynness::bench::exit_status(run, argc, argv); }

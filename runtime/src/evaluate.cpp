@@ -12,8 +12,6 @@ double scaled_input(const Network& net, int k, double value) {
   return (value - net.input_center[k]) / net.input_half_range[k];
 }
 
-double cut(double component) { return std::fmax(-largest_linear, std::fmin(largest_linear, component)); }
-
 double distance_between(const double* a, const double* b) {
   const double t[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
   return length(t);
@@ -86,7 +84,8 @@ void evaluate_force(const phn_model& model, const ActiveNode& node, const double
     case Family::rbfn:
       return network_force(node.networks->force, d, force);
     case Family::linear: {
-      const double at[3] = {cut(d[0]), cut(d[1]), cut(d[2])};
+      double at[3];
+      cut(d, 1, largest_linear, at);
       return multiply_symmetric(node.linear->stiffness, at, force);
     }
     case Family::modal:
@@ -96,8 +95,8 @@ void evaluate_force(const phn_model& model, const ActiveNode& node, const double
 
 double evaluate_energy(const phn_model& model, const ActiveNode& node, const double* d) {
   if (model.family == Family::modal) return modal_energy(*node.modal, d);
-  const double at[3] = {cut(d[0]), cut(d[1]), cut(d[2])};
-  double force[3];
+  double at[3], force[3];
+  cut(d, 1, largest_linear, at);
   multiply_symmetric(node.linear->stiffness, at, force);
   return dot(at, force) / 2;
 }

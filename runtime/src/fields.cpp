@@ -38,7 +38,7 @@ void field_lines(TextReader& in, Arena& arena, std::int32_t n_output, SharedFiel
   in.end_line();
   real_line(in, "scale", &field.scale, 1, true);
   if (!(field.scale <= largest_linear)) in.fail(PHN_ERROR_RANGE);
-  field.modes = shared_modes_table(in, arena, static_cast<std::size_t>(n_output), field.n_modes);
+  load_shared_table(in, arena, n_output, 1, field);
 }
 
 }  // namespace
@@ -59,7 +59,7 @@ const ModalTables* load_node_fields(TextReader& in, Arena& arena, phn_model& mod
   for (std::int32_t f = 0; f < model.n_fields && in.good(); ++f) {
     ModalTables tables = {};
     load_tables(in, arena, "field", static_cast<std::size_t>(model.shared.n_centers) + 3 + n_even,
-                model.fields[f].n_modes, 1, model.n_output, tables);
+                model.fields[f], model.n_output, tables);
     const auto needed = static_cast<std::size_t>(model.shared.n_centers + 3 + n_even + tables.n_modes +
                                                  model.fields[f].n_modes);
     model.n_field_scratch = model.n_field_scratch > needed ? model.n_field_scratch : needed;
@@ -73,15 +73,13 @@ void modal_field(const phn_model& model, const ModalResponse& node, std::int32_t
   const SharedField& shared = model.fields[field];
   const ModalTables& tables = node.fields[field];
   const std::int32_t n_centers = model.shared.n_centers, n_basis = n_centers + 3 + n_even;
-  double *basis = scratch, *amplitude = basis + n_basis, *x = basis + n_centers;
-  scaled_displacement(model.max_displacement, d, x);
-  even_basis(x, shared.degree, x + 3);
-  const double q = std::sqrt(dot(x, x) + model.shared.shape * model.shared.shape);
-  for (std::int32_t i = 0; i < n_centers; ++i)
-    basis[i] = amplitude_kernel(model.shared, x, q, i) - model.shared.basis_at_rest[i];
-  modal_amplitudes(tables, basis, n_basis, amplitude);
-  modal_sum(tables, shared.modes, shared.n_modes, 1, model.n_output, amplitude,
-            reinterpret_cast<float*>(amplitude + tables.n_modes), out);
+  double x[3], *basis = scratch, *amplitude = basis + n_basis;
+  cut(d, model.max_displacement, largest_modal, x);
+  const ModalKernels& kernels = best_modal_kernels();
+  kernels.basis(model.shared, x, basis);
+  even_basis(x, shared.degree, basis + n_centers + 3);
+  kernels.amplitudes(tables, n_basis, basis, amplitude);
+  kernels.field(shared, tables, nullptr, amplitude, amplitude + tables.n_modes, out);
   for (std::int32_t o = 0; o < model.n_output; ++o) out[o] = std::fmax(0.0, shared.scale * out[o]);
 }
 

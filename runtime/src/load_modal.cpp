@@ -110,26 +110,30 @@ void load_conservative(TextReader& in, Arena& arena, std::int32_t n_displacement
 
 }  // namespace
 
-const float* shared_modes_table(TextReader& in, Arena& arena, std::size_t n_rows, std::int32_t& n_modes) {
-  n_modes = mode_count_line(in, "shared_modes");
-  const double* scale = table_scale(in, arena, "modes", n_rows, n_modes);
+void load_shared_table(TextReader& in, Arena& arena, std::int32_t n_output, std::int32_t components,
+                       SharedTable& shared) {
+  shared.components = components;
+  shared.n_rows = components * n_output;
+  shared.n_modes = mode_count_line(in, "shared_modes");
+  const auto n_rows = static_cast<std::size_t>(shared.n_rows), columns = static_cast<std::size_t>(shared.n_modes);
+  const double* scale = table_scale(in, arena, "modes", n_rows, shared.n_modes);
   constexpr auto rows = static_cast<std::size_t>(rows_per_block);
-  const std::size_t columns = static_cast<std::size_t>(n_modes), n_blocks = (n_rows + rows - 1) / rows;
+  const std::size_t n_blocks = (n_rows + rows - 1) / rows;
   const std::size_t n_values = in.good() ? n_blocks * columns * rows : 0;
   Column<float> modes(arena, n_values);
   const bool fill = has_memory(arena);
   for (std::size_t i = 0; i < n_values; ++i) modes.set(i, 0.0f);  // what fills the last block up
-  table_entries(in, n_rows, n_modes, [&](std::size_t r, std::int32_t c, std::int32_t entry) {
+  table_entries(in, n_rows, shared.n_modes, [&](std::size_t r, std::int32_t c, std::int32_t entry) {
     if (fill)
       modes.set(((r / rows) * columns + static_cast<std::size_t>(c)) * rows + r % rows,
                 static_cast<float>(scale[c] * entry));
   });
-  return modes.get();
+  shared.modes = modes.get();
 }
 
 void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model) {
   SharedModes& shared = model.shared;
-  shared.modes = shared_modes_table(in, arena, 3 * static_cast<std::size_t>(model.n_output), shared.n_modes);
+  load_shared_table(in, arena, model.n_output, 3, shared);
   shared.n_centers = count_line(in, "amplitude_centers", 0);
   shared.shape = width_line(in, "shape");
   double* centers[3];
@@ -151,10 +155,10 @@ void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn
 }
 
 void load_tables(TextReader& in, Arena& arena, const char* keyword, std::size_t n_kernels,
-                 std::int32_t n_shared, std::size_t components, std::int32_t n_output, ModalTables& tables) {
+                 const SharedTable& shared, std::int32_t n_output, ModalTables& tables) {
   const std::int32_t m = tables.n_modes = mode_count_line(in, keyword);
   tables.weight = table(in, arena, "weights", n_kernels, m, tables.weight_scale);
-  tables.mixing = table(in, arena, "mixing", static_cast<std::size_t>(n_shared), m, tables.mixing_scale);
+  tables.mixing = table(in, arena, "mixing", static_cast<std::size_t>(shared.n_modes), m, tables.mixing_scale);
   tables.n_near = count_line(in, "near", 0);
   Column<std::int32_t> near(arena, tables.n_near);
   std::int32_t previous = -1;
@@ -165,8 +169,8 @@ void load_tables(TextReader& in, Arena& arena, const char* keyword, std::size_t 
     in.end_line();
   }
   tables.near = near.get();
-  tables.near_mode = table(in, arena, "near_modes", components * static_cast<std::size_t>(tables.n_near), m,
-                            tables.near_mode_scale);
+  const std::size_t n_near_rows = static_cast<std::size_t>(shared.components) * static_cast<std::size_t>(tables.n_near);
+  tables.near_mode = table(in, arena, "near_modes", n_near_rows, m, tables.near_mode_scale);
 }
 
 const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements,
@@ -174,7 +178,7 @@ const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_dis
   ModalResponse node = {};
   load_conservative(in, arena, n_displacements, model, node.force);
   load_tables(in, arena, "deformation", static_cast<std::size_t>(model.shared.n_centers) + 3,
-              model.shared.n_modes, 3, model.n_output, node);
+              model.shared, model.n_output, node);
   const auto n_modes = static_cast<std::size_t>(node.n_modes);
   model.n_basis = model.n_basis > n_modes ? model.n_basis : n_modes;
   if (worth_preparing(model.shared, node)) {

@@ -68,11 +68,12 @@ inline void stiffness_line(TextReader& in, double* k) {
   in.end_line();
 }
 
-/// Number and table of modes that nodes share, as modal_sum() reads them. @param n_modes  set
-const float* shared_modes_table(TextReader& in, Arena& arena, std::size_t n_rows, std::int32_t& n_modes);
+/// Number and table of modes that nodes share.
+void load_shared_table(TextReader& in, Arena& arena, std::int32_t n_output, std::int32_t components,
+                       SharedTable& shared);
 /// Number of modes (line `keyword`) and tables of a node.
 void load_tables(TextReader& in, Arena& arena, const char* keyword, std::size_t n_basis,
-                 std::int32_t n_shared, std::size_t components, std::int32_t n_output, ModalTables& tables);
+                 const SharedTable& shared, std::int32_t n_output, ModalTables& tables);
 
 /// The fields of a modal model, none if the text has none; and those of a node.
 void load_fields(TextReader& in, Arena& arena, phn_model& model);

@@ -15,8 +15,6 @@ std::int32_t position_of(const std::int32_t* list, std::int32_t n, std::int32_t 
   return -1;
 }
 
-double cut(double value, double largest) { return std::fmax(-largest, std::fmin(largest, value)); }
-
 /// exp(-|x - c_i|^2 / r^2) over the displacement's three inputs.
 void gaussians(const Network& net, const double* d, double* basis) {
   double x[3];
@@ -125,12 +123,13 @@ void basis_of(const phn_model& model, const ActiveNode& node, const double* d, d
     case Family::rbfn:
       return gaussians(node.networks->deformation, d, basis);
     case Family::linear:
-      for (int k = 0; k < 3; ++k) basis[k] = cut(d[k], largest_linear);
-      return;
+      return cut(d, 1, largest_linear, basis);
     case Family::modal: {
       double x[3];
-      for (int k = 0; k < 3; ++k) x[k] = cut(d[k] / model.max_displacement, largest_modal);
-      return best_modal_kernels().amplitudes(model, *node.modal, x, scratch, basis);
+      cut(d, model.max_displacement, largest_modal, x);
+      const ModalKernels& kernels = best_modal_kernels();
+      kernels.basis(model.shared, x, scratch);
+      return kernels.amplitudes(*node.modal, model.shared.n_centers + 3, scratch, basis);
     }
   }
 }
@@ -220,7 +219,7 @@ void field_of_basis(const phn_model& model, const ActiveNode& node, const Prepar
       linear_field(model, *node.linear, basis, field);
       break;
     case Family::modal:
-      best_modal_kernels().field(model, *node.modal, prepared, basis, scratch, field);
+      best_modal_kernels().field(model.shared, *node.modal, prepared, basis, scratch, field);
       break;
   }
   for (std::int32_t p = 0; p < node.n_prescribed; ++p) {

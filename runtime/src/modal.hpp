@@ -13,19 +13,6 @@ double modal_energy(const ModalResponse& node, const double* d);
 /// @param stiffness  3 x 3 [N/m]
 void modal_stiffness(const ModalResponse& node, const double* d, double* stiffness);
 
-/// d over max_displacement, cut at largest_modal.
-void scaled_displacement(double max_displacement, const double* d, double* x);
-
-/// amplitude = weights^T basis. @param basis  n_basis; @param amplitude  tables.n_modes
-void modal_amplitudes(const ModalTables& tables, const double* basis, std::int32_t n_basis,
-                      double* amplitude);
-
-/// out = shared modes (mixing amplitude), and near modes times amplitude at the near nodes.
-/// @param shared  n_shared modes in blocks of rows  @param components  rows of each output node
-/// @param amount  scratch, n_shared  @param out  components * n_output
-void modal_sum(const ModalTables& tables, const float* shared, std::int32_t n_shared, std::int32_t components,
-               std::int32_t n_output, const double* amplitude, float* amount, double* out);
-
 /// Values of a field at all output nodes, 0 or greater.
 /// @param scratch  as model.n_scratch  @param out  n_output
 void modal_field(const phn_model& model, const ModalResponse& node, std::int32_t field, const double* d,

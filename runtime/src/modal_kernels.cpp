@@ -31,89 +31,87 @@ PHN_INLINE void sum_modes(std::int32_t n_modes, std::int32_t n, const float* mod
   }
 }
 
-/// amplitude_j = scale_j sum_r basis_r weight_rj.
-PHN_INLINE void sum_amplitudes(const ModalResponse& node, std::int32_t n_basis, const double* basis,
-                               double* amplitude) {
-  const std::int32_t m = node.n_modes;
+/// basis_i = q(x - c_i) - q(x), less the same at rest; then x.
+PHN_INLINE void fill_basis(const SharedModes& centers, const double* x, double* __restrict basis) {
+  const SharedModes shared = centers;  // a copy, which the results below cannot touch
+  const double at[3] = {x[0], x[1], x[2]}, q = std::sqrt(dot(at, at) + shared.shape * shared.shape);
+  for (std::int32_t i = 0; i < shared.n_centers; ++i)
+    basis[i] = amplitude_kernel(shared, at, q, i) - shared.basis_at_rest[i];
+  for (int k = 0; k < 3; ++k) basis[shared.n_centers + k] = at[k];
+}
+
+PHN_INLINE void sum_amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* basis,
+                               double* __restrict amplitude) {
+  const std::int32_t m = tables.n_modes;
   constexpr std::int32_t at_once = 8;
   for (std::int32_t begin = 0; begin < m; begin += at_once) {
-    const std::int16_t* row = node.weight + begin;
+    const std::int16_t* row = tables.weight + begin;
+    const double* scale = tables.weight_scale + begin;
     double sum[at_once] = {};
     const std::int32_t size = m - begin < at_once ? m - begin : at_once;
     if (size == at_once) {
+      // Ends known before: compilers turn the sums into vectors.
       for (std::int32_t r = 0; r < n_basis; ++r, row += m) {
-        // In two steps, which compilers turn into vectors.
-        std::int32_t whole[at_once];
-        for (std::int32_t j = 0; j < at_once; ++j) whole[j] = row[j];
-        for (std::int32_t j = 0; j < at_once; ++j) sum[j] += basis[r] * whole[j];
+        for (std::int32_t j = 0; j < at_once; ++j) sum[j] += basis[r] * row[j];
       }
+      for (std::int32_t j = 0; j < at_once; ++j) amplitude[begin + j] = sum[j] * scale[j];
     } else {
       for (std::int32_t r = 0; r < n_basis; ++r, row += m) {
         for (std::int32_t j = 0; j < size; ++j) sum[j] += basis[r] * row[j];
       }
+      for (std::int32_t j = 0; j < size; ++j) amplitude[begin + j] = sum[j] * scale[j];
     }
-    for (std::int32_t j = 0; j < size; ++j) amplitude[begin + j] = sum[j] * node.weight_scale[begin + j];
   }
 }
-
 /// The nodes where shared modes do not serve. The same products in the same order, whether prepared or not.
-PHN_INLINE void near_nodes(const ModalResponse& node, const PreparedNode* prepared, const double* amplitude,
-                           double* field) {
-  const std::int32_t n = 3 * node.n_near;
+PHN_INLINE void near_nodes(const ModalTables& tables, std::int32_t components, const PreparedNode* prepared,
+                           const double* amplitude, double* field) {
+  const std::int32_t n = components * tables.n_near;
   constexpr std::int32_t at_once = 12;
   for (std::int32_t begin = 0; begin < n; begin += at_once) {
     const std::int32_t size = n - begin < at_once ? n - begin : at_once;
     double sum[at_once] = {};
     if (prepared != nullptr && size == at_once) {
-      for (std::int32_t j = 0; j < node.n_modes; ++j) {
+      for (std::int32_t j = 0; j < tables.n_modes; ++j) {
         const double* row = prepared->near_mode + static_cast<std::size_t>(j) * static_cast<std::size_t>(n) + begin;
         for (std::int32_t i = 0; i < at_once; ++i) sum[i] += row[i] * amplitude[j];
       }
     } else {
       for (std::int32_t i = 0; i < size; ++i)
-        sum[i] = row_times(node.near_mode, node.near_mode_scale, static_cast<std::size_t>(begin + i), node.n_modes,
-                           amplitude);
+        sum[i] = row_times(tables.near_mode, tables.near_mode_scale, static_cast<std::size_t>(begin + i),
+                           tables.n_modes, amplitude);
     }
-    for (std::int32_t i = 0; i < size; ++i) field[3 * node.near[(begin + i) / 3] + i % 3] = sum[i];
+    for (std::int32_t i = 0; i < size; ++i)
+      field[components * tables.near[(begin + i) / components] + i % components] = sum[i];
   }
 }
 
-PHN_INLINE void amplitudes(const phn_model& model, const ModalResponse& node, const double* x, double* scratch,
-                           double* amplitude) {
-  const SharedModes shared = model.shared;  // a copy, which the results below cannot touch
-  const double at[3] = {x[0], x[1], x[2]}, q = std::sqrt(dot(at, at) + shared.shape * shared.shape);
-  double* __restrict kernel = scratch;
-  for (std::int32_t i = 0; i < shared.n_centers; ++i)
-    kernel[i] = amplitude_kernel(shared, at, q, i) - shared.basis_at_rest[i];
-  for (int k = 0; k < 3; ++k) kernel[shared.n_centers + k] = at[k];
-  sum_amplitudes(node, shared.n_centers + 3, scratch, amplitude);
-}
-
-PHN_INLINE void field_of_amplitudes(const phn_model& model, const ModalResponse& node, const PreparedNode* prepared,
-                                    const double* amplitude, double* scratch, double* field) {
-  const SharedModes& shared = model.shared;
-  const std::int32_t m = node.n_modes, n = 3 * model.n_output;
+PHN_INLINE void sum_field(const SharedTable& shared, const ModalTables& tables, const PreparedNode* prepared,
+                          const double* amplitude, double* scratch, double* field) {
+  const std::int32_t m = tables.n_modes;
   auto* amount = reinterpret_cast<float*>(scratch);
   if (prepared != nullptr) {
     for (std::int32_t j = 0; j < m; ++j) amount[j] = static_cast<float>(amplitude[j]);
-    sum_modes(m, n, prepared->modes, amount, field);
+    sum_modes(m, shared.n_rows, prepared->modes, amount, field);
   } else {
     for (std::int32_t s = 0; s < shared.n_modes; ++s)
-      amount[s] =
-          static_cast<float>(row_times(node.mixing, node.mixing_scale, static_cast<std::size_t>(s), m, amplitude));
-    sum_modes(shared.n_modes, n, shared.modes, amount, field);
+      amount[s] = static_cast<float>(
+          row_times(tables.mixing, tables.mixing_scale, static_cast<std::size_t>(s), m, amplitude));
+    sum_modes(shared.n_modes, shared.n_rows, shared.modes, amount, field);
   }
-  near_nodes(node, prepared, amplitude, field);
+  // Constants, by which compilers divide faster; at_once is a multiple of both.
+  if (shared.components == 3) return near_nodes(tables, 3, prepared, amplitude, field);
+  near_nodes(tables, 1, prepared, amplitude, field);
 }
 
 /// Shared modes times mixing, for one block of rows.
-PHN_INLINE void sum_block(const SharedModes& shared, const ModalResponse& node, const float* block, float* out) {
-  for (std::int32_t j = 0; j < node.n_modes; ++j, out += rows_per_block) {
+PHN_INLINE void mix_block(const SharedTable& shared, const ModalTables& tables, const float* block, float* out) {
+  for (std::int32_t j = 0; j < tables.n_modes; ++j, out += rows_per_block) {
     float sum[rows_per_block] = {};
-    const auto scale = static_cast<float>(node.mixing_scale[j]);
-    const std::int16_t* mixing = node.mixing + j;
+    const auto scale = static_cast<float>(tables.mixing_scale[j]);
+    const std::int16_t* mixing = tables.mixing + j;
     const float* mode = block;
-    for (std::int32_t s = 0; s < shared.n_modes; ++s, mode += rows_per_block, mixing += node.n_modes) {
+    for (std::int32_t s = 0; s < shared.n_modes; ++s, mode += rows_per_block, mixing += tables.n_modes) {
       const auto factor = static_cast<float>(*mixing);
       for (std::int32_t i = 0; i < rows_per_block; ++i) sum[i] += factor * mode[i];
     }
@@ -122,21 +120,24 @@ PHN_INLINE void sum_block(const SharedModes& shared, const ModalResponse& node, 
 }
 
 /// Everything above once more for each set of instructions.
-#define PHN_KERNELS(name, attributes)                                                                         \
-  namespace name {                                                                                            \
-  attributes void amplitudes_here(const phn_model& model, const ModalResponse& node, const double* x,         \
-                                  double* scratch, double* amplitude) {                                       \
-    amplitudes(model, node, x, scratch, amplitude);                                                           \
-  }                                                                                                           \
-  attributes void field_here(const phn_model& model, const ModalResponse& node, const PreparedNode* prepared, \
-                             const double* amplitude, double* scratch, double* field) {                       \
-    field_of_amplitudes(model, node, prepared, amplitude, scratch, field);                                    \
-  }                                                                                                           \
-  attributes void sum_block_here(const SharedModes& shared, const ModalResponse& node, const float* block,    \
-                                 float* out) {                                                                \
-    sum_block(shared, node, block, out);                                                                      \
-  }                                                                                                           \
-  constexpr ModalKernels kernels = {#name, amplitudes_here, field_here, sum_block_here};                      \
+#define PHN_KERNELS(name, attributes)                                                                       \
+  namespace name {                                                                                          \
+  attributes void basis(const SharedModes& shared, const double* x, double* values) {                       \
+    fill_basis(shared, x, values);                                                                          \
+  }                                                                                                         \
+  attributes void amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* values,         \
+                             double* amplitude) {                                                           \
+    sum_amplitudes(tables, n_basis, values, amplitude);                                                     \
+  }                                                                                                         \
+  attributes void field(const SharedTable& shared, const ModalTables& tables, const PreparedNode* prepared, \
+                        const double* amplitude, double* scratch, double* values) {                         \
+    sum_field(shared, tables, prepared, amplitude, scratch, values);                                        \
+  }                                                                                                         \
+  attributes void sum_block(const SharedTable& shared, const ModalTables& tables, const float* block,       \
+                            float* out) {                                                                   \
+    mix_block(shared, tables, block, out);                                                                  \
+  }                                                                                                         \
+  constexpr ModalKernels kernels = {#name, basis, amplitudes, field, sum_block};                            \
   }
 
 PHN_KERNELS(any, )

@@ -19,16 +19,18 @@ namespace phynness::runtime {
 
 struct ModalKernels {
   const char* name;
-  /// @param x  d / max_displacement, cut; @param scratch n_centers + 3; @param amplitude node.n_modes
-  void (*amplitudes)(const phn_model& model, const ModalResponse& node, const double* x, double* scratch,
-                     double* amplitude);
-  /// Displacements of all output nodes, those of the probe not yet set.
-  /// @param prepared   of this node, or null
-  /// @param amplitude  node.n_modes > 0; @param scratch shared n_modes; @param field n_output x 3 [m]
-  void (*field)(const phn_model& model, const ModalResponse& node, const PreparedNode* prepared,
+  /// What all amplitudes are made of: kernels less their values at rest, then x.
+  /// @param x  d / max_displacement, cut; @param basis n_centers + 3
+  void (*basis)(const SharedModes& shared, const double* x, double* basis);
+  /// weights^T basis. @param basis  n_basis, the rows of tables.weight; @param amplitude tables.n_modes
+  void (*amplitudes)(const ModalTables& tables, std::int32_t n_basis, const double* basis, double* amplitude);
+  /// Values at all output nodes, those that the probe moves not yet set.
+  /// @param prepared   of the node's deformation, or null
+  /// @param amplitude  tables.n_modes > 0; @param scratch shared.n_modes; @param field shared.n_rows
+  void (*field)(const SharedTable& shared, const ModalTables& tables, const PreparedNode* prepared,
                 const double* amplitude, double* scratch, double* field);
-  /// Shared modes times mixing, for one block of rows. @param out  node.n_modes x rows_per_block
-  void (*sum_block)(const SharedModes& shared, const ModalResponse& node, const float* block, float* out);
+  /// Shared modes times mixing, for one block of rows. @param out  tables.n_modes x rows_per_block
+  void (*sum_block)(const SharedTable& shared, const ModalTables& tables, const float* block, float* out);
 };
 
 /// 0: any processor; 1: AVX2; 2: AVX-512.

@@ -23,6 +23,11 @@ struct Network {
 
 enum class Family : std::uint8_t { rbfn, linear, modal };
 
+/// at = d / unit, components beyond `largest` cut there. @param d, at  3
+inline void cut(const double* d, double unit, double largest, double* at) {
+  for (int k = 0; k < 3; ++k) at[k] = std::fmax(-largest, std::fmin(largest, d[k] / unit));
+}
+
 /// Displacements of a linear model are cut to this size per component [m], and no coefficient of one is
 /// larger: their products and sums stay finite.
 inline constexpr double largest_linear = 1e100;
@@ -59,24 +64,30 @@ struct ModalResponse : ModalTables {
   const ModalTables* fields;  ///< one for each field of the model
 };
 
-inline constexpr std::int32_t largest_field_count = 8;
-
-/// What the nodes of a modal model share of a field.
-struct SharedField {
-  const char *name, *unit;  ///< end with 0
-  std::int32_t degree, n_modes;
-  double scale;
-  const float* modes;  ///< as SharedModes::modes, n_output rows
-};
-
 /// Rows of shared modes that are summed together: few enough for the registers of any processor with SIMD.
 inline constexpr std::int32_t rows_per_block = 32;
 
-/// What the deformations of a modal model share.
-struct SharedModes {
-  std::int32_t n_modes, n_centers;
+/// Modes that all nodes share, of deformations or of a field.
+struct SharedTable {
+  std::int32_t n_modes;
+  std::int32_t components;  ///< rows of an output node: 3, of a field 1
+  std::int32_t n_rows;      ///< components n_output
+  const float* modes;       ///< for every rows_per_block of the rows: those rows of each mode in turn
+};
+
+inline constexpr std::int32_t largest_field_count = 8;
+
+/// What the nodes of a modal model share of a field.
+struct SharedField : SharedTable {
+  const char *name, *unit;  ///< end with 0
+  std::int32_t degree;
+  double scale;
+};
+
+/// What the deformations of a modal model share; fields have the same centers.
+struct SharedModes : SharedTable {
+  std::int32_t n_centers;
   double shape;
-  const float* modes;  ///< for every rows_per_block of the 3 n_output rows: those rows of each mode in turn
   const double* center[3];      ///< per component: n_centers, over max_displacement
   const double* basis_at_rest;  ///< n_centers: subtracted so that amplitudes at d = 0 are exactly 0
 };

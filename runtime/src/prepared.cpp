@@ -9,7 +9,7 @@ namespace {
 /// Rows of all modes, whole blocks.
 std::size_t row_count(const phn_model& model) {
   constexpr std::size_t rows = rows_per_block;
-  return (3 * static_cast<std::size_t>(model.n_output) + rows - 1) / rows * rows;
+  return (static_cast<std::size_t>(model.shared.n_rows) + rows - 1) / rows * rows;
 }
 
 void fill(const phn_model& model, PreparedNode& entry) {

@@ -5,8 +5,12 @@
 
 using phynness::runtime::ActiveNode;
 using phynness::runtime::Coupling;
+using phynness::runtime::cut;
+using phynness::runtime::Family;
 using phynness::runtime::finite;
 using phynness::runtime::HeldPoint;
+using phynness::runtime::largest_coupled;
+using phynness::runtime::largest_linear;
 using phynness::runtime::most_coupled;
 using phynness::runtime::warnings;
 using phynness::runtime::zero;
@@ -42,13 +46,6 @@ int find_point(const phn_model& model, const phn_tool& tool, HeldPoint& point) {
 
 bool same_node(const HeldPoint& a, const HeldPoint& b) {
   return a.n_nodes == 1 && b.n_nodes == 1 && a.active[0] == b.active[0];
-}
-
-double cut(const phn_model& model, double component) {
-  using namespace phynness::runtime;
-  const double largest =
-      model.family == Family::linear ? largest_linear : largest_coupled * model.max_displacement;
-  return std::fmax(-largest, std::fmin(largest, component));
 }
 
 /// One tool at one node: what that node says, and nothing to solve.
@@ -119,11 +116,12 @@ int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const ph
   for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(n_tools); ++i) forces[i] = 0;
   if (n_tools > c.max_tools) return PHN_ERROR_TOOLS;
   c.n_tools = 0;
+  const double largest = model->family == Family::linear ? largest_linear : largest_coupled * model->max_displacement;
   double targets[3 * most_coupled];
   for (std::int32_t t = 0; t < n_tools; ++t) {
     const int refused = find_point(*model, tools[t], c.point[t]);
     if (refused != PHN_OK) return refused;
-    for (int k = 0; k < 3; ++k) targets[3 * t + k] = cut(*model, tools[t].displacement[k]);
+    cut(tools[t].displacement, 1, largest, targets + 3 * t);
     for (std::int32_t s = 0; s < t; ++s) {
       if (same_node(c.point[s], c.point[t])) return PHN_ERROR_SAME_NODE;
     }

@@ -26,7 +26,7 @@ Model large_model(int n_modes = 5, int n_shared = 12) {
 }
 
 std::vector<Model> models() {
-  return {large_model(), large_model(13, 20), large_model(1, 2), large_model(12, 12), small_modal_model()};
+  return {large_model(), large_model(13, 20), large_model(1, 2), large_model(12, 12), small_field_model()};
 }
 
 /// What a node says that was never touched before.
@@ -84,25 +84,48 @@ TEST(PreparedNodes, RestAtRest) {
 /// ten times the largest displacement here.
 constexpr double rounding = 2e-5;
 
+/// A node's deformation or field at all output nodes, as these kernels have it. Terms that only fields have
+/// are arbitrary numbers.
+Eigen::VectorXd values_by(const runtime::ModalKernels& kernels, const LoadedModel& loaded,
+                          const runtime::SharedTable& shared, const runtime::ModalTables& tables,
+                          const runtime::PreparedNode* prepared) {
+  const runtime::SharedModes& centers = loaded.model->shared;
+  const double x[] = {0.3, -0.7, 0.2};
+  const std::int32_t n_basis = centers.n_centers + (&shared == &centers ? 3 : 9);
+  Eigen::VectorXd basis = Eigen::VectorXd::LinSpaced(n_basis, -1, 1), amplitude(tables.n_modes),
+                  values(shared.n_rows);
+  kernels.basis(centers, x, basis.data());
+  kernels.amplitudes(tables, n_basis, basis.data(), amplitude.data());
+  kernels.field(shared, tables, prepared, amplitude.data(), loaded.data->scratch, values.data());
+  return values;
+}
+
+void expect_same_bits(const LoadedModel& loaded, const runtime::SharedTable& shared,
+                      const runtime::ModalTables& tables, const runtime::PreparedNode* prepared) {
+  using namespace phynness::runtime;
+  const auto expected = values_by(*modal_kernels(0), loaded, shared, tables, prepared);
+  for (int set = 1; set < n_instruction_sets; ++set) {
+    if (modal_kernels(set) == nullptr) continue;
+    EXPECT_EQ(values_by(*modal_kernels(set), loaded, shared, tables, prepared), expected)
+        << modal_kernels(set)->name;
+  }
+}
+
 // Claim: summing the modes beforehand changes fields by rounding alone; near nodes, in double, not by a bit.
 TEST(PreparedNodes, ChangeNothingButRounding) {
   using namespace phynness::runtime;
   for (const Model& model : models()) {
     const LoadedModel loaded(write_model_text(model));
     const phn_model& m = *loaded.model;
-    const double x[] = {0.3, -0.7, 0.2};
     for (std::int32_t active = 0; active < m.n_active; ++active) {
       const ModalResponse& node = *m.active[active].modal;
       const PreparedNode* prepared = prepare(m, loaded.data->prepared, active);
       EXPECT_EQ(prepared != nullptr, node.n_modes < m.shared.n_modes);
-      Eigen::VectorXd amplitude(node.n_modes);
-      Points with(m.n_output, 3), without(m.n_output, 3);
-      best_modal_kernels().amplitudes(m, node, x, loaded.data->scratch, amplitude.data());
-      best_modal_kernels().field(m, node, prepared, amplitude.data(), loaded.data->scratch, with.data());
-      best_modal_kernels().field(m, node, nullptr, amplitude.data(), loaded.data->scratch, without.data());
+      const auto with = values_by(best_modal_kernels(), loaded, m.shared, node, prepared),
+                 without = values_by(best_modal_kernels(), loaded, m.shared, node, nullptr);
       EXPECT_LE((with - without).cwiseAbs().maxCoeff(), rounding * without.cwiseAbs().maxCoeff());
       for (std::int32_t i = 0; i < node.n_near; ++i)
-        EXPECT_EQ(with.row(node.near[i]), without.row(node.near[i]));
+        EXPECT_EQ(with.segment<3>(3 * node.near[i]), without.segment<3>(3 * node.near[i]));
     }
   }
 }
@@ -113,25 +136,13 @@ TEST(PreparedNodes, EveryInstructionSetGivesTheSameBits) {
   for (const Model& model : models()) {
     const LoadedModel loaded(write_model_text(model));
     const phn_model& m = *loaded.model;
-    const double x[] = {0.3, -0.7, 0.2};
     for (std::int32_t active = 0; active < m.n_active; ++active) {
-      const PreparedNode* ready = prepare(m, loaded.data->prepared, active);
-      for (const PreparedNode* prepared : {ready, static_cast<const PreparedNode*>(nullptr)}) {
-        const auto field_by = [&](const ModalKernels& kernels) {
-          const ModalResponse& node = *m.active[active].modal;
-          Eigen::VectorXd amplitude(node.n_modes);
-          Points u(m.n_output, 3);
-          kernels.amplitudes(m, node, x, loaded.data->scratch, amplitude.data());
-          kernels.field(m, node, prepared, amplitude.data(), loaded.data->scratch, u.data());
-          return u;
-        };
-        const Points expected = field_by(*modal_kernels(0));
-        for (int set = 1; set < n_instruction_sets; ++set) {
-          if (modal_kernels(set) == nullptr) continue;
-          EXPECT_EQ(field_by(*modal_kernels(set)), expected) << modal_kernels(set)->name;
-        }
-      }
       const ModalResponse& node = *m.active[active].modal;
+      expect_same_bits(loaded, m.shared, node, prepare(m, loaded.data->prepared, active));
+      expect_same_bits(loaded, m.shared, node, nullptr);
+      for (std::int32_t f = 0; f < m.n_fields; ++f) {
+        if (node.fields[f].n_modes > 0) expect_same_bits(loaded, m.fields[f], node.fields[f], nullptr);
+      }
       const auto n = static_cast<std::size_t>(node.n_modes) * rows_per_block;
       std::vector<float> expected(n), block(n);
       modal_kernels(0)->sum_block(m.shared, node, m.shared.modes, expected.data());

@@ -3,80 +3,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
 
-#include "loaded_model.hpp"
-#include "small_model.hpp"
+#include "fine_surface.hpp"
 
 namespace {
 
 using namespace phynness;
 using namespace phynness::test;
-using Eigen::RowVector3d;
-using Corners = std::array<int, 3>;
-
-/// A triangulated surface without any response. The last n_fixed points are fixed nodes.
-struct Body {
-  std::vector<RowVector3d> points;
-  std::vector<Corners> triangles;
-  int n_fixed = 0;
-
-  int n_output() const { return static_cast<int>(points.size()) - n_fixed; }
-};
-
-std::string text_of(const Body& body) {
-  Model model = small_linear_model();
-  model.nodes.clear();
-  model.n_mesh_nodes = static_cast<std::int32_t>(body.points.size());
-  model.output.clear();
-  model.fixed.clear();
-  model.output_points.resize(body.n_output(), 3);
-  model.fixed_points.resize(body.n_fixed, 3);
-  for (int i = 0; i < static_cast<int>(body.points.size()); ++i) {
-    const bool moves = i < body.n_output();
-    (moves ? model.output : model.fixed).push_back(i);
-    (moves ? model.output_points : model.fixed_points).row(moves ? i : i - body.n_output()) =
-        body.points[static_cast<std::size_t>(i)];
-  }
-  model.surface.resize(static_cast<Eigen::Index>(body.triangles.size()), 3);
-  for (Eigen::Index t = 0; t < model.surface.rows(); ++t) {
-    for (int k = 0; k < 3; ++k)
-      model.surface(t, k) = body.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)];
-  }
-  return write_model_text(model);
-}
-
-struct FineSurface {
-  FineSurface(const Body& body, int levels) : loaded(text_of(body)) {
-    std::size_t bytes = 0;
-    LoadedModel::check(phn_surface_size(loaded.model, levels, &bytes));
-    memory.resize(bytes);
-    LoadedModel::check(phn_surface_init(memory.data(), bytes, loaded.model, levels, &surface));
-    scratch.resize(phn_surface_scratch(surface));
-    n_vertices = phn_surface_n_vertices(surface);
-    n_triangles = phn_surface_n_triangles(surface);
-  }
-  RowVector3d point(int vertex) const {
-    return Eigen::Map<const Eigen::RowVector3f>(phn_surface_points(surface) + 3 * vertex).cast<double>();
-  }
-  int corner(int triangle, int k) const { return phn_surface_triangles(surface)[3 * triangle + k]; }
-  Points deform(const Points& field) {
-    Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> out(n_vertices, 3);
-    out.setConstant(std::numeric_limits<float>::quiet_NaN());
-    std::fill(scratch.begin(), scratch.end(), std::numeric_limits<float>::quiet_NaN());
-    EXPECT_EQ(phn_surface_deform(surface, scratch.data(), field.data(), out.data()), PHN_OK);
-    return out.cast<double>();
-  }
-
-  LoadedModel loaded;
-  std::vector<char> memory;
-  std::vector<float> scratch;
-  const phn_surface* surface = nullptr;
-  int n_vertices = 0, n_triangles = 0;
-};
 
 /// The scheme as the literature states it, with maps and without any thought of time. Edges with one triangle
 /// or more than two are creases; vertices on two creases follow them, on more they stay.
@@ -134,45 +70,6 @@ struct NaiveSurface {
   }
 };
 
-Body tetrahedron() {
-  return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
-}
-
-Body icosahedron() {
-  const double g = std::numbers::phi;
-  return {{{-1, g, 0},
-           {1, g, 0},
-           {-1, -g, 0},
-           {1, -g, 0},
-           {0, -1, g},
-           {0, 1, g},
-           {0, -1, -g},
-           {0, 1, -g},
-           {g, 0, -1},
-           {g, 0, 1},
-           {-g, 0, -1},
-           {-g, 0, 1}},
-          {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-           {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-           {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
-}
-
-/// An open sheet of n x n squares, each two triangles: interior vertices have six neighbours.
-Body sheet(int n) {
-  Body body;
-  for (int y = 0; y <= n; ++y) {
-    for (int x = 0; x <= n; ++x) body.points.push_back({x + 0.5 * y, 0.8 * y, 0});
-  }
-  for (int y = 0; y < n; ++y) {
-    for (int x = 0; x < n; ++x) {
-      const int a = y * (n + 1) + x, b = a + 1, c = a + n + 1, d = c + 1;
-      body.triangles.push_back({a, b, c});
-      body.triangles.push_back({b, d, c});
-    }
-  }
-  return body;
-}
-
 /// As many vertices as the paper's liver: 27 rings of 22 between two poles, the last 110 fixed.
 Body liver_sized() {
   constexpr int n_rings = 27, n = 22;
@@ -197,39 +94,6 @@ Body liver_sized() {
     }
   }
   return body;
-}
-
-/// Triangles between vertices drawn at random: edges of one, two and more triangles, vertices of several
-/// parts, triangles that occur twice, vertices without any.
-Body soup(int n_points, int n_triangles) {
-  Numbers numbers;
-  Body body;
-  body.n_fixed = 2;
-  for (int i = 0; i < n_points; ++i) body.points.push_back({numbers.next(), numbers.next(), numbers.next()});
-  const auto draw = [&] { return static_cast<int>((numbers.next() + 1) / 2 * n_points * 0.999); };
-  while (static_cast<int>(body.triangles.size()) < n_triangles) {
-    const Corners t = {draw(), draw(), draw()};
-    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) body.triangles.push_back(t);
-  }
-  body.triangles.push_back(body.triangles.front());
-  return body;
-}
-
-std::vector<Body> bodies() {
-  std::vector<Body> all = {tetrahedron(), icosahedron(), sheet(3), soup(12, 14), soup(9, 30), soup(40, 20)};
-  all.push_back({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}});  // a pillow
-  all.push_back({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}},     // three pages of a book
-                 {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}}});
-  all.push_back(
-      {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {5, 5, 5}},  // a bow, and a lone vertex
-       {{0, 1, 2}, {0, 3, 4}},
-       1});
-  // An edge of four triangles that ends at vertex 0.
-  all.push_back({{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 1, 0}, {0, -1, 0}, {-1, -1, 0}},
-                 {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 4}, {0, 4, 5}, {0, 5, 1}},
-                 2});
-  all.push_back({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, 3});  // nothing moves
-  return all;
 }
 
 Points random_field(const Body& body) {
@@ -391,92 +255,6 @@ TEST(Surfaces, BecomeSmooth) {
       EXPECT_LT(largest / before, 0.6);
     }
     before = largest;
-  }
-}
-
-// Claim: what is not finite is refused with zeros; everything else, however large, comes out finite.
-TEST(Surfaces, NeverNaNOut) {
-  constexpr double inf = std::numeric_limits<double>::infinity(),
-                   nan = std::numeric_limits<double>::quiet_NaN(), huge = std::numeric_limits<double>::max(),
-                   tiny = std::numeric_limits<double>::denorm_min();
-  for (const Body& body : bodies()) {
-    if (body.n_output() == 0) continue;
-    for (const int levels : {0, 3}) {
-      FineSurface fine(body, levels);
-      for (const double value : {inf, -inf, nan, huge, -huge, 1e38, tiny}) {
-        Points field = Points::Constant(body.n_output(), 3, value > 0 && std::isfinite(value) ? value : 0.1);
-        field(body.n_output() - 1, 2) = value;
-        std::vector<float> out(3 * static_cast<std::size_t>(fine.n_vertices),
-                               std::numeric_limits<float>::quiet_NaN());
-        const int status = phn_surface_deform(fine.surface, fine.scratch.data(), field.data(), out.data());
-        EXPECT_EQ(status, std::isfinite(value) ? PHN_OK : PHN_ERROR_NOT_FINITE);
-        for (const float x : out) ASSERT_TRUE(std::isfinite(value) ? std::isfinite(x) : x == 0);
-      }
-    }
-  }
-}
-
-// Claim: misuse and surfaces that have no subdivision are named.
-TEST(Surfaces, MisuseIsNamed) {
-  const FineSurface good(tetrahedron(), 2);
-  const phn_model* model = good.loaded.model;
-  std::size_t bytes = 1;
-  const phn_surface* surface = good.surface;
-  std::vector<char> memory(1 << 16);
-  for (const int levels : {-1, 7}) {
-    EXPECT_EQ(phn_surface_size(model, levels, &bytes), PHN_ERROR_ARGUMENT);
-    EXPECT_EQ(phn_surface_init(memory.data(), memory.size(), model, levels, &surface), PHN_ERROR_ARGUMENT);
-    EXPECT_EQ(surface, nullptr);
-  }
-  EXPECT_EQ(bytes, 0u);
-  EXPECT_EQ(phn_surface_size(nullptr, 1, &bytes), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_surface_size(model, 1, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_surface_init(nullptr, 100, model, 1, &surface), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_surface_init(memory.data(), 100, nullptr, 1, &surface), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_surface_init(memory.data(), 100, model, 1, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_surface_n_vertices(nullptr), 0);
-  EXPECT_EQ(phn_surface_scratch(nullptr), 0u);
-
-  std::vector<float> out(3 * static_cast<std::size_t>(good.n_vertices), 1),
-      scratch(phn_surface_scratch(good.surface));
-  const Points field = Points::Ones(4, 3);
-  EXPECT_EQ(phn_surface_deform(nullptr, scratch.data(), field.data(), out.data()), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_surface_deform(good.surface, nullptr, field.data(), out.data()), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(out[0], 0);
-  EXPECT_EQ(phn_surface_deform(good.surface, scratch.data(), nullptr, out.data()), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_surface_deform(good.surface, scratch.data(), field.data(), nullptr), PHN_ERROR_ARGUMENT);
-
-  Body equal = tetrahedron(), bare = tetrahedron(), vast = tetrahedron();
-  equal.triangles.push_back({1, 2, 1});
-  bare.triangles.clear();
-  vast.triangles.assign(200000, {0, 1, 2});  // 8e8 triangles after six levels
-  const LoadedModel with_equal(text_of(equal)), without(text_of(bare)), too_many(text_of(vast));
-  EXPECT_EQ(phn_surface_size(with_equal.model, 1, &bytes), PHN_ERROR_RANGE);
-  EXPECT_EQ(phn_surface_size(without.model, 1, &bytes), PHN_ERROR_UNDEFINED);
-  EXPECT_EQ(phn_surface_size(too_many.model, 6, &bytes), PHN_ERROR_RANGE);
-  EXPECT_EQ(phn_surface_init(memory.data(), 100, with_equal.model, 1, &surface), PHN_ERROR_RANGE);
-}
-
-// Claim: the stated size suffices at any alignment, on surfaces where no two triangles share an edge, too;
-// less is refused.
-TEST(Surfaces, SizesSufficeAtAnyAlignment) {
-  Body apart;
-  for (int i = 0; i < 60; ++i) apart.points.push_back({std::cos(i), std::sin(2 * i), std::cos(3 * i)});
-  for (int i = 0; i < 20; ++i) apart.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-  for (const Body& body : {apart, tetrahedron()}) {
-    const LoadedModel loaded(text_of(body));
-    for (int levels = 0; levels <= 3; ++levels) {
-      std::size_t bytes = 0;
-      ASSERT_EQ(phn_surface_size(loaded.model, levels, &bytes), PHN_OK);
-      for (std::size_t shift = 0; shift < 64; ++shift) {
-        std::vector<char> memory(bytes + shift);
-        const phn_surface* surface = nullptr;
-        ASSERT_EQ(phn_surface_init(memory.data() + shift, bytes, loaded.model, levels, &surface), PHN_OK);
-        ASSERT_EQ(phn_surface_init(memory.data() + shift, bytes - 64, loaded.model, levels, &surface),
-                  PHN_ERROR_BUFFER);
-        ASSERT_EQ(surface, nullptr);
-      }
-    }
   }
 }
 

@@ -47,15 +47,6 @@ ResponseSource with_fields(const DatabaseHeader& header) {
   return source;
 }
 
-TrainingSpec modal_spec() {
-  TrainingSpec spec;
-  spec.family = Family::modal;
-  spec.modes = 12;
-  spec.shared_modes = 30;
-  spec.near_nodes = 12;
-  return spec;
-}
-
 /// By plain loops, at x = d / R.
 Eigen::VectorXd evaluate(const Model& model, const ActiveNodeModel& node, std::size_t f,
                          const Eigen::Vector3d& x) {

@@ -13,15 +13,6 @@
 namespace phynness::test {
 namespace {
 
-TrainingSpec modal_spec() {
-  TrainingSpec spec;
-  spec.family = Family::modal;
-  spec.modes = 12;
-  spec.shared_modes = 40;
-  spec.near_nodes = 6;
-  return spec;
-}
-
 /// u at all output nodes by plain loops over the model, x = d / R.
 Eigen::VectorXd field(const Model& model, const ActiveNodeModel& node, const Eigen::Vector3d& x) {
   const auto& shared = model.shared;

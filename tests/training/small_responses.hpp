@@ -70,6 +70,15 @@ inline TrainingSpec small_spec() {
   return spec;
 }
 
+inline TrainingSpec modal_spec() {
+  TrainingSpec spec;
+  spec.family = Family::modal;
+  spec.modes = 12;
+  spec.shared_modes = 40;
+  spec.near_nodes = 6;
+  return spec;
+}
+
 inline ResponseSource source_of(const DatabaseHeader& header) {
   return {&header, [&header](std::int32_t active) { return small_rays(header, active); }, 0, "small"};
 }

@@ -6,6 +6,7 @@
 
 #include "fixed_shapes.hpp"
 #include "left_out.hpp"
+#include "multiquadric.hpp"
 
 namespace phynness {
 namespace {
@@ -45,14 +46,10 @@ constexpr double unknown_cost = 1.5;
 /// Displacements this close, in R, are the same but for rounding.
 constexpr double same_place = 1e-9;
 
-Matrix3d kernel(const Vector3d& y, double shape) {
-  const double q = std::sqrt(y.squaredNorm() + shape * shape);
-  return q * Matrix3d::Identity() + y * y.transpose() / q;
-}
-
 /// Phi(x - c) - Phi(x) - Phi(c) + Phi(0)
 Matrix3d anchored_kernel(const Vector3d& x, const Vector3d& c, double shape) {
-  return kernel(x - c, shape) - kernel(x, shape) - kernel(c, shape) + kernel(Vector3d::Zero(), shape);
+  return force_kernel(x - c, shape) - force_kernel(x, shape) - force_kernel(c, shape) +
+         force_kernel(Vector3d::Zero(), shape);
 }
 
 /// Force per entry of a symmetric stiffness xx xy xz yy yz zz.
@@ -165,7 +162,7 @@ double left_out_error(const ForceStates& states, double shape) {
     return i == 0 ? Vector3d::Zero() : Vector3d(states.x.row(i - 1).transpose());
   };
   for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) phi.block<3, 3>(3 * i, 3 * j) = kernel(place(i) - place(j), shape);
+    for (Index j = 0; j < n; ++j) phi.block<3, 3>(3 * i, 3 * j) = force_kernel(place(i) - place(j), shape);
     tail.middleRows<3>(3 * i) << Matrix3d::Identity(), stiffness_columns(place(i));
   }
   VectorXd values = VectorXd::Zero(3 * n);

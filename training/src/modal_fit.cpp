@@ -9,6 +9,7 @@
 
 #include "fixed_shapes.hpp"
 #include "left_out.hpp"
+#include "multiquadric.hpp"
 #include "sampling.hpp"
 
 namespace phynness {
@@ -41,12 +42,6 @@ constexpr int spare_columns = 8, rounds = 3;
 /// Products of two components of a displacement.
 constexpr int n_even = 6;
 
-double q(const Vector3d& y, double shape) { return std::sqrt(y.squaredNorm() + shape * shape); }
-
-double anchored_kernel(const Vector3d& x, const Vector3d& c, double shape) {
-  return q(x - c, shape) - q(x, shape) - q(c, shape) + shape;
-}
-
 Eigen::MatrixX3d scaled_rows(const TrainingTables& tables, const std::vector<std::int32_t>& rows) {
   Eigen::MatrixX3d x(static_cast<Index>(rows.size()), 3);
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -61,7 +56,7 @@ MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, do
   MatrixXd f(x.rows(), n_centers + 3 + (degree > 0 ? n_even : 0));
   for (Index i = 0; i < x.rows(); ++i)
     for (Index j = 0; j < n_centers; ++j)
-      f(i, j) = anchored_kernel(x.row(i).transpose(), centers.row(j).transpose(), shape);
+      f(i, j) = anchored_multiquadric(x.row(i).transpose(), centers.row(j).transpose(), shape);
   f.middleCols<3>(n_centers) = x;
   if (degree > 0)
     for (Index i = 0; i < x.rows(); ++i)
@@ -121,7 +116,7 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
   };
   for (Index i = 0; i < n; ++i) {
     tail.row(i).tail<3>() = place(i).transpose();
-    for (Index j = 0; j < n; ++j) phi(i, j) = q(place(i) - place(j), shape);
+    for (Index j = 0; j < n; ++j) phi(i, j) = multiquadric(place(i) - place(j), shape);
   }
   const MatrixXd errors = left_out(phi, tail, values, groups_by_direction(directions, 1, 1));
   const double n_output = static_cast<double>(node.modes.rows()) / node.components;

@@ -24,14 +24,16 @@ LoadedModel loaded(const Model& model, const Mesh& mesh, const std::string& name
   return LoadedModel(std::move(dir), name);
 }
 
-/// What was made, which is less than what was asked where the database has few states.
-TrainingSpec made(const Model& model) {
+/// The sizes of a model, of its largest node.
+TrainingSpec sizes_of(const Model& model) {
   TrainingSpec spec;
   spec.family = model.family;
-  spec.modes = spec.force_centers = spec.deformation_neurons = spec.force_neurons = 0;
+  spec.modes = spec.near_nodes = spec.force_centers = spec.deformation_neurons = spec.force_neurons = 0;
   spec.shared_modes = static_cast<int>(model.shared.modes.cols());
+  spec.amplitude_centers = static_cast<int>(model.shared.centers.size());
   for (const auto& node : model.nodes) {
     spec.modes = std::max(spec.modes, static_cast<int>(node.modal.weights.cols()));
+    spec.near_nodes = std::max(spec.near_nodes, static_cast<int>(node.modal.near.size()));
     spec.force_centers = std::max(spec.force_centers, static_cast<int>(node.conservative.centers.size()));
     spec.deformation_neurons =
         std::max(spec.deformation_neurons, static_cast<int>(node.deformation.center_displacement.size()));
@@ -65,7 +67,8 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
       report.left_out.push_back(candidate.name + ": " + error.what());
       continue;
     }
-    measured.candidate.name = model_name(made(measured.model));
+    measured.trained = sizes_of(measured.model);
+    measured.candidate.name = model_name(measured.trained);
     measured.model.title = scene.title;
     measured.training_s = training.seconds;
     const auto model = loaded(measured.model, mesh, candidate.name);

@@ -140,8 +140,9 @@ typedef struct phn_coupled {
  * tools anywhere). Exact in a linear body; at a node that node's own answer; continuous where a tool slides over edges and
  * nodes. The force of one tool is the gradient of an energy while it holds one point, in families that have one. The answer
  * depends on these arguments alone, not on earlier calls. `result` may be null.
- * Cost, one tool: as much as 21 forces, 27 sets of amplitudes and their gradients, nothing to iterate. Several: some 5 to 15
- * substitutions of 3 n_tools sets of amplitudes each besides.
+ * Cost, one tool between three nodes: 21 forces, 3 energies where the family has them, 21 sets of amplitudes and 9 with
+ * their gradients, nothing to iterate. Several: that for each, and some 5 to 15 substitutions of 3 n_tools sets of
+ * amplitudes.
  * PHN_ERROR_NOT_ACTIVE: a node can neither be touched nor is fixed, or all of a tool's are fixed. PHN_ERROR_UNDEFINED: a
  * node has forces only. Components of displacements are cut at 1000 max_displacement_m. */
 int phn_couple(const phn_model *model, phn_data *data, int32_t n_tools, const phn_tool *tools, double *forces,

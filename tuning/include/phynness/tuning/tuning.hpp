@@ -29,7 +29,8 @@ std::vector<Candidate> tuning_candidates(const Scene& scene);
 enum class ErrorStatistic { mean, median, p95 };
 
 struct MeasuredModel {
-  Candidate candidate;
+  Candidate candidate;   ///< name: of the sizes that were made
+  TrainingSpec trained;  ///< those: less than candidate.spec asks for where a database has few states
   PredictorErrors errors;
   RuntimeSpeed speed;
   double memory_bytes = 0, text_bytes = 0, training_s = 0;

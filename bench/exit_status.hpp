@@ -1,0 +1,24 @@
+// How studies and benchmarks end: status 0, 1 for a failure, 2 for wrong input, and why on stderr, as the
+// command does.
+#pragma once
+
+#include <cstdio>
+#include <exception>
+#include <phynness/formats/error.hpp>
+
+namespace phynness::bench {
+
+/// @param run  returns its own status or throws
+inline int exit_status(int (*run)(int, char**), int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return error.kind() == Error::Kind::input ? 2 : 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace phynness::bench

@@ -1,0 +1,211 @@
+#include <gtest/gtest.h>
+#include <phynness/phynness.h>
+
+#include <limits>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/hash.hpp>
+#include <phynness/formats/model.hpp>
+
+#include "model_text_of.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+std::string with_checksum(const std::string& body) {
+  Fnv1a64 hash;
+  hash.add(body);
+  return body + "checksum " + hash.hex() + "\n";
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  text.replace(at, from.size(), to);
+  return with_checksum(text.substr(0, text.rfind("checksum ")));
+}
+
+/// Linear, one active node: short enough to replace every byte by several.
+Model one_linear_node() {
+  Model model = small_linear_model();
+  model.nodes.resize(1);
+  return model;
+}
+
+/// Modal, one active node with near nodes.
+Model one_modal_node() {
+  Model model = small_modal_model(2, 2, 2, 2);
+  model.nodes.resize(1);
+  return model;
+}
+
+/// The same with a field.
+Model one_field_node() {
+  Numbers numbers;
+  Model model = one_modal_node();
+  model.fields = {
+      {"f", "Pa", 1, 2.5, random_table(static_cast<Eigen::Index>(model.output.size()), 1, 1, numbers)}};
+  ModalDeformation& of_node = model.nodes[0].fields.emplace_back();
+  of_node.near = {3};
+  of_node.weights = random_table(2 + 9, 1, 1, numbers);
+  of_node.mixing = of_node.near_modes = random_table(1, 1, 1, numbers);
+  return model;
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, ModelTextOf, testing::Values(Family::rbfn, Family::linear, Family::modal),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+std::string refusal(const std::string& text) {
+  try {
+    read_model_text(text, "model.txt");
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::input);
+    return error.what();
+  }
+  return "accepted";
+}
+
+// Claim: each defect has its own message.
+TEST(ModelText, RefusalsSayWhatIsWrong) {
+  const std::string text = write_model_text(small_model());
+  std::string corrupted = text;
+  corrupted[text.size() / 2] ^= 1;
+  const std::pair<std::string, const char*> cases[] = {
+      {"solid liver\nendsolid\n", "not a phynness model"},
+      {"", "not a phynness model"},
+      {text.substr(0, text.size() - 1), "truncated"},
+      {text.substr(0, text.size() / 2), "truncated"},
+      {text.substr(0, 5), "truncated"},
+      {corrupted, "corrupted"},
+      {replaced(text, "phynness-model 2\n", "phynness-model 3\n"), "another version"},
+      {replaced(text, "phynness-model 2\n", "phynness-model 2\r\n"), "line endings"},
+      {replaced(text, "family rbfn", "family tree"), "family"},
+      {replaced(text, "spread 1.", "spread 1,"), "comma"},
+      {replaced(text, "spread 1.", "spread 1x"), "malformed number"},
+      {replaced(text, "spread ", "spread nan "), "not finite"},
+      {replaced(text, "spread ", "spread -inf "), "not finite"},
+      {replaced(text, "spread ", "spread -"), "must be positive"},
+      {replaced(text, "output 12", "output 2000000000"), "larger than the rest"},
+      {replaced(text, "output 12", "output -1"), "out of range"},
+      {replaced(text, "output 12", "output 99999999999999999999"), "out of range"},
+      {replaced(text, "force 5", "force 4"), "expected 'deformation'"},
+      {replaced(text, "mesh_nodes 20", "mesh_nodes 9"), "node number is out of range"},
+      {replaced(text, "\nnode 5\n", "\nnode 3\n"), "must ascend"},
+      {replaced(text, "checksum", "surplus\nchecksum"), "after the last"},
+  };
+  const std::string linear = write_model_text(small_linear_model());
+  const std::pair<std::string, const char*> linear_cases[] = {
+      {linear.substr(0, linear.size() / 2), "truncated"},
+      {replaced(linear, "family linear", "family rbfn"), "expected 'force'"},
+      {replaced(text, "family rbfn", "family linear"), "expected 'stiffness'"},
+      {replaced(linear, "stiffness ", "stiffness 1p+400 "), "stiffness is beyond 1e100"},
+      {replaced(linear, "stiffness ", "stiffness nan "), "not finite"},
+      {replaced(linear, "stiffness ", "stiffness 0p+0 "), "more than it should"},
+      {replaced(linear, "unit_responses\n", ""), "expected 'unit_responses'"},
+      {replaced(linear, "unit_responses\n", "unit_responses\n-1p+400 "), "unit response is beyond 1e100"},
+      {replaced(linear, "output 12", "output 11"), ""},
+      {replaced(linear, "checksum", "0p+0\nchecksum"), "after the last"},
+  };
+  const std::string modal = write_model_text(small_modal_model());
+  const std::pair<std::string, const char*> modal_cases[] = {
+      {replaced(modal, "family modal", "family linear"), "expected 'active'"},
+      {replaced(modal, "shared_modes 6", "shared_modes 1025"), "out of range 0 ... 1024"},
+      {replaced(modal, "\ndeformation 3", "\ndeformation 1025"), "out of range 0 ... 1024"},
+      {replaced(modal, "\nmodes ", "\nmodes -"), "scale is negative"},
+      {replaced(modal, "\nweights ", "\nweights 1p+5 "), "scale is negative or too large"},
+      {replaced(modal, "\nshape 1", "\nshape -1"), "must be positive"},
+      {replaced(modal, "\nshape ", "\nshape 1p+20 "), "holds more"},
+      {replaced(modal, "stiffness ", "stiffness 1p+400 "), "stiffness is beyond 1e100"},
+      {replaced(modal, "near 4\n0\n1\n2\n4\n", "near 4\n0\n1\n1\n4\n"), "must ascend"},
+      {replaced(modal, "near 4\n0\n1\n2\n4\n", "near 4\n0\n1\n2\n12\n"), "near node is out of range"},
+      {replaced(modal, "near 4", "near 2000000000"), "larger than the rest"},
+      {replaced(modal, "amplitude_centers 4", "amplitude_centers 30000"), ""},
+      {replaced(modal, "checksum", "0\nchecksum"), "after the last"},
+  };
+  for (const auto& [damaged, message] : modal_cases) {
+    EXPECT_NE(refusal(damaged), "accepted");
+    EXPECT_NE(refusal(damaged).find(message), std::string::npos)
+        << refusal(damaged) << "\nshould say: " << message;
+  }
+  for (const auto& [damaged, message] : linear_cases) {
+    EXPECT_NE(refusal(damaged), "accepted");
+    EXPECT_NE(refusal(damaged).find(message), std::string::npos)
+        << refusal(damaged) << "\nshould say: " << message;
+  }
+  for (const auto& [damaged, message] : cases) {
+    EXPECT_NE(refusal(damaged).find(message), std::string::npos)
+        << refusal(damaged) << "\nshould say: " << message;
+  }
+}
+
+// Claim: host reader and runtime agree on what is a model, whatever single byte is replaced under a good
+// checksum.
+TEST_P(ModelTextOf, HostAndRuntimeRefuseTheSame) {
+  const std::string text = write_model_text(GetParam() == Family::linear  ? one_linear_node()
+                                            : GetParam() == Family::modal ? one_field_node()
+                                                                          : small_model(1, 1));
+  const std::string body = text.substr(0, text.rfind("checksum "));
+  for (std::size_t at = body.find("family"); at < body.size(); at += 1) {
+    for (const char c : {'2', ',', '-', 'p'}) {
+      std::string damaged = body;
+      damaged[at] = c;
+      damaged = with_checksum(damaged);
+      bool host = true;
+      try {
+        read_model_text(damaged, "model.txt");
+      } catch (const Error&) {
+        host = false;
+      }
+      std::vector<char> memory(1 << 18);
+      const phn_model* model = nullptr;
+      const int status = phn_model_init(memory.data(), memory.size(), damaged.data(), damaged.size(), &model);
+      ASSERT_EQ(host, status == PHN_OK) << "byte " << at << " -> " << c << "\n" << damaged.substr(at - 5, 20);
+    }
+  }
+}
+
+// Claim: what cannot be stored is not written.
+TEST(ModelText, WriterRefusesWhatTheFormatCannotHold) {
+  Model model = small_model();
+  model.nodes[0].force.weights(1, 1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(write_model_text(model), Error);
+  model = small_model();
+  model.nodes[0].deformation.centers(0, 0) += 1e-12;
+  EXPECT_THROW(write_model_text(model), Error);
+  model = small_model();
+  model.family = Family::modal;
+  EXPECT_THROW(write_model_text(model), Error);
+  model = small_linear_model();
+  model.nodes[0].linear.stiffness(0, 1) += 1e-12;
+  EXPECT_THROW(write_model_text(model), Error) << "not symmetric";
+  model = small_linear_model();
+  model.nodes[0].linear.stiffness(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(write_model_text(model), Error);
+  model = small_linear_model();
+  model.nodes[0].linear.unit_responses(2, 3) = 1.01e100;
+  EXPECT_THROW(write_model_text(model), Error);
+  model = small_linear_model();
+  model.nodes[0].linear.unit_responses.conservativeResize(11, 9);
+  EXPECT_THROW(write_model_text(model), Error);
+  const auto refused = [](auto change) {
+    Model modal = small_modal_model();
+    change(modal);
+    EXPECT_THROW(write_model_text(modal), Error);
+  };
+  refused([](Model& m) { m.nodes[0].conservative.stiffness(0, 1) += 1e-12; });
+  refused([](Model& m) { m.nodes[0].conservative.coefficients(0, 0) = 1.01e100; });
+  refused([](Model& m) { m.nodes[0].conservative.centers[0] = 8; });
+  refused([](Model& m) { m.nodes[0].conservative.centers.pop_back(); });
+  refused([](Model& m) { m.nodes[0].conservative.shape = 0.9e-6; });
+  refused([](Model& m) { m.shared.shape = 1.1e6; });
+  refused([](Model& m) { m.shared.modes.scale[0] = -1; });
+  refused([](Model& m) { m.shared.modes.entries(0, 0) = -32768; });
+  refused([](Model& m) { m.nodes[0].modal.mixing.scale[0] = 31; });
+  refused([](Model& m) { m.nodes[0].modal.weights.scale[0] = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](Model& m) { m.nodes[0].modal.near.pop_back(); });
+  refused([](Model& m) { m.shared.centers.pop_back(); });
+}
+
+}  // namespace
