@@ -4,13 +4,10 @@
 
 #include "local_response.hpp"
 #include "modal.hpp"
+#include "network_kernels.hpp"
 
 namespace phynness::runtime {
 namespace {
-
-double scaled_input(const Network& net, int k, double value) {
-  return (value - net.input_center[k]) / net.input_half_range[k];
-}
 
 double distance_between(const double* a, const double* b) {
   const double t[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -34,45 +31,6 @@ double length(const double* d) {
   return std::ldexp(std::sqrt(sum), exponent);
 }
 
-namespace {
-
-void network_force(const Network& net, const double* d, double* force) {
-  double x[3], sum[3] = {net.bias[0], net.bias[1], net.bias[2]};
-  for (int k = 0; k < 3; ++k) x[k] = scaled_input(net, k, d[k]);
-  for (std::int32_t i = 0; i < net.n_neurons; ++i) {
-    double square = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double t = x[k] - net.center[k][i];
-      square += t * t;
-    }
-    const double h = std::exp(-square * net.inverse_square_spread);
-    for (int k = 0; k < 3; ++k) sum[k] += net.weight[k][i] * h;
-  }
-  for (int k = 0; k < 3; ++k) force[k] = net.output_center[k] + net.output_half_range[k] * sum[k];
-}
-
-}  // namespace
-
-void network_field(const phn_model& model, const Network& net, const double* factor, double share, double* field) {
-  double x[3];
-  const double *c0 = net.center[3], *c1 = net.center[4], *c2 = net.center[5];
-  const double *w0 = net.weight[0], *w1 = net.weight[1], *w2 = net.weight[2];
-  for (std::int32_t o = 0; o < model.n_output; ++o) {
-    for (int k = 0; k < 3; ++k) x[k] = scaled_input(net, 3 + k, model.output_points[3 * o + k]);
-    double s0 = share * net.bias[0], s1 = share * net.bias[1], s2 = share * net.bias[2];
-    for (std::int32_t i = 0; i < net.n_neurons; ++i) {
-      const double t0 = x[0] - c0[i], t1 = x[1] - c1[i], t2 = x[2] - c2[i];
-      const double h = factor[i] * std::exp(-(t0 * t0 + t1 * t1 + t2 * t2) * net.inverse_square_spread);
-      s0 += w0[i] * h;
-      s1 += w1[i] * h;
-      s2 += w2[i] * h;
-    }
-    field[3 * o] = share * net.output_center[0] + net.output_half_range[0] * s0;
-    field[3 * o + 1] = share * net.output_center[1] + net.output_half_range[1] * s1;
-    field[3 * o + 2] = share * net.output_center[2] + net.output_half_range[2] * s2;
-  }
-}
-
 void linear_field(const phn_model& model, const LinearResponse& linear, const double* d, double* field) {
   const double x = d[0], y = d[1], z = d[2];
   const double *ux = linear.unit_response[0], *uy = linear.unit_response[1], *uz = linear.unit_response[2];
@@ -82,7 +40,7 @@ void linear_field(const phn_model& model, const LinearResponse& linear, const do
 void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force) {
   switch (model.family) {
     case Family::rbfn:
-      return network_force(node.networks->force, d, force);
+      return best_network_kernels().force(node.networks->force, d, force);
     case Family::linear: {
       double at[3];
       cut(d, 1, largest_linear, at);

@@ -40,9 +40,7 @@ bool has_deformation(const phn_model& model, const ActiveNode& node);
 void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t active, const double* d,
                           double* field);
 
-/// Fields of a basis (local_response.hpp), nodes moved by the probe itself not yet set. @param field n_output x 3 [m]
-/// @param factor  of each neuron; @param share of the constants
-void network_field(const phn_model& model, const Network& net, const double* factor, double share, double* field);
+/// Field of a basis (local_response.hpp), nodes moved by the probe itself not yet set. @param field n_output x 3 [m]
 void linear_field(const phn_model& model, const LinearResponse& linear, const double* d, double* field);
 
 /// Several tools by (15)-(16). @param active positions of the tools among the active nodes, all different

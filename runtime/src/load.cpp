@@ -329,7 +329,9 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   }
   const auto n_kernels = static_cast<std::size_t>(model.shared.n_centers) + 3;
   const auto n_shared = static_cast<std::size_t>(model.shared.n_modes);
-  model.n_scratch = (n_kernels > n_shared ? n_kernels : n_shared) + model.n_basis;
+  model.n_scratch = n_kernels > n_shared ? n_kernels : n_shared;
+  if (model.family == Family::rbfn) model.n_scratch = 3 * model.n_basis;
+  model.n_scratch += model.n_basis;
   if (model.n_scratch < model.n_field_scratch) model.n_scratch = model.n_field_scratch;
   model.active_nodes = active_nodes.get();
   model.active = active.get();

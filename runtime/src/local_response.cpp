@@ -4,6 +4,7 @@
 
 #include "evaluate.hpp"
 #include "modal_kernels.hpp"
+#include "network_kernels.hpp"
 
 namespace phynness::runtime {
 namespace {
@@ -13,17 +14,6 @@ std::int32_t position_of(const std::int32_t* list, std::int32_t n, std::int32_t 
     if (list[i] == value) return i;
   }
   return -1;
-}
-
-/// exp(-|x - c_i|^2 / r^2) over the displacement's three inputs.
-void gaussians(const Network& net, const double* d, double* basis) {
-  double x[3];
-  for (int k = 0; k < 3; ++k) x[k] = (d[k] - net.input_center[k]) / net.input_half_range[k];
-  for (std::int32_t i = 0; i < net.n_neurons; ++i) {
-    double square = 0;
-    for (int k = 0; k < 3; ++k) square += (x[k] - net.center[k][i]) * (x[k] - net.center[k][i]);
-    basis[i] = std::exp(-square * net.inverse_square_spread);
-  }
 }
 
 void modal_amplitudes_and_gradient(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
@@ -121,7 +111,7 @@ std::int32_t basis_size(const phn_model& model, const ActiveNode& node) {
 void basis_of(const phn_model& model, const ActiveNode& node, const double* d, double* basis, double* scratch) {
   switch (model.family) {
     case Family::rbfn:
-      return gaussians(node.networks->deformation, d, basis);
+      return best_network_kernels().of_displacement(node.networks->deformation, d, basis);
     case Family::linear:
       return cut(d, 1, largest_linear, basis);
     case Family::modal: {
@@ -152,7 +142,7 @@ void basis_and_gradient(const phn_model& model, const ActiveNode& node, const do
   switch (model.family) {
     case Family::rbfn: {
       const Network& net = node.networks->deformation;
-      gaussians(net, d, basis);
+      best_network_kernels().of_displacement(net, d, basis);
       for (std::int32_t i = 0; i < n; ++i) {
         for (int k = 0; k < 3; ++k) {
           const double y = (d[k] - net.input_center[k]) / net.input_half_range[k] - net.center[k][i];
@@ -213,7 +203,8 @@ void field_of_basis(const phn_model& model, const ActiveNode& node, const Prepar
                     const double* d, const double* basis, double* scratch, double* field) {
   switch (model.family) {
     case Family::rbfn:
-      network_field(model, node.networks->deformation, basis, share, field);
+      best_network_kernels().field(node.networks->deformation, model.n_output, prepared->gaussians, basis, share,
+                                   scratch, field);
       break;
     case Family::linear:
       linear_field(model, *node.linear, basis, field);

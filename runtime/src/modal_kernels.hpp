@@ -1,19 +1,10 @@
-// The loops of family modal that take its time, compiled for several sets of instructions and chosen as the processor has
-// them. Wider registers, the same operations in the same order, nothing fused: the same bits everywhere.
+// The loops of family modal that take its time (instruction_sets.hpp).
 #pragma once
 
 #include <cmath>
 
+#include "instruction_sets.hpp"
 #include "prepared.hpp"
-
-#if defined(__x86_64__) && defined(__GNUC__)
-#define PHN_X86_64
-#endif
-#ifdef __GNUC__
-#define PHN_INLINE inline __attribute__((always_inline))
-#else
-#define PHN_INLINE inline
-#endif
 
 namespace phynness::runtime {
 
@@ -33,8 +24,6 @@ struct ModalKernels {
   void (*sum_block)(const SharedTable& shared, const ModalTables& tables, const float* block, float* out);
 };
 
-/// 0: any processor; 1: AVX2; 2: AVX-512.
-inline constexpr int n_instruction_sets = 3;
 /// Null where library or processor lack the set.
 const ModalKernels* modal_kernels(int set);
 const ModalKernels& best_modal_kernels();

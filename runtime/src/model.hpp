@@ -3,6 +3,7 @@
 
 #include <phynness/phynness.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 

@@ -221,7 +221,7 @@ int phn_prepare(const phn_model* model, phn_data* data, int32_t node) {
   if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
   const int32_t at = phynness::runtime::find_active(*model, node);
   if (at < 0) return PHN_ERROR_NOT_ACTIVE;
-  if (model->family == phynness::runtime::Family::modal) phynness::runtime::prepare(*model, data->prepared, at);
+  phynness::runtime::prepare(*model, data->prepared, at);
   return PHN_OK;
 }
 

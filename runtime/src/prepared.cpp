@@ -2,6 +2,7 @@
 
 #include "coupled.hpp"
 #include "modal_kernels.hpp"
+#include "network_kernels.hpp"
 
 namespace phynness::runtime {
 namespace {
@@ -12,7 +13,13 @@ std::size_t row_count(const phn_model& model) {
   return (static_cast<std::size_t>(model.shared.n_rows) + rows - 1) / rows * rows;
 }
 
-void fill(const phn_model& model, PreparedNode& entry) {
+/// Output nodes in whole blocks.
+std::size_t node_count(const phn_model& model) {
+  constexpr std::size_t nodes = nodes_per_block;
+  return (static_cast<std::size_t>(model.n_output) + nodes - 1) / nodes * nodes;
+}
+
+void fill_modes(const phn_model& model, PreparedNode& entry) {
   const ModalResponse& node = *model.active[entry.active].modal;
   const auto m = static_cast<std::size_t>(node.n_modes), n_shared = static_cast<std::size_t>(model.shared.n_modes);
   const ModalKernels& kernels = best_modal_kernels();
@@ -25,25 +32,39 @@ void fill(const phn_model& model, PreparedNode& entry) {
   }
 }
 
+void fill(const phn_model& model, PreparedNode& entry) {
+  if (model.family == Family::modal) return fill_modes(model, entry);
+  best_network_kernels().of_coordinates(model.active[entry.active].networks->deformation, model.n_output,
+                                        model.output_points, entry.gaussians);
+}
+
+bool worth_preparing(const phn_model& model, std::int32_t active) {
+  return model.family == Family::rbfn || worth_preparing(model.shared, *model.active[active].modal);
+}
+
 }  // namespace
 
 PreparedNodes lay_out_prepared(Arena& arena, const phn_model& model, std::int32_t max_tools) {
   PreparedNodes prepared = {0, 0, nullptr};
-  if (model.prepared_modes == 0) return prepared;
+  if (model.family != Family::rbfn && model.prepared_modes == 0) return prepared;
   prepared.n = 3 * (max_tools < most_coupled ? max_tools : most_coupled);
   prepared.node = arena.take<PreparedNode>(static_cast<std::size_t>(prepared.n));
   const auto m = static_cast<std::size_t>(model.prepared_modes);
   for (std::int32_t i = 0; i < prepared.n; ++i) {
-    PreparedNode entry = {-1, 0, nullptr, nullptr};
-    entry.near_mode = arena.take<double>(model.prepared_near);
-    entry.modes = arena.take<float>(row_count(model) * m);
+    PreparedNode entry = {-1, 0, nullptr, nullptr, nullptr};
+    if (model.family == Family::rbfn) {
+      entry.gaussians = arena.take<double>(node_count(model) * model.n_basis);
+    } else {
+      entry.near_mode = arena.take<double>(model.prepared_near);
+      entry.modes = arena.take<float>(row_count(model) * m);
+    }
     if (prepared.node) prepared.node[i] = entry;
   }
   return prepared;
 }
 
 const PreparedNode* prepare(const phn_model& model, PreparedNodes& prepared, std::int32_t active) {
-  if (prepared.n == 0 || !worth_preparing(model.shared, *model.active[active].modal)) return nullptr;
+  if (prepared.n == 0 || !worth_preparing(model, active)) return nullptr;
   PreparedNode *found = nullptr, *oldest = prepared.node;
   for (std::int32_t i = 0; i < prepared.n && found == nullptr; ++i) {
     PreparedNode& entry = prepared.node[i];

@@ -1,6 +1,7 @@
-// Modes of the nodes that were touched last, with the shared ones summed: u = (B P) a takes n_modes products for
-// each row where B (P a) takes as many as there are shared modes. A node that is worth it is always evaluated in this
-// way: results do not depend on what was touched before.
+// What does not depend on the displacement, of the nodes that were touched last. Family modal: modes with the shared ones
+// summed, as u = (B P) a takes n_modes products for each row where B (P a) takes as many as there are shared modes.
+// Family rbfn: Gaussians of the coordinates. A node that is worth it is always evaluated in this way: results do not
+// depend on what was touched before.
 #pragma once
 
 #include "arena.hpp"
@@ -11,8 +12,11 @@ namespace phynness::runtime {
 struct PreparedNode {
   std::int32_t active;    ///< position among the active nodes; -1: none
   std::uint64_t touched;  ///< when
+  // Family modal; null in others.
   double* near_mode;      ///< n_modes x 3 n_near
   float* modes;           ///< for every rows_per_block of the 3 n_output rows: those rows of each mode in turn
+  // Family rbfn; null in others.
+  double* gaussians;      ///< for every nodes_per_block of the output nodes: those of each neuron in turn
 };
 
 struct PreparedNodes {

@@ -45,7 +45,9 @@ Points fresh_field(const phn_model* model, std::int32_t max_tools, std::int32_t 
 // Claim: whatever was touched before, in whatever order, by one tool or several, prepared or not: fields are
 // the same to the last bit. Scratch for one tool keeps three of four nodes.
 TEST(PreparedNodes, GiveTheSameFieldInAnyOrder) {
-  for (const Model& model : models()) {
+  auto all = models();
+  all.push_back(small_model());  // of family rbfn
+  for (const Model& model : all) {
     for (const std::int32_t max_tools : {1, 3}) {
       const LoadedModel loaded(write_model_text(model), max_tools);
       Numbers numbers;

@@ -104,17 +104,19 @@ int phn_stiffness(const phn_model *model, phn_data *data, int32_t node, const do
  * the tools are averaged with the weights (15)-(16), inverse distances in the reference configuration; these are
  * singular at the touched nodes, where each takes exactly its own displacement. The paper defines no force for several
  * tools: phn_force is that of one tool alone.
- * Cost: n_tools x n_output x neurons exponentials; family linear: n_tools x n_output x 9 multiplications;
- * family modal: n_tools x 3 n_output x own modes, and for a node that was not touched lately once that of phn_prepare.
+ * Cost: n_tools x 3 n_output x neurons multiplications, in modal models x own modes instead, and for a node that was not
+ * touched lately once that of phn_prepare; family linear: n_tools x n_output x 9 multiplications.
  * A node of a modal model may have forces only: it gives PHN_ERROR_UNDEFINED. */
 int phn_deform(const phn_model *model, phn_data *data, int32_t n_tools, const int32_t *nodes,
                const double *displacements, double *out);
 
-/* Gets the deformations of a node ready. Scratch keeps the modes of 3 max_tools nodes (at most 24) that were touched
- * last, with the shared ones summed, 3 n_output x own modes floats each. The first deformation of any other node makes
- * them; this call, before a tool arrives, takes that off it. Results are the same to the last bit. Cost: 3 n_output x
- * shared x own modes, for 486 output nodes, 64 and 16 modes some 0.03 ms with AVX-512 and 0.1 ms with SSE2; none if the
- * node is ready. Nothing to do, and PHN_OK, in other families and for nodes that have as many modes as are shared, or
+/* Gets the deformations of a node ready: what does not depend on the displacement. Scratch keeps that of the 3 max_tools
+ * nodes (at most 24) that were touched last: in modal models their modes with the shared ones summed, 3 n_output x own
+ * modes floats each; in family rbfn n_output x neurons Gaussians, as doubles: 0.8 MB for 486 nodes and 200 neurons. The
+ * first deformation of any other node makes it; this call, before a tool arrives, takes that off it; forces never do.
+ * Results are the same to the last bit. Cost: 3 n_output x shared x own modes, for 486 output nodes, 64 and 16 modes some
+ * 0.03 ms with AVX-512 and 0.1 ms with SSE2; n_output x neurons exponentials, for 486 and 200 0.08 to 0.35 ms; none if the
+ * node is ready. Nothing to do, and PHN_OK, in linear models and for nodes that have as many modes as are shared, or
  * none. */
 int phn_prepare(const phn_model *model, phn_data *data, int32_t node);
 

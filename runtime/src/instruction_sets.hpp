@@ -1,0 +1,19 @@
+// Loops that take the time are compiled for several sets of instructions and chosen as the processor has them. Wider
+// registers, the same operations in the same order, nothing fused: the same bits everywhere.
+#pragma once
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#define PHN_X86_64
+#endif
+#ifdef __GNUC__
+#define PHN_INLINE inline __attribute__((always_inline))
+#else
+#define PHN_INLINE inline
+#endif
+
+namespace phynness::runtime {
+
+/// 0: any processor; 1: AVX2; 2: AVX-512.
+inline constexpr int n_instruction_sets = 3;
+
+}  // namespace phynness::runtime

@@ -1,0 +1,97 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "exponential.hpp"
+#include "network_kernels.hpp"
+
+namespace {
+
+using namespace phynness::runtime;
+
+struct Values {
+  std::vector<double> force = std::vector<double>(3), of_displacement, table, field;
+  bool operator==(const Values&) const = default;
+};
+
+/// A network of random numbers. Points are inputs 3 to 5 of n_output nodes.
+struct RandomNetwork {
+  explicit RandomNetwork(std::int32_t n_neurons, std::int32_t n_output = 37) : points(3 * n_output) {
+    std::uniform_real_distribution<double> between(-1, 1);
+    for (auto& p : points) p = between(random);
+    net.n_neurons = n_neurons;
+    net.n_inputs = 6;
+    net.inverse_square_spread = 1.7;
+    for (int k = 0; k < 6; ++k) {
+      net.input_center[k] = 0.1 * between(random);
+      net.input_half_range[k] = 0.5;
+      for (std::int32_t i = 0; i < n_neurons; ++i) center[k].push_back(between(random));
+      net.center[k] = center[k].data();
+    }
+    for (int k = 0; k < 3; ++k) {
+      net.output_center[k] = 0.01 * k;
+      net.output_half_range[k] = 0.3;
+      net.bias[k] = 0.2;
+      for (std::int32_t i = 0; i < n_neurons; ++i) weight[k].push_back(between(random));
+      net.weight[k] = weight[k].data();
+    }
+  }
+
+  Values by(const NetworkKernels& kernels, const double* d) const {
+    const auto n = static_cast<std::size_t>(net.n_neurons), n_output = points.size() / 3;
+    Values values;
+    kernels.force(net, d, values.force.data());
+    values.of_displacement.resize(n);
+    kernels.of_displacement(net, d, values.of_displacement.data());
+    values.table.resize((n_output + nodes_per_block - 1) / nodes_per_block * nodes_per_block * n);
+    kernels.of_coordinates(net, static_cast<std::int32_t>(n_output), points.data(), values.table.data());
+    values.field.resize(3 * n_output);
+    std::vector<double> scratch(3 * n);
+    kernels.field(net, static_cast<std::int32_t>(n_output), values.table.data(),
+                  values.of_displacement.data(), 0.7, scratch.data(), values.field.data());
+    return values;
+  }
+
+  std::mt19937 random{1};
+  std::vector<double> points, center[6], weight[3];
+  Network net{};
+};
+
+// Claim: whatever the processor has, force and field are the same to the last bit, for sizes that fill whole
+// registers and for those that do not.
+TEST(NetworkKernels, GiveTheSameBitsWithEverySetOfInstructions) {
+  for (const std::int32_t n_neurons : {1, 15, 16, 17, 60}) {
+    const RandomNetwork network(n_neurons);
+    for (const double size : {0.0, 0.3, 40.0, 1e300}) {
+      const double d[] = {size, -0.4 * size, 0.2 * size};
+      const auto expected = network.by(*network_kernels(0), d);
+      for (int set = 1; set < n_instruction_sets; ++set)
+        if (const auto* kernels = network_kernels(set)) {
+          EXPECT_EQ(network.by(*kernels, d), expected) << kernels->name << ", " << n_neurons << " neurons";
+        }
+    }
+  }
+}
+
+// Claim: within 6e-16 of the library's exp where that is a normal number, itself exact to 2e-16; below it no more
+// than the smallest of them; exactly 1 at 0; never negative or NaN.
+TEST(Exponential, OfNegativeNumbersIsThatOfTheLibrary) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> between(0, 1);
+  for (int i = 0; i < 200'000; ++i) {
+    const double x = -708 * std::pow(between(random), 1 + i % 4);
+    const double expected = std::exp(x);
+    ASSERT_LE(std::abs(exp_of_negative(x) - expected), 8e-16 * expected) << x;
+  }
+  EXPECT_EQ(exp_of_negative(0), 1);
+  EXPECT_EQ(exp_of_negative(-0.0), 1);
+  EXPECT_EQ(exp_of_negative(-1e-300), 1);
+  for (const double x : {-709.0, -745.2, -1e300, -std::numeric_limits<double>::infinity()}) {
+    EXPECT_GE(exp_of_negative(x), 0) << x;
+    EXPECT_LT(exp_of_negative(x), 4e-308) << x;
+  }
+}
+
+}  // namespace
