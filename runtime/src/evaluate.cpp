@@ -19,6 +19,7 @@ double distance_between(const double* a, const double* b) {
 double length(const double* d) {
   double largest = 0;
   for (int k = 0; k < 3; ++k) largest = std::fmax(largest, std::fabs(d[k]));
+  if (largest > 1e-140 && largest < 1e140) return std::sqrt(dot(d, d));
   if (!(largest > 0) || std::isinf(largest)) return largest;
   // Scaled by a power of two, which is exact, the squares stay in range.
   int exponent = 0;
@@ -120,7 +121,8 @@ bool outside(const phn_model& model, const ActiveNode& node, const double* d) {
   if (model.family == Family::linear) return length(d) > largest_linear;
   // The deepest increment itself is inside, however its direction was rounded.
   const double slack = 1 + 1e-9;
-  return length(d) > slack * trained_depth(model, node, d);
+  const double size = length(d);
+  return size > slack * node.least_depth && size > slack * trained_depth(model, node, d);
 }
 
 double trained_depth(const phn_model& model, const ActiveNode& node, const double* d) {

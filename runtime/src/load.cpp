@@ -134,6 +134,7 @@ void prescribed(TextReader& in, Arena& arena, std::int32_t n_nodes, const phn_mo
 struct Depths {
   TextReader text;  ///< where they begin
   const double* values;
+  double least;
   bool known;
 };
 
@@ -154,6 +155,7 @@ void trained_depths(TextReader& in, Arena& arena, std::int32_t n, Depths& depths
   for (std::int32_t i = 0; i < n && in.good(); ++i) {
     const double value = in.real();
     if (!(value >= 0)) in.fail(PHN_ERROR_RANGE);
+    depths.least = i == 0 ? value : std::fmin(value, depths.least);
     if (!same) depth.set(i, value);
     in.end_line();
   }
@@ -173,6 +175,7 @@ void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& 
   in.end_line();
   trained_depths(in, arena, model.n_directions, depths);
   node.trained_depth = depths.values;
+  node.least_depth = depths.least;
   switch (model.family) {
     case Family::rbfn:
       node.networks = networks(in, arena, tables, model.n_output, model.n_basis);
@@ -315,7 +318,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   model.n_active = count_line(in, "active", 0);
   Column<std::int32_t> active_nodes(arena, model.n_active);
   Column<ActiveNode> active(arena, model.n_active);
-  Depths depths{in, nullptr, false};
+  Depths depths{in, nullptr, 0, false};
   std::int32_t previous = -1;
   for (std::int32_t i = 0; i < model.n_active && in.good(); ++i) {
     in.keyword("node");

@@ -109,6 +109,7 @@ struct ActiveNode {
   const std::int32_t* prescribed;  ///< their positions among the output nodes
   const double* prescribed_weight;
   const double* trained_depth;  ///< n_directions [m]
+  double least_depth;           ///< of these
   bool incomplete;
   // One of these, by the model's family; the others are null.
   const Networks* networks;
