@@ -1,0 +1,87 @@
+#include "force_thread.hpp"
+
+#include <algorithm>
+
+namespace {
+
+/// Solves (K + k I) x = b, K symmetric and k large enough that it is positive definite.
+Vector3 solve(const double* K, double k, Vector3 b) {
+  const double a = K[0] + k, d = K[4] + k, f = K[8] + k, p = K[1], q = K[2], r = K[5];
+  const double c00 = d * f - r * r, c01 = q * r - p * f, c02 = p * r - q * d;
+  const double det = a * c00 + p * c01 + q * c02;
+  return (1 / det) * Vector3{c00 * b.x + c01 * b.y + c02 * b.z,
+                             c01 * b.x + (a * f - q * q) * b.y + (p * q - a * r) * b.z,
+                             c02 * b.x + (p * q - a * r) * b.y + (a * d - p * p) * b.z};
+}
+
+}  // namespace
+
+ForceThread::ForceThread(const LoopSettings& settings, const phn_model* model, phn_data* data, int32_t node)
+    : _settings(settings), _model(model), _data(data), _node(node) {
+  const double h = settings.largest_displacement_m > 0 ? settings.largest_displacement_m / 10 : 1e-3;
+  double slope[9];
+  for (int k = 0; k < 3; ++k) {
+    double to[3] = {}, from[3] = {}, f[3] = {}, g[3] = {};
+    to[k] = h;
+    from[k] = -h;
+    phn_force(model, data, node, to, f);
+    phn_force(model, data, node, from, g);
+    for (int i = 0; i < 3; ++i) slope[3 * i + k] = (f[i] - g[i]) / (2 * h);
+  }
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) _rest_stiffness[3 * i + k] = (slope[3 * i + k] + slope[3 * k + i]) / 2;
+}
+
+void ForceThread::follow(Vector3 position) {
+  const double d[3] = {_tool.x, _tool.y, _tool.z};
+  double force[3] = {}, stiffness[9] = {};
+  const int status = phn_force(_model, _data, _node, d, force);
+  _warnings += status > 0;
+  if (phn_stiffness(_model, _data, _node, d, stiffness) < 0) {
+    // Networks have none. With that at rest the balance is found as long as the tissue, where it is touched, is not
+    // more than twice as stiff as it and the coupling together.
+    std::copy(_rest_stiffness, _rest_stiffness + 9, stiffness);
+  }
+  const double k = _settings.coupling_stiffness_N_per_m;
+  const Vector3 unbalanced = k * (position - _tool) - Vector3{force[0], force[1], force[2]};
+  // Where tissue softens faster than the coupling is stiff, a step of the coupling alone.
+  const double softest = std::min({stiffness[0], stiffness[4], stiffness[8]});
+  const bool safe = softest > -0.5 * k;
+  Vector3 next = _tool + (safe ? solve(stiffness, k, unbalanced) : (0.5 / k) * unbalanced);
+  const double size = length(next);
+  if (_settings.largest_displacement_m > 0 && size > _settings.largest_displacement_m)
+    next = (_settings.largest_displacement_m / size) * next;
+  _tool = next;
+}
+
+Vector3 ForceThread::kept_passive(Vector3 force, Vector3 moved) {
+  // The force of the last cycle was held while the hand moved (Hannaford & Ryu 2002, doi 10.1109/70.988969).
+  _work -= dot(_last_force, moved);
+  _most_generated = std::max(_most_generated, -_work);
+  const double speed2 = dot(moved, moved) / (_settings.period_s * _settings.period_s);
+  if (!_settings.passivity_controller || _work >= 0 || !(speed2 > 0)) return force;
+  const double damping = std::min(-_work / (_settings.period_s * speed2), _settings.largest_damping_Ns_per_m);
+  return force - (damping / _settings.period_s) * moved;
+}
+
+Vector3 ForceThread::step(Vector3 position, long taken, long cycle) {
+  Vector3 force;
+  if (cycle - taken > _settings.stale_cycles) {
+    ++_stale;
+    _last_force = {};
+    _last_position = position;
+    return force;
+  }
+  if (!_started) _last_position = position;
+  _started = true;
+  const Vector3 moved = position - _last_position, tool_before = _tool;
+  follow(position);
+  const Vector3 slip = (moved - (_tool - tool_before));
+  force = _settings.coupling_stiffness_N_per_m * (_tool - position) -
+          (_settings.coupling_damping_Ns_per_m / _settings.period_s) * slip;
+  force = kept_passive(force, moved);
+  _last_position = position;
+  _last_force = force;
+  _touch.write({_tool, cycle});
+  return force;
+}

@@ -1,0 +1,57 @@
+// What a controller does once a millisecond: device in, force out, without heap, locks or files.
+#pragma once
+
+#include <phynness/phynness.h>
+
+#include "latest.hpp"
+#include "vector3.hpp"
+
+struct LoopSettings {
+  double period_s = 1e-3;
+  double coupling_stiffness_N_per_m = 400;  ///< between device and tool
+  double coupling_damping_Ns_per_m = 0.6;
+  double largest_damping_Ns_per_m = 20;  ///< of the passivity controller
+  bool passivity_controller = true;
+  long stale_cycles = 5;                 ///< older positions than this: no force
+  double largest_displacement_m = 0;     ///< the tool is stopped there, at what was trained
+};
+
+/// What the picture thread needs: small, copied.
+struct Touch {
+  Vector3 displacement;
+  long cycle = 0;
+};
+
+class ForceThread {
+ public:
+  /// The tool holds active node `node`.
+  ForceThread(const LoopSettings& settings, const phn_model* model, phn_data* data, int32_t node);
+
+  /// @param position  of the device, m from where the tool touched; taken in cycle `taken`
+  /// @return force for the motors [N]; zero if the position is stale
+  Vector3 step(Vector3 position, long taken, long cycle);
+
+  Latest<Touch>& touch() { return _touch; }
+  /// Work that the loop took from the hand so far [J]: less than 0 would be energy that it made.
+  double work() const { return _work; }
+  /// The deepest that it ever fell below 0 [J].
+  double most_generated() const { return _most_generated; }
+  long stale_cycles() const { return _stale; }
+  long warnings() const { return _warnings; }
+
+ private:
+  /// The tool between the spring of the coupling and the tissue: one Newton step of their balance a cycle.
+  void follow(Vector3 position);
+  Vector3 kept_passive(Vector3 force, Vector3 moved);
+
+  LoopSettings _settings;
+  const phn_model* _model;
+  phn_data* _data;
+  int32_t _node;
+  double _rest_stiffness[9];  ///< where the family has none
+  Latest<Touch> _touch;
+  Vector3 _tool, _last_position, _last_force;
+  bool _started = false;
+  double _work = 0, _most_generated = 0;
+  long _stale = 0, _warnings = 0;
+};
