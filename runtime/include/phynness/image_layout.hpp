@@ -95,7 +95,8 @@ struct Header {
   Real amplitude_shape;
 };
 
-/// Of `n` words from `word` on. Every step is invertible in the sum and in the word: no single damaged word escapes.
+/// Of `n` words from `word` on. Every step is invertible in the sum and in the word: no single damaged word escapes. The
+/// last two lines are a step of A. Appleby's MurmurHash3, which is in the public domain.
 inline uint32_t checksum(const uint32_t* word, size_t n) {
   uint32_t sum = 0x9e3779b9u;
   for (size_t i = 0; i < n; ++i) {
