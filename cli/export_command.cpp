@@ -72,6 +72,10 @@ json golden_json(const GoldenQueries& queries, std::size_t n) {
 void run(const Options& options) {
   check_name(options.name);
   if (options.json_file) {
+    const auto folder = std::filesystem::absolute(*options.json_file).parent_path();
+    if (!std::filesystem::is_directory(folder))
+      throw input_error("there is no such folder", folder.string(),
+                        "make it first, or name another with --json");
     refuse_overwriting(*options.json_file, {options.model / "model.txt", options.model / "mesh.txt"});
     for (const auto* suffix : {".h", ".c", ".bin", "_golden.h", "_golden.c"})
       refuse_overwriting(*options.json_file, {options.output / (options.name + suffix)});
@@ -107,12 +111,15 @@ void run(const Options& options) {
   fmt::print("differs from the runtime by {:.2g} of the largest force", force_deviation);
   if (deforms) fmt::print(" and {:.2g} of the largest displacement", deformation_deviation);
   fmt::print(" at {} queries\n", n_measured);
-  if (force_deviation > 1e-3)
+  if (!model.fields.empty())
+    fmt::print(stderr, "note: the model's fields are left out; images hold force and deformation\n");
+  const double deviation = deforms ? std::max(force_deviation, deformation_deviation) : force_deviation;
+  if (deviation > 1e-3)
     fmt::print(
         stderr,
-        "warning: in float this model's terms cancel by too much: forces differ by {:.2g} of the largest\n"
-        "  remedy: export it without --float, or train it with --family modal or a smaller --spread\n",
-        force_deviation);
+        "warning: this model's terms cancel by too much: the image differs by {:.2g} of the largest answer\n"
+        "  remedy: {}train it with --family modal or a smaller --spread\n",
+        deviation, options.floats ? "export it without --float, or " : "");
   write_json(options.json_file, {{"family", name(model.family)},
                                  {"name", options.name},
                                  {"real_bytes", image.real_bytes()},

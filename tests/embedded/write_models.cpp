@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
     for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
       Model model = test::model_of(family);
       model.mesh_hash = mesh_hash(mesh);
+      model.title = "comments: */ /* */ //*";
       const auto dir = std::filesystem::path(argv[1]) / name(family);
       std::filesystem::create_directories(dir.parent_path());
       write_model_dir(dir, model, mesh);
