@@ -8,8 +8,9 @@
  * formats/image.md.
  *
  * Units, signs, frames and statuses are those of phynness.h: status < 0 refused, outputs hold zeros; > 0 a sum of
- * PHN_WARNING_*; no output of an exported image is ever NaN or infinite. Components of displacements are cut at 1e6 times the largest trained
- * displacement R. Tools between nodes, several tools, surfaces and fields are the business of phynness.h.
+ * PHN_WARNING_*; no output of an exported image is ever NaN or infinite. Components of displacements are cut at 1e6 times
+ * the largest trained displacement R. Tools between nodes, several tools, surfaces and fields are the business of
+ * phynness.h.
  */
 #ifndef PHYNNESS_IMAGE_H
 #define PHYNNESS_IMAGE_H
