@@ -94,6 +94,23 @@ void add_gaussians(const phn_model& model, const Network& net, std::int32_t outp
     local.constant[k] += weight * (net.output_center[k] + net.output_half_range[k] * net.bias[k]);
 }
 
+/// Of a stiffness at rest, over the cube of its mean diagonal. Forces between nodes are the same from 0 to 0.05.
+constexpr double least_determinant = 0.01;
+
+/// Raises a symmetric matrix by a multiple of 1 until it resists in every direction: beside a snap fits at rest do not,
+/// and what a point between such nodes does is then the difference of large numbers.
+void stiffen(double* k) {
+  const double mean = (std::fabs(k[0]) + std::fabs(k[4]) + std::fabs(k[8])) / 3, shift = mean / 16;
+  const double d[3] = {k[0], k[4], k[8]};
+  for (int step = 0; step < 64; ++step) {
+    const double second = k[0] * k[4] - k[1] * k[1];
+    const double third = k[0] * (k[4] * k[8] - k[5] * k[5]) - k[1] * (k[1] * k[8] - k[5] * k[2]) +
+                         k[2] * (k[1] * k[5] - k[4] * k[2]);
+    if (k[0] > 0 && second > 0 && third > least_determinant * mean * mean * mean) return;
+    for (int i = 0; i < 3; ++i) k[4 * i] = d[i] + (step + 1) * shift;
+  }
+}
+
 }  // namespace
 
 std::int32_t basis_size(const phn_model& model, const ActiveNode& node) {
@@ -235,6 +252,7 @@ void stiffness_at_rest(const phn_model& model, const ActiveNode& node, double* s
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) stiffness[3 * i + k] = (secant[3 * i + k] + secant[3 * k + i]) / 2;
   }
+  stiffen(stiffness);
 }
 
 }  // namespace phynness::runtime

@@ -45,7 +45,7 @@ void local_displacement(const LocalResponse& local, double share, const double* 
 void field_of_basis(const phn_model& model, const ActiveNode& node, const PreparedNode* prepared, double share,
                     const double* d, const double* basis, double* scratch, double* field);
 
-/// Derivative of the force around rest, in the same way, symmetric. @param stiffness 3 x 3 [N/m]
+/// Derivative of the force around rest, in the same way, symmetric and positive definite. @param stiffness 3 x 3 [N/m]
 void stiffness_at_rest(const phn_model& model, const ActiveNode& node, double* stiffness);
 
 }  // namespace phynness::runtime
