@@ -105,14 +105,7 @@ void load_conservative(TextReader& in, Arena& arena, std::int32_t n_displacement
   net.center = centers.get();
   net.short_coefficient = floats ? short_values.get() : nullptr;
   net.coefficient = floats ? nullptr : values.get();
-  if (!has_memory(arena) || !in.good()) return;
-  set_rest(net);
-  // Forces are summed by another function, in another order.
-  const double rest[3] = {0, 0, 0};
-  double force[3];
-  for (int k = 0; k < 3; ++k) net.force_at_rest[k] = 0;
-  best_modal_kernels().force(net, rest, force);
-  for (int k = 0; k < 3; ++k) net.force_at_rest[k] = -force[k];
+  if (has_memory(arena) && in.good()) set_rest(net, best_modal_kernels().force);
 }
 
 }  // namespace
