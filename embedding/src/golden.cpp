@@ -7,20 +7,18 @@
 #include <phynness/embedding/embedding.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/loaded_model.hpp>
+#include <random>
 
 namespace phynness {
 namespace {
 
-/// Repeatable numbers in [-1, 1), the same on every machine.
+/// Repeatable numbers in [-1, 1), the same on every machine, which std::uniform_real_distribution's are not.
 class Numbers {
  public:
-  double next() {
-    _state = _state * 6364136223846793005ULL + 1442695040888963407ULL;
-    return static_cast<double>(_state >> 11) * 0x1p-52 - 1;
-  }
+  double next() { return static_cast<double>(_engine() >> 11) * 0x1p-52 - 1; }
 
  private:
-  std::uint64_t _state = 1;
+  std::mt19937_64 _engine{1};
 };
 
 Vec3 direction(Numbers& numbers) {

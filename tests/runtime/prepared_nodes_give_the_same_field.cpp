@@ -113,55 +113,57 @@ void expect_same_bits(const LoadedModel& loaded, const runtime::SharedTable& sha
   }
 }
 
+/// Of every model: check(loaded, active, its response).
+template <class Check>
+void for_each_response(Check check) {
+  for (const Model& model : models()) {
+    const LoadedModel loaded(write_model_text(model));
+    for (std::int32_t active = 0; active < loaded.model->n_active; ++active)
+      check(loaded, active, *loaded.model->active[active].modal);
+  }
+}
+
 // Claim: summing the modes beforehand changes fields by rounding alone; near nodes, in double, not by a bit.
 TEST(PreparedNodes, ChangeNothingButRounding) {
   using namespace phynness::runtime;
-  for (const Model& model : models()) {
-    const LoadedModel loaded(write_model_text(model));
+  for_each_response([](const LoadedModel& loaded, std::int32_t active, const ModalResponse& node) {
     const phn_model& m = *loaded.model;
-    for (std::int32_t active = 0; active < m.n_active; ++active) {
-      const ModalResponse& node = *m.active[active].modal;
-      const PreparedNode* prepared = prepare(m, loaded.data->prepared, active);
-      EXPECT_EQ(prepared != nullptr, node.n_modes < m.shared.n_modes);
-      const auto with = values_by(best_modal_kernels(), loaded, m.shared, node, prepared),
-                 without = values_by(best_modal_kernels(), loaded, m.shared, node, nullptr);
-      EXPECT_LE((with - without).cwiseAbs().maxCoeff(), rounding * without.cwiseAbs().maxCoeff());
-      for (std::int32_t i = 0; i < node.n_near; ++i)
-        EXPECT_EQ(with.segment<3>(3 * node.near[i]), without.segment<3>(3 * node.near[i]));
-    }
-  }
+    const PreparedNode* prepared = prepare(m, loaded.data->prepared, active);
+    EXPECT_EQ(prepared != nullptr, node.n_modes < m.shared.n_modes);
+    const auto with = values_by(best_modal_kernels(), loaded, m.shared, node, prepared),
+               without = values_by(best_modal_kernels(), loaded, m.shared, node, nullptr);
+    EXPECT_LE((with - without).cwiseAbs().maxCoeff(), rounding * without.cwiseAbs().maxCoeff());
+    for (std::int32_t i = 0; i < node.n_near; ++i)
+      EXPECT_EQ(with.segment<3>(3 * node.near[i]), without.segment<3>(3 * node.near[i]));
+  });
 }
 
 // Claim: every set of instructions that this processor has gives the same bits.
 TEST(PreparedNodes, EveryInstructionSetGivesTheSameBits) {
   using namespace phynness::runtime;
-  for (const Model& model : models()) {
-    const LoadedModel loaded(write_model_text(model));
+  for_each_response([](const LoadedModel& loaded, std::int32_t active, const ModalResponse& node) {
     const phn_model& m = *loaded.model;
-    for (std::int32_t active = 0; active < m.n_active; ++active) {
-      const ModalResponse& node = *m.active[active].modal;
-      expect_same_bits(loaded, m.shared, node, prepare(m, loaded.data->prepared, active));
-      expect_same_bits(loaded, m.shared, node, nullptr);
-      for (std::int32_t f = 0; f < m.n_fields; ++f) {
-        if (node.fields[f].n_modes > 0) expect_same_bits(loaded, m.fields[f], node.fields[f], nullptr);
-      }
-      const auto n = static_cast<std::size_t>(node.n_modes) * rows_per_block;
-      std::vector<float> expected(n), block(n);
-      modal_kernels(0)->sum_block(m.shared, node, m.shared.modes, expected.data());
-      for (int set = 1; set < n_instruction_sets; ++set) {
-        if (modal_kernels(set) == nullptr) continue;
-        modal_kernels(set)->sum_block(m.shared, node, m.shared.modes, block.data());
-        EXPECT_EQ(block, expected) << modal_kernels(set)->name;
-        for (const double size : {0.0, 0.3, 2.0, largest_modal}) {
-          const double x[] = {size, -0.2 * size, 0.7 * size};
-          double force[3], same[3];
-          modal_kernels(0)->force(node.force, x, same);
-          modal_kernels(set)->force(node.force, x, force);
-          for (int k = 0; k < 3; ++k) EXPECT_EQ(force[k], same[k]) << modal_kernels(set)->name << ' ' << size;
-        }
+    expect_same_bits(loaded, m.shared, node, prepare(m, loaded.data->prepared, active));
+    expect_same_bits(loaded, m.shared, node, nullptr);
+    for (std::int32_t f = 0; f < m.n_fields; ++f) {
+      if (node.fields[f].n_modes > 0) expect_same_bits(loaded, m.fields[f], node.fields[f], nullptr);
+    }
+    const auto n = static_cast<std::size_t>(node.n_modes) * rows_per_block;
+    std::vector<float> expected(n), block(n);
+    modal_kernels(0)->sum_block(m.shared, node, m.shared.modes, expected.data());
+    for (int set = 1; set < n_instruction_sets; ++set) {
+      if (modal_kernels(set) == nullptr) continue;
+      modal_kernels(set)->sum_block(m.shared, node, m.shared.modes, block.data());
+      EXPECT_EQ(block, expected) << modal_kernels(set)->name;
+      for (const double size : {0.0, 0.3, 2.0, largest_modal}) {
+        const double x[] = {size, -0.2 * size, 0.7 * size};
+        double force[3], same[3];
+        modal_kernels(0)->force(node.force, x, same);
+        modal_kernels(set)->force(node.force, x, force);
+        for (int k = 0; k < 3; ++k) EXPECT_EQ(force[k], same[k]) << modal_kernels(set)->name << ' ' << size;
       }
     }
-  }
+  });
 }
 
 // Claim: coupled tools deform the body alike, to the last bit, before and after their nodes are prepared.
