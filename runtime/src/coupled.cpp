@@ -12,6 +12,11 @@ constexpr double settled_change = 1e-10;
 constexpr std::int32_t most_iterations = 40;
 constexpr double shortest_step = 1e-3;
 
+/// A displaced tool's stiffness counts as this part of its least at rest at least, and changes what another does to it by
+/// this part of that at most (docs/decisions/coupled-tools.md).
+constexpr double least_of_rest = 0.3;
+constexpr double largest_shift = 0.5;
+
 /// Gauss-Legendre on 0 ... 1: exact for the first six powers of the depth.
 constexpr double gauss_point[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
 constexpr double gauss_weight[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
@@ -96,34 +101,82 @@ double inner_product(const double* a, const double* b) {
   return sum;
 }
 
+/// Eigenvalues of a symmetric 3 x 3 matrix, which is replaced by them on its diagonal, and eigenvectors in columns: Jacobi
+/// rotations, which need no more than six sweeps at this size.
+void diagonalize(double* a, double* vectors) {
+  for (int i = 0; i < 9; ++i) vectors[i] = i % 4 == 0 ? 1 : 0;
+  for (int sweep = 0; sweep < 6; ++sweep) {
+    for (int p = 0; p < 2; ++p) {
+      for (int q = p + 1; q < 3; ++q) {
+        const double off = a[3 * p + q];
+        if (off == 0) continue;
+        const double half = (a[4 * q] - a[4 * p]) / (2 * off);
+        const double tangent = (half < 0 ? -1 : 1) / (std::fabs(half) + std::sqrt(half * half + 1));
+        const double cosine = 1 / std::sqrt(tangent * tangent + 1), sine = tangent * cosine;
+        for (int k = 0; k < 3; ++k) {
+          const double x = a[3 * k + p], y = a[3 * k + q];
+          a[3 * k + p] = cosine * x - sine * y;
+          a[3 * k + q] = sine * x + cosine * y;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double x = a[3 * p + k], y = a[3 * q + k];
+          a[3 * p + k] = cosine * x - sine * y;
+          a[3 * q + k] = sine * x + cosine * y;
+          const double v = vectors[3 * k + p], w = vectors[3 * k + q];
+          vectors[3 * k + p] = cosine * v - sine * w;
+          vectors[3 * k + q] = sine * v + cosine * w;
+        }
+      }
+    }
+  }
+}
+
+/// Inverse of a symmetric 3 x 3 matrix whose eigenvalues count as `least` at least.
+void invert_stiffness(const double* stiffness, double least, double* inverse) {
+  double a[9], v[9];
+  for (int i = 0; i < 9; ++i) a[i] = stiffness[i];
+  diagonalize(a, v);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      inverse[3 * i + j] = 0;
+      for (int k = 0; k < 3; ++k) inverse[3 * i + j] += v[3 * i + k] * v[3 * j + k] / std::fmax(a[4 * k], least);
+    }
+  }
+}
+
 class Solver {
  public:
   Solver(const phn_model& model, Coupling& coupling, const double* targets)
       : _model(model), _c(coupling), _targets(targets) {}
 
   CoupledResult run() {
-    for (std::int32_t s = 0; s < _c.n_tools; ++s) prepare(s);
-    CoupledResult result = {};
     double far = 0;
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-      for (int k = 0; k < 3; ++k) _c.point[t].own[k] = _c.n_tools == 1 ? _targets[k] : 0;
-      far = std::fmax(far, length(_targets + 3 * t));
-    }
-    if (_c.n_tools > 1) result.iterations = find_own(far);
     for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-      take_field(s);
-      result.energy += pull(s);
+      prepare(s);
+      far = std::fmax(far, length(_targets + 3 * s));
+    }
+    CoupledResult result = {};
+    if (_c.n_tools > 1) {
+      result.iterations = find_own(far);
+    } else {
+      for (int k = 0; k < 3; ++k) _c.point[0].own[k] = _targets[k];
+      respond();
     }
     result.residual = miss();
     result.settled = result.residual <= 10 * settled_change * far;
-    if (!result.settled && correct()) {
-      for (std::int32_t s = 0; s < _c.n_tools; ++s) add_linear(s, _c.right + 3 * s);
+    if (!result.settled && correct()) add_forces();
+    // The fields lack what the tools do to each other's; the undeformed body makes up for it.
+    for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) _c.shift[i] = 0;
+    miss();
+    if (correct()) {
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) add_field(s, _c.right + 3 * s);
       result.residual = miss();
     }
     if (!finite()) return give_up(far);
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-      for (int k = 0; k < 3; ++k)
-        result.energy += _c.point[t].force[k] * (_targets[3 * t + k] - _c.point[t].own[k]) / 2;
+      const HeldPoint& point = _c.point[t];
+      result.energy += point.energy;
+      for (int k = 0; k < 3; ++k) result.energy += point.force[k] * (_targets[3 * t + k] - point.own[k]) / 2;
     }
     if (!has_energy(_model)) result.energy = 0;
     return result;
@@ -135,6 +188,7 @@ class Solver {
     return 3 * (static_cast<std::size_t>(t) * static_cast<std::size_t>(_c.max_tools) + static_cast<std::size_t>(s)) +
            static_cast<std::size_t>(i);
   }
+  std::size_t pair(std::int32_t t, std::int32_t s) const { return 3 * at(t, s, 0); }
   double* gradient_at_rest(std::int32_t s, std::int32_t i) const {
     return _c.rest_gradient + 3 * static_cast<std::size_t>(3 * s + i) * _model.n_basis;
   }
@@ -152,28 +206,83 @@ class Solver {
     }
   }
 
-  /// What several tools cause themselves: the p whose fields add up to the targets. Corrections are those of the
-  /// undeformed body; one that makes it worse is taken back and halved. @return iterations
+  /// Responses of all tools at their p.
+  void respond() {
+    for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+      take_field(s);
+      pull(s);
+    }
+    for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) _c.shift[i] = 0;
+    if (!bends()) return;
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      find_compliance(t, _c.compliance);
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) add_shift(t, s);
+    }
+  }
+
+  /// What several tools cause themselves: the p that together give the targets. Broyden's method from the undeformed body's
+  /// derivatives; a step that makes it worse is taken back and quartered. @return iterations
   std::int32_t find_own(double far) {
     const std::int32_t n = 3 * _c.n_tools;
-    double step = 1, least = -1;
-    std::int32_t iteration = 0;
-    for (; iteration < most_iterations && step > shortest_step; ++iteration) {
-      for (std::int32_t s = 0; s < _c.n_tools; ++s) take_field(s);
-      const double residual = miss();
-      if (least < 0 || residual < least) {
-        least = residual;
-        for (std::int32_t i = 0; i < n; ++i) _c.best[i] = _c.point[i / 3].own[i % 3];
-        if (residual <= settled_change * far || !correct()) break;
-        for (std::int32_t i = 0; i < n; ++i) _c.correction[i] = _c.right[i];
-        step = std::fmin(1.0, 2 * step);
-      } else {
-        step /= 4;
-      }
-      for (std::int32_t i = 0; i < n; ++i) _c.point[i / 3].own[i % 3] = _c.best[i] + step * _c.correction[i];
+    if (bends()) {
+      for (std::int32_t t = 0; t < _c.n_tools; ++t) find_compliance(t, _c.rest_compliance);
     }
-    for (std::int32_t i = 0; i < n; ++i) _c.point[i / 3].own[i % 3] = _c.best[i];
+    set_rest_matrix();
+    for (std::int32_t i = 0; i < n * n; ++i) _c.inverse[i] = i % (n + 1) == 0 ? 1 : 0;
+    if (!solve_dense(_c.matrix, n, _c.inverse, n)) {
+      for (std::int32_t i = 0; i < n * n; ++i) _c.inverse[i] = i % (n + 1) == 0 ? 1 : 0;
+    }
+    respond();
+    double least = miss(), step = 1;
+    std::int32_t iteration = 0;
+    for (; iteration < most_iterations && step > shortest_step && least > settled_change * far; ++iteration) {
+      for (std::int32_t i = 0; i < n; ++i) {
+        double sum = 0;
+        for (std::int32_t j = 0; j < n; ++j) sum += _c.inverse[i * n + j] * _c.right[j];
+        _c.correction[i] = step * sum;
+        _c.best[i] = _c.point[i / 3].own[i % 3];
+        _c.before[i] = _c.right[i];
+        _c.point[i / 3].own[i % 3] += _c.correction[i];
+      }
+      respond();
+      const double now = miss();
+      update_inverse(n);
+      if (now < least) {
+        least = now;
+        step = std::fmin(1.0, 2 * step);
+        continue;
+      }
+      step /= 4;
+      for (std::int32_t i = 0; i < n; ++i) {
+        _c.point[i / 3].own[i % 3] = _c.best[i];
+        _c.right[i] = _c.before[i];
+      }
+    }
+    respond();
     return iteration;
+  }
+
+  /// Broyden's update: the inverse takes the change of what was missing to the step that made it.
+  void update_inverse(std::int32_t n) {
+    double scale = 0;
+    for (std::int32_t i = 0; i < n; ++i) {
+      double moved = 0;  // the step that the inverse expects
+      for (std::int32_t j = 0; j < n; ++j) moved += _c.inverse[i * n + j] * (_c.before[j] - _c.right[j]);
+      _c.matrix[i] = moved;
+      scale += _c.correction[i] * moved;
+    }
+    double square = 0;
+    for (std::int32_t i = 0; i < n; ++i) square += _c.correction[i] * _c.correction[i];
+    if (!(std::fabs(scale) > 1e-3 * square)) return;
+    for (std::int32_t j = 0; j < n; ++j) {
+      double row = 0;
+      for (std::int32_t i = 0; i < n; ++i) row += _c.correction[i] * _c.inverse[i * n + j];
+      _c.matrix[n + j] = row / scale;
+    }
+    for (std::int32_t i = 0; i < n; ++i) {
+      const double left = _c.correction[i] - _c.matrix[i];
+      for (std::int32_t j = 0; j < n; ++j) _c.inverse[i * n + j] += left * _c.matrix[n + j];
+    }
   }
 
   /// Everything about a tool that does not depend on its displacement.
@@ -207,6 +316,12 @@ class Solver {
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) point.stiffness[3 * r + c] = (inverse[3 * r + c] + inverse[3 * c + r]) / 2;
     }
+    double values[9], vectors[9];
+    for (int k = 0; k < 9; ++k) values[k] = point.stiffness[k];
+    diagonalize(values, vectors);
+    point.least_stiffness = std::fmax(std::fmin(values[0], std::fmin(values[4], values[8])),
+                                      1e-3 * (std::fabs(values[0]) + std::fabs(values[4]) + std::fabs(values[8])));
+    for (double& k : point.own) k = 0;
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       multiply_matrices(compliance[i], inverse, point.contribution[i]);
       for (double& q : point.contribution[i]) q *= point.weight[i];
@@ -245,14 +360,12 @@ class Solver {
       local_displacement(_c.local[at(s, s, i)], share, q, n, basis, u);
       for (int k = 0; k < 3; ++k) r[k] -= u[k];
     }
-    add_linear(s, r);
-    for (int k = 0; k < 3; ++k) point.force[k] = 0;
+    add_field(s, r);
   }
 
   /// Moves tool s's point by r as the undeformed body does.
-  void add_linear(std::int32_t s, const double* r) {
+  void add_field(std::int32_t s, const double* r) {
     HeldPoint& point = _c.point[s];
-    double f[3];
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       const std::int32_t n = basis_size(_model, node(point, i));
       const double* gradient = gradient_at_rest(s, i);
@@ -263,8 +376,27 @@ class Solver {
         basis[j] += q[0] * gradient[j] + q[1] * gradient[n + j] + q[2] * gradient[2 * n + j];
       for (int k = 0; k < 3; ++k) point.node_own[i][k] += q[k];
     }
-    multiply(point.stiffness, r, f);
-    for (int k = 0; k < 3; ++k) point.force[k] += f[k];
+  }
+
+  /// What the changes of the p in `right` do to the forces of the undeformed body.
+  void add_forces() {
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      double f[3];
+      multiply(_c.point[t].stiffness, _c.right + 3 * t, f);
+      for (int k = 0; k < 3; ++k) _c.point[t].force[k] += f[k];
+    }
+  }
+
+  /// Displacement of tool t's point in the field of tool s.
+  void displaced(std::int32_t t, std::int32_t s, double* u) const {
+    const HeldPoint& point = _c.point[s];
+    for (int k = 0; k < 3; ++k) u[k] = 0;
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      double by[3];
+      local_displacement(_c.local[at(t, s, i)], point.node_share[i], point.node_own[i], basis_size(_model, node(point, i)),
+                         node_basis(s, i), by);
+      for (int k = 0; k < 3; ++k) u[k] += by[k];
+    }
   }
 
   /// right = what the points lack of their targets. @return the largest distance
@@ -272,23 +404,93 @@ class Solver {
     double largest = 0;
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       double* r = _c.right + 3 * t;
-      for (int k = 0; k < 3; ++k) r[k] = _targets[3 * t + k];
+      for (int k = 0; k < 3; ++k) r[k] = _targets[3 * t + k] - _c.shift[3 * t + k];
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-        const HeldPoint& point = _c.point[s];
-        for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-          double u[3];
-          local_displacement(_c.local[at(t, s, i)], point.node_share[i], point.node_own[i],
-                             basis_size(_model, node(point, i)), node_basis(s, i), u);
-          for (int k = 0; k < 3; ++k) r[k] -= u[k];
-        }
+        double u[3];
+        displaced(t, s, u);
+        for (int k = 0; k < 3; ++k) r[k] -= u[k];
       }
       largest = std::fmax(largest, length(r));
     }
     return largest;
   }
 
+  /// Whether tools change each other's responses: linear bodies add up, and networks have no stiffness to tell by.
+  bool bends() const { return _c.n_tools > 1 && _model.family == Family::modal; }
+
+  /// Derivative of the displacement of tool t's point by the force at tool s, when t is at its p and s is not there: by
+  /// reciprocity what a force at t does to s, K_t^-1 (du_s/dp_t)^T. @param compliance  at rest or at p
+  void find_compliance(std::int32_t t, double* compliance) {
+    HeldPoint& point = _c.point[t];
+    double stiffness[9], inverse[9], derivative[most_coupled][9] = {};
+    for (int k = 0; k < 9; ++k) stiffness[k] = point.stiffness[k];
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      const ActiveNode& by = node(point, i);
+      const std::int32_t n = basis_size(_model, by);
+      double e[3], change[9], bent[9], left[9], part[9];
+      multiply(point.reach[i], point.own, e);
+      if (compliance == _c.rest_compliance) e[0] = e[1] = e[2] = 0;
+      evaluate_stiffness(_model, by, e, change);
+      for (int k = 0; k < 9; ++k) {
+        change[k] = point.share[i] * (change[k] - point.rest_stiffness[i][k]);
+        left[k] = point.contribution[i][k] - point.share[i] * point.reach[i][k];
+      }
+      multiply_matrices(change, point.reach[i], bent);
+      for (int r = 0; r < 3; ++r) {
+        for (int k = 0; k < 3; ++k) {
+          for (int l = 0; l < 3; ++l) stiffness[3 * r + k] += point.reach[i][3 * l + r] * bent[3 * l + k];
+        }
+      }
+      basis_and_gradient(_model, by, e, _c.basis, _c.gradient, _c.kernel);
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+        if (s == t) continue;
+        const LocalResponse& local = _c.local[at(s, t, i)];
+        for (int r = 0; r < 3; ++r) {
+          for (int k = 0; k < 3; ++k) {
+            double sum = r == k ? local.direct : 0;
+            for (std::int32_t j = 0; j < n; ++j) sum += local.rows[r * n + j] * _c.gradient[k * n + j];
+            bent[3 * r + k] = point.share[i] * sum;
+          }
+        }
+        multiply_matrices(bent, point.reach[i], part);
+        for (int k = 0; k < 9; ++k) derivative[s][k] += part[k];
+        multiply_matrices(_c.rest_response + 9 * at(s, t, i), left, part);
+        for (int k = 0; k < 9; ++k) derivative[s][k] += part[k];
+      }
+    }
+    invert_stiffness(stiffness, least_of_rest * point.least_stiffness, inverse);
+    for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+      double* between = compliance + pair(t, s);
+      for (int r = 0; r < 3; ++r) {
+        for (int k = 0; k < 3; ++k) {
+          between[3 * r + k] = 0;
+          for (int l = 0; l < 3; ++l) between[3 * r + k] += inverse[3 * r + l] * derivative[s][3 * k + l];
+        }
+      }
+    }
+  }
+
+  /// What the displacement of tool t changes of what tool s does to it, at most half of that: where the change is as large
+  /// as the thing itself, the next term of the series would be too.
+  void add_shift(std::int32_t t, std::int32_t s) {
+    if (s == t) return;
+    double change[9], shift[3], u[3];
+    for (int k = 0; k < 9; ++k) change[k] = _c.compliance[pair(t, s) + k] - _c.rest_compliance[pair(t, s) + k];
+    multiply(change, _c.point[s].force, shift);
+    displaced(t, s, u);
+    const double most = largest_shift * length(u), size = length(shift);
+    const double factor = size > 0 ? most / std::sqrt(most * most + size * size) : 0;
+    for (int k = 0; k < 3; ++k) _c.shift[3 * t + k] += factor * shift[k];
+  }
+
   /// right becomes the change of the p that makes up for it in the undeformed body.
   bool correct() {
+    set_rest_matrix();
+    return solve_dense(_c.matrix, 3 * _c.n_tools, _c.right, 1);
+  }
+
+  /// Derivatives of the points' displacements by the p in the undeformed body.
+  void set_rest_matrix() {
     const std::int32_t n = 3 * _c.n_tools;
     for (std::int32_t k = 0; k < n * n; ++k) _c.matrix[k] = 0;
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
@@ -300,14 +502,13 @@ class Solver {
         }
       }
     }
-    return solve_dense(_c.matrix, n, _c.right, 1);
   }
 
-  /// Adds the force of tool s at its p, the gradient of the energy
+  /// Force and energy of tool s at its p, the force as gradient of
   ///   p . A p / 2 + sum_i s_i [E_i(e_i) - e_i . K_i e_i / 2] - sum_g w_g / x_g psi(x_g p),
   ///   psi(p) = sum_i s_i A p . z_i(M_i p),  z_i(e) = u_i(e) - u_i'(0) e at the point.
-  /// @return that energy, without E_i where there is none
-  double pull(std::int32_t s) {
+  /// without E_i where there is none.
+  void pull(std::int32_t s) {
     HeldPoint& point = _c.point[s];
     double linear[3];
     multiply(point.stiffness, point.own, linear);
@@ -323,9 +524,11 @@ class Solver {
       multiply_transposed(point.reach[i], f, pulled);
       for (int k = 0; k < 3; ++k) point.force[k] += point.share[i] * pulled[k];
       if (has_energy(_model)) energy += point.share[i] * (evaluate_energy(_model, by, e) - dot(ke, e) / 2);
-      for (int g = 0; g < 3; ++g) energy -= pull_of_coupling(s, i, e, linear, gauss_point[g], gauss_weight[g]);
+      // A node alone follows the tool itself: nothing is left to couple.
+      for (int g = 0; g < 3 && point.n_nodes > 1; ++g)
+        energy -= pull_of_coupling(s, i, e, linear, gauss_point[g], gauss_weight[g]);
     }
-    return energy;
+    point.energy = energy;
   }
 
   /// The part of node i in psi, at x p. @return w / x times it
@@ -406,9 +609,14 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.node_basis = arena.take<double>(3 * t * model.n_basis);
   c.basis = arena.take<double>(model.n_basis);
   c.gradient = arena.take<double>(3 * model.n_basis);
-  c.kernel = arena.take<double>(4 * (static_cast<std::size_t>(model.shared.n_centers) + 3));
+  c.kernel = arena.take<double>(3 * (static_cast<std::size_t>(model.shared.n_centers) + 3));
+  c.compliance = arena.take<double>(9 * t * t);
+  c.rest_compliance = arena.take<double>(9 * t * t);
   c.matrix = arena.take<double>(9 * t * t);
+  c.inverse = arena.take<double>(9 * t * t);
   c.right = arena.take<double>(3 * t);
+  c.shift = arena.take<double>(3 * t);
+  c.before = arena.take<double>(3 * t);
   c.best = arena.take<double>(3 * t);
   c.correction = arena.take<double>(3 * t);
   return c;

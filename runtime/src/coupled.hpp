@@ -23,7 +23,9 @@ struct HeldPoint {
   double reach[3][9];          ///< M_i: e_i = M_i p, how far node i goes
   double share[3];             ///< s_i: q_i = s_i e_i as nearly as a number can say
   double rest_stiffness[3][9]; ///< K_i of the nodes [N/m]
+  double least_stiffness;      ///< of the point in any direction, loaded or not [N/m]
   double own[3], force[3];     ///< p [m]; at the tool [N]
+  double energy;               ///< of p alone [J]
   double node_share[3], node_own[3][3];  ///< what the field is made of: see local_displacement
 };
 
@@ -36,7 +38,8 @@ struct Coupling {
   double* rest_gradient;   ///< of node i of tool s, at 3 s + i: 3 x n_basis
   double* node_basis;      ///< n_basis each: what the field is made of
   LocalResponse pair;      ///< scratch: of one node under another
-  double *basis, *gradient, *kernel, *matrix, *right, *best, *correction;
+  double *compliance, *rest_compliance;  ///< between tools t and s, at 9 (t max_tools + s), with t at its p and at rest
+  double *basis, *gradient, *kernel, *matrix, *inverse, *right, *shift, *best, *correction, *before;
 };
 
 Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max_tools);

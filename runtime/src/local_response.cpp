@@ -18,38 +18,15 @@ std::int32_t position_of(const std::int32_t* list, std::int32_t n, std::int32_t 
 
 void modal_amplitudes_and_gradient(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
                                    double* gradient, double* scratch) {
-  const SharedModes& shared = model.shared;
-  const std::int32_t m = node.n_modes, n = shared.n_centers;
+  const std::int32_t n = model.shared.n_centers + 3, m = node.n_modes;
   const double R = model.max_displacement, x[3] = {d[0] / R, d[1] / R, d[2] / R};
-  const double s2 = shared.shape * shared.shape, q0 = std::sqrt(dot(x, x) + s2);
-  // Value and gradient of each kernel, then of the three linear terms.
-  for (std::int32_t i = 0; i < n; ++i) {
-    const double y[3] = {x[0] - shared.center[0][i], x[1] - shared.center[1][i], x[2] - shared.center[2][i]};
-    const double q = std::sqrt(dot(y, y) + s2);
-    double* kernel = scratch + 4 * i;
-    kernel[0] = (q - q0) - shared.basis_at_rest[i];
-    for (int k = 0; k < 3; ++k) kernel[1 + k] = (y[k] / q - x[k] / q0) / R;
-  }
+  const ModalKernels& kernels = best_modal_kernels();
+  kernels.basis(model.shared, x, scratch);
+  kernels.amplitudes(node, n, scratch, basis);
+  kernels.basis_gradient(model.shared, x, scratch);
   for (int k = 0; k < 3; ++k) {
-    double* kernel = scratch + 4 * (n + k);
-    kernel[0] = x[k];
-    for (int l = 0; l < 3; ++l) kernel[1 + l] = k == l ? 1 / R : 0;
-  }
-  for (std::int32_t j = 0; j < m; ++j) basis[j] = gradient[j] = gradient[m + j] = gradient[2 * m + j] = 0;
-  for (std::int32_t r = 0; r < n + 3; ++r) {
-    const double* kernel = scratch + 4 * r;
-    const std::int16_t* row = node.weight + static_cast<std::size_t>(r) * static_cast<std::size_t>(m);
-    for (std::int32_t j = 0; j < m; ++j) {
-      const double w = row[j];
-      basis[j] += kernel[0] * w;
-      gradient[j] += kernel[1] * w;
-      gradient[m + j] += kernel[2] * w;
-      gradient[2 * m + j] += kernel[3] * w;
-    }
-  }
-  for (std::int32_t j = 0; j < m; ++j) {
-    basis[j] *= node.weight_scale[j];
-    for (int k = 0; k < 3; ++k) gradient[k * m + j] *= node.weight_scale[j];
+    kernels.amplitudes(node, n, scratch + k * n, gradient + k * m);
+    for (std::int32_t j = 0; j < m; ++j) gradient[k * m + j] /= R;
   }
 }
 

@@ -27,7 +27,7 @@ void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, doub
                             double* other);
 
 /// Values and derivatives at any d that is not cut. @param gradient  3 x basis_size(node)
-/// @param scratch  4 (shared n_centers + 3)
+/// @param scratch  3 (shared n_centers + 3)
 void basis_and_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* basis,
                         double* gradient, double* scratch);
 

@@ -40,6 +40,26 @@ PHN_INLINE void fill_basis(const SharedModes& centers, const double* x, double* 
   for (int k = 0; k < 3; ++k) basis[shared.n_centers + k] = at[k];
 }
 
+PHN_INLINE void fill_basis_gradient(const SharedModes& centers, const double* x, double* __restrict gradient) {
+  const SharedModes shared = centers;
+  const double s2 = shared.shape * shared.shape, at[3] = {x[0], x[1], x[2]}, q0 = std::sqrt(dot(at, at) + s2);
+  const double rest[3] = {at[0] / q0, at[1] / q0, at[2] / q0};
+  const std::int32_t n = shared.n_centers;
+  double *by_x = gradient, *by_y = gradient + (n + 3), *by_z = gradient + 2 * (n + 3);
+  for (std::int32_t i = 0; i < n; ++i) {
+    const double y[3] = {at[0] - shared.center[0][i], at[1] - shared.center[1][i], at[2] - shared.center[2][i]};
+    const double inverse = 1 / std::sqrt(dot(y, y) + s2);
+    by_x[i] = y[0] * inverse - rest[0];
+    by_y[i] = y[1] * inverse - rest[1];
+    by_z[i] = y[2] * inverse - rest[2];
+  }
+  for (int k = 0; k < 3; ++k) {
+    by_x[n + k] = k == 0 ? 1 : 0;
+    by_y[n + k] = k == 1 ? 1 : 0;
+    by_z[n + k] = k == 2 ? 1 : 0;
+  }
+}
+
 PHN_INLINE void sum_amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* basis,
                                double* __restrict amplitude) {
   const std::int32_t m = tables.n_modes;
@@ -186,6 +206,9 @@ PHN_INLINE void force_of_centers(const Conservative<double>& net, const double* 
   attributes void basis(const SharedModes& shared, const double* x, double* values) {                       \
     fill_basis(shared, x, values);                                                                          \
   }                                                                                                         \
+  attributes void basis_gradient(const SharedModes& shared, const double* x, double* values) {              \
+    fill_basis_gradient(shared, x, values);                                                                 \
+  }                                                                                                         \
   attributes void amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* values,         \
                              double* amplitude) {                                                           \
     sum_amplitudes(tables, n_basis, values, amplitude);                                                     \
@@ -198,7 +221,7 @@ PHN_INLINE void force_of_centers(const Conservative<double>& net, const double* 
                             float* out) {                                                                   \
     mix_block(shared, tables, block, out);                                                                  \
   }                                                                                                         \
-  constexpr ModalKernels kernels = {#name, force, basis, amplitudes, field, sum_block};                            \
+  constexpr ModalKernels kernels = {#name, force, basis, basis_gradient, amplitudes, field, sum_block};     \
   }
 
 PHN_KERNELS(any, )

@@ -15,6 +15,8 @@ struct ModalKernels {
   /// What all amplitudes are made of: kernels less their values at rest, then x.
   /// @param x  d / max_displacement, cut; @param basis n_centers + 3
   void (*basis)(const SharedModes& shared, const double* x, double* basis);
+  /// Its derivatives. @param gradient  3 x (n_centers + 3), row k by x_k
+  void (*basis_gradient)(const SharedModes& shared, const double* x, double* gradient);
   /// weights^T basis. @param basis  n_basis, the rows of tables.weight; @param amplitude tables.n_modes
   void (*amplitudes)(const ModalTables& tables, std::int32_t n_basis, const double* basis, double* amplitude);
   /// Values at all output nodes, those that the probe moves not yet set.

@@ -195,6 +195,53 @@ TEST_P(CoupledToolsOf, PointsFollowTheirTools) {
   }
 }
 
+// Claim: a tool that pulls a little meets the body as the other tool has displaced it: what it does there is
+// the compliance between them in that state, K^-1 J^T with stiffness and derivatives at the displacement, not
+// the one at rest. The change is bounded at half of the whole, smoothly: at the hundredth part that it is
+// here, that takes 2e-4 of it, and differences of fields in float the rest up to 1e-3.
+TEST(CoupledTools, MeetTheBodyAsTheOtherHasDisplacedIt) {
+  const LinearBody body(7);
+  const LoadedModel loaded(write_model_text(bent(body)));
+  const auto moved = [&](std::int32_t by, std::int32_t at, const Eigen::Vector3d& d) {
+    Points field(7, 3);
+    EXPECT_GE(phn_deform(loaded.model, loaded.data, 1, &by, d.data(), field.data()), 0);
+    return Eigen::Vector3d(field.row(at));
+  };
+  const auto force_at = [&](std::int32_t node, const Eigen::Vector3d& d) {
+    Eigen::Vector3d f;
+    EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), f.data()), 0);
+    return f;
+  };
+  const auto compliance = [&](std::int32_t held, std::int32_t other, const Eigen::Vector3d& d) {
+    Eigen::Matrix3d stiffness, derivative;
+    EXPECT_GE(phn_stiffness(loaded.model, loaded.data, held, d.data(), stiffness.data()), 0);
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d h = Eigen::Vector3d::Unit(k) * 2e-4;
+      derivative.col(k) = (moved(held, other, d + h) - moved(held, other, d - h)) / 4e-4;
+    }
+    return Eigen::Matrix3d(stiffness.inverse() * derivative.transpose());
+  };
+  const std::int32_t nodes[2] = {1, 4};
+  const Eigen::Vector3d p[2] = {{0.005, 0.004, -0.002}, {0.0001, -0.0002, 0.0001}}, rest(0, 0, 0);
+  phn_tool tools[2];
+  Eigen::Vector3d shift[2];
+  for (int t = 0; t < 2; ++t) {
+    const std::int32_t here = nodes[t], other = nodes[1 - t];
+    shift[t] = (compliance(here, other, p[t]) - compliance(here, other, rest)) * force_at(other, p[1 - t]);
+    const Eigen::Vector3d target = p[t] + moved(other, here, p[1 - t]) + shift[t];
+    tools[t] = tool(here, -1, -1, 1, 0, target[0], target[1], target[2]);
+  }
+  Eigen::Matrix<double, 3, 2> forces;
+  EXPECT_EQ(phn_couple(loaded.model, loaded.data, 2, tools, forces.data(), nullptr) & PHN_WARNING_UNSETTLED,
+            0);
+  for (int t = 0; t < 2; ++t) {
+    Eigen::Matrix3d stiffness;
+    phn_stiffness(loaded.model, loaded.data, nodes[t], p[t].data(), stiffness.data());
+    const double missed = (stiffness * shift[t]).norm();  // by the sum of the fields alone
+    EXPECT_LT((forces.col(t) - force_at(nodes[t], p[t])).norm(), 1e-3 * missed);
+  }
+}
+
 // Claim: forces are continuous where a tool slides over an edge or a node, and the answer is the same
 // whatever was asked before. Both triangles see the edge's own problem, so that a step of 1e-9 changes the
 // force by some 1e-9 of it; substitution ends at 1e-9, too. The body is curved: the force differs from the

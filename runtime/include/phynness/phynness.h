@@ -28,7 +28,7 @@ enum {
   PHN_OK = 0,
   PHN_WARNING_OUTSIDE = 1,      /* a displacement is longer than what was trained in its direction */
   PHN_WARNING_INCOMPLETE = 2,   /* some direction of a touched node stopped short of the full depth in training */
-  PHN_WARNING_UNSETTLED = 4,    /* coupled tools: substitution did not settle, as beside a snap; forces are a guess */
+  PHN_WARNING_UNSETTLED = 4,    /* coupled tools: iteration did not settle, as beside a snap; forces are a guess */
   PHN_ERROR_ARGUMENT = -1,      /* null pointer, negative number, data of another model */
   PHN_ERROR_NOT_ACTIVE = -2,    /* the node cannot be touched in this model */
   PHN_ERROR_NOT_FINITE = -3,    /* a displacement is NaN or infinite */
@@ -135,7 +135,7 @@ int phn_nearest(const phn_model *model, const double x[3], phn_tool *tool, doubl
 typedef struct phn_coupled {
   double residual;    /* largest distance between a tool's point and where the tool holds it [m] */
   double energy;      /* [J]; 0 in networks, which have none */
-  int32_t iterations; /* substitutions, 0 for one tool, at most 40 */
+  int32_t iterations; /* 0 for one tool, at most 40 */
 } phn_coupled;
 
 /* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3, from the responses of single nodes (docs/theory.md,
@@ -143,8 +143,8 @@ typedef struct phn_coupled {
  * nodes. The force of one tool is the gradient of an energy while it holds one point, in families that have one. The answer
  * depends on these arguments alone, not on earlier calls. `result` may be null.
  * Cost, one tool between three nodes: 21 forces, 3 energies where the family has them, 21 sets of amplitudes and 9 with
- * their gradients, nothing to iterate. Several: that for each, and some 5 to 15 substitutions of 3 n_tools sets of
- * amplitudes.
+ * their gradients, nothing to iterate. Several: that for each, in each of some 5 to 25 iterations (at most 40), and in modal
+ * models a stiffness and the amplitudes' gradients of each node again.
  * PHN_ERROR_NOT_ACTIVE: a node can neither be touched nor is fixed, or all of a tool's are fixed. PHN_ERROR_UNDEFINED: a
  * node has forces only. Components of displacements are cut at 1000 max_displacement_m. */
 int phn_couple(const phn_model *model, phn_data *data, int32_t n_tools, const phn_tool *tools, double *forces,
