@@ -36,8 +36,9 @@ inline Eigen::RowVector3d ellipsoid_point(int node) {
           0.04 * std::cos(polar)};
 }
 
-/// A closed surface of 596 vertices, the last 110 fixed; 486 output nodes; no active nodes yet.
-inline Model liver_sized_body(Family family) {
+/// A closed surface of 596 vertices, of which the first n_moving are output nodes and the others fixed; no
+/// active nodes yet.
+inline Model liver_sized_body(Family family, int n_moving = n_output) {
   Model model;
   model.family = family;
   model.title = "bench";
@@ -59,12 +60,12 @@ inline Model liver_sized_body(Family family) {
                                   n_increments;
   }
   model.n_mesh_nodes = n_output + n_fixed;
-  model.output_points.resize(n_output, 3);
-  model.fixed_points.resize(n_fixed, 3);
+  model.output_points.resize(n_moving, 3);
+  model.fixed_points.resize(n_output + n_fixed - n_moving, 3);
   for (int i = 0; i < n_output + n_fixed; ++i) {
-    const bool moves = i < n_output;
+    const bool moves = i < n_moving;
     (moves ? model.output : model.fixed).push_back(i);
-    (moves ? model.output_points : model.fixed_points).row(moves ? i : i - n_output) = ellipsoid_point(i);
+    (moves ? model.output_points : model.fixed_points).row(moves ? i : i - n_moving) = ellipsoid_point(i);
   }
   model.surface = ringed_triangles();
   return model;
@@ -96,11 +97,11 @@ inline ActiveNodeModel& add_node(Model& model, int node) {
 }
 
 /// Every node with networks of its own.
-inline Model networks_model(int n_force, int n_deformation, int n_active) {
-  Model model = liver_sized_body(Family::rbfn);
+inline Model networks_model(int n_force, int n_deformation, int n_active, int n_moving = n_output) {
+  Model model = liver_sized_body(Family::rbfn, n_moving);
   Arbitrary arbitrary;
   for (int a = 0; a < n_active; ++a) {
-    ActiveNodeModel& node = add_node(model, a * n_output / n_active);
+    ActiveNodeModel& node = add_node(model, a * n_moving / n_active);
     for (const bool deforms : {false, true}) {
       RbfNetwork& net = deforms ? node.deformation : node.force;
       const int n = deforms ? n_deformation : n_force, n_inputs = deforms ? 6 : 3;
@@ -113,7 +114,7 @@ inline Model networks_model(int n_force, int n_deformation, int n_active) {
       net.weights.resize(n, 3);
       for (int i = 0; i < n; ++i) {
         net.center_displacement.push_back(arbitrary.below(static_cast<int>(model.displacements.rows())));
-        if (deforms) net.center_output.push_back(arbitrary.below(n_output));
+        if (deforms) net.center_output.push_back(arbitrary.below(n_moving));
         for (int k = 0; k < 3; ++k) net.weights(i, k) = 0.001 * arbitrary.number();
       }
       fill_centers(model, net);
@@ -123,13 +124,14 @@ inline Model networks_model(int n_force, int n_deformation, int n_active) {
 }
 
 /// Modes as training keeps them for the paper's liver.
-inline Model modal_model(int n_force, int n_shared, int n_own, int n_centers, int n_near, int n_active) {
-  Model model = liver_sized_body(Family::modal);
+inline Model modal_model(int n_force, int n_shared, int n_own, int n_centers, int n_near, int n_active,
+                         int n_moving = n_output) {
+  Model model = liver_sized_body(Family::modal, n_moving);
   Arbitrary arbitrary;
-  model.shared.modes = arbitrary.table(3 * n_output, n_shared, 0.1);
+  model.shared.modes = arbitrary.table(3 * n_moving, n_shared, 0.1);
   for (int i = 0; i < n_centers; ++i) model.shared.centers.push_back(2 * i);
   for (int a = 0; a < n_active; ++a) {
-    ActiveNodeModel& node = add_node(model, a * n_output / n_active);
+    ActiveNodeModel& node = add_node(model, a * n_moving / n_active);
     node.conservative.stiffness = 10 * Eigen::Matrix3d::Identity();
     node.conservative.coefficients.resize(n_force, 3);
     for (int i = 0; i < n_force; ++i) {
@@ -140,7 +142,8 @@ inline Model modal_model(int n_force, int n_shared, int n_own, int n_centers, in
     ModalDeformation& modal = node.modal;
     modal.weights = arbitrary.table(n_centers + 3, n_own, 0.01);
     modal.mixing = arbitrary.table(n_shared, n_own, 1);
-    for (int i = 0; i < n_near; ++i) modal.near.push_back((node.node / 2 + 3 * i) % n_output);
+    const int step = 3 * n_near <= n_moving ? 3 : 1;
+    for (int i = 0; i < n_near; ++i) modal.near.push_back((node.node / 2 + step * i) % n_moving);
     std::sort(modal.near.begin(), modal.near.end());
     modal.near_modes = arbitrary.table(3 * n_near, n_own, 1);
   }

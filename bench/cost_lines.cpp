@@ -1,0 +1,304 @@
+// Time against neurons, centers and nodes, with the straight lines through it, and how near the paper's sizes
+// are to what this core can do. Usage: phynness_cost_lines [--plot FILE.svg] [--json FILE]
+#include <phynness/phynness.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "exit_status.hpp"
+#include "liver_sized_model.hpp"
+#include "machine_limits.hpp"
+#include "median_time.hpp"
+#include "plain_runtime.hpp"
+
+namespace {
+
+using namespace phynness;
+using bench::median_us;
+
+double sink = 0;
+
+void check(int status) {
+  if (status < 0) throw std::runtime_error(phn_status_message(status));
+}
+
+/// As a hand moves: another displacement for each call, within 15 mm.
+void displacement(int i, double* d) {
+  for (int k = 0; k < 3; ++k) d[k] = 0.0003 * ((i * (k + 3)) % 50);
+}
+
+class Loaded {
+ public:
+  explicit Loaded(const Model& model) {
+    const std::string text = write_model_text(model);
+    std::size_t bytes = 0;
+    check(phn_model_size(text.data(), text.size(), &bytes));
+    _model_memory.resize(bytes);
+    check(phn_model_init(_model_memory.data(), bytes, text.data(), text.size(), &_model));
+    check(phn_data_size(_model, 1, &bytes));
+    _data_memory.resize(bytes);
+    check(phn_data_init(_data_memory.data(), bytes, _model, 1, &_data));
+    _field.resize(3 * static_cast<std::size_t>(phn_n_output(_model)));
+  }
+  double force_ns() {
+    const std::int32_t node = *phn_active_nodes(_model);
+    return 1e3 * median_us([&](int i) {
+             double d[3], f[3];
+             displacement(i, d);
+             phn_force(_model, _data, node, d, f);
+             sink += f[0];
+           });
+  }
+  double deformation_us() {
+    const std::int32_t node = *phn_active_nodes(_model);
+    check(phn_prepare(_model, _data, node));
+    return median_us([&](int i) {
+      double d[3];
+      displacement(i, d);
+      phn_deform(_model, _data, 1, &node, d, _field.data());
+      sink += _field[0];
+    });
+  }
+
+ private:
+  std::vector<char> _model_memory, _data_memory;
+  std::vector<double> _field;
+  const phn_model* _model = nullptr;
+  phn_data* _data = nullptr;
+};
+
+template <int N>
+bench::PlainNetwork<N> plain_network(int n) {
+  bench::Arbitrary arbitrary;
+  bench::PlainNetwork<N> net;
+  net.neurons.resize(static_cast<std::size_t>(n));
+  net.spread = 1.4;
+  for (auto& neuron : net.neurons) {
+    for (double& c : neuron.center) c = arbitrary.number();
+    for (double& w : neuron.weight) w = arbitrary.number();
+  }
+  return net;
+}
+
+double plain_force_ns(int n) {
+  const auto net = plain_network<3>(n);
+  return 1e3 * median_us([&](int i) {
+           double d[3], f[3];
+           displacement(i, d);
+           bench::plain_force(net, d, f);
+           sink += f[0];
+         });
+}
+
+double plain_deformation_us(int n, int n_nodes) {
+  const auto net = plain_network<6>(n);
+  bench::Arbitrary arbitrary;
+  std::vector<std::array<double, 3>> points(static_cast<std::size_t>(n_nodes));
+  for (auto& point : points) point = {arbitrary.number(), arbitrary.number(), arbitrary.number()};
+  std::vector<double> field(3 * points.size());
+  return median_us([&](int i) {
+    double d[3];
+    displacement(i, d);
+    bench::plain_deformation(net, points, d, field.data());
+    sink += field[0];
+  });
+}
+
+/// One figure: times of the runtime and, in family rbfn, of the plain loop.
+struct Series {
+  std::string name, axis, unit;
+  std::vector<double> n, time, plain;
+
+  /// Least squares with every point counting by its own size: constant and slope.
+  std::array<double, 2> line() const {
+    double s = 0, sx = 0, sxx = 0, sy = 0, sxy = 0;
+    for (std::size_t i = 0; i < n.size(); ++i) {
+      const double w = 1 / (time[i] * time[i]);
+      s += w;
+      sx += w * n[i];
+      sxx += w * n[i] * n[i];
+      sy += w * time[i];
+      sxy += w * n[i] * time[i];
+    }
+    const double slope = (s * sxy - sx * sy) / (s * sxx - sx * sx);
+    return {(sy - slope * sx) / s, slope};
+  }
+  double departure() const {
+    const auto [constant, slope] = line();
+    double largest = 0;
+    for (std::size_t i = 0; i < n.size(); ++i)
+      largest = std::max(largest, std::abs((constant + slope * n[i]) / time[i] - 1));
+    return largest;
+  }
+  void print() const {
+    const auto [constant, slope] = line();
+    std::printf("%s\n", name.c_str());
+    for (std::size_t i = 0; i < n.size(); ++i) {
+      std::printf("  %6.0f %s %12.3f %s", n[i], axis.c_str(), time[i], unit.c_str());
+      if (!plain.empty()) std::printf("   plain loop %12.3f, %.1f times", plain[i], plain[i] / time[i]);
+      std::printf("\n");
+    }
+    std::printf("  line: %.3g + %.4g n %s, largest departure %.0f %%\n", constant, slope, unit.c_str(),
+                100 * departure());
+    std::fflush(stdout);
+  }
+};
+
+constexpr int n_own = 16, n_shared = 64, n_near = 30, n_centers = 78, n_neurons = 200;
+
+std::vector<Series> measure() {
+  std::vector<Series> all;
+  const std::vector<int> neurons = {16, 32, 64, 128, 256, 512}, nodes = {60, 122, 243, 486};
+  const auto finish = [&](Series series) {
+    series.print();
+    all.push_back(std::move(series));
+  };
+  {
+    Series force{"force, family rbfn", "neurons", "ns", {}, {}, {}};
+    Series field{"deformation of 486 nodes, family rbfn", "neurons", "us", {}, {}, {}};
+    for (const int n : neurons) {
+      Loaded loaded(bench::networks_model(n, n, 1));
+      force.n.push_back(n);
+      force.time.push_back(loaded.force_ns());
+      force.plain.push_back(plain_force_ns(n));
+      field.n.push_back(n);
+      field.time.push_back(loaded.deformation_us());
+      field.plain.push_back(plain_deformation_us(n, bench::n_output));
+    }
+    finish(std::move(force));
+    finish(std::move(field));
+  }
+  {
+    Series field{"deformation, family rbfn, 200 neurons", "nodes", "us", {}, {}, {}};
+    for (const int n : nodes) {
+      field.n.push_back(n);
+      field.time.push_back(Loaded(bench::networks_model(n_neurons, n_neurons, 1, n)).deformation_us());
+      field.plain.push_back(plain_deformation_us(n_neurons, n));
+    }
+    finish(std::move(field));
+  }
+  {
+    Series force{"force, family modal", "centers", "ns", {}, {}, {}};
+    for (const int n : {15, 31, 63, 127}) {  // and one at rest
+      force.n.push_back(n + 1);
+      force.time.push_back(Loaded(bench::modal_model(n, n_shared, n_own, n_centers, n_near, 1)).force_ns());
+    }
+    finish(std::move(force));
+  }
+  {
+    Series field{"deformation, family modal, 16 modes", "nodes", "us", {}, {}, {}};
+    for (const int n : nodes) {
+      field.n.push_back(n);
+      field.time.push_back(
+          Loaded(bench::modal_model(n_centers, n_shared, n_own, n_centers, n_near, 1, n)).deformation_us());
+    }
+    finish(std::move(field));
+  }
+  return all;
+}
+
+/// Additions, multiplications, divisions and roots, without the choice of neurons and the like.
+struct Work {
+  const char* what;
+  double time_us, flops, bytes;
+  bool single;
+};
+
+nlohmann::json compare_with_limits() {
+  const bench::MachineLimits limits = bench::machine_limits();
+  std::printf("this core: %.0f GFlop/s in double, %.0f in float, multiplications and additions not fused\n",
+              limits.double_gflops, limits.float_gflops);
+  Loaded networks(bench::networks_model(100, n_neurons, 1));
+  Loaded modal(bench::modal_model(n_centers, n_shared, n_own, n_centers, n_near, 1));
+  // A Gaussian: distance 8, its exponential 37; three sums 6. A center of q^3: distance 9, root and division
+  // 2, the rest 18.
+  constexpr double gaussian = 45, sums = 6, center = 29;
+  constexpr double nodes = bench::n_output;
+  const std::vector<Work> works = {
+      {"force, 100 neurons", 1e-3 * networks.force_ns(), 100 * (gaussian + sums), 100 * 6 * 8, false},
+      {"deformation 486 x 200, rbfn", networks.deformation_us(),
+       nodes * n_neurons * sums + n_neurons * gaussian, nodes * n_neurons * 8, false},
+      {"force, 78 centers, modal", 1e-3 * modal.force_ns(), (n_centers + 1) * center, n_centers * (24 + 12),
+       false},
+      {"deformation 486, 16 modes", modal.deformation_us(),
+       nodes * 3 * n_own * 2 + n_centers * (11 + 2 * n_own), nodes * 3 * n_own * 4, true}};
+  std::printf("  %-28s %9s %9s %12s %16s\n", "", "us", "kflop", "of the peak", "of reading it");
+  nlohmann::json json;
+  json["double_gflops"] = limits.double_gflops;
+  json["float_gflops"] = limits.float_gflops;
+  for (const Work& work : works) {
+    const double peak = work.single ? limits.float_gflops : limits.double_gflops;
+    const double rate = bench::read_rate(static_cast<std::size_t>(work.bytes));
+    const double arithmetic = 1e-3 * work.flops / peak, reading = 1e-3 * work.bytes / rate;
+    std::printf("  %-28s %9.3f %9.1f %10.0f %% %7.0f %% of %.0f GB/s\n", work.what, work.time_us,
+                1e-3 * work.flops, 100 * arithmetic / work.time_us, 100 * reading / work.time_us, rate);
+    json[work.what] = {{"us", work.time_us},
+                       {"of_arithmetic", arithmetic / work.time_us},
+                       {"of_reading", reading / work.time_us}};
+  }
+  return json;
+}
+
+void plot(const std::string& file, const std::vector<Series>& all) {
+  std::string script =
+      "set terminal svg size 1200,700 background '#ffffff' font 'sans,12'\nset output '" + file +
+      "'\nset multiplot layout 2,3\nset grid\nset key top left\nset xrange [0:*]\nset yrange [0:*]\n";
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Series& series = all[i];
+    const auto [constant, slope] = series.line();
+    const auto data = [&](const std::vector<double>& values) {
+      std::string rows;
+      for (std::size_t k = 0; k < values.size(); ++k)
+        rows += std::to_string(series.n[k]) + " " + std::to_string(values[k]) + "\n";
+      return rows;
+    };
+    const std::string label = "$series" + std::to_string(i);
+    script += label + " << END\n" + data(series.time) + "END\nset title '" + series.name + "'\nset xlabel '" +
+              series.axis + "'\nset ylabel '" + series.unit + "'\nplot " + label +
+              " with points pt 7 notitle, " + std::to_string(constant) + " + " + std::to_string(slope) +
+              " * x with lines notitle\n";
+  }
+  std::signal(SIGPIPE, SIG_IGN);  // where there is no gnuplot
+  std::FILE* gnuplot = popen("gnuplot", "w");
+  const bool written = gnuplot && std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
+  if (!gnuplot || pclose(gnuplot) != 0 || !written)
+    throw failure("the plot was not drawn", file, "install gnuplot-nox, or leave --plot out");
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Time of the runtime against neurons, centers and nodes, and the limits of this core");
+  std::string plot_file, json_file;
+  app.add_option("--plot", plot_file, "draw the lines (SVG; needs gnuplot)");
+  app.add_option("--json", json_file, "write the figures for machines");
+  CLI11_PARSE(app, argc, argv);
+  std::printf("one core, medians of processor time; arbitrary coefficients\n");
+  const auto all = measure();
+  auto json = compare_with_limits();
+  for (const Series& series : all)
+    json["lines"][series.name] = {{"n", series.n},
+                                  {"time", series.time},
+                                  {"unit", series.unit},
+                                  {"plain", series.plain},
+                                  {"departure", series.departure()}};
+  volatile double keep = sink;  // the calls have results that somebody reads
+  static_cast<void>(keep);
+  if (!plot_file.empty()) plot(plot_file, all);
+  if (!json_file.empty()) {
+    std::ofstream out(json_file);
+    out << json.dump(1) << '\n';
+    if (!out.flush()) throw failure("writing failed", json_file, "look at the disk and the rights");
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return bench::exit_status(run, argc, argv); }
