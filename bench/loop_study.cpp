@@ -1,4 +1,5 @@
-// Work over closed paths, integrated from forces: what a device could be fed by a model.
+// Work over closed paths, integrated from forces: what a device could be fed by a model; and jumps of the
+// force where a tool slides from triangle to triangle.
 #include <phynness/phynness.h>
 
 #include <CLI/CLI.hpp>
@@ -36,6 +37,9 @@ class Paths {
     for (Eigen::Index t = 0; t < surface.rows(); ++t)
       if (is_active(surface(t, 0)) && is_active(surface(t, 1)) && is_active(surface(t, 2)))
         _triangles.push_back({surface(t, 0), surface(t, 1), surface(t, 2)});
+    for (const auto& triangle : _triangles)
+      for (std::size_t k = 0; k < 3; ++k)
+        _neighbor[{triangle[k], triangle[(k + 1) % 3]}] = triangle[(k + 2) % 3];
   }
 
   bool has_points() const { return !_triangles.empty(); }
@@ -94,7 +98,46 @@ class Paths {
     return loop;
   }
 
+  /// A tool that is pushed to one displacement slides by `step` [m] from a triangle to another: over an edge,
+  /// or every fourth time over a node. @return change of the force over its size
+  double slide(double step) {
+    const auto& from = _triangles[index(_triangles.size())];
+    const std::size_t first = index(3);
+    const std::int32_t a = from[first], b = from[(first + 1) % 3], c = from[(first + 2) % 3];
+    const bool over_node = index(4) == 0;
+    const double at = over_node ? 0 : uniform();
+    const auto other = _neighbor.find({b, a});
+    const std::int32_t beyond = over_node ? opposite(a, b, c) : other == _neighbor.end() ? -1 : other->second;
+    if (beyond < 0) return 0;
+    const Vector d = in_ball(), edge = (1 - at) * point(a) + at * point(b);
+    Vector forces[2];
+    for (int side = 0; side < 2; ++side) {
+      const std::int32_t inside = side == 0 ? c : beyond;
+      const double part = std::min(0.3, step / 2 / (point(inside) - edge).norm());
+      const phn_tool tool{{a, b, inside}, {(1 - part) * (1 - at), (1 - part) * at, part}, {d[0], d[1], d[2]}};
+      coupled(tool, forces[side]);
+    }
+    const double size = std::max(forces[0].norm(), forces[1].norm());
+    return size > 0 ? (forces[1] - forces[0]).norm() / size : 0;
+  }
+
  private:
+  /// Another neighbour of node a, to slide to over a: the corner after the next around it.
+  std::int32_t opposite(std::int32_t a, std::int32_t b, std::int32_t c) const {
+    std::int32_t at = c;
+    for (int turn = 0; turn < 2; ++turn) {
+      const auto next = _neighbor.find({a, at});
+      if (next == _neighbor.end() || next->second == b) break;
+      at = next->second;
+    }
+    return at;
+  }
+  Vector point(std::int32_t node) const {
+    const auto& model = _model.model();
+    const auto at = std::lower_bound(model.output.begin(), model.output.end(), node) - model.output.begin();
+    return model.output_points.row(at).transpose();
+  }
+
   struct State {
     std::vector<double> u;                ///< n_output x 3
     std::map<std::int32_t, Vector> pull;  ///< position among the output nodes: weight times force
@@ -197,6 +240,8 @@ class Paths {
   const LoadedModel& _model;
   std::mt19937_64 _random;
   std::vector<std::array<std::int32_t, 3>> _triangles;
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t>
+      _neighbor;  ///< of a directed edge: third corner
 };
 
 /// Prints quantiles and a histogram by decades of |work| / energy.
@@ -223,15 +268,33 @@ nlohmann::ordered_json report(const char* what, const std::vector<Loop>& loops) 
       {"median", quantile(0.5)}, {"p95", quantile(0.95)}, {"max", ratio.back()}, {"by_decade", histogram}};
 }
 
+nlohmann::ordered_json report_slides(Paths& paths, int n) {
+  nlohmann::ordered_json out;
+  std::printf("slides over edges and nodes, %d of each size: change of the force over its size\n", n);
+  for (const double step : {1e-4, 1e-5, 1e-6, 1e-7}) {
+    std::vector<double> change;
+    for (int i = 0; i < n; ++i) change.push_back(paths.slide(step));
+    std::sort(change.begin(), change.end());
+    const auto last = static_cast<double>(change.size() - 1);
+    const double median = change[static_cast<std::size_t>(0.5 * last)],
+                 high = change[static_cast<std::size_t>(0.999 * last)];
+    std::printf("  %.0e m: median %.1e, 99.9 %% %.1e, largest %.1e\n", step, median, high, change.back());
+    out.push_back({{"step_m", step}, {"median", median}, {"p99.9", high}, {"max", change.back()}});
+  }
+  return out;
+}
+
 int run(int argc, char** argv) {
   CLI::App app(
       "Work over closed paths, integrated from the forces of a model, over the largest energy on the path");
   std::string directory, json_file;
-  int loops = 1000, steps = 200;
+  int loops = 1000, steps = 200, slides = 0;
   std::uint64_t seed = 1;
   app.add_option("MODEL_DIR", directory)->required();
   app.add_option("--loops", loops, "of each kind")->check(CLI::Range(1, 1'000'000));
   app.add_option("--steps", steps, "of a sliding tool in each triangle")->check(CLI::Range(2, 100'000));
+  app.add_option("--slides", slides, "small ones over edges and nodes, of each size")
+      ->check(CLI::Range(0, 10'000'000));
   app.add_option("--seed", seed);
   app.add_option("--json", json_file);
   CLI11_PARSE(app, argc, argv);
@@ -247,6 +310,7 @@ int run(int argc, char** argv) {
   if (paths.has_points()) {
     measure("at_points", "quadrilaterals at points between nodes", [&] { return paths.at_point(); });
     measure("sliding", "sliding around a node over its edges", [&] { return paths.sliding(steps); });
+    if (slides > 0) out["slides"] = report_slides(paths, slides);
   }
   if (!json_file.empty()) std::ofstream(json_file) << out.dump(2) << "\n";
   return 0;
