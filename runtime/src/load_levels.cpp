@@ -26,7 +26,7 @@ void load_levels(TextReader& in, Arena& arena, std::int32_t n_displacements, phn
   attempt.keyword("levels");
   if (model.family == Family::linear || !in.good() || !attempt.good()) return;
   in.keyword("levels");
-  const std::int32_t n = in.integer(2, most_model_levels);
+  const std::int32_t n = in.integer(2, largest_level_count);
   in.end_line();
   for (std::int32_t l = 0; l + 1 < n && in.good(); ++l) {
     phn_model& level = levels.level[l];

@@ -97,8 +97,8 @@ void load_amplitude_centers(TextReader& in, Arena& arena, std::int32_t n_displac
 /// Smaller levels while a model is loaded: which of what they are made of is their own.
 struct Levels {
   std::int32_t n_smaller;
-  phn_model level[most_model_levels - 1];           ///< shared, errors; all else when the model is complete
-  ActiveNode* active[most_model_levels - 1];        ///< n_active each, or null
+  phn_model level[largest_level_count - 1];           ///< shared, errors; all else when the model is complete
+  ActiveNode* active[largest_level_count - 1];        ///< n_active each, or null
 };
 /// The levels of a model, one if the text says nothing of them.
 void load_levels(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model, Levels& levels);

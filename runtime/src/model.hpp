@@ -120,7 +120,7 @@ struct ActiveNode {
   const ModalResponse* modal;
 };
 
-inline constexpr std::int32_t most_model_levels = 8;
+inline constexpr std::int32_t largest_level_count = 8;
 
 /// Mean errors, as fractions; 0: not estimated.
 struct LevelErrors {

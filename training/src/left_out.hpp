@@ -26,4 +26,18 @@ RowGroups groups_by_direction(const std::vector<std::int32_t>& direction, Eigen:
 Eigen::MatrixXd left_out(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& tail,
                          const Eigen::MatrixXd& values, const RowGroups& groups);
 
+/// The same of a damped least squares, whose columns are given: errors at each group of rows when that group
+/// is left out. With Q of an orthogonal factorization of the columns, damping included, they are
+/// [I - Q_g Q_g^T]^-1 times what the fit of all leaves of the group. Groups without which the columns are not
+/// determined get the size of the values instead.
+/// @param damped  n rows of data, and below them those of the damping
+/// @param rest    n x columns: values less fit
+Eigen::MatrixXd left_out_of_fit(const Eigen::MatrixXd& damped, const Eigen::MatrixXd& rest,
+                                const Eigen::MatrixXd& values, const RowGroups& groups);
+
+/// The same from orthonormal columns q, n rows. @param q  of the data alone
+Eigen::MatrixXd left_out_of_projection(const Eigen::Ref<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>& q,
+                                       const Eigen::MatrixXd& rest, const Eigen::MatrixXd& values,
+                                       const RowGroups& groups);
+
 }  // namespace phynness
