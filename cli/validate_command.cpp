@@ -20,6 +20,7 @@ struct Options {
   std::optional<std::int64_t> probes;
   std::optional<std::int64_t> seed;
   std::int64_t nodes = 0, points = 0;
+  std::optional<std::int32_t> level;
   std::optional<std::filesystem::path> json_file;
 };
 
@@ -109,6 +110,7 @@ void run(const Options& options) {
   session.together([&] {
     scene = read_scene(options.scene);
     loaded.emplace(options.model);
+    if (options.level) loaded->set_level(*options.level);
     if (session.rank() == 0) check_mesh(scene, loaded->model().mesh_hash, options.model.string());
   });
   const LoadedModel& model = *loaded;
@@ -148,6 +150,8 @@ void run(const Options& options) {
   if (inside.force.n > 0) fmt::print("median inside: force{} %", percent(inside.force.median));
   if (inside.displacement.n > 0) fmt::print(", displacement{} %", percent(inside.displacement.median));
   fmt::print("\n");
+  fmt::print("rank correlation of the force's error with the distance from what was trained: {:.2f} inside, {:.2f} beyond\n",
+             report.distance_correlation_inside, report.distance_correlation_outside);
   print_examples(report);
   if (options.points > 0) print_points(points);
   fmt::print("runtime on this machine, one core: force {:.2f} us", report.speed.force_us);
@@ -177,7 +181,10 @@ void run(const Options& options) {
              {"max_displacement_m", scene.probe.max_displacement_m},
              {"outside_factor", report.outside_factor},
              {"nodes", report.nodes},
+             {"level", phn_level_of(model.data())},
              {"seed", seed}}},
+           {"distance_correlation",
+            {{"inside", report.distance_correlation_inside}, {"outside", report.distance_correlation_outside}}},
            {"examples", json::array()},
            {"force_us", report.speed.force_us},
            {"deformation_us", report.speed.deformation_us},
@@ -211,6 +218,7 @@ void add_validate_command(CLI::App& app) {
       ->add_option("--points", options->points,
                    "also tools at so many random points between nodes, against point-constrained solves")
       ->check(CLI::Range(1, 1'000'000));
+  command->add_option("--level", options->level, "level of the model, 0 the smallest (default: the full one)");
   command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--json", options->json_file, "write the figures for machines");
