@@ -39,7 +39,7 @@ void run(const Options& options) {
                       {"deformation_us", time.deformation_us}});
   }
   if (times.size() > 1)
-    fmt::print("errors: directions left out of the fit, over the largest of the node (training's estimate)\n");
+    fmt::print("errors: of displacements left out of the fit one by one, over the largest of the node; the median node\n");
   else
     fmt::print("one level; [training] levels makes more, with their errors\n");
   json out{{"levels", levels}};

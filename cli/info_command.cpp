@@ -147,7 +147,7 @@ json about_model(const std::filesystem::path& dir) {
                       {"error_displacement", info.error_displacement}});
     if (m.levels.empty()) continue;
     const std::string modes_text = info.modes > 0 ? fmt::format(" of {} modes", info.modes) : "";
-    fmt::print("level {}   {} centers of the force, {} of the deformation{}; directions left out: {:.3f} %, {:.3f} %\n",
+    fmt::print("level {}   {} centers of the force, {} of the deformation{}; errors of left-out states: {:.3f} %, {:.3f} %\n",
                l, info.force_centers, info.deformation_centers, modes_text, 100 * info.error_force,
                100 * info.error_displacement);
   }

@@ -52,7 +52,7 @@ void print_modal(const Model& model, const TrainingReport& report) {
 
 void print_levels(const Model& model) {
   for (std::size_t l = 0; l < model.levels.size(); ++l)
-    fmt::print("level {}: with a direction left out force {:.3f} %, displacement {:.3f} %\n", l,
+    fmt::print("level {}: with a state left out force {:.3f} %, displacement {:.3f} %, the median node\n", l,
                100 * model.levels[l].error_force, 100 * model.levels[l].error_displacement);
 }
 

@@ -122,7 +122,7 @@ struct ActiveNode {
 
 inline constexpr std::int32_t largest_level_count = 8;
 
-/// Mean errors, as fractions; 0: not estimated.
+/// As fractions; 0: not estimated.
 struct LevelErrors {
   double force, displacement;
 };

@@ -240,7 +240,7 @@ TEST(Calibration, MeasuresWithTheClockOfTheCaller) {
 // Claim: of those that fit, the level of the smallest error counts, not the largest.
 TEST(Calibration, PrefersTheSmallerError) {
   Model model = with_levels(small_modal_model());
-  model.levels[1].error_displacement = 0.01;
+  model.levels[2].error_displacement = 0.3;
   const LoadedModel loaded(write_model_text(model));
   const phn_level_time times[] = {{1, 1}, {2, 2}, {3, 3}};
   std::int32_t level = -1;

@@ -189,8 +189,9 @@ double true_force_error(const Model& model, const ActiveNodeModel& node, std::si
   return sum / 300 / largest;
 }
 
-// Claim: errors fall with the level, and what training says of directions left out is the error between directions or
-// more: these lie half as far from what was trained. Of this smooth force at most ten times more.
+// Claim: errors fall with the level, and what training says of states left out one by one is the error elsewhere in the
+// trained range to a factor of three: a state's neighbours on its ray are nearer than those of a place between the rays,
+// a state at the rim is extrapolated.
 TEST_P(Levels, TellErrorsThatFallAndBracketTheTrueOnes) {
   const Model model = trained(spec_of(GetParam(), 3));
   double before = std::numeric_limits<double>::infinity(), before_displacement = before;
@@ -203,8 +204,8 @@ TEST_P(Levels, TellErrorsThatFallAndBracketTheTrueOnes) {
     RecordProperty("level_" + std::to_string(l), std::to_string(said.error_force) + " said, " + std::to_string(error));
     EXPECT_LT(said.error_force, before) << l;
     EXPECT_LT(said.error_displacement, before_displacement) << l;
-    EXPECT_GT(said.error_force, 0.8 * error) << l;
-    EXPECT_LT(said.error_force, 10 * error) << l;
+    EXPECT_GT(said.error_force, error / 3) << l;
+    EXPECT_LT(said.error_force, error * 3) << l;
     before = said.error_force;
     before_displacement = said.error_displacement;
   }

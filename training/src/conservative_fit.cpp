@@ -168,7 +168,7 @@ double left_out_error(const ForceStates& states, double shape) {
   }
   VectorXd values = VectorXd::Zero(3 * n);
   values.tail(3 * (n - 1)) = stacked(states);
-  const MatrixXd errors = left_out(phi, tail, values, groups_by_direction(states.direction, 3, 3));
+  const MatrixXd errors = left_out(phi, tail, values, groups_of_equal(states.direction, 3, 3));
   return mean_length(errors.col(0).tail(3 * (n - 1))) / largest_force(states);
 }
 
@@ -334,7 +334,7 @@ ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& ch
     const MatrixXd free = weighted.leftCols(n_free);
     const MatrixXd errors =
         left_out_of_fit(damped_columns(free, column_sizes(free), 3 * m), target - weighted * solution, target,
-                        groups_by_direction(states.direction, 3, 0));
+                        groups_of_equal(states.row, 3, 0));
     *left_out_error = mean_length(errors.col(0).cwiseQuotient(weights)) / largest;
   }
   return fit;

@@ -21,10 +21,10 @@ MatrixXd rows_of(const MatrixXd& matrix, const std::vector<Index>& which) {
   return rows;
 }
 
-RowGroups groups_by_direction(const std::vector<std::int32_t>& direction, Index per_state, Index first_row) {
+RowGroups groups_of_equal(const std::vector<std::int32_t>& numbers, Index per_state, Index first_row) {
   RowGroups groups;
-  for (std::size_t i = 0; i < direction.size(); ++i) {
-    if (i == 0 || direction[i] != direction[i - 1]) groups.emplace_back();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (i == 0 || numbers[i] != numbers[i - 1]) groups.emplace_back();
     for (Index k = 0; k < per_state; ++k)
       groups.back().push_back(first_row + per_state * static_cast<Index>(i) + k);
   }

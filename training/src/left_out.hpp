@@ -13,10 +13,10 @@ using RowGroups = std::vector<std::vector<Eigen::Index>>;
 /// The rows of a matrix that `which` names, in that order.
 Eigen::MatrixXd rows_of(const Eigen::MatrixXd& matrix, const std::vector<Eigen::Index>& which);
 
-/// One group for each direction of the states: `per_state` rows a state, after `first_row` rows that are
-/// never left out.
-RowGroups groups_by_direction(const std::vector<std::int32_t>& direction, Eigen::Index per_state,
-                              Eigen::Index first_row);
+/// One group for each run of states with equal numbers, of their direction for instance: `per_state` rows a
+/// state, after `first_row` rows that are never left out.
+RowGroups groups_of_equal(const std::vector<std::int32_t>& numbers, Eigen::Index per_state,
+                          Eigen::Index first_row);
 
 /// Errors (n x columns of values) of the interpolant kernel w + tail c = values, tail^T w = 0, at each group
 /// of rows when that group is left out; zero at rows in no group. With A the matrix of that system and w =

@@ -118,7 +118,7 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
     tail.row(i).tail<3>() = place(i).transpose();
     for (Index j = 0; j < n; ++j) phi(i, j) = multiquadric(place(i) - place(j), shape);
   }
-  const MatrixXd errors = left_out(phi, tail, values, groups_by_direction(directions, 1, 1));
+  const MatrixXd errors = left_out(phi, tail, values, groups_of_equal(directions, 1, 1));
   const double n_output = static_cast<double>(node.modes.rows()) / node.components;
   return node.largest > 0
              ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest
@@ -151,7 +151,7 @@ ModalFit::Level fit_level(const TrainingTables& tables, const AmplitudeLevel& le
   damped.topRows(problem.unit.rows()) = problem.unit;
   damped.bottomRows(problem.unit.cols()).diagonal().setConstant(damping);
   const MatrixXd errors = left_out_of_fit(damped, wanted - problem.unit * weights, wanted,
-                                          groups_by_direction(node.direction, 1, 0));
+                                          groups_of_equal(node.row, 1, 0));
   fit.left_out_error =
       node.lost + mean_share((wanted - errors) * stored.leftCols(n_modes).transpose() -
                                  node.amplitudes * node.modes.transpose(),

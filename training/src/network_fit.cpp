@@ -178,7 +178,7 @@ std::int32_t worst_untried(const std::vector<double>& error, const std::vector<c
 double left_out_error(const GrowingQr::Columns& q, const Eigen::MatrixXd& rest, const Eigen::MatrixXd& targets,
                       const RbfNetwork& net, const NetworkPoints& points,
                       const std::vector<std::int32_t>& group) {
-  const Eigen::MatrixXd errors = left_out_of_projection(q, rest, targets, groups_by_direction(group, 1, 0));
+  const Eigen::MatrixXd errors = left_out_of_projection(q, rest, targets, groups_of_equal(group, 1, 0));
   const double sum = (errors * net.output_half_range.asDiagonal()).rowwise().norm().sum();
   const double largest = points.outputs.rowwise().norm().maxCoeff();
   return largest > 0 ? sum / (static_cast<double>(points.size()) * largest) : 0;

@@ -211,7 +211,7 @@ class Training {
     report.n_skipped = static_cast<std::int32_t>(report.skipped_nodes.size());
     report.mean_force_mse /= report.n_networks;
     report.mean_deformation_mse /= report.n_networks;
-    model.levels = errors.means();
+    model.levels = errors.medians();
     for (std::size_t l = 0; l + 1 < _levels.size(); ++l) model.levels[l].centers = _levels[l].centers;
     if (_spec.family == Family::modal) {
       for (double* mean : {&report.modal.force_training, &report.modal.force_left_out,
@@ -247,31 +247,33 @@ class Training {
     std::int64_t used = 0, failed = 0;
   };
 
-  /// Means over the nodes where errors were estimated.
+  /// Medians over the nodes where errors were estimated: a node where the body snaps is told by no network, and would
+  /// outweigh all others in a mean.
   class LevelErrors {
    public:
     explicit LevelErrors(int n_levels)
-        : _levels(n_levels > 1 ? static_cast<std::size_t>(n_levels) : 0) {}
+        : _force(n_levels > 1 ? static_cast<std::size_t>(n_levels) : 0), _displacement(_force.size()) {}
     void add(const Outcome& outcome) {
-      _n_force += !outcome.force_errors.empty();
-      _n_displacement += !outcome.displacement_errors.empty();
       for (std::size_t l = 0; l < outcome.force_errors.size(); ++l)
-        _levels[l].error_force += outcome.force_errors[l];
+        _force[l].push_back(outcome.force_errors[l]);
       for (std::size_t l = 0; l < outcome.displacement_errors.size(); ++l)
-        _levels[l].error_displacement += outcome.displacement_errors[l];
+        _displacement[l].push_back(outcome.displacement_errors[l]);
     }
-    std::vector<ModelLevel> means() const {
-      auto means = _levels;
-      for (auto& level : means) {
-        level.error_force /= std::max(1, _n_force);
-        level.error_displacement /= std::max(1, _n_displacement);
-      }
-      return means;
+    std::vector<ModelLevel> medians() const {
+      std::vector<ModelLevel> levels;
+      for (std::size_t l = 0; l < _force.size(); ++l)
+        levels.push_back({median(_force[l]), median(_displacement[l]), {}});
+      return levels;
     }
 
    private:
-    std::vector<ModelLevel> _levels;
-    int _n_force = 0, _n_displacement = 0;
+    static double median(std::vector<double> errors) {
+      if (errors.empty()) return 0;
+      std::sort(errors.begin(), errors.end());
+      return errors[(errors.size() - 1) / 2];
+    }
+
+    std::vector<std::vector<double>> _force, _displacement;  ///< by level
   };
 
   void train_one(const SearchNode& read, bool estimate_errors, Outcome& outcome) const {

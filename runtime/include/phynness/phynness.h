@@ -216,9 +216,9 @@ int phn_trained_distance(const phn_model *model, int32_t node, const double d[3]
 /* Levels: a model trained with [training] levels holds smaller networks beside its full one, each fitted to the data on
  * its own: the first of the centers and modes that the full one took, with coefficients of their own. Level 0 is the
  * smallest, level n_levels - 1 the full model; n_levels is 1 where training made none, 0 for a null model.
- * phn_level: the largest sizes of all nodes, and mean errors as the model tells them, fractions of the largest force or
- * displacement of each node: of directions left out of the fit, one by one (docs/decisions/levels.md says what they are
- * worth); 0 where nothing was estimated. */
+ * phn_level: the largest sizes of all nodes, and errors as the model tells them, fractions of a node's largest force or
+ * displacement: the mean at trained displacements left out of the fit one by one, of the median node, inside the trained
+ * range (docs/decisions/levels.md says what that is worth); 0 where nothing was estimated. */
 typedef struct phn_level {
   int32_t force_centers;       /* centers of a force; in family rbfn its neurons */
   int32_t deformation_centers; /* centers of the amplitudes; in family rbfn neurons of a deformation */
@@ -231,7 +231,7 @@ int phn_level_info(const phn_model *model, int32_t level, phn_level *info);
 /* Sets the level of everything that is asked with this data from now on: forces, energies, stiffnesses, deformations,
  * fields and coupled tools; phn_coupled_deform keeps that of its phn_couple. Without it data have the full level. Costs
  * nothing, prepared nodes stay ready. Each level by itself is what the family promises: in family modal the gradient of
- * an energy of its own. Forces and energies jump at a switch, by about the sum of the errors of the two levels: switch
+ * an energy of its own. Forces and energies jump at a switch, by at most the sum of the errors of the two levels: switch
  * where nothing is touched, or blend forces over some milliseconds. */
 int phn_set_level(const phn_model *model, phn_data *data, int32_t level);
 /* 0 for null data. */

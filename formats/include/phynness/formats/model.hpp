@@ -103,8 +103,8 @@ struct LevelResponse {
 
 /// A level of a model: smaller networks, each fitted on its own, or the full one.
 struct ModelLevel {
-  /// Means over the active nodes of the error at directions left out of the fit, as fractions of each node's largest
-  /// force or displacement; 0: not estimated.
+  /// Medians over the active nodes of the mean error at trained displacements left out of the fit one by one, as
+  /// fractions of each node's largest force or displacement; 0: not estimated.
   double error_force = 0, error_displacement = 0;
   std::vector<std::int32_t> centers;  ///< modal, smaller levels: of the amplitudes, as SharedModes::centers
 };

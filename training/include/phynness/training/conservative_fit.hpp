@@ -24,7 +24,7 @@ ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& r
 struct ForceLevel {
   ConservativeNetwork network;
   /// Mean |model - data| over the states, over the largest |data|, each state predicted by the same least
-  /// squares, centers given, of all directions but its own.
+  /// squares, centers given, of all others.
   double left_out_error = 0;
 };
 

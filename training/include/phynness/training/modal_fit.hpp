@@ -73,7 +73,7 @@ struct ModalFit {
   struct Level {
     ScaledTable weights;
     /// Mean over states and nodes of |difference|, over the largest displacement: truncation, and amplitudes
-    /// predicted by the same least squares of all directions but the state's own.
+    /// predicted by the same least squares, centers given, of all other states.
     double left_out_error = 0;
   };
   std::vector<Level> levels;  ///< of the levels asked for
