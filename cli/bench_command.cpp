@@ -39,7 +39,9 @@ void run(const Options& options) {
                       {"deformation_us", time.deformation_us}});
   }
   if (times.size() > 1)
-    fmt::print("errors: of displacements left out of the fit one by one, over the largest of the node; the median node\n");
+    fmt::print(
+        "errors: of displacements left out of the fit one by one, over the largest of the node; the median "
+        "node\n");
   else
     fmt::print("one level; [training] levels makes more, with their errors\n");
   json out{{"levels", levels}};
@@ -66,7 +68,8 @@ void run(const Options& options) {
 
 void add_bench_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("bench", "Time of a force and of a deformation at each level of a model");
+  auto* command =
+      app.add_subcommand("bench", "Time of a force and of a deformation at each level of a model");
   command->add_option("MODEL_DIR", options->model, "directory with model.txt and mesh.txt")->required();
   command->add_option("--budget", options->budget_us, "say which level fits into so many microseconds")
       ->check(CLI::NonNegativeNumber);

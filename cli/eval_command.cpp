@@ -100,7 +100,8 @@ void add_eval_command(CLI::App& app) {
           "--tools", options->tools,
           "several tools: coupled = superposed with a force at each; paper = weights (15)-(16), no force")
       ->check(CLI::IsMember({"coupled", "paper"}));
-  command->add_option("--level", options->level, "level of the model, 0 the smallest (default: the full one)");
+  command->add_option("--level", options->level,
+                      "level of the model, 0 the smallest (default: the full one)");
   command->add_option("--surface", options->surface,
                       "write the surface: .vtk or .vtu at rest with its displacement, .obj deformed");
   command->add_option("--subdivide", options->levels, "levels of subdivision of that surface (Loop's scheme)")

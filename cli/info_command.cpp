@@ -147,9 +147,11 @@ json about_model(const std::filesystem::path& dir) {
                       {"error_displacement", info.error_displacement}});
     if (m.levels.empty()) continue;
     const std::string modes_text = info.modes > 0 ? fmt::format(" of {} modes", info.modes) : "";
-    fmt::print("level {}   {} centers of the force, {} of the deformation{}; errors of left-out states: {:.3f} %, {:.3f} %\n",
-               l, info.force_centers, info.deformation_centers, modes_text, 100 * info.error_force,
-               100 * info.error_displacement);
+    fmt::print(
+        "level {}   {} centers of the force, {} of the deformation{}; errors of left-out states: {:.3f} %, "
+        "{:.3f} %\n",
+        l, info.force_centers, info.deformation_centers, modes_text, 100 * info.error_force,
+        100 * info.error_displacement);
   }
   fmt::print("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n",
              bytes(static_cast<double>(model.text_bytes())),

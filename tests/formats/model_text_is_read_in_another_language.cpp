@@ -42,8 +42,8 @@ void expect_agreement(const Model& model, std::int32_t level) {
   }
   const std::string command = std::string(PHYNNESS_PYTHON " " PHYNNESS_MODEL_READER " ") +
                               (folder / "model.txt").string() +
-                              (model.levels.empty() ? "" : " " + std::to_string(level)) + " < " + (folder / "queries").string() +
-                              " > " + (folder / "answers").string();
+                              (model.levels.empty() ? "" : " " + std::to_string(level)) + " < " +
+                              (folder / "queries").string() + " > " + (folder / "answers").string();
   ASSERT_EQ(std::system(command.c_str()), 0);
   std::ifstream answers(folder / "answers");
   for (const ActiveNodeModel& node : model.nodes) {

@@ -136,8 +136,10 @@ TEST(ModelText, RefusalsSayWhatIsWrong) {
       {replaced(leveled, "\nlevel 1p-1 1p-2\namplitude_centers 2",
                 "\nlevel 1p-1 1p-2\namplitude_centers 5\n1\n1\n1"),
        "more centers than its model"},
-      {replaced(leveled, "\ndeformation 1\n", "\ndeformation 0\n"), "modes of a level is out of range 1 ... 3"},
-      {replaced(leveled, "\ndeformation 1\n", "\ndeformation 4\n"), "modes of a level is out of range 1 ... 3"},
+      {replaced(leveled, "\ndeformation 1\n", "\ndeformation 0\n"),
+       "modes of a level is out of range 1 ... 3"},
+      {replaced(leveled, "\ndeformation 1\n", "\ndeformation 4\n"),
+       "modes of a level is out of range 1 ... 3"},
       {replaced(leveled, "\nforce 2\n", "\nforce 3\n"), ""},
       {replaced(networks, "\ndeformation 3\n", "\ndeformation 10\n"), "more neurons than its model"},
   };

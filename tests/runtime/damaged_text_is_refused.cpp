@@ -198,7 +198,8 @@ TEST(DefectsOfText, OfModalModelsAreTold) {
   EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(center, 1, "8")))), PHN_ERROR_RANGE);
 }
 
-// Claim: levels are bounded by the full model, for which scratch is laid out; a level keeps its number of lines.
+// Claim: levels are bounded by the full model, for which scratch is laid out; a level keeps its number of
+// lines.
 TEST(DefectsOfText, OfLevelsAreTold) {
   for (const Family family : {Family::rbfn, Family::modal}) {
     const std::string text = write_model_text(with_levels(small_model_of(family)));
@@ -215,12 +216,14 @@ TEST(DefectsOfText, OfLevelsAreTold) {
   }
   // What a level has more of than the model that it belongs to.
   const auto refused = [](Model model, Model other) {
-    const std::string text = write_model_text(with_levels(model)), large = write_model_text(with_levels(other));
+    const std::string text = write_model_text(with_levels(model)),
+                      large = write_model_text(with_levels(other));
     const auto part = [](const std::string& of, const char* from, const char* to) {
       const std::size_t begin = of.find(from), end = of.find(to, begin + 1);
       return of.substr(begin, end - begin);
     };
-    EXPECT_EQ(size_status(replaced(text, part(text, "\nlevels ", "\nactive "), part(large, "\nlevels ", "\nactive "))),
+    EXPECT_EQ(size_status(replaced(text, part(text, "\nlevels ", "\nactive "),
+                                   part(large, "\nlevels ", "\nactive "))),
               PHN_ERROR_RANGE);
   };
   refused(small_modal_model(3, 5, 6, 2), small_modal_model(3, 5, 6, 8));
@@ -236,15 +239,20 @@ TEST(DefectsOfText, OfLevelsAreTold) {
   ASSERT_EQ(size_status(text), PHN_OK);
   // The smaller level of the first node: its force comes after the full deformation.
   const std::size_t level = text.find("\nforce ", text.find("\nforce ") + 1);
-  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(level + 7, 1, "6")))), PHN_ERROR_SYNTAX);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(level + 7, 1, "6")))),
+            PHN_ERROR_SYNTAX);
   const std::size_t modes = text.find("\ndeformation ", level);
-  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "4")))), PHN_ERROR_RANGE);
-  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "0")))), PHN_ERROR_RANGE);
-  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "2")))), PHN_ERROR_SYNTAX);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "4")))),
+            PHN_ERROR_RANGE);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "0")))),
+            PHN_ERROR_RANGE);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "2")))),
+            PHN_ERROR_SYNTAX);
   // A linear model has none.
   const std::string linear = write_model_text(small_linear_model());
-  EXPECT_EQ(size_status(replaced(linear, "\nactive ", "\nlevels 2\nlevel 0p+0 0p+0\nlevel 0p+0 0p+0\nactive ")),
-            PHN_ERROR_SYNTAX);
+  EXPECT_EQ(
+      size_status(replaced(linear, "\nactive ", "\nlevels 2\nlevel 0p+0 0p+0\nlevel 0p+0 0p+0\nactive ")),
+      PHN_ERROR_SYNTAX);
 }
 
 // Claim: what could overflow is refused when the model is built: a largest displacement beyond 1e90 or below

@@ -58,8 +58,8 @@ class Levels : public testing::TestWithParam<Family> {};
 INSTANTIATE_TEST_SUITE_P(Families, Levels, testing::Values(Family::rbfn, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });
 
-// Claim: a level says what a model made of that level alone says, to the last bit, whichever levels were asked before
-// with the same data and whichever nodes are ready; the last level is the model without levels.
+// Claim: a level says what a model made of that level alone says, to the last bit, whichever levels were
+// asked before with the same data and whichever nodes are ready; the last level is the model without levels.
 TEST_P(Levels, AnswerAsModelsOfTheirOwn) {
   const Model model = with_levels(model_of(GetParam()));
   const LoadedModel loaded(write_model_text(model));
@@ -114,11 +114,13 @@ TEST_P(Levels, AreKeptByCoupledTools) {
   }
 }
 
-// Claim: at every level the force is the gradient of that level's energy: work over a closed path of straight pieces is
-// 0 to the accuracy of Gauss's rule, 1e-9 of the energies on the way for kernels whose width is a third of the range.
+// Claim: at every level the force is the gradient of that level's energy: work over a closed path of straight
+// pieces is 0 to the accuracy of Gauss's rule, 1e-9 of the energies on the way for kernels whose width is a
+// third of the range.
 TEST(LevelsOfModalModels, DoNoWorkOverClosedPaths) {
   const LoadedModel loaded(write_model_text(with_levels(small_modal_model())));
-  constexpr double at[] = {-0.7745966692414834, 0, 0.7745966692414834}, weight[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
+  constexpr double at[] = {-0.7745966692414834, 0, 0.7745966692414834},
+                   weight[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
   constexpr int pieces = 200;
   for (std::int32_t level = 0; level < 3; ++level) {
     ASSERT_EQ(phn_set_level(loaded.model, loaded.data, level), PHN_OK);
@@ -199,7 +201,8 @@ struct FakeClock {
   }
 };
 
-// Claim: times are those of the caller's clock, per call (batches start with four), and the level stays what it was.
+// Claim: times are those of the caller's clock, per call (batches start with four), and the level stays what
+// it was.
 TEST(Calibration, MeasuresWithTheClockOfTheCaller) {
   const LoadedModel loaded(write_model_text(with_levels(small_modal_model())));
   ASSERT_EQ(phn_set_level(loaded.model, loaded.data, 1), PHN_OK);

@@ -208,7 +208,8 @@ inline Model with_levels(Model model, int n_levels = 3) {
     level.error_displacement = 0.25 / (l + 1);
     if (l + 1 == n_levels) break;
     const int n_centers = share(static_cast<Eigen::Index>(model.shared.centers.size()), l);
-    if (model.family == Family::modal) level.centers.assign(model.shared.centers.rbegin(), model.shared.centers.rbegin() + n_centers);
+    if (model.family == Family::modal)
+      level.centers.assign(model.shared.centers.rbegin(), model.shared.centers.rbegin() + n_centers);
     for (ActiveNodeModel& node : model.nodes) {
       LevelResponse& response = node.levels.emplace_back();
       const auto first = [&](const RbfNetwork& net, FirstNeurons& neurons) {
@@ -270,7 +271,8 @@ inline Model level_alone(const Model& model, std::size_t l) {
     first_modes(level.weights, node.modal);
     for (std::size_t f = 0; f < node.fields.size(); ++f) first_modes(level.field_weights[f], node.fields[f]);
   }
-  if (model.family == Family::modal && l + 1 < model.levels.size()) alone.shared.centers = model.levels[l].centers;
+  if (model.family == Family::modal && l + 1 < model.levels.size())
+    alone.shared.centers = model.levels[l].centers;
   return alone;
 }
 

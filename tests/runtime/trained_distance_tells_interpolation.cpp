@@ -1,5 +1,5 @@
-// Claim: phn_trained_distance is 0 where the model was told the answer, about 1 in the widest gap inside the trained
-// range, and grows outward without bound; finite and continuous for every input.
+// Claim: phn_trained_distance is 0 where the model was told the answer, about 1 in the widest gap inside the
+// trained range, and grows outward without bound; finite and continuous for every input.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,8 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-/// 26 directions, four increments to 0.01 m; node 5 stopped short in one of them and node 8 was not asked in some.
+/// 26 directions, four increments to 0.01 m; node 5 stopped short in one of them and node 8 was not asked in
+/// some.
 Model dense_model(Family family) {
   Model model = small_model_of(family);
   model.directions.clear();
@@ -71,7 +72,8 @@ TEST_P(TrainedDistance, IsZeroWhereTheModelWasTrained) {
   }
 }
 
-// The fill distance is sampled at directions 6 to 14 degrees apart, so the widest gap is missed by a tenth at most.
+// The fill distance is sampled at directions 6 to 14 degrees apart, so the widest gap is missed by a tenth at
+// most.
 TEST_P(TrainedDistance, IsOneInTheWidestGap) {
   const Model model = dense_model(GetParam());
   const LoadedModel loaded(write_model_text(model));
@@ -99,7 +101,8 @@ TEST_P(TrainedDistance, IsThatOfPlainLoops) {
     const Eigen::RowVector3d d = 0.02 * Eigen::RowVector3d(numbers.next(), numbers.next(), numbers.next());
     double least = d.norm();
     for (Eigen::Index row = 0; row < 104; ++row)
-      if (model.displacements.row(row).norm() <= node.trained_depth_m[static_cast<std::size_t>(row / 4)] + 1e-9)
+      if (model.displacements.row(row).norm() <=
+          node.trained_depth_m[static_cast<std::size_t>(row / 4)] + 1e-9)
         least = std::min(least, (d - model.displacements.row(row)).norm());
     EXPECT_NEAR(ask(loaded, node.node, d[0], d[1], d[2]).distance, least, 1e-15);
   }
@@ -115,7 +118,9 @@ TEST_P(TrainedDistance, GrowsOutward) {
     for (double r = 0.01; r < 1e140; r *= r < 0.05 ? 1.05 : 1e3) {
       const auto said = ask(loaded, 3, r * e[0] / size, r * e[1] / size, r * e[2] / size);
       EXPECT_GT(said.relative, before) << r;
-      if (r >= 0.0101) { EXPECT_EQ(said.status, PHN_WARNING_OUTSIDE); }
+      if (r >= 0.0101) {
+        EXPECT_EQ(said.status, PHN_WARNING_OUTSIDE);
+      }
       before = said.relative;
     }
   }

@@ -1,6 +1,6 @@
-// Claim: a level is what training makes of that many centers, neurons or modes: the same as a training that was asked for
-// no more, so each is the least squares fit of its own size. The full level is the training without levels, to the last
-// bit.
+// Claim: a level is what training makes of that many centers, neurons or modes: the same as a training that
+// was asked for no more, so each is the least squares fit of its own size. The full level is the training
+// without levels, to the last bit.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -118,7 +118,8 @@ TEST(LevelsOfAmplitudes, AreTrainingsOfTheirSize) {
       const auto& weights = model.nodes[i].levels[l].weights;
       const auto& expected = alone.nodes[i].modal.weights;
       EXPECT_LE((weights.entries - expected.entries.leftCols(weights.cols())).cwiseAbs().maxCoeff(), 1);
-      for (Eigen::Index c = 0; c < weights.cols(); ++c) EXPECT_NEAR(weights.scale[c], expected.scale[c], 1e-9 * expected.scale[c]);
+      for (Eigen::Index c = 0; c < weights.cols(); ++c)
+        EXPECT_NEAR(weights.scale[c], expected.scale[c], 1e-9 * expected.scale[c]);
     }
   }
 }
@@ -159,7 +160,8 @@ TEST(LeftOutOfFit, IsAFitWithoutTheGroup) {
   EXPECT_EQ(undamped.row(4), b.row(4));
 }
 
-/// Mean error of a level's force at 300 displacements that are none of the training's, over the largest force.
+/// Mean error of a level's force at 300 displacements that are none of the training's, over the largest
+/// force.
 double true_force_error(const Model& model, const ActiveNodeModel& node, std::size_t l, std::int32_t active) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -189,9 +191,9 @@ double true_force_error(const Model& model, const ActiveNodeModel& node, std::si
   return sum / 300 / largest;
 }
 
-// Claim: errors fall with the level, and what training says of states left out one by one is the error elsewhere in the
-// trained range to a factor of three: a state's neighbours on its ray are nearer than those of a place between the rays,
-// a state at the rim is extrapolated.
+// Claim: errors fall with the level, and what training says of states left out one by one is the error
+// elsewhere in the trained range to a factor of three: a state's neighbours on its ray are nearer than those
+// of a place between the rays, a state at the rim is extrapolated.
 TEST_P(Levels, TellErrorsThatFallAndBracketTheTrueOnes) {
   const Model model = trained(spec_of(GetParam(), 3));
   double before = std::numeric_limits<double>::infinity(), before_displacement = before;
@@ -201,7 +203,8 @@ TEST_P(Levels, TellErrorsThatFallAndBracketTheTrueOnes) {
       error += true_force_error(model, model.nodes[i], l, static_cast<std::int32_t>(i)) /
                static_cast<double>(model.nodes.size());
     const auto& said = model.levels[l];
-    RecordProperty("level_" + std::to_string(l), std::to_string(said.error_force) + " said, " + std::to_string(error));
+    RecordProperty("level_" + std::to_string(l),
+                   std::to_string(said.error_force) + " said, " + std::to_string(error));
     EXPECT_LT(said.error_force, before) << l;
     EXPECT_LT(said.error_displacement, before_displacement) << l;
     EXPECT_GT(said.error_force, error / 3) << l;

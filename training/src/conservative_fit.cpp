@@ -342,12 +342,9 @@ ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& ch
 
 ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, int max_centers, double shape,
                           int n_levels) {
-  const Problem problem{states,
-                        max_displacement_m,
-                        shape,
-                        columns_of(states, shape),
-                        stacked(states),
-                        weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>()};
+  const Problem problem{states,          max_displacement_m,
+                        shape,           columns_of(states, shape),
+                        stacked(states), weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>()};
   const auto& columns = problem.columns;
   const int allowed = static_cast<int>(largest_center_share * static_cast<double>(states.x.rows()));
   const auto order = choose_centers(

@@ -57,8 +57,8 @@ MatrixXd left_out_of_fit(const MatrixXd& damped, const MatrixXd& rest, const Mat
   return left_out_of_projection(q.topRows(rest.rows()), rest, values, groups);
 }
 
-MatrixXd left_out_of_projection(const Eigen::Ref<const MatrixXd, 0, Eigen::OuterStride<>>& q, const MatrixXd& rest,
-                                const MatrixXd& values, const RowGroups& groups) {
+MatrixXd left_out_of_projection(const Eigen::Ref<const MatrixXd, 0, Eigen::OuterStride<>>& q,
+                                const MatrixXd& rest, const MatrixXd& values, const RowGroups& groups) {
   MatrixXd errors = MatrixXd::Zero(rest.rows(), rest.cols());
   for (const auto& group : groups) {
     const MatrixXd some = rows_of(q, group), left = rows_of(rest, group);

@@ -150,12 +150,11 @@ ModalFit::Level fit_level(const TrainingTables& tables, const AmplitudeLevel& le
   MatrixXd damped = MatrixXd::Zero(problem.unit.rows() + problem.unit.cols(), problem.unit.cols());
   damped.topRows(problem.unit.rows()) = problem.unit;
   damped.bottomRows(problem.unit.cols()).diagonal().setConstant(damping);
-  const MatrixXd errors = left_out_of_fit(damped, wanted - problem.unit * weights, wanted,
-                                          groups_of_equal(node.row, 1, 0));
-  fit.left_out_error =
-      node.lost + mean_share((wanted - errors) * stored.leftCols(n_modes).transpose() -
-                                 node.amplitudes * node.modes.transpose(),
-                             node);
+  const MatrixXd errors =
+      left_out_of_fit(damped, wanted - problem.unit * weights, wanted, groups_of_equal(node.row, 1, 0));
+  fit.left_out_error = node.lost + mean_share((wanted - errors) * stored.leftCols(n_modes).transpose() -
+                                                  node.amplitudes * node.modes.transpose(),
+                                              node);
   return fit;
 }
 

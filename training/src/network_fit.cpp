@@ -175,8 +175,8 @@ std::int32_t worst_untried(const std::vector<double>& error, const std::vector<c
 }
 
 /// @param rest, targets  n x 3, scaled
-double left_out_error(const GrowingQr::Columns& q, const Eigen::MatrixXd& rest, const Eigen::MatrixXd& targets,
-                      const RbfNetwork& net, const NetworkPoints& points,
+double left_out_error(const GrowingQr::Columns& q, const Eigen::MatrixXd& rest,
+                      const Eigen::MatrixXd& targets, const RbfNetwork& net, const NetworkPoints& points,
                       const std::vector<std::int32_t>& group) {
   const Eigen::MatrixXd errors = left_out_of_projection(q, rest, targets, groups_of_equal(group, 1, 0));
   const double sum = (errors * net.output_half_range.asDiagonal()).rowwise().norm().sum();
@@ -286,7 +286,8 @@ NetworkFit fit_network(const NetworkPoints& points, const FitOptions& options) {
     const Eigen::MatrixXd first = solve(n_columns);
     level.neurons = {first.bottomRows(n_columns - 1), first.row(0).transpose()};
     if (!options.group.empty())
-      level.left_out_error = left_out_error(qr.columns(n_columns), remainder, targets, net, points, options.group);
+      level.left_out_error =
+          left_out_error(qr.columns(n_columns), remainder, targets, net, points, options.group);
   }
   const Eigen::MatrixXd solution = solve(size);
 

@@ -140,8 +140,7 @@ NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const V
   }
   const auto options = [&](const NetworkPoints& points, int neurons, double spread) {
     FitOptions of_network{capped_neurons(neurons, points.size()), spread, spec.target_mse, spec.levels, {}};
-    if (spec.levels > 1 && estimate_errors)
-      of_network.group = points.displacement;
+    if (spec.levels > 1 && estimate_errors) of_network.group = points.displacement;
     return of_network;
   };
   result.force = fit_network(force, options(force, spec.force_neurons, spec.force_spread));

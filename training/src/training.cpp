@@ -247,8 +247,8 @@ class Training {
     std::int64_t used = 0, failed = 0;
   };
 
-  /// Medians over the nodes where errors were estimated: a node where the body snaps is told by no network, and would
-  /// outweigh all others in a mean.
+  /// Medians over the nodes where errors were estimated: a node where the body snaps is told by no network,
+  /// and would outweigh all others in a mean.
   class LevelErrors {
    public:
     explicit LevelErrors(int n_levels)

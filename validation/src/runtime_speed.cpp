@@ -25,7 +25,8 @@ double median_us(int batches, int calls, const Call& call) {
 std::vector<phn_level_time> measure_levels(const LoadedModel& model) {
   std::vector<phn_level_time> times(static_cast<std::size_t>(phn_n_levels(model.handle())));
   const auto clock_us = [](void*) {
-    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
   };
   const int status = phn_calibrate(model.handle(), model.data(), clock_us, nullptr, times.data());
   if (status != PHN_OK)

@@ -231,8 +231,9 @@ int phn_level_info(const phn_model *model, int32_t level, phn_level *info);
 /* Sets the level of everything that is asked with this data from now on: forces, energies, stiffnesses, deformations,
  * fields and coupled tools; phn_coupled_deform keeps that of its phn_couple. Without it data have the full level. Costs
  * nothing, prepared nodes stay ready. Each level by itself is what the family promises: in family modal the gradient of
- * an energy of its own. Forces and energies jump at a switch, by at most the sum of the errors of the two levels: switch
- * where nothing is touched, or blend forces over some milliseconds. */
+ * an energy of its own. Forces and energies jump at a switch, in the mean by about the error of the smaller level, at
+ * worst by some ten times that (docs/decisions/levels.md): switch where nothing is touched, or blend forces over some
+ * milliseconds, which costs both levels. */
 int phn_set_level(const phn_model *model, phn_data *data, int32_t level);
 /* 0 for null data. */
 int32_t phn_level_of(const phn_data *data);
