@@ -23,6 +23,7 @@ void add_train_command(CLI::App& app);
 void add_validate_command(CLI::App& app);
 void add_tune_command(CLI::App& app);
 void add_eval_command(CLI::App& app);
+void add_bench_command(CLI::App& app);
 void add_solve_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_info_command(CLI::App& app);

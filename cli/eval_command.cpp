@@ -14,7 +14,8 @@ struct Options {
   std::string tools = "coupled";
   ToolOptions tool;
   std::optional<std::filesystem::path> surface;
-  int levels = 0;
+  int levels = 0;  ///< of subdivision
+  std::optional<std::int32_t> level;
 };
 
 void check_surface_options(const Options& options) {
@@ -53,7 +54,8 @@ void run(const Options& options) {
   if (options.tools == "paper" && !options.tool.points.empty())
     throw input_error("the paper's weights are those of nodes", "--point " + options.tool.points.front(),
                       "use --tools coupled, or touch nodes");
-  const LoadedModel model(options.model);
+  LoadedModel model(options.model);
+  if (options.level) model.set_level(*options.level);
   const auto places = options.tool.places(model.mesh());
   const bool coupled = options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty());
   const auto response = coupled ? model.couple(tools_at(places, displacements))
@@ -63,7 +65,11 @@ void run(const Options& options) {
     throw input_error("this model has forces only", wanted->string(),
                       "train it with [training] modes of 1 or more");
   if (response.status > 0) fmt::print(stderr, "warning: {}\n", phn_status_message(response.status));
-  json extra{{"status", response.status}, {"family", name(model.model().family)}};
+  json extra{{"status", response.status},
+             {"family", name(model.model().family)},
+             {"level", phn_level_of(model.data())}};
+  if (!coupled && places.size() == 1)
+    extra["trained_distance"] = model.trained_distance(options.tool.nodes.front(), displacements.front());
   if (coupled) {
     extra["residual"] = response.coupled.residual;
     extra["iterations"] = response.coupled.iterations;
@@ -94,6 +100,8 @@ void add_eval_command(CLI::App& app) {
           "--tools", options->tools,
           "several tools: coupled = superposed with a force at each; paper = weights (15)-(16), no force")
       ->check(CLI::IsMember({"coupled", "paper"}));
+  command->add_option("--level", options->level,
+                      "level of the model, 0 the smallest (default: the full one)");
   command->add_option("--surface", options->surface,
                       "write the surface: .vtk or .vtu at rest with its displacement, .obj deformed");
   command->add_option("--subdivide", options->levels, "levels of subdivision of that surface (Loop's scheme)")

@@ -136,6 +136,23 @@ json about_model(const std::filesystem::path& dir) {
                field.modes.cols(), field.scale);
     fields.push_back(field.name);
   }
+  json levels = json::array();
+  for (std::int32_t l = 0; l < phn_n_levels(model.handle()); ++l) {
+    phn_level info;
+    phn_level_info(model.handle(), l, &info);
+    levels.push_back({{"force_centers", info.force_centers},
+                      {"deformation_centers", info.deformation_centers},
+                      {"modes", info.modes},
+                      {"error_force", info.error_force},
+                      {"error_displacement", info.error_displacement}});
+    if (m.levels.empty()) continue;
+    const std::string modes_text = info.modes > 0 ? fmt::format(" of {} modes", info.modes) : "";
+    fmt::print(
+        "level {}   {} centers of the force, {} of the deformation{}; errors of left-out states: {:.3f} %, "
+        "{:.3f} %\n",
+        l, info.force_centers, info.deformation_centers, modes_text, 100 * info.error_force,
+        100 * info.error_displacement);
+  }
   fmt::print("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n",
              bytes(static_cast<double>(model.text_bytes())),
              bytes(static_cast<double>(model.mesh_text_bytes())),
@@ -149,6 +166,7 @@ json about_model(const std::filesystem::path& dir) {
           {"force_neurons", force_neurons},
           {"force_centers", centers},
           {"modes", modes},
+          {"levels", levels},
           {"fields", fields},
           {"model_text_bytes", model.text_bytes()},
           {"memory_bytes", model.memory_bytes()}};

@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   cli::add_validate_command(app);
   cli::add_tune_command(app);
   cli::add_eval_command(app);
+  cli::add_bench_command(app);
   cli::add_solve_command(app);
   cli::add_export_command(app);
   cli::add_info_command(app);

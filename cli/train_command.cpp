@@ -16,7 +16,7 @@ struct Options {
   std::optional<std::string> family;
   std::optional<int> neurons, force_neurons;
   std::optional<double> spread, force_spread;
-  std::optional<int> modes, shared_modes, near_nodes, force_centers, amplitude_centers;
+  std::optional<int> modes, shared_modes, near_nodes, force_centers, amplitude_centers, levels;
 };
 
 /// Spreads in scaled inputs, whose range is 2: far less separates every point, far more tells none apart.
@@ -48,6 +48,12 @@ void print_modal(const Model& model, const TrainingReport& report) {
       "{:.2g} to {:.2g} and {:.2g}\n",
       100 * q.force_left_out, 100 * q.amplitude_left_out, q.worst_cancellation, q.smallest_force_shape,
       q.largest_force_shape, q.amplitude_shape);
+}
+
+void print_levels(const Model& model) {
+  for (std::size_t l = 0; l < model.levels.size(); ++l)
+    fmt::print("level {}: with a state left out force {:.3f} %, displacement {:.3f} %, the median node\n", l,
+               100 * model.levels[l].error_force, 100 * model.levels[l].error_displacement);
 }
 
 void print_fields(const Model& model, const TrainingReport& report, const std::vector<Field>& stored) {
@@ -90,6 +96,9 @@ void run(const Options& options) {
   if (spec.family != Family::modal && (options.modes || options.shared_modes || options.near_nodes ||
                                        options.force_centers || options.amplitude_centers))
     fmt::print(stderr, "note: options of modes and centers do nothing in family {}\n", name(spec.family));
+  if (spec.family == Family::linear && options.levels.value_or(1) > 1)
+    fmt::print(stderr, "note: family linear has one level; --levels does nothing\n");
+  spec.levels = options.levels.value_or(spec.levels);
   spec.modes = options.modes.value_or(spec.modes);
   spec.shared_modes = options.shared_modes.value_or(spec.shared_modes);
   spec.near_nodes = options.near_nodes.value_or(spec.near_nodes);
@@ -135,6 +144,7 @@ void run(const Options& options) {
                report.n_networks, neurons, force_neurons, report.deformation_spread, report.force_spread,
                duration(report.seconds));
   }
+  print_levels(model);
   print_fields(model, report, header.fields);
   if (report.n_skipped > 0)
     fmt::print(stderr, "warning: {} active nodes have no converged increment and are left out\n",
@@ -165,6 +175,9 @@ void run(const Options& options) {
                     {"regression_error", report.modal.regression},
                     {"amplitude_left_out_error", report.modal.amplitude_left_out},
                     {"worst_cancellation", report.modal.worst_cancellation}};
+  for (const auto& level : model.levels)
+    out["levels"].push_back(
+        {{"error_force", level.error_force}, {"error_displacement", level.error_displacement}});
   for (std::size_t f = 0; f < model.fields.size(); ++f)
     out["modal"]["fields"][model.fields[f].name] = {{"truncation_error", report.modal.fields[f].truncation},
                                                     {"regression_error", report.modal.fields[f].regression}};
@@ -204,6 +217,8 @@ void add_train_command(CLI::App& app) {
         largest_mode_count);
   count("--near-nodes", options->near_nodes, "modal: nodes where modes are stored as they are", 0, 1'000'000);
   count("--force-centers", options->force_centers, "modal: centers of a force network", 1, 100'000);
+  count("--levels", options->levels, "networks of each response, each half as large as the next", 1,
+        largest_level_count);
   count("--amplitude-centers", options->amplitude_centers, "modal: centers of the amplitudes", 0, 100'000);
   command->add_option("--json", options->json_file, "write the figures for machines");
   command->callback([options] { run(*options); });

@@ -20,6 +20,7 @@ struct Options {
   std::optional<std::int64_t> probes;
   std::optional<std::int64_t> seed;
   std::int64_t nodes = 0, points = 0;
+  std::optional<std::int32_t> level;
   std::optional<std::filesystem::path> json_file;
 };
 
@@ -109,6 +110,7 @@ void run(const Options& options) {
   session.together([&] {
     scene = read_scene(options.scene);
     loaded.emplace(options.model);
+    if (options.level) loaded->set_level(*options.level);
     if (session.rank() == 0) check_mesh(scene, loaded->model().mesh_hash, options.model.string());
   });
   const LoadedModel& model = *loaded;
@@ -148,6 +150,10 @@ void run(const Options& options) {
   if (inside.force.n > 0) fmt::print("median inside: force{} %", percent(inside.force.median));
   if (inside.displacement.n > 0) fmt::print(", displacement{} %", percent(inside.displacement.median));
   fmt::print("\n");
+  fmt::print(
+      "rank correlation of the force's error with the distance from what was trained: {:.2f} inside, {:.2f} "
+      "beyond\n",
+      report.distance_correlation_inside, report.distance_correlation_outside);
   print_examples(report);
   if (options.points > 0) print_points(points);
   fmt::print("runtime on this machine, one core: force {:.2f} us", report.speed.force_us);
@@ -161,29 +167,33 @@ void run(const Options& options) {
   const auto both = [&](const PredictorErrors& e) {
     return json{{"inside", to_json(e.inside, fields)}, {"outside", to_json(e.outside, fields)}};
   };
-  json out{{"probes", report.probes},
-           {"failed", report.failed},
-           {"solved_inside", report.solved_inside},
-           {"solved_outside", report.solved_outside},
-           {"inside", to_json(of_model.inside, fields)},
-           {"outside", to_json(of_model.outside, fields)},
-           {"linear", both(report.of(Predictor::linear))},
-           {"zero", both(report.of(Predictor::zero))},
-           {"conditions",
-            {{"law", name(scene.material.law)},
-             {"element", name(scene.solver.element)},
-             {"bulk_to_shear", K_mu},
-             {"probe", name(scene.probe.kind)},
-             {"max_displacement_m", scene.probe.max_displacement_m},
-             {"outside_factor", report.outside_factor},
-             {"nodes", report.nodes},
-             {"seed", seed}}},
-           {"examples", json::array()},
-           {"force_us", report.speed.force_us},
-           {"deformation_us", report.speed.deformation_us},
-           {"field_us", report.speed.field_us},
-           {"seconds", report.seconds},
-           {"solve_ms_per_increment", report.solve_ms_per_increment}};
+  json out{
+      {"probes", report.probes},
+      {"failed", report.failed},
+      {"solved_inside", report.solved_inside},
+      {"solved_outside", report.solved_outside},
+      {"inside", to_json(of_model.inside, fields)},
+      {"outside", to_json(of_model.outside, fields)},
+      {"linear", both(report.of(Predictor::linear))},
+      {"zero", both(report.of(Predictor::zero))},
+      {"conditions",
+       {{"law", name(scene.material.law)},
+        {"element", name(scene.solver.element)},
+        {"bulk_to_shear", K_mu},
+        {"probe", name(scene.probe.kind)},
+        {"max_displacement_m", scene.probe.max_displacement_m},
+        {"outside_factor", report.outside_factor},
+        {"nodes", report.nodes},
+        {"level", phn_level_of(model.data())},
+        {"seed", seed}}},
+      {"distance_correlation",
+       {{"inside", report.distance_correlation_inside}, {"outside", report.distance_correlation_outside}}},
+      {"examples", json::array()},
+      {"force_us", report.speed.force_us},
+      {"deformation_us", report.speed.deformation_us},
+      {"field_us", report.speed.field_us},
+      {"seconds", report.seconds},
+      {"solve_ms_per_increment", report.solve_ms_per_increment}};
   for (const auto& e : report.examples)
     out["examples"].push_back({{"node", e.node},
                                {"displacement", e.displacement_m},
@@ -211,6 +221,8 @@ void add_validate_command(CLI::App& app) {
       ->add_option("--points", options->points,
                    "also tools at so many random points between nodes, against point-constrained solves")
       ->check(CLI::Range(1, 1'000'000));
+  command->add_option("--level", options->level,
+                      "level of the model, 0 the smallest (default: the full one)");
   command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--json", options->json_file, "write the figures for machines");

@@ -118,6 +118,8 @@ double shape_line(ModelLexer& lexer) {
   return shape;
 }
 
+}  // namespace
+
 void write_conservative(ModelEmitter& w, const Model& model, const ConservativeNetwork& force) {
   require_writable(force.coefficients.rows() == static_cast<Eigen::Index>(force.centers.size()),
                    "coefficients do not fit the centers");
@@ -147,8 +149,6 @@ void read_conservative(ModelLexer& lexer, const Model& model, ConservativeNetwor
     lexer.end_line();
   }
 }
-
-}  // namespace
 
 void write_table(ModelEmitter& w, std::string_view key, const ScaledTable& table) {
   require_writable(table.scale.size() == table.cols(), "scales do not fit the columns of a table");

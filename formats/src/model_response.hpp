@@ -22,6 +22,16 @@ void read_shared(ModelLexer& lexer, Model& model);
 /// @throws Error (input) with file and line
 void read_response(ModelLexer& lexer, const Model& model, ActiveNodeModel& node);
 
+/// The levels of a model, nothing where it has one; and the smaller ones of an active node, after its full response.
+void write_levels(ModelEmitter& writer, const Model& model);
+void read_levels(ModelLexer& lexer, Model& model);
+void write_level_responses(ModelEmitter& writer, const Model& model, const ActiveNodeModel& node);
+void read_level_responses(ModelLexer& lexer, const Model& model, ActiveNodeModel& node);
+
+/// The force of a modal model.
+void write_conservative(ModelEmitter& writer, const Model& model, const ConservativeNetwork& force);
+void read_conservative(ModelLexer& lexer, const Model& model, ConservativeNetwork& force);
+
 /// Tables of scaled integers; formats/model.md, TABLE.
 void write_table(ModelEmitter& writer, std::string_view key, const ScaledTable& table);
 ScaledTable read_table(ModelLexer& lexer, std::string_view key, Eigen::Index rows, Eigen::Index cols);

@@ -100,6 +100,7 @@ void read_active_node(ModelLexer& lexer, const Model& model, ActiveNodeModel& no
     lexer.end_line();
   }
   read_response(lexer, model, node);
+  read_level_responses(lexer, model, node);
 }
 
 }  // namespace
@@ -142,6 +143,7 @@ std::string write_model_text(const Model& model) {
   }
   write_shared(w, model);
   write_fields(w, model);
+  write_levels(w, model);
   w.word("active").integer(static_cast<std::int64_t>(model.nodes.size())).end();
   for (const ActiveNodeModel& node : model.nodes) {
     require_writable(node.prescribed.size() == node.prescribed_weight.size(),
@@ -158,6 +160,7 @@ std::string write_model_text(const Model& model) {
     w.word("trained_depth").end();
     for (const double depth : node.trained_depth_m) w.real(depth).end();
     write_response(w, model, node);
+    write_level_responses(w, model, node);
   }
   Fnv1a64 hash;
   hash.add(w.out());
@@ -229,6 +232,7 @@ Model read_model_text(const std::string& text, const std::string& source_name) {
   }
   read_shared(lexer, model);
   read_fields(lexer, model);
+  read_levels(lexer, model);
   const std::int32_t n_active = lexer.count_line("active");
   previous = -1;
   for (std::int32_t i = 0; i < n_active; ++i)

@@ -31,7 +31,7 @@ const std::vector<Table>& tables() {
       {"database", {"tangents", "displacement_precision", "fields"}},
       {"training",
        {"family", "deformation_neurons", "force_neurons", "deformation_spread", "force_spread", "samples",
-        "target_mse", "force_centers", "amplitude_centers", "modes", "shared_modes", "near_nodes", "seed"}},
+        "target_mse", "force_centers", "amplitude_centers", "modes", "shared_modes", "near_nodes", "levels", "seed"}},
       {"validation", {"probes", "seed"}},
       {"selector", {"box", "sphere", "plane", "half_space", "group", "nodes", "nearest", "surface_only"}},
       {"selector.box", {"min_m", "max_m", "min_fraction", "max_fraction"}},

@@ -201,6 +201,7 @@ TrainingSpec parse_training(const SceneTable& table, const Material& material) {
   spec.modes = static_cast<int>(table.integer_or("modes", spec.modes, 0, 1024));
   spec.shared_modes = static_cast<int>(table.integer_or("shared_modes", spec.shared_modes, 0, 1024));
   spec.near_nodes = static_cast<int>(table.integer_or("near_nodes", spec.near_nodes, 0, 1'000'000));
+  spec.levels = static_cast<int>(table.integer_or("levels", spec.levels, 1, 8));
   spec.seed = static_cast<std::uint64_t>(table.integer_or("seed", static_cast<std::int64_t>(spec.seed), 0,
                                                           std::numeric_limits<std::int64_t>::max()));
   return spec;

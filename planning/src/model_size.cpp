@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <phynness/formats/model.hpp>
 #include <phynness/formats/tool.hpp>
 #include <phynness/planning/model_size.hpp>
@@ -92,12 +93,56 @@ void add_shared_modes(const TrainingSpec& spec, const std::vector<Field>& fields
                             table(n_output, std::min<Eigen::Index>(spec.shared_modes, n_output), numbers)});
 }
 
+/// Half as many of everything for each level below the full one; training's least sizes change little.
+template <class Count>
+Count halved(Count full, std::size_t below) {
+  const Count step = Count{1} << below;
+  return (full + step - 1) / step;
+}
+
+void add_levels(const TrainingSpec& spec, Model& model, Numbers& numbers) {
+  if (spec.levels < 2 || model.family == Family::linear) return;
+  model.levels.resize(static_cast<std::size_t>(spec.levels));
+  for (std::size_t l = 0; l < model.levels.size(); ++l) {
+    auto& level = model.levels[l];
+    level.error_force = std::abs(numbers.next());
+    level.error_displacement = std::abs(numbers.next());
+    const auto& centers = model.shared.centers;
+    const auto n = static_cast<std::ptrdiff_t>(halved(centers.size(), model.levels.size() - 1 - l));
+    if (l + 1 < model.levels.size()) level.centers.assign(centers.begin(), centers.begin() + n);
+  }
+}
+
+void add_levels_of_node(const Model& model, ActiveNodeModel& node, Numbers& numbers) {
+  for (std::size_t l = 0; l + 1 < model.levels.size(); ++l) {
+    const std::size_t below = model.levels.size() - 1 - l;
+    LevelResponse& level = node.levels.emplace_back();
+    const auto first = [&](const RbfNetwork& net) {
+      return FirstNeurons{numbers.matrix(halved(net.weights.rows(), below), 3), numbers.matrix(3, 1)};
+    };
+    if (model.family == Family::rbfn) {
+      level.force = first(node.force);
+      level.deformation = first(node.deformation);
+      continue;
+    }
+    level.conservative = node.conservative;
+    const auto n = halved(node.conservative.coefficients.rows(), below);
+    level.conservative.centers.resize(static_cast<std::size_t>(n));
+    level.conservative.coefficients.conservativeResize(n, 3);
+    const auto n_centers = static_cast<Eigen::Index>(model.levels[l].centers.size());
+    level.weights = table(n_centers + 3, halved(node.modal.weights.cols(), below), numbers);
+    for (const auto& field : node.fields)
+      level.field_weights.push_back(table(n_centers + 9, halved(field.weights.cols(), below), numbers));
+  }
+}
+
 double text_bytes(const Scene& scene, const DatabaseHeader& header, std::size_t n_nodes) {
   Numbers numbers;
   Model model = model_of_database(header, scene.training.family, scene.title);
   model.displacements =
       numbers.matrix(static_cast<Eigen::Index>(header.directions.size() * header.magnitudes_m.size()), 3);
   if (model.family == Family::modal) add_shared_modes(scene.training, header.fields, model, numbers);
+  add_levels(scene.training, model, numbers);
   const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
   const auto& active = header.sets.active;
   for (std::size_t k = 0; k < n_nodes; ++k) {
@@ -118,6 +163,7 @@ double text_bytes(const Scene& scene, const DatabaseHeader& header, std::size_t 
       node.force = network(scene.training.force_neurons, 3, model, numbers);
       node.deformation = network(scene.training.deformation_neurons, 6, model, numbers);
     }
+    add_levels_of_node(model, node, numbers);
     model.nodes.push_back(std::move(node));
   }
   return static_cast<double>(write_model_text(model).size());

@@ -597,6 +597,7 @@ class Solver {
 Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max_tools) {
   Coupling c = {};
   c.max_tools = max_tools < most_coupled ? max_tools : most_coupled;
+  c.model = &model;
   const auto t = static_cast<std::size_t>(c.max_tools);
   const std::size_t n_locals = 3 * t * t;
   c.point = arena.take<HeldPoint>(t);

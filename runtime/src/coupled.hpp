@@ -32,6 +32,7 @@ struct HeldPoint {
 /// The latest tools and their solution, and scratch.
 struct Coupling {
   std::int32_t max_tools, n_tools;
+  const phn_model* model;  ///< the level of the latest tools
   HeldPoint* point;        ///< max_tools
   LocalResponse* local;    ///< of tool t's point under node i of tool s, at 3 (t max_tools + s) + i
   double* rest_response;   ///< 9 each, as local: its derivative at rest

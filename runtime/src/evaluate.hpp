@@ -8,6 +8,7 @@
 
 struct phn_data {
   const phn_model* model;
+  const phn_model* level;  ///< what is evaluated
   std::int32_t max_tools;
   double* scratch;     ///< model.n_scratch: what a deformation computes once for all output nodes
   double* field;       ///< n_output x 3: the field of one tool
@@ -19,6 +20,7 @@ struct phn_data {
 
 namespace phynness::runtime {
 
+/// Below, `model` is that of a level.
 /// @param d  3 [m], finite; @param force 3 [N]
 void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force);
 

@@ -54,7 +54,7 @@ void load_fields(TextReader& in, Arena& arena, phn_model& model) {
   model.n_fields = in.good() ? n : 0;
 }
 
-const ModalTables* load_node_fields(TextReader& in, Arena& arena, phn_model& model) {
+void load_node_fields(TextReader& in, Arena& arena, phn_model& model, LoadedModal& node) {
   Column<ModalTables> all(arena, static_cast<std::size_t>(model.n_fields));
   for (std::int32_t f = 0; f < model.n_fields && in.good(); ++f) {
     ModalTables tables = {};
@@ -63,6 +63,16 @@ const ModalTables* load_node_fields(TextReader& in, Arena& arena, phn_model& mod
     const auto needed = static_cast<std::size_t>(model.shared.n_centers + 3 + n_even + tables.n_modes +
                                                  model.fields[f].n_modes);
     model.n_field_scratch = model.n_field_scratch > needed ? model.n_field_scratch : needed;
+    all.set(static_cast<std::size_t>(f), node.of_field[f] = tables);
+  }
+  node.fields = all.get();
+}
+
+const ModalTables* load_level_fields(TextReader& in, Arena& arena, const phn_model& level, const LoadedModal& full) {
+  Column<ModalTables> all(arena, static_cast<std::size_t>(level.n_fields));
+  for (std::int32_t f = 0; f < level.n_fields && in.good(); ++f) {
+    ModalTables tables = full.of_field[f];
+    load_level_weights(in, arena, "field", static_cast<std::size_t>(level.shared.n_centers) + 3 + n_even, tables);
     all.set(static_cast<std::size_t>(f), tables);
   }
   return all.get();

@@ -3,6 +3,7 @@
 
 #include "evaluate.hpp"
 #include "load_parts.hpp"
+#include "trained.hpp"
 
 namespace phynness::runtime {
 namespace {
@@ -31,9 +32,34 @@ const double* vector_table(TextReader& in, Arena& arena, std::int32_t n, double 
   return rows.get();
 }
 
+/// The lines of a network's neurons. @param read_center  reads what stands before the weights of neuron i
+template <class ReadCenter>
+void read_weights(TextReader& in, Arena& arena, Network& net, ReadCenter read_center) {
+  double* weight[3];
+  double largest[3];
+  for (int k = 0; k < 3; ++k) {
+    net.weight[k] = weight[k] = arena.take<double>(static_cast<std::size_t>(net.n_neurons));
+    largest[k] = std::fabs(net.bias[k]);
+  }
+  const bool fill = has_memory(arena);
+  for (std::int32_t i = 0; i < net.n_neurons && in.good(); ++i) {
+    read_center(i);
+    for (int k = 0; k < 3; ++k) {
+      const double value = in.real();
+      largest[k] += std::fabs(value);
+      if (fill) weight[k][i] = value;
+    }
+    in.end_line();
+  }
+  for (int k = 0; k < 3; ++k) {
+    const double bound = std::fabs(net.output_center[k]) + net.output_half_range[k] * largest[k];
+    if (in.good() && !(bound < largest_output)) in.fail(PHN_ERROR_RANGE);
+  }
+}
+
 void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, const Tables& tables,
              std::int32_t n_output, Network& net) {
-  net.n_neurons = count_line(in, keyword, 0);
+  net.n_neurons = net.n_prepared = count_line(in, keyword, 0);
   net.n_inputs = n_inputs;
   real_line(in, "input_center", net.input_center, n_inputs, false);
   real_line(in, "input_half_range", net.input_half_range, n_inputs, true);
@@ -44,24 +70,12 @@ void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, co
   real_line(in, "bias", net.bias, 3, false);
 
   double* center[6];
-  double* weight[3];
-  double largest[3];
   const auto n = static_cast<std::size_t>(net.n_neurons);
   for (int k = 0; k < n_inputs; ++k) net.center[k] = center[k] = arena.take<double>(n);
-  for (int k = 0; k < 3; ++k) {
-    net.weight[k] = weight[k] = arena.take<double>(n);
-    largest[k] = std::fabs(net.bias[k]);
-  }
   const bool fill = has_memory(arena);
-  for (std::int32_t i = 0; i < net.n_neurons && in.good(); ++i) {
+  read_weights(in, arena, net, [&](std::int32_t i) {
     const std::int32_t displacement = in.integer(0, tables.n_displacements - 1);
     const std::int32_t output = n_inputs == 6 ? in.integer(0, n_output - 1) : 0;
-    for (int k = 0; k < 3; ++k) {
-      const double value = in.real();
-      largest[k] += std::fabs(value);
-      if (fill) weight[k][i] = value;
-    }
-    in.end_line();
     for (int k = 0; k < n_inputs && fill && in.good(); ++k) {
       const double value =
           k < 3 ? tables.displacements[3 * displacement + k] : tables.output_points[3 * output + k - 3];
@@ -69,21 +83,32 @@ void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, co
       if (!std::isfinite(scaled)) in.fail(PHN_ERROR_RANGE);
       center[k][i] = scaled;
     }
-  }
-  for (int k = 0; k < 3; ++k) {
-    const double bound = std::fabs(net.output_center[k]) + net.output_half_range[k] * largest[k];
-    if (in.good() && !(bound < largest_output)) in.fail(PHN_ERROR_RANGE);
-  }
+  });
 }
 
-const Networks* networks(TextReader& in, Arena& arena, const Tables& tables, std::int32_t n_output,
-                         std::size_t& n_basis) {
+/// What the first neurons of a network do alone.
+void network_level(TextReader& in, Arena& arena, const char* keyword, Network& net) {
+  const std::int32_t n_full = net.n_neurons;
+  net.n_neurons = count_line(in, keyword, 0);
+  if (net.n_neurons > n_full) in.fail(PHN_ERROR_RANGE);
+  real_line(in, "bias", net.bias, 3, false);
+  read_weights(in, arena, net, [](std::int32_t) {});
+}
+
+Networks networks_level(TextReader& in, Arena& arena, const Networks& full) {
+  Networks nets = full;
+  network_level(in, arena, "force", nets.force);
+  network_level(in, arena, "deformation", nets.deformation);
+  return nets;
+}
+
+Networks networks(TextReader& in, Arena& arena, const Tables& tables, std::int32_t n_output, std::size_t& n_basis) {
   Networks nets = {};
   network(in, arena, "force", 3, tables, n_output, nets.force);
   network(in, arena, "deformation", 6, tables, n_output, nets.deformation);
   const auto needed = static_cast<std::size_t>(nets.deformation.n_neurons);
   n_basis = n_basis > needed ? n_basis : needed;
-  return place(arena, nets);
+  return nets;
 }
 
 const LinearResponse* linear_response(TextReader& in, Arena& arena, std::int32_t n_output) {
@@ -134,7 +159,7 @@ void prescribed(TextReader& in, Arena& arena, std::int32_t n_nodes, const phn_mo
 struct Depths {
   TextReader text;  ///< where they begin
   const double* values;
-  double least;
+  double least, fill_distance;
   bool known;
 };
 
@@ -148,7 +173,8 @@ bool same_depths(TextReader a, TextReader b, std::int32_t n) {
   return true;
 }
 
-void trained_depths(TextReader& in, Arena& arena, std::int32_t n, Depths& depths) {
+void trained_depths(TextReader& in, Arena& arena, const phn_model& model, Depths& depths) {
+  const std::int32_t n = model.n_directions;
   const bool same = depths.known && same_depths(in, depths.text, n);
   depths.text = in;
   Column<double> depth(arena, same ? 0 : n);
@@ -160,11 +186,45 @@ void trained_depths(TextReader& in, Arena& arena, std::int32_t n, Depths& depths
     in.end_line();
   }
   if (!same) depths.values = depth.get();
+  if (!same && in.good() && has_memory(arena)) depths.fill_distance = fill_distance(model, depths.values);
   depths.known = true;
 }
 
-void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& model, std::int32_t number,
-                 Depths& depths, ActiveNode& node) {
+/// Reads the response of a node at every level. @param at  which node it is
+void responses(TextReader& in, Arena& arena, const Tables& tables, phn_model& model, const Levels& levels,
+               std::int32_t at, ActiveNode& node) {
+  const auto keep = [&](std::int32_t l, const ActiveNode& of_level) {
+    if (levels.active[l]) levels.active[l][at] = of_level;
+  };
+  ActiveNode of_level = node;
+  switch (model.family) {
+    case Family::rbfn: {
+      const Networks full = networks(in, arena, tables, model.n_output, model.n_basis);
+      node.networks = place(arena, full);
+      for (std::int32_t l = 0; l < levels.n_smaller && in.good(); ++l) {
+        of_level.networks = place(arena, networks_level(in, arena, full));
+        keep(l, of_level);
+      }
+      break;
+    }
+    case Family::linear:
+      node.linear = linear_response(in, arena, model.n_output);
+      break;
+    case Family::modal: {
+      const LoadedModal full = load_modal(in, arena, tables.n_displacements, model);
+      node.modal = place<ModalResponse>(arena, full);
+      for (std::int32_t l = 0; l < levels.n_smaller && in.good(); ++l) {
+        of_level.modal =
+            place(arena, load_modal_level(in, arena, tables.n_displacements, levels.level[l], full));
+        keep(l, of_level);
+      }
+      break;
+    }
+  }
+}
+
+void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& model, const Levels& levels,
+                 std::int32_t at, std::int32_t number, Depths& depths, ActiveNode& node) {
   real_line(in, "point", node.point, 3, false);
   node.output = model.output_nodes ? find_sorted(model.output_nodes, model.n_output, number) : -1;
   prescribed(in, arena, model.n_nodes, model, node);
@@ -173,20 +233,11 @@ void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& 
   in.end_line();
   in.keyword("trained_depth");
   in.end_line();
-  trained_depths(in, arena, model.n_directions, depths);
+  trained_depths(in, arena, model, depths);
   node.trained_depth = depths.values;
   node.least_depth = depths.least;
-  switch (model.family) {
-    case Family::rbfn:
-      node.networks = networks(in, arena, tables, model.n_output, model.n_basis);
-      break;
-    case Family::linear:
-      node.linear = linear_response(in, arena, model.n_output);
-      break;
-    case Family::modal:
-      node.modal = load_modal(in, arena, tables.n_displacements, model);
-      break;
-  }
+  node.fill_distance = depths.fill_distance;
+  responses(in, arena, tables, model, levels, at, node);
 }
 
 /// Ascending node numbers with reference coordinates. @return their number
@@ -273,6 +324,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   TextReader in(text, length);
   phn_model model = {};
   model.n_basis = 3;
+  model.n_levels = 1;
   auto* placed = arena.take<phn_model>(1);
 
   in.rest_of_line();
@@ -300,6 +352,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   Tables tables;
   tables.n_displacements = count_line(in, "displacements", 1);
   if (in.good() && tables.n_displacements % model.n_directions != 0) in.fail(PHN_ERROR_RANGE);
+  model.n_displacements = tables.n_displacements;
   model.displacements = tables.displacements =
       vector_table(in, arena, tables.n_displacements, modal ? model.max_displacement : 1);
   model.first_increment = model.max_displacement / 10;
@@ -314,11 +367,16 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   surface(in, arena, model);
   if (modal) load_shared(in, arena, tables.n_displacements, model);
   if (modal) load_fields(in, arena, model);
+  Levels levels = {};
+  load_levels(in, arena, tables.n_displacements, model, levels);
+  auto* smaller = arena.take<phn_model>(static_cast<std::size_t>(levels.n_smaller));
 
   model.n_active = count_line(in, "active", 0);
   Column<std::int32_t> active_nodes(arena, model.n_active);
   Column<ActiveNode> active(arena, model.n_active);
-  Depths depths{in, nullptr, 0, false};
+  for (std::int32_t l = 0; l < levels.n_smaller; ++l)
+    levels.active[l] = arena.take<ActiveNode>(static_cast<std::size_t>(model.n_active));
+  Depths depths{in, nullptr, 0, 0, false};
   std::int32_t previous = -1;
   for (std::int32_t i = 0; i < model.n_active && in.good(); ++i) {
     in.keyword("node");
@@ -326,7 +384,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
     in.end_line();
     active_nodes.set(i, number);
     ActiveNode node = {};
-    active_node(in, arena, tables, model, number, depths, node);
+    active_node(in, arena, tables, model, levels, i, number, depths, node);
     active.set(i, node);
     if (arena.overflow()) return PHN_ERROR_BUFFER;
   }
@@ -342,6 +400,9 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   if (!in.good()) return in.status();
   if (arena.overflow()) return PHN_ERROR_BUFFER;
   if (placed) {
+    model.full = placed;
+    model.smaller = smaller;
+    place_levels(model, levels, smaller);
     *placed = model;
     *result = placed;
   }

@@ -131,11 +131,8 @@ void load_shared_table(TextReader& in, Arena& arena, std::int32_t n_output, std:
   shared.modes = modes.get();
 }
 
-void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model) {
-  SharedModes& shared = model.shared;
-  load_shared_table(in, arena, model.n_output, 3, shared);
-  shared.n_centers = count_line(in, "amplitude_centers", 0);
-  shared.shape = width_line(in, "shape");
+void load_amplitude_centers(TextReader& in, Arena& arena, std::int32_t n_displacements, const phn_model& model,
+                            SharedModes& shared) {
   double* centers[3];
   for (int k = 0; k < 3; ++k)
     shared.center[k] = centers[k] = arena.take<double>(static_cast<std::size_t>(shared.n_centers));
@@ -154,9 +151,18 @@ void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn
   for (std::int32_t i = 0; i < shared.n_centers; ++i) at_rest[i] = amplitude_kernel(shared, rest, q, i);
 }
 
+void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model) {
+  SharedModes& shared = model.shared;
+  load_shared_table(in, arena, model.n_output, 3, shared);
+  shared.n_centers = count_line(in, "amplitude_centers", 0);
+  shared.shape = width_line(in, "shape");
+  load_amplitude_centers(in, arena, n_displacements, model, shared);
+}
+
 void load_tables(TextReader& in, Arena& arena, const char* keyword, std::size_t n_kernels,
                  const SharedTable& shared, std::int32_t n_output, ModalTables& tables) {
   const std::int32_t m = tables.n_modes = mode_count_line(in, keyword);
+  tables.n_columns = m;
   tables.weight = table(in, arena, "weights", n_kernels, m, tables.weight_scale);
   tables.mixing = table(in, arena, "mixing", static_cast<std::size_t>(shared.n_modes), m, tables.mixing_scale);
   tables.n_near = count_line(in, "near", 0);
@@ -173,9 +179,8 @@ void load_tables(TextReader& in, Arena& arena, const char* keyword, std::size_t 
   tables.near_mode = table(in, arena, "near_modes", n_near_rows, m, tables.near_mode_scale);
 }
 
-const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements,
-                                phn_model& model) {
-  ModalResponse node = {};
+LoadedModal load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model) {
+  LoadedModal node = {};
   load_conservative(in, arena, n_displacements, model, node.force);
   load_tables(in, arena, "deformation", static_cast<std::size_t>(model.shared.n_centers) + 3,
               model.shared, model.n_output, node);
@@ -186,8 +191,26 @@ const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_dis
     model.prepared_modes = model.prepared_modes > node.n_modes ? model.prepared_modes : node.n_modes;
     model.prepared_near = model.prepared_near > n_near_values ? model.prepared_near : n_near_values;
   }
-  node.fields = load_node_fields(in, arena, model);
-  return place(arena, node);
+  load_node_fields(in, arena, model, node);
+  return node;
+}
+
+void load_level_weights(TextReader& in, Arena& arena, const char* keyword, std::size_t n_kernels, ModalTables& tables) {
+  in.keyword(keyword);
+  // A node has modes at every level or at none.
+  tables.n_modes = in.integer(tables.n_columns > 0 ? 1 : 0, tables.n_columns);
+  in.end_line();
+  tables.weight = table(in, arena, "weights", n_kernels, tables.n_modes, tables.weight_scale);
+}
+
+ModalResponse load_modal_level(TextReader& in, Arena& arena, std::int32_t n_displacements, const phn_model& level,
+                               const LoadedModal& full) {
+  ModalResponse node = full;
+  load_conservative(in, arena, n_displacements, level, node.force);
+  if (node.force.n_centers > full.force.n_centers) in.fail(PHN_ERROR_RANGE);
+  load_level_weights(in, arena, "deformation", static_cast<std::size_t>(level.shared.n_centers) + 3, node);
+  node.fields = load_level_fields(in, arena, level, full);
+  return node;
 }
 
 }  // namespace phynness::runtime

@@ -75,13 +75,38 @@ void load_shared_table(TextReader& in, Arena& arena, std::int32_t n_output, std:
 void load_tables(TextReader& in, Arena& arena, const char* keyword, std::size_t n_basis,
                  const SharedTable& shared, std::int32_t n_output, ModalTables& tables);
 
+/// A node's response of the full level, with its fields where there is no memory to place them, too.
+struct LoadedModal : ModalResponse {
+  ModalTables of_field[largest_field_count];
+};
+
 /// The fields of a modal model, none if the text has none; and those of a node.
 void load_fields(TextReader& in, Arena& arena, phn_model& model);
-const ModalTables* load_node_fields(TextReader& in, Arena& arena, phn_model& model);
+void load_node_fields(TextReader& in, Arena& arena, phn_model& model, LoadedModal& node);
+const ModalTables* load_level_fields(TextReader& in, Arena& arena, const phn_model& level, const LoadedModal& full);
 
 /// The shared part of a modal model. @pre output nodes and displacements of the model are loaded
 void load_shared(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model);
 /// @param model  its largest sizes are raised to those of this node
-const ModalResponse* load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model);
+LoadedModal load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model);
+
+/// Centers of amplitudes and what depends on them. @param shared  number and shape are set
+void load_amplitude_centers(TextReader& in, Arena& arena, std::int32_t n_displacements, const phn_model& model,
+                            SharedModes& shared);
+
+/// Smaller levels while a model is loaded: which of what they are made of is their own.
+struct Levels {
+  std::int32_t n_smaller;
+  phn_model level[largest_level_count - 1];           ///< shared, errors; all else when the model is complete
+  ActiveNode* active[largest_level_count - 1];        ///< n_active each, or null
+};
+/// The levels of a model, one if the text says nothing of them.
+void load_levels(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model, Levels& levels);
+/// Number of modes and weights of the amplitudes. @param tables  of the full level
+void load_level_weights(TextReader& in, Arena& arena, const char* keyword, std::size_t n_kernels, ModalTables& tables);
+ModalResponse load_modal_level(TextReader& in, Arena& arena, std::int32_t n_displacements, const phn_model& level,
+                               const LoadedModal& full);
+/// @param model  complete; @param memory n_smaller of them, or null
+void place_levels(const phn_model& model, const Levels& levels, phn_model* memory);
 
 }  // namespace phynness::runtime

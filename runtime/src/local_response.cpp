@@ -37,7 +37,7 @@ void add_row(const std::int16_t* row, const double* scale, double factor, std::i
 /// One component of one output node's displacement, per amplitude.
 void add_modes(const phn_model& model, const ModalResponse& node, std::int32_t output, int component,
                double weight, double* sum) {
-  const auto m = static_cast<std::size_t>(node.n_modes);
+  const auto m = static_cast<std::size_t>(node.n_columns);
   const std::int32_t at = find_sorted(node.near, node.n_near, output);
   if (at >= 0) {
     const std::size_t row = 3 * static_cast<std::size_t>(at) + static_cast<std::size_t>(component);

@@ -3,25 +3,27 @@
 namespace phynness::runtime {
 namespace {
 
-/// Row r of a table of n columns times a vector.
-PHN_INLINE double row_times(const std::int16_t* table, const double* scale, std::size_t r, std::int32_t n,
-                            const double* value) {
-  const std::int16_t* row = table + r * static_cast<std::size_t>(n);
+/// The first n entries of row r of a table times a vector.
+PHN_INLINE double row_times(const std::int16_t* table, std::int32_t n_columns, const double* scale, std::size_t r,
+                            std::int32_t n, const double* value) {
+  const std::int16_t* row = table + r * static_cast<std::size_t>(n_columns);
   double sum = 0;
   for (std::int32_t j = 0; j < n; ++j) sum += row[j] * scale[j] * value[j];
   return sum;
 }
 
 /// field = sum_s amount_s mode_s in float for n rows, a block of them at a time: its sums stay in registers while the
-/// modes stream by in the order of memory.
-PHN_INLINE void sum_modes(std::int32_t n_modes, std::int32_t n, const float* mode, const float* amount,
-                          double* field) {
+/// modes stream by in the order of memory, the first n_modes of the n_columns of a block.
+PHN_INLINE void sum_modes(std::int32_t n_modes, std::int32_t n_columns, std::int32_t n, const float* mode,
+                          const float* amount, double* field) {
+  const std::size_t rest = static_cast<std::size_t>(n_columns - n_modes) * rows_per_block;
   for (std::int32_t begin = 0; begin < n; begin += rows_per_block) {
     float sum[rows_per_block] = {};
     for (std::int32_t s = 0; s < n_modes; ++s, mode += rows_per_block) {
       const float factor = amount[s];
       for (std::int32_t i = 0; i < rows_per_block; ++i) sum[i] += factor * mode[i];
     }
+    mode += rest;
     const std::int32_t size = n - begin < rows_per_block ? n - begin : rows_per_block;
     if (size == rows_per_block) {
       for (std::int32_t i = 0; i < rows_per_block; ++i) field[begin + i] = static_cast<double>(sum[i]);
@@ -98,8 +100,8 @@ PHN_INLINE void near_nodes(const ModalTables& tables, std::int32_t components, c
       }
     } else {
       for (std::int32_t i = 0; i < size; ++i)
-        sum[i] = row_times(tables.near_mode, tables.near_mode_scale, static_cast<std::size_t>(begin + i),
-                           tables.n_modes, amplitude);
+        sum[i] = row_times(tables.near_mode, tables.n_columns, tables.near_mode_scale,
+                           static_cast<std::size_t>(begin + i), tables.n_modes, amplitude);
     }
     for (std::int32_t i = 0; i < size; ++i)
       field[components * tables.near[(begin + i) / components] + i % components] = sum[i];
@@ -112,12 +114,12 @@ PHN_INLINE void sum_field(const SharedTable& shared, const ModalTables& tables, 
   auto* amount = reinterpret_cast<float*>(scratch);
   if (prepared != nullptr) {
     for (std::int32_t j = 0; j < m; ++j) amount[j] = static_cast<float>(amplitude[j]);
-    sum_modes(m, shared.n_rows, prepared->modes, amount, field);
+    sum_modes(m, tables.n_columns, shared.n_rows, prepared->modes, amount, field);
   } else {
     for (std::int32_t s = 0; s < shared.n_modes; ++s)
       amount[s] = static_cast<float>(
-          row_times(tables.mixing, tables.mixing_scale, static_cast<std::size_t>(s), m, amplitude));
-    sum_modes(shared.n_modes, shared.n_rows, shared.modes, amount, field);
+          row_times(tables.mixing, tables.n_columns, tables.mixing_scale, static_cast<std::size_t>(s), m, amplitude));
+    sum_modes(shared.n_modes, shared.n_modes, shared.n_rows, shared.modes, amount, field);
   }
   // Constants, by which compilers divide faster; at_once is a multiple of both.
   if (shared.components == 3) return near_nodes(tables, 3, prepared, amplitude, field);

@@ -24,7 +24,8 @@ struct ModalKernels {
   /// @param amplitude  tables.n_modes > 0; @param scratch shared.n_modes; @param field shared.n_rows
   void (*field)(const SharedTable& shared, const ModalTables& tables, const PreparedNode* prepared,
                 const double* amplitude, double* scratch, double* field);
-  /// Shared modes times mixing, for one block of rows. @param out  tables.n_modes x rows_per_block
+  /// Shared modes times mixing, for one block of rows. @pre tables of the full level
+  /// @param out  tables.n_modes x rows_per_block
   void (*sum_block)(const SharedTable& shared, const ModalTables& tables, const float* block, float* out);
 };
 

@@ -18,6 +18,7 @@ struct Network {
   double output_center[3], output_half_range[3];
   double bias[3];
   double inverse_square_spread;  ///< 1 / r^2
+  std::int32_t n_prepared;       ///< neurons of prepared tables: those of the full level, of which these are the first
   const double* center[6];       ///< per input: n_neurons, scaled
   const double* weight[3];       ///< per output: n_neurons
 };
@@ -47,16 +48,17 @@ inline constexpr double largest_center = 1e3;  ///< per component of a center, i
 inline constexpr double largest_max_displacement = 1e90;  ///< of a modal model, and one over its least [m]
 
 /// Amplitudes of an active node and the modes that they multiply. Tables are 16-bit integers, row by row,
-/// with a factor for each of their n_modes columns.
+/// with a factor for each of their columns.
 struct ModalTables {
   std::int32_t n_modes, n_near;
+  std::int32_t n_columns;         ///< modes of the full level; the first n_modes of them count
   const double* weight_scale;     ///< n_modes [m]; of a field in its scale
-  const std::int16_t* weight;     ///< of the amplitudes: n_centers + 3 rows, of a field + 9
-  const double* mixing_scale;     ///< n_modes
-  const std::int16_t* mixing;     ///< shared n_modes rows
+  const std::int16_t* weight;     ///< of the amplitudes: n_centers + 3 rows of n_modes, of a field + 9
+  const double* mixing_scale;     ///< n_columns
+  const std::int16_t* mixing;     ///< shared n_modes rows of n_columns
   const std::int32_t* near;       ///< n_near positions among the output nodes
-  const double* near_mode_scale;  ///< n_modes
-  const std::int16_t* near_mode;  ///< 3 n_near rows, of a field n_near
+  const double* near_mode_scale;  ///< n_columns
+  const std::int16_t* near_mode;  ///< 3 n_near rows of n_columns, of a field n_near
 };
 
 /// Force, deformation (n_modes = 0: none) and fields of an active node of a modal model.
@@ -110,6 +112,7 @@ struct ActiveNode {
   const double* prescribed_weight;
   const double* trained_depth;  ///< n_directions [m]
   double least_depth;           ///< of these
+  double fill_distance;         ///< of what was trained (trained.hpp), in max_displacement
   bool incomplete;
   // One of these, by the model's family; the others are null.
   const Networks* networks;
@@ -117,9 +120,22 @@ struct ActiveNode {
   const ModalResponse* modal;
 };
 
+inline constexpr std::int32_t largest_level_count = 8;
+
+/// As fractions; 0: not estimated.
+struct LevelErrors {
+  double force, displacement;
+};
+
 }  // namespace phynness::runtime
 
+/// A level of a model is a phn_model of its own, made of the same arrays but for what the level has itself: centers of
+/// amplitudes and the responses of the active nodes. The last level is the model that the others belong to.
 struct phn_model {
+  const phn_model* full;     ///< the last level
+  const phn_model* smaller;  ///< the other levels, n_levels - 1
+  std::int32_t n_levels;
+  phynness::runtime::LevelErrors errors;
   phynness::runtime::Family family;
   std::int32_t n_nodes, n_active, n_output, n_fixed, n_triangles, n_directions;
   std::size_t n_scratch;  ///< doubles that a deformation needs besides its result, its basis at the end
@@ -135,6 +151,7 @@ struct phn_model {
   const double* directions;     ///< n_directions x 3
   double max_displacement;
   double first_increment;  ///< [m]: length of the first row of displacements
+  std::int32_t n_displacements;
   const double* displacements;  ///< rows of 3; in family modal over max_displacement
   phynness::runtime::SharedModes shared;
   std::int32_t n_fields;

@@ -105,6 +105,7 @@ PHN_INLINE void field_of_table(const Network& net, std::int32_t n_output, const 
     constant[k] = share * (net.output_center[k] + net.output_half_range[k] * net.bias[k]);
     range[k] = net.output_half_range[k];
   }
+  const std::size_t rest = static_cast<std::size_t>(net.n_prepared - n) * nodes_per_block;
   double* __restrict amount = scratch;
   for (std::int32_t i = 0; i < n; ++i) {
     for (int k = 0; k < 3; ++k) amount[3 * i + k] = range[k] * net.weight[k][i] * factor[i];
@@ -123,6 +124,7 @@ PHN_INLINE void field_of_table(const Network& net, std::int32_t n_output, const 
         for (std::int32_t o = 0; o < nodes_per_block; ++o) sum[k][o] += a * table[o];
       }
     }
+    table += rest;
     const std::int32_t size = smaller(nodes_per_block, n_output - begin);
     for (std::int32_t o = 0; o < size; ++o) {
       for (int k = 0; k < 3; ++k) field[3 * (begin + o) + k] = sum[k][o];

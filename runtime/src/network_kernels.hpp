@@ -15,7 +15,8 @@ struct NetworkKernels {
   /// Gaussians of the first three inputs. @param out  n_neurons
   void (*of_displacement)(const Network& net, const double* d, double* out);
   /// Gaussians of the last three inputs for all output nodes: for every nodes_per_block of them, those of each neuron
-  /// in turn. @param table  whole blocks; what is beyond the last node is that of the last node
+  /// in turn. @pre net of the full level
+  /// @param table  whole blocks; what is beyond the last node is that of the last node
   void (*of_coordinates)(const Network& net, std::int32_t n_output, const double* points, double* table);
   /// Displacements of all output nodes, those of the probe not yet set. @param table  of of_coordinates
   /// @param factor  n_neurons; @param share of the constants; @param scratch 3 n_neurons; @param field n_output x 3 [m]

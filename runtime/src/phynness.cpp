@@ -17,7 +17,7 @@ using phynness::runtime::zero;
 
 namespace {
 
-/// Checks the arguments of a response of one node and finds the node.
+/// Checks the arguments of a response of one node and finds the node at the level of the data.
 int find_node(const phn_model* model, const phn_data* data, std::int32_t node, const double* d,
               const double* out, const ActiveNode*& found) {
   if (model == nullptr || data == nullptr || data->model != model || d == nullptr || out == nullptr) {
@@ -26,7 +26,7 @@ int find_node(const phn_model* model, const phn_data* data, std::int32_t node, c
   const std::int32_t at = phynness::runtime::find_active(*model, node);
   if (at < 0) return PHN_ERROR_NOT_ACTIVE;
   if (!finite(d)) return PHN_ERROR_NOT_FINITE;
-  found = &model->active[at];
+  found = &data->level->active[at];
   return PHN_OK;
 }
 
@@ -39,7 +39,7 @@ DataParts lay_out(Arena& arena, const phn_model& model, std::int32_t max_tools) 
   DataParts parts = {};
   const auto n_output = static_cast<std::size_t>(model.n_output);
   parts.data = arena.take<phn_data>(1);
-  parts.value.model = &model;
+  parts.value.model = parts.value.level = &model;
   parts.value.max_tools = max_tools;
   parts.value.scratch = arena.take<double>(model.n_scratch);
   parts.value.field = arena.take<double>(3 * n_output);
@@ -87,6 +87,10 @@ const char* phn_status_message(int status) {
       return "two tools at the same node";
     case PHN_ERROR_UNDEFINED:
       return "this model does not define what was asked for: its family or node has no such response";
+    case PHN_ERROR_BUDGET:
+      return "not even the smallest level fits into the time";
+    case PHN_ERROR_CLOCK:
+      return "the clock gives NaN, runs backwards or stands still";
     case PHN_ERROR_NOT_A_MODEL:
       return "the text is not a phynness model";
     case PHN_ERROR_VERSION:
@@ -164,7 +168,7 @@ int phn_force(const phn_model* model, phn_data* data, int32_t node, const double
   const ActiveNode* at = nullptr;
   const int refused = find_node(model, data, node, d, force, at);
   if (refused != PHN_OK) return refused;
-  phynness::runtime::evaluate_force(*model, *at, d, force);
+  phynness::runtime::evaluate_force(*data->level, *at, d, force);
   return warnings(*model, *at, d);
 }
 
@@ -174,7 +178,7 @@ int phn_energy(const phn_model* model, phn_data* data, int32_t node, const doubl
   const int refused = find_node(model, data, node, d, energy, at);
   if (refused != PHN_OK) return refused;
   if (!phynness::runtime::has_energy(*model)) return PHN_ERROR_UNDEFINED;
-  *energy = phynness::runtime::evaluate_energy(*model, *at, d);
+  *energy = phynness::runtime::evaluate_energy(*data->level, *at, d);
   return warnings(*model, *at, d);
 }
 
@@ -185,7 +189,7 @@ int phn_stiffness(const phn_model* model, phn_data* data, int32_t node, const do
   const int refused = find_node(model, data, node, d, stiffness, at);
   if (refused != PHN_OK) return refused;
   if (!phynness::runtime::has_energy(*model)) return PHN_ERROR_UNDEFINED;
-  phynness::runtime::evaluate_stiffness(*model, *at, d, stiffness);
+  phynness::runtime::evaluate_stiffness(*data->level, *at, d, stiffness);
   return warnings(*model, *at, d);
 }
 
@@ -210,9 +214,9 @@ int phn_deform(const phn_model* model, phn_data* data, int32_t n_tools, const in
   }
   if (n_tools == 1) {
     const int32_t at = phynness::runtime::find_active(*model, nodes[0]);
-    phynness::runtime::evaluate_deformation(*model, *data, at, displacements, out);
+    phynness::runtime::evaluate_deformation(*data->level, *data, at, displacements, out);
   } else {
-    phynness::runtime::blend_tools(*model, *data, n_tools, nodes, displacements, out);
+    phynness::runtime::blend_tools(*data->level, *data, n_tools, nodes, displacements, out);
   }
   return status;
 }
@@ -242,7 +246,7 @@ int phn_field(const phn_model* model, phn_data* data, int32_t node, const double
   const int refused = find_node(model, data, node, d, out, at);
   if (refused != PHN_OK) return refused;
   if (at->modal->fields[field].n_modes == 0) return PHN_ERROR_UNDEFINED;
-  phynness::runtime::modal_field(*model, *at->modal, field, d, data->scratch, out);
+  phynness::runtime::modal_field(*data->level, *at->modal, field, d, data->scratch, out);
   return warnings(*model, *at, d);
 }
 

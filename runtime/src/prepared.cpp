@@ -63,7 +63,8 @@ PreparedNodes lay_out_prepared(Arena& arena, const phn_model& model, std::int32_
   return prepared;
 }
 
-const PreparedNode* prepare(const phn_model& model, PreparedNodes& prepared, std::int32_t active) {
+const PreparedNode* prepare(const phn_model& of_level, PreparedNodes& prepared, std::int32_t active) {
+  const phn_model& model = *of_level.full;
   if (prepared.n == 0 || !worth_preparing(model, active)) return nullptr;
   PreparedNode *found = nullptr, *oldest = prepared.node;
   for (std::int32_t i = 0; i < prepared.n && found == nullptr; ++i) {

@@ -13,7 +13,7 @@ struct PreparedNode {
   std::int32_t active;    ///< position among the active nodes; -1: none
   std::uint64_t touched;  ///< when
   // Family modal; null in others.
-  double* near_mode;      ///< n_modes x 3 n_near
+  double* near_mode;      ///< n_columns x 3 n_near
   float* modes;           ///< for every rows_per_block of the 3 n_output rows: those rows of each mode in turn
   // Family rbfn; null in others.
   double* gaussians;      ///< for every nodes_per_block of the output nodes: those of each neuron in turn
@@ -28,7 +28,8 @@ struct PreparedNodes {
 PreparedNodes lay_out_prepared(Arena& arena, const phn_model& model, std::int32_t max_tools);
 
 /// The entry of an active node; a new one takes the place of the one that was not touched for longest. Null if summing
-/// beforehand gains nothing.
+/// beforehand gains nothing. Entries are those of the full level, whatever the level of `model`: a smaller one reads the
+/// first of their columns.
 const PreparedNode* prepare(const phn_model& model, PreparedNodes& prepared, std::int32_t active);
 
 }  // namespace phynness::runtime

@@ -126,16 +126,17 @@ int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const ph
       if (same_node(c.point[s], c.point[t])) return PHN_ERROR_SAME_NODE;
     }
   }
+  c.model = data->level;
   const bool alone = n_tools == 1 && c.point[0].n_nodes == 1;
   for (std::int32_t t = 0; t < n_tools && !alone; ++t) {
     for (std::int32_t i = 0; i < c.point[t].n_nodes; ++i) {
-      const ActiveNode& node = model->active[c.point[t].active[i]];
-      if (node.output < 0 || !phynness::runtime::has_deformation(*model, node)) return PHN_ERROR_UNDEFINED;
+      const ActiveNode& node = c.model->active[c.point[t].active[i]];
+      if (node.output < 0 || !phynness::runtime::has_deformation(*c.model, node)) return PHN_ERROR_UNDEFINED;
     }
   }
   if (n_tools == 0) return PHN_OK;
   c.n_tools = n_tools;
-  const auto solved = alone ? single(*model, c, targets) : phynness::runtime::solve_coupled(*model, c, targets);
+  const auto solved = alone ? single(*c.model, c, targets) : phynness::runtime::solve_coupled(*c.model, c, targets);
   const int status = (solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | warnings_of(*model, c);
   for (std::int32_t t = 0; t < n_tools; ++t) {
     for (int k = 0; k < 3; ++k) forces[3 * t + k] = c.point[t].force[k];
@@ -157,7 +158,7 @@ int phn_coupled_deform(const phn_model* model, phn_data* data, double* out) {
       if (!phynness::runtime::has_deformation(*model, model->active[c.point[t].active[i]])) return PHN_ERROR_UNDEFINED;
     }
   }
-  coupled_field(*model, c, data->prepared, data->scratch, data->field, out);
+  coupled_field(*c.model, c, data->prepared, data->scratch, data->field, out);
   return warnings_of(*model, c);
 }
 

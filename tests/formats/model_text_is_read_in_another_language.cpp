@@ -21,10 +21,10 @@ using namespace phynness::test;
 // library agrees with the runtime to 1e-12 of the largest number of each kind (force, displacement, energy,
 // stiffness): both round in double, in different orders; but modal displacements, which the runtime sums as
 // floats, to 1e-5. 1e-16 is what the reader's terms leave at rest, where the runtime's cancel exactly.
-TEST_P(ModelTextOf, AReaderInAnotherLanguageAgrees) {
-  const Model model = GetParam() == Family::modal ? small_field_model() : small_model_of(GetParam());
+void expect_agreement(const Model& model, std::int32_t level) {
   const std::string text = write_model_text(model);
   const LoadedModel loaded(text);
+  ASSERT_EQ(phn_set_level(loaded.model, loaded.data, level), PHN_OK);
   const auto folder =
       std::filesystem::temp_directory_path() / ("phynness_reader_" + std::to_string(std::random_device{}()));
   std::filesystem::create_directories(folder);
@@ -41,8 +41,9 @@ TEST_P(ModelTextOf, AReaderInAnotherLanguageAgrees) {
     }
   }
   const std::string command = std::string(PHYNNESS_PYTHON " " PHYNNESS_MODEL_READER " ") +
-                              (folder / "model.txt").string() + " < " + (folder / "queries").string() +
-                              " > " + (folder / "answers").string();
+                              (folder / "model.txt").string() +
+                              (model.levels.empty() ? "" : " " + std::to_string(level)) + " < " +
+                              (folder / "queries").string() + " > " + (folder / "answers").string();
   ASSERT_EQ(std::system(command.c_str()), 0);
   std::ifstream answers(folder / "answers");
   for (const ActiveNodeModel& node : model.nodes) {
@@ -54,8 +55,8 @@ TEST_P(ModelTextOf, AReaderInAnotherLanguageAgrees) {
         const std::vector<double>* values;
         double tolerance, unit = 1;
       };
-      std::vector<Kind> mine = {{&force, 1e-12}, {&u, GetParam() == Family::modal ? 1e-5 : 1e-12}};
-      if (GetParam() != Family::rbfn) {
+      std::vector<Kind> mine = {{&force, 1e-12}, {&u, model.family == Family::modal ? 1e-5 : 1e-12}};
+      if (model.family != Family::rbfn) {
         ASSERT_GE(phn_energy(loaded.model, loaded.data, node.node, d.data(), energy.data()), 0);
         ASSERT_GE(phn_stiffness(loaded.model, loaded.data, node.node, d.data(), stiffness.data()), 0);
         mine.insert(mine.end(), {Kind{&energy, 1e-12}, Kind{&stiffness, 1e-12}});
@@ -83,6 +84,13 @@ TEST_P(ModelTextOf, AReaderInAnotherLanguageAgrees) {
     }
   }
   std::filesystem::remove_all(folder);
+}
+
+TEST_P(ModelTextOf, AReaderInAnotherLanguageAgrees) {
+  const Model model = GetParam() == Family::modal ? small_field_model() : small_model_of(GetParam());
+  expect_agreement(model, 0);
+  if (GetParam() == Family::linear) return;
+  for (const std::int32_t level : {0, 1, 2}) expect_agreement(with_levels(model), level);
 }
 
 }  // namespace

@@ -124,6 +124,30 @@ TEST(ModelText, RefusalsSayWhatIsWrong) {
       {replaced(modal, "amplitude_centers 4", "amplitude_centers 30000"), ""},
       {replaced(modal, "checksum", "0\nchecksum"), "after the last"},
   };
+  const std::string leveled = write_model_text(with_levels(small_modal_model())),
+                    networks = write_model_text(with_levels(small_model()));
+  const std::pair<std::string, const char*> level_cases[] = {
+      {replaced(leveled, "\nlevels 3", "\nlevels 1"), "out of range 2 ... 8"},
+      {replaced(leveled, "\nlevels 3", "\nlevels 9"), "out of range 2 ... 8"},
+      {replaced(leveled, "\nlevels 3", "\nlevels 2"), "expected 'active'"},
+      {replaced(networks, "\nlevels 3", "\nlevels 4"), "expected 'level'"},
+      {replaced(networks, "\nlevel 1p-1", "\nlevel -1p-1"), "is negative or beyond 1e100"},
+      {replaced(networks, "\nlevel 1p-1", "\nlevel inf"), "not finite"},
+      {replaced(leveled, "\nlevel 1p-1 1p-2\namplitude_centers 2",
+                "\nlevel 1p-1 1p-2\namplitude_centers 5\n1\n1\n1"),
+       "more centers than its model"},
+      {replaced(leveled, "\ndeformation 1\n", "\ndeformation 0\n"),
+       "modes of a level is out of range 1 ... 3"},
+      {replaced(leveled, "\ndeformation 1\n", "\ndeformation 4\n"),
+       "modes of a level is out of range 1 ... 3"},
+      {replaced(leveled, "\nforce 2\n", "\nforce 3\n"), ""},
+      {replaced(networks, "\ndeformation 3\n", "\ndeformation 10\n"), "more neurons than its model"},
+  };
+  for (const auto& [damaged, message] : level_cases) {
+    EXPECT_NE(refusal(damaged), "accepted");
+    EXPECT_NE(refusal(damaged).find(message), std::string::npos)
+        << refusal(damaged) << "\nshould say: " << message;
+  }
   for (const auto& [damaged, message] : modal_cases) {
     EXPECT_NE(refusal(damaged), "accepted");
     EXPECT_NE(refusal(damaged).find(message), std::string::npos)

@@ -122,6 +122,30 @@ TEST(ModelText, FieldsRoundTripBitForBit) {
 }
 
 // Claim: a scaled table holds every number to 1 / 65534 of its column's largest, and zeros as zeros.
+// Claim: levels come back bit for bit, of networks and of modes with fields.
+TEST(ModelText, LevelsRoundTripBitForBit) {
+  for (const Model& model : {with_levels(small_model()), with_levels(small_field_model(), 2)}) {
+    const std::string text = write_model_text(model);
+    const Model again = read_model_text(text, "text");
+    EXPECT_EQ(write_model_text(again), text);
+    ASSERT_EQ(again.levels.size(), model.levels.size());
+    for (std::size_t l = 0; l < model.levels.size(); ++l) {
+      EXPECT_EQ(again.levels[l].error_force, model.levels[l].error_force);
+      EXPECT_EQ(again.levels[l].error_displacement, model.levels[l].error_displacement);
+      EXPECT_EQ(again.levels[l].centers, model.levels[l].centers);
+    }
+    for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+      ASSERT_EQ(again.nodes[i].levels.size() + 1, model.levels.size());
+      const auto &level = model.nodes[i].levels[0], &same = again.nodes[i].levels[0];
+      EXPECT_EQ(same.force.weights, level.force.weights);
+      EXPECT_EQ(same.deformation.bias, level.deformation.bias);
+      EXPECT_EQ(same.conservative.coefficients, level.conservative.coefficients);
+      EXPECT_EQ(same.weights.entries, level.weights.entries);
+      EXPECT_EQ(same.field_weights.size(), level.field_weights.size());
+    }
+  }
+}
+
 TEST(ModelText, TablesRoundToTheirColumns) {
   Numbers numbers;
   Eigen::MatrixXd values(50, 4);

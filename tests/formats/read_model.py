@@ -1,6 +1,6 @@
 """Reader and evaluator of model.txt written from formats/model.md alone, standard library only.
 
-Usage: read_model.py model.txt < queries
+Usage: read_model.py model.txt [LEVEL] < queries
 One query a line: node dx dy dz (hexadecimal floats as in model.txt).
 One answer a line: the force, then the displacements of all output nodes, then, where the family has them, the energy
 and the nine numbers of the stiffness, and the values of each field that the node has, as hexadecimal floats.
@@ -84,7 +84,7 @@ def read_shared(reader, model):
         model["fields"].append(field)
 
 
-def read_modal(reader, model, node):
+def read_conservative(reader, model, node):
     n = reader.count("force")
     node["shape"] = reader.floats("shape")[0]
     xx, xy, xz, yy, yz, zz = reader.floats("stiffness")
@@ -93,6 +93,10 @@ def read_modal(reader, model, node):
     for _ in range(n):
         row, *b = reader.fields()
         node["centers"].append((model["displacements"][int(row)], [float.fromhex(v) for v in b]))
+
+
+def read_modal(reader, model, node):
+    read_conservative(reader, model, node)
     reader.count("deformation")
     node["weights"] = read_table(reader, "weights", len(model["centers"]) + 3)
     node["mixing"] = read_table(reader, "mixing", model["n_shared"])
@@ -108,7 +112,49 @@ def read_modal(reader, model, node):
         node["fields"].append(field)
 
 
-def read_model(data):
+def read_levels(reader, model):
+    model["levels"] = []
+    if not reader.next_is("levels"):
+        return
+    n_levels = reader.count("levels")
+    for level in range(n_levels):
+        reader.floats("level")
+        if model["family"] == "modal" and level + 1 < n_levels:
+            n_centers = reader.count("amplitude_centers")
+            model["levels"].append([model["displacements"][reader.count()] for _ in range(n_centers)])
+        elif level + 1 < n_levels:
+            model["levels"].append(None)
+
+
+def read_first_neurons(reader, keyword, full):
+    n = reader.count(keyword)
+    net = dict(full, bias=reader.floats("bias"))
+    net["neurons"] = [(full["neurons"][i][0], reader.floats()) for i in range(n)]
+    return net
+
+
+def read_first_modes(reader, keyword, full, n_rows):
+    n = reader.count(keyword)
+    first = dict(full, weights=read_table(reader, "weights", n_rows))
+    for key in ("mixing", "near_modes"):
+        first[key] = [row[:n] for row in full[key]]
+    return first
+
+
+def read_level(reader, model, node, centers):
+    if model["family"] == "rbfn":
+        level = dict(node)
+        for key in ("force", "deformation"):
+            level[key] = read_first_neurons(reader, key, node[key])
+        return level
+    force = {}
+    read_conservative(reader, model, force)
+    level = dict(read_first_modes(reader, "deformation", node, len(centers) + 3), **force)
+    level["fields"] = [read_first_modes(reader, "field", field, len(centers) + 9) for field in node["fields"]]
+    return level
+
+
+def read_model(data, wanted=None):
     reader = Reader(checked_lines(data))
     if reader.fields("phynness-model") != ["2"]:
         sys.exit("another version")
@@ -132,6 +178,7 @@ def read_model(data):
         model["largest"] = largest
         model["displacements"] = [[v / largest for v in row] for row in displacements]
         read_shared(reader, model)
+    read_levels(reader, model)
     for _ in range(reader.count("active")):
         node = {}
         number = reader.count("node")
@@ -148,7 +195,10 @@ def read_model(data):
         else:
             node["force"] = read_network(reader, "force", [displacements])
             node["deformation"] = read_network(reader, "deformation", [displacements, points])
-        model["nodes"][number] = node
+        levels = [read_level(reader, model, node, centers) for centers in model["levels"]]
+        model["nodes"][number] = (levels + [node])[-1 if wanted is None else wanted]
+    if wanted is not None and wanted < len(model["levels"]) and family == "modal":
+        model["centers"] = model["levels"][wanted]
     return model
 
 
@@ -267,7 +317,7 @@ def displacements(model, node, d):
 
 def main():
     with open(sys.argv[1], "rb") as file:
-        model = read_model(file.read())
+        model = read_model(file.read(), int(sys.argv[2]) if len(sys.argv) > 2 else None)
     for line in sys.stdin:
         number, *d = line.split()
         node, d = model["nodes"][int(number)], [float.fromhex(v) for v in d]

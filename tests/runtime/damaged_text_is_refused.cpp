@@ -29,15 +29,28 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return with_checksum(body_of(text.replace(at, from.size(), to)));
 }
 
-/// Every family, small enough to damage at every byte.
-std::string small_text(Family family, int n_deformation, int n_force) {
-  if (family == Family::modal) return write_model_text(small_modal_model(n_deformation, n_force, 2, 2));
-  return write_model_text(family == Family::linear ? small_linear_model()
-                                                   : small_model(n_deformation, n_force));
+/// A family, with smaller networks or without.
+struct Kind {
+  Family family;
+  bool levels;
+};
+void PrintTo(const Kind& kind, std::ostream* out) { *out << name(kind.family); }
+
+/// Every kind, small enough to damage at every byte.
+std::string small_text(const Kind& kind, int n_deformation, int n_force) {
+  Model model = small_model(n_deformation, n_force);
+  if (kind.family == Family::modal) model = small_modal_model(n_deformation, n_force, 2, 2);
+  if (kind.family == Family::linear) model = small_linear_model();
+  return write_model_text(kind.levels ? with_levels(model, 2) : model);
 }
-class DamagedText : public testing::TestWithParam<Family> {};
-INSTANTIATE_TEST_SUITE_P(Families, DamagedText, testing::Values(Family::rbfn, Family::linear, Family::modal),
-                         [](const auto& info) { return std::string(name(info.param)); });
+class DamagedText : public testing::TestWithParam<Kind> {};
+INSTANTIATE_TEST_SUITE_P(Families, DamagedText,
+                         testing::Values(Kind{Family::rbfn, false}, Kind{Family::linear, false},
+                                         Kind{Family::modal, false}, Kind{Family::rbfn, true},
+                                         Kind{Family::modal, true}),
+                         [](const auto& info) {
+                           return std::string(name(info.param.family)) + (info.param.levels ? "_levels" : "");
+                         });
 
 // Claim: every beginning of a model is refused, by size and by init, without touching memory beyond it.
 TEST_P(DamagedText, EveryTruncationIsRefused) {
@@ -92,11 +105,13 @@ TEST_P(DamagedText, ParserSurvivesAnythingWithAGoodChecksum) {
       ASSERT_EQ(phn_data_init(data_memory.data(), bytes, model, 1, &data), PHN_OK);
       const double d[] = {0.001, 0.002, -0.003};
       std::vector<double> u(3 * phn_n_output(model));
-      for (int i = 0; i < phn_n_active(model); ++i) {
-        ASSERT_GE(phn_deform(model, data, 1, phn_active_nodes(model) + i, d, u.data()), 0);
+      for (int i = 0; i < phn_n_levels(model) * phn_n_active(model); ++i) {
+        ASSERT_EQ(phn_set_level(model, data, i / phn_n_active(model)), PHN_OK);
+        const std::int32_t* touched = phn_active_nodes(model) + i % phn_n_active(model);
+        ASSERT_GE(phn_deform(model, data, 1, touched, d, u.data()), 0);
         for (const double x : u) ASSERT_TRUE(std::isfinite(x));
         double force[3];
-        ASSERT_GE(phn_force(model, data, phn_active_nodes(model)[i], d, force), 0);
+        ASSERT_GE(phn_force(model, data, *touched, d, force), 0);
         for (const double x : force) ASSERT_TRUE(std::isfinite(x));
       }
     }
@@ -181,6 +196,63 @@ TEST(DefectsOfText, OfModalModelsAreTold) {
   EXPECT_EQ(size_status(replaced(text, "near 4\n0\n1\n2\n4\n", "near 4\n0\n1\n2\n11\n")), PHN_OK);
   const std::size_t center = text.find('\n', text.find("\nshape ") + 1) + 1;
   EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(center, 1, "8")))), PHN_ERROR_RANGE);
+}
+
+// Claim: levels are bounded by the full model, for which scratch is laid out; a level keeps its number of
+// lines.
+TEST(DefectsOfText, OfLevelsAreTold) {
+  for (const Family family : {Family::rbfn, Family::modal}) {
+    const std::string text = write_model_text(with_levels(small_model_of(family)));
+    ASSERT_EQ(size_status(text), PHN_OK);
+    for (const char* number : {"0", "1", "9"})
+      EXPECT_EQ(size_status(first_number(text, "levels", number)), PHN_ERROR_RANGE) << number;
+    EXPECT_EQ(size_status(first_number(text, "levels", "2")), PHN_ERROR_SYNTAX);
+    EXPECT_EQ(size_status(first_number(text, "levels", "4")), PHN_ERROR_SYNTAX);
+    EXPECT_EQ(size_status(replaced(text, "\nlevels ", "\nlevel ")), PHN_ERROR_SYNTAX);
+    EXPECT_EQ(size_status(first_number(text, "level", "-1p+0")), PHN_ERROR_RANGE);
+    EXPECT_EQ(size_status(first_number(text, "level", "1p+400")), PHN_ERROR_RANGE);
+    EXPECT_EQ(size_status(first_number(text, "level", "0p+0")), PHN_OK);
+    EXPECT_EQ(size_status(first_number(text, "level", "0.5")), PHN_ERROR_SYNTAX);
+  }
+  // What a level has more of than the model that it belongs to.
+  const auto refused = [](Model model, Model other) {
+    const std::string text = write_model_text(with_levels(model)),
+                      large = write_model_text(with_levels(other));
+    const auto part = [](const std::string& of, const char* from, const char* to) {
+      const std::size_t begin = of.find(from), end = of.find(to, begin + 1);
+      return of.substr(begin, end - begin);
+    };
+    EXPECT_EQ(size_status(replaced(text, part(text, "\nlevels ", "\nactive "),
+                                   part(large, "\nlevels ", "\nactive "))),
+              PHN_ERROR_RANGE);
+  };
+  refused(small_modal_model(3, 5, 6, 2), small_modal_model(3, 5, 6, 8));
+  Model model = with_levels(small_modal_model(3, 5));
+  for (auto& node : model.nodes) {
+    const auto full = node.conservative;
+    node.conservative.centers.resize(1);
+    node.conservative.coefficients.conservativeResize(1, 3);
+    EXPECT_ANY_THROW(write_model_text(model));
+    node.conservative = full;
+  }
+  const std::string text = write_model_text(model);
+  ASSERT_EQ(size_status(text), PHN_OK);
+  // The smaller level of the first node: its force comes after the full deformation.
+  const std::size_t level = text.find("\nforce ", text.find("\nforce ") + 1);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(level + 7, 1, "6")))),
+            PHN_ERROR_SYNTAX);
+  const std::size_t modes = text.find("\ndeformation ", level);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "4")))),
+            PHN_ERROR_RANGE);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "0")))),
+            PHN_ERROR_RANGE);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "2")))),
+            PHN_ERROR_SYNTAX);
+  // A linear model has none.
+  const std::string linear = write_model_text(small_linear_model());
+  EXPECT_EQ(
+      size_status(replaced(linear, "\nactive ", "\nlevels 2\nlevel 0p+0 0p+0\nlevel 0p+0 0p+0\nactive ")),
+      PHN_ERROR_SYNTAX);
 }
 
 // Claim: what could overflow is refused when the model is built: a largest displacement beyond 1e90 or below

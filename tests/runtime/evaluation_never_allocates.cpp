@@ -83,6 +83,41 @@ TEST_P(Memory, NothingIsAllocated) {
   EXPECT_EQ(after, before);
 }
 
+TEST(Memory, LevelsAllocateNothing) {
+  for (const Family family : {Family::rbfn, Family::modal}) {
+    const std::string text = write_model_text(with_levels(small_model_of(family)));
+    std::vector<char> model_memory(1 << 20), data_memory(1 << 20);
+    std::size_t bytes = 0;
+    const phn_model* model = nullptr;
+    phn_data* data = nullptr;
+    const double d[] = {0.001, 0.002, 0.003};
+    const std::int32_t node = 3;
+    double out[36], now = 0, distance = 0, relative = 0;
+    phn_level info;
+    phn_level_time times[3];
+    std::int32_t best = -1;
+    const auto clock = [](void* user) { return *static_cast<double*>(user) += 100; };
+    const long before = n_allocations;
+    int worst = phn_model_size(text.data(), text.size(), &bytes);
+    worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model));
+    worst = std::min(worst, phn_data_size(model, 1, &bytes));
+    worst = std::min(worst, phn_data_init(data_memory.data(), bytes, model, 1, &data));
+    for (const std::int32_t level : {0, 2, 1}) {
+      worst = std::min(worst, phn_set_level(model, data, level));
+      worst = std::min(worst, phn_level_info(model, level, &info));
+      worst = std::min(worst, phn_force(model, data, node, d, out));
+      worst = std::min(worst, phn_deform(model, data, 1, &node, d, out));
+    }
+    worst = std::min(worst, phn_calibrate(model, data, clock, &now, times));
+    worst = std::min(worst, phn_budget(model, times, 1, 1, 1000, &best));
+    worst = std::min(worst, phn_trained_distance(model, node, d, &distance, &relative));
+    const long after = n_allocations;
+    EXPECT_EQ(worst, 0);
+    EXPECT_EQ(phn_n_levels(model), 3);
+    EXPECT_EQ(after, before);
+  }
+}
+
 TEST(Memory, FieldsAllocateNothing) {
   const std::string text = write_model_text(small_field_model());
   std::vector<char> model_memory(1 << 20), data_memory(1 << 20);

@@ -195,6 +195,87 @@ inline Model small_field_model() {
   return model;
 }
 
+/// Smaller networks beside those of a model: fewer centers, modes and neurons, other numbers.
+inline Model with_levels(Model model, int n_levels = 3) {
+  Numbers numbers;
+  model.levels.resize(static_cast<std::size_t>(n_levels));
+  const auto share = [&](Eigen::Index full, int level) {
+    return static_cast<int>((full * (level + 1) + n_levels - 1) / n_levels);
+  };
+  for (int l = 0; l < n_levels; ++l) {
+    auto& level = model.levels[static_cast<std::size_t>(l)];
+    level.error_force = 0.5 / (l + 1);
+    level.error_displacement = 0.25 / (l + 1);
+    if (l + 1 == n_levels) break;
+    const int n_centers = share(static_cast<Eigen::Index>(model.shared.centers.size()), l);
+    if (model.family == Family::modal)
+      level.centers.assign(model.shared.centers.rbegin(), model.shared.centers.rbegin() + n_centers);
+    for (ActiveNodeModel& node : model.nodes) {
+      LevelResponse& response = node.levels.emplace_back();
+      const auto first = [&](const RbfNetwork& net, FirstNeurons& neurons) {
+        const int n = share(net.weights.rows(), l);
+        neurons.weights = random_table(n, 3, 3, numbers).values();
+        neurons.bias = Eigen::Vector3d(numbers.next(), numbers.next(), numbers.next());
+      };
+      if (model.family == Family::rbfn) {
+        first(node.force, response.force);
+        first(node.deformation, response.deformation);
+        continue;
+      }
+      ConservativeNetwork& force = response.conservative;
+      force = node.conservative;
+      force.centers.resize(static_cast<std::size_t>(share(node.conservative.coefficients.rows(), l)));
+      force.coefficients.conservativeResize(static_cast<Eigen::Index>(force.centers.size()), 3);
+      force.coefficients *= 0.75;
+      force.stiffness *= 1.25;
+      const auto weights = [&](const ModalDeformation& modal, int n_terms, double size) {
+        return random_table(n_centers + n_terms, share(modal.weights.cols(), l), size, numbers);
+      };
+      response.weights = weights(node.modal, 3, 0.01);
+      for (const auto& field : node.fields) response.field_weights.push_back(weights(field, 9, 1));
+    }
+  }
+  return model;
+}
+
+/// What a level is, as a model of its own.
+inline Model level_alone(const Model& model, std::size_t l) {
+  Model alone = model;
+  alone.levels.clear();
+  for (ActiveNodeModel& node : alone.nodes) {
+    const auto levels = node.levels;
+    node.levels.clear();
+    if (l + 1 == model.levels.size()) continue;
+    const LevelResponse& level = levels[l];
+    const auto cut = [](const FirstNeurons& first, RbfNetwork& net) {
+      const auto n = first.weights.rows();
+      net.weights = first.weights;
+      net.bias = first.bias;
+      net.centers.conservativeResize(n, net.centers.cols());
+      net.center_displacement.resize(static_cast<std::size_t>(n));
+      if (!net.center_output.empty()) net.center_output.resize(static_cast<std::size_t>(n));
+    };
+    if (model.family == Family::rbfn) {
+      cut(level.force, node.force);
+      cut(level.deformation, node.deformation);
+      continue;
+    }
+    node.conservative = level.conservative;
+    const auto first_modes = [](const ScaledTable& weights, ModalDeformation& modal) {
+      modal.weights = weights;
+      for (ScaledTable* table : {&modal.mixing, &modal.near_modes}) {
+        table->scale = Eigen::VectorXd(table->scale.head(weights.cols()));
+        table->entries.conservativeResize(table->entries.rows(), weights.cols());
+      }
+    };
+    first_modes(level.weights, node.modal);
+    for (std::size_t f = 0; f < node.fields.size(); ++f) first_modes(level.field_weights[f], node.fields[f]);
+  }
+  if (model.family == Family::modal && l + 1 < model.levels.size())
+    alone.shared.centers = model.levels[l].centers;
+  return alone;
+}
+
 /// Every family, for claims about all of them.
 inline Model small_model_of(Family family) {
   if (family == Family::linear) return small_linear_model();

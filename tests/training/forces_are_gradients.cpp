@@ -196,7 +196,7 @@ TEST(LeftOut, EqualsSolvingAgain) {
     }
   }
   const std::vector<std::int32_t> direction{0, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3};
-  const auto groups = groups_by_direction(direction, 1, 0);
+  const auto groups = groups_of_equal(direction, 1, 0);
   const auto errors = left_out(kernel, tail, values, groups);
   for (const auto& group : groups) {
     std::vector<Eigen::Index> rest;

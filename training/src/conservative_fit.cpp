@@ -6,6 +6,7 @@
 
 #include "fixed_shapes.hpp"
 #include "left_out.hpp"
+#include "levels.hpp"
 #include "multiquadric.hpp"
 
 namespace phynness {
@@ -167,7 +168,7 @@ double left_out_error(const ForceStates& states, double shape) {
   }
   VectorXd values = VectorXd::Zero(3 * n);
   values.tail(3 * (n - 1)) = stacked(states);
-  const MatrixXd errors = left_out(phi, tail, values, groups_by_direction(states.direction, 3, 3));
+  const MatrixXd errors = left_out(phi, tail, values, groups_of_equal(states.direction, 3, 3));
   return mean_length(errors.col(0).tail(3 * (n - 1))) / largest_force(states);
 }
 
@@ -281,16 +282,18 @@ Matrix3d at_least(const Matrix3d& k, double least) {
   return (raised + raised.transpose()) / 2;
 }
 
-ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, int max_centers,
-                          double shape) {
-  const Columns columns = columns_of(states, shape);
-  const VectorXd force = stacked(states),
-                 weights = weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>();
-  const int allowed = static_cast<int>(largest_center_share * static_cast<double>(states.x.rows()));
-  auto chosen =
-      choose_centers({weights.asDiagonal() * columns.centers, weights.asDiagonal() * columns.stiffness},
-                     weights.cwiseProduct(force), std::min(max_centers, allowed));
-  std::sort(chosen.begin(), chosen.end());
+/// What a network is fitted to, and how.
+struct Problem {
+  const ForceStates& states;
+  double max_displacement_m, shape;
+  Columns columns;
+  VectorXd force, weights;
+};
+
+/// Least squares with the given centers, in ascending order. @param left_out_error  may be null
+ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& chosen,
+                            double* left_out_error) {
+  const auto& [states, max_displacement_m, shape, columns, force, weights] = problem;
   const auto m = static_cast<Index>(chosen.size());
   MatrixXd a(force.size(), 3 * m + 6);
   for (Index j = 0; j < m; ++j)
@@ -299,9 +302,11 @@ ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, 
   const MatrixXd weighted = weights.asDiagonal() * a;
   const VectorXd target = weights.cwiseProduct(force);
   VectorXd solution = damped_solution(weighted, target, 3 * m);
+  Index n_free = a.cols();
   // Far away the tail is all there is: it must not push the tool away.
   const Matrix3d tail = at_least(symmetric(solution.tail<6>()), least_tail(weighted.rightCols<6>(), target));
   if (tail != symmetric(solution.tail<6>())) {
+    n_free = 3 * m;
     solution.tail<6>() << tail(0, 0), tail(0, 1), tail(0, 2), tail(1, 1), tail(1, 2), tail(2, 2);
     solution.head(3 * m) = damped_solution(weighted.leftCols(3 * m),
                                            target - weighted.rightCols<6>() * solution.tail<6>(), 3 * m);
@@ -325,6 +330,38 @@ ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, 
     fit.training_error = mean_length(a * solution - force) / largest;
     fit.cancellation = (a.cwiseAbs() * solution.cwiseAbs()).maxCoeff() / largest;
   }
+  if (largest > 0 && left_out_error) {
+    const MatrixXd free = weighted.leftCols(n_free);
+    const MatrixXd errors =
+        left_out_of_fit(damped_columns(free, column_sizes(free), 3 * m), target - weighted * solution, target,
+                        groups_of_equal(states.row, 3, 0));
+    *left_out_error = mean_length(errors.col(0).cwiseQuotient(weights)) / largest;
+  }
+  return fit;
+}
+
+ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, int max_centers, double shape,
+                          int n_levels) {
+  const Problem problem{states,          max_displacement_m,
+                        shape,           columns_of(states, shape),
+                        stacked(states), weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>()};
+  const auto& columns = problem.columns;
+  const int allowed = static_cast<int>(largest_center_share * static_cast<double>(states.x.rows()));
+  const auto order = choose_centers(
+      {problem.weights.asDiagonal() * columns.centers, problem.weights.asDiagonal() * columns.stiffness},
+      problem.weights.cwiseProduct(problem.force), std::min(max_centers, allowed));
+  const auto first = [&](int n) {
+    std::vector<Index> some(order.begin(), order.begin() + n);
+    std::sort(some.begin(), some.end());
+    return some;
+  };
+  const int n_all = static_cast<int>(order.size());
+  auto fit = fit_centers(problem, first(n_all), nullptr);
+  for (int below = n_levels - 1; below >= 0 && n_levels > 1; --below) {
+    auto& level = fit.levels.emplace_back();
+    const int n = level_size(n_all, below, least_force_centers);
+    level.network = fit_centers(problem, first(n), &level.left_out_error).network;
+  }
   return fit;
 }
 
@@ -347,7 +384,8 @@ ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& r
   return states;
 }
 
-ConservativeFit fit_conservative(const ForceStates& all, double max_displacement_m, int max_centers) {
+ConservativeFit fit_conservative(const ForceStates& all, double max_displacement_m, int max_centers,
+                                 int n_levels) {
   const ForceStates once = merged(all);
   const ForceStates states = thinned(once, (once.row.size() + max_fit_states - 1) / max_fit_states);
   const ForceStates some = thinned(states, (states.row.size() + max_search_states - 1) / max_search_states);
@@ -360,11 +398,11 @@ ConservativeFit fit_conservative(const ForceStates& all, double max_displacement
       shape = candidate;
     }
   }
-  auto fit = fit_shape(states, max_displacement_m, max_centers, shape);
+  auto fit = fit_shape(states, max_displacement_m, max_centers, shape, n_levels);
   // Flat kernels cancel; the next sharper one does less.
   while (fit.cancellation > largest_cancellation && shape > candidates.front()) {
     shape = *std::prev(std::lower_bound(candidates.begin(), candidates.end(), shape));
-    fit = fit_shape(states, max_displacement_m, max_centers, shape);
+    fit = fit_shape(states, max_displacement_m, max_centers, shape, n_levels);
   }
   fit.left_out_error = left_out;
   return fit;
@@ -372,7 +410,7 @@ ConservativeFit fit_conservative(const ForceStates& all, double max_displacement
 
 ConservativeFit fit_conservative_of_shape(const ForceStates& states, double max_displacement_m,
                                           int max_centers, double shape) {
-  return fit_shape(merged(states), max_displacement_m, max_centers, shape);
+  return fit_shape(merged(states), max_displacement_m, max_centers, shape, 1);
 }
 
 double condition_number(const ForceStates& states, const ConservativeNetwork& network) {

@@ -1,8 +1,16 @@
 #include "left_out.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 
 namespace phynness {
+namespace {
+
+/// A group that leaves less than this of some combination of the columns determines it: what is left is
+/// damping.
+constexpr double undetermined = 1e-8;
+
+}  // namespace
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -13,10 +21,10 @@ MatrixXd rows_of(const MatrixXd& matrix, const std::vector<Index>& which) {
   return rows;
 }
 
-RowGroups groups_by_direction(const std::vector<std::int32_t>& direction, Index per_state, Index first_row) {
+RowGroups groups_of_equal(const std::vector<std::int32_t>& numbers, Index per_state, Index first_row) {
   RowGroups groups;
-  for (std::size_t i = 0; i < direction.size(); ++i) {
-    if (i == 0 || direction[i] != direction[i - 1]) groups.emplace_back();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (i == 0 || numbers[i] != numbers[i - 1]) groups.emplace_back();
     for (Index k = 0; k < per_state; ++k)
       groups.back().push_back(first_row + per_state * static_cast<Index>(i) + k);
   }
@@ -37,6 +45,38 @@ MatrixXd left_out(const MatrixXd& kernel, const MatrixXd& tail, const MatrixXd& 
     const MatrixXd block = inverse(group, group);
     MatrixXd error = Eigen::FullPivLU<MatrixXd>(block).solve(rows_of(weights, group));
     if (!error.allFinite()) error = rows_of(values, group);
+    for (std::size_t i = 0; i < group.size(); ++i) errors.row(group[i]) = error.row(static_cast<Index>(i));
+  }
+  return errors;
+}
+
+MatrixXd left_out_of_fit(const MatrixXd& damped, const MatrixXd& rest, const MatrixXd& values,
+                         const RowGroups& groups) {
+  const MatrixXd q = Eigen::HouseholderQR<MatrixXd>(damped).householderQ() *
+                     MatrixXd::Identity(damped.rows(), std::min(damped.rows(), damped.cols()));
+  return left_out_of_projection(q.topRows(rest.rows()), rest, values, groups);
+}
+
+MatrixXd left_out_of_projection(const Eigen::Ref<const MatrixXd, 0, Eigen::OuterStride<>>& q,
+                                const MatrixXd& rest, const MatrixXd& values, const RowGroups& groups) {
+  MatrixXd errors = MatrixXd::Zero(rest.rows(), rest.cols());
+  for (const auto& group : groups) {
+    const MatrixXd some = rows_of(q, group), left = rows_of(rest, group);
+    // The smaller of two matrices: (I - Q Q^T)^-1 = I + Q (I - Q^T Q)^-1 Q^T.
+    const bool small_group = some.rows() <= some.cols();
+    const MatrixXd product =
+        small_group ? MatrixXd(some * some.transpose()) : MatrixXd(some.transpose() * some);
+    Eigen::FullPivLU<MatrixXd> lu(MatrixXd::Identity(product.rows(), product.cols()) - product);
+    lu.setThreshold(undetermined);
+    MatrixXd error = rows_of(values, group);
+    if (lu.isInvertible()) {
+      error = left;
+      if (small_group) {
+        error = lu.solve(left);
+      } else {
+        error += some * lu.solve(some.transpose() * left);
+      }
+    }
     for (std::size_t i = 0; i < group.size(); ++i) errors.row(group[i]) = error.row(static_cast<Index>(i));
   }
   return errors;

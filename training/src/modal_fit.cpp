@@ -118,7 +118,7 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
     tail.row(i).tail<3>() = place(i).transpose();
     for (Index j = 0; j < n; ++j) phi(i, j) = multiquadric(place(i) - place(j), shape);
   }
-  const MatrixXd errors = left_out(phi, tail, values, groups_by_direction(directions, 1, 1));
+  const MatrixXd errors = left_out(phi, tail, values, groups_of_equal(directions, 1, 1));
   const double n_output = static_cast<double>(node.modes.rows()) / node.components;
   return node.largest > 0
              ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest
@@ -136,6 +136,27 @@ struct AmplitudeProblem {
   VectorXd size;
   MatrixXd unit, normal;
 };
+
+/// Amplitudes of a level, fitted to its centers alone. @param stored  modes as the model holds them
+ModalFit::Level fit_level(const TrainingTables& tables, const AmplitudeLevel& level, double shape, int degree,
+                          const NodeModes& node, const MatrixXd& stored) {
+  const Index n_modes = std::min<Index>(level.modes, node.modes.cols());
+  const AmplitudeProblem problem(
+      features(scaled_rows(tables, node.row), scaled_rows(tables, level.centers), shape, degree));
+  const MatrixXd wanted = node.amplitudes.leftCols(n_modes);
+  const MatrixXd weights = problem.normal.ldlt().solve(problem.unit.transpose() * wanted);
+  ModalFit::Level fit;
+  fit.weights = scaled_table(problem.size.cwiseInverse().asDiagonal() * weights);
+  MatrixXd damped = MatrixXd::Zero(problem.unit.rows() + problem.unit.cols(), problem.unit.cols());
+  damped.topRows(problem.unit.rows()) = problem.unit;
+  damped.bottomRows(problem.unit.cols()).diagonal().setConstant(damping);
+  const MatrixXd errors =
+      left_out_of_fit(damped, wanted - problem.unit * weights, wanted, groups_of_equal(node.row, 1, 0));
+  fit.left_out_error = node.lost + mean_share((wanted - errors) * stored.leftCols(n_modes).transpose() -
+                                                  node.amplitudes * node.modes.transpose(),
+                                              node);
+  return fit;
+}
 
 /// One node's part in the choice of centers: what its states say of each candidate.
 struct Chooser {
@@ -312,7 +333,9 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
       chosen.shape = candidate;
     }
   }
-  chosen.row = amplitude_centers_of_shape(tables, nodes, max_centers, chosen.shape).row;
+  const auto centers = amplitude_centers_of_shape(tables, nodes, max_centers, chosen.shape);
+  chosen.row = centers.row;
+  chosen.order = centers.order;
   return chosen;
 }
 
@@ -340,12 +363,13 @@ AmplitudeCenters amplitude_centers_of_shape(const TrainingTables& tables, const 
     chosen.row.push_back(rows[static_cast<std::size_t>(best)]);
     for (auto& c : choosers) remove(c, best);
   }
+  chosen.order = chosen.row;
   std::sort(chosen.row.begin(), chosen.row.end());
   return chosen;
 }
 
 ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node, int n_near,
-                   int degree) {
+                   int degree, const std::vector<AmplitudeLevel>& levels) {
   ModalFit fit;
   auto& modal = fit.deformation;
   const MatrixXd basis = shared.modes.values();
@@ -395,6 +419,8 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   fit.truncation_error = node.lost + mean_share(node.amplitudes * (stored - node.modes).transpose(), node);
   fit.regression_error =
       mean_share((f * modal.weights.values() - node.amplitudes) * stored.transpose(), node);
+  for (const auto& level : levels)
+    fit.levels.push_back(fit_level(tables, level, shared.shape, degree, node, stored));
   return fit;
 }
 

@@ -3,6 +3,8 @@
 #include <phynness/training/network_fit.hpp>
 
 #include "kernels.hpp"
+#include "left_out.hpp"
+#include "levels.hpp"
 
 namespace phynness {
 namespace {
@@ -94,6 +96,12 @@ class GrowingQr {
   int size() const { return _size; }
   double* next() { return &_q[_size * _stride]; }
   const double* column(int k) const { return &_q[k * _stride]; }
+  using Columns = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+  /// The first k columns.
+  Columns columns(int k) const {
+    return {_q.data(), static_cast<Eigen::Index>(_n), k,
+            Eigen::OuterStride<>(static_cast<Eigen::Index>(_stride))};
+  }
   const Eigen::MatrixXd& r() const { return _r; }
 
   /// Orthonormalizes next() against the columns so far and keeps it, or returns false and clears it if it is
@@ -164,6 +172,16 @@ std::int32_t worst_untried(const std::vector<double>& error, const std::vector<c
     }
   }
   return worst;
+}
+
+/// @param rest, targets  n x 3, scaled
+double left_out_error(const GrowingQr::Columns& q, const Eigen::MatrixXd& rest,
+                      const Eigen::MatrixXd& targets, const RbfNetwork& net, const NetworkPoints& points,
+                      const std::vector<std::int32_t>& group) {
+  const Eigen::MatrixXd errors = left_out_of_projection(q, rest, targets, groups_of_equal(group, 1, 0));
+  const double sum = (errors * net.output_half_range.asDiagonal()).rowwise().norm().sum();
+  const double largest = points.outputs.rowwise().norm().maxCoeff();
+  return largest > 0 ? sum / (static_cast<double>(points.size()) * largest) : 0;
 }
 
 }  // namespace
@@ -237,26 +255,41 @@ NetworkFit fit_network(const NetworkPoints& points, const FitOptions& options) {
     project_out();
   }
 
+  // Weights, bias first, of the first columns; `remainder` becomes what they leave of the targets.
+  Eigen::MatrixXd remainder;
+  const auto solve = [&](int n_columns) {
+    const auto triangle = qr.r().topLeftCorner(n_columns, n_columns).triangularView<Eigen::Upper>();
+    Eigen::MatrixXd solution = triangle.solve(z.topRows(n_columns));
+    // Refinement against the basis itself, not its factors: removes what Gram-Schmidt's rounding did to the
+    // weights.
+    remainder = targets.rowwise() - solution.row(0);
+    std::vector<double> column(n);
+    for (int k = 1; k < n_columns; ++k) {
+      basis.fill(fit.centers[k - 1], column.data());
+      const Eigen::Map<const Eigen::VectorXd> h(column.data(), static_cast<Eigen::Index>(n));
+      for (int j = 0; j < 3; ++j) remainder.col(j) -= solution(k, j) * h;
+    }
+    Eigen::MatrixXd correction(n_columns, 3);
+    for (int k = 0; k < n_columns; ++k) {
+      double c[3];
+      kernels::dot_residuals(qr.column(k), remainder.data(), n, n, c);
+      kernels::update_residuals(qr.column(k), c, remainder.data(), n, error.data(), n);
+      correction.row(k) << c[0], c[1], c[2];
+    }
+    solution += triangle.solve(correction);
+    return solution;
+  };
   const int size = qr.size();
-  const auto triangle = qr.r().topLeftCorner(size, size).triangularView<Eigen::Upper>();
-  Eigen::MatrixXd solution = triangle.solve(z.topRows(size));
-  // Refinement against the basis itself, not its factors: removes what Gram-Schmidt's rounding did to the
-  // weights.
-  Eigen::MatrixXd remainder = targets.rowwise() - solution.row(0);
-  std::vector<double> column(n);
-  for (int k = 1; k < size; ++k) {
-    basis.fill(fit.centers[k - 1], column.data());
-    const Eigen::Map<const Eigen::VectorXd> h(column.data(), static_cast<Eigen::Index>(n));
-    for (int j = 0; j < 3; ++j) remainder.col(j) -= solution(k, j) * h;
+  for (int below = options.n_levels - 1; below >= 0 && options.n_levels > 1; --below) {
+    NetworkLevel& level = fit.levels.emplace_back();
+    const int n_columns = 1 + level_size(size - 1, below, least_neurons);
+    const Eigen::MatrixXd first = solve(n_columns);
+    level.neurons = {first.bottomRows(n_columns - 1), first.row(0).transpose()};
+    if (!options.group.empty())
+      level.left_out_error =
+          left_out_error(qr.columns(n_columns), remainder, targets, net, points, options.group);
   }
-  Eigen::MatrixXd correction(size, 3);
-  for (int k = 0; k < size; ++k) {
-    double c[3];
-    kernels::dot_residuals(qr.column(k), remainder.data(), n, n, c);
-    kernels::update_residuals(qr.column(k), c, remainder.data(), n, error.data(), n);
-    correction.row(k) << c[0], c[1], c[2];
-  }
-  solution += triangle.solve(correction);
+  const Eigen::MatrixXd solution = solve(size);
 
   const auto diagonal = qr.r().diagonal().head(size);
   fit.diagonal_ratio = diagonal.maxCoeff() / diagonal.minCoeff();

@@ -128,7 +128,7 @@ int capped_neurons(int wanted, std::size_t n_points) {
 
 NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
                         const TouchedNodes& prescribed, const std::vector<Ray>& rays,
-                        const TrainingSpec& spec) {
+                        const TrainingSpec& spec, bool estimate_errors) {
   NodeTraining result;
   const NetworkPoints force = force_points(tables, rays);
   if (force.size() == 0) return result;
@@ -138,15 +138,24 @@ NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const V
     throw input_error("no output node is left to train on: the probe moves all of them",
                       "node " + std::to_string(node), "select more output nodes");
   }
-  result.force = fit_network(
-      force, {capped_neurons(spec.force_neurons, force.size()), spec.force_spread, spec.target_mse});
-  result.deformation = fit_network(deformation, {capped_neurons(spec.deformation_neurons, deformation.size()),
-                                                 spec.deformation_spread, spec.target_mse});
+  const auto options = [&](const NetworkPoints& points, int neurons, double spread) {
+    FitOptions of_network{capped_neurons(neurons, points.size()), spread, spec.target_mse, spec.levels, {}};
+    if (spec.levels > 1 && estimate_errors) of_network.group = points.displacement;
+    return of_network;
+  };
+  result.force = fit_network(force, options(force, spec.force_neurons, spec.force_spread));
+  result.deformation =
+      fit_network(deformation, options(deformation, spec.deformation_neurons, spec.deformation_spread));
   result.trained = true;
 
   result.model = describe_node(tables, node, point, prescribed, rays);
   result.model.force = result.force.network;
   result.model.deformation = result.deformation.network;
+  for (int l = 0; l + 1 < spec.levels; ++l) {
+    auto& level = result.model.levels.emplace_back();
+    level.force = result.force.levels[static_cast<std::size_t>(l)].neurons;
+    level.deformation = result.deformation.levels[static_cast<std::size_t>(l)].neurons;
+  }
   return result;
 }
 

@@ -9,6 +9,8 @@
 #include <string>
 #include <thread>
 
+#include "levels.hpp"
+
 namespace phynness {
 namespace {
 
@@ -25,7 +27,14 @@ constexpr std::int32_t n_center_nodes = 12;
 /// Used where no node has enough points for a search.
 constexpr double fallback_spread = 1.0;
 
+/// Nodes whose deformation networks are asked for the errors of levels: what is left out are groups of
+/// hundreds of points.
+constexpr std::int32_t n_error_nodes = 20;
+
 void check(const TrainingSpec& spec) {
+  if (spec.levels < 1 || spec.levels > largest_level_count)
+    throw input_error("levels must lie between 1 and " + std::to_string(largest_level_count),
+                      std::to_string(spec.levels), "1 makes one network of the size asked for");
   if (spec.family == Family::modal) {
     if (spec.force_centers < 1 || spec.amplitude_centers < 0 || spec.modes < 0 || spec.shared_modes < 0 ||
         spec.near_nodes < 0 || spec.modes > largest_mode_count || spec.shared_modes > largest_mode_count) {
@@ -75,7 +84,9 @@ void for_each_index(std::int32_t n, int threads, const Job& job) {
 class Training {
  public:
   Training(const ResponseSource& source, const TrainingSpec& spec)
-      : _source(source), _header(*source.header), _spec(spec), _tables(training_tables(_header)) {}
+      : _source(source), _header(*source.header), _spec(spec), _tables(training_tables(_header)) {
+    if (_spec.family == Family::linear) _spec.levels = 1;
+  }
 
   SearchNode read(std::int64_t active_index) {
     const auto active = static_cast<std::int32_t>(active_index);
@@ -93,6 +104,7 @@ class Training {
   /// What all active nodes of a modal model share.
   void share(int threads) {
     if (_spec.family != Family::modal) return;
+    _levels.resize(_spec.levels > 1 ? static_cast<std::size_t>(_spec.levels) : 0);
     if (_spec.modes == 0) {
       _shared.modes = scaled_table(Eigen::MatrixXd(3 * static_cast<Eigen::Index>(_tables.output.size()), 0));
       return;
@@ -121,6 +133,13 @@ class Training {
     _shared.centers = chosen.row;
     _shared.shape = chosen.shape;
     _amplitude_left_out = chosen.left_out_error;
+    const int n_centers = static_cast<int>(chosen.order.size());
+    for (int l = 0; l < static_cast<int>(_levels.size()); ++l) {
+      const int below = _spec.levels - 1 - l;
+      _levels[static_cast<std::size_t>(l)] = {
+          first_sorted(chosen.order, level_size(n_centers, below, least_amplitude_centers)),
+          level_size(_spec.modes, below, least_modes)};
+    }
     for (std::size_t f = 0; f < of_field.size(); ++f) share_field(_header.fields[f], of_field[f]);
   }
 
@@ -152,7 +171,9 @@ class Training {
           outcome.failed += status != Status::converged && status != Status::not_requested;
         }
       }
-      train_one(read_node, outcome);
+      // Spread evenly over the active nodes.
+      const std::int32_t stride = std::max(1, n_active / n_error_nodes);
+      train_one(read_node, active % stride == stride / 2, outcome);
       const std::lock_guard lock(progress_mutex);
       if (progress && !progress(++done, n_active)) {
         throw failure("training was interrupted",
@@ -164,6 +185,7 @@ class Training {
     // Collected in the order of the nodes, so that sums and lists do not depend on who finished first.
     Model model = model_of_database(_header, _spec.family, _source.title);
     model.displacements = _tables.displacements;
+    LevelErrors errors(_spec.levels);
     for (std::int32_t active = 0; active < n_active; ++active) {
       Outcome& outcome = outcomes[active];
       report.n_increments_used += outcome.used;
@@ -177,6 +199,7 @@ class Training {
       report.largest_diagonal_ratio = std::max(report.largest_diagonal_ratio, outcome.diagonal_ratio);
       keep_worst(report.linear, outcome.linear);
       add(report.modal, outcome);
+      errors.add(outcome);
       model.nodes.push_back(std::move(outcome.model));
     }
     if (model.nodes.empty()) {
@@ -188,6 +211,8 @@ class Training {
     report.n_skipped = static_cast<std::int32_t>(report.skipped_nodes.size());
     report.mean_force_mse /= report.n_networks;
     report.mean_deformation_mse /= report.n_networks;
+    model.levels = errors.medians();
+    for (std::size_t l = 0; l + 1 < _levels.size(); ++l) model.levels[l].centers = _levels[l].centers;
     if (_spec.family == Family::modal) {
       for (double* mean : {&report.modal.force_training, &report.modal.force_left_out,
                            &report.modal.truncation, &report.modal.regression})
@@ -218,10 +243,40 @@ class Training {
     ConservativeFit conservative;
     ModalFit modal;
     std::vector<ModalFit> fields;
+    std::vector<double> force_errors, displacement_errors;  ///< by level; none: not estimated
     std::int64_t used = 0, failed = 0;
   };
 
-  void train_one(const SearchNode& read, Outcome& outcome) const {
+  /// Medians over the nodes where errors were estimated: a node where the body snaps is told by no network,
+  /// and would outweigh all others in a mean.
+  class LevelErrors {
+   public:
+    explicit LevelErrors(int n_levels)
+        : _force(n_levels > 1 ? static_cast<std::size_t>(n_levels) : 0), _displacement(_force.size()) {}
+    void add(const Outcome& outcome) {
+      for (std::size_t l = 0; l < outcome.force_errors.size(); ++l)
+        _force[l].push_back(outcome.force_errors[l]);
+      for (std::size_t l = 0; l < outcome.displacement_errors.size(); ++l)
+        _displacement[l].push_back(outcome.displacement_errors[l]);
+    }
+    std::vector<ModelLevel> medians() const {
+      std::vector<ModelLevel> levels;
+      for (std::size_t l = 0; l < _force.size(); ++l)
+        levels.push_back({median(_force[l]), median(_displacement[l]), {}});
+      return levels;
+    }
+
+   private:
+    static double median(std::vector<double> errors) {
+      if (errors.empty()) return 0;
+      std::sort(errors.begin(), errors.end());
+      return errors[(errors.size() - 1) / 2];
+    }
+
+    std::vector<std::vector<double>> _force, _displacement;  ///< by level
+  };
+
+  void train_one(const SearchNode& read, bool estimate_errors, Outcome& outcome) const {
     const auto x = _header.mesh.nodes.row(read.node);
     const Vec3 point{x[0], x[1], x[2]};
     if (_spec.family == Family::linear) {
@@ -232,12 +287,17 @@ class Training {
       return;
     }
     if (_spec.family == Family::modal) return train_modal(read, point, outcome);
-    NodeTraining training = train_node(_tables, read.node, point, read.prescribed, read.rays, _spec);
+    NodeTraining training =
+        train_node(_tables, read.node, point, read.prescribed, read.rays, _spec, estimate_errors);
     if (!training.trained) return;
     outcome.trained = true;
     outcome.force_mse = training.force.mse.back();
     outcome.deformation_mse = training.deformation.mse.back();
     outcome.diagonal_ratio = std::max(training.force.diagonal_ratio, training.deformation.diagonal_ratio);
+    for (const auto& level : training.force.levels)
+      if (estimate_errors) outcome.force_errors.push_back(level.left_out_error);
+    for (const auto& level : training.deformation.levels)
+      if (estimate_errors) outcome.displacement_errors.push_back(level.left_out_error);
     outcome.model = std::move(training.model);
   }
 
@@ -245,21 +305,34 @@ class Training {
     const ForceStates forces = force_states(_tables, read.rays);
     if (forces.row.empty()) return;
     outcome.trained = true;
-    outcome.conservative = fit_conservative(forces, _tables.magnitudes_m.back(), _spec.force_centers);
+    outcome.conservative =
+        fit_conservative(forces, _tables.magnitudes_m.back(), _spec.force_centers, _spec.levels);
     outcome.model = describe_node(_tables, read.node, point, read.prescribed, read.rays);
     outcome.model.conservative = std::move(outcome.conservative.network);
+    auto& levels = outcome.model.levels;
+    levels.resize(_levels.empty() ? 0 : _levels.size() - 1);
+    for (auto& level : outcome.conservative.levels) outcome.force_errors.push_back(level.left_out_error);
+    for (std::size_t l = 0; l < levels.size(); ++l)
+      levels[l].conservative = std::move(outcome.conservative.levels[l].network);
     if (_spec.modes == 0) {
       outcome.model.modal.weights = scaled_table(Eigen::MatrixXd(3, 0));
+      for (auto& level : levels) level.weights = outcome.model.modal.weights;
       return;
     }
     const NodeModes modes = node_modes(_tables, read.prescribed, read.rays, _spec.modes);
-    outcome.modal = fit_modal(_tables, _shared, modes, _spec.near_nodes);
+    outcome.modal = fit_modal(_tables, _shared, modes, _spec.near_nodes, 0, _levels);
     outcome.model.modal = std::move(outcome.modal.deformation);
+    for (const auto& level : outcome.modal.levels)
+      outcome.displacement_errors.push_back(level.left_out_error);
+    for (std::size_t l = 0; l < levels.size(); ++l)
+      levels[l].weights = std::move(outcome.modal.levels[l].weights);
     for (std::size_t f = 0; f < _fields.size(); ++f) {
       const auto& field = _fields[f];
       const NodeModes values = field_modes(_tables, read.rays, f, field.scale, _spec.modes);
       outcome.fields.push_back(
-          fit_modal(_tables, _shared_of_field[f], values, _spec.near_nodes, field.degree));
+          fit_modal(_tables, _shared_of_field[f], values, _spec.near_nodes, field.degree, _levels));
+      for (std::size_t l = 0; l < levels.size(); ++l)
+        levels[l].field_weights.push_back(std::move(outcome.fields.back().levels[l].weights));
       outcome.model.fields.push_back(std::move(outcome.fields.back().deformation));
     }
   }
@@ -304,6 +377,7 @@ class Training {
   SharedModes _shared;
   std::vector<FieldModes> _fields;  ///< their modes are in _shared_of_field
   std::vector<SharedModes> _shared_of_field;
+  std::vector<AmplitudeLevel> _levels;  ///< modal; none if there is one
   double _amplitude_left_out = 0;
   std::mutex _source_mutex;
 };

@@ -31,4 +31,30 @@ ErrorStatistics ErrorStatistics::of(std::vector<double> samples) {
   return s;
 }
 
+namespace {
+
+/// Ranks less their mean; equal values share theirs.
+std::vector<double> centered_ranks(const std::vector<double>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](auto i, auto j) { return values[i] < values[j]; });
+  std::vector<double> ranks(values.size());
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
+    for (std::size_t i = begin; i < end; ++i)
+      ranks[order[i]] = (static_cast<double>(begin + end) - static_cast<double>(order.size())) / 2;
+  }
+  return ranks;
+}
+
+}  // namespace
+
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  const auto x = centered_ranks(a), y = centered_ranks(b);
+  if (x.size() < 3 || x.size() != y.size()) return 0;
+  const double xx = std::inner_product(x.begin(), x.end(), x.begin(), 0.0),
+               yy = std::inner_product(y.begin(), y.end(), y.begin(), 0.0);
+  return xx > 0 && yy > 0 ? std::inner_product(x.begin(), x.end(), y.begin(), 0.0) / std::sqrt(xx * yy) : 0;
+}
+
 }  // namespace phynness

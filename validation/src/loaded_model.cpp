@@ -47,10 +47,24 @@ void LoadedModel::check(int status, std::int32_t node) const {
                         std::to_string(_dir.mesh.n_nodes() - 1) + ", with finite displacements");
 }
 
+void LoadedModel::set_level(std::int32_t level) {
+  const auto n = phn_n_levels(_model);
+  if (phn_set_level(_model, _data, level) != PHN_OK)
+    throw input_error("the model has no such level", std::to_string(level),
+                      n == 1 ? "train it with [training] levels, or leave the level away"
+                             : "levels are numbered 0 to " + std::to_string(n - 1) + ", the full one");
+}
+
 Vec3 LoadedModel::force(std::int32_t node, const Vec3& displacement_m) const {
   Vec3 f{};
   check(phn_force(_model, _data, node, displacement_m.data(), f.data()), node);
   return f;
+}
+
+double LoadedModel::trained_distance(std::int32_t node, const Vec3& displacement_m) const {
+  double distance = 0, relative = 0;
+  check(phn_trained_distance(_model, node, displacement_m.data(), &distance, &relative), node);
+  return relative;
 }
 
 double LoadedModel::trained_depth(std::int32_t node, const Vec3& displacement_m) const {

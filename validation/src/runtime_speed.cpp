@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <phynness/formats/error.hpp>
 #include <phynness/validation/validation.hpp>
 
 namespace phynness {
@@ -20,6 +21,19 @@ double median_us(int batches, int calls, const Call& call) {
 }
 
 }  // namespace
+
+std::vector<phn_level_time> measure_levels(const LoadedModel& model) {
+  std::vector<phn_level_time> times(static_cast<std::size_t>(phn_n_levels(model.handle())));
+  const auto clock_us = [](void*) {
+    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  };
+  const int status = phn_calibrate(model.handle(), model.data(), clock_us, nullptr, times.data());
+  if (status != PHN_OK)
+    throw failure("the levels of the model cannot be timed", phn_status_message(status),
+                  "run it on a machine that does nothing else");
+  return times;
+}
 
 RuntimeSpeed measure_speed(const LoadedModel& model) {
   const auto& nodes = model.model().nodes;

@@ -303,6 +303,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   std::array<Samples, n_predictors> samples;
   samples.fill(no_samples(model.model().fields.size()));
   std::vector<double> examples;
+  std::array<std::vector<double>, 2> distances;  // by Group
   double failed = 0, solved[2] = {0, 0}, increments = 0;
   session.together([&] {
     check_same_scene(scene, model);
@@ -310,6 +311,10 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
     solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
       for (const Group g : {inside, outside}) {
         for (std::size_t p = 0; p < n_predictors; ++p) collect(predict[p], found, g, samples[p]);
+        // One for each error of a force: a node without any force has none.
+        for (const auto& state : found.states[g])
+          if (distances[g].size() < samples[0][g][force].size())
+            distances[g].push_back(model.trained_distance(found.node, state.d));
         solved[g] += static_cast<double>(found.states[g].size());
       }
       failed += static_cast<double>(found.failed);
@@ -333,6 +338,10 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
     for (auto& group : samples[p])
       for (auto& list : group) list = session.gather(list);
     report.errors[p] = statistics(samples[p]);
+  }
+  for (const Group g : {inside, outside}) {
+    const double correlation = rank_correlation(session.gather(distances[g]), samples[0][g][force]);
+    (g == inside ? report.distance_correlation_inside : report.distance_correlation_outside) = correlation;
   }
   report.examples = read_examples(session.gather(examples));
   if (session.rank() == 0) report.speed = measure_speed(model);

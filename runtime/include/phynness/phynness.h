@@ -36,6 +36,8 @@ enum {
   PHN_ERROR_TOOLS = -5,         /* more tools than phn_data was made for */
   PHN_ERROR_SAME_NODE = -6,     /* two tools at one node */
   PHN_ERROR_UNDEFINED = -7,     /* the model does not define this: energy of networks, deformation of a node without */
+  PHN_ERROR_BUDGET = -8,        /* not even the smallest level fits into the time */
+  PHN_ERROR_CLOCK = -9,         /* a clock gives NaN, runs backwards or stands still */
   PHN_ERROR_NOT_A_MODEL = -10,  /* text is not a model.txt */
   PHN_ERROR_VERSION = -11,      /* model.txt of another version */
   PHN_ERROR_TRUNCATED = -12,    /* model.txt ends early */
@@ -202,6 +204,56 @@ int phn_field(const phn_model *model, phn_data *data, int32_t node, const double
  * were trained. Returns PHN_WARNING_OUTSIDE if |d| is beyond. Linear models are exact at any depth and have no outside:
  * they give that warning only for |d| > 1e100 m, where components are cut so that outputs stay finite. */
 int phn_trained_depth(const phn_model *model, int32_t node, const double d[3], double *depth);
+
+/* How far d is from what `node` was trained on: the distance [m] to the nearest displacement of its converged increments,
+ * or to rest, and the same over the fill distance of these, the largest inside the trained range (in families rbfn and
+ * modal; 0 in linear models, which are exact). So `relative` is 0 where the model was told the answer, about 1 in the
+ * widest gap between directions, and grows without bound beyond the range. Continuous, and finite for every finite d. It
+ * says where a model interpolates and where it extrapolates, not how large its error is (docs/decisions/levels.md).
+ * Statuses as phn_trained_depth. Cost: a distance to every increment of every direction. */
+int phn_trained_distance(const phn_model *model, int32_t node, const double d[3], double *distance, double *relative);
+
+/* Levels: a model trained with [training] levels holds smaller networks beside its full one, each fitted to the data on
+ * its own: the first of the centers and modes that the full one took, with coefficients of their own. Level 0 is the
+ * smallest, level n_levels - 1 the full model; n_levels is 1 where training made none, 0 for a null model.
+ * phn_level: the largest sizes of all nodes, and errors as the model tells them, fractions of a node's largest force or
+ * displacement: the mean at trained displacements left out of the fit one by one, of the median node, inside the trained
+ * range (docs/decisions/levels.md says what that is worth); 0 where nothing was estimated. */
+typedef struct phn_level {
+  int32_t force_centers;       /* centers of a force; in family rbfn its neurons */
+  int32_t deformation_centers; /* centers of the amplitudes; in family rbfn neurons of a deformation */
+  int32_t modes;               /* of a node; 0 in other families than modal */
+  double error_force, error_displacement;
+} phn_level;
+int32_t phn_n_levels(const phn_model *model);
+int phn_level_info(const phn_model *model, int32_t level, phn_level *info);
+
+/* Sets the level of everything that is asked with this data from now on: forces, energies, stiffnesses, deformations,
+ * fields and coupled tools; phn_coupled_deform keeps that of its phn_couple. Without it data have the full level. Costs
+ * nothing, prepared nodes stay ready. Each level by itself is what the family promises: in family modal the gradient of
+ * an energy of its own. Forces and energies jump at a switch, in the mean by about the error of the smaller level, at
+ * worst by some ten times that (docs/decisions/levels.md): switch where nothing is touched, or blend forces over some
+ * milliseconds, which costs both levels. */
+int phn_set_level(const phn_model *model, phn_data *data, int32_t level);
+/* 0 for null data. */
+int32_t phn_level_of(const phn_data *data);
+
+/* Time of one force and of one deformation of a node that is ready [us] at each level, n_levels of them, on the machine
+ * and the thread that calls. The runtime has no clock: `clock_us` gives microseconds from any origin and is passed `user`.
+ * Medians of seven batches of at least 20 us with warm caches: under a millisecond a level, and good to a factor of two if
+ * the clock ticks in longer steps. Not for the loop. Leaves the level of the data as it was. PHN_ERROR_CLOCK: NaN,
+ * infinite, backwards, or no step within 250,000 calls. Deformations of a model of forces only take 0. */
+typedef struct phn_level_time {
+  double force_us, deformation_us;
+} phn_level_time;
+int phn_calibrate(const phn_model *model, phn_data *data, double (*clock_us)(void *user), void *user,
+                  phn_level_time *times);
+
+/* The level of the smallest error of those that compute n_forces forces and n_deformations deformations within budget_us
+ * by these times; the errors of force and displacement are added, those of what is asked for 0 times left out.
+ * PHN_ERROR_BUDGET: not even the fastest does; level is 0, the smallest. */
+int phn_budget(const phn_model *model, const phn_level_time *times, double n_forces, double n_deformations,
+               double budget_us, int32_t *level);
 
 #ifdef __cplusplus
 }

@@ -87,6 +87,29 @@ struct FieldModes {
   ScaledTable modes;       ///< n_output x n_shared
 };
 
+/// What the first neurons of a network do alone; their centers, scales and spread are the network's.
+struct FirstNeurons {
+  Eigen::MatrixXd weights;  ///< n_neurons x 3
+  Eigen::Vector3d bias{0, 0, 0};
+};
+
+/// Response of an active node at a smaller level. Families as in ActiveNodeModel.
+struct LevelResponse {
+  FirstNeurons force, deformation;        ///< rbfn
+  ConservativeNetwork conservative;       ///< modal; at most as many centers as the full one
+  ScaledTable weights;                    ///< modal: (centers of the level + 3) x modes, for the first modes of the node
+  std::vector<ScaledTable> field_weights; ///< of each field, (centers of the level + 9) x modes
+};
+
+/// A level of a model: smaller networks, each fitted on its own, or the full one.
+struct ModelLevel {
+  /// Medians over the active nodes of the mean error at trained displacements left out of the fit one by one, as
+  /// fractions of each node's largest force or displacement; 0: not estimated.
+  double error_force = 0, error_displacement = 0;
+  std::vector<std::int32_t> centers;  ///< modal, smaller levels: of the amplitudes, as SharedModes::centers
+};
+inline constexpr int largest_level_count = 8;
+
 /// Bounds of what a modal model holds: with displacements cut at 1e6 times max_displacement_m no output
 /// leaves the range of a float.
 inline constexpr double largest_table_value = 1e6;
@@ -112,6 +135,7 @@ struct ActiveNodeModel {
   ConservativeNetwork conservative;  ///< modal: d [m] -> force [N], energy [J], stiffness [N/m]
   ModalDeformation modal;            ///< modal: d [m] -> u [m]; without modes the model has forces only
   std::vector<ModalDeformation> fields;  ///< one for each of Model::fields
+  std::vector<LevelResponse> levels;     ///< smaller ones, in the order of Model::levels
 };
 
 struct Model {
@@ -128,6 +152,7 @@ struct Model {
   Triangles surface;                        ///< mesh node numbers, each output or fixed; normals outward
   SharedModes shared;                       ///< modal
   std::vector<FieldModes> fields;           ///< modal; none unless the database had them
+  std::vector<ModelLevel> levels;           ///< none, or 2 to largest_level_count of them, the last the full model; not linear
   std::vector<ActiveNodeModel> nodes;       ///< ascending by node
 };
 

@@ -117,6 +117,7 @@ struct TrainingSpec {
   int modes = 16;                    ///< modal: of each node's deformation
   int shared_modes = 64;             ///< modal: that all nodes' modes are mixed from
   int near_nodes = 24;               ///< modal: nodes where a node's modes are stored as they are
+  int levels = 1;                    ///< networks that the model holds, each half as large as the next
   std::uint64_t seed = 1;
 };
 

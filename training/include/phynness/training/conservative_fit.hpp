@@ -20,6 +20,14 @@ struct ForceStates {
 /// @throws Error (failure) if a converged increment holds a force that is not finite
 ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& rays);
 
+/// A smaller network on the first of the centers chosen, or the network itself.
+struct ForceLevel {
+  ConservativeNetwork network;
+  /// Mean |model - data| over the states, over the largest |data|, each state predicted by the same least
+  /// squares, centers given, of all others.
+  double left_out_error = 0;
+};
+
 struct ConservativeFit {
   ConservativeNetwork network;
   /// Mean |model - data| over the states, divided by the largest |data|.
@@ -29,6 +37,7 @@ struct ConservativeFit {
   double left_out_error = 0;
   /// Largest sum of the sizes of the terms over the largest force: digits lost are its decimal logarithm.
   double cancellation = 0;
+  std::vector<ForceLevel> levels;  ///< smallest first, the last the network itself; none unless asked for
 };
 
 /// Shapes that a search tries, ascending.
@@ -50,8 +59,10 @@ inline constexpr double largest_cancellation = 1e3;
 /// each shape tried.
 /// @param max_displacement_m  R
 /// @param max_centers  at most this many, and at most largest_center_share of the states
+/// @param n_levels  more than 1: networks of half as many centers each, fitted in the same way, the same shape
 /// @pre at least one state, all values finite
-ConservativeFit fit_conservative(const ForceStates& states, double max_displacement_m, int max_centers);
+ConservativeFit fit_conservative(const ForceStates& states, double max_displacement_m, int max_centers,
+                                 int n_levels = 1);
 
 /// Force [N] at x = d / R, by plain loops: the reference that other evaluators are held against.
 Eigen::Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements,

@@ -45,7 +45,8 @@ Eigen::MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, 
 
 /// Which displacements the amplitudes of all nodes are centered at, and their kernel.
 struct AmplitudeCenters {
-  std::vector<std::int32_t> row;  ///< of TrainingTables::displacements
+  std::vector<std::int32_t> row;    ///< of TrainingTables::displacements, ascending
+  std::vector<std::int32_t> order;  ///< the same as they were chosen
   double shape = 0.3;
   double left_out_error =
       0;  ///< median over nodes: amplitudes at directions left out, over the largest displacement
@@ -57,16 +58,30 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
 /// Shapes that a search tries, ascending.
 std::vector<double> amplitude_shape_candidates();
 
+/// A level of the amplitudes: its centers and how many of a node's modes it has.
+struct AmplitudeLevel {
+  std::vector<std::int32_t> centers;  ///< as SharedModes::centers
+  int modes = 0;                      ///< at least 1; a node that has fewer has fewer
+};
+
 struct ModalFit {
   ModalDeformation deformation;  ///< or, of a field, its tables
   /// Means over states and nodes of |difference|, over the largest displacement: of the modes as stored from
   /// the data (truncation), and of the amplitudes' network from the amplitudes (regression), on the training
   /// states.
   double truncation_error = 0, regression_error = 0;
+  struct Level {
+    ScaledTable weights;
+    /// Mean over states and nodes of |difference|, over the largest displacement: truncation, and amplitudes
+    /// predicted by the same least squares, centers given, of all other states.
+    double left_out_error = 0;
+  };
+  std::vector<Level> levels;  ///< of the levels asked for
 };
 /// @param n_near  nodes whose rows are stored as they are: those that the shared modes serve worst
 /// @param degree  of a field: adds even_features() to the amplitudes; 0: a displacement
+/// @param levels  smallest first, the last that of the model; none: one level
 ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node, int n_near,
-                   int degree = 0);
+                   int degree = 0, const std::vector<AmplitudeLevel>& levels = {});
 
 }  // namespace phynness

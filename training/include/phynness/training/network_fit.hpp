@@ -27,6 +27,18 @@ struct FitOptions {
   int max_neurons = 200;
   double spread = 0.75;   ///< r of (11), in scaled inputs
   double target_mse = 0;  ///< growth stops as soon as the MSE (14) of the scaled outputs is at or below it
+  int n_levels = 1;  ///< more than 1: the first half of the neurons, quarter, ... with weights of their own
+  /// Per point, ascending: those of one group are left out together for NetworkLevel::left_out_error; none:
+  /// no estimate.
+  std::vector<std::int32_t> group = {};
+};
+
+/// The first neurons of a network with the weights that serve them best alone.
+struct NetworkLevel {
+  FirstNeurons neurons;
+  /// Mean |network - data| over the points, over the largest |data|, each predicted by the same least
+  /// squares, centers given, of all groups but its own.
+  double left_out_error = 0;
 };
 
 /// Why growth ended.
@@ -42,6 +54,7 @@ struct NetworkFit {
   /// the basis.
   double diagonal_ratio = 1;
   FitStop stop = FitStop::max_neurons;
+  std::vector<NetworkLevel> levels;  ///< smallest first, the last the network itself; none unless asked for
 };
 
 /// A candidate is skipped if orthogonalization leaves less than this fraction of its basis column. What

@@ -54,7 +54,9 @@ struct NodeTraining {
 
 /// @param node    mesh node number; `point` its coordinates [m]
 /// @param spec    with both spreads > 0
+/// @param estimate_errors  of levels; costs about as much as the training itself
 NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
-                        const TouchedNodes& prescribed, const std::vector<Ray>& rays, const TrainingSpec& spec);
+                        const TouchedNodes& prescribed, const std::vector<Ray>& rays, const TrainingSpec& spec,
+                        bool estimate_errors = true);
 
 }  // namespace phynness

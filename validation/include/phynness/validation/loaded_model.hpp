@@ -38,9 +38,15 @@ class LoadedModel {
   const phn_model* handle() const { return _model; }
   phn_data* data() const { return _data; }
 
+  /// Sets the level of all that is asked from now on; the full one before.
+  /// @throws Error (input) if the model has no such level
+  void set_level(std::int32_t level);
+
   /// Force of one tool alone.
   /// @throws Error naming the nearest active nodes if `node` is not active
   Vec3 force(std::int32_t node, const Vec3& displacement_m) const;
+  /// Distance to the nearest trained displacement over the fill distance of these.
+  double trained_distance(std::int32_t node, const Vec3& displacement_m) const;
   /// Deep into the trained range of the exploratory direction nearest to `displacement_m` [m].
   double trained_depth(std::int32_t node, const Vec3& displacement_m) const;
   /// Tools anywhere on the surface, coupled.

@@ -17,6 +17,10 @@ struct ErrorStatistics {
   static ErrorStatistics of(std::vector<double> samples);
 };
 
+/// Spearman's: 1 if b grows with a, -1 if it falls, equal values sharing their rank; 0 for fewer than three
+/// pairs or where one of them does not vary.
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
+
 /// Of one scalar field, at all output nodes, those that the tool holds included.
 struct FieldErrors {
   ErrorStatistics nodal;  ///< (17): |prediction - FE| over the largest FE value of that active node and group
@@ -50,6 +54,9 @@ struct RuntimeSpeed {
 };
 RuntimeSpeed measure_speed(const LoadedModel& model);
 
+/// Times of each level by phn_calibrate and this machine's steady clock.
+std::vector<phn_level_time> measure_levels(const LoadedModel& model);
+
 /// One solved probe, to be looked at.
 struct ForceExample {
   std::int32_t node = 0;
@@ -64,6 +71,9 @@ struct ValidationReport {
   std::int32_t n_beside_fixed = 0;        ///< of them chosen among the nearest to the fixed nodes
   double outside_factor = 0;              ///< outside: R < |d| <= this * R
   std::array<PredictorErrors, 3> errors;  ///< by Predictor
+  /// Spearman's rank correlation of the force's error with the distance from what was trained, over the model's
+  /// probes inside the range and beyond; 0 where there are fewer than three.
+  double distance_correlation_inside = 0, distance_correlation_outside = 0;
   std::vector<ForceExample> examples;     ///< the first probe inside the range of a few nodes
   RuntimeSpeed speed;
   double seconds = 0;                 ///< wall time

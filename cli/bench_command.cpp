@@ -1,0 +1,83 @@
+#include <fmt/core.h>
+
+#include <phynness/formats/error.hpp>
+#include <phynness/validation/validation.hpp>
+
+#include "commands.hpp"
+
+namespace phynness::cli {
+namespace {
+
+struct Options {
+  std::filesystem::path model;
+  std::optional<double> budget_us;
+  double forces = 1, deformations = 1;
+  std::optional<std::filesystem::path> json_file;
+};
+
+void run(const Options& options) {
+  if (options.json_file)
+    refuse_overwriting(*options.json_file, {options.model / "model.txt", options.model / "mesh.txt"});
+  const LoadedModel model(options.model);
+  const auto times = measure_levels(model);
+  json levels = json::array();
+  fmt::print("{:<6} {:>13} {:>19} {:>6} {:>10} {:>14} {:>9} {:>15}\n", "level", "force centers",
+             "deformation centers", "modes", "force us", "deformation us", "force %", "displacement %");
+  for (std::int32_t l = 0; l < phn_n_levels(model.handle()); ++l) {
+    phn_level info;
+    phn_level_info(model.handle(), l, &info);
+    const auto& time = times[static_cast<std::size_t>(l)];
+    fmt::print("{:<6} {:>13} {:>19} {:>6} {:>10.3f} {:>14.3f} {:>9.3f} {:>15.3f}\n", l, info.force_centers,
+               info.deformation_centers, info.modes, time.force_us, time.deformation_us,
+               100 * info.error_force, 100 * info.error_displacement);
+    levels.push_back({{"force_centers", info.force_centers},
+                      {"deformation_centers", info.deformation_centers},
+                      {"modes", info.modes},
+                      {"error_force", info.error_force},
+                      {"error_displacement", info.error_displacement},
+                      {"force_us", time.force_us},
+                      {"deformation_us", time.deformation_us}});
+  }
+  if (times.size() > 1)
+    fmt::print(
+        "errors: of displacements left out of the fit one by one, over the largest of the node; the median "
+        "node\n");
+  else
+    fmt::print("one level; [training] levels makes more, with their errors\n");
+  json out{{"levels", levels}};
+  int status = PHN_OK;
+  if (options.budget_us) {
+    std::int32_t level = 0;
+    status = phn_budget(model.handle(), times.data(), options.forces, options.deformations,
+                        *options.budget_us, &level);
+    out["budget_us"] = *options.budget_us;
+    out["level"] = nullptr;
+    if (status == PHN_OK) {
+      out["level"] = level;
+      fmt::print("{:g} forces and {:g} deformations in {:g} us: level {}\n", options.forces,
+                 options.deformations, *options.budget_us, level);
+    }
+  }
+  write_json(options.json_file, out);
+  if (status != PHN_OK)
+    throw failure(phn_status_message(status), fmt::format("{:g} us", *options.budget_us),
+                  "train more levels, or a smaller model");
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  auto* command =
+      app.add_subcommand("bench", "Time of a force and of a deformation at each level of a model");
+  command->add_option("MODEL_DIR", options->model, "directory with model.txt and mesh.txt")->required();
+  command->add_option("--budget", options->budget_us, "say which level fits into so many microseconds")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--forces", options->forces, "forces within the budget")->check(CLI::NonNegativeNumber);
+  command->add_option("--deformations", options->deformations, "deformations within the budget")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--json", options->json_file, "write the figures for machines");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace phynness::cli

@@ -1,0 +1,215 @@
+// The C interface to levels: choosing one, and what each costs on this machine.
+#include <cmath>
+
+#include "arguments.hpp"
+#include "trained.hpp"
+
+using phynness::runtime::ActiveNode;
+using phynness::runtime::Family;
+
+namespace {
+
+/// A batch of calls lasts at least this long [us]; of so many batches the median counts: interruptions by what else the
+/// machine does lie above it.
+constexpr double shortest_batch = 20;
+constexpr int n_batches = 7;
+/// Calls of a batch. A clock that has not moved by the last of them stands; forces, which are cheap, come first.
+constexpr std::int32_t fewest_calls = 4, most_calls = 1 << 18;
+/// Nodes that forces are asked of, spread over all.
+constexpr std::int32_t n_nodes = 16;
+
+const phn_model& level_of(const phn_model& model, std::int32_t level) {
+  return level + 1 < model.n_levels ? model.smaller[level] : model;
+}
+
+double median(double* times) {
+  for (int i = 1; i < n_batches; ++i) {
+    for (int j = i; j > 0 && times[j] < times[j - 1]; --j) {
+      const double t = times[j];
+      times[j] = times[j - 1];
+      times[j - 1] = t;
+    }
+  }
+  return times[n_batches / 2];
+}
+
+class Stopwatch {
+ public:
+  Stopwatch(double (*clock_us)(void*), void* user) : _clock(clock_us), _user(user) {}
+
+  /// Time of one call [us]. @return whether the clock is one
+  template <class Call>
+  bool measure(Call call, double* time) {
+    double times[n_batches];
+    std::int32_t n = fewest_calls;
+    for (int batch = 0; batch < n_batches;) {
+      const double begin = _clock(_user);
+      for (std::int32_t i = 0; i < n; ++i) call(i);
+      const double took = _clock(_user) - begin;
+      if (!std::isfinite(begin) || !std::isfinite(took) || took < 0) return false;
+      if (took < shortest_batch) {
+        if (n >= most_calls) return false;
+        n *= 2;
+        batch = 0;
+        continue;
+      }
+      times[batch++] = took / n;
+    }
+    *time = median(times);
+    return true;
+  }
+
+ private:
+  double (*_clock)(void*);
+  void* _user;
+};
+
+std::int32_t most_centers(const phn_model& model) {
+  std::int32_t most = 0;
+  for (std::int32_t i = 0; i < model.n_active; ++i) {
+    const ActiveNode& node = model.active[i];
+    std::int32_t n = 0;
+    if (node.networks) n = node.networks->force.n_neurons;
+    if (node.modal) n = node.modal->force.n_centers;
+    most = n > most ? n : most;
+  }
+  return most;
+}
+
+std::int32_t most_modes(const phn_model& model) {
+  std::int32_t most = 0;
+  for (std::int32_t i = 0; i < model.n_active; ++i) {
+    const auto* modal = model.active[i].modal;
+    if (modal && modal->n_modes > most) most = modal->n_modes;
+  }
+  return most;
+}
+
+std::int32_t most_neurons(const phn_model& model) {
+  std::int32_t most = 0;
+  for (std::int32_t i = 0; i < model.n_active; ++i) {
+    const auto* networks = model.active[i].networks;
+    if (networks && networks->deformation.n_neurons > most) most = networks->deformation.n_neurons;
+  }
+  return most;
+}
+
+/// A displacement of a hand that moves: another for each call, inside the trained range of most nodes.
+void displacement(const phn_model& model, std::int32_t call, double* d) {
+  for (int k = 0; k < 3; ++k) d[k] = model.max_displacement * 0.01 * static_cast<double>(call % 64 * (k + 3) % 50);
+}
+
+}  // namespace
+
+extern "C" {
+
+int32_t phn_n_levels(const phn_model* model) { return model ? model->n_levels : 0; }
+
+int phn_level_info(const phn_model* model, int32_t level, phn_level* info) {
+  if (info == nullptr) return PHN_ERROR_ARGUMENT;
+  *info = {};
+  if (model == nullptr || level < 0 || level >= model->n_levels) return PHN_ERROR_ARGUMENT;
+  const phn_model& of_level = level_of(*model, level);
+  info->force_centers = most_centers(of_level);
+  info->deformation_centers = model->family == Family::rbfn ? most_neurons(of_level) : of_level.shared.n_centers;
+  info->modes = most_modes(of_level);
+  info->error_force = of_level.errors.force;
+  info->error_displacement = of_level.errors.displacement;
+  return PHN_OK;
+}
+
+int phn_set_level(const phn_model* model, phn_data* data, int32_t level) {
+  if (model == nullptr || data == nullptr || data->model != model || level < 0 || level >= model->n_levels)
+    return PHN_ERROR_ARGUMENT;
+  data->level = &level_of(*model, level);
+  return PHN_OK;
+}
+
+int32_t phn_level_of(const phn_data* data) {
+  if (data == nullptr) return 0;
+  const phn_model& model = *data->model;
+  return data->level == &model ? model.n_levels - 1 : static_cast<int32_t>(data->level - model.smaller);
+}
+
+int phn_calibrate(const phn_model* model, phn_data* data, double (*clock_us)(void* user), void* user,
+                  phn_level_time* times) {
+  if (model == nullptr || times == nullptr) return PHN_ERROR_ARGUMENT;
+  for (int32_t l = 0; l < model->n_levels; ++l) times[l] = {0, 0};
+  if (data == nullptr || data->model != model || clock_us == nullptr) return PHN_ERROR_ARGUMENT;
+  if (model->n_active == 0) return PHN_ERROR_UNDEFINED;
+  const int32_t before = phn_level_of(data);
+  const int32_t n = model->n_active < n_nodes ? model->n_active : n_nodes;
+  const auto node = [&](int32_t i) {
+    return static_cast<int32_t>((2 * (i % n) + 1) * static_cast<int64_t>(model->n_active) / (2 * n));
+  };
+  // A node that has a deformation, if there is one.
+  int32_t touched = node(n / 2);
+  for (int32_t i = 0; i < model->n_active && !phynness::runtime::has_deformation(*model, model->active[touched]); ++i)
+    touched = i;
+  const bool deforms = phynness::runtime::has_deformation(*model, model->active[touched]);
+  Stopwatch watch(clock_us, user);
+  bool good = true;
+  for (int32_t l = 0; l < model->n_levels && good; ++l) {
+    phn_set_level(model, data, l);
+    phn_prepare(model, data, model->active_nodes[touched]);
+    double d[3], force[3];
+    good = watch.measure(
+        [&](int32_t i) {
+          displacement(*model, i, d);
+          phn_force(model, data, model->active_nodes[node(i)], d, force);
+        },
+        &times[l].force_us);
+    good = good && (!deforms || watch.measure(
+                                    [&](int32_t i) {
+                                      displacement(*model, i, d);
+                                      phn_deform(model, data, 1, model->active_nodes + touched, d, data->field);
+                                    },
+                                    &times[l].deformation_us));
+  }
+  phn_set_level(model, data, before);
+  for (int32_t l = 0; l < model->n_levels && !good; ++l) times[l] = {0, 0};
+  return good ? PHN_OK : PHN_ERROR_CLOCK;
+}
+
+int phn_budget(const phn_model* model, const phn_level_time* times, double n_forces, double n_deformations,
+               double budget_us, int32_t* level) {
+  if (level == nullptr) return PHN_ERROR_ARGUMENT;
+  *level = 0;
+  if (model == nullptr || times == nullptr || !(n_forces >= 0) || !(n_deformations >= 0) || !std::isfinite(n_forces) ||
+      !std::isfinite(n_deformations) || !(budget_us >= 0))
+    return PHN_ERROR_ARGUMENT;
+  int32_t best = -1;
+  double least = 0;
+  for (int32_t l = 0; l < model->n_levels; ++l) {
+    const double time = n_forces * times[l].force_us + n_deformations * times[l].deformation_us;
+    // What does not compare does not fit.
+    if (!(time <= budget_us)) continue;
+    const auto& errors = level_of(*model, l).errors;
+    const double error = (n_forces > 0 ? errors.force : 0) + (n_deformations > 0 ? errors.displacement : 0);
+    if (best < 0 || error <= least) {
+      best = l;
+      least = error;
+    }
+  }
+  if (best < 0) return PHN_ERROR_BUDGET;
+  *level = best;
+  return PHN_OK;
+}
+
+int phn_trained_distance(const phn_model* model, int32_t node, const double d[3], double* distance, double* relative) {
+  phynness::runtime::zero(distance, 1);
+  phynness::runtime::zero(relative, 1);
+  if (model == nullptr || d == nullptr || distance == nullptr || relative == nullptr) return PHN_ERROR_ARGUMENT;
+  const int32_t at = phynness::runtime::find_active(*model, node);
+  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
+  if (!phynness::runtime::finite(d)) return PHN_ERROR_NOT_FINITE;
+  const ActiveNode& active = model->active[at];
+  if (model->family != Family::linear) {
+    const double x = phynness::runtime::trained_distance(*model, active, d);
+    *distance = std::fmin(1e300, model->max_displacement * x);
+    *relative = std::fmin(1e300, x / active.fill_distance);
+  }
+  return phynness::runtime::warnings(*model, active, d) & PHN_WARNING_OUTSIDE;
+}
+
+}  // extern "C"

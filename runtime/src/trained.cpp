@@ -1,0 +1,91 @@
+#include "trained.hpp"
+
+#include <cmath>
+
+namespace phynness::runtime {
+namespace {
+
+/// Squares of components up to this size stay in range.
+constexpr double largest_component = 1e150;
+
+/// The deepest increment itself counts, however it was rounded.
+constexpr double slack = 1 + 1e-9;
+
+/// Directions that are asked how far they are from what was trained: through the centers of side x side squares on each
+/// face of a cube. 26 directions leave holes of 28 degrees; these are 6 to 14 degrees apart.
+constexpr int side = 8;
+/// Parts of the depth at which they are.
+constexpr double parts[] = {1, 0.75, 0.5, 0.25};
+
+/// Of a direction; deeper ones of a finer probe are passed over.
+constexpr std::int32_t most_increments = 64;
+
+void cube_direction(int i, double* e) {
+  const int face = i / (side * side), row = i / side % side, column = i % side;
+  const double across[3] = {face % 2 == 0 ? 1.0 : -1.0, (2 * row + 1.0) / side - 1, (2 * column + 1.0) / side - 1};
+  const double size = std::sqrt(dot(across, across));
+  for (int k = 0; k < 3; ++k) e[(face / 2 + k) % 3] = across[k] / size;
+}
+
+/// Row of the displacements, over max_displacement.
+void row_of(const phn_model& model, std::int32_t row, double* x) {
+  const double unit = model.family == Family::modal ? 1 : model.max_displacement;
+  for (int k = 0; k < 3; ++k) x[k] = model.displacements[3 * static_cast<std::size_t>(row) + k] / unit;
+}
+
+}  // namespace
+
+double fill_distance(const phn_model& model, const double* depths) {
+  const std::int32_t n_increments = model.n_displacements / model.n_directions;
+  const std::int32_t n = n_increments < most_increments ? n_increments : most_increments;
+  double length_of[most_increments];  // of direction 0, as of all
+  for (std::int32_t j = 0; j < n; ++j) {
+    double x[3];
+    row_of(model, j, x);
+    length_of[j] = std::sqrt(dot(x, x));
+  }
+  double largest = 0;
+  for (int i = 0; i < 6 * side * side; ++i) {
+    double e[3], nearest = -2, depth = 0, cosine[most_increments];
+    cube_direction(i, e);
+    for (std::int32_t j = 0; j < n; ++j) cosine[j] = -2;
+    for (std::int32_t k = 0; k < model.n_directions; ++k) {
+      const double along = dot(e, model.directions + 3 * static_cast<std::size_t>(k));
+      const double reach = slack * depths[k] / model.max_displacement;
+      if (along > nearest) {
+        nearest = along;
+        depth = depths[k] / model.max_displacement;
+      }
+      for (std::int32_t j = 0; j < n && length_of[j] <= reach; ++j) cosine[j] = std::fmax(cosine[j], along);
+    }
+    for (const double part : parts) {
+      const double r = part * depth;
+      double square = r * r;  // from rest
+      for (std::int32_t j = 0; j < n; ++j) {
+        if (cosine[j] >= -1) square = std::fmin(square, r * r + length_of[j] * (length_of[j] - 2 * r * cosine[j]));
+      }
+      largest = std::fmax(largest, square);
+    }
+  }
+  return largest > 0 && std::isfinite(largest) ? std::sqrt(largest) : 1;
+}
+
+double trained_distance(const phn_model& model, const ActiveNode& node, const double* d) {
+  const std::int32_t n_increments = model.n_displacements / model.n_directions;
+  double x[3];
+  cut(d, model.max_displacement, largest_component, x);
+  double square = dot(x, x);  // from rest
+  for (std::int32_t k = 0; k < model.n_directions; ++k) {
+    const double reach = slack * node.trained_depth[k] / model.max_displacement;
+    for (std::int32_t j = 0; j < n_increments; ++j) {
+      double at[3];
+      row_of(model, k * n_increments + j, at);
+      const double y[3] = {x[0] - at[0], x[1] - at[1], x[2] - at[2]};
+      const double now = dot(y, y);
+      if (now < square && dot(at, at) <= reach * reach) square = now;
+    }
+  }
+  return std::sqrt(square);
+}
+
+}  // namespace phynness::runtime

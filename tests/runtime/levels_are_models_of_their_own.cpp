@@ -1,0 +1,304 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+constexpr std::int32_t touched[] = {3, 5, 8};
+
+/// Everything that a model says of some displacements, one tool, several and coupled.
+std::vector<double> answers(const LoadedModel& loaded) {
+  std::vector<double> all;
+  Numbers numbers;
+  const auto* model = loaded.model;
+  auto* data = loaded.data;
+  const auto n_output = static_cast<std::size_t>(phn_n_output(model));
+  for (int i = 0; i < 20; ++i) {
+    const std::int32_t node = touched[i % 3];
+    double d[6], f[6] = {}, k[9];
+    for (double& x : d) x = 0.012 * numbers.next();
+    EXPECT_GE(phn_force(model, data, node, d, f), 0);
+    all.insert(all.end(), f, f + 3);
+    phn_energy(model, data, node, d, f);
+    all.push_back(f[0]);
+    phn_stiffness(model, data, node, d, k);
+    all.insert(all.end(), k, k + 9);
+    std::vector<double> u(3 * n_output);
+    EXPECT_GE(phn_deform(model, data, 1, &node, d, u.data()), 0);
+    all.insert(all.end(), u.begin(), u.end());
+    const std::int32_t two[] = {node, 15};
+    EXPECT_GE(phn_deform(model, data, 2, two, d, u.data()), 0);
+    all.insert(all.end(), u.begin(), u.end());
+    for (std::int32_t field = 0; field < phn_n_fields(model); ++field) {
+      EXPECT_GE(phn_field(model, data, node, d, field, u.data()), 0);
+      all.insert(all.end(), u.begin(), u.begin() + static_cast<std::ptrdiff_t>(n_output));
+    }
+    const phn_tool tools[] = {{{3, 5, 0}, {0.25, 0.5, 0.25}, {d[0], d[1], d[2]}},
+                              {{8, -1, -1}, {1, 0, 0}, {d[3], d[4], d[5]}}};
+    phn_coupled result;
+    EXPECT_GE(phn_couple(model, data, 2, tools, f, &result), 0);
+    all.insert(all.end(), f, f + 6);
+    all.push_back(result.energy);
+    EXPECT_GE(phn_coupled_deform(model, data, u.data()), 0);
+    all.insert(all.end(), u.begin(), u.end());
+  }
+  return all;
+}
+
+Model model_of(Family family) { return family == Family::modal ? small_field_model() : small_model(); }
+
+class Levels : public testing::TestWithParam<Family> {};
+INSTANTIATE_TEST_SUITE_P(Families, Levels, testing::Values(Family::rbfn, Family::modal),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+// Claim: a level says what a model made of that level alone says, to the last bit, whichever levels were
+// asked before with the same data and whichever nodes are ready; the last level is the model without levels.
+TEST_P(Levels, AnswerAsModelsOfTheirOwn) {
+  const Model model = with_levels(model_of(GetParam()));
+  const LoadedModel loaded(write_model_text(model));
+  ASSERT_EQ(phn_n_levels(loaded.model), 3);
+  EXPECT_EQ(phn_level_of(loaded.data), 2);
+  EXPECT_EQ(answers(loaded), answers(LoadedModel(write_model_text(model_of(GetParam())))));
+  std::vector<double> before;
+  for (const std::int32_t level : {0, 1, 2, 1, 0}) {
+    ASSERT_EQ(phn_set_level(loaded.model, loaded.data, level), PHN_OK);
+    EXPECT_EQ(phn_level_of(loaded.data), level);
+    const LoadedModel alone(write_model_text(level_alone(model, static_cast<std::size_t>(level))));
+    const auto said = answers(loaded);
+    EXPECT_EQ(said, answers(alone)) << level;
+    EXPECT_NE(said, before);  // a switch that does nothing would not be seen by a model of equal levels
+    before = said;
+  }
+}
+
+// Claim: a level belongs to the data, not to the model.
+TEST_P(Levels, AreThoseOfTheData) {
+  const std::string text = write_model_text(with_levels(model_of(GetParam())));
+  const LoadedModel loaded(text);
+  std::size_t bytes = 0;
+  ASSERT_EQ(phn_data_size(loaded.model, 1, &bytes), PHN_OK);
+  std::vector<char> memory(bytes);
+  phn_data* other = nullptr;
+  ASSERT_EQ(phn_data_init(memory.data(), bytes, loaded.model, 1, &other), PHN_OK);
+  ASSERT_EQ(phn_set_level(loaded.model, loaded.data, 0), PHN_OK);
+  const double d[] = {0.001, 0.004, -0.002};
+  double small[3], full[3], plain[3];
+  ASSERT_GE(phn_force(loaded.model, loaded.data, 3, d, small), 0);
+  ASSERT_GE(phn_force(loaded.model, other, 3, d, full), 0);
+  const LoadedModel without(write_model_text(model_of(GetParam())));
+  ASSERT_GE(phn_force(without.model, without.data, 3, d, plain), 0);
+  EXPECT_NE(small[0], full[0]);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(full[k], plain[k]);
+}
+
+// Claim: the field of coupled tools is that of the level at which they were coupled.
+TEST_P(Levels, AreKeptByCoupledTools) {
+  const LoadedModel loaded(write_model_text(with_levels(model_of(GetParam()))));
+  const phn_tool tool = {{3, 5, 8}, {0.25, 0.5, 0.25}, {0.001, -0.002, 0.003}};
+  double force[3];
+  Points kept(phn_n_output(loaded.model), 3), u = kept;
+  for (const std::int32_t level : {0, 2}) {
+    ASSERT_EQ(phn_set_level(loaded.model, loaded.data, level), PHN_OK);
+    ASSERT_GE(phn_couple(loaded.model, loaded.data, 1, &tool, force, nullptr), 0);
+    ASSERT_GE(phn_coupled_deform(loaded.model, loaded.data, kept.data()), 0);
+    ASSERT_EQ(phn_set_level(loaded.model, loaded.data, 1), PHN_OK);
+    ASSERT_GE(phn_coupled_deform(loaded.model, loaded.data, u.data()), 0);
+    EXPECT_EQ(u, kept);
+  }
+}
+
+// Claim: at every level the force is the gradient of that level's energy: work over a closed path of straight
+// pieces is 0 to the accuracy of Gauss's rule, 1e-9 of the energies on the way for kernels whose width is a
+// third of the range.
+TEST(LevelsOfModalModels, DoNoWorkOverClosedPaths) {
+  const LoadedModel loaded(write_model_text(with_levels(small_modal_model())));
+  constexpr double at[] = {-0.7745966692414834, 0, 0.7745966692414834},
+                   weight[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
+  constexpr int pieces = 200;
+  for (std::int32_t level = 0; level < 3; ++level) {
+    ASSERT_EQ(phn_set_level(loaded.model, loaded.data, level), PHN_OK);
+    Numbers numbers;
+    for (const std::int32_t node : touched) {
+      double corner[4][3], sum = 0, largest = 0;
+      for (auto& c : corner)
+        for (double& x : c) x = 0.01 * numbers.next();
+      for (int c = 0; c < 4; ++c) {
+        const double *from = corner[c], *to = corner[(c + 1) % 4];
+        double work = 0, e_from = 0, e_to = 0;
+        for (int p = 0; p < pieces; ++p) {
+          for (int g = 0; g < 3; ++g) {
+            const double s = (p + (1 + at[g]) / 2) / pieces;
+            double d[3], f[3];
+            for (int k = 0; k < 3; ++k) d[k] = from[k] + s * (to[k] - from[k]);
+            ASSERT_GE(phn_force(loaded.model, loaded.data, node, d, f), 0);
+            for (int k = 0; k < 3; ++k) work += weight[g] / 2 / pieces * f[k] * (to[k] - from[k]);
+          }
+        }
+        ASSERT_GE(phn_energy(loaded.model, loaded.data, node, from, &e_from), 0);
+        ASSERT_GE(phn_energy(loaded.model, loaded.data, node, to, &e_to), 0);
+        largest = std::fmax(largest, std::fabs(e_from));
+        EXPECT_NEAR(work, e_to - e_from, 1e-9 * std::fabs(e_from) + 1e-9 * std::fabs(e_to)) << level;
+        sum += work;
+      }
+      EXPECT_LE(std::fabs(sum), 1e-9 * largest) << "level " << level << ", node " << node;
+    }
+  }
+}
+
+// Claim: info tells sizes and errors of the file; a model without levels has one, of unknown error.
+TEST(LevelInfo, TellsWhatTheFileSays) {
+  const LoadedModel modal(write_model_text(with_levels(small_modal_model()))),
+      networks(write_model_text(with_levels(small_model()))), one(write_model_text(small_modal_model()));
+  phn_level info;
+  ASSERT_EQ(phn_level_info(modal.model, 0, &info), PHN_OK);
+  EXPECT_EQ(info.force_centers, 2);
+  EXPECT_EQ(info.deformation_centers, 2);
+  EXPECT_EQ(info.modes, 1);
+  EXPECT_EQ(info.error_force, 0.5);
+  EXPECT_EQ(info.error_displacement, 0.25);
+  ASSERT_EQ(phn_level_info(modal.model, 2, &info), PHN_OK);
+  EXPECT_EQ(info.force_centers, 5);
+  EXPECT_EQ(info.deformation_centers, 4);
+  EXPECT_EQ(info.modes, 3);
+  ASSERT_EQ(phn_level_info(networks.model, 1, &info), PHN_OK);
+  EXPECT_EQ(info.force_centers, 4);
+  EXPECT_EQ(info.deformation_centers, 6);
+  EXPECT_EQ(info.modes, 0);
+  EXPECT_EQ(phn_n_levels(one.model), 1);
+  ASSERT_EQ(phn_level_info(one.model, 0, &info), PHN_OK);
+  EXPECT_EQ(info.force_centers, 5);
+  EXPECT_EQ(info.error_force, 0);
+  for (const std::int32_t level : {-1, 3, std::numeric_limits<std::int32_t>::max()}) {
+    EXPECT_EQ(phn_level_info(modal.model, level, &info), PHN_ERROR_ARGUMENT);
+    EXPECT_EQ(info.force_centers, 0);
+    EXPECT_EQ(phn_set_level(modal.model, modal.data, level), PHN_ERROR_ARGUMENT);
+  }
+  EXPECT_EQ(phn_level_of(modal.data), 2);
+  EXPECT_EQ(phn_set_level(modal.model, one.data, 0), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_set_level(nullptr, one.data, 0), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_level_info(nullptr, 0, &info), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_level_info(modal.model, 0, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_n_levels(nullptr), 0);
+  EXPECT_EQ(phn_level_of(nullptr), 0);
+}
+
+/// Says so many microseconds between two readings as the level of the data has.
+struct FakeClock {
+  phn_data* data;
+  double step[3];
+  double now = 1e9;
+  static double read(void* user) {
+    auto& clock = *static_cast<FakeClock*>(user);
+    clock.now += clock.step[phn_level_of(clock.data)];
+    return clock.now;
+  }
+};
+
+// Claim: times are those of the caller's clock, per call (batches start with four), and the level stays what
+// it was.
+TEST(Calibration, MeasuresWithTheClockOfTheCaller) {
+  const LoadedModel loaded(write_model_text(with_levels(small_modal_model())));
+  ASSERT_EQ(phn_set_level(loaded.model, loaded.data, 1), PHN_OK);
+  FakeClock clock{loaded.data, {40, 80, 160}};
+  phn_level_time times[3];
+  ASSERT_EQ(phn_calibrate(loaded.model, loaded.data, FakeClock::read, &clock, times), PHN_OK);
+  for (int l = 0; l < 3; ++l) {
+    EXPECT_EQ(times[l].force_us, 10 << l);
+    EXPECT_EQ(times[l].deformation_us, 10 << l);
+  }
+  EXPECT_EQ(phn_level_of(loaded.data), 1);
+
+  std::int32_t level = -1;
+  const auto fits = [&](double n_forces, double n_deformations, double budget) {
+    const int status = phn_budget(loaded.model, times, n_forces, n_deformations, budget, &level);
+    return status == PHN_OK ? level : status;
+  };
+  EXPECT_EQ(fits(1, 1, 80), 2);
+  EXPECT_EQ(fits(1, 1, 79.9), 1);
+  EXPECT_EQ(fits(1, 0, 40), 2);
+  EXPECT_EQ(fits(0, 1, 20), 1);
+  EXPECT_EQ(fits(3, 1, 40), 0);
+  EXPECT_EQ(fits(0, 0, 0), 2);
+  EXPECT_EQ(fits(1, 1, std::numeric_limits<double>::infinity()), 2);
+  EXPECT_EQ(fits(1, 1, 19.9), PHN_ERROR_BUDGET);
+  EXPECT_EQ(level, 0);
+  EXPECT_EQ(fits(1, 1, -1), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(fits(1, 1, std::nan("")), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(fits(-1, 1, 100), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(fits(1, std::nan(""), 100), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_budget(nullptr, times, 1, 1, 100, &level), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_budget(loaded.model, nullptr, 1, 1, 100, &level), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_budget(loaded.model, times, 1, 1, 100, nullptr), PHN_ERROR_ARGUMENT);
+  times[2].force_us = std::nan("");  // a time that nobody measured fits into nothing
+  EXPECT_EQ(fits(1, 1, 1000), 1);
+}
+
+// Claim: of those that fit, the level of the smallest error counts, not the largest.
+TEST(Calibration, PrefersTheSmallerError) {
+  Model model = with_levels(small_modal_model());
+  model.levels[2].error_displacement = 0.3;
+  const LoadedModel loaded(write_model_text(model));
+  const phn_level_time times[] = {{1, 1}, {2, 2}, {3, 3}};
+  std::int32_t level = -1;
+  ASSERT_EQ(phn_budget(loaded.model, times, 1, 1, 100, &level), PHN_OK);
+  EXPECT_EQ(level, 1);
+  ASSERT_EQ(phn_budget(loaded.model, times, 1, 0, 100, &level), PHN_OK);
+  EXPECT_EQ(level, 2);
+}
+
+template <int kind>
+double bad_clock(void* user) {
+  auto& now = *static_cast<double*>(user);
+  now += 1000;
+  if (kind == 0) return std::nan("");
+  if (kind == 1) return now > 20000 ? std::nan("") : now;
+  if (kind == 2) return -now;
+  if (kind == 3) return 0;
+  return now > 20000 ? std::numeric_limits<double>::infinity() : now;
+}
+
+// Claim: a clock that is none gives a status and zeros, and leaves the level alone.
+TEST(Calibration, RefusesWhatIsNoClock) {
+  const LoadedModel loaded(write_model_text(with_levels(small_modal_model())));
+  ASSERT_EQ(phn_set_level(loaded.model, loaded.data, 1), PHN_OK);
+  for (auto* clock : {bad_clock<0>, bad_clock<1>, bad_clock<2>, bad_clock<3>, bad_clock<4>}) {
+    phn_level_time times[3] = {{7, 7}, {7, 7}, {7, 7}};
+    double now = 0;
+    EXPECT_EQ(phn_calibrate(loaded.model, loaded.data, clock, &now, times), PHN_ERROR_CLOCK);
+    for (const auto& time : times) {
+      EXPECT_EQ(time.force_us, 0);
+      EXPECT_EQ(time.deformation_us, 0);
+    }
+    EXPECT_EQ(phn_level_of(loaded.data), 1);
+  }
+  phn_level_time times[3];
+  EXPECT_EQ(phn_calibrate(loaded.model, loaded.data, nullptr, nullptr, times), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_calibrate(loaded.model, nullptr, bad_clock<0>, nullptr, times), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_calibrate(loaded.model, loaded.data, bad_clock<0>, nullptr, nullptr), PHN_ERROR_ARGUMENT);
+}
+
+// Claim: every family can be timed, models of forces only, too; their deformations take 0.
+TEST(Calibration, ServesEveryFamily) {
+  Model forces = small_modal_model(0);
+  double now = 0;
+  const auto clock = [](void* user) { return *static_cast<double*>(user) += 100; };
+  for (const Model& model : {small_model(), small_linear_model(), small_modal_model(), forces}) {
+    const LoadedModel loaded(write_model_text(model));
+    phn_level_time time;
+    ASSERT_EQ(phn_calibrate(loaded.model, loaded.data, clock, &now, &time), PHN_OK);
+    EXPECT_EQ(time.force_us, 25);
+    EXPECT_EQ(time.deformation_us, &model == &forces ? 0 : time.deformation_us);
+    std::int32_t level = -1;
+    EXPECT_EQ(phn_budget(loaded.model, &time, 1, 1, 1000, &level), PHN_OK);
+    EXPECT_EQ(level, 0);
+  }
+}
+
+}  // namespace
