@@ -91,6 +91,18 @@ class Balance {
     normal_at(_surface, tool.at, tool.normal);
   }
 
+  /// The vertex that alone moves the point; -1: there are several.
+  std::int32_t only_node(const SurfacePoint& at) const {
+    std::int32_t only = -1;
+    for (int c = 0; c < 3; ++c) {
+      const std::int32_t v = _surface.triangle[3 * at.triangle + c];
+      if (_surface.active[v] < 0 || at.weight[c] == 0) continue;
+      if (only >= 0) return -1;
+      only = v;
+    }
+    return only;
+  }
+
   /// Of tools at one place one goes on: no field has two displacements there.
   int separate() {
     int warned = PHN_OK;
@@ -105,7 +117,8 @@ class Balance {
         point_at(_surface, _surface.rest, a.at, 0, x);
         point_at(_surface, _surface.rest, b.at, 0, y);
         subtract(x, y, apart);
-        if (norm(apart) > same_place * _surface.size) continue;
+        const std::int32_t node = only_node(a.at);
+        if (norm(apart) > same_place * _surface.size && (node < 0 || node != only_node(b.at))) continue;
         const bool a_grasps = _inputs[s].mode == PHN_TOOL_GRASP, b_grasps = _inputs[t].mode == PHN_TOOL_GRASP;
         const bool a_stays =
             a_grasps != b_grasps ? a_grasps
@@ -184,8 +197,9 @@ class Balance {
     double axes[6], offset_gradient[9], normal_gradient[9];
     gradients_at(_surface, tool.at, axes, offset_gradient, normal_gradient);
     const double sideways = norm(tangential);
-    // Where the full step resists no more, as where a tool slips off, that of a flat surface without friction.
-    for (int attempt = 0; attempt < 2; ++attempt) {
+    // Where the full step resists no more, as where a tool slips off, or where nothing pushes, that of a flat surface without
+    // friction.
+    for (int attempt = push > 0 ? 0 : 1; attempt < 2; ++attempt) {
       const bool curved = attempt == 0;
       const double mu = curved ? friction : 0;
       double m[2][2], right[2], x[2];

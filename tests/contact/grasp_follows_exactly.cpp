@@ -13,7 +13,7 @@ TEST(Grasp, TheHeldPointFollowsTheTool) {
     Numbers numbers;
     for (int i = 0; i < 30; ++i) {
       const Vector3d out = random_direction(numbers), start = 0.053 * out;
-      touch.step(tool_at(0.06 * out, 0.004, PHN_TOOL_OFF));
+      touch.step(tool_at(start, 0.004, PHN_TOOL_OFF));
       const auto first = touch.step(tool_at(start, 0.004, PHN_TOOL_GRASP));
       ASSERT_EQ(first.in_contact, 1);
       EXPECT_LT(vector(first.force).norm(), 1e-12);
