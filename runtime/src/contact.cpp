@@ -30,7 +30,7 @@ int refuse_init(const phn_model* model, std::int32_t max_tools) {
   return max_tools > most_coupled ? PHN_ERROR_TOOLS : PHN_OK;
 }
 
-constexpr phn_contact_state nothing = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}}, 0};
+constexpr phn_contact_state nothing = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}}, 0};
 
 int read_tool(const ContactSurface& surface, const phn_contact_tool& tool, ToolInput& input) {
   if (!finite(tool.center) || !std::isfinite(tool.radius) || !std::isfinite(tool.friction)) return PHN_ERROR_NOT_FINITE;
@@ -45,7 +45,7 @@ int read_tool(const ContactSurface& surface, const phn_contact_tool& tool, ToolI
   input.radius = std::fmin(tool.radius, surface.size);
   input.friction = std::fmin(tool.friction, largest_friction);
   input.mode = tool.mode;
-  input.passive = tool.passive != 0;
+  input.guarded = tool.unguarded == 0;
   return PHN_OK;
 }
 
@@ -58,6 +58,7 @@ void write_state(const phn_contact& contact, const ToolContact& tool, phn_contac
     state.proxy[k] = tool.place[k] - tool.displacement[k];
     state.normal[k] = tool.normal[k];
   }
+  state.scale = tool.scale;
   state.unbalanced = tool.unbalanced;
   state.held = held_by(contact, tool);
   state.in_contact = 1;

@@ -12,7 +12,7 @@ namespace phynness::runtime {
 struct ToolInput {
   double center[3], radius, friction;
   std::int32_t mode;
-  bool passive;
+  bool guarded;
 };
 
 struct ToolContact {
@@ -26,7 +26,9 @@ struct ToolContact {
   double displacement[3];   ///< of the touched point [m]
   double moved[3];          ///< in the last step [m]
   double given[3];          ///< the last force [N]
-  double taken;             ///< mode press: work of the tool since it touched [J]; -1: none yet
+  double taken;             ///< mode press: work of the tool since it touched [J]
+  double scale;             ///< of the force: what of the energy the tool may have back; 0: not in contact
+  bool alone;               ///< and only then the energy is this tool's
   // Of a step.
   bool active;
   double normal[3], force[3];

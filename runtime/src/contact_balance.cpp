@@ -37,7 +37,6 @@ class Balance {
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
       tool.active = tool.anchored;
-      if (!tool.felt) tool.taken = -1;
       tool.excess = -1;
       tool.n_shortened = tool.n_pulling = 0;
       tool.unbalanced = 0;
@@ -59,25 +58,31 @@ class Balance {
     for (std::int32_t t = 0; t < _n; ++t) {
       ToolContact& tool = _contact.tool[t];
       if (tool.anchored && !tool.felt) let_go(tool);
-      account(tool, _inputs[t], coupled.energy);
+      guard(tool, _inputs[t], coupled.energy);
       for (int k = 0; k < 3; ++k) tool.given[k] = tool.force[k];
     }
     return status | warned;
   }
 
   /// Work is that of the mean of two forces over the way between them. What the tool may have back is at most what it gave.
-  void account(ToolContact& tool, const ToolInput& input, double energy) {
-    const bool goes_on = tool.taken >= 0;
-    if (!tool.felt || input.mode != PHN_TOOL_PRESS || _n_active != 1) {
-      tool.taken = -1;
+  void guard(ToolContact& tool, const ToolInput& input, double energy) {
+    const bool goes_on = tool.scale > 0 && input.mode == PHN_TOOL_PRESS && input.guarded, was_alone = tool.alone;
+    const double so_far = tool.taken + dot(tool.given, tool.moved) / 2, now = dot(tool.force, tool.moved) / 2;
+    tool.alone = _n_active == 1;
+    if (!tool.felt) {
+      tool.scale = 0;
       return;
     }
-    const double so_far = tool.taken + dot(tool.given, tool.moved) / 2, now = dot(tool.force, tool.moved) / 2;
-    double scale = 1;
-    if (goes_on && input.passive && so_far + now < energy)
-      scale = energy > now ? std::fmin(1.0, std::fmax(0.0, so_far / (energy - now))) : 0;
-    tool.taken = goes_on ? std::fmax(0.0, so_far + scale * now) : energy;
-    for (double& f : tool.force) f *= scale;
+    if (!goes_on) {
+      tool.scale = 1;
+      tool.taken = energy;
+    } else if (!tool.alone || !was_alone) {
+      tool.taken = tool.scale * energy;
+    } else {
+      tool.scale = so_far + now >= energy ? 1 : energy > now ? std::fmin(1.0, std::fmax(1e-12, so_far / (energy - now))) : 1e-12;
+      tool.taken = std::fmax(0.0, so_far + tool.scale * now);
+    }
+    for (double& f : tool.force) f *= tool.scale;
   }
 
   /// Where the tool asks its point to be.

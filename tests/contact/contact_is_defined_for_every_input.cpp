@@ -12,7 +12,7 @@ constexpr double inf = std::numeric_limits<double>::infinity(), nan = std::numer
                  tiny = std::numeric_limits<double>::denorm_min(), huge = std::numeric_limits<double>::max();
 
 bool finite(const phn_contact_state& s) {
-  bool all = std::isfinite(s.unbalanced);
+  bool all = std::isfinite(s.unbalanced) && std::isfinite(s.scale);
   for (int k = 0; k < 3; ++k) {
     for (const double x : {s.force[k], s.proxy[k], s.normal[k], s.held.weights[k], s.held.displacement[k]})
       all = all && std::isfinite(x);

@@ -10,17 +10,17 @@ struct Path {
 };
 
 /// Work of the tool along straight legs between corners, from outside to outside: mean force times way, step by step.
-Path follow(const LoadedModel& loaded, const std::vector<Vector3d>& corners, double mu, int passive, double step) {
+Path follow(const LoadedModel& loaded, const std::vector<Vector3d>& corners, double mu, int unguarded, double step) {
   Touch touch(loaded);
   Path path;
   Vector3d c = corners.front(), f(0, 0, 0);
-  touch.step(tool_at(c, 0.004, PHN_TOOL_PRESS, mu, passive));
+  touch.step(tool_at(c, 0.004, PHN_TOOL_PRESS, mu, unguarded));
   for (std::size_t leg = 1; leg < corners.size(); ++leg) {
     const Vector3d from = c, way = corners[leg] - from;
     const int n = static_cast<int>(way.norm() / step) + 1;
     for (int i = 1; i <= n; ++i) {
       const Vector3d next = from + i * way / n;
-      const auto state = touch.step(tool_at(next, 0.004, PHN_TOOL_PRESS, mu, passive));
+      const auto state = touch.step(tool_at(next, 0.004, PHN_TOOL_PRESS, mu, unguarded));
       path.work += (f + vector(state.force)).dot(next - c) / 2;
       path.least = std::min(path.least, path.work);
       path.stored = std::max(path.stored, touch.coupled.energy);
@@ -57,7 +57,7 @@ TEST(Energy, ThereAndBackWithoutFrictionIsNoWork) {
   Numbers numbers;
   for (const LoadedModel* loaded : {&linear_ball(), &bent_ball()}) {
     for (int i = 0; i < 20; ++i) {
-      const Path path = follow(*loaded, there_and_back(numbers), 0, 0, 5e-5);
+      const Path path = follow(*loaded, there_and_back(numbers), 0, 1, 5e-5);
       EXPECT_GT(path.stored, 1e-4);
       EXPECT_LT(std::abs(path.work), 1e-3 * path.stored) << i;
     }
@@ -70,38 +70,38 @@ TEST(Energy, PressAndReleaseReturnsWhatWasStored) {
   Touch touch(bent_ball());
   for (int i = 0; i < 20; ++i) {
     const Vector3d at = random_direction(numbers);
-    const Path path = follow(bent_ball(), {0.06 * at, 0.049 * at, 0.06 * at}, 10, 0, 5e-5);
+    const Path path = follow(bent_ball(), {0.06 * at, 0.049 * at, 0.06 * at}, 10, 1, 5e-5);
     EXPECT_LT(std::abs(path.work), 1e-4 * path.stored);
   }
 }
 
-// Claim: with friction the tool always loses on closed paths, to 1e-3 of what was stored at most.
-TEST(Energy, FrictionOnlyLoses) {
+// Claim: with or without friction, a tool never gains: at no time on any closed path has it given more than it took, to 1e-3
+// of what was stored, whatever it slides over. With friction it loses.
+TEST(Energy, NoToolGains) {
   Numbers numbers;
-  double lost = 0;
-  for (int i = 0; i < 40; ++i) {
-    for (const double mu : {0.2, 0.5, 1.0}) {
+  for (const double mu : {0.0, 0.05, 0.2, 0.5, 1.0}) {
+    double lost = 0;
+    for (int i = 0; i < 30; ++i) {
       const Path path = follow(bent_ball(), round_trip(numbers), mu, 0, 1e-4);
-      EXPECT_GT(path.work, -1e-3 * path.stored) << i << " " << mu;
-      lost += path.work;
+      EXPECT_GT(path.least, -1e-3 * path.stored) << i << " " << mu;
+      lost += path.work / path.stored / 30;
     }
+    EXPECT_GT(lost, mu);
   }
-  EXPECT_GT(lost, 0);
 }
 
-// Claim: without friction a tool that enters where the surface is soft and leaves where it is stiff gains, which is said in the
-// header; `passive` takes that away: at no time on any path has it given more than it took. And it is needed here.
-TEST(Energy, PassiveToolsNeverGain) {
-  Numbers numbers, again;
-  double least = 0, unguarded = 0;
-  for (int i = 0; i < 60; ++i) {
-    const Path plain = follow(bent_ball(), round_trip(numbers), 0, 0, 1e-4);
-    const Path path = follow(bent_ball(), round_trip(again), 0, 1, 1e-4);
+// Claim: that takes the guard: a frictionless tool without it gains where it enters where the surface is soft and leaves where it
+// is stiff. With friction of 0.5 the guard changes nothing.
+TEST(Energy, UnguardedToolsGainWithoutFriction) {
+  Numbers numbers;
+  double least = 0;
+  for (int i = 0; i < 30; ++i) {
+    const auto corners = round_trip(numbers);
+    const Path path = follow(bent_ball(), corners, 0, 1, 1e-4);
     least = std::min(least, path.least / path.stored);
-    unguarded = std::min(unguarded, plain.least / plain.stored);
+    EXPECT_EQ(follow(bent_ball(), corners, 0.5, 1, 1e-4).work, follow(bent_ball(), corners, 0.5, 0, 1e-4).work);
   }
-  EXPECT_GT(least, -1e-3);
-  EXPECT_LT(unguarded, -1e-2);
+  EXPECT_LT(least, -1e-2);
 }
 
 }  // namespace

@@ -34,14 +34,15 @@ typedef struct phn_contact_tool {
   double radius;    /* >= 0 [m]; cut at the size of the body, the diagonal of its box */
   double friction;  /* coefficient, >= 0; 0: none. Read in mode press */
   int32_t mode;
-  int32_t passive;  /* 1: a tool that presses never gives back more work than it took; 0: the force of phn_couple as it is */
+  int32_t unguarded; /* 0: a tool that presses never gives back more work than it took; 1: the force of phn_couple as it is */
 } phn_contact_tool;
 
 typedef struct phn_contact_state {
   double force[3];    /* on the body [N]; a device renders its negative. Zeros without contact */
   double proxy[3];    /* centre of the sphere on the surface at rest [m]; without contact where the tool is */
   double normal[3];   /* outward, unit; zeros without contact */
-  double unbalanced;  /* mode press: |force of phn_couple - force|, what sliding did not yet relieve [N] */
+  double scale;       /* of the force: 1, or less so that the tool does not gain; 0 without contact */
+  double unbalanced;  /* mode press: |force of phn_couple - force / scale|, what sliding did not yet relieve [N] */
   phn_tool held;      /* what phn_couple was asked for; nodes are -1 without contact */
   int32_t in_contact; /* 1 or 0 */
 } phn_contact_state;
@@ -61,9 +62,10 @@ int phn_contact_init(void *memory, size_t bytes, const phn_model *model, int32_t
  * inside this cone the touched point sticks. Otherwise it slides over the triangles until the force is within 1e-4 of it,
  * in at most 8 steps a call; what these leave is cut off the force and told in `unbalanced`. Contact ends where the
  * force would pull. Coupled tools that press at one place: the deeper one is felt.
- * A tool that slides without friction from soft to stiff tissue may give back more work than it took: its force is
- * normal, and moving it sideways costs none. With `passive`, force is scaled down to what was taken, while one tool is in
- * contact, in families that have an energy. Scale and force are continuous. With friction there is seldom anything to scale.
+ * A tool that slides with little friction from soft to stiff tissue would give back more work than it took: its force is
+ * normal, and moving it sideways costs none. Unless `unguarded`, force is scaled down to what was taken, in families that
+ * have an energy, continuously; with several tools in contact scales stay what they were. With friction there is seldom
+ * anything to scale (docs/decisions/contact.md).
  * Grasp: the point keeps its place under the tool; the force is phn_couple's. A tool that grasps when the surface is within
  * its radius takes the nearest point, and nothing moves; one in contact takes the point that it touches.
  *
