@@ -213,7 +213,8 @@ struct Contact {
     check(phn_contact_step(contact, loaded.data, 1, &tool, &state, nullptr));
     return state;
   }
-  /// A tool of 4 mm on a circle of 1 cm over the middle of the body, in steps of 0.1 mm, `depth` below where it touches.
+  /// A tool of 4 mm on a circle of 1 cm over the middle of the body, in steps of 0.1 mm, `depth` below where it
+  /// touches.
   std::vector<phn_contact_tool> circle(double depth, double friction) {
     const double* x = phn_output_points(loaded.model);
     double low[3], high[3];
@@ -253,8 +254,8 @@ struct Contact {
   phn_contact* contact = nullptr;
 };
 
-/// Queries of the hierarchy beside the loop over all triangles. Of trained models, cycles of a tool beside one coupled force:
-/// with arbitrary coefficients tools would slide anywhere.
+/// Queries of the hierarchy beside the loop over all triangles. Of trained models, cycles of a tool beside one coupled
+/// force: with arbitrary coefficients tools would slide anywhere.
 void bench_contact(Table& table, Loaded& loaded, bool trained) {
   Contact contact(loaded);
   const auto path = contact.circle(0, 0);

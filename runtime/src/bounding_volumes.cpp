@@ -78,8 +78,8 @@ double entry(const BoundingVolume& v, double radius, const Way& way) {
   return enters <= leaves ? enters : 2;
 }
 
-/// Signed volumes of the way with the three edges: an edge that two triangles share gets the same number up to its sign,
-/// so that nothing passes between them.
+/// Signed volumes of the way with the three edges: an edge that two triangles share gets the same number up to its
+/// sign, so that nothing passes between them.
 double crossing(const double corner[3][3], const Way& way, double* weight) {
   double x[3][3], ab[3], ac[3], normal[3], volume[3], sum = 0;
   for (int c = 0; c < 3; ++c) subtract(corner[c], way.from, x[c]);
@@ -105,8 +105,8 @@ double crossing(const double corner[3][3], const Way& way, double* weight) {
 double square_distance(const BoundingVolume& v, double radius, const double* x) {
   double sum = 0;
   for (int k = 0; k < 3; ++k) {
-    const double below = v.low[k] + radius * v.offset_low[k] - x[k], above = x[k] - v.high[k] - radius * v.offset_high[k];
-    const double apart = greater(0.0, greater(below, above));
+    const double low = v.low[k] + radius * v.offset_low[k], high = v.high[k] + radius * v.offset_high[k];
+    const double apart = greater(0.0, greater(low - x[k], x[k] - high));
     sum += apart * apart;
   }
   return sum;

@@ -1,5 +1,5 @@
-// A binary tree of boxes over the triangles of a contact surface, in one array, depth first. A box holds the vertices and,
-// apart from them, their offsets, so that one tree serves spheres of every radius.
+// A binary tree of boxes over the triangles of a contact surface, in one array, depth first. A box holds the vertices
+// and, apart from them, their offsets, so that one tree serves spheres of every radius.
 #pragma once
 
 #include "contact_surface.hpp"

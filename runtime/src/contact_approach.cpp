@@ -59,7 +59,8 @@ void approach(const phn_contact& contact, const ToolInput& input, ToolContact& t
       tool.anchored = part >= 0;
     }
     if (!tool.anchored && input.mode == PHN_TOOL_GRASP) {
-      tool.anchored = nearest(surface, contact.volumes, 0, c, at) <= input.radius && movable(surface, at) >= least_movable;
+      const double distance = nearest(surface, contact.volumes, 0, c, at);
+      tool.anchored = distance <= input.radius && movable(surface, at) >= least_movable;
       part = 1;
     }
     if (tool.anchored) {

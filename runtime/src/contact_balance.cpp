@@ -64,22 +64,26 @@ class Balance {
     return status | warned;
   }
 
-  /// Work is that of the mean of two forces over the way between them. What the tool may have back is at most what it gave.
+  /// Work is that of the mean of two forces over the way between them. What the tool may have back is at most what it
+  /// gave.
   void guard(ToolContact& tool, const ToolInput& input, double energy) {
-    const bool goes_on = tool.scale > 0 && input.mode == PHN_TOOL_PRESS && input.guarded, was_alone = tool.alone;
+    const bool guarded = input.mode == PHN_TOOL_PRESS && input.guarded && has_energy(*_contact.model),
+               was_alone = tool.alone;
     const double so_far = tool.taken + dot(tool.given, tool.moved) / 2, now = dot(tool.force, tool.moved) / 2;
-    tool.alone = _n_active == 1;
+    tool.alone = guarded && _n_active == 1;
     if (!tool.felt) {
       tool.scale = 0;
       return;
     }
-    if (!goes_on) {
+    if (!guarded || tool.scale == 0) {
       tool.scale = 1;
       tool.taken = energy;
     } else if (!tool.alone || !was_alone) {
       tool.taken = tool.scale * energy;
     } else {
-      tool.scale = so_far + now >= energy ? 1 : energy > now ? std::fmin(1.0, std::fmax(1e-12, so_far / (energy - now))) : 1e-12;
+      constexpr double least = 1e-12;  // not 0: the tool is in contact
+      const bool covered = so_far + now >= energy;
+      tool.scale = covered ? 1 : energy > now ? std::fmin(1.0, std::fmax(least, so_far / (energy - now))) : least;
       tool.taken = std::fmax(0.0, so_far + tool.scale * now);
     }
     for (double& f : tool.force) f *= tool.scale;
@@ -202,8 +206,8 @@ class Balance {
     double axes[6], offset_gradient[9], normal_gradient[9];
     gradients_at(_surface, tool.at, axes, offset_gradient, normal_gradient);
     const double sideways = norm(tangential);
-    // Where the full step resists no more, as where a tool slips off, or where nothing pushes, that of a flat surface without
-    // friction.
+    // Where the full step resists no more, as where a tool slips off, or where nothing pushes, that of a flat surface
+    // without friction.
     for (int attempt = push > 0 ? 0 : 1; attempt < 2; ++attempt) {
       const bool curved = attempt == 0;
       const double mu = curved ? friction : 0;

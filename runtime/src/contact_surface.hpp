@@ -8,7 +8,8 @@
 
 namespace phynness::runtime {
 
-/// Corners that move have at least this part of a touched point: the stiffness of a point beside a fixed edge has no bound.
+/// Corners that move have at least this part of a touched point: the stiffness of a point beside a fixed edge has no
+/// bound.
 inline constexpr double least_movable = 0.05;
 /// Longest mitre of an offset: corners of a right-angled box need sqrt(3).
 inline constexpr double longest_offset = 2;
@@ -50,8 +51,8 @@ void point_at(const ContactSurface& surface, const double* points, const Surface
 /// Unit. Interpolated offsets, or that of the triangle where these cancel.
 void normal_at(const ContactSurface& surface, const SurfacePoint& at, double* normal);
 
-/// How offset and normal change along the triangle: d(offset) = offset_gradient dx, d(normal) = normal_gradient dx for dx
-/// in its plane. @param axes  two unit vectors in that plane
+/// How offset and normal change along the triangle: d(offset) = offset_gradient dx, d(normal) = normal_gradient dx for
+/// dx in its plane. @param axes  two unit vectors in that plane
 void gradients_at(const ContactSurface& surface, const SurfacePoint& at, double* axes, double* offset_gradient,
                   double* normal_gradient);
 
@@ -70,5 +71,34 @@ inline void cross(const double* a, const double* b, double* c) {
   c[2] = a[0] * b[1] - a[1] * b[0];
 }
 inline double norm(const double* a) { return std::sqrt(dot(a, a)); }
+
+/// Twice the area times the unit normal.
+inline void area_normal(const double* const corner[3], double* normal) {
+  double ab[3], ac[3];
+  subtract(corner[1], corner[0], ab);
+  subtract(corner[2], corner[0], ac);
+  cross(ab, ac, normal);
+}
+
+inline const double* row(const double* rows, std::int32_t i) { return rows + 3 * static_cast<std::size_t>(i); }
+inline double* row(double* rows, std::int32_t i) { return rows + 3 * static_cast<std::size_t>(i); }
+
+/// @param points  placed or rest
+inline void corners_of(const ContactSurface& s, const double* points, std::int32_t triangle, const double* corner[3]) {
+  for (int k = 0; k < 3; ++k) corner[k] = row(points, s.triangle[3 * triangle + k]);
+}
+
+/// Gradients of the barycentric weights. @param normal  unit
+inline void weight_gradients(const double* const corner[3], double gradient[3][3], double* normal) {
+  area_normal(corner, normal);
+  const double area = norm(normal);
+  for (int k = 0; k < 3; ++k) normal[k] /= area;
+  for (int k = 0; k < 3; ++k) {
+    double edge[3];
+    subtract(corner[(k + 2) % 3], corner[(k + 1) % 3], edge);
+    cross(normal, edge, gradient[k]);
+    for (int l = 0; l < 3; ++l) gradient[k][l] /= area;
+  }
+}
 
 }  // namespace phynness::runtime

@@ -42,11 +42,12 @@ Skin tangle(int n_points, int n_triangles) {
 class Hierarchy : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Bodies, Hierarchy, testing::Range(0, 4));
 
-// Claim: 10^4 random sweeps and nearest points, at rest and displaced, for several radii, give what a loop over all triangles
-// gives: on a ball, one with fixed nodes, a plate and triangles at random. Rounding, 1e-12 of the way; a way that grazes an edge
-// may be told apart by it: one in a thousand.
+// Claim: 10^4 random sweeps and nearest points, at rest and displaced, for several radii, give what a loop over all
+// triangles gives: on a ball, one with fixed nodes, a plate and triangles at random. Rounding, 1e-12 of the way; a way
+// that grazes an edge may be told apart by it: one in a thousand.
 TEST_P(Hierarchy, AgreesWithTheLoopOverAllTriangles) {
-  const Skin shape = GetParam() == 0 ? ball() : GetParam() == 1 ? held_ball() : GetParam() == 2 ? plate(0.004) : tangle(40, 70);
+  const Skin skins[] = {ball(), held_ball(), plate(0.004), tangle(40, 70)};
+  const Skin& shape = skins[GetParam()];
   const LoadedModel loaded(write_model_text(linear_model(shape)));
   Touch touch(loaded);
   const runtime::ContactSurface& surface = touch.contact->surface;
@@ -101,9 +102,9 @@ TEST(Hierarchy, FindsWhatPhnNearestFinds) {
   }
 }
 
-// Claim: on smooth and on right-angled bodies an offset surface is as far out as the radius says: a ball of 5 cm under a
-// tool of 1 cm begins at 6 cm but for the triangles, a plate's offset keeps its faces flat but
-// for the series of the angles.
+// Claim: on smooth and on right-angled bodies an offset surface is as far out as the radius says: a ball of 5 cm under
+// a tool of 1 cm begins at 6 cm but for the triangles, a plate's offset keeps its faces flat but for the series of the
+// angles.
 TEST(Hierarchy, OffsetsAreTheRadius) {
   Touch touch(linear_ball());
   Numbers numbers;

@@ -9,17 +9,21 @@ struct Case {
   bool bent;
   double friction;
 };
+void PrintTo(const Case& c, std::ostream* out) { *out << (c.bent ? "bent, " : "linear, ") << c.friction; }
+
 class Pressing : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(Bodies, Pressing,
-                         testing::Values(Case{false, 0}, Case{true, 0}, Case{true, 0.1}, Case{false, 0.5}, Case{true, 2}),
+                         testing::Values(Case{false, 0}, Case{true, 0}, Case{true, 0.1}, Case{false, 0.5},
+                                         Case{true, 2}),
                          [](const auto& info) {
-                           return (info.param.bent ? "bent" : "linear") + std::to_string(std::lround(10 * info.param.friction));
+                           const long tenths = std::lround(10 * info.param.friction);
+                           return (info.param.bent ? "bent" : "linear") + std::to_string(tenths);
                          });
 
-// Claim: wherever a tool wanders over a ball, a millimetre a tick and up to 5 mm deep, it is never pulled, its tangential
-// force is within the cone and without friction 0, both to rounding. What sliding leaves outside the cone in its fixed number of
-// steps is 1e-4 of the force but for one tick in a hundred, and the force is phn_couple's but for that and for the
-// scale.
+// Claim: wherever a tool wanders over a ball, a millimetre a tick and up to 5 mm deep, it is never pulled, its
+// tangential force is within the cone and without friction 0, both to rounding. What sliding leaves outside the cone in
+// its fixed number of steps is 1e-4 of the force but for one tick in a hundred, and the force is phn_couple's but for
+// that and for the scale.
 TEST_P(Pressing, NeverPullsAndStaysInTheCone) {
   const LoadedModel& loaded = GetParam().bent ? bent_ball() : linear_ball();
   Touch touch(loaded);

@@ -73,9 +73,9 @@ TEST(SeveralTools, MayBeNearEachOther) {
   EXPECT_LT((vector(states[1].force) - vector(alone.force)).norm(), 1e-9);
 }
 
-// Claim: a tool meets the surface where another has put it. Pushed in, it is felt late, exactly where the other's field says,
-// with or without that field; bulged out, it is felt early, which takes the field. 1e-6 m: a tick; the normal differs a
-// little from where the surface goes.
+// Claim: a tool meets the surface where another has put it. Pushed in, it is felt late, exactly where the other's field
+// says, with or without that field; bulged out, it is felt early, which takes the field. 1e-6 m: a tick; the normal
+// differs a little from where the surface goes.
 TEST(SeveralTools, MeetTheSurfaceThatOthersMoved) {
   const LoadedModel& loaded = linear_ball();
   for (const bool pulled : {false, true}) {
@@ -114,8 +114,8 @@ TEST(SeveralTools, MeetTheSurfaceThatOthersMoved) {
   }
 }
 
-// Claim: a surface that moves over a free tool catches it: what was pushed in comes back out against a tool that hovers in the
-// dent, however old the field is.
+// Claim: a surface that moves over a free tool catches it: what was pushed in comes back out against a tool that hovers
+// in the dent, however old the field is.
 TEST(SeveralTools, AreCaughtByASurfaceThatComesBack) {
   const LoadedModel& loaded = linear_ball();
   for (const bool refitted : {false, true}) {

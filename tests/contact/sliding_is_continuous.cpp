@@ -34,9 +34,10 @@ Largest slide(const LoadedModel& loaded, double mu, double beside, int n_steps) 
   return most;
 }
 
-// Claim: while a tool slides over edges, along them and over nodes, force and proxy change by no more than in proportion to
-// the step: 1/10 of the step, 1/10 of the largest change (1/6, as the tolerance of sliding, 1e-4 of 0.2 N, adds its part),
-// and none is beyond some stiffnesses times the step. The touched point follows the tool to the accuracy of floats.
+// Claim: while a tool slides over edges, along them and over nodes, force and proxy change by no more than in
+// proportion to the step: 1/10 of the step, 1/10 of the largest change (1/6, as the tolerance of sliding, 1e-4 of 0.2
+// N, adds its part), and none is beyond some stiffnesses times the step. The touched point follows the tool to the
+// accuracy of floats.
 TEST(Sliding, JumpsShrinkWithTheStep) {
   for (const double mu : {0.0, 0.3}) {
     for (const double beside : {0.0, 1e-7, 0.0021}) {
@@ -53,8 +54,8 @@ TEST(Sliding, JumpsShrinkWithTheStep) {
   }
 }
 
-// Claim: force is continuous where contact begins and ends: a touch a thousandth of a millimetre deep is felt by no more
-// than the stiffness says.
+// Claim: force is continuous where contact begins and ends: a touch a thousandth of a millimetre deep is felt by no
+// more than the stiffness says.
 TEST(Sliding, TouchesBeginAtZero) {
   Touch touch(bent_ball());
   Numbers numbers;

@@ -20,9 +20,9 @@ class AnySpeed : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(MetresPerTick, AnySpeed, testing::Values(1e-4, 1e-3, 1e-2, 1e-1, 1.0),
                          [](const auto& info) { return "um" + std::to_string(std::lround(1e6 * info.param)); });
 
-// Claim: a tool that flies through a plate of 2 mm, in any direction and at any speed up to a metre in a tick, is caught on
-// the side it came from and pushed back there for as long as it is behind. Seldom through the rim. It sticks, so that it cannot
-// slip round the plate; directions are within 60 degrees of the normal, where sticking does not pull.
+// Claim: a tool that flies through a plate of 2 mm, in any direction and at any speed up to a metre in a tick, is
+// caught on the side it came from and pushed back there for as long as it is behind. Seldom through the rim. It sticks,
+// so that it cannot slip round the plate; directions are within 60 degrees of the normal, where sticking does not pull.
 TEST_P(AnySpeed, FlightsEndAtThePlate) {
   Touch touch(thin_plate());
   Numbers numbers;
@@ -37,7 +37,8 @@ TEST_P(AnySpeed, FlightsEndAtThePlate) {
     for (double s = -before; s < 0.02 + 2 * step; s += step) {
       const Vector3d c = through + s * along;
       const auto state = touch.step(tool_at(c, radius, PHN_TOOL_PRESS, 1e3));
-      const bool behind = c[2] * along[2] > 0, clear = -c[2] * along[2] > (thickness + 2.1 * radius) * std::abs(along[2]);
+      const bool behind = c[2] * along[2] > 0;
+      const bool clear = -c[2] * along[2] > (thickness + 2.1 * radius) * std::abs(along[2]);
       if (behind) {
         ASSERT_EQ(state.in_contact, 1) << flight << " at " << s;
         ASSERT_LT(vector(state.force).dot(vector(state.normal)), 0);
@@ -51,9 +52,9 @@ TEST_P(AnySpeed, FlightsEndAtThePlate) {
   }
 }
 
-// Claim: a frictionless tool on a random walk, in and out, over faces and rims, is felt whenever its centre is inside the
-// plate, and its proxy never is. Beyond 10 m/s it may jump round half of the plate in a tick, which takes the proxy up to
-// ten ticks to follow.
+// Claim: a frictionless tool on a random walk, in and out, over faces and rims, is felt whenever its centre is inside
+// the plate, and its proxy never is. Beyond 10 m/s it may jump round half of the plate in a tick, which takes the proxy
+// up to ten ticks to follow.
 TEST_P(AnySpeed, InsideIsAlwaysFelt) {
   Touch touch(thin_plate());
   Numbers numbers;
@@ -67,7 +68,8 @@ TEST_P(AnySpeed, InsideIsAlwaysFelt) {
     c += length < way.norm() ? length * way.normalized() : way;
     const double radius = 0.003;
     auto state = touch.step(tool_at(c, radius));
-    for (int k = 0; GetParam() > 0.01 && k < 10 && inside(c) && !state.in_contact; ++k) state = touch.step(tool_at(c, radius));
+    for (int k = 0; GetParam() > 0.01 && k < 10 && inside(c) && !state.in_contact; ++k)
+      state = touch.step(tool_at(c, radius));
     n_inside += inside(c);
     n_free += !state.in_contact;
     if (inside(c)) {
@@ -79,8 +81,8 @@ TEST_P(AnySpeed, InsideIsAlwaysFelt) {
   EXPECT_GT(n_free, 200);
 }
 
-// Claim: a tool switched on inside the body is not thrown out: it leaves unfelt, and is felt when it comes again. So is one
-// whose radius grows over the surface beside it.
+// Claim: a tool switched on inside the body is not thrown out: it leaves unfelt, and is felt when it comes again. So is
+// one whose radius grows over the surface beside it.
 TEST(Tunnelling, WhereAToolBeginsIsItsOwnAffair) {
   Touch touch(linear_ball());
   EXPECT_EQ(touch.step(tool_at({0, 0, 0.03}, 0.002)).in_contact, 0);

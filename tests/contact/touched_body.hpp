@@ -1,5 +1,5 @@
-// Bodies to touch: a ball and a thin plate with the compliance C_ij = k(|x_i - x_j|) S, k a Gaussian and S a matrix that turns
-// pushes a little aside; linear, or with a little curvature as modal models. And a hand that moves one tool.
+// Bodies to touch: a ball and a thin plate with the compliance C_ij = k(|x_i - x_j|) S, k a Gaussian and S a matrix
+// that turns pushes a little aside; linear, or with a little curvature as modal models. And a hand that moves one tool.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,12 +25,14 @@ struct Skin {
 
   int midpoint(std::map<std::pair<int, int>, int>& known, int a, int b) {
     const auto [at, is_new] = known.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<int>(points.size()));
-    if (is_new) points.push_back((points[static_cast<std::size_t>(a)] + points[static_cast<std::size_t>(b)]).normalized());
+    const Vector3d sum = points[static_cast<std::size_t>(a)] + points[static_cast<std::size_t>(b)];
+    if (is_new) points.push_back(sum.normalized());
     return at->second;
   }
 };
 
-/// Radius 5 cm: an octahedron divided three times, 258 vertices, 512 triangles. Its vertices lie on three great circles.
+/// Radius 5 cm: an octahedron divided three times, 258 vertices, 512 triangles. Its vertices lie on three great
+/// circles.
 inline Skin ball() {
   Skin s;
   for (int k = 0; k < 3; ++k) {
@@ -130,7 +132,8 @@ inline Model linear_model(const Skin& shape) {
   }
   model.surface.resize(static_cast<Eigen::Index>(shape.triangles.size()), 3);
   for (Eigen::Index t = 0; t < model.surface.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) model.surface(t, k) = shape.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)];
+    for (std::size_t k = 0; k < 3; ++k)
+      model.surface(t, static_cast<Eigen::Index>(k)) = shape.triangles[static_cast<std::size_t>(t)][k];
   }
   const Eigen::Matrix3d stiffness = 50 * aside.inverse();
   for (int i = 0; i < n; ++i) {
@@ -143,7 +146,7 @@ inline Model linear_model(const Skin& shape) {
     node.linear.stiffness = (stiffness + stiffness.transpose()) / 2;
     node.linear.unit_responses.resize(n, 9);
     for (int o = 0; o < n; ++o) {
-      const double d = (shape.points[static_cast<std::size_t>(i)] - shape.points[static_cast<std::size_t>(o)]).norm() / 0.02;
+      const double d = (model.output_points.row(i) - model.output_points.row(o)).norm() / 0.02;
       for (int e = 0; e < 9; ++e) node.linear.unit_responses(o, e) = e % 4 == 0 ? std::exp(-d * d) : 0;
     }
   }
@@ -155,7 +158,8 @@ inline Model bent_model(const Skin& shape) {
   Numbers numbers;
   Model model = linear_model(shape);
   model.family = Family::modal;
-  model.shared = {scaled_table(Eigen::MatrixXd(static_cast<Eigen::Index>(3 * model.output.size()), 0)), {0, 3, 5, 6}, 0.5};
+  const Eigen::MatrixXd none(static_cast<Eigen::Index>(3 * model.output.size()), 0);
+  model.shared = {scaled_table(none), {0, 3, 5, 6}, 0.5};
   double b[9], w[4];
   for (double& value : b) value = 0.01 * numbers.next();
   for (double& value : w) value = 0.0005 * numbers.next();
@@ -196,7 +200,8 @@ struct Touch {
   }
   std::vector<phn_contact_state> step(const std::vector<phn_contact_tool>& tools) {
     std::vector<phn_contact_state> states(tools.size());
-    status = phn_contact_step(contact, loaded.data, static_cast<int>(tools.size()), tools.data(), states.data(), &coupled);
+    const auto n = static_cast<std::int32_t>(tools.size());
+    status = phn_contact_step(contact, loaded.data, n, tools.data(), states.data(), &coupled);
     EXPECT_GE(status, 0);
     return states;
   }

@@ -51,8 +51,8 @@ std::vector<Vector3d> round_trip(Numbers& numbers) {
   return corners;
 }
 
-// Claim: pressed, slid and brought back the way it came, a frictionless tool has done no work: its force depends on where
-// it is. Against what was stored: 1e-3, the tolerance of sliding and the corner at the touch in steps of 0.05 mm.
+// Claim: pressed, slid and brought back the way it came, a frictionless tool has done no work: its force depends on
+// where it is. Against what was stored: 1e-3, the tolerance of sliding and the corner at the touch in steps of 0.05 mm.
 TEST(Energy, ThereAndBackWithoutFrictionIsNoWork) {
   Numbers numbers;
   for (const LoadedModel* loaded : {&linear_ball(), &bent_ball()}) {
@@ -75,8 +75,8 @@ TEST(Energy, PressAndReleaseReturnsWhatWasStored) {
   }
 }
 
-// Claim: with or without friction, a tool never gains: at no time on any closed path has it given more than it took, to 1e-3
-// of what was stored, whatever it slides over. With friction it loses.
+// Claim: with or without friction, a tool never gains: at no time on any closed path has it given more than it took, to
+// 1e-3 of what was stored, whatever it slides over. With friction it loses.
 TEST(Energy, NoToolGains) {
   Numbers numbers;
   for (const double mu : {0.0, 0.05, 0.2, 0.5, 1.0}) {
@@ -90,8 +90,8 @@ TEST(Energy, NoToolGains) {
   }
 }
 
-// Claim: that takes the guard: a frictionless tool without it gains where it enters where the surface is soft and leaves where it
-// is stiff. With friction of 0.5 the guard changes nothing.
+// Claim: that takes the guard: a frictionless tool without it gains where it enters where the surface is soft and
+// leaves where it is stiff. With friction of 0.5 the guard changes nothing.
 TEST(Energy, UnguardedToolsGainWithoutFriction) {
   Numbers numbers;
   double least = 0;
