@@ -213,8 +213,8 @@ struct Contact {
     check(phn_contact_step(contact, loaded.data, 1, &tool, &state, nullptr));
     return state;
   }
-  /// A tool of 4 mm on a circle of 1 cm over the middle of the body, in steps of 0.1 mm, `depth` below where it
-  /// touches.
+  /// A tool of 4 mm on a circle of 1 cm over the middle of the body, in steps of 0.1 mm, `depth` below where
+  /// it touches.
   std::vector<phn_contact_tool> circle(double depth, double friction) {
     const double* x = phn_output_points(loaded.model);
     double low[3], high[3];
@@ -229,7 +229,10 @@ struct Contact {
     for (int i = 0; i < 628; ++i) {
       phn_contact_tool tool = {{(low[0] + high[0]) / 2 + 0.01 * std::cos(0.01 * i),
                                 (low[1] + high[1]) / 2 + 0.01 * std::sin(0.01 * i), high[2] + 0.02},
-                               0.004, friction, PHN_TOOL_GRASP, 0};  // holds what it touches, whatever the force
+                               0.004,
+                               friction,
+                               PHN_TOOL_GRASP,
+                               0};  // holds what it touches, whatever the force
       check(phn_contact_reset(contact));
       step(tool);
       tool.center[2] = (low[2] + high[2]) / 2;
@@ -254,8 +257,8 @@ struct Contact {
   phn_contact* contact = nullptr;
 };
 
-/// Queries of the hierarchy beside the loop over all triangles. Of trained models, cycles of a tool beside one coupled
-/// force: with arbitrary coefficients tools would slide anywhere.
+/// Queries of the hierarchy beside the loop over all triangles. Of trained models, cycles of a tool beside
+/// one coupled force: with arbitrary coefficients tools would slide anywhere.
 void bench_contact(Table& table, Loaded& loaded, bool trained) {
   Contact contact(loaded);
   const auto path = contact.circle(0, 0);
@@ -264,7 +267,8 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
       phn_tool found;
       double point[3];
       const double* x = path[static_cast<std::size_t>(i) % path.size()].center;
-      check(plain ? phn_nearest(loaded.model, x, &found, point) : phn_contact_nearest(contact.contact, x, &found, point));
+      check(plain ? phn_nearest(loaded.model, x, &found, point)
+                  : phn_contact_nearest(contact.contact, x, &found, point));
       sink += point[0];
     });
   };
@@ -272,8 +276,10 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
   table.add("nearest_us", tree, "nearest point of the triangles, by the hierarchy [us]");
   table.add("nearest_us_plain", plain, "phn_nearest, the loop over all of them [us]");
   table.add("nearest_ratio_to_plain", plain / tree, "");
-  table.add("contact_us_free", contact.cycle_us(-0.001, 0, true), "a cycle of a tool 1 mm above the surface [us]");
-  table.add("contact_us_refit", median_us([&](int) { check(phn_contact_refit(contact.contact, loaded.field.data())); }),
+  table.add("contact_us_free", contact.cycle_us(-0.001, 0, true),
+            "a cycle of a tool 1 mm above the surface [us]");
+  table.add("contact_us_refit",
+            median_us([&](int) { check(phn_contact_refit(contact.contact, loaded.field.data())); }),
             "phn_contact_refit [us]");
   if (!trained) return;
   phn_tool held;
@@ -286,7 +292,8 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
             }),
             "phn_couple of one tool [us]");
   check(phn_contact_refit(contact.contact, nullptr));
-  table.add("contact_us_sticking", contact.cycle_us(0.005, 1e3, false), "a cycle that presses and sticks [us]");
+  table.add("contact_us_sticking", contact.cycle_us(0.005, 1e3, false),
+            "a cycle that presses and sticks [us]");
   table.add("contact_us_sliding", contact.cycle_us(0.005, 0.3, true), "that slides with friction [us]");
   table.add("contact_us_frictionless", contact.cycle_us(0.005, 0, true), "that slides without [us]");
 }

@@ -5,8 +5,8 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-// Claim: grasping moves nothing at first; then the held point of the surface goes where the tool goes, out and in and
-// sideways, pulled or pushed, until it is let go. Fields of modal models are floats: 1e-8 m.
+// Claim: grasping moves nothing at first; then the held point of the surface goes where the tool goes, out
+// and in and sideways, pulled or pushed, until it is let go. Fields of modal models are floats: 1e-8 m.
 TEST(Grasp, TheHeldPointFollowsTheTool) {
   for (const LoadedModel* loaded : {&linear_ball(), &bent_ball()}) {
     Touch touch(*loaded);

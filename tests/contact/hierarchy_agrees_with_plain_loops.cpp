@@ -18,7 +18,8 @@ std::array<Vector3d, 3> corners(const runtime::ContactSurface& s, int triangle, 
 }
 
 /// The first front that the way crosses, triangle by triangle, by solving for the crossing point; -1: none.
-double plain_sweep(const runtime::ContactSurface& s, double radius, const Vector3d& from, const Vector3d& to) {
+double plain_sweep(const runtime::ContactSurface& s, double radius, const Vector3d& from,
+                   const Vector3d& to) {
   double first = 2;
   for (int t = 0; t < s.n_triangles; ++t) {
     const auto [a, b, c] = corners(s, t, radius);
@@ -42,9 +43,9 @@ Skin tangle(int n_points, int n_triangles) {
 class Hierarchy : public testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Bodies, Hierarchy, testing::Range(0, 4));
 
-// Claim: 10^4 random sweeps and nearest points, at rest and displaced, for several radii, give what a loop over all
-// triangles gives: on a ball, one with fixed nodes, a plate and triangles at random. Rounding, 1e-12 of the way; a way
-// that grazes an edge may be told apart by it: one in a thousand.
+// Claim: 10^4 random sweeps and nearest points, at rest and displaced, for several radii, give what a loop
+// over all triangles gives: on a ball, one with fixed nodes, a plate and triangles at random. Rounding, 1e-12
+// of the way; a way that grazes an edge may be told apart by it: one in a thousand.
 TEST_P(Hierarchy, AgreesWithTheLoopOverAllTriangles) {
   const Skin skins[] = {ball(), held_ball(), plate(0.004), tangle(40, 70)};
   const Skin& shape = skins[GetParam()];
@@ -60,10 +61,13 @@ TEST_P(Hierarchy, AgreesWithTheLoopOverAllTriangles) {
       ASSERT_EQ(phn_contact_refit(touch.contact, field.data()), PHN_OK);
     }
     const double radius = i % 3 == 0 ? 0 : 0.003 * (1 + numbers.next());
-    const auto point = [&] { return Vector3d(0.08 * Vector3d(numbers.next(), numbers.next(), numbers.next())); };
+    const auto point = [&] {
+      return Vector3d(0.08 * Vector3d(numbers.next(), numbers.next(), numbers.next()));
+    };
     const Vector3d from = point(), to = i % 4 == 0 ? point() : Vector3d(from + 0.1 * point());
     runtime::SurfacePoint at = {};
-    const double part = runtime::sweep(surface, touch.contact->volumes, radius, from.data(), to.data(), 0, at),
+    const double part =
+                     runtime::sweep(surface, touch.contact->volumes, radius, from.data(), to.data(), 0, at),
                  plain = plain_sweep(surface, radius, from, to);
     n_hits += plain >= 0;
     if (std::abs(part - plain) > 1e-9) {
@@ -102,9 +106,9 @@ TEST(Hierarchy, FindsWhatPhnNearestFinds) {
   }
 }
 
-// Claim: on smooth and on right-angled bodies an offset surface is as far out as the radius says: a ball of 5 cm under
-// a tool of 1 cm begins at 6 cm but for the triangles, a plate's offset keeps its faces flat but for the series of the
-// angles.
+// Claim: on smooth and on right-angled bodies an offset surface is as far out as the radius says: a ball of 5
+// cm under a tool of 1 cm begins at 6 cm but for the triangles, a plate's offset keeps its faces flat but for
+// the series of the angles.
 TEST(Hierarchy, OffsetsAreTheRadius) {
   Touch touch(linear_ball());
   Numbers numbers;

@@ -20,10 +20,10 @@ INSTANTIATE_TEST_SUITE_P(Bodies, Pressing,
                            return (info.param.bent ? "bent" : "linear") + std::to_string(tenths);
                          });
 
-// Claim: wherever a tool wanders over a ball, a millimetre a tick and up to 5 mm deep, it is never pulled, its
-// tangential force is within the cone and without friction 0, both to rounding. What sliding leaves outside the cone in
-// its fixed number of steps is 1e-4 of the force but for one tick in a hundred, and the force is phn_couple's but for
-// that and for the scale.
+// Claim: wherever a tool wanders over a ball, a millimetre a tick and up to 5 mm deep, it is never pulled,
+// its tangential force is within the cone and without friction 0, both to rounding. What sliding leaves
+// outside the cone in its fixed number of steps is 1e-4 of the force but for one tick in a hundred, and the
+// force is phn_couple's but for that and for the scale.
 TEST_P(Pressing, NeverPullsAndStaysInTheCone) {
   const LoadedModel& loaded = GetParam().bent ? bent_ball() : linear_ball();
   Touch touch(loaded);
@@ -63,7 +63,9 @@ TEST_P(Pressing, NeverPullsAndStaysInTheCone) {
 // Claim: inside the cone the point sticks, to the bit; pushed beyond it goes on sticking where it came to.
 TEST(Pressing, SticksInsideTheCone) {
   Touch touch(bent_ball());
-  const auto pressed = [&](double x) { return touch.step(tool_at({x, 0.001, 0.051}, 0.004, PHN_TOOL_PRESS, 0.5)); };
+  const auto pressed = [&](double x) {
+    return touch.step(tool_at({x, 0.001, 0.051}, 0.004, PHN_TOOL_PRESS, 0.5));
+  };
   touch.step(tool_at({0, 0.001, 0.06}, 0.004, PHN_TOOL_PRESS, 0.5));
   const auto first = pressed(0), near = pressed(0.0003), far = pressed(0.004), back = pressed(0.0038);
   const auto same = [](const phn_tool& a, const phn_tool& b) {

@@ -5,7 +5,8 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-void expect_defined(const std::vector<phn_contact_state>& states, const std::vector<phn_contact_tool>& tools) {
+void expect_defined(const std::vector<phn_contact_state>& states,
+                    const std::vector<phn_contact_tool>& tools) {
   for (std::size_t t = 0; t < tools.size(); ++t) {
     const Vector3d f = vector(states[t].force), n = vector(states[t].normal);
     ASSERT_TRUE(f.allFinite() && n.allFinite());
@@ -18,8 +19,8 @@ void expect_defined(const std::vector<phn_contact_state>& states, const std::vec
   }
 }
 
-// Claim: the forces of several tools are those of phn_couple for the points that they hold, in one problem, and the
-// deformation goes with it: every held point is where its tool is. Residuals of substitution: 1e-8.
+// Claim: the forces of several tools are those of phn_couple for the points that they hold, in one problem,
+// and the deformation goes with it: every held point is where its tool is. Residuals of substitution: 1e-8.
 TEST(SeveralTools, AreOneProblem) {
   Touch touch(bent_ball());
   const auto at = [](double height) {
@@ -37,14 +38,16 @@ TEST(SeveralTools, AreOneProblem) {
   ASSERT_GE(phn_couple(touch.loaded.model, touch.loaded.data, 3, held.data(), forces.data(), nullptr), 0);
   for (std::size_t t = 0; t < 3; ++t) {
     EXPECT_EQ(states[t].in_contact, 1);
-    EXPECT_LT((forces.segment<3>(3 * static_cast<Eigen::Index>(t)) - vector(states[t].force) / states[t].scale).norm(),
-              states[t].unbalanced + 1e-12);
+    EXPECT_LT(
+        (forces.segment<3>(3 * static_cast<Eigen::Index>(t)) - vector(states[t].force) / states[t].scale)
+            .norm(),
+        states[t].unbalanced + 1e-12);
     EXPECT_LT(states[t].unbalanced, 1e-3 * vector(states[t].force).norm());
   }
 }
 
-// Claim: tools on one triangle, at one place, crossing each other, up to eight of them: every answer is defined, none
-// pulls. Two at one place push together as one does, the deeper one alone.
+// Claim: tools on one triangle, at one place, crossing each other, up to eight of them: every answer is
+// defined, none pulls. Two at one place push together as one does, the deeper one alone.
 TEST(SeveralTools, MayBeNearEachOther) {
   Touch touch(linear_ball(), 8);
   Numbers numbers;
@@ -73,9 +76,9 @@ TEST(SeveralTools, MayBeNearEachOther) {
   EXPECT_LT((vector(states[1].force) - vector(alone.force)).norm(), 1e-9);
 }
 
-// Claim: a tool meets the surface where another has put it. Pushed in, it is felt late, exactly where the other's field
-// says, with or without that field; bulged out, it is felt early, which takes the field. 1e-6 m: a tick; the normal
-// differs a little from where the surface goes.
+// Claim: a tool meets the surface where another has put it. Pushed in, it is felt late, exactly where the
+// other's field says, with or without that field; bulged out, it is felt early, which takes the field. 1e-6
+// m: a tick; the normal differs a little from where the surface goes.
 TEST(SeveralTools, MeetTheSurfaceThatOthersMoved) {
   const LoadedModel& loaded = linear_ball();
   for (const bool pulled : {false, true}) {
@@ -114,8 +117,8 @@ TEST(SeveralTools, MeetTheSurfaceThatOthersMoved) {
   }
 }
 
-// Claim: a surface that moves over a free tool catches it: what was pushed in comes back out against a tool that hovers
-// in the dent, however old the field is.
+// Claim: a surface that moves over a free tool catches it: what was pushed in comes back out against a tool
+// that hovers in the dent, however old the field is.
 TEST(SeveralTools, AreCaughtByASurfaceThatComesBack) {
   const LoadedModel& loaded = linear_ball();
   for (const bool refitted : {false, true}) {

@@ -19,9 +19,11 @@ Largest slide(const LoadedModel& loaded, double mu, double beside, int n_steps) 
     return Vector3d((0.054 - depth) * std::sin(turn), beside, (0.054 - depth) * std::cos(turn));
   };
   touch.step(tool_at(place(-0.1, -0.005), 0.004, PHN_TOOL_PRESS, mu));
-  for (int i = 0; i <= 20; ++i) last = touch.step(tool_at(place(-0.1, 0.003 * i / 20), 0.004, PHN_TOOL_PRESS, mu));
+  for (int i = 0; i <= 20; ++i)
+    last = touch.step(tool_at(place(-0.1, 0.003 * i / 20), 0.004, PHN_TOOL_PRESS, mu));
   for (int i = 1; i <= n_steps; ++i) {
-    const auto state = touch.step(tool_at(place(-0.1 + 1.05 * i / n_steps, 0.003), 0.004, PHN_TOOL_PRESS, mu));
+    const auto state =
+        touch.step(tool_at(place(-0.1 + 1.05 * i / n_steps, 0.003), 0.004, PHN_TOOL_PRESS, mu));
     EXPECT_EQ(state.in_contact, 1);
     most.force = std::max(most.force, (vector(state.force) - vector(last.force)).norm());
     most.proxy = std::max(most.proxy, (vector(state.proxy) - vector(last.proxy)).norm());
@@ -35,9 +37,9 @@ Largest slide(const LoadedModel& loaded, double mu, double beside, int n_steps) 
 }
 
 // Claim: while a tool slides over edges, along them and over nodes, force and proxy change by no more than in
-// proportion to the step: 1/10 of the step, 1/10 of the largest change (1/6, as the tolerance of sliding, 1e-4 of 0.2
-// N, adds its part), and none is beyond some stiffnesses times the step. The touched point follows the tool to the
-// accuracy of floats.
+// proportion to the step: 1/10 of the step, 1/10 of the largest change (1/6, as the tolerance of sliding,
+// 1e-4 of 0.2 N, adds its part), and none is beyond some stiffnesses times the step. The touched point
+// follows the tool to the accuracy of floats.
 TEST(Sliding, JumpsShrinkWithTheStep) {
   for (const double mu : {0.0, 0.3}) {
     for (const double beside : {0.0, 1e-7, 0.0021}) {
@@ -54,8 +56,8 @@ TEST(Sliding, JumpsShrinkWithTheStep) {
   }
 }
 
-// Claim: force is continuous where contact begins and ends: a touch a thousandth of a millimetre deep is felt by no
-// more than the stiffness says.
+// Claim: force is continuous where contact begins and ends: a touch a thousandth of a millimetre deep is felt
+// by no more than the stiffness says.
 TEST(Sliding, TouchesBeginAtZero) {
   Touch touch(bent_ball());
   Numbers numbers;

@@ -18,11 +18,14 @@ bool inside(const Vector3d& x) {
 
 class AnySpeed : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(MetresPerTick, AnySpeed, testing::Values(1e-4, 1e-3, 1e-2, 1e-1, 1.0),
-                         [](const auto& info) { return "um" + std::to_string(std::lround(1e6 * info.param)); });
+                         [](const auto& info) {
+                           return "um" + std::to_string(std::lround(1e6 * info.param));
+                         });
 
-// Claim: a tool that flies through a plate of 2 mm, in any direction and at any speed up to a metre in a tick, is
-// caught on the side it came from and pushed back there for as long as it is behind. Seldom through the rim. It sticks,
-// so that it cannot slip round the plate; directions are within 60 degrees of the normal, where sticking does not pull.
+// Claim: a tool that flies through a plate of 2 mm, in any direction and at any speed up to a metre in a
+// tick, is caught on the side it came from and pushed back there for as long as it is behind. Seldom through
+// the rim. It sticks, so that it cannot slip round the plate; directions are within 60 degrees of the normal,
+// where sticking does not pull.
 TEST_P(AnySpeed, FlightsEndAtThePlate) {
   Touch touch(thin_plate());
   Numbers numbers;
@@ -52,9 +55,9 @@ TEST_P(AnySpeed, FlightsEndAtThePlate) {
   }
 }
 
-// Claim: a frictionless tool on a random walk, in and out, over faces and rims, is felt whenever its centre is inside
-// the plate, and its proxy never is. Beyond 10 m/s it may jump round half of the plate in a tick, which takes the proxy
-// up to ten ticks to follow.
+// Claim: a frictionless tool on a random walk, in and out, over faces and rims, is felt whenever its centre
+// is inside the plate, and its proxy never is. Beyond 10 m/s it may jump round half of the plate in a tick,
+// which takes the proxy up to ten ticks to follow.
 TEST_P(AnySpeed, InsideIsAlwaysFelt) {
   Touch touch(thin_plate());
   Numbers numbers;
@@ -81,8 +84,8 @@ TEST_P(AnySpeed, InsideIsAlwaysFelt) {
   EXPECT_GT(n_free, 200);
 }
 
-// Claim: a tool switched on inside the body is not thrown out: it leaves unfelt, and is felt when it comes again. So is
-// one whose radius grows over the surface beside it.
+// Claim: a tool switched on inside the body is not thrown out: it leaves unfelt, and is felt when it comes
+// again. So is one whose radius grows over the surface beside it.
 TEST(Tunnelling, WhereAToolBeginsIsItsOwnAffair) {
   Touch touch(linear_ball());
   EXPECT_EQ(touch.step(tool_at({0, 0, 0.03}, 0.002)).in_contact, 0);

@@ -1,5 +1,6 @@
-// Bodies to touch: a ball and a thin plate with the compliance C_ij = k(|x_i - x_j|) S, k a Gaussian and S a matrix
-// that turns pushes a little aside; linear, or with a little curvature as modal models. And a hand that moves one tool.
+// Bodies to touch: a ball and a thin plate with the compliance C_ij = k(|x_i - x_j|) S, k a Gaussian and S a
+// matrix that turns pushes a little aside; linear, or with a little curvature as modal models. And a hand
+// that moves one tool.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,15 +25,16 @@ struct Skin {
   int n_fixed = 0;  ///< the last points
 
   int midpoint(std::map<std::pair<int, int>, int>& known, int a, int b) {
-    const auto [at, is_new] = known.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<int>(points.size()));
+    const auto [at, is_new] =
+        known.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<int>(points.size()));
     const Vector3d sum = points[static_cast<std::size_t>(a)] + points[static_cast<std::size_t>(b)];
     if (is_new) points.push_back(sum.normalized());
     return at->second;
   }
 };
 
-/// Radius 5 cm: an octahedron divided three times, 258 vertices, 512 triangles. Its vertices lie on three great
-/// circles.
+/// Radius 5 cm: an octahedron divided three times, 258 vertices, 512 triangles. Its vertices lie on three
+/// great circles.
 inline Skin ball() {
   Skin s;
   for (int k = 0; k < 3; ++k) {
@@ -153,7 +155,8 @@ inline Model linear_model(const Skin& shape) {
   return model;
 }
 
-/// The same, stiffening and softening by some per cent, as kernels do; fields of modes that are the unit responses.
+/// The same, stiffening and softening by some per cent, as kernels do; fields of modes that are the unit
+/// responses.
 inline Model bent_model(const Skin& shape) {
   Numbers numbers;
   Model model = linear_model(shape);
@@ -168,7 +171,8 @@ inline Model bent_model(const Skin& shape) {
     node.conservative.stiffness = node.linear.stiffness;
     node.conservative.centers = {1, 4, 7};
     node.conservative.coefficients.resize(3, 3);
-    for (Eigen::Index i = 0; i < 9; ++i) node.conservative.coefficients(i / 3, i % 3) = static_cast<float>(b[i]);
+    for (Eigen::Index i = 0; i < 9; ++i)
+      node.conservative.coefficients(i / 3, i % 3) = static_cast<float>(b[i]);
     Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(7, 3);
     for (Eigen::Index r = 0; r < 4; ++r) weights.row(r).setConstant(w[r]);
     weights.bottomRows<3>() = model.max_displacement_m * Eigen::Matrix3d::Identity();
@@ -223,8 +227,8 @@ struct Touch {
   int status = 0;
 };
 
-inline phn_contact_tool tool_at(const Vector3d& x, double radius, int mode = PHN_TOOL_PRESS, double friction = 0,
-                                int unguarded = 0) {
+inline phn_contact_tool tool_at(const Vector3d& x, double radius, int mode = PHN_TOOL_PRESS,
+                                double friction = 0, int unguarded = 0) {
   return {{x[0], x[1], x[2]}, radius, friction, mode, unguarded};
 }
 inline Vector3d vector(const double* x) { return {x[0], x[1], x[2]}; }

@@ -9,8 +9,10 @@ struct Path {
   double work = 0, least = 0, stored = 0;
 };
 
-/// Work of the tool along straight legs between corners, from outside to outside: mean force times way, step by step.
-Path follow(const LoadedModel& loaded, const std::vector<Vector3d>& corners, double mu, int unguarded, double step) {
+/// Work of the tool along straight legs between corners, from outside to outside: mean force times way, step
+/// by step.
+Path follow(const LoadedModel& loaded, const std::vector<Vector3d>& corners, double mu, int unguarded,
+            double step) {
   Touch touch(loaded);
   Path path;
   Vector3d c = corners.front(), f(0, 0, 0);
@@ -51,8 +53,9 @@ std::vector<Vector3d> round_trip(Numbers& numbers) {
   return corners;
 }
 
-// Claim: pressed, slid and brought back the way it came, a frictionless tool has done no work: its force depends on
-// where it is. Against what was stored: 1e-3, the tolerance of sliding and the corner at the touch in steps of 0.05 mm.
+// Claim: pressed, slid and brought back the way it came, a frictionless tool has done no work: its force
+// depends on where it is. Against what was stored: 1e-3, the tolerance of sliding and the corner at the touch
+// in steps of 0.05 mm.
 TEST(Energy, ThereAndBackWithoutFrictionIsNoWork) {
   Numbers numbers;
   for (const LoadedModel* loaded : {&linear_ball(), &bent_ball()}) {
@@ -64,7 +67,8 @@ TEST(Energy, ThereAndBackWithoutFrictionIsNoWork) {
   }
 }
 
-// Claim: a tool that sticks stores in the body what it does, and gets it back: to what the trapezoidal rule leaves.
+// Claim: a tool that sticks stores in the body what it does, and gets it back: to what the trapezoidal rule
+// leaves.
 TEST(Energy, PressAndReleaseReturnsWhatWasStored) {
   Numbers numbers;
   Touch touch(bent_ball());
@@ -75,8 +79,8 @@ TEST(Energy, PressAndReleaseReturnsWhatWasStored) {
   }
 }
 
-// Claim: with or without friction, a tool never gains: at no time on any closed path has it given more than it took, to
-// 1e-3 of what was stored, whatever it slides over. With friction it loses.
+// Claim: with or without friction, a tool never gains: at no time on any closed path has it given more than
+// it took, to 1e-3 of what was stored, whatever it slides over. With friction it loses.
 TEST(Energy, NoToolGains) {
   Numbers numbers;
   for (const double mu : {0.0, 0.05, 0.2, 0.5, 1.0}) {
@@ -90,8 +94,8 @@ TEST(Energy, NoToolGains) {
   }
 }
 
-// Claim: that takes the guard: a frictionless tool without it gains where it enters where the surface is soft and
-// leaves where it is stiff. With friction of 0.5 the guard changes nothing.
+// Claim: that takes the guard: a frictionless tool without it gains where it enters where the surface is soft
+// and leaves where it is stiff. With friction of 0.5 the guard changes nothing.
 TEST(Energy, UnguardedToolsGainWithoutFriction) {
   Numbers numbers;
   double least = 0;
@@ -99,7 +103,8 @@ TEST(Energy, UnguardedToolsGainWithoutFriction) {
     const auto corners = round_trip(numbers);
     const Path path = follow(bent_ball(), corners, 0, 1, 1e-4);
     least = std::min(least, path.least / path.stored);
-    EXPECT_EQ(follow(bent_ball(), corners, 0.5, 1, 1e-4).work, follow(bent_ball(), corners, 0.5, 0, 1e-4).work);
+    EXPECT_EQ(follow(bent_ball(), corners, 0.5, 1, 1e-4).work,
+              follow(bent_ball(), corners, 0.5, 0, 1e-4).work);
   }
   EXPECT_LT(least, -1e-2);
 }
