@@ -1,7 +1,9 @@
 // Times of the runtime on one core beside plain loops, at the sizes of the paper's liver.
 // Usage: phynness_runtime_bench [--json FILE] [--model MODEL_DIR]
-#include <phynness/phynness.h>
+#include <phynness/contact.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -177,6 +179,103 @@ void bench_modes(Table& table, Loaded& loaded) {
   table.add("frames_per_s_38018_modal", frames_per_s(loaded, loaded.node(7)), "deformation and subdivision");
 }
 
+struct Contact {
+  explicit Contact(Loaded& l) : loaded(l) {
+    std::size_t bytes = 0;
+    check(phn_contact_size(loaded.model, 1, &bytes));
+    memory.resize(bytes);
+    check(phn_contact_init(memory.data(), bytes, loaded.model, 1, &contact));
+  }
+  phn_contact_state step(const phn_contact_tool& tool) {
+    phn_contact_state state;
+    check(phn_contact_step(contact, loaded.data, 1, &tool, &state, nullptr));
+    return state;
+  }
+  /// A tool of 4 mm on a circle of 1 cm over the middle of the body, in steps of 0.1 mm, `depth` below where
+  /// it touches.
+  std::vector<phn_contact_tool> circle(double depth, double friction) {
+    const double* x = phn_output_points(loaded.model);
+    double low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+      low[k] = high[k] = x[k];
+      for (int o = 0; o < phn_n_output(loaded.model); ++o) {
+        low[k] = std::min(low[k], x[3 * o + k]);
+        high[k] = std::max(high[k], x[3 * o + k]);
+      }
+    }
+    std::vector<phn_contact_tool> path;
+    for (int i = 0; i < 628; ++i) {
+      phn_contact_tool tool = {{(low[0] + high[0]) / 2 + 0.01 * std::cos(0.01 * i),
+                                (low[1] + high[1]) / 2 + 0.01 * std::sin(0.01 * i), high[2] + 0.02},
+                               0.004,
+                               friction,
+                               PHN_TOOL_GRASP,
+                               0};  // holds what it touches, whatever the force
+      check(phn_contact_reset(contact));
+      step(tool);
+      tool.center[2] = (low[2] + high[2]) / 2;
+      tool.center[2] = step(tool).proxy[2] - depth;
+      tool.mode = PHN_TOOL_PRESS;
+      path.push_back(tool);
+    }
+    return path;
+  }
+  double cycle_us(double depth, double friction, bool moves) {
+    const std::vector<phn_contact_tool> path = circle(depth, friction);
+    phn_contact_tool above = path[0];
+    above.center[2] += depth + 0.001;
+    check(phn_contact_reset(contact));
+    step(above);
+    std::size_t next = 0;
+    return median_us([&](int) { sink += step(path[moves ? ++next % path.size() : 0]).force[0]; });
+  }
+
+  Loaded& loaded;
+  std::vector<char> memory;
+  phn_contact* contact = nullptr;
+};
+
+/// Queries of the hierarchy beside the loop over all triangles. Of trained models, cycles of a tool beside
+/// one coupled force: with arbitrary coefficients tools would slide anywhere.
+void bench_contact(Table& table, Loaded& loaded, bool trained) {
+  Contact contact(loaded);
+  const auto path = contact.circle(0, 0);
+  const auto nearest_us = [&](bool plain) {
+    return median_us([&](int i) {
+      phn_tool found;
+      double point[3];
+      const double* x = path[static_cast<std::size_t>(i) % path.size()].center;
+      check(plain ? phn_nearest(loaded.model, x, &found, point)
+                  : phn_contact_nearest(contact.contact, x, &found, point));
+      sink += point[0];
+    });
+  };
+  const double plain = nearest_us(true), tree = nearest_us(false);
+  table.add("nearest_us", tree, "nearest point of the triangles, by the hierarchy [us]");
+  table.add("nearest_us_plain", plain, "phn_nearest, the loop over all of them [us]");
+  table.add("nearest_ratio_to_plain", plain / tree, "");
+  table.add("contact_us_free", contact.cycle_us(-0.001, 0, true),
+            "a cycle of a tool 1 mm above the surface [us]");
+  table.add("contact_us_refit",
+            median_us([&](int) { check(phn_contact_refit(contact.contact, loaded.field.data())); }),
+            "phn_contact_refit [us]");
+  if (!trained) return;
+  phn_tool held;
+  check(phn_nearest(loaded.model, path[0].center, &held, nullptr));
+  held.displacement[2] = -0.005;
+  table.add("couple_us", median_us([&](int) {
+              double force[3];
+              check(phn_couple(loaded.model, loaded.data, 1, &held, force, nullptr));
+              sink += force[0];
+            }),
+            "phn_couple of one tool [us]");
+  check(phn_contact_refit(contact.contact, nullptr));
+  table.add("contact_us_sticking", contact.cycle_us(0.005, 1e3, false),
+            "a cycle that presses and sticks [us]");
+  table.add("contact_us_sliding", contact.cycle_us(0.005, 0.3, true), "that slides with friction [us]");
+  table.add("contact_us_frictionless", contact.cycle_us(0.005, 0, true), "that slides without [us]");
+}
+
 int run(int argc, char** argv) {
   std::string json, model_dir;
   for (int i = 1; i + 1 < argc; i += 2) {
@@ -198,6 +297,7 @@ int run(int argc, char** argv) {
     Loaded loaded(write_model_text(bench::modal_model(78, 64, 16, 78, 30, bench::n_output)));
     if (phn_surface_n_vertices(loaded.surface) != 38018) throw std::runtime_error("not 38018 vertices");
     bench_modes(table, loaded);
+    bench_contact(table, loaded, false);
   }
   if (!model_dir.empty()) {
     Loaded loaded(read_model_dir(model_dir).model_text);
@@ -205,6 +305,7 @@ int run(int argc, char** argv) {
                 phn_n_output(loaded.model), phn_surface_n_vertices(loaded.surface));
     Table other;
     bench_modes(other, loaded);
+    bench_contact(other, loaded, true);
   }
   volatile double keep = sink;  // the calls have results that somebody reads
   static_cast<void>(keep);

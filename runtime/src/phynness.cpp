@@ -78,7 +78,7 @@ const char* phn_status_message(int status) {
     case PHN_ERROR_NOT_ACTIVE:
       return "the node is not an active node of this model";
     case PHN_ERROR_NOT_FINITE:
-      return "a displacement is NaN or infinite";
+      return "a displacement, place or size is NaN or infinite";
     case PHN_ERROR_BUFFER:
       return "memory is smaller than the size function asked for";
     case PHN_ERROR_TOOLS:

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <phynness/contact.h>
 
 #include <cstdlib>
 #include <new>
@@ -46,7 +47,8 @@ TEST_P(Memory, NothingIsAllocated) {
   const std::int32_t tools[] = {3, 5, 8};
   const double d[] = {0.001, 0.002, 0.003, -0.001, 0, 0, 0.02, 0, 0};
   double out[36], depth = 0, energy = 0, stiffness[9];
-  std::vector<char> surface_memory(1 << 20);
+  std::vector<char> surface_memory(1 << 20), contact_memory(1 << 20);
+  phn_tool several[2];
   std::vector<float> scratch(10000), fine(10000);
   const phn_surface* surface = nullptr;
   const int derivatives = GetParam() == Family::rbfn ? PHN_ERROR_UNDEFINED : PHN_OK;
@@ -71,11 +73,23 @@ TEST_P(Memory, NothingIsAllocated) {
   worst = std::min(worst, phn_surface_size(model, 3, &bytes));
   worst = std::min(worst, phn_surface_init(surface_memory.data(), bytes, model, 3, &surface));
   worst = std::min(worst, phn_surface_deform(surface, scratch.data(), out, fine.data()));
+  phn_contact* contact = nullptr;
+  const phn_contact_tool touching[] = {{{0.01, 0, 0}, 0.1, 0.3, PHN_TOOL_PRESS, 1},
+                                       {{0, 0.01, 0}, 0.1, 0, PHN_TOOL_GRASP, 0}};
+  phn_contact_state states[2];
+  worst = std::min(worst, phn_contact_size(model, 2, &bytes));
+  worst = std::min(worst, phn_contact_init(contact_memory.data(), bytes, model, 2, &contact));
+  worst = std::min(worst, phn_contact_step(contact, data, 2, touching, states, nullptr));
+  worst = std::min(worst, phn_contact_refit(contact, out));
+  worst = std::min(worst, phn_contact_step(contact, data, 2, touching, states, nullptr));
+  worst = std::min(worst, phn_contact_nearest(contact, x, &nearest, nullptr));
+  const std::int32_t n_touching = phn_contact_held(contact, several);
   const int energy_status = phn_energy(model, data, 3, d, &energy);
   const int stiffness_status = phn_stiffness(model, data, 3, d, stiffness);
   const long after = n_allocations;
 
   EXPECT_EQ(worst, 0);
+  EXPECT_GE(n_touching, 1);
   EXPECT_LE(phn_surface_scratch(surface), scratch.size());
   EXPECT_LE(3 * phn_surface_n_vertices(surface), static_cast<std::int32_t>(fine.size()));
   EXPECT_EQ(energy_status, derivatives);

@@ -31,7 +31,7 @@ enum {
   PHN_WARNING_UNSETTLED = 4,    /* coupled tools: iteration did not settle, as beside a snap; forces are a guess */
   PHN_ERROR_ARGUMENT = -1,      /* null pointer, negative number, data of another model */
   PHN_ERROR_NOT_ACTIVE = -2,    /* the node cannot be touched in this model */
-  PHN_ERROR_NOT_FINITE = -3,    /* a displacement is NaN or infinite */
+  PHN_ERROR_NOT_FINITE = -3,    /* a displacement, place or size is NaN or infinite */
   PHN_ERROR_BUFFER = -4,        /* memory smaller than the _size function asked for */
   PHN_ERROR_TOOLS = -5,         /* more tools than phn_data was made for */
   PHN_ERROR_SAME_NODE = -6,     /* two tools at one node */
