@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/text_file.hpp>
 #include <phynness/validation/loaded_model.hpp>
 #include <random>
 
@@ -248,7 +248,7 @@ int run(int argc, char** argv) {
     measure("at_points", "quadrilaterals at points between nodes", [&] { return paths.at_point(); });
     measure("sliding", "sliding around a node over its edges", [&] { return paths.sliding(steps); });
   }
-  if (!json_file.empty()) std::ofstream(json_file) << out.dump(2) << "\n";
+  if (!json_file.empty()) phynness::write_text_file(json_file, out.dump(2) + "\n");
   return 0;
 }
 
