@@ -183,10 +183,12 @@ TEST(DefectsOfText, OfModalModelsAreTold) {
   EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(center, 1, "8")))), PHN_ERROR_RANGE);
 }
 
-// Claim: coordinates beyond 1e30 m are refused wherever they stand; with those at the bound, whatever their signs, and a
-// place from anywhere, everything stays finite. Found by fuzzing: two tools at +-1.8e308 m, a triangle of 1e200 m.
+// Claim: coordinates beyond 1e30 m are refused wherever they stand; with those at the bound, whatever their
+// signs, and a place from anywhere, everything stays finite. Found by fuzzing: two tools at +-1.8e308 m, a
+// triangle of 1e200 m.
 TEST(DefectsOfText, CoordinatesAreBounded) {
-  const auto limit = std::string("1.93e5939a08ceap+99"), beyond = std::string("1.93e5939a08cebp+99");  // about 1e30
+  const auto limit = std::string("1.93e5939a08ceap+99"),
+             beyond = std::string("1.93e5939a08cebp+99");  // about 1e30
   for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
     const std::string text = write_model_text(small_model_of(family));
     EXPECT_EQ(size_status(first_number(text, "point", limit)), PHN_OK);
