@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/text_file.hpp>
 #include <phynness/validation/loaded_model.hpp>
 #include <random>
 
@@ -312,7 +312,7 @@ int run(int argc, char** argv) {
     measure("sliding", "sliding around a node over its edges", [&] { return paths.sliding(steps); });
     if (slides > 0) out["slides"] = report_slides(paths, slides);
   }
-  if (!json_file.empty()) std::ofstream(json_file) << out.dump(2) << "\n";
+  if (!json_file.empty()) phynness::write_text_file(json_file, out.dump(2) + "\n");
   return 0;
 }
 

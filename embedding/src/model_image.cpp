@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <phynness/embedding/embedding.hpp>
 #include <phynness/formats/error.hpp>
@@ -11,8 +12,6 @@
 namespace phynness {
 namespace {
 
-/// With displacements cut at 1e6 R, no sum of numbers below these leaves the range of a float.
-constexpr double largest_float_value = 1e12, largest_float_displacement = 1e6;
 constexpr std::size_t largest_index = 65535;
 
 struct Functions {
@@ -50,9 +49,10 @@ class ImageWriter {
     _header.real_bytes = sizeof(Real);
     _header.family = family();
     const double R = _model.max_displacement_m;
-    if (_options.floats && !(R >= 1 / largest_float_displacement && R <= largest_float_displacement))
-      throw too_large("the largest displacement [m]", R);
-    _header.max_displacement = real(R);
+    constexpr Real largest = image::Bounds<Real>::max_displacement;
+    const auto rounded = static_cast<Real>(R);
+    if (!(rounded >= 1 / largest && rounded <= largest)) throw too_large("the largest displacement [m]", R);
+    _header.max_displacement = rounded;
     if (_model.family == Family::modal) _header.amplitude_shape = real(_model.shared.shape);
     std::vector<std::int32_t> active;
     std::vector<Real> points;
@@ -71,7 +71,12 @@ class ImageWriter {
       for (const double component : e) directions.push_back(real(component));
     _header.directions = put(directions);
     const double unit = _model.family == Family::modal ? R : 1;
-    _displacements = reals(_model.displacements, [&](double value) { return value / unit; });
+    _displacements = reals(_model.displacements, [&](double value) {
+      const bool modal = _model.family == Family::modal;
+      if (modal && !(std::fabs(value / unit) <= image::largest_displacement))
+        throw too_large("a displacement over the largest one", value / unit);
+      return value / unit;
+    });
     _header.displacements = put(_displacements);
     if (deforms && _model.family == Family::modal) put_shared();
 
@@ -97,8 +102,11 @@ class ImageWriter {
   }
 
   Error too_large(const std::string& what, double value) const {
-    return input_error("the model cannot be held by floats: " + what + " is out of their range",
-                       std::to_string(value), "export it without --float");
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", value);
+    return input_error("the model does not fit an image of " + std::string(_options.floats ? "floats" : "doubles") +
+                           ": " + what + " is out of range",
+                       text, _options.floats ? "export it without --float" : "train it in metres and newtons");
   }
 
   void check_sizes() const {
@@ -112,8 +120,7 @@ class ImageWriter {
   }
 
   Real real(double value) const {
-    if (_options.floats && !(std::fabs(value) <= largest_float_value))
-      throw too_large("a coefficient", value);
+    if (!(std::fabs(value) <= image::Bounds<Real>::value)) throw too_large("a coefficient", value);
     return static_cast<Real>(value);
   }
   template <class Matrix, class Change>
@@ -143,6 +150,7 @@ class ImageWriter {
     return static_cast<std::uint32_t>(at);
   }
   image::Table put_indices(const std::vector<std::int32_t>& values) {
+    if (values.size() > image::largest_count) throw too_large("a number of neurons", static_cast<double>(values.size()));
     return put(std::vector<std::uint16_t>(values.begin(), values.end()));
   }
   image::ScaledTable put_scaled(const ScaledTable& table) {

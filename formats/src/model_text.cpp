@@ -73,12 +73,20 @@ std::string_view checked_body(std::string_view text, const std::string& source) 
   return text.substr(0, end);
 }
 
+template <class Point>
+void read_point(ModelLexer& lexer, std::string_view what, Point&& point) {
+  lexer.reals(what, point);
+  for (int k = 0; k < 3; ++k) {
+    if (!(std::abs(point[k]) <= largest_coordinate)) lexer.refuse(std::string(what) + " is beyond 1e30 m", "");
+  }
+}
+
 void read_active_node(ModelLexer& lexer, const Model& model, ActiveNodeModel& node, std::int32_t& previous) {
   lexer.keyword("node");
   node.node = read_node(lexer, model, previous);
   lexer.end_line();
   lexer.keyword("point");
-  lexer.reals("point", node.point);
+  read_point(lexer, "point", node.point);
   lexer.end_line();
   const std::int32_t n_prescribed = lexer.count_line("prescribed", 1);
   std::int32_t previous_prescribed = -1;
@@ -110,6 +118,8 @@ std::string write_model_text(const Model& model) {
                    "output_points does not fit output");
   require_writable(model.fixed_points.rows() == static_cast<Eigen::Index>(model.fixed.size()),
                    "fixed_points does not fit fixed");
+  const auto far = [](const auto& points) { return (points.array().abs() > largest_coordinate).any(); };
+  require_writable(!far(model.output_points) && !far(model.fixed_points), "a coordinate is beyond 1e30 m");
   require_writable(!model.directions.empty() && model.displacements.rows() > 0 &&
                        model.displacements.rows() % static_cast<Eigen::Index>(model.directions.size()) == 0,
                    "displacements are not directions x increments");
@@ -151,6 +161,7 @@ std::string write_model_text(const Model& model) {
     require_writable(node.trained_depth_m.size() == model.directions.size(),
                      "trained_depth_m does not fit directions");
     w.word("node").integer(node.node).end();
+    require_writable(!far(Eigen::Map<const Eigen::Vector3d>(node.point.data())), "a point is beyond 1e30 m");
     w.word("point").reals(node.point).end();
     w.word("prescribed").integer(static_cast<std::int64_t>(node.prescribed.size())).end();
     for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
@@ -209,7 +220,7 @@ Model read_model_text(const std::string& text, const std::string& source_name) {
   model.fixed_points.resize(static_cast<Eigen::Index>(model.fixed.size()), 3);
   for (std::size_t i = 0; i < model.fixed.size(); ++i) {
     model.fixed[i] = read_node(lexer, model, previous);
-    lexer.reals("coordinate", model.fixed_points.row(static_cast<Eigen::Index>(i)));
+    read_point(lexer, "coordinate", model.fixed_points.row(static_cast<Eigen::Index>(i)));
     lexer.end_line();
   }
   model.output.resize(lexer.count_line("output"));
@@ -217,7 +228,7 @@ Model read_model_text(const std::string& text, const std::string& source_name) {
   previous = -1;
   for (std::size_t i = 0; i < model.output.size(); ++i) {
     model.output[i] = read_node(lexer, model, previous);
-    lexer.reals("coordinate", model.output_points.row(static_cast<Eigen::Index>(i)));
+    read_point(lexer, "coordinate", model.output_points.row(static_cast<Eigen::Index>(i)));
     lexer.end_line();
   }
   model.surface.resize(lexer.count_line("surface"), 3);

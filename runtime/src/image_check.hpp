@@ -1,4 +1,5 @@
-// What phn_image_open looks at: identity, bytes, and that every table lies inside and every index in its table.
+// What phn_image_open looks at: identity, bytes, that every table lies inside, every index in its table, and every number
+// in bounds that keep sums finite.
 #pragma once
 
 #include "image.hpp"
@@ -42,31 +43,59 @@ class ImageCheck {
     const auto* node = at<int32_t>(_image, found);
     for (uint32_t i = 1; i < found.n; ++i) require(node[i] > node[i - 1]);
   }
+  /// |value| <= bound, which NaN is not. Sizes are compared as integers, of doubles the upper halves: cheap without an FPU.
+  void within(const Real* value, uint32_t n, double bound) {
+    constexpr uint32_t n_words = sizeof(Real) / sizeof(uint32_t);
+    const auto size = [](const Real* at) {
+      uint32_t word[n_words];
+      __builtin_memcpy(word, at, sizeof word);
+      return word[n_words - 1] & 0x7fffffff;
+    };
+    const Real most = static_cast<Real>(bound);
+    const uint32_t largest = size(&most);
+    for (uint32_t i = 0; i < n; ++i) require(size(value + i) <= largest);
+  }
+  /// A table of n x per numbers.
+  void reals(image::Table found, uint32_t n, uint32_t per = 1, double bound = image::Bounds<Real>::value) {
+    table<Real>(found, n, per);
+    if (_good) within(at<Real>(_image, found), found.n, bound);
+  }
+  void shape(Real value) {
+    require(value >= static_cast<Real>(1 / image::largest_shape) && value <= static_cast<Real>(image::largest_shape));
+  }
   void scaled(const image::ScaledTable& found, uint32_t n_rows, uint32_t n_columns) {
-    table<Real>(found.scale, n_columns);
+    require(n_columns <= image::largest_mode_count);
+    reals(found.scale, n_columns, 1, image::largest_scale);
     require(n_columns == 0 || n_rows <= image::largest_table / n_columns);
     table<int16_t>(found.entry, n_rows * n_columns);
   }
 
   void header() {
     ascending(_image.active_nodes);
-    table<Real>(_image.active_points, _image.active_nodes.n, 3);
+    reals(_image.active_points, _image.active_nodes.n, 3);
     table<image::ActiveNode<Real>>(_image.active, _image.active_nodes.n);
     ascending(_image.output_nodes);
-    table<Real>(_image.output_points, _image.output_nodes.n, 3);
-    require(_image.directions.n % 3 == 0 && inside<Real>(_image.directions.at, _image.directions.n));
-    require(_image.displacements.n % 3 == 0 && inside<Real>(_image.displacements.at, _image.displacements.n));
+    reals(_image.output_points, _image.output_nodes.n, 3);
+    reals(_image.directions, _image.directions.n / 3, 3);
     _n_displacements = _image.displacements.n / 3;
+    const bool modal = _image.family == image::Family::modal;
+    reals(_image.displacements, _n_displacements, 3, modal ? image::largest_displacement : image::Bounds<Real>::value);
     indices(_image.amplitude_center, _n_displacements);
-    table<Real>(_image.amplitude_at_rest, _image.amplitude_center.n);
+    require(_image.amplitude_center.n <= image::largest_count);
+    reals(_image.amplitude_at_rest, _image.amplitude_center.n, 1, image::largest_at_rest);
     scaled(_image.modes, 3 * _image.output_nodes.n, _image.modes.scale.n);
-    require(_image.max_displacement > 0);
+    constexpr Real largest = image::Bounds<Real>::max_displacement;
+    require(_image.max_displacement >= 1 / largest && _image.max_displacement <= largest);
+    if (modal) shape(_image.amplitude_shape);
   }
 
   template <int n_inputs>
   void network(const image::Network<Real, n_inputs>& net, uint32_t n_outputs) {
     indices(net.displacement, _n_displacements);
-    table<Real>(net.weight, net.displacement.n, 3);
+    require(net.displacement.n <= image::largest_count);
+    reals(net.weight, net.displacement.n, 3);
+    within(net.factor, n_inputs, image::Bounds<Real>::value);
+    within(net.constant, 3, image::Bounds<Real>::value);
     if (n_inputs == 3) return;
     indices(net.output, n_outputs);
     require(net.output.n == net.displacement.n && net.displacement.n <= _image.n_scratch);
@@ -77,11 +106,19 @@ class ImageCheck {
     network(rbfn.deformation, _image.output_nodes.n);
   }
   void response(const image::LinearResponse<Real>& linear) {
-    table<Real>(linear.unit_responses, _image.output_nodes.n, 9);
+    within(linear.stiffness, 6, image::Bounds<Real>::value);
+    reals(linear.unit_responses, _image.output_nodes.n, 9);
   }
   void response(const image::ModalResponse<Real>& modal) {
     indices(modal.center, _n_displacements);
-    table<Real>(modal.coefficient, modal.center.n, 3);
+    require(modal.center.n <= image::largest_count);
+    reals(modal.coefficient, modal.center.n, 3);
+    shape(modal.shape);
+    constexpr double value = image::Bounds<Real>::value;
+    within(modal.stiffness, 6, value);
+    within(modal.total, 3, image::largest_total * value);
+    within(modal.force_at_rest, 3, image::largest_force_at_rest * value);
+    within(&modal.energy_at_rest, 1, image::largest_energy_at_rest * value);
     const uint32_t m = modal.weights.scale.n, n_centers = _image.amplitude_center.n, n_shared = _image.modes.scale.n;
     scaled(modal.weights, n_centers + 3, m);
     scaled(modal.mixing, n_shared, m);
@@ -97,8 +134,8 @@ class ImageCheck {
 
   void active(const image::ActiveNode<Real>& node) {
     indices(node.prescribed, _image.output_nodes.n);
-    table<Real>(node.prescribed_weight, node.prescribed.n);
-    table<Real>(node.trained_depth, _image.directions.n / 3);
+    reals(node.prescribed_weight, node.prescribed.n);
+    reals(node.trained_depth, _image.directions.n / 3);
     if (_image.family == image::Family::rbfn) {
       response_at<image::RbfnResponse<Real>>(node.response);
     } else if (_image.family == image::Family::linear) {

@@ -225,7 +225,9 @@ void responses(TextReader& in, Arena& arena, const Tables& tables, phn_model& mo
 
 void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& model, const Levels& levels,
                  std::int32_t at, std::int32_t number, Depths& depths, ActiveNode& node) {
-  real_line(in, "point", node.point, 3, false);
+  in.keyword("point");
+  for (double& x : node.point) x = coordinate(in);
+  in.end_line();
   node.output = model.output_nodes ? find_sorted(model.output_nodes, model.n_output, number) : -1;
   prescribed(in, arena, model.n_nodes, model, node);
   in.keyword("incomplete");
@@ -249,7 +251,7 @@ std::int32_t nodes_and_points(TextReader& in, Arena& arena, const char* keyword,
   std::int32_t previous = -1;
   for (std::int32_t i = 0; i < n && in.good(); ++i) {
     numbers.set(i, ascending_node(in, n_nodes, previous));
-    for (int k = 0; k < 3; ++k) coordinates.set(3 * static_cast<std::size_t>(i) + k, in.real());
+    for (int k = 0; k < 3; ++k) coordinates.set(3 * static_cast<std::size_t>(i) + k, coordinate(in));
     in.end_line();
   }
   nodes = numbers.get();

@@ -61,6 +61,12 @@ inline double linear_entry(TextReader& in) {
   return value;
 }
 
+inline double coordinate(TextReader& in) {
+  const double value = in.real();
+  if (!(std::fabs(value) <= largest_coordinate)) in.fail(PHN_ERROR_RANGE);
+  return value;
+}
+
 /// @param k  xx xy xz yy yz zz
 inline void stiffness_line(TextReader& in, double* k) {
   in.keyword("stiffness");

@@ -33,6 +33,8 @@ inline void cut(const double* d, double unit, double largest, double* at) {
 /// Displacements of a linear model are cut to this size per component [m], and no coefficient of one is
 /// larger: their products and sums stay finite.
 inline constexpr double largest_linear = 1e100;
+/// Coordinates [m] that models hold: products of four lengths stay finite, and so do those of floats at the surface.
+inline constexpr double largest_coordinate = 1e30;
 
 /// Force = stiffness d; u = d_x U_x + d_y U_y + d_z U_z.
 struct LinearResponse {

@@ -20,6 +20,9 @@ namespace {
 /// Barycentric weights add up to 1 but for this; below it the movable part of a point counts as fixed.
 constexpr double weight_slack = 1e-6;
 
+/// Components of a place whose nearest point is asked for are cut here [m].
+constexpr double largest_place = 1e60;
+
 /// Checks one tool and finds its nodes.
 int find_point(const phn_model& model, const phn_tool& tool, HeldPoint& point) {
   point.n_nodes = 0;
@@ -89,13 +92,15 @@ int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, doubl
   zero(point, 3);
   if (model == nullptr || x == nullptr || tool == nullptr) return PHN_ERROR_ARGUMENT;
   if (!finite(x)) return PHN_ERROR_NOT_FINITE;
+  double from[3];
+  cut(x, 1, largest_place, from);
   double least = -1;
   for (std::int32_t t = 0; t < model->n_triangles; ++t) {
     const std::int32_t* vertex = model->triangles + 3 * static_cast<std::size_t>(t);
     const double* corner[3];
     for (int k = 0; k < 3; ++k) corner[k] = phynness::runtime::vertex_point(*model, vertex[k]);
     double weight[3], nearest[3], distance = 0;
-    phynness::runtime::nearest_on_triangle(corner, x, weight, nearest, distance);
+    phynness::runtime::nearest_on_triangle(corner, from, weight, nearest, distance);
     if (!(least < 0 || distance < least)) continue;
     least = distance;
     for (int k = 0; k < 3; ++k) {
@@ -110,10 +115,11 @@ int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, doubl
 int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                phn_coupled* result) {
   if (result != nullptr) *result = {0, 0, 0};
-  if (model == nullptr || data == nullptr || data->model != model || n_tools < 0) return PHN_ERROR_ARGUMENT;
-  Coupling& c = data->coupling;
+  if (n_tools < 0) return PHN_ERROR_ARGUMENT;
+  for (std::size_t i = 0; forces != nullptr && i < 3 * static_cast<std::size_t>(n_tools); ++i) forces[i] = 0;
+  if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
   if (n_tools > 0 && (tools == nullptr || forces == nullptr)) return PHN_ERROR_ARGUMENT;
-  for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(n_tools); ++i) forces[i] = 0;
+  Coupling& c = data->coupling;
   if (n_tools > c.max_tools) return PHN_ERROR_TOOLS;
   c.n_tools = 0;
   const double largest = model->family == Family::linear ? largest_linear : largest_coupled * model->max_displacement;

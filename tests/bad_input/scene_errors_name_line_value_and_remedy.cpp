@@ -380,6 +380,15 @@ TEST(SceneSyntax, error_names_line_and_column) {
   EXPECT_NE(message.find("remedy"), std::string::npos) << message;
 }
 
+// Found by fuzzing: toml++ asserts and assumes here, see toml_implementation.cpp.
+TEST(SceneSyntax, headers_without_a_name_and_letters_beyond_ascii_are_refused) {
+  for (const char* line : {"[#]", "[=]", "[m\u00e4sh]", "m\u00e4sh = 1", "a = \u00e4", "a\u00e9 = 1", "\u0416 = 1"}) {
+    const std::string message = refusal("title = \"a\"\n" + std::string(line) + "\n");
+    EXPECT_EQ(message.find("body.toml:2:"), 0u) << message;
+    EXPECT_NE(message.find("not valid TOML"), std::string::npos) << message;
+  }
+}
+
 TEST(SceneSyntax, key_given_twice_is_refused) {
   const std::string message = refusal(with(good_scene, "increments = 4", "increments = 4\nincrements = 5"));
   EXPECT_EQ(message.find("body.toml:16:"), 0u) << message;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <phynness/image.h>
 
+#include <cmath>
+#include <limits>
 #include <phynness/image_layout.hpp>
 
 #include "../runtime/small_model.hpp"
@@ -87,24 +89,74 @@ TEST_P(Damaged, TablesThatDoNotFitAreRefused) {
   if (GetParam() == Family::modal) refused([](auto& h) { --h.modes.scale.n; }, PHN_ERROR_RANGE);
 }
 
-/// Every word of the tables, replaced by large and small numbers under a right checksum: never a crash.
-TEST_P(Damaged, WordsNeverCrash) {
-  const float d[3] = {0.001F, 0, -0.003F};
-  for (std::size_t w = image::n_unchecked_words; w < bytes.size() / 4; ++w) {
-    for (const std::uint32_t value : {0U, 1U, 0x7fffffffU, 0xffffffffU}) {
-      Bytes copy = bytes;
-      std::memcpy(copy.data() + 4 * w, &value, 4);
-      const auto* word = reinterpret_cast<const std::uint32_t*>(copy.data());
-      copy.header().checksum =
-          image::checksum(word + image::n_unchecked_words, copy.size() / 4 - image::n_unchecked_words);
-      const phn_imagef* image = nullptr;
-      if (phn_imagef_open(copy.data(), copy.size(), &image) != PHN_OK) continue;
-      std::vector<float> scratch(phn_imagef_scratch(image) < 100000 ? phn_imagef_scratch(image) : 0);
-      std::vector<float> out(3 * static_cast<std::size_t>(phn_imagef_n_output(image)) + 3);
-      phn_imagef_force(image, 3, d, out.data());
-      if (scratch.size() == phn_imagef_scratch(image))
-        phn_imagef_deform(image, scratch.data(), 3, d, out.data());
+/// Every word, replaced by numbers of all kinds under a right checksum: refused, or every answer is finite.
+template <class Real>
+void words_never_harm(const Model& model) {
+  const ModelImage made = model_image(model, {false, sizeof(Real) == 4});
+  const OpenedImage<Real> good(made);
+  const Real largest = image::Bounds<Real>::value;
+  for (std::size_t w = image::n_unchecked_words; w < made.bytes.size() / 4; ++w) {
+    for (const std::uint32_t value : {0U, 1U, 0x7fffffffU, 0xffffffffU, 0x7f800000U, 0x7ff00000U, 0x7f7fffffU,
+                                      0xffefffffU, 0x00000100U, 0x5368d4a5U, 0x54b249acU}) {
+      std::vector<std::uint64_t> words = good.words;
+      auto* word = reinterpret_cast<std::uint32_t*>(words.data());
+      word[w] = value;
+      word[4] = image::checksum(word + image::n_unchecked_words,
+                                made.bytes.size() / 4 - image::n_unchecked_words);
+      const typename Image<Real>::Type* image = nullptr;
+      if (Image<Real>::open(words.data(), made.bytes.size(), &image) != PHN_OK) continue;
+      std::vector<Real> scratch(Image<Real>::scratch(image) < 100000 ? Image<Real>::scratch(image) : 0);
+      std::vector<Real> field(3 * static_cast<std::size_t>(Image<Real>::n_output(image)));
+      for (const Real size : {Real(0), Real(0.003), largest}) {
+        const Real d[3] = {size, -size / 2, -size};
+        Real out[14] = {};
+        Image<Real>::force(image, 3, d, out);
+        Image<Real>::energy(image, 3, d, out + 3);
+        Image<Real>::stiffness(image, 3, d, out + 4);
+        Image<Real>::trained_depth(image, 3, d, out + 13);
+        for (const Real x : out) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
+        if (scratch.size() != Image<Real>::scratch(image)) continue;
+        Image<Real>::deform(image, scratch.data(), 3, d, field.data());
+        for (const Real x : field) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
+      }
     }
+  }
+}
+TEST_P(Damaged, WordsNeverHarm) {
+  words_never_harm<float>(small_model_of(GetParam()));
+  words_never_harm<double>(small_model_of(GetParam()));
+}
+
+/// NaN, infinity and what is beyond the bounds of formats/image.md are refused in every table of numbers.
+TEST_P(Damaged, NumbersOutOfBoundsAreRefused) {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const auto refused = [&](image::Table table, float bound) {
+    for (std::uint32_t i = 0; i < table.n; ++i) {
+      for (const float value : {nan, -nan, inf, -inf, bound * 1.0001F, bound * -1.0001F}) {
+        Bytes copy = bytes;
+        std::memcpy(copy.data() + table.at + 4 * i, &value, 4);
+        ASSERT_EQ(copy.open_sealed(), PHN_ERROR_RANGE) << value;
+      }
+      Bytes copy = bytes;
+      std::memcpy(copy.data() + table.at + 4 * i, &bound, 4);
+      ASSERT_EQ(copy.open_sealed(), PHN_OK);
+    }
+  };
+  const auto& header = bytes.header();
+  const bool modal = GetParam() == Family::modal;
+  for (const auto table : {header.active_points, header.output_points, header.directions}) refused(table, 1e12F);
+  refused(header.displacements, modal ? 1e6F : 1e12F);
+  refused(header.modes.scale, 31);
+  refused(header.amplitude_at_rest, 1e7F);
+  for (const float R : {nan, inf, 0.0F, -1.0F, 0.9e-6F, 1.1e6F}) {
+    Bytes copy = bytes;
+    copy.header().max_displacement = R;
+    EXPECT_EQ(copy.open_sealed(), PHN_ERROR_RANGE) << R;
+  }
+  for (const float s : {nan, inf, 0.0F, -1.0F, 0.9e-6F, 1.1e6F}) {
+    Bytes copy = bytes;
+    copy.header().amplitude_shape = s;
+    EXPECT_EQ(copy.open_sealed(), modal ? PHN_ERROR_RANGE : PHN_OK) << s;
   }
 }
 

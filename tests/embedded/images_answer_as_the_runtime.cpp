@@ -160,7 +160,17 @@ TYPED_TEST(Answers, ToBadQuestionsAreZeros) {
   }
 }
 
-/// Claim: what a float or an image cannot hold is refused in words, not cut.
+/// Why an image cannot be made; empty if it can.
+std::string refusal(const Model& model, bool floats) {
+  try {
+    model_image(model, {false, floats});
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// Claim: what a float or an image cannot hold is refused in words that can be read, not cut.
 TEST(ModelImage, RefusesWhatDoesNotFit) {
   Model model = small_linear_model();
   model.nodes[1].linear.stiffness(0, 0) = 1e13;
@@ -170,6 +180,16 @@ TEST(ModelImage, RefusesWhatDoesNotFit) {
   model.max_displacement_m = 1e7;
   EXPECT_NO_THROW(model_image(model, {false, false}));
   EXPECT_THROW(model_image(model, {false, true}), Error);
+  EXPECT_EQ(refusal(model, true),
+            "the model does not fit an image of floats: the largest displacement [m] is out of range: 1e+07\n"
+            "  remedy: export it without --float");
+  model.max_displacement_m = 1e300;
+  EXPECT_EQ(refusal(model, false),
+            "the model does not fit an image of doubles: the largest displacement [m] is out of range: 1e+300\n"
+            "  remedy: train it in metres and newtons");
+  model = small_modal_model();
+  model.displacements *= 1.1e6;
+  EXPECT_NE(refusal(model, false).find("a displacement over the largest one"), std::string::npos);
   model = small_model();
   model.displacements.conservativeResize(65536, 3);
   model.displacements.bottomRows(65528).setZero();

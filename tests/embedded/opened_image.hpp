@@ -24,6 +24,7 @@ struct Image<double> {
   static constexpr auto scratch = phn_image_scratch;
   static constexpr auto deform = phn_image_deform;
   static constexpr auto n_active = phn_image_n_active;
+  static constexpr auto active_nodes = phn_image_active_nodes;
   static constexpr auto n_output = phn_image_n_output;
 };
 template <>
@@ -37,6 +38,7 @@ struct Image<float> {
   static constexpr auto scratch = phn_imagef_scratch;
   static constexpr auto deform = phn_imagef_deform;
   static constexpr auto n_active = phn_imagef_n_active;
+  static constexpr auto active_nodes = phn_imagef_active_nodes;
   static constexpr auto n_output = phn_imagef_n_output;
 };
 

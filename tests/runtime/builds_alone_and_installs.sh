@@ -1,6 +1,7 @@
 #!/bin/bash
-# Claim: the runtime builds from its own folder, installs, and an external C program finds and uses it, by CMake and by
-# pkg-config, also after the installation was moved.
+# Claim: the runtime builds from its own folder, installs, and external programs in C and C++17, the latter without
+# exceptions, find and use it, by CMake and by pkg-config, also after the installation was moved. A status of the C++
+# wrapper that is overlooked does not compile.
 # Usage: builds_alone_and_installs.sh CMAKE RUNTIME_SOURCE CONSUMER_SOURCE WORK_DIR
 set -euo pipefail
 cmake=$1
@@ -15,6 +16,7 @@ rm -rf "$work"
 "$cmake" -S "$consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
 "$cmake" --build "$work/consumer" >> "$work.log"
 "$work/consumer/c_consumer"
+"$work/consumer/cpp_consumer"
 
 mv "$work/prefix" "$work/moved"
 folder=$(dirname "$(find "$work/moved" -name phynness.pc)")
@@ -27,3 +29,13 @@ export PKG_CONFIG_PATH=$folder
 read -ra flags <<< "$(pkg-config --cflags --libs phynness phynness-image)"
 "${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$consumer/c_consumer.c" "${flags[@]}" -o "$work/by_pkg_config"
 "$work/by_pkg_config"
+for standard in c++17 c++20; do
+  cpp=("${CXX:-c++}" -std=$standard -fno-exceptions -fno-rtti -Wall -Wextra -Wpedantic -Wconversion -Werror)
+  "${cpp[@]}" "$consumer/cpp_consumer.cpp" "${flags[@]}" -o "$work/by_pkg_config"
+  "$work/by_pkg_config"
+  if "${cpp[@]}" -DOVERLOOK -fsyntax-only "$consumer/cpp_consumer.cpp" "${flags[@]}" 2> "$work/overlooked.log"; then
+    echo "an overlooked status compiles"
+    exit 1
+  fi
+  grep -q nodiscard "$work/overlooked.log"
+done

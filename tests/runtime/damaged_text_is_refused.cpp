@@ -255,6 +255,52 @@ TEST(DefectsOfText, OfLevelsAreTold) {
       PHN_ERROR_SYNTAX);
 }
 
+// Claim: coordinates beyond 1e30 m are refused wherever they stand; with those at the bound, whatever their
+// signs, and a place from anywhere, everything stays finite. Found by fuzzing: two tools at +-1.8e308 m, a
+// triangle of 1e200 m.
+TEST(DefectsOfText, CoordinatesAreBounded) {
+  const auto limit = std::string("1.93e5939a08ceap+99"),
+             beyond = std::string("1.93e5939a08cebp+99");  // about 1e30
+  for (const Family family : {Family::rbfn, Family::linear, Family::modal}) {
+    const std::string text = write_model_text(small_model_of(family));
+    EXPECT_EQ(size_status(first_number(text, "point", limit)), PHN_OK);
+    EXPECT_EQ(size_status(first_number(text, "point", beyond)), PHN_ERROR_RANGE);
+    for (const char* section : {"\nfixed 2\n0 ", "\noutput 12\n2 "}) {
+      const std::size_t at = text.find(section) + std::string(section).size();
+      const std::size_t end = text.find(' ', at);
+      EXPECT_EQ(size_status(with_checksum(body_of(text.substr(0, at) + limit + text.substr(end)))), PHN_OK);
+      EXPECT_EQ(size_status(with_checksum(body_of(text.substr(0, at) + "-" + beyond + text.substr(end)))),
+                PHN_ERROR_RANGE);
+    }
+    Model model = small_model_of(family);
+    for (Eigen::Index o = 0; o < 12; ++o) model.output_points.row(o).setConstant(o % 2 == 0 ? 1e30 : -1e30);
+    model.nodes[0].point = {1e30, -1e30, 1e30};
+    model.nodes[1].point = {-1e30, 1e30, -1e30};
+    for (auto& node : model.nodes) {
+      if (family == Family::rbfn) fill_centers(model, node.deformation);
+    }
+    const LoadedModel loaded(write_model_text(model));
+    const std::int32_t nodes[] = {3, 5};
+    const double d[] = {0.001, 0, 0, 0, 0.001, 0};
+    Points u(12, 3);
+    ASSERT_GE(phn_deform(loaded.model, loaded.data, 2, nodes, d, u.data()), 0);
+    EXPECT_TRUE(u.allFinite());
+    for (const double far : {0.0, 1e30, 1e200, -1.7e308}) {
+      const double x[] = {far, 0.01, -far};
+      phn_tool tool;
+      double point[3];
+      ASSERT_EQ(phn_nearest(loaded.model, x, &tool, point), PHN_OK);
+      double sum = 0;
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_TRUE(std::isfinite(point[k]));
+        EXPECT_GE(tool.weights[k], 0);
+        sum += tool.weights[k];
+      }
+      EXPECT_NEAR(sum, 1, 1e-12);
+    }
+  }
+}
+
 // Claim: what could overflow is refused when the model is built: a largest displacement beyond 1e90 or below
 // 1e-90, and a center farther than 1e3 of it.
 TEST(DefectsOfText, ModalModelsThatCouldOverflowAreRefused) {

@@ -8,7 +8,7 @@
  * formats/image.md.
  *
  * Units, signs, frames and statuses are those of phynness.h: status < 0 refused, outputs hold zeros; > 0 a sum of
- * PHN_WARNING_*; no output of an exported image is ever NaN or infinite. Components of displacements are cut at 1e6 times
+ * PHN_WARNING_*; no output of an image that opens is ever NaN or infinite. Components of displacements are cut at 1e6 times
  * the largest trained displacement R. Tools between nodes, several tools, surfaces and fields are the business of
  * phynness.h.
  */
@@ -25,10 +25,10 @@ typedef struct phn_image phn_image;
 typedef struct phn_imagef phn_imagef;
 
 /* Checks the `bytes` bytes at `memory` (aligned to 8, of floats to 4; they may be followed by others) and gives the image.
- * It reads them once: some five instructions for each four bytes. Memory must stay as it is as long as the image is used.
+ * It reads them once: some ten instructions for each four bytes. Memory must stay as it is as long as the image is used.
  * PHN_ERROR_NOT_A_MODEL: not an image, or one for the other order of bytes. PHN_ERROR_VERSION: of another version, or of
  * the other kind of number. PHN_ERROR_TRUNCATED, PHN_ERROR_CHECKSUM: damaged. PHN_ERROR_FAMILY, PHN_ERROR_RANGE: its
- * parts do not fit each other. PHN_ERROR_ARGUMENT: null, or not aligned. On failure *image is null. */
+ * parts do not fit each other, or a number is NaN, infinite or too large. PHN_ERROR_ARGUMENT: null, or not aligned. On failure *image is null. */
 int phn_image_open(const void *memory, size_t bytes, const phn_image **image);
 int phn_imagef_open(const void *memory, size_t bytes, const phn_imagef **image);
 

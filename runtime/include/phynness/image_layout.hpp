@@ -16,6 +16,23 @@ enum class Family : uint32_t { rbfn, linear, modal };
 /// Displacements are cut to this size per component, in max_displacement.
 inline constexpr double largest_displacement = 1e6;
 
+/// Bounds of what an image holds: within them no sum of an evaluation leaves the range of its numbers.
+inline constexpr uint32_t largest_count = 1u << 20;  ///< neurons or centers of one response
+inline constexpr uint32_t largest_mode_count = 1024;
+template <class Real>
+struct Bounds;
+template <>
+struct Bounds<float> {
+  static constexpr float value = 1e12f, max_displacement = 1e6f;
+};
+template <>
+struct Bounds<double> {
+  static constexpr double value = 1e100, max_displacement = 1e90;
+};
+/// Of values made of others, in Bounds::value; of a kernel at rest; of a column's factor in a scaled table.
+inline constexpr double largest_total = 1e6, largest_force_at_rest = 1e13, largest_energy_at_rest = 1e19;
+inline constexpr double largest_at_rest = 1e7, largest_scale = 31, largest_shape = 1e6;
+
 /// n values at an offset; n = 0: none.
 struct Table {
   uint32_t at, n;

@@ -131,7 +131,7 @@ typedef struct phn_tool {
 } phn_tool;
 
 /* The tool at the point of the undeformed surface nearest to x [m], displaced by 0; `point` [m] may be null. Cost: a
- * distance to every triangle. PHN_ERROR_UNDEFINED if the model has no triangles. */
+ * distance to every triangle. Components of x are cut at 1e60 m. PHN_ERROR_UNDEFINED if the model has no triangles. */
 int phn_nearest(const phn_model *model, const double x[3], phn_tool *tool, double point[3]);
 
 typedef struct phn_coupled {

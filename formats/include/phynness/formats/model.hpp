@@ -119,6 +119,8 @@ inline constexpr int largest_field_count = 8;
 /// Largest size of an entry of a LinearResponse or ConservativeNetwork that model.txt holds. Together with the largest displacement
 /// component that the runtime multiplies, the same number in m, it keeps every output finite.
 inline constexpr double largest_linear_entry = 1e100;
+/// Largest size of a reference coordinate [m]: distances and products of four of them stay finite.
+inline constexpr double largest_coordinate = 1e30;
 
 /// One active node. Of the responses, those of the model's family are filled in, the others are empty.
 struct ActiveNodeModel {

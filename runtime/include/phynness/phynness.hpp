@@ -1,0 +1,327 @@
+// phynness for C++17: the functions of phynness.h as members of objects that own their memory, or lie in yours. Nothing
+// throws; a function that can be refused returns a Status, which the compiler does not let you overlook. After
+// construction nothing allocates. What a call means, costs and refuses is said in phynness.h. Without exceptions and RTTI,
+// too: a failed construction leaves an object that is false and has a status.
+#ifndef PHYNNESS_HPP
+#define PHYNNESS_HPP
+
+#include <phynness/phynness.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+#if __cplusplus >= 202002L
+#include <span>
+#endif
+
+namespace phynness::rt {
+
+/// What a function of phynness.h returns: 0 good, > 0 look, < 0 refused and zeros.
+class [[nodiscard]] Status {
+ public:
+  constexpr Status(int code = PHN_OK) noexcept : _code(code) {}
+  constexpr operator int() const noexcept { return _code; }
+  constexpr bool ok() const noexcept { return _code >= 0; }
+  constexpr bool outside() const noexcept { return _code > 0 && (_code & PHN_WARNING_OUTSIDE) != 0; }
+  constexpr bool incomplete() const noexcept { return _code > 0 && (_code & PHN_WARNING_INCOMPLETE) != 0; }
+  constexpr bool unsettled() const noexcept { return _code > 0 && (_code & PHN_WARNING_UNSETTLED) != 0; }
+  const char* message() const noexcept { return phn_status_message(_code); }
+  constexpr void ignore() const noexcept {}
+
+ private:
+  int _code;
+};
+
+#if __cplusplus >= 202002L
+template <class T>
+using Span = std::span<T>;
+#else
+/// What of std::span is used here.
+template <class T>
+class Span {
+ public:
+  constexpr Span() noexcept = default;
+  constexpr Span(T* data, std::size_t size) noexcept : _data(data), _size(size) {}
+  template <class Range, class = decltype(std::declval<Range&>().data(), std::declval<Range&>().size())>
+  constexpr Span(Range&& range) noexcept : Span(range.data(), range.size()) {}
+  template <std::size_t n>
+  constexpr Span(T (&array)[n]) noexcept : Span(array, n) {}
+  constexpr T* data() const noexcept { return _data; }
+  constexpr std::size_t size() const noexcept { return _size; }
+  constexpr T& operator[](std::size_t i) const noexcept { return _data[i]; }
+  constexpr T* begin() const noexcept { return _data; }
+  constexpr T* end() const noexcept { return _data + _size; }
+
+ private:
+  T* _data = nullptr;
+  std::size_t _size = 0;
+};
+#endif
+
+/// Exactly n numbers that lie one behind the other: an array, a std::array, a vector or matrix of Eigen whose size the
+/// compiler knows, or a map of one. Any other length does not compile.
+template <class T, std::size_t n>
+class Fixed {
+ public:
+  constexpr Fixed(T (&array)[n]) noexcept : _data(array) {}
+  template <class U, class = std::enable_if_t<std::is_convertible_v<U (*)[], T (*)[]>>>
+  constexpr Fixed(std::array<U, n>& array) noexcept : _data(array.data()) {}
+  template <class U, class = std::enable_if_t<std::is_convertible_v<const U (*)[], T (*)[]>>>
+  constexpr Fixed(const std::array<U, n>& array) noexcept : _data(array.data()) {}
+  template <class Matrix, class Plain = std::remove_cv_t<std::remove_reference_t<Matrix>>,
+            class = std::enable_if_t<static_cast<std::size_t>(Plain::SizeAtCompileTime) == n &&
+                                     static_cast<int>(Plain::InnerStrideAtCompileTime) == 1 &&
+                                     (Plain::IsVectorAtCompileTime ||
+                                      static_cast<int>(Plain::OuterStrideAtCompileTime) == 3)>>
+  constexpr Fixed(Matrix&& matrix) noexcept : _data(matrix.data()) {}
+  constexpr T* data() const noexcept { return _data; }
+
+ private:
+  T* _data;
+};
+using In3 = Fixed<const double, 3>;
+using Out3 = Fixed<double, 3>;
+using Out9 = Fixed<double, 9>;
+
+namespace detail {
+/// Memory that is owned, or somebody else's.
+class Memory {
+ public:
+  /// @return a place of at least `bytes`: `own` if it has any, else new memory
+  void* place(Span<std::byte> own, std::size_t bytes) {
+    if (own.data() != nullptr) return own.data();
+    _owned.resize(bytes);
+    return _owned.data();
+  }
+
+ private:
+  std::vector<std::byte> _owned;
+};
+}  // namespace detail
+
+/// A model; never changes: share it between threads. Moves, and stays where its memory is; does not copy.
+class Model {
+ public:
+  Model() = default;
+  /// @param text  of model.txt; may go afterwards
+  /// @param own   memory of at least bytes_for(text) that outlives the model; none: the model owns some
+  explicit Model(std::string_view text, Span<std::byte> own = {}) {
+    std::size_t bytes = 0;
+    _status = phn_model_size(text.data(), text.size(), &bytes);
+    if (!_status.ok()) return;
+    void* place = _memory.place(own, bytes);
+    _status = phn_model_init(place, own.data() ? own.size() : bytes, text.data(), text.size(), &_model);
+  }
+  Model(Model&& other) noexcept { swap(other); }
+  Model& operator=(Model&& other) noexcept {
+    Model(std::move(other)).swap(*this);
+    return *this;
+  }
+
+  /// A file's model, on machines that have files; PHN_ERROR_NOT_A_MODEL if it cannot be read.
+  static Model read(const char* file) {
+    std::vector<char> text;
+    if (std::FILE* stream = std::fopen(file, "rb")) {
+      constexpr std::size_t block = 1 << 20;
+      for (std::size_t n = block; n == block;) {
+        text.resize(text.size() + block);
+        n = std::fread(text.data() + text.size() - block, 1, block, stream);
+        text.resize(text.size() - block + n);
+      }
+      std::fclose(stream);
+    }
+    return Model(std::string_view(text.empty() ? "" : text.data(), text.size()));
+  }
+  /// Bytes that a text's model takes; 0 if it is refused.
+  static std::size_t bytes_for(std::string_view text) noexcept {
+    std::size_t bytes = 0;
+    return phn_model_size(text.data(), text.size(), &bytes) == PHN_OK ? bytes : 0;
+  }
+
+  explicit operator bool() const noexcept { return _model != nullptr; }
+  Status status() const noexcept { return _status; }
+  const phn_model* get() const noexcept { return _model; }
+
+  std::int32_t n_nodes() const noexcept { return phn_n_nodes(_model); }
+  std::int32_t n_output() const noexcept { return phn_n_output(_model); }
+  Span<const std::int32_t> active_nodes() const noexcept { return view(phn_active_nodes(_model), phn_n_active(_model)); }
+  Span<const std::int32_t> output_nodes() const noexcept { return view(phn_output_nodes(_model), n_output()); }
+  Span<const std::int32_t> fixed_nodes() const noexcept { return view(phn_fixed_nodes(_model), phn_n_fixed(_model)); }
+  /// n x 3, row by row
+  Span<const double> output_points() const noexcept { return view(phn_output_points(_model), 3 * n_output()); }
+  Span<const double> fixed_points() const noexcept { return view(phn_fixed_points(_model), 3 * phn_n_fixed(_model)); }
+  Span<const std::int32_t> triangles() const noexcept {
+    return view(phn_triangles(_model), 3 * phn_n_triangles(_model));
+  }
+  std::int32_t n_fields() const noexcept { return phn_n_fields(_model); }
+  const char* field_name(std::int32_t field) const noexcept { return phn_field_name(_model, field); }
+  const char* field_unit(std::int32_t field) const noexcept { return phn_field_unit(_model, field); }
+
+  Status trained_depth(std::int32_t node, In3 d, double& depth) const noexcept {
+    return phn_trained_depth(_model, node, d.data(), &depth);
+  }
+  Status nearest(In3 x, phn_tool& tool) const noexcept { return phn_nearest(_model, x.data(), &tool, nullptr); }
+  Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
+    return phn_nearest(_model, x.data(), &tool, point.data());
+  }
+
+ private:
+  template <class T>
+  static Span<const T> view(const T* data, std::int32_t n) noexcept {
+    return {data, static_cast<std::size_t>(n)};
+  }
+  void swap(Model& other) noexcept {
+    std::swap(_memory, other._memory);
+    std::swap(_model, other._model);
+    std::swap(_status, other._status);
+  }
+
+  detail::Memory _memory;
+  const phn_model* _model = nullptr;
+  Status _status = PHN_ERROR_ARGUMENT;
+};
+
+/// Scratch of one thread, with the questions that need it. Spans that are too short are refused with PHN_ERROR_BUFFER
+/// and left alone; they may be longer. @pre the model outlives it
+class Data {
+ public:
+  Data() = default;
+  Data(const Model& model, std::int32_t max_tools, Span<std::byte> own = {}) : _model(model.get()) {
+    std::size_t bytes = 0;
+    _status = phn_data_size(_model, max_tools, &bytes);
+    if (!_status.ok()) return;
+    void* place = _memory.place(own, bytes);
+    _status = phn_data_init(place, own.data() ? own.size() : bytes, _model, max_tools, &_data);
+    _n_field = 3 * static_cast<std::size_t>(model.n_output());
+  }
+  Data(Data&& other) noexcept { swap(other); }
+  Data& operator=(Data&& other) noexcept {
+    Data(std::move(other)).swap(*this);
+    return *this;
+  }
+  static std::size_t bytes_for(const Model& model, std::int32_t max_tools) noexcept {
+    std::size_t bytes = 0;
+    return phn_data_size(model.get(), max_tools, &bytes) == PHN_OK ? bytes : 0;
+  }
+
+  explicit operator bool() const noexcept { return _data != nullptr; }
+  Status status() const noexcept { return _status; }
+  phn_data* get() const noexcept { return _data; }
+
+  Status force(std::int32_t node, In3 d, Out3 force_N) noexcept {
+    return phn_force(_model, _data, node, d.data(), force_N.data());
+  }
+  Status energy(std::int32_t node, In3 d, double& energy_J) noexcept {
+    return phn_energy(_model, _data, node, d.data(), &energy_J);
+  }
+  /// Row by row; it is symmetric.
+  Status stiffness(std::int32_t node, In3 d, Out9 stiffness_N_per_m) noexcept {
+    return phn_stiffness(_model, _data, node, d.data(), stiffness_N_per_m.data());
+  }
+  /// @param out  n_output x 3
+  Status deform(std::int32_t node, In3 d, Span<double> out) noexcept {
+    return out.size() < _n_field ? Status(PHN_ERROR_BUFFER)
+                                 : Status(phn_deform(_model, _data, 1, &node, d.data(), out.data()));
+  }
+  /// @param displacements  3 for each node
+  Status deform(Span<const std::int32_t> nodes, Span<const double> displacements, Span<double> out) noexcept {
+    if (out.size() < _n_field || displacements.size() < 3 * nodes.size()) return PHN_ERROR_BUFFER;
+    if (nodes.size() > INT32_MAX / 3) return PHN_ERROR_TOOLS;
+    return phn_deform(_model, _data, static_cast<std::int32_t>(nodes.size()), nodes.data(), displacements.data(),
+                      out.data());
+  }
+  Status prepare(std::int32_t node) noexcept { return phn_prepare(_model, _data, node); }
+  /// @param forces_N  3 for each tool
+  Status couple(Span<const phn_tool> tools, Span<double> forces_N, phn_coupled* result = nullptr) noexcept {
+    if (forces_N.size() / 3 < tools.size()) return PHN_ERROR_BUFFER;
+    if (tools.size() > INT32_MAX / 3) return PHN_ERROR_TOOLS;
+    return phn_couple(_model, _data, static_cast<std::int32_t>(tools.size()), tools.data(), forces_N.data(), result);
+  }
+  Status couple(const phn_tool& tool, Out3 force_N, phn_coupled* result = nullptr) noexcept {
+    return phn_couple(_model, _data, 1, &tool, force_N.data(), result);
+  }
+  Status coupled_deform(Span<double> out) noexcept {
+    return out.size() < _n_field ? Status(PHN_ERROR_BUFFER) : Status(phn_coupled_deform(_model, _data, out.data()));
+  }
+  /// @param out  n_output
+  Status field(std::int32_t node, In3 d, std::int32_t number, Span<double> out) noexcept {
+    return 3 * out.size() < _n_field ? Status(PHN_ERROR_BUFFER)
+                                     : Status(phn_field(_model, _data, node, d.data(), number, out.data()));
+  }
+
+ private:
+  void swap(Data& other) noexcept {
+    std::swap(_memory, other._memory);
+    std::swap(_model, other._model);
+    std::swap(_data, other._data);
+    std::swap(_n_field, other._n_field);
+    std::swap(_status, other._status);
+  }
+
+  detail::Memory _memory;
+  const phn_model* _model = nullptr;
+  phn_data* _data = nullptr;
+  std::size_t _n_field = 0;  ///< numbers of a deformation
+  Status _status = PHN_ERROR_ARGUMENT;
+};
+
+/// The subdivided surface; never changes, and does not need its model any more.
+class Surface {
+ public:
+  Surface() = default;
+  Surface(const Model& model, std::int32_t levels, Span<std::byte> own = {})
+      : _n_field(3 * static_cast<std::size_t>(model.n_output())) {
+    std::size_t bytes = 0;
+    _status = phn_surface_size(model.get(), levels, &bytes);
+    if (!_status.ok()) return;
+    void* place = _memory.place(own, bytes);
+    _status = phn_surface_init(place, own.data() ? own.size() : bytes, model.get(), levels, &_surface);
+  }
+  Surface(Surface&& other) noexcept { swap(other); }
+  Surface& operator=(Surface&& other) noexcept {
+    Surface(std::move(other)).swap(*this);
+    return *this;
+  }
+  static std::size_t bytes_for(const Model& model, std::int32_t levels) noexcept {
+    std::size_t bytes = 0;
+    return phn_surface_size(model.get(), levels, &bytes) == PHN_OK ? bytes : 0;
+  }
+
+  explicit operator bool() const noexcept { return _surface != nullptr; }
+  Status status() const noexcept { return _status; }
+  const phn_surface* get() const noexcept { return _surface; }
+  std::int32_t n_vertices() const noexcept { return phn_surface_n_vertices(_surface); }
+  Span<const std::int32_t> triangles() const noexcept {
+    return {phn_surface_triangles(_surface), 3 * static_cast<std::size_t>(phn_surface_n_triangles(_surface))};
+  }
+  Span<const float> points() const noexcept { return {phn_surface_points(_surface), n_numbers()}; }
+  std::size_t n_scratch() const noexcept { return phn_surface_scratch(_surface); }
+
+  /// @param scratch n_scratch(), one for each thread; @param field n_output x 3; @param out n_vertices x 3
+  Status deform(Span<float> scratch, Span<const double> field, Span<float> out) const noexcept {
+    if (scratch.size() < n_scratch() || field.size() < _n_field || out.size() < n_numbers()) return PHN_ERROR_BUFFER;
+    return phn_surface_deform(_surface, scratch.data(), field.data(), out.data());
+  }
+
+ private:
+  std::size_t n_numbers() const noexcept { return 3 * static_cast<std::size_t>(n_vertices()); }
+  void swap(Surface& other) noexcept {
+    std::swap(_memory, other._memory);
+    std::swap(_surface, other._surface);
+    std::swap(_n_field, other._n_field);
+    std::swap(_status, other._status);
+  }
+
+  detail::Memory _memory;
+  const phn_surface* _surface = nullptr;
+  std::size_t _n_field = 0;
+  Status _status = PHN_ERROR_ARGUMENT;
+};
+
+}  // namespace phynness::rt
+
+#endif

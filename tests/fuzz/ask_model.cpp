@@ -1,0 +1,440 @@
+#include "ask_model.hpp"
+
+#include <algorithm>
+#include <phynness/formats/hash.hpp>
+
+namespace phynness::fuzz {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr int warnings = PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE;
+
+bool finite(const double* d, std::size_t n) {
+  return std::all_of(d, d + n, [](double x) { return std::isfinite(x); });
+}
+bool zero(const double* d, std::size_t n) {
+  return std::all_of(d, d + n, [](double x) { return x == 0; });
+}
+
+class Asker {
+ public:
+  Asker(const phn_model* model, Script& script, bool trained)
+      : _model(model),
+        _script(script),
+        _trained(trained),
+        _max_tools(1 + script.below(9)),
+        _used(data_bytes(), script.below(16)),
+        _fresh(data_bytes(), script.below(16)),
+        _n_output(static_cast<std::size_t>(phn_n_output(model))) {
+    require(phn_data_init(_used.data(), _used.size(), _model, _max_tools, &_data) == PHN_OK,
+            "data of the size asked for");
+    phn_data* none = _data;
+    require(phn_data_init(_fresh.data(), _fresh.size() / 2, _model, _max_tools, &none) == PHN_ERROR_BUFFER &&
+                !none,
+            "half the memory is refused");
+  }
+
+  void call() {
+    switch (_script.below(16)) {
+      case 0:
+      case 1:
+        return force();
+      case 2:
+        return energy();
+      case 3:
+        return stiffness();
+      case 4:
+      case 5:
+        return deform();
+      case 6:
+        return prepare();
+      case 7:
+        return nearest();
+      case 8:
+      case 9:
+      case 10:
+        return couple();
+      case 11:
+        return field();
+      case 12:
+        return depth();
+      case 13:
+        return surface();
+      case 14:
+        return nulls();
+      default:
+        return sizes();
+    }
+  }
+
+ private:
+  std::size_t data_bytes() const {
+    std::size_t bytes = 0;
+    require(phn_data_size(_model, _max_tools, &bytes) == PHN_OK && bytes > 0, "a size of data");
+    return bytes;
+  }
+
+  std::int32_t any_node() {
+    const int kind = _script.below(8);
+    const auto pick = [this](const std::int32_t* list, std::int32_t n) {
+      return n > 0 ? list[_script.raw<std::uint16_t>() % n] : -1;
+    };
+    if (kind == 0) return _script.raw<std::int32_t>();
+    if (kind == 1) return pick(phn_output_nodes(_model), phn_n_output(_model));
+    if (kind == 2) return pick(phn_fixed_nodes(_model), phn_n_fixed(_model));
+    return pick(phn_active_nodes(_model), phn_n_active(_model));
+  }
+  void displacement(double* d) {
+    for (int k = 0; k < 3; ++k) d[k] = _script.number();
+  }
+  bool active(std::int32_t node) const {
+    const std::int32_t* list = phn_active_nodes(_model);
+    return std::binary_search(list, list + phn_n_active(_model), node);
+  }
+
+  /// call(data, out) -> status, of used and of fresh scratch.
+  template <class Call>
+  int answer(std::size_t n, std::vector<double>& out, int allowed_warnings, Call call) {
+    out.assign(n, nan);
+    std::vector<double> again(n, nan);
+    const int status = call(_data, out.data());
+    phn_data* fresh = nullptr;
+    _fresh.fill();
+    require(phn_data_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK,
+            "data of its size");
+    require(call(fresh, again.data()) == status, "the status does not depend on earlier calls");
+    require(n == 0 || std::memcmp(out.data(), again.data(), 8 * n) == 0,
+            "the answer does not depend on earlier calls");
+    require(status <= 0 || (status & ~allowed_warnings) == 0, "only documented warnings");
+    require(status >= 0 ? finite(out.data(), n) : zero(out.data(), n), "finite, or zeros where refused");
+    return status;
+  }
+  /// Of one node and displacement: which refusals are right. @return whether it was answered
+  bool right(int status, std::int32_t node, const double* d, bool may_be_undefined) const {
+    if (!active(node)) {
+      require(status == PHN_ERROR_NOT_ACTIVE, "not active");
+    } else if (!finite(d, 3)) {
+      require(status == PHN_ERROR_NOT_FINITE, "not finite");
+    } else {
+      require(status >= 0 || (may_be_undefined && status == PHN_ERROR_UNDEFINED), "answered");
+    }
+    return status >= 0;
+  }
+
+  void force() {
+    const std::int32_t node = any_node();
+    double d[3];
+    displacement(d);
+    const int status = answer(3, _out, warnings, [&](phn_data* data, double* out) {
+      return phn_force(_model, data, node, d, out);
+    });
+    if (!right(status, node, d, false) || !zero(d, 3)) return;
+    double energy;
+    if (phn_energy(_model, _data, node, d, &energy) >= 0) require(zero(_out.data(), 3), "no force at rest");
+  }
+  void energy() {
+    const std::int32_t node = any_node();
+    double d[3];
+    displacement(d);
+    const int status = answer(1, _out, warnings, [&](phn_data* data, double* out) {
+      return phn_energy(_model, data, node, d, out);
+    });
+    if (right(status, node, d, true) && zero(d, 3)) require(_out[0] == 0, "no energy at rest");
+  }
+  void stiffness() {
+    const std::int32_t node = any_node();
+    double d[3];
+    displacement(d);
+    const int status = answer(9, _out, warnings, [&](phn_data* data, double* out) {
+      return phn_stiffness(_model, data, node, d, out);
+    });
+    right(status, node, d, true);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < i; ++j)
+        require(std::memcmp(&_out[3 * i + j], &_out[3 * j + i], 8) == 0, "a symmetric stiffness");
+    }
+  }
+  void deform() {
+    constexpr std::int32_t counts[] = {1, 1, 1, 2, 2, 3, 4, 0, 9, -1, 10000};
+    const std::int32_t n = counts[_script.below(11)];
+    const auto size = static_cast<std::size_t>(std::max(n, 0));
+    std::vector<std::int32_t> nodes(size);
+    std::vector<double> d(3 * size);
+    for (std::size_t t = 0; t < std::min<std::size_t>(size, 12); ++t) {
+      nodes[t] = any_node();
+      displacement(&d[3 * t]);
+    }
+    const int status = answer(3 * _n_output, _out, warnings, [&](phn_data* data, double* out) {
+      return phn_deform(_model, data, n, nodes.data(), d.data(), out);
+    });
+    if (n < 0) require(status == PHN_ERROR_ARGUMENT, "a negative number of tools");
+    if (n == 0) require(status == PHN_OK && zero(_out.data(), _out.size()), "no tools, no displacement");
+    if (n > _max_tools) require(status == PHN_ERROR_TOOLS, "too many tools");
+    if (n == 1) right(status, nodes[0], d.data(), true);
+    if (n <= 0 || status < 0) return;
+    const std::int32_t* output = phn_output_nodes(_model);
+    for (std::size_t t = 0; t < size; ++t) {
+      const auto at = std::lower_bound(output, output + _n_output, nodes[t]) - output;
+      if (static_cast<std::size_t>(at) == _n_output || output[at] != nodes[t]) continue;
+      const bool small = std::all_of(&d[3 * t], &d[3 * t] + 3, [](double x) { return std::fabs(x) < 1; });
+      if (n > 1 || (_trained && small))
+        for (int k = 0; k < 3; ++k)
+          require(_out[3 * at + k] == d[3 * t + k], "a touched node moves by exactly d");
+    }
+  }
+  void prepare() {
+    const std::int32_t node = any_node();
+    require(phn_prepare(_model, _data, node) == (active(node) ? PHN_OK : PHN_ERROR_NOT_ACTIVE), "prepared");
+  }
+  void nearest() {
+    double x[3];
+    displacement(x);
+    phn_tool tool;
+    double point[3] = {nan, nan, nan};
+    const int status = phn_nearest(_model, x, &tool, point);
+    require(finite(point, 3) && finite(tool.weights, 3) && zero(tool.displacement, 3), "a finite point");
+    if (!finite(x, 3)) return require(status == PHN_ERROR_NOT_FINITE, "not finite");
+    if (phn_n_triangles(_model) == 0) return require(status == PHN_ERROR_UNDEFINED, "no surface");
+    require(status == PHN_OK, "a nearest point");
+    double sum = 0;
+    for (const double w : tool.weights) {
+      require(w >= 0, "weights of a point of the triangle");
+      sum += w;
+    }
+    require(std::fabs(sum - 1) < 1e-9, "weights of sum 1");
+    double forces[3];
+    require(phn_couple(_model, _data, 1, &tool, forces, nullptr) != PHN_ERROR_ARGUMENT,
+            "a tool that may be used");
+  }
+  phn_tool any_tool() {
+    phn_tool tool{{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
+    const int kind = _script.below(8);
+    if (kind < 2) {
+      tool.nodes[0] = any_node();
+      tool.weights[0] = 1;
+    } else if (kind < 6) {
+      double x[3];
+      displacement(x);
+      phn_nearest(_model, x, &tool, nullptr);
+    } else {
+      double sum = 0;
+      for (int k = 0; k < 3; ++k) {
+        tool.nodes[k] = any_node();
+        sum += tool.weights[k] = kind == 6 ? std::fabs(_script.number()) : _script.byte();
+      }
+      for (double& w : tool.weights) w /= sum;
+    }
+    displacement(tool.displacement);
+    return tool;
+  }
+  void couple() {
+    constexpr std::int32_t counts[] = {1, 1, 1, 2, 2, 3, 8, 0, 9, -1, 10000};
+    const std::int32_t n = counts[_script.below(11)];
+    const auto size = static_cast<std::size_t>(std::max(n, 0));
+    std::vector<phn_tool> tools(size);
+    for (std::size_t t = 0; t < std::min<std::size_t>(size, 9); ++t) tools[t] = any_tool();
+    const std::size_t n_forces = 3 * size;
+    const int status =
+        answer(n_forces + 2 + 3 * _n_output, _out, warnings | PHN_WARNING_UNSETTLED,
+               [&](phn_data* data, double* out) {
+                 phn_coupled result;
+                 const int told = phn_couple(_model, data, n, tools.data(), out, &result);
+                 require(result.iterations >= 0 && result.iterations <= 40, "at most 40 iterations");
+                 out[n_forces] = result.residual;
+                 out[n_forces + 1] = result.energy;
+                 double* field = out + n_forces + 2;
+                 const int deformed = phn_coupled_deform(_model, data, field);
+                 // After a refusal there are no tools: what was there before is gone, too.
+                 if (n >= 0 && n <= std::min(_max_tools, 8) && told < 0)
+                   require(deformed == PHN_OK, "nothing is held after a refusal");
+                 if (told < 0) std::fill(field, field + 3 * _n_output, 0);
+                 return told;
+               });
+    if (n < 0) require(status == PHN_ERROR_ARGUMENT, "a negative number of tools");
+    if (n == 0) require(status == PHN_OK, "no tools");
+    if (n > std::min(_max_tools, 8)) require(status == PHN_ERROR_TOOLS, "too many tools");
+    if (status >= 0) require(_out[n_forces] >= 0, "a distance");
+  }
+  void field() {
+    const std::int32_t node = any_node(),
+                       number = _script.below(4) == 0 ? _script.raw<std::int32_t>() : _script.below(3);
+    double d[3];
+    displacement(d);
+    const int status = answer(_n_output, _out, warnings, [&](phn_data* data, double* out) {
+      return phn_field(_model, data, node, d, number, out);
+    });
+    if (number < 0 || number >= phn_n_fields(_model)) {
+      require(status == PHN_ERROR_ARGUMENT && phn_field_name(_model, number) == nullptr, "no such field");
+    } else {
+      right(status, node, d, true);
+    }
+    for (const double x : _out)
+      require(x >= 0 && (x == 0 || !zero(d, 3)), "fields are not negative, and 0 at rest");
+  }
+  void depth() {
+    const std::int32_t node = any_node();
+    double d[3];
+    displacement(d);
+    const int status = answer(1, _out, PHN_WARNING_OUTSIDE, [&](phn_data*, double* out) {
+      return phn_trained_depth(_model, node, d, out);
+    });
+    right(status, node, d, false);
+    require(_out[0] >= 0, "a depth");
+  }
+  void surface() {
+    const std::int32_t levels = _script.below(16) < 14 ? _script.below(4) - 1 : _script.below(8);
+    std::size_t bytes = 1;
+    const int status = phn_surface_size(_model, levels, &bytes);
+    if (status < 0) {
+      require(bytes == 0, "no size where refused");
+      require(status == PHN_ERROR_ARGUMENT || status == PHN_ERROR_UNDEFINED || status == PHN_ERROR_RANGE,
+              "refused");
+      return;
+    }
+    if (bytes > largest_memory / 16) return;
+    const Memory memory(bytes, static_cast<std::size_t>(_script.below(16)));
+    const phn_surface* fine = nullptr;
+    require(phn_surface_init(memory.data(), bytes, _model, levels, &fine) == PHN_OK, "a surface of its size");
+    const auto n = 3 * static_cast<std::size_t>(phn_surface_n_vertices(fine));
+    const float* points = phn_surface_points(fine);
+    for (std::size_t i = 0; i < n; ++i) require(std::isfinite(points[i]), "finite points of the surface");
+    const std::int32_t* corner = phn_surface_triangles(fine);
+    for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(phn_surface_n_triangles(fine)); ++i)
+      require(corner[i] >= 0 && 3 * static_cast<std::size_t>(corner[i]) < n, "corners are vertices");
+    std::vector<double> field(3 * _n_output);
+    for (std::size_t i = 0; i < field.size(); ++i) field[i] = i < 12 ? _script.number() : field[i % 12];
+    std::vector<float> scratch(phn_surface_scratch(fine)), out(n, 1);
+    const int deformed = phn_surface_deform(fine, scratch.data(), field.data(), out.data());
+    const bool good = finite(field.data(), field.size());
+    if (_n_output > 0) require(deformed == (good ? PHN_OK : PHN_ERROR_NOT_FINITE), "a fine field");
+    for (const float x : out) require(deformed < 0 ? x == 0 : std::isfinite(x), "a finite fine field");
+  }
+  void nulls() {
+    const std::int32_t node = any_node();
+    const double d[3] = {0.001, 0, 0};
+    double out[9];
+    std::size_t bytes;
+    const phn_tool tool{{node, -1, -1}, {1, 0, 0}, {0, 0, 0}};
+    int status = 0;
+    switch (_script.below(12)) {
+      case 0:
+        status = phn_force(nullptr, _data, node, d, out);
+        break;
+      case 1:
+        status = phn_force(_model, nullptr, node, d, out);
+        break;
+      case 2:
+        status = phn_force(_model, _data, node, nullptr, out);
+        break;
+      case 3:
+        status = phn_force(_model, _data, node, d, nullptr);
+        break;
+      case 4:
+        status = phn_deform(_model, _data, 1, nullptr, d, std::vector<double>(3 * _n_output + 1).data());
+        break;
+      case 5:
+        status = phn_deform(_model, _data, 1, &node, d, nullptr);
+        break;
+      case 6:
+        status = phn_couple(_model, _data, 1, nullptr, out, nullptr);
+        break;
+      case 7:
+        out[0] = out[1] = out[2] = 1;
+        status = phn_couple(_model, nullptr, 1, &tool, out, nullptr);
+        require(zero(out, 3), "zeros where refused");
+        break;
+      case 8:
+        status = phn_coupled_deform(_model, nullptr, std::vector<double>(3 * _n_output + 1).data());
+        break;
+      case 9:
+        status = phn_data_size(nullptr, 1, &bytes);
+        break;
+      case 10:
+        status = phn_trained_depth(_model, node, d, nullptr);
+        break;
+      default:
+        status = phn_nearest(_model, nullptr, nullptr, out);
+    }
+    require(status == PHN_ERROR_ARGUMENT, "null pointers are refused");
+  }
+  void sizes() {
+    const auto tools = _script.raw<std::int32_t>();
+    std::size_t bytes = 1;
+    const int status = phn_data_size(_model, tools, &bytes);
+    require(status == (tools < 1 ? PHN_ERROR_ARGUMENT : PHN_OK) && (bytes == 0) == (tools < 1),
+            "a size for any tools");
+    require(phn_status_message(_script.raw<std::int32_t>()) != nullptr, "words for any status");
+  }
+
+  const phn_model* _model;
+  Script& _script;
+  bool _trained;
+  std::int32_t _max_tools;
+  Memory _used, _fresh;
+  std::size_t _n_output;
+  phn_data* _data = nullptr;
+  std::vector<double> _out;
+};
+
+}  // namespace
+
+bool refusal_of_loader(int status) { return status <= PHN_ERROR_NOT_A_MODEL && status >= PHN_ERROR_FAMILY; }
+
+LoadedText::LoadedText(const char* text, std::size_t length, std::size_t shift) {
+  std::size_t bytes = 1;
+  status = phn_model_size(text, length, &bytes);
+  if (status != PHN_OK) {
+    require(refusal_of_loader(status) && bytes == 0, "a documented refusal");
+    std::vector<char> some(4096);
+    const int again = phn_model_init(some.data(), some.size(), text, length, &model);
+    require((refusal_of_loader(again) || again == PHN_ERROR_BUFFER) && model == nullptr, "init refuses, too");
+    return;
+  }
+  if (bytes > largest_memory) return;
+  memory = std::make_unique<Memory>(bytes, shift);
+  status = phn_model_init(memory->data(), bytes, text, length, &model);
+  require(status == PHN_OK || status == PHN_ERROR_RANGE,
+          "what size accepts, init accepts or finds out of range");
+  require((model != nullptr) == (status == PHN_OK), "a model or none");
+  if (status != PHN_OK) return;
+  const Memory less(bytes / 2, 0);
+  const phn_model* none = nullptr;
+  require(phn_model_init(less.data(), bytes / 2, text, length, &none) == PHN_ERROR_BUFFER && none == nullptr,
+          "half the memory is refused");
+}
+
+std::uint64_t LoadedText::hash() const {
+  Fnv1a64 hash;
+  hash.add(memory->data(), memory->size());
+  return hash.value();
+}
+
+void look_at(const phn_model* model) {
+  const auto ascending = [&](const std::int32_t* list, std::int32_t n) {
+    for (std::int32_t i = 0; i < n; ++i)
+      require(list[i] >= 0 && list[i] < phn_n_nodes(model) && (i == 0 || list[i] > list[i - 1]),
+              "nodes ascend");
+  };
+  const std::int32_t n_output = phn_n_output(model), n_fixed = phn_n_fixed(model);
+  ascending(phn_active_nodes(model), phn_n_active(model));
+  ascending(phn_output_nodes(model), n_output);
+  ascending(phn_fixed_nodes(model), n_fixed);
+  require(finite(phn_output_points(model), 3 * static_cast<std::size_t>(n_output)), "finite points");
+  require(finite(phn_fixed_points(model), 3 * static_cast<std::size_t>(n_fixed)), "finite fixed points");
+  const std::int32_t* corner = phn_triangles(model);
+  for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(phn_n_triangles(model)); ++i)
+    require(corner[i] >= 0 && corner[i] < n_output + n_fixed, "corners are vertices");
+  for (std::int32_t f = 0; f < phn_n_fields(model); ++f) {
+    const std::size_t n = std::strlen(phn_field_name(model, f)), m = std::strlen(phn_field_unit(model, f));
+    require(n >= 1 && n <= 40 && m >= 1 && m <= 40, "names of fields");
+  }
+}
+
+void ask(const phn_model* model, Script& script, bool trained, int most) {
+  std::size_t bytes = 0;
+  if (phn_data_size(model, 9, &bytes) != PHN_OK || bytes > largest_memory) return;
+  Asker asker(model, script, trained);
+  for (int i = 0; i < most && !script.at_end(); ++i) asker.call();
+}
+
+}  // namespace phynness::fuzz

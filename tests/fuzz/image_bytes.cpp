@@ -1,0 +1,156 @@
+// Any bytes as an image: refused with a documented status, or every answer is defined. Input: a byte (bit 0:
+// put the right checksum and size, bit 1: floats), 8 bytes that decide the questions, 7 that stay, the image.
+#include <phynness/image.h>
+
+#include <phynness/embedding/embedding.hpp>
+#include <phynness/image_layout.hpp>
+
+#include "../embedded/opened_image.hpp"
+#include "../runtime/small_model.hpp"
+#include "fuzz_target.hpp"
+
+namespace phynness::fuzz {
+namespace {
+
+constexpr std::size_t prologue = 16;
+/// Of magic, version, kind of number, bytes and checksum in an image.
+constexpr std::size_t bytes_at = 12, checksum_at = 16;
+
+void seal(std::vector<std::uint64_t>& words, std::size_t bytes) {
+  if (bytes < sizeof(image::Header<float>)) return;
+  auto* at = reinterpret_cast<unsigned char*>(words.data());
+  const auto length = static_cast<std::uint32_t>(bytes / 4 * 4);
+  std::memcpy(at + bytes_at, &length, 4);
+  const auto* word = reinterpret_cast<const std::uint32_t*>(words.data());
+  const std::uint32_t sum =
+      image::checksum(word + image::n_unchecked_words, length / 4 - image::n_unchecked_words);
+  std::memcpy(at + checksum_at, &sum, 4);
+}
+
+template <class Real>
+Real number(Script& script) {
+  const double value = script.number();
+  if (sizeof(Real) == 8) return static_cast<Real>(value);
+  return std::isfinite(value) && std::fabs(value) > 3e38 ? std::numeric_limits<Real>::max()
+                                                         : static_cast<Real>(value);
+}
+
+template <class Real>
+void open_and_ask(const std::vector<std::uint64_t>& words, std::size_t bytes, Script& script) {
+  using namespace phynness::test;
+  const typename Image<Real>::Type* image = nullptr;
+  const int status = Image<Real>::open(words.data(), bytes, &image);
+  require((image != nullptr) == (status == PHN_OK), "an image or none");
+  if (status != PHN_OK) {
+    require(status <= PHN_ERROR_NOT_A_MODEL && status >= PHN_ERROR_FAMILY, "a documented refusal");
+    return;
+  }
+  const std::size_t n_field = 3 * static_cast<std::size_t>(Image<Real>::n_output(image));
+  if (n_field > 1000000 || Image<Real>::scratch(image) > 1000000) return;
+  std::vector<Real> scratch(Image<Real>::scratch(image)), out;
+  const auto check = [&](int told, const std::vector<Real>& values) {
+    require(told <= 3 && (told >= 0 || (told <= PHN_ERROR_ARGUMENT && told >= PHN_ERROR_UNDEFINED)),
+            "a documented status");
+    for (const Real x : values)
+      require(told >= 0 ? std::isfinite(x) : x == 0, "finite, or zeros where refused");
+    return told >= 0;
+  };
+  const auto n_active = Image<Real>::n_active(image);
+  const std::int32_t* active = Image<Real>::active_nodes(image);
+  for (int i = 0; i < 12; ++i) {
+    const bool any = n_active == 0 || script.below(8) == 0;
+    const std::int32_t node =
+        any ? script.raw<std::int32_t>() : active[script.raw<std::uint16_t>() % n_active];
+    const Real d[3] = {number<Real>(script), number<Real>(script), number<Real>(script)};
+    out.assign(3, 1);
+    check(Image<Real>::force(image, node, d, out.data()), out);
+    out.assign(1, 1);
+    check(Image<Real>::energy(image, node, d, out.data()), out);
+    out.assign(9, 1);
+    check(Image<Real>::stiffness(image, node, d, out.data()), out);
+    require(out[1] == out[3] && out[2] == out[6] && out[5] == out[7], "a symmetric stiffness");
+    out.assign(1, 1);
+    check(Image<Real>::trained_depth(image, node, d, out.data()), out);
+    out.assign(n_field, 1);
+    std::fill(scratch.begin(), scratch.end(), std::numeric_limits<Real>::quiet_NaN());
+    check(Image<Real>::deform(image, scratch.data(), node, d, out.data()), out);
+  }
+}
+
+}  // namespace
+
+std::vector<Input> seeds() {
+  using namespace phynness::test;
+  std::vector<Input> all;
+  for (const bool floats : {false, true}) {
+    for (const bool force_only : {false, true}) {
+      for (const Model& model : {small_model(3, 2), small_linear_model(), small_modal_model(2, 2, 3, 2)}) {
+        const ModelImage made = model_image(model, {force_only, floats});
+        Input& input = all.emplace_back();
+        append(input, static_cast<std::uint8_t>(1 + 2 * floats), static_cast<std::uint64_t>(all.size()));
+        input.resize(prologue);
+        append_text(input, {reinterpret_cast<const char*>(made.bytes.data()), made.bytes.size()});
+      }
+    }
+  }
+  all.push_back(all.front());
+  all.back()[0] = 0;
+  return all;
+}
+
+}  // namespace phynness::fuzz
+
+using namespace phynness;
+using namespace phynness::fuzz;
+
+/// Words of 32 bits are what an image consists of.
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                                               unsigned seed) {
+  Random random(seed);
+  if (size < prologue + 8 || random.below(4) == 0) return LLVMFuzzerMutate(data, size, max_size);
+  constexpr std::uint32_t words[] = {0,          1,          2,          3,          0x7fffffff, 0x80000000,
+                                     0xffffffff, 0x7f800000, 0xff800000, 0x7fc00000, 0x7f7fffff, 0x7ff00000,
+                                     0x7ff80000, 0x7fefffff, 0x3f800000, 0x3ff00000, 0x00800000, 0x5368d4a5,
+                                     0x54b249ad, 0x00010000, 0x7fff7fff, 0x80018001};
+  const std::size_t n_words = (size - prologue) / 4;
+  for (std::size_t n = random.below(3) + 1; n > 0; --n) {
+    std::uint8_t* at = data + prologue + 4 * random.below(n_words);
+    std::uint32_t word;
+    std::memcpy(&word, at, 4);
+    switch (random.below(4)) {
+      case 0:
+        word = words[random.below(std::size(words))];
+        break;
+      case 1:
+        std::memcpy(&word, data + prologue + 4 * random.below(n_words), 4);
+        break;
+      case 2:
+        word += static_cast<std::uint32_t>(random.below(17)) - 8;
+        break;
+      default:
+        word ^= 1U << random.below(32);
+    }
+    std::memcpy(at, &word, 4);
+  }
+  return size;
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size < prologue) return 0;
+  Script script(data, size);
+  const std::uint8_t how = script.byte();
+  Random random(script.raw<std::uint64_t>());
+  const std::size_t bytes = size - prologue;
+  std::vector<std::uint64_t> words(bytes / 8 + 1);
+  if (bytes > 0) std::memcpy(words.data(), data + prologue, bytes);
+  if (how & 1) seal(words, bytes);
+  Input questions(600);
+  for (auto& byte : questions) byte = static_cast<std::uint8_t>(random.next());
+  Script asked(questions);
+  if (how & 2) {
+    open_and_ask<float>(words, bytes, asked);
+  } else {
+    open_and_ask<double>(words, bytes, asked);
+  }
+  return 0;
+}

@@ -1,0 +1,182 @@
+// Models that are right in structure and hold any numbers, coincident points, empty parts: what the host
+// writes, the runtime loads or finds out of range, and every answer is defined. Input: which small model, its
+// sizes, what is changed, questions.
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/model.hpp>
+
+#include "../runtime/small_model.hpp"
+#include "ask_model.hpp"
+
+namespace phynness::fuzz {
+namespace {
+
+using namespace phynness::test;
+
+Model start(Script& script) {
+  switch (script.below(4)) {
+    case 0: {
+      const int n = script.below(4);
+      return small_model(n, script.below(4));
+    }
+    case 1:
+      return small_linear_model();
+    case 2: {
+      const int modes = script.below(4), force = script.below(4), shared = script.below(5);
+      return small_modal_model(modes, force, shared, script.below(4));
+    }
+    default:
+      return small_field_model();
+  }
+}
+
+/// Every group of numbers in a model: change(first, count).
+template <class Change>
+void for_each_group(Model& model, Change change) {
+  const auto matrix = [&](auto& m) { change(m.data(), static_cast<std::size_t>(m.size())); };
+  const auto network = [&](RbfNetwork& net) {
+    for (auto* v : {&net.input_center, &net.input_half_range, &net.output_center, &net.output_half_range})
+      matrix(*v);
+    change(&net.spread, 1);
+    matrix(net.weights);
+    matrix(net.bias);
+  };
+  const auto modes = [&](ModalDeformation& modal) {
+    for (auto* table : {&modal.weights, &modal.mixing, &modal.near_modes}) matrix(table->scale);
+  };
+  for (Vec3& e : model.directions) change(e.data(), 3);
+  change(&model.max_displacement_m, 1);
+  matrix(model.displacements);
+  matrix(model.fixed_points);
+  matrix(model.output_points);
+  matrix(model.shared.modes.scale);
+  change(&model.shared.shape, 1);
+  for (FieldModes& field : model.fields) {
+    change(&field.scale, 1);
+    matrix(field.modes.scale);
+  }
+  for (ActiveNodeModel& node : model.nodes) {
+    change(node.point.data(), 3);
+    change(node.prescribed_weight.data(), node.prescribed_weight.size());
+    change(node.trained_depth_m.data(), node.trained_depth_m.size());
+    network(node.force);
+    network(node.deformation);
+    matrix(node.linear.stiffness);
+    matrix(node.linear.unit_responses);
+    change(&node.conservative.shape, 1);
+    matrix(node.conservative.stiffness);
+    matrix(node.conservative.coefficients);
+    modes(node.modal);
+    for (ModalDeformation& field : node.fields) modes(field);
+  }
+}
+
+/// One group of numbers: one of them, all of them, or a multiple.
+void change_values(Model& model, Script& script) {
+  std::vector<std::pair<double*, std::size_t>> groups;
+  for_each_group(model, [&](double* first, std::size_t n) {
+    if (n > 0) groups.emplace_back(first, n);
+  });
+  const auto [first, n] = groups[script.raw<std::uint16_t>() % groups.size()];
+  const double value = script.number();
+  switch (script.below(4)) {
+    case 0:
+      first[script.raw<std::uint16_t>() % n] = value;
+      break;
+    case 1:
+      std::fill(first, first + n, value);
+      break;
+    case 2:
+      for (std::size_t i = 0; i < n; ++i) first[i] = script.below(2) == 0 ? value : -value;
+      break;
+    default:
+      for (std::size_t i = 0; i < n; ++i) first[i] *= value;
+  }
+  for (ActiveNodeModel& node : model.nodes) {
+    if (model.family == Family::rbfn) {
+      fill_centers(model, node.force);
+      fill_centers(model, node.deformation);
+    }
+    for (Eigen::Matrix3d* k : {&node.linear.stiffness, &node.conservative.stiffness})
+      *k = k->selfadjointView<Eigen::Upper>();
+  }
+}
+
+void change_structure(Model& model, Script& script) {
+  const auto node = [&]() -> ActiveNodeModel& {
+    return model.nodes[static_cast<std::size_t>(script.below(4)) % model.nodes.size()];
+  };
+  switch (script.below(9)) {
+    case 0:
+      model.output_points.row(script.below(12)) = model.output_points.row(script.below(12));
+      break;
+    case 1:
+      if (!model.nodes.empty()) node().point = node().point;
+      break;
+    case 2:
+      if (!model.nodes.empty())
+        std::copy_n(model.output_points.row(script.below(12)).data(), 3, node().point.data());
+      break;
+    case 3:
+      model.surface.resize(0, 3);
+      break;
+    case 4:
+      if (model.surface.rows() > 0) model.surface(0, script.below(3)) = model.surface(0, script.below(3));
+      break;
+    case 5:
+      model.nodes.clear();
+      break;
+    case 6:
+      if (model.surface.rows() > 0)
+        model.surface.conservativeResize(1 + script.below(static_cast<int>(model.surface.rows())), 3);
+      break;
+    case 7:
+      for (auto* table : {&model.shared.modes.entries})
+        table->setConstant(script.raw<std::int16_t>() == -32768 ? 32767 : script.raw<std::int16_t>() / 2);
+      break;
+    default:
+      if (!model.nodes.empty()) node().n_incomplete = script.below(5);
+  }
+}
+
+}  // namespace
+
+std::vector<Input> seeds() {
+  std::vector<Input> all;
+  Random random(7);
+  for (int i = 0; i < 16; ++i) {
+    Input& input = all.emplace_back();
+    input.push_back(static_cast<std::uint8_t>(i % 4));
+    for (int k = 0; k < 300; ++k) input.push_back(static_cast<std::uint8_t>(random.next()));
+  }
+  return all;
+}
+
+}  // namespace phynness::fuzz
+
+using namespace phynness;
+using namespace phynness::fuzz;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Script script(data, size);
+  Model model = start(script);
+  for (int n = script.below(6); n > 0; --n) {
+    if (script.below(4) == 0) {
+      change_structure(model, script);
+    } else {
+      change_values(model, script);
+    }
+  }
+  std::string text;
+  try {
+    text = write_model_text(model);
+  } catch (const Error&) {
+    return 0;
+  }
+  const LoadedText loaded(text.data(), text.size(), 8);
+  if (loaded.model == nullptr) return 0;
+  look_at(loaded.model);
+  const std::uint64_t before = loaded.hash();
+  ask(loaded.model, script, false);
+  require(loaded.hash() == before, "a model never changes");
+  return 0;
+}

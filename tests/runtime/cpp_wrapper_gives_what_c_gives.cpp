@@ -1,0 +1,176 @@
+// Claims: phynness.hpp gives the bits and statuses of phynness.h, owns its memory or uses yours, survives
+// moves, writes through maps of Eigen in place, and takes no array of a wrong length.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <phynness/eigen.hpp>
+#include <phynness/phynness.hpp>
+
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace phynness::test {
+namespace {
+
+template <class To, class From>
+constexpr bool takes = std::is_convertible_v<From, To>;
+static_assert(takes<rt::In3, const double (&)[3]> && takes<rt::In3, double (&)[3]>);
+static_assert(takes<rt::In3, const std::array<double, 3>&> && takes<rt::Out3, std::array<double, 3>&>);
+static_assert(takes<rt::In3, const Eigen::Vector3d&> && takes<rt::Out3, Eigen::Vector3d&>);
+static_assert(takes<rt::Out9, Eigen::Matrix3d&> && takes<rt::Out3, Eigen::Map<Eigen::Vector3d>&>);
+static_assert(!takes<rt::In3, const double (&)[2]> && !takes<rt::In3, const double (&)[4]>);
+static_assert(!takes<rt::In3, const std::array<double, 2>&> && !takes<rt::In3, const std::array<float, 3>&>);
+static_assert(!takes<rt::Out3, const double (&)[3]> && !takes<rt::Out3, const std::array<double, 3>&>);
+static_assert(!takes<rt::In3, const Eigen::VectorXd&> && !takes<rt::Out9, Eigen::Vector3d&>);
+static_assert(!takes<rt::Out3, Eigen::Map<Eigen::Vector3d, 0, Eigen::InnerStride<2>>&>);
+static_assert(!std::is_copy_constructible_v<rt::Model> && !std::is_copy_constructible_v<rt::Data>);
+static_assert(std::is_nothrow_move_constructible_v<rt::Model> && sizeof(rt::Status) == sizeof(int));
+
+class Wrapper : public ::testing::TestWithParam<Family> {
+ protected:
+  std::string text = write_model_text(small_model_of(GetParam()));
+  LoadedModel c{text};
+};
+INSTANTIATE_TEST_SUITE_P(Families, Wrapper, ::testing::Values(Family::rbfn, Family::linear, Family::modal),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+TEST_P(Wrapper, GivesTheSameBits) {
+  const rt::Model model(text);
+  ASSERT_TRUE(model && model.status() == PHN_OK);
+  rt::Data data(model, 4);
+  ASSERT_TRUE(data);
+  EXPECT_EQ(model.n_output(), phn_n_output(c.model));
+  EXPECT_EQ(model.active_nodes().size(), 4u);
+  EXPECT_EQ(model.triangles().size(), 12u);
+  using Array = std::array<double, 3>;
+  const Array outside = {0.1, -0.2, 0.3}, nan = {0, NAN, 0}, inside = {0.001, -0.002, 0.003};
+  for (const std::int32_t node : {3, 5, 8, 15, 4, -1}) {
+    for (const Array& at : {inside, outside, nan}) {
+      const double* d = at.data();
+      double expected[9], got[9];
+      Array force;
+      EXPECT_EQ(data.force(node, at, force), phn_force(c.model, c.data, node, d, expected));
+      EXPECT_EQ(std::memcmp(force.data(), expected, 24), 0);
+      EXPECT_EQ(data.energy(node, at, *got), phn_energy(c.model, c.data, node, d, expected));
+      EXPECT_EQ(std::memcmp(got, expected, 8), 0);
+      EXPECT_EQ(data.stiffness(node, at, got), phn_stiffness(c.model, c.data, node, d, expected));
+      EXPECT_EQ(std::memcmp(got, expected, 72), 0);
+      EXPECT_EQ(model.trained_depth(node, at, *got), phn_trained_depth(c.model, node, d, expected));
+      EXPECT_EQ(std::memcmp(got, expected, 8), 0);
+      EXPECT_EQ(data.prepare(node), phn_prepare(c.model, c.data, node));
+      std::vector<double> field(36, 1), expected_field(36, 2);
+      EXPECT_EQ(data.deform(node, at, field),
+                phn_deform(c.model, c.data, 1, &node, d, expected_field.data()));
+      EXPECT_EQ(field, expected_field);
+    }
+  }
+  const std::vector<std::int32_t> nodes{3, 8};
+  const std::vector<double> d{0.001, 0, 0, 0, 0.002, 0};
+  std::vector<double> field(36), expected(36);
+  EXPECT_EQ(data.deform(nodes, d, field),
+            phn_deform(c.model, c.data, 2, nodes.data(), d.data(), expected.data()));
+  EXPECT_EQ(field, expected);
+
+  phn_tool tools[2];
+  double point[3];
+  EXPECT_EQ(model.nearest(inside, tools[0], point), PHN_OK);
+  EXPECT_EQ(model.nearest(outside, tools[1]), PHN_OK);
+  tools[0].displacement[1] = tools[1].displacement[2] = 0.002;
+  double forces[6], expected_forces[6];
+  phn_coupled result, expected_result;
+  EXPECT_EQ(data.couple(tools, forces, &result),
+            phn_couple(c.model, c.data, 2, tools, expected_forces, &expected_result));
+  EXPECT_EQ(std::memcmp(forces, expected_forces, sizeof forces), 0);
+  EXPECT_EQ(result.energy, expected_result.energy);
+  EXPECT_EQ(data.coupled_deform(field), phn_coupled_deform(c.model, c.data, expected.data()));
+  EXPECT_EQ(field, expected);
+  EXPECT_EQ(data.couple(tools[0], point), phn_couple(c.model, c.data, 1, tools, expected_forces, nullptr));
+  EXPECT_EQ(std::memcmp(point, expected_forces, sizeof point), 0);
+
+  const rt::Surface surface(model, 2);
+  ASSERT_TRUE(surface);
+  std::vector<float> scratch(surface.n_scratch()), fine(3 * static_cast<std::size_t>(surface.n_vertices()));
+  EXPECT_EQ(surface.deform(scratch, field, fine), PHN_OK);
+  EXPECT_EQ(surface.points().size(), fine.size());
+}
+
+TEST_P(Wrapper, WritesThroughMapsInPlace) {
+  const rt::Model model(text);
+  rt::Data data(model, 1);
+  const Eigen::Vector3d d(0.001, -0.002, 0.003);
+  double expected[9], memory[9] = {};
+  Eigen::Map<Eigen::Vector3d> force(memory + 3);
+  EXPECT_EQ(data.force(3, d, force), phn_force(c.model, c.data, 3, d.data(), expected));
+  EXPECT_EQ(std::memcmp(memory + 3, expected, 24), 0);
+  EXPECT_EQ(memory[2], 0);
+  EXPECT_EQ(memory[6], 0);
+  Eigen::Matrix3d stiffness;
+  EXPECT_EQ(data.stiffness(3, d, stiffness), phn_stiffness(c.model, c.data, 3, d.data(), expected));
+  EXPECT_EQ(std::memcmp(stiffness.data(), expected, 72), 0);
+  rt::Rows<double> u(model.n_output(), 3);
+  EXPECT_TRUE(data.deform(3, d, rt::span(u)).ok());
+  EXPECT_EQ(u.row(1), d.transpose());  // node 3 is the second output node
+  std::vector<double> field(36);
+  EXPECT_TRUE(data.deform(3, d, field).ok());
+  EXPECT_EQ(rt::rows(rt::Span<const double>(field)), u);
+  const auto points = rt::rows(model.output_points());
+  EXPECT_EQ(points.data(), model.output_points().data());
+  EXPECT_EQ(points.rows(), model.n_output());
+}
+
+TEST_P(Wrapper, MovesAndUsesMemoryOfItsUser) {
+  std::vector<std::byte> own(rt::Model::bytes_for(text));
+  rt::Model model(text, own);
+  ASSERT_TRUE(model);
+  const auto* at = reinterpret_cast<const std::byte*>(model.get());
+  EXPECT_TRUE(at >= own.data() && at < own.data() + own.size());
+  EXPECT_EQ(rt::Model(text, rt::Span<std::byte>(own.data(), own.size() / 2)).status(), PHN_ERROR_BUFFER);
+  model = rt::Model(text);
+  std::vector<std::byte> scratch(rt::Data::bytes_for(model, 2));
+  rt::Data data(model, 2, scratch);
+  ASSERT_TRUE(data);
+  const rt::Model moved = std::move(model);
+  rt::Data moved_data = std::move(data);
+  EXPECT_FALSE(model);
+  EXPECT_FALSE(data);
+  const double d[3] = {0.001, 0, 0};
+  double force[3];
+  EXPECT_GE(moved_data.force(3, d, force), 0);
+  EXPECT_EQ(data.force(3, d, force), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(force[0], 0);
+}
+
+TEST_P(Wrapper, MisuseHasAStatus) {
+  const rt::Model none, bad("solid liver"), model(text);
+  EXPECT_EQ(none.status(), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(bad.status(), PHN_ERROR_NOT_A_MODEL);
+  EXPECT_STREQ(bad.status().message(), phn_status_message(PHN_ERROR_NOT_A_MODEL));
+  EXPECT_EQ(rt::Model::read("/no/such/model.txt").status(), PHN_ERROR_NOT_A_MODEL);
+  EXPECT_EQ(rt::Data(bad, 1).status(), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(rt::Data(model, 0).status(), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(rt::Surface(bad, 1).status(), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(bad.n_output(), 0);
+  EXPECT_EQ(bad.active_nodes().size(), 0u);
+  rt::Data data(model, 1);
+  const double d[3] = {0.001, 0, 0};
+  std::vector<double> shorter(35, 7);
+  EXPECT_EQ(data.deform(3, d, shorter), PHN_ERROR_BUFFER);
+  EXPECT_EQ(data.coupled_deform(shorter), PHN_ERROR_BUFFER);
+  EXPECT_EQ(data.field(3, d, 0, rt::Span<double>(shorter.data(), 11)), PHN_ERROR_BUFFER);
+  EXPECT_EQ(shorter, std::vector<double>(35, 7));
+  std::vector<double> field(36);
+  const std::vector<std::int32_t> two{3, 5};
+  EXPECT_EQ(data.deform(two, rt::Span<const double>(d, 3), field), PHN_ERROR_BUFFER);
+  EXPECT_EQ(data.deform(two, field, field), PHN_ERROR_TOOLS);
+  const phn_tool tools[2] = {};
+  EXPECT_EQ(data.couple(tools, rt::Span<double>(field.data(), 5)), PHN_ERROR_BUFFER);
+  rt::Status status(PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE);
+  EXPECT_TRUE(status.ok() && status.outside() && status.incomplete() && !status.unsettled());
+  status = PHN_ERROR_ARGUMENT;
+  EXPECT_FALSE(status.ok() || status.outside() || status.incomplete());
+}
+
+}  // namespace
+}  // namespace phynness::test
