@@ -5,7 +5,7 @@
 namespace phynness::runtime {
 namespace {
 
-constexpr int most_slides = 8;
+constexpr int most_slides = 8, fewest_slides = 2;  // of one tool; of many, which cost more each
 constexpr double cone_tolerance = 1e-4;    ///< of the force
 constexpr double longest_slide = 2;        ///< in displacements of the touched point
 constexpr double same_place = 1e-4;        ///< tools closer than this are at one place, in sizes of the body
@@ -42,14 +42,16 @@ class Balance {
       tool.unbalanced = 0;
       for (int k = 0; k < 3; ++k) tool.force[k] = tool.normal[k] = 0;
     }
-    int warned = PHN_OK, status = PHN_OK;
+    int warned = PHN_OK, status = PHN_OK, n_slides = most_slides;
     for (int step = 0;; ++step) {
       warned |= separate();
       status = couple(coupled);
       if (status < 0) return status;
+      if (step == 0 && _n_active > 1) n_slides = most_slides / _n_active;
+      if (n_slides < fewest_slides) n_slides = fewest_slides;
       bool again = false;
       for (std::int32_t i = 0; i < _n_active; ++i) {
-        if (_inputs[_active[i]].mode == PHN_TOOL_PRESS && step <= most_slides) again |= judge(i, step < most_slides);
+        if (_inputs[_active[i]].mode == PHN_TOOL_PRESS && step <= n_slides) again |= judge(i, step < n_slides);
       }
       if (!again) break;
     }

@@ -77,8 +77,8 @@ TEST(SeveralTools, MayBeNearEachOther) {
 }
 
 // Claim: a tool meets the surface where another has put it. Pushed in, it is felt late, exactly where the
-// other's field says, with or without that field; bulged out, it is felt early, which takes the field. 1e-6
-// m: a tick; the normal differs a little from where the surface goes.
+// other's field says, with or without that field; pulled out, it is felt early, which takes the field. 1e-5
+// m: a proxy that waits inside the surface at rest follows in a few steps a call.
 TEST(SeveralTools, MeetTheSurfaceThatOthersMoved) {
   const LoadedModel& loaded = linear_ball();
   for (const bool pulled : {false, true}) {
@@ -112,7 +112,7 @@ TEST(SeveralTools, MeetTheSurfaceThatOthersMoved) {
       Vector3d u(0, 0, 0);
       for (int k = 0; k < 3; ++k) u += held.weights[k] * field.row(held.nodes[k]).transpose();
       EXPECT_GT(u.norm(), 0.001);
-      EXPECT_LT((vector(states[1].proxy) + u - Vector3d(0.012, 0, z)).norm(), 5e-6) << pulled << refitted;
+      EXPECT_LT((vector(states[1].proxy) + u - Vector3d(0.012, 0, z)).norm(), 1e-5) << pulled << refitted;
     }
   }
 }

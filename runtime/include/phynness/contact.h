@@ -62,8 +62,8 @@ int phn_contact_init(void *memory, size_t bytes, const phn_model *model, int32_t
  *
  * Press: force . normal <= 0, and |tangential force| <= friction |force . normal|, always. While phn_couple's force is
  * inside this cone the touched point sticks. Otherwise it slides over the triangles until the force is within 1e-4 of
- * it, in at most 8 steps a call; what these leave is cut off the force and told in `unbalanced`. Contact ends where the
- * force would pull. Of tools that press at one place the deepest is felt.
+ * it, in at most 8 steps a call, 4 with two tools in contact and 2 with more; what these leave is cut off the force and
+ * told in `unbalanced`. Contact ends where the force would pull. Of tools that press at one place the deepest is felt.
  * A tool that slides with little friction from soft to stiff tissue would give back more work than it took: its force
  * is normal, and moving it sideways costs none. Unless `unguarded`, force is scaled down to what was taken, in families
  * that have an energy, continuously; with several tools in contact scales stay what they were. With friction there is
@@ -75,7 +75,7 @@ int phn_contact_init(void *memory, size_t bytes, const phn_model *model, int32_t
  * `result` may be null: that of the last phn_couple. `data` is left with it, so phn_coupled_deform is the deformation
  * of this cycle. Refused calls leave the tools where they were. PHN_ERROR_NOT_FINITE: a centre, radius or friction.
  * Cost: a sweep for each free tool, below a microsecond for 1,000 triangles. With tools in contact 1 phn_couple of them
- * if they stick, 2 to 4 while they slide, 10 at most. */
+ * if they stick, 2 to 4 while they slide; at most 10 of one tool, 6 of two, 4 of more. */
 int phn_contact_step(phn_contact *contact, phn_data *data, int32_t n_tools, const phn_contact_tool *tools,
                      phn_contact_state *states, phn_coupled *result);
 
