@@ -161,6 +161,13 @@ TYPED_TEST(Answers, ToBadQuestionsAreZeros) {
 }
 
 /// Claim: what a float or an image cannot hold is refused in words, not cut.
+// Claim: of a model with levels an image holds the full one, byte by byte.
+TEST(ModelImage, HoldsTheFullLevel) {
+  const Model model = small_modal_model();
+  EXPECT_EQ(model_image(with_levels(model), {false, false}).bytes,
+            model_image(model, {false, false}).bytes);
+}
+
 TEST(ModelImage, RefusesWhatDoesNotFit) {
   Model model = small_linear_model();
   model.nodes[1].linear.stiffness(0, 0) = 1e13;
