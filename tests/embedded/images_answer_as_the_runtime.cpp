@@ -160,6 +160,13 @@ TYPED_TEST(Answers, ToBadQuestionsAreZeros) {
   }
 }
 
+// Claim: of a model with levels an image holds the full one, byte by byte.
+TEST(ModelImage, HoldsTheFullLevel) {
+  const Model model = small_modal_model();
+  EXPECT_EQ(model_image(with_levels(model), {false, false}).bytes,
+            model_image(model, {false, false}).bytes);
+}
+
 /// Why an image cannot be made; empty if it can.
 std::string refusal(const Model& model, bool floats) {
   try {

@@ -191,27 +191,29 @@ double true_force_error(const Model& model, const ActiveNodeModel& node, std::si
   return sum / 300 / largest;
 }
 
-// Claim: errors fall with the level, and what training says of states left out one by one is the error
-// elsewhere in the trained range to a factor of three: a state's neighbours on its ray are nearer than those
-// of a place between the rays, a state at the rim is extrapolated.
-TEST_P(Levels, TellErrorsThatFallAndBracketTheTrueOnes) {
+// Claim: what training says of states left out one by one is the error elsewhere in the trained range to a
+// factor of three (a state's neighbours on its ray are nearer than those of a place between the rays, a state
+// at the rim is extrapolated), and falls from level to level wherever that error falls by a fifth or more: 15
+// Gaussians can be no better than 8.
+TEST_P(Levels, TellErrorsThatBracketTheTrueOnesAndFallWithThem) {
   const Model model = trained(spec_of(GetParam(), 3));
-  double before = std::numeric_limits<double>::infinity(), before_displacement = before;
+  double before = 0, true_before = 0;
   for (std::size_t l = 0; l < 3; ++l) {
     double error = 0;
     for (std::size_t i = 0; i < model.nodes.size(); ++i)
       error += true_force_error(model, model.nodes[i], l, static_cast<std::int32_t>(i)) /
                static_cast<double>(model.nodes.size());
-    const auto& said = model.levels[l];
-    RecordProperty("level_" + std::to_string(l),
-                   std::to_string(said.error_force) + " said, " + std::to_string(error));
-    EXPECT_LT(said.error_force, before) << l;
-    EXPECT_LT(said.error_displacement, before_displacement) << l;
-    EXPECT_GT(said.error_force, error / 3) << l;
-    EXPECT_LT(said.error_force, error * 3) << l;
-    before = said.error_force;
-    before_displacement = said.error_displacement;
+    const double said = model.levels[l].error_force;
+    EXPECT_GT(said, error / 3) << l;
+    EXPECT_LT(said, error * 3) << l;
+    if (error < 0.8 * true_before) {
+      EXPECT_LT(said, before) << l;
+    }
+    before = said;
+    true_before = error;
   }
+  EXPECT_LT(model.levels.back().error_force, model.levels.front().error_force);
+  EXPECT_LT(model.levels.back().error_displacement, model.levels.front().error_displacement);
 }
 
 TEST(NumberOfLevels, IsBounded) {
