@@ -22,7 +22,7 @@ class Asker {
       : _model(model),
         _script(script),
         _trained(trained),
-        _max_tools(1 + script.below(9)),
+        _max_tools(1 + script.below(script.below(4) == 0 ? 9 : 3)),
         _used(data_bytes(), script.below(16)),
         _fresh(data_bytes(), script.below(16)),
         _n_output(static_cast<std::size_t>(phn_n_output(model))) {
@@ -155,8 +155,8 @@ class Asker {
     }
   }
   void deform() {
-    constexpr std::int32_t counts[] = {1, 1, 1, 2, 2, 3, 4, 0, 9, -1, 10000};
-    const std::int32_t n = counts[_script.below(11)];
+    constexpr std::int32_t counts[] = {1, 1, 1, 2, 2, 3, 4, 0, 9, -1};
+    const std::int32_t n = _script.below(64) == 63 ? 10000 : counts[_script.below(10)];
     const auto size = static_cast<std::size_t>(std::max(n, 0));
     std::vector<std::int32_t> nodes(size);
     std::vector<double> d(3 * size);
@@ -228,8 +228,8 @@ class Asker {
     return tool;
   }
   void couple() {
-    constexpr std::int32_t counts[] = {1, 1, 1, 2, 2, 3, 8, 0, 9, -1, 10000};
-    const std::int32_t n = counts[_script.below(11)];
+    constexpr std::int32_t counts[] = {1, 1, 1, 2, 2, 3, 8, 0, 9, -1};
+    const std::int32_t n = _script.below(64) == 63 ? 10000 : counts[_script.below(10)];
     const auto size = static_cast<std::size_t>(std::max(n, 0));
     std::vector<phn_tool> tools(size);
     for (std::size_t t = 0; t < std::min<std::size_t>(size, 9); ++t) tools[t] = any_tool();

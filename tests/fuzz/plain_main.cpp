@@ -50,7 +50,10 @@ std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t m
     return size + 1;
   }
   const std::size_t at = random.below(size), n = std::min(size - at, random.below(8) + 1);
-  switch (random.below(4)) {
+  switch (random.below(5)) {
+    case 4:
+      for (std::size_t i = at; i < size; ++i) data[i] = static_cast<std::uint8_t>(random.next());
+      return size;
     case 0:
       data[at] ^= static_cast<std::uint8_t>(1U << random.below(8));
       return size;

@@ -28,9 +28,9 @@ const std::vector<LoadedText>& models() {
 std::vector<Input> seeds() {
   std::vector<Input> all;
   Random random(11);
-  for (std::uint8_t i = 0; i < 24; ++i) {
+  for (int i = 0; i < 240; ++i) {
     Input& input = all.emplace_back();
-    input.push_back(i);
+    input.push_back(static_cast<std::uint8_t>(i));
     for (int k = 0; k < 200; ++k) input.push_back(static_cast<std::uint8_t>(random.next()));
   }
   return all;

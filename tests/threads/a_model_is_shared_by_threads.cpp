@@ -1,0 +1,144 @@
+// Claims: threads that share a model, a surface and an image, each with scratch of its own, get the answers
+// that one thread gets alone, to the last bit; what the force thread of the haptic loop hands to the picture
+// thread is whole. Run by the sanitizer of threads, too, which sees races that answers do not show.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "../embedded/opened_image.hpp"
+#include "force_thread.hpp"
+#include "loaded_model.hpp"
+#include "picture_thread.hpp"
+#include "simulated_device.hpp"
+#include "small_model.hpp"
+
+namespace phynness::test {
+namespace {
+
+constexpr int n_threads = 8, n_rounds = 60;
+
+/// Every function of phynness.h that takes scratch, at all active nodes, in an order that differs between
+/// threads.
+std::vector<double> answers(const phn_model* model, const phn_surface* surface, int first) {
+  std::size_t bytes = 0;
+  LoadedModel::check(phn_data_size(model, 2, &bytes));
+  std::vector<char> memory(bytes);
+  phn_data* data = nullptr;
+  LoadedModel::check(phn_data_init(memory.data(), bytes, model, 2, &data));
+  const int n_active = phn_n_active(model), n_output = phn_n_output(model);
+  std::vector<double> all, out(3 * static_cast<std::size_t>(n_output) + 9);
+  std::vector<float> scratch(phn_surface_scratch(surface)),
+      fine(3 * static_cast<std::size_t>(phn_surface_n_vertices(surface)));
+  std::vector<std::vector<double>> of_node(static_cast<std::size_t>(n_active));
+  for (int i = 0; i < n_active; ++i) {
+    const auto at = static_cast<std::size_t>((i + first) % n_active);
+    const std::int32_t node = phn_active_nodes(model)[at],
+                       other = phn_active_nodes(model)[(at + 1) % n_active];
+    const double d[] = {0.002, -0.001, 0.003, 0.001, 0.002, -0.001};
+    auto& kept = of_node[at];
+    const auto keep = [&](int status, std::size_t n) {
+      kept.push_back(status);
+      kept.insert(kept.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(n));
+    };
+    keep(phn_force(model, data, node, d, out.data()), 3);
+    keep(phn_energy(model, data, node, d, out.data()), 1);
+    keep(phn_stiffness(model, data, node, d, out.data()), 9);
+    const std::int32_t nodes[] = {node, other};
+    keep(phn_deform(model, data, 2, nodes, d, out.data()), 3 * static_cast<std::size_t>(n_output));
+    keep(phn_surface_deform(surface, scratch.data(), out.data(), fine.data()), 0);
+    kept.insert(kept.end(), fine.begin(), fine.end());
+    phn_tool tool;
+    const double x[] = {0.01, 0.02, 0.01};
+    keep(phn_nearest(model, x, &tool, nullptr), 0);
+    std::copy_n(d, 3, tool.displacement);
+    keep(phn_couple(model, data, 1, &tool, out.data(), nullptr), 3);
+    keep(phn_coupled_deform(model, data, out.data()), 3 * static_cast<std::size_t>(n_output));
+  }
+  for (const auto& part : of_node) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+class Shared : public ::testing::TestWithParam<Family> {};
+INSTANTIATE_TEST_SUITE_P(Families, Shared, ::testing::Values(Family::rbfn, Family::linear, Family::modal),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+TEST_P(Shared, ModelsAnswerAsToOneThread) {
+  const LoadedModel loaded(write_model_text(small_model_of(GetParam())));
+  std::size_t bytes = 0;
+  LoadedModel::check(phn_surface_size(loaded.model, 2, &bytes));
+  std::vector<char> memory(bytes);
+  const phn_surface* surface = nullptr;
+  LoadedModel::check(phn_surface_init(memory.data(), bytes, loaded.model, 2, &surface));
+  // Nothing has been asked before: what is chosen at the first question is chosen by all threads at once.
+  std::atomic<int> ready{0};
+  std::vector<std::vector<double>> first(n_threads);
+  std::vector<int> differing(n_threads);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < n_threads; ++t) {
+    threads.emplace_back([&, t] {
+      ++ready;
+      while (ready < n_threads) std::this_thread::yield();
+      const auto at = static_cast<std::size_t>(t);
+      first[at] = answers(loaded.model, surface, t);
+      for (int i = 1; i < n_rounds; ++i) differing[at] += answers(loaded.model, surface, t + i) != first[at];
+    });
+  }
+  for (auto& thread : threads) thread.join();
+  const std::vector<double> alone = answers(loaded.model, surface, 0);
+  for (int t = 0; t < n_threads; ++t) {
+    EXPECT_EQ(differing[static_cast<std::size_t>(t)], 0);
+    EXPECT_EQ(first[static_cast<std::size_t>(t)], alone);
+  }
+}
+
+TEST_P(Shared, ImagesAnswerAsToOneThread) {
+  const OpenedImage<float> opened(model_image(small_model_of(GetParam()), {false, true}));
+  const auto ask = [&] {
+    std::vector<float> scratch(phn_imagef_scratch(opened.image)),
+        out(3 * static_cast<std::size_t>(opened.n_output()) + 3);
+    const float d[] = {0.002F, -0.001F, 0.003F};
+    phn_imagef_force(opened.image, 3, d, out.data());
+    phn_imagef_deform(opened.image, scratch.data(), 3, d, out.data() + 3);
+    return out;
+  };
+  const auto alone = ask();
+  std::atomic<int> differing{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < n_threads; ++t) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < n_rounds; ++i) differing += ask() != alone;
+    });
+  }
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(differing, 0);
+}
+
+TEST_P(Shared, ForceAndPictureThreadsShareAModel) {
+  const LoadedModel loaded(write_model_text(small_model_of(GetParam())));
+  std::size_t bytes = 0;
+  LoadedModel::check(phn_data_size(loaded.model, 1, &bytes));
+  std::vector<char> memory(bytes);
+  phn_data* data = nullptr;
+  LoadedModel::check(phn_data_init(memory.data(), bytes, loaded.model, 1, &data));
+  LoopSettings settings;
+  settings.largest_displacement_m = 0.01;
+  ForceThread loop(settings, loaded.model, loaded.data, 3);
+  SimulatedDevice device({}, HandMotion(0.02));
+  PictureThread picture(loop.touch(), loaded.model, data, 3, 5000);
+  double largest = 0;
+  for (long cycle = 1; cycle <= 20'000; ++cycle) {
+    const auto sample = device.read();
+    const Vector3 force = loop.step(sample.position, sample.cycle, cycle);
+    device.hold(force, false);
+    largest = std::max(largest, length(force));
+    if (cycle % 100 == 0) std::this_thread::yield();
+  }
+  picture.stop();
+  EXPECT_GT(largest, 0);
+  EXPECT_TRUE(std::isfinite(largest));
+  EXPECT_TRUE(std::isfinite(picture.largest_displacement_m()));
+}
+
+}  // namespace
+}  // namespace phynness::test
