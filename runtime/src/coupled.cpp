@@ -8,7 +8,7 @@ namespace phynness::runtime {
 namespace {
 
 /// Changes of p this small against the displacements count as none.
-constexpr double settled_change = 1e-10;
+constexpr double settled_change = 1e-9;
 constexpr std::int32_t most_iterations = 40;
 constexpr double shortest_step = 1e-3;
 
@@ -175,7 +175,7 @@ class Solver {
     if (!finite()) return give_up(far);
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       const HeldPoint& point = _c.point[t];
-      result.energy += point.energy;
+      result.energy += point.energy + energy_of_nodes(point);
       for (int k = 0; k < 3; ++k) result.energy += point.force[k] * (_targets[3 * t + k] - point.own[k]) / 2;
     }
     if (!has_energy(_model)) result.energy = 0;
@@ -441,7 +441,7 @@ class Solver {
           for (int l = 0; l < 3; ++l) stiffness[3 * r + k] += point.reach[i][3 * l + r] * bent[3 * l + k];
         }
       }
-      basis_and_gradient(_model, by, e, _c.basis, _c.gradient, _c.kernel);
+      amplitude_gradient(_model, by, e, _c.gradient, _c.kernel);
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
         if (s == t) continue;
         const LocalResponse& local = _c.local[at(s, t, i)];
@@ -504,10 +504,21 @@ class Solver {
     }
   }
 
+  /// sum_i s_i E_i(e_i) of (p), 0 where there is none.
+  double energy_of_nodes(const HeldPoint& point) const {
+    double energy = 0;
+    for (std::int32_t i = 0; i < point.n_nodes && has_energy(_model); ++i) {
+      double e[3];
+      multiply(point.reach[i], point.own, e);
+      energy += point.share[i] * evaluate_energy(_model, node(point, i), e);
+    }
+    return energy;
+  }
+
   /// Force and energy of tool s at its p, the force as gradient of
   ///   p . A p / 2 + sum_i s_i [E_i(e_i) - e_i . K_i e_i / 2] - sum_g w_g / x_g psi(x_g p),
   ///   psi(p) = sum_i s_i A p . z_i(M_i p),  z_i(e) = u_i(e) - u_i'(0) e at the point.
-  /// without E_i where there is none.
+  /// the energy without the E_i.
   void pull(std::int32_t s) {
     HeldPoint& point = _c.point[s];
     double linear[3];
@@ -523,7 +534,7 @@ class Solver {
       for (int k = 0; k < 3; ++k) f[k] -= ke[k];
       multiply_transposed(point.reach[i], f, pulled);
       for (int k = 0; k < 3; ++k) point.force[k] += point.share[i] * pulled[k];
-      if (has_energy(_model)) energy += point.share[i] * (evaluate_energy(_model, by, e) - dot(ke, e) / 2);
+      energy -= point.share[i] * dot(ke, e) / 2;
       // A node alone follows the tool itself: nothing is left to couple.
       for (int g = 0; g < 3 && point.n_nodes > 1; ++g)
         energy -= pull_of_coupling(s, i, e, linear, gauss_point[g], gauss_weight[g]);

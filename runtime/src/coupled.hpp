@@ -25,7 +25,7 @@ struct HeldPoint {
   double rest_stiffness[3][9]; ///< K_i of the nodes [N/m]
   double least_stiffness;      ///< of the point in any direction, loaded or not [N/m]
   double own[3], force[3];     ///< p [m]; at the tool [N]
-  double energy;               ///< of p alone [J]
+  double energy;               ///< of p alone, without that of its nodes [J]
   double node_share[3], node_own[3][3];  ///< what the field is made of: see local_displacement
 };
 

@@ -16,20 +16,6 @@ std::int32_t position_of(const std::int32_t* list, std::int32_t n, std::int32_t 
   return -1;
 }
 
-void modal_amplitudes_and_gradient(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
-                                   double* gradient, double* scratch) {
-  const std::int32_t n = model.shared.n_centers + 3, m = node.n_modes;
-  const double R = model.max_displacement, x[3] = {d[0] / R, d[1] / R, d[2] / R};
-  const ModalKernels& kernels = best_modal_kernels();
-  kernels.basis(model.shared, x, scratch);
-  kernels.amplitudes(node, n, scratch, basis);
-  kernels.basis_gradient(model.shared, x, scratch);
-  for (int k = 0; k < 3; ++k) {
-    kernels.amplitudes(node, n, scratch + k * n, gradient + k * m);
-    for (std::int32_t j = 0; j < m; ++j) gradient[k * m + j] /= R;
-  }
-}
-
 void add_row(const std::int16_t* row, const double* scale, double factor, std::int32_t m, double* sum) {
   for (std::int32_t j = 0; j < m; ++j) sum[j] += factor * (row[j] * scale[j]);
 }
@@ -149,9 +135,23 @@ void basis_and_gradient(const phn_model& model, const ActiveNode& node, const do
       basis_of(model, node, d, basis, scratch);
       for (int i = 0; i < 9; ++i) gradient[i] = i % 4 == 0 ? 1 : 0;
       return;
-    case Family::modal:
-      return modal_amplitudes_and_gradient(model, *node.modal, d, basis, gradient, scratch);
+    case Family::modal: {
+      const double R = model.max_displacement, x[3] = {d[0] / R, d[1] / R, d[2] / R};
+      const ModalKernels& kernels = best_modal_kernels();
+      kernels.basis(model.shared, x, scratch);
+      kernels.amplitudes(*node.modal, model.shared.n_centers + 3, scratch, basis);
+      return amplitude_gradient(model, node, d, gradient, scratch);
+    }
   }
+}
+
+void amplitude_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* gradient,
+                        double* scratch) {
+  const double R = model.max_displacement, x[3] = {d[0] / R, d[1] / R, d[2] / R};
+  const ModalKernels& kernels = best_modal_kernels();
+  kernels.basis_gradient(model.shared, x, scratch);
+  kernels.three_amplitudes(*node.modal, model.shared.n_centers + 3, scratch, gradient);
+  for (std::int32_t j = 0; j < 3 * node.modal->n_modes; ++j) gradient[j] /= R;
 }
 
 void prepare_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,

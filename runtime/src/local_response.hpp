@@ -31,6 +31,10 @@ void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, doub
 void basis_and_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* basis,
                         double* gradient, double* scratch);
 
+/// The derivatives alone. @pre family modal
+void amplitude_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* gradient,
+                        double* scratch);
+
 /// @param vertices, weights  n of them; vertices as in phn_model::triangles, fixed ones and -1 do not move
 void prepare_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
                    const double* weights, LocalResponse& local);

@@ -62,29 +62,39 @@ PHN_INLINE void fill_basis_gradient(const SharedModes& centers, const double* x,
   }
 }
 
+/// amplitude = basis times weights, n_rows rows of both: weights become numbers once for all of them.
+template <std::int32_t n_rows>
 PHN_INLINE void sum_amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* basis,
                                double* __restrict amplitude) {
   const std::int32_t m = tables.n_modes;
   constexpr std::int32_t at_once = 8;
   for (std::int32_t begin = 0; begin < m; begin += at_once) {
-    const std::int16_t* row = tables.weight + begin;
+    const std::int16_t* weight = tables.weight + begin;
     const double* scale = tables.weight_scale + begin;
-    double sum[at_once] = {};
+    double sum[n_rows][at_once] = {};
     const std::int32_t size = m - begin < at_once ? m - begin : at_once;
     if (size == at_once) {
       // Ends known before: compilers turn the sums into vectors.
-      for (std::int32_t r = 0; r < n_basis; ++r, row += m) {
-        for (std::int32_t j = 0; j < at_once; ++j) sum[j] += basis[r] * row[j];
+      for (std::int32_t r = 0; r < n_basis; ++r, weight += m) {
+        for (std::int32_t j = 0; j < at_once; ++j) {
+          const double w = weight[j];
+          for (std::int32_t k = 0; k < n_rows; ++k) sum[k][j] += basis[k * n_basis + r] * w;
+        }
       }
-      for (std::int32_t j = 0; j < at_once; ++j) amplitude[begin + j] = sum[j] * scale[j];
     } else {
-      for (std::int32_t r = 0; r < n_basis; ++r, row += m) {
-        for (std::int32_t j = 0; j < size; ++j) sum[j] += basis[r] * row[j];
+      for (std::int32_t r = 0; r < n_basis; ++r, weight += m) {
+        for (std::int32_t j = 0; j < size; ++j) {
+          const double w = weight[j];
+          for (std::int32_t k = 0; k < n_rows; ++k) sum[k][j] += basis[k * n_basis + r] * w;
+        }
       }
-      for (std::int32_t j = 0; j < size; ++j) amplitude[begin + j] = sum[j] * scale[j];
+    }
+    for (std::int32_t k = 0; k < n_rows; ++k) {
+      for (std::int32_t j = 0; j < size; ++j) amplitude[k * m + begin + j] = sum[k][j] * scale[j];
     }
   }
 }
+
 /// The nodes where shared modes do not serve. The same products in the same order, whether prepared or not.
 PHN_INLINE void near_nodes(const ModalTables& tables, std::int32_t components, const PreparedNode* prepared,
                            const double* amplitude, double* field) {
@@ -213,7 +223,11 @@ PHN_INLINE void force_of_centers(const Conservative<double>& net, const double* 
   }                                                                                                         \
   attributes void amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* values,         \
                              double* amplitude) {                                                           \
-    sum_amplitudes(tables, n_basis, values, amplitude);                                                     \
+    sum_amplitudes<1>(tables, n_basis, values, amplitude);                                                  \
+  }                                                                                                         \
+  attributes void three_amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* values,   \
+                                   double* amplitude) {                                                     \
+    sum_amplitudes<3>(tables, n_basis, values, amplitude);                                                  \
   }                                                                                                         \
   attributes void field(const SharedTable& shared, const ModalTables& tables, const PreparedNode* prepared, \
                         const double* amplitude, double* scratch, double* values) {                         \
@@ -223,7 +237,8 @@ PHN_INLINE void force_of_centers(const Conservative<double>& net, const double* 
                             float* out) {                                                                   \
     mix_block(shared, tables, block, out);                                                                  \
   }                                                                                                         \
-  constexpr ModalKernels kernels = {#name, force, basis, basis_gradient, amplitudes, field, sum_block};     \
+  constexpr ModalKernels kernels = {#name,      force,            basis, basis_gradient,                   \
+                                    amplitudes, three_amplitudes, field, sum_block};                       \
   }
 
 PHN_KERNELS(any, )

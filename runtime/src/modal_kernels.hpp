@@ -19,6 +19,8 @@ struct ModalKernels {
   void (*basis_gradient)(const SharedModes& shared, const double* x, double* gradient);
   /// weights^T basis. @param basis  n_basis, the rows of tables.weight; @param amplitude tables.n_modes
   void (*amplitudes)(const ModalTables& tables, std::int32_t n_basis, const double* basis, double* amplitude);
+  /// The same of three rows of values at once. @param basis  3 x n_basis; @param amplitude 3 x tables.n_modes
+  void (*three_amplitudes)(const ModalTables& tables, std::int32_t n_basis, const double* basis, double* amplitude);
   /// Values at all output nodes, those that the probe moves not yet set.
   /// @param prepared   of the node's deformation, or null
   /// @param amplitude  tables.n_modes > 0; @param scratch shared.n_modes; @param field shared.n_rows
