@@ -2,7 +2,10 @@
 
 #include <functional>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/text_file.hpp>
+#include <phynness/formats/version.hpp>
 #include <phynness/precompute/probe_solver.hpp>
+#include <phynness/validation/report.hpp>
 #include <phynness/validation/surface_points.hpp>
 
 #include "commands.hpp"
@@ -21,7 +24,7 @@ struct Options {
   std::optional<std::int64_t> seed;
   std::int64_t nodes = 0, points = 0;
   std::optional<std::int32_t> level;
-  std::optional<std::filesystem::path> json_file;
+  std::optional<std::filesystem::path> json_file, report_file;
 };
 
 /// Two decimals, or the order of magnitude where those would show nothing.
@@ -103,6 +106,11 @@ void run(const Options& options) {
   if (options.json_file)
     refuse_overwriting(*options.json_file,
                        {options.scene, options.model / "model.txt", options.model / "mesh.txt"});
+  if (options.report_file) {
+    refuse_overwriting(*options.report_file,
+                       {options.scene, options.model / "model.txt", options.model / "mesh.txt"});
+    require_plots();
+  }
   install_stop_handler();
   const SolverSession session;
   Scene scene;
@@ -202,6 +210,10 @@ void run(const Options& options) {
                                {"force_linear", e.linear_N}});
   if (options.points > 0) out["points"] = to_json(points);
   write_json(options.json_file, out);
+  if (options.report_file) {
+    write_text_file(*options.report_file, html_report({scene, model, report, seed, software_version()}));
+    fmt::print("report: {}\n", options.report_file->string());
+  }
 }
 
 }  // namespace
@@ -226,6 +238,7 @@ void add_validate_command(CLI::App& app) {
   command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--json", options->json_file, "write the figures for machines");
+  command->add_option("--report", options->report_file, "write a page for persons (.html; needs gnuplot)");
   command->callback([options] { run(*options); });
 }
 

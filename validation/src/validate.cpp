@@ -6,6 +6,8 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/validation/probed_states.hpp>
 
+#include "probe_records.hpp"
+
 namespace phynness {
 namespace {
 
@@ -224,6 +226,7 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
   NodeProbes found;
   found.node = entry.node;
   found.counts = counted_nodes(solver, model.output);
+  if (!entry.pairs.empty()) found.curve = {entry.node, entry.pairs.front().direction, {}, {}};
   for (const auto& pair : entry.pairs) {
     const auto s = waypoints(pair, increment_m);
     std::array<bool, 2> got{false, false};
@@ -231,6 +234,10 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
       if (response.status != Status::converged) return false;
       ++found.increments;
       const Vec3 d{s[i] * pair.direction[0], s[i] * pair.direction[1], s[i] * pair.direction[2]};
+      if (&pair == &entry.pairs.front()) {
+        found.curve.depth_m.push_back(s[i]);
+        found.curve.force_N.push_back(response.force_N[0]);
+      }
       for (const Group g : {inside, outside})
         if (s[i] == (g == inside ? pair.inside_m : pair.outside_m)) {
           found.states[g].push_back(state_of(model, solver, d, response));
@@ -304,6 +311,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   samples.fill(no_samples(model.model().fields.size()));
   std::vector<double> examples;
   std::array<std::vector<double>, 2> distances;  // by Group
+  ProbeRecords records(model);
   double failed = 0, solved[2] = {0, 0}, increments = 0;
   session.together([&] {
     check_same_scene(scene, model);
@@ -317,6 +325,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
             distances[g].push_back(model.trained_distance(found.node, state.d));
         solved[g] += static_cast<double>(found.states[g].size());
       }
+      records.add(found);
       failed += static_cast<double>(found.failed);
       increments += static_cast<double>(found.increments);
       if (e < max_examples && !found.states[inside].empty())
@@ -344,6 +353,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
     (g == inside ? report.distance_correlation_inside : report.distance_correlation_outside) = correlation;
   }
   report.examples = read_examples(session.gather(examples));
+  records.finish(session, report);
   if (session.rank() == 0) report.speed = measure_speed(model);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const double cpu = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;

@@ -21,6 +21,7 @@ struct NodeProbes {
   std::int32_t node = 0;
   std::vector<char> counts;                        ///< per output node: 0 where the tool moves it itself
   std::array<std::vector<ProbedState>, 2> states;  ///< inside and beyond the trained range
+  ForceCurve curve;                                ///< of the first ray
   std::int64_t failed = 0, increments = 0;
 };
 

@@ -46,8 +46,8 @@ enum class Predictor { model, linear, zero };
 inline constexpr std::array<Predictor, 3> predictors{Predictor::model, Predictor::linear, Predictor::zero};
 const char* name(Predictor);
 
-/// Median time of one call of the runtime on this machine, this process alone; deformations of nodes that are ready
-/// (phn_prepare).
+/// Median time of one call of the runtime on this machine, this process alone; deformations of nodes that are
+/// ready (phn_prepare).
 struct RuntimeSpeed {
   double force_us = 0, deformation_us = 0;
   double field_us = 0;  ///< of one field; 0: the model has none
@@ -63,6 +63,24 @@ struct ForceExample {
   Vec3 displacement_m{}, finite_elements_N{}, model_N{}, linear_N{};
 };
 
+/// One solved probe and its errors. Displacements: means over the output nodes that count; 0 where the model
+/// has forces only.
+struct ProbeRecord {
+  std::int32_t node = 0;
+  bool outside = false;
+  Vec3 displacement_m{}, finite_elements_N{}, model_N{};
+  double force_error = 0, force_error_linear = 0;  ///< (17)
+  double displacement_error = 0, displacement_error_linear = 0;
+};
+
+/// Forces of the finite elements along one of a node's rays.
+struct ForceCurve {
+  std::int32_t node = 0;
+  Vec3 direction{};
+  std::vector<double> depth_m;
+  std::vector<Vec3> force_N;
+};
+
 struct ValidationReport {
   std::int64_t probes = 0;  ///< asked for: inside and outside together
   std::int64_t failed = 0;  ///< of them, not solved by the finite elements
@@ -71,10 +89,13 @@ struct ValidationReport {
   std::int32_t n_beside_fixed = 0;        ///< of them chosen among the nearest to the fixed nodes
   double outside_factor = 0;              ///< outside: R < |d| <= this * R
   std::array<PredictorErrors, 3> errors;  ///< by Predictor
-  /// Spearman's rank correlation of the force's error with the distance from what was trained, over the model's
-  /// probes inside the range and beyond; 0 where there are fewer than three.
+  /// Spearman's rank correlation of the force's error with the distance from what was trained, over the
+  /// model's probes inside the range and beyond; 0 where there are fewer than three.
   double distance_correlation_inside = 0, distance_correlation_outside = 0;
-  std::vector<ForceExample> examples;     ///< the first probe inside the range of a few nodes
+  std::vector<ForceExample> examples;  ///< the first probe inside the range of a few nodes
+  std::vector<ProbeRecord> records;    ///< by node; inside before outside
+  std::vector<ForceCurve> curves;      ///< of the first ray of each node
+  std::vector<double> output_error;  ///< per output node: mean error (17) of its displacement, probes inside
   RuntimeSpeed speed;
   double seconds = 0;                 ///< wall time
   double solve_ms_per_increment = 0;  ///< CPU, this validation's own solves

@@ -1,0 +1,24 @@
+// Single probes and their errors, for reports: kept on every rank, gathered at the end.
+#pragma once
+
+#include <phynness/validation/probed_states.hpp>
+
+namespace phynness {
+
+class ProbeRecords {
+ public:
+  explicit ProbeRecords(const LoadedModel& model);
+  void add(const NodeProbes& probes);
+  /// Fills `records`, `curves` and `output_error` on rank 0. Collective.
+  void finish(const SolverSession& session, ValidationReport& report) const;
+
+ private:
+  void add_group(const NodeProbes& probes, std::size_t group);
+  void add_curve(const ForceCurve& curve);
+
+  const LoadedModel& _model;
+  std::vector<double> _rows, _curves;            ///< as numbers, which travel between ranks
+  std::vector<double> _error_sum, _error_count;  ///< per output node
+};
+
+}  // namespace phynness

@@ -1,0 +1,67 @@
+#include "html.hpp"
+
+namespace phynness::report {
+namespace {
+
+constexpr const char* style = R"(
+:root { color-scheme: light dark; --line: #8884; --soft: #8882; --model: #1565c0; --linear: #c05a00; }
+@media (prefers-color-scheme: dark) { :root { --model: #6ab0ff; --linear: #ffab5e; } }
+body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.6rem; margin-bottom: 0; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .5rem; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: .5rem 0; }
+th, td { padding: .15rem .7rem; border-bottom: 1px solid var(--line); text-align: right; }
+th:first-child, td:first-child { text-align: left; } th { font-weight: 600; }
+figure { margin: .5rem 0; } figcaption { font-size: .85rem; opacity: .8; }
+svg { max-width: 100%; height: auto; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
+.plots > figure { flex: 1 1 20rem; } .wide { overflow-x: auto; } .key { opacity: .75; }
+.warning { border-left: 4px solid var(--linear); padding: .3rem .8rem; background: var(--soft); }
+@media print { body { margin: 0; max-width: none; } h2 { break-after: avoid; } figure, tr { break-inside: avoid; } }
+)";
+
+}  // namespace
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+    }
+  }
+  return out;
+}
+
+std::string table(const std::vector<std::vector<std::string>>& rows) {
+  std::string out = "<div class=\"wide\"><table>\n";
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    out += r == 0 ? "<thead><tr>" : "<tr>";
+    for (const auto& cell : rows[r]) out += (r == 0 ? "<th>" : "<td>") + cell + (r == 0 ? "</th>" : "</td>");
+    out += r == 0 ? "</tr></thead>\n" : "</tr>\n";
+  }
+  return out + "</table></div>\n";
+}
+
+std::string section(const std::string& title, const std::string& body) {
+  return "<section>\n<h2>" + title + "</h2>\n" + body + "</section>\n";
+}
+
+std::string page(const std::string& title, const std::string& body) {
+  return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
+         escaped(title) + "</title>\n<style>" + style + "</style>\n</head>\n<body>\n" + body +
+         "</body>\n</html>\n";
+}
+
+}  // namespace phynness::report

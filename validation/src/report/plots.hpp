@@ -1,0 +1,32 @@
+// Vector plots by gnuplot, as SVG elements that take the colours of the page.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace phynness::report {
+
+enum class Mark { line, dashes, points };
+
+struct Curve {
+  std::string title;
+  Mark mark = Mark::line;
+  int color = 0;  ///< 0: the model; 1: the linear predictor; 2: the finite elements
+  std::vector<std::pair<double, double>> at;
+};
+
+struct PlotSpec {
+  std::string title, x, y;
+  bool log_x = false;
+  std::vector<Curve> curves;
+};
+
+/// @throws Error (failure) if gnuplot fails
+std::string plot(const PlotSpec& spec);
+
+/// How many of the samples [%] lie in each third of a decade, from the smallest to the largest; smaller ones
+/// than `least` count as `least`.
+std::vector<std::pair<double, double>> histogram(const std::vector<double>& samples, double least);
+
+}  // namespace phynness::report

@@ -1,0 +1,353 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <phynness/validation/report.hpp>
+
+#include "conservation.hpp"
+#include "html.hpp"
+#include "plots.hpp"
+#include "surface_picture.hpp"
+
+namespace phynness {
+namespace {
+
+using namespace report;
+
+/// A just noticeable difference of force is some 10 % of it (paper, section 5; Allin et al. 2002).
+constexpr double noticeable = 0.10;
+constexpr double locking_from = 20;  // K/mu beyond which plain linear tetrahedra are called locked
+constexpr std::size_t most_curves = 6, most_worst = 10;
+
+std::string percent(double fraction) {
+  const double value = 100 * fraction;
+  return value > 0 && value < 0.005 ? fmt::format("{:.0e}", value) : fmt::format("{:.2f}", value);
+}
+std::string bytes(std::size_t n) {
+  return n < 1'000'000 ? fmt::format("{:.1f} kB", 1e-3 * static_cast<double>(n))
+                       : fmt::format("{:.2f} MB", 1e-6 * static_cast<double>(n));
+}
+std::string vector(const Vec3& v, const char* format = "{:.2f} {:.2f} {:.2f}") {
+  return fmt::format(fmt::runtime(format), 1e3 * v[0], 1e3 * v[1], 1e3 * v[2]);
+}
+
+std::string headline(const ReportInput& in) {
+  const auto& errors = in.validation.of(Predictor::model).inside;
+  const auto& linear = in.validation.of(Predictor::linear).inside;
+  std::size_t felt = 0, n = 0;
+  for (const auto& r : in.validation.records) {
+    if (r.outside) continue;
+    ++n;
+    felt += r.force_error > noticeable;
+  }
+  return fmt::format(
+      "<p>Inside the trained range the model's force is off by {} % in the mean ({} % in the median, {} % at "
+      "worst), where "
+      "three unit responses, the linear predictor, are off by {} %; displacements by {} % ({} %). {} of {} "
+      "probes have a "
+      "force off by more than {:.0f} %, which a hand may notice. All figures are error (17): the difference "
+      "over the largest "
+      "finite element response of that node.</p>\n",
+      percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max),
+      percent(linear.force.mean), percent(errors.displacement.mean), percent(linear.displacement.mean), felt,
+      n, 100 * noticeable);
+}
+
+std::string modelled(const ReportInput& in) {
+  const Scene& scene = in.scene;
+  const Model& model = in.model.model();
+  const double K_mu = scene.material.bulk_to_shear();
+  const auto& family = model.family;
+  std::string out;
+  if (scene.solver.element == Element::p1 && K_mu > locking_from)
+    out += fmt::format(
+        "<p class=\"warning\">Plain linear tetrahedra lock at K/mu = {:.3g}: the body feels several times "
+        "too stiff. The "
+        "figures below say how well the model repeats these finite elements, not the tissue. Elements p1-p1 "
+        "or taylor-hood do "
+        "not lock.</p>\n",
+        K_mu);
+  if (scene.probe.kind == ProbeKind::node)
+    out +=
+        "<p class=\"warning\">Probes move one node: their force depends on the size of the mesh. A patch has "
+        "a limit.</p>\n";
+  out += table(
+      {{"", "value"},
+       {"law", name(scene.material.law)},
+       {"shear modulus", fmt::format("{:.4g} Pa", scene.material.shear_modulus_Pa)},
+       {"bulk over shear modulus, K/mu", fmt::format("{:.4g}", K_mu)},
+       {"element", name(scene.solver.element)},
+       {"mesh", fmt::format("{} nodes, {} tetrahedra", in.model.mesh().n_nodes(), in.model.mesh().n_cells())},
+       {"nodes fixed, active, output",
+        fmt::format("{}, {}, {}", model.fixed.size(), model.nodes.size(), model.output.size())},
+       {"probe", name(scene.probe.kind)},
+       {"trained range R", fmt::format("{:.4g} mm", 1e3 * scene.probe.max_displacement_m)},
+       {"directions, increments", fmt::format("{}, {}", model.directions.size(), scene.probe.increments)},
+       {"family of the model", name(family)}});
+  return section("What was modelled", out);
+}
+
+std::string solved(const ReportInput& in) {
+  const auto& v = in.validation;
+  std::string nodes;
+  for (std::size_t i = 0; i < std::min<std::size_t>(20, v.nodes.size()); ++i)
+    nodes += fmt::format(" {}", v.nodes[i]);
+  if (v.nodes.size() > 20) nodes += " ...";
+  std::string out = fmt::format(
+      "<p>{} fresh probes at {} active nodes, {} of them beside the fixed ones ({}); directions uniform on "
+      "the sphere, half of "
+      "the depths inside the trained range, half beyond it up to {:.2f} times. {} were solved inside, {} "
+      "beyond; {} found no "
+      "equilibrium and count nowhere.</p>\n",
+      v.probes, v.nodes.size(), v.n_beside_fixed, nodes.empty() ? "" : nodes.substr(1), v.outside_factor,
+      v.solved_inside, v.solved_outside, v.failed);
+  std::size_t short_rays = 0, rays = 0, incomplete = 0;
+  for (const auto& node : in.model.model().nodes) {
+    std::size_t here = 0;
+    for (const double depth : node.trained_depth_m) {
+      ++rays;
+      here += depth < (1 - 1e-9) * in.scene.probe.max_displacement_m;
+    }
+    short_rays += here;
+    incomplete += here > 0;
+  }
+  out += fmt::format(
+      "<p>In training {} of {} rays stopped short of the full depth, at {} of {} nodes{}</p>\n", short_rays,
+      rays, incomplete, in.model.model().nodes.size(),
+      short_rays > 0 ? "; there the runtime warns, and the trained range is what was reached." : ".");
+  return section("What was solved, and what failed", out);
+}
+
+std::string errors(const ReportInput& in) {
+  std::vector<std::vector<std::string>> rows{
+      {"error in %", "model: mean", "median", "p95", "max", "linear: mean", "p95", "max", "zero: mean"}};
+  for (const bool outside : {false, true}) {
+    using Member = const ErrorStatistics& (*)(const GroupErrors&);
+    const auto row = [&](const char* what, Member member) {
+      const auto of = [&](Predictor p) -> const ErrorStatistics& {
+        const auto& e = in.validation.of(p);
+        return member(outside ? e.outside : e.inside);
+      };
+      const auto &m = of(Predictor::model), &l = of(Predictor::linear), &z = of(Predictor::zero);
+      if (m.n == 0) return;
+      rows.push_back({std::string(what) + (outside ? ", beyond" : ", inside"), percent(m.mean),
+                      percent(m.median), percent(m.p95), percent(m.max), percent(l.mean), percent(l.p95),
+                      percent(l.max), percent(z.mean)});
+    };
+    row("force (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.force; });
+    row("displacement (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement; });
+    row("tenth that moves most",
+        [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement_moving; });
+    row("field, relative L2", [](const GroupErrors& e) -> const ErrorStatistics& { return e.field_l2; });
+  }
+  std::string out = table(rows);
+  for (const bool outside : {false, true}) {
+    std::vector<double> force, force_linear, u, u_linear;
+    for (const auto& r : in.validation.records) {
+      if (r.outside != outside) continue;
+      force.push_back(100 * r.force_error);
+      force_linear.push_back(100 * r.force_error_linear);
+      u.push_back(100 * r.displacement_error);
+      u_linear.push_back(100 * r.displacement_error_linear);
+    }
+    if (force.empty()) continue;
+    const char* where = outside ? "beyond the trained range" : "inside the trained range";
+    const auto both = [&](const char* what, const std::vector<double>& model,
+                          const std::vector<double>& linear) {
+      constexpr double least = 1e-3;
+      return "<figure>" +
+             plot({fmt::format("{}, {}", what, where),
+                   "error (17) of a probe, %",
+                   "probes, %",
+                   true,
+                   {{"linear predictor", Mark::dashes, 1, histogram(linear, least)},
+                    {"model", Mark::line, 0, histogram(model, least)}}}) +
+             "</figure>\n";
+    };
+    out += "<div class=\"plots\">\n" + both("Force", force, force_linear);
+    if (in.validation.of(Predictor::model).inside.displacement.n > 0)
+      out += both("Displacement", u, u_linear);
+    out += "</div>\n";
+  }
+  return section("Errors", out);
+}
+
+std::string worst(const ReportInput& in) {
+  std::vector<const ProbeRecord*> records;
+  for (const auto& r : in.validation.records)
+    if (!r.outside) records.push_back(&r);
+  std::stable_sort(records.begin(), records.end(),
+                   [](const auto* a, const auto* b) { return a->force_error > b->force_error; });
+  records.resize(std::min(records.size(), most_worst));
+  std::vector<std::vector<std::string>> rows{{"node", "to the fixed nodes, mm", "displacement, mm",
+                                              "finite elements, mN", "model, mN", "force off by, %",
+                                              "displacement off by, %"}};
+  const auto& points = in.model.mesh().nodes;
+  for (const auto* r : records) {
+    double nearest = 1e300;
+    for (const auto fixed : in.model.model().fixed)
+      nearest = std::min(nearest, (points.row(fixed) - points.row(r->node)).norm());
+    rows.push_back({std::to_string(r->node), fmt::format("{:.0f}", 1e3 * nearest), vector(r->displacement_m),
+                    vector(r->finite_elements_N), vector(r->model_N), percent(r->force_error),
+                    percent(r->displacement_error)});
+  }
+  return section("The worst forces inside the range", table(rows));
+}
+
+std::string curves(const ReportInput& in) {
+  std::vector<const ForceCurve*> chosen;
+  for (const auto& curve : in.validation.curves)
+    if (curve.depth_m.size() > 2) chosen.push_back(&curve);
+  // Evenly among the nodes, not the kindest.
+  std::vector<const ForceCurve*> shown;
+  for (std::size_t i = 0; i < std::min(most_curves, chosen.size()); ++i)
+    shown.push_back(chosen[i * chosen.size() / std::min(most_curves, chosen.size())]);
+  std::string out =
+      "<p>The component of the force along the first random ray of a node, against depth. Solid: the model; "
+      "dots: finite "
+      "elements; dashed: the force at the first dot, drawn on in a straight line.</p>\n<div "
+      "class=\"plots\">\n";
+  for (const auto* curve : shown) {
+    const auto along = [&](const Vec3& f) {
+      return 1e3 * (f[0] * curve->direction[0] + f[1] * curve->direction[1] + f[2] * curve->direction[2]);
+    };
+    Curve model{"model", Mark::line, 0, {}}, solves{"finite elements", Mark::points, 2, {}},
+        straight{"straight on", Mark::dashes, 1, {}};
+    const double deepest = curve->depth_m.back();
+    constexpr int n = 120;
+    for (int i = 0; i <= n; ++i) {
+      const double s = deepest * i / n;
+      const Vec3 d{s * curve->direction[0], s * curve->direction[1], s * curve->direction[2]};
+      model.at.emplace_back(1e3 * s, along(in.model.force(curve->node, d)));
+    }
+    for (std::size_t i = 0; i < curve->depth_m.size(); ++i)
+      solves.at.emplace_back(1e3 * curve->depth_m[i], along(curve->force_N[i]));
+    const double slope = along(curve->force_N[0]) / curve->depth_m[0];
+    straight.at = {{0, 0}, {1e3 * deepest, slope * deepest}};
+    const Vec3 unit{curve->direction[0] * 1e-3, curve->direction[1] * 1e-3, curve->direction[2] * 1e-3};
+    out += fmt::format("<figure>{}<figcaption>Along {}; trained to {:.3g} mm</figcaption></figure>\n",
+                       plot({fmt::format("Node {}", curve->node),
+                             "depth, mm",
+                             "force, mN",
+                             false,
+                             {straight, model, solves}}),
+                       vector(unit, "({:.2f} {:.2f} {:.2f})"),
+                       1e3 * in.model.trained_depth(curve->node, curve->direction));
+  }
+  return section("Force against depth", out + "</div>\n");
+}
+
+std::string picture(const ReportInput& in) {
+  if (in.validation.of(Predictor::model).inside.displacement.n == 0) return "";
+  std::vector<std::int32_t> marks;
+  const auto& output = in.model.model().output;
+  for (const auto node : in.validation.nodes) {
+    const auto at = std::lower_bound(output.begin(), output.end(), node);
+    if (at != output.end() && *at == node) marks.push_back(static_cast<std::int32_t>(at - output.begin()));
+  }
+  std::vector<double> value;
+  for (const double e : in.validation.output_error) value.push_back(100 * e);
+  std::vector<std::vector<std::string>> rows{
+      {"node", "probes", "force off by, mean %", "max %", "displacement, mean %"}};
+  std::map<std::int32_t, std::vector<const ProbeRecord*>> by_node;
+  for (const auto& r : in.validation.records)
+    if (!r.outside) by_node[r.node].push_back(&r);
+  for (const auto& [node, records] : by_node) {
+    double force = 0, most = 0, u = 0;
+    for (const auto* r : records) {
+      force += r->force_error / static_cast<double>(records.size());
+      u += r->displacement_error / static_cast<double>(records.size());
+      most = std::max(most, r->force_error);
+    }
+    rows.push_back(
+        {std::to_string(node), std::to_string(records.size()), percent(force), percent(most), percent(u)});
+  }
+  std::string out =
+      "<p>The mean error of the displacement at each place over all probes inside the range; rings: the "
+      "nodes that were "
+      "touched; grey: fixed. Deeper colours than the scale's end are drawn as its end.</p>\n" +
+      surface_picture(in.model.model(), value, marks, "%");
+  if (rows.size() <= 41) out += table(rows);
+  return section("Where on the body the error is", out);
+}
+
+std::string trust(const ReportInput& in) {
+  constexpr int n_paths = 200;
+  const Conservation c = closed_paths(in.model, n_paths, in.seed);
+  std::string out = fmt::format(
+      "<p>The work over {} closed paths of displacements inside the range, integrated from forces, is {:.1e} "
+      "of the {} in the "
+      "median and {:.1e} at most. {}</p>\n",
+      c.paths, c.median,
+      c.has_energy ? "largest stored energy on the path" : "largest work |f . d| / 2 on it", c.largest,
+      c.has_energy
+          ? "Forces are the gradient of a stored energy: a hand cannot draw work from the model."
+          : "Networks of this family have no energy: a hand on a closed path may gain or lose this much.");
+  out += fmt::format(
+      "<p>The distance to the nearest trained displacement (phn_trained_distance) and the error of the force "
+      "have a rank "
+      "correlation of {:.2f} inside and {:.2f} beyond.</p>\n",
+      in.validation.distance_correlation_inside, in.validation.distance_correlation_outside);
+  return section("Conservation and trust", out);
+}
+
+std::string cost(const ReportInput& in) {
+  const auto& speed = in.validation.speed;
+  std::string out = fmt::format(
+      "<p>On one core of the machine that wrote this: a force in {:.2f} us, a deformation of {} nodes in "
+      "{:.1f} us, against "
+      "{:.1f} ms of one core for an increment of the finite elements. {} in the runtime's memory, {} as "
+      "text.</p>\n",
+      speed.force_us, in.model.model().output.size(), speed.deformation_us,
+      in.validation.solve_ms_per_increment, bytes(in.model.memory_bytes()), bytes(in.model.text_bytes()));
+  const std::int32_t n_levels = phn_n_levels(in.model.handle());
+  if (n_levels > 1) {
+    const auto times = measure_levels(in.model);
+    std::vector<std::vector<std::string>> rows{{"level", "centers of a force", "of a deformation", "modes",
+                                                "force, us", "deformation, us", "force off by, %",
+                                                "displacement, %"}};
+    for (std::int32_t l = 0; l < n_levels; ++l) {
+      phn_level level;
+      phn_level_info(in.model.handle(), l, &level);
+      const auto& time = times[static_cast<std::size_t>(l)];
+      rows.push_back({std::to_string(l), std::to_string(level.force_centers),
+                      std::to_string(level.deformation_centers), std::to_string(level.modes),
+                      fmt::format("{:.2f}", time.force_us), fmt::format("{:.2f}", time.deformation_us),
+                      percent(level.error_force), percent(level.error_displacement)});
+    }
+    out +=
+        "<p>Speed against accuracy, by level; errors are estimates of training: displacements left out one "
+        "by one, the "
+        "median node.</p>\n" +
+        table(rows);
+  } else {
+    out +=
+        "<p class=\"key\">The model has one level. <code>phynness train --levels 4</code> stores smaller "
+        "ones beside it; "
+        "<code>phynness tune</code> measures families and sizes.</p>\n";
+  }
+  return section("Size and time", out);
+}
+
+std::string origin(const ReportInput& in) {
+  return section("What made this",
+                 table({{"", "value"},
+                        {"software", escaped(in.software)},
+                        {"scene", escaped(in.scene.source_name)},
+                        {"physics of the scene", in.model.model().physics_hash},
+                        {"mesh", in.model.model().mesh_hash},
+                        {"seed of the probes", std::to_string(in.seed)},
+                        {"time of the solves", fmt::format("{:.0f} s", in.validation.seconds)}}));
+}
+
+}  // namespace
+
+std::string html_report(const ReportInput& in) {
+  const std::string title = in.scene.title.empty() ? "Model against finite elements" : in.scene.title;
+  return page(title, "<h1>" + escaped(title) + "</h1>\n" + headline(in) + modelled(in) + solved(in) +
+                         errors(in) + worst(in) + curves(in) + picture(in) + trust(in) + cost(in) +
+                         origin(in));
+}
+
+}  // namespace phynness
