@@ -1,4 +1,5 @@
-# Toolchain: clang for WebAssembly with 128-bit SIMD; headers and mathematics of wasi-libc, nothing of an operating system.
+# Toolchain: clang for WebAssembly with 128-bit SIMD and what every engine that has it has too; headers and mathematics of
+# wasi-libc, nothing of an operating system.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR wasm32)
 set(CMAKE_C_COMPILER clang)
@@ -6,5 +7,5 @@ set(CMAKE_CXX_COMPILER clang++)
 set(CMAKE_C_COMPILER_TARGET wasm32-wasi)
 set(CMAKE_CXX_COMPILER_TARGET wasm32-wasi)
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
-set(CMAKE_C_FLAGS_INIT "-msimd128 -ffunction-sections -fdata-sections")
+set(CMAKE_C_FLAGS_INIT "-msimd128 -mbulk-memory -msign-ext -mnontrapping-fptoint -ffunction-sections -fdata-sections")
 set(CMAKE_CXX_FLAGS_INIT "${CMAKE_C_FLAGS_INIT}")

@@ -4,7 +4,7 @@
 // save a fifth of the training time. The order of the sums depends on the vector width, so trained weights
 // agree between machines to rounding, and between thread counts exactly.
 #if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PHYNNESS_CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define PHYNNESS_CLONES
