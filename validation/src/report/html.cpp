@@ -10,7 +10,7 @@ body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto
 h1 { font-size: 1.6rem; margin-bottom: 0; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .5rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: .5rem 0; }
 th, td { padding: .15rem .7rem; border-bottom: 1px solid var(--line); text-align: right; }
-th:first-child, td:first-child { text-align: left; } th { font-weight: 600; }
+td { white-space: nowrap; } th:first-child, td:first-child { text-align: left; } th { font-weight: 600; }
 figure { margin: .5rem 0; } figcaption { font-size: .85rem; opacity: .8; }
 svg { max-width: 100%; height: auto; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
 .plots > figure { flex: 1 1 20rem; } .wide { overflow-x: auto; } .key { opacity: .75; }

@@ -47,17 +47,21 @@ std::string embedded(std::string svg) {
   const auto begin = svg.find("<svg");
   if (begin == std::string::npos) return "";
   svg.erase(0, begin);
-  replace_all(svg, "\"black\"", "\"currentColor\"");
-  replace_all(svg, "\"gray\"", "\"currentColor\" stroke-opacity=\"0.2\"");
+  // Attributes come in both kinds of quotes.
+  static int n_plots = 0;
+  const std::string own = fmt::format("p{}_", ++n_plots);
+  for (const char q : {'"', '\''}) {
+    replace_all(svg, fmt::format("{0}black{0}", q), fmt::format("{0}currentColor{0}", q));
+    replace_all(svg, fmt::format("{0}gray{0}", q), fmt::format("{0}currentColor{0}", q));
+    replace_all(svg, fmt::format("stroke={0}rgb(190, 190, 190){0}", q),
+                fmt::format("stroke={0}currentColor{0} stroke-opacity={0}0.25{0}", q));
+    replace_all(svg, fmt::format(" id={}", q), fmt::format(" id={}{}", q, own));
+    replace_all(svg, fmt::format("xlink:href={}#", q), fmt::format("xlink:href={}#{}", q, own));
+  }
   replace_all(svg, "rgb(  1,   2,   3)", "var(--model)");
   replace_all(svg, "rgb(  4,   5,   6)", "var(--linear)");
   replace_all(svg, "rgb(  7,   8,   9)", "currentColor");
-  static int n_plots = 0;
-  const std::string own = "p" + std::to_string(++n_plots) + "_";
-  replace_all(svg, "id=\"", "id=\"" + own);
   replace_all(svg, "url(#", "url(#" + own);
-  replace_all(svg, "xlink:href='#", "xlink:href='#" + own);
-  replace_all(svg, "xlink:href=\"#", "xlink:href=\"#" + own);
   return svg;
 }
 
@@ -91,7 +95,7 @@ std::string plot(const PlotSpec& spec) {
   // Colours that stand for those of the page.
   static constexpr std::array<const char*, 3> colors{"#010203", "#040506", "#070809"};
   std::string script =
-      "set terminal svg size 460,300 dynamic background 'transparent' font 'sans,12' noenhanced\n"
+      "set terminal svg size 460,300 dynamic font 'sans,12' noenhanced\n"
       "set grid lc 'gray'\nset border 3\nset tics nomirror\nset key top left reverse Left samplen 2\n";
   script += fmt::format("set title {} noenhanced\nset xlabel {} noenhanced\nset ylabel {} noenhanced\n",
                         quoted(spec.title), quoted(spec.x), quoted(spec.y));

@@ -266,7 +266,7 @@ std::string picture(const ReportInput& in) {
   std::string out =
       "<p>The mean error of the displacement at each place over all probes inside the range; rings: the "
       "nodes that were "
-      "touched; grey: fixed. Deeper colours than the scale's end are drawn as its end.</p>\n" +
+      "touched; grey: fixed. Larger errors than the scale's end are drawn as its end.</p>\n" +
       surface_picture(in.model.model(), value, marks, "%");
   if (rows.size() <= 41) out += table(rows);
   return section("Where on the body the error is", out);
