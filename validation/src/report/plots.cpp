@@ -96,7 +96,7 @@ std::string plot(const PlotSpec& spec) {
   static constexpr std::array<const char*, 3> colors{"#010203", "#040506", "#070809"};
   std::string script =
       "set terminal svg size 460,300 dynamic font 'sans,12' noenhanced\n"
-      "set grid lc 'gray'\nset border 3\nset tics nomirror\nset key top left reverse Left samplen 2\n";
+      "set grid lc 'gray'\nset border 3\nset tics nomirror\nset key below samplen 2\n";
   script += fmt::format("set title {} noenhanced\nset xlabel {} noenhanced\nset ylabel {} noenhanced\n",
                         quoted(spec.title), quoted(spec.x), quoted(spec.y));
   if (spec.log_x) script += "set logscale x\nset format x '%g'\n";

@@ -44,7 +44,8 @@ std::string headline(const ReportInput& in) {
   return fmt::format(
       "<p>Inside the trained range the model's force is off by {} % in the mean ({} % in the median, {} % at "
       "worst), where "
-      "three unit responses, the linear predictor, are off by {} %; displacements by {} % ({} %). {} of {} "
+      "three unit responses, the linear predictor, are off by {} %; displacements by {} % (linear: {} %). {} "
+      "of {} "
       "probes have a "
       "force off by more than {:.0f} %, which a hand may notice. All figures are error (17): the difference "
       "over the largest "
@@ -264,7 +265,8 @@ std::string picture(const ReportInput& in) {
         {std::to_string(node), std::to_string(records.size()), percent(force), percent(most), percent(u)});
   }
   std::string out =
-      "<p>The mean error of the displacement at each place over all probes inside the range; rings: the "
+      "<p>The mean error of the displacement at each place over all probes inside the range; rings, on both "
+      "pictures: the "
       "nodes that were "
       "touched; grey: fixed. Larger errors than the scale's end are drawn as its end.</p>\n" +
       surface_picture(in.model.model(), value, marks, "%");
