@@ -109,6 +109,11 @@ void run(const Options& options) {
   if (options.report_file) {
     refuse_overwriting(*options.report_file,
                        {options.scene, options.model / "model.txt", options.model / "mesh.txt"});
+    if (options.json_file) refuse_overwriting(*options.report_file, {*options.json_file});
+    const auto folder = std::filesystem::absolute(*options.report_file).parent_path();
+    if (!std::filesystem::is_directory(folder) || std::filesystem::is_directory(*options.report_file))
+      throw input_error("a report cannot be written there", options.report_file->string(),
+                        "name a file in a folder that exists");
     require_plots();
   }
   install_stop_handler();
@@ -122,6 +127,10 @@ void run(const Options& options) {
     if (session.rank() == 0) check_mesh(scene, loaded->model().mesh_hash, options.model.string());
   });
   const LoadedModel& model = *loaded;
+  if (options.points > 0 && !model.model().nodes.empty() &&
+      model.respond({model.model().nodes.front().node}, {Vec3{}}).displacement_m.rows() == 0)
+    throw input_error("tools between nodes need deformations, and the model has forces only",
+                      options.model.string(), "leave --points out, or train with modes");
   const auto seed = options.seed ? static_cast<std::uint64_t>(*options.seed) : scene.validation.seed;
   ValidationReport report;
   {

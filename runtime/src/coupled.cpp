@@ -17,6 +17,9 @@ constexpr double shortest_step = 1e-3;
 constexpr double least_of_rest = 0.3;
 constexpr double largest_shift = 0.5;
 
+/// Where nothing settles a force is a guess: no more than this many times what all tools would feel alone.
+constexpr double largest_guess = 2;
+
 /// Gauss-Legendre on 0 ... 1: exact for the first six powers of the depth.
 constexpr double gauss_point[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
 constexpr double gauss_weight[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
@@ -156,7 +159,14 @@ class Solver {
       far = std::fmax(far, length(_targets + 3 * s));
     }
     CoupledResult result = {};
+    double alone = 0;  // what the tools would feel one by one
     if (_c.n_tools > 1) {
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+        for (int k = 0; k < 3; ++k) _c.point[s].own[k] = _targets[3 * s + k];
+        pull(s);
+        alone += length(_c.point[s].force);
+        for (double& k : _c.point[s].own) k = 0;
+      }
       result.iterations = find_own(far);
     } else {
       for (int k = 0; k < 3; ++k) _c.point[0].own[k] = _targets[k];
@@ -165,6 +175,7 @@ class Solver {
     result.residual = miss();
     result.settled = result.residual <= 10 * settled_change * far;
     if (!result.settled && correct()) add_forces();
+    for (std::int32_t s = 0; !result.settled && s < _c.n_tools; ++s) limit_force(s, largest_guess * alone);
     // The fields lack what the tools do to each other's; the undeformed body makes up for it.
     for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) _c.shift[i] = 0;
     miss();
@@ -376,6 +387,12 @@ class Solver {
         basis[j] += q[0] * gradient[j] + q[1] * gradient[n + j] + q[2] * gradient[2 * n + j];
       for (int k = 0; k < 3; ++k) point.node_own[i][k] += q[k];
     }
+  }
+
+  void limit_force(std::int32_t s, double most) {
+    HeldPoint& point = _c.point[s];
+    const double size = length(point.force);
+    for (int k = 0; k < 3 && size > most; ++k) point.force[k] *= most / size;
   }
 
   /// What the changes of the p in `right` do to the forces of the undeformed body.

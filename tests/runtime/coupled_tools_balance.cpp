@@ -242,6 +242,31 @@ TEST(CoupledTools, MeetTheBodyAsTheOtherHasDisplacedIt) {
   }
 }
 
+// Claim: tools so close that nothing settles give a guess that a device can render: no more than twice the
+// sum of what they would feel alone.
+TEST_P(CoupledToolsOf, GuessesAreBounded) {
+  const LoadedModel loaded(write_model_text(small_model_of(GetParam())));
+  int n_guesses = 0;
+  for (const double apart : {1e-3, 1e-5, 1e-7, 0.0}) {
+    const phn_tool tools[2] = {tool(3, 5, 8, 0.4, 0.3, 0.005, 0.004, -0.003),
+                               tool(3, 5, 8, 0.4 - apart, 0.3 + apart, -0.004, 0.005, 0.002)};
+    Eigen::Vector3d alone[2];
+    Eigen::Matrix<double, 3, 2> forces;
+    for (int t = 0; t < 2; ++t)
+      ASSERT_GE(phn_couple(loaded.model, loaded.data, 1, tools + t, alone[t].data(), nullptr), 0);
+    const int status = phn_couple(loaded.model, loaded.data, 2, tools, forces.data(), nullptr);
+    ASSERT_GE(status, 0);
+    if (!(status & PHN_WARNING_UNSETTLED)) continue;
+    ++n_guesses;
+    // The force that a tool feels alone is corrected by what its own field misses: a tenth more room for
+    // that.
+    for (int t = 0; t < 2; ++t) EXPECT_LE(forces.col(t).norm(), 2.2 * (alone[0].norm() + alone[1].norm()));
+  }
+  if (GetParam() != Family::linear) {
+    EXPECT_GT(n_guesses, 0);
+  }
+}
+
 // Claim: forces are continuous where a tool slides over an edge or a node, and the answer is the same
 // whatever was asked before. Both triangles see the edge's own problem, so that a step of 1e-9 changes the
 // force by some 1e-9 of it; substitution ends at 1e-9, too. The body is curved: the force differs from the

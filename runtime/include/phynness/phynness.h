@@ -28,7 +28,7 @@ enum {
   PHN_OK = 0,
   PHN_WARNING_OUTSIDE = 1,      /* a displacement is longer than what was trained in its direction */
   PHN_WARNING_INCOMPLETE = 2,   /* some direction of a touched node stopped short of the full depth in training */
-  PHN_WARNING_UNSETTLED = 4,    /* coupled tools: iteration did not settle, as beside a snap; forces are a guess */
+  PHN_WARNING_UNSETTLED = 4,    /* coupled tools: iteration did not settle; forces are a bounded guess */
   PHN_ERROR_ARGUMENT = -1,      /* null pointer, negative number, data of another model */
   PHN_ERROR_NOT_ACTIVE = -2,    /* the node cannot be touched in this model */
   PHN_ERROR_NOT_FINITE = -3,    /* a displacement, place or size is NaN or infinite */
@@ -135,7 +135,7 @@ typedef struct phn_tool {
 int phn_nearest(const phn_model *model, const double x[3], phn_tool *tool, double point[3]);
 
 typedef struct phn_coupled {
-  double residual;    /* largest distance between a tool's point and where the tool holds it [m] */
+  double residual;    /* largest distance between a tool's point and where the tool holds it, in the field [m] */
   double energy;      /* [J]; 0 in networks, which have none */
   int32_t iterations; /* 0 for one tool, at most 40 */
 } phn_coupled;
@@ -144,6 +144,8 @@ typedef struct phn_coupled {
  * tools anywhere). Exact in a linear body; at a node that node's own answer; continuous where a tool slides over edges and
  * nodes. The force of one tool is the gradient of an energy while it holds one point, in families that have one. The answer
  * depends on these arguments alone, not on earlier calls. `result` may be null.
+ * Tools closer than an edge or deep in a soft body, and most sets of more than four, give PHN_WARNING_UNSETTLED: forces are
+ * then at most twice the sum of what the tools would feel alone, and may jump. Merge tools that meet at one place.
  * Cost, one tool between three nodes: 21 forces, 3 energies where the family has them, 21 sets of amplitudes and 9 with
  * their gradients, nothing to iterate. Several: that for each, in each of some 5 to 25 iterations (at most 40), and in modal
  * models a stiffness and the amplitudes' gradients of each node again.

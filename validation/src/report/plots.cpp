@@ -37,6 +37,19 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
+/// As one word to a shell.
+std::string shell_word(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) {
+    if (c == '\'') {
+      out += "'\\''";
+    } else {
+      out += c;
+    }
+  }
+  return out + "'";
+}
+
 void replace_all(std::string& text, const std::string& from, const std::string& to) {
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
     text.replace(at, from.size(), to);
@@ -116,7 +129,7 @@ std::string plot(const PlotSpec& spec) {
   if (drawn.empty()) return "<p>Nothing to draw.</p>";
   script += "plot " + drawn + "\n";
   const TemporaryFile file(script);
-  std::string svg = embedded(output_of("gnuplot " + file.path().string() + " 2>/dev/null"));
+  std::string svg = embedded(output_of("gnuplot " + shell_word(file.path().string()) + " 2>/dev/null"));
   if (svg.empty())
     throw failure("gnuplot did not draw", spec.title, "install gnuplot-nox, or leave --report out");
   return svg;

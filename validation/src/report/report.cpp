@@ -41,18 +41,19 @@ std::string headline(const ReportInput& in) {
     ++n;
     felt += r.force_error > noticeable;
   }
+  std::string moved;
+  if (errors.displacement.n > 0)
+    moved = fmt::format("; displacements by {} % (linear: {} %)", percent(errors.displacement.mean),
+                        percent(linear.displacement.mean));
   return fmt::format(
       "<p>Inside the trained range the model's force is off by {} % in the mean ({} % in the median, {} % at "
-      "worst), where "
-      "three unit responses, the linear predictor, are off by {} %; displacements by {} % (linear: {} %). {} "
-      "of {} "
-      "probes have a "
-      "force off by more than {:.0f} %, which a hand may notice. All figures are error (17): the difference "
-      "over the largest "
-      "finite element response of that node.</p>\n",
+      "worst), where three unit responses, the linear predictor, are off by {} %{}. {} of {} probes have a "
+      "force "
+      "off by more than {:.0f} %, which a hand may notice. All figures are error (17): the difference over "
+      "the "
+      "largest finite element response of that node.</p>\n",
       percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max),
-      percent(linear.force.mean), percent(errors.displacement.mean), percent(linear.displacement.mean), felt,
-      n, 100 * noticeable);
+      percent(linear.force.mean), moved, felt, n, 100 * noticeable);
 }
 
 std::string modelled(const ReportInput& in) {
@@ -191,7 +192,9 @@ std::string worst(const ReportInput& in) {
       nearest = std::min(nearest, (points.row(fixed) - points.row(r->node)).norm());
     rows.push_back({std::to_string(r->node), fmt::format("{:.0f}", 1e3 * nearest), vector(r->displacement_m),
                     vector(r->finite_elements_N), vector(r->model_N), percent(r->force_error),
-                    percent(r->displacement_error)});
+                    in.validation.of(Predictor::model).inside.displacement.n > 0
+                        ? percent(r->displacement_error)
+                        : "-"});
   }
   return section("The worst forces inside the range", table(rows));
 }
@@ -296,13 +299,18 @@ std::string trust(const ReportInput& in) {
 
 std::string cost(const ReportInput& in) {
   const auto& speed = in.validation.speed;
+  std::string deformation;
+  if (in.validation.of(Predictor::model).inside.displacement.n > 0)
+    deformation = fmt::format(", a deformation of {} nodes in {:.1f} us", in.model.model().output.size(),
+                              speed.deformation_us);
   std::string out = fmt::format(
-      "<p>On one core of the machine that wrote this: a force in {:.2f} us, a deformation of {} nodes in "
-      "{:.1f} us, against "
-      "{:.1f} ms of one core for an increment of the finite elements. {} in the runtime's memory, {} as "
+      "<p>On one core of the machine that wrote this: a force in {:.2f} us{}. An increment of the finite "
+      "elements "
+      "took {:.1f} ms of one core, all that this validation did besides included. {} in the runtime's "
+      "memory, {} as "
       "text.</p>\n",
-      speed.force_us, in.model.model().output.size(), speed.deformation_us,
-      in.validation.solve_ms_per_increment, bytes(in.model.memory_bytes()), bytes(in.model.text_bytes()));
+      speed.force_us, deformation, in.validation.solve_ms_per_increment, bytes(in.model.memory_bytes()),
+      bytes(in.model.text_bytes()));
   const std::int32_t n_levels = phn_n_levels(in.model.handle());
   if (n_levels > 1) {
     const auto times = measure_levels(in.model);
