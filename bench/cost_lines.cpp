@@ -1,7 +1,5 @@
 // Time against neurons, centers and nodes, with the straight lines through it, and how near the paper's sizes
 // are to what this core can do. Usage: phynness_cost_lines [--plot FILE.svg] [--json FILE]
-#include <phynness/phynness.h>
-
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
@@ -9,108 +7,26 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "exit_status.hpp"
-#include "liver_sized_model.hpp"
 #include "machine_limits.hpp"
-#include "median_time.hpp"
-#include "plain_runtime.hpp"
+#include "timed_model.hpp"
 
 namespace {
 
 using namespace phynness;
-using bench::median_us;
 
-double sink = 0;
-
-void check(int status) {
-  if (status < 0) throw std::runtime_error(phn_status_message(status));
-}
-
-/// As a hand moves: another displacement for each call, within 15 mm.
-void displacement(int i, double* d) {
-  for (int k = 0; k < 3; ++k) d[k] = 0.0003 * ((i * (k + 3)) % 50);
-}
-
-class Loaded {
+class Timed : public bench::TimedModel {
  public:
-  explicit Loaded(const Model& model) {
-    const std::string text = write_model_text(model);
-    std::size_t bytes = 0;
-    check(phn_model_size(text.data(), text.size(), &bytes));
-    _model_memory.resize(bytes);
-    check(phn_model_init(_model_memory.data(), bytes, text.data(), text.size(), &_model));
-    check(phn_data_size(_model, 1, &bytes));
-    _data_memory.resize(bytes);
-    check(phn_data_init(_data_memory.data(), bytes, _model, 1, &_data));
-    _field.resize(3 * static_cast<std::size_t>(phn_n_output(_model)));
+  explicit Timed(const Model& model) : TimedModel(write_model_text(model)) {}
+  double force_ns() { return 1e3 * force_us(); }
+  double prepared_us() {
+    bench::check(phn_prepare(model, data, node(0)));
+    return deformation_us(node(0));
   }
-  double force_ns() {
-    const std::int32_t node = *phn_active_nodes(_model);
-    return 1e3 * median_us([&](int i) {
-             double d[3], f[3];
-             displacement(i, d);
-             phn_force(_model, _data, node, d, f);
-             sink += f[0];
-           });
-  }
-  double deformation_us() {
-    const std::int32_t node = *phn_active_nodes(_model);
-    check(phn_prepare(_model, _data, node));
-    return median_us([&](int i) {
-      double d[3];
-      displacement(i, d);
-      phn_deform(_model, _data, 1, &node, d, _field.data());
-      sink += _field[0];
-    });
-  }
-
- private:
-  std::vector<char> _model_memory, _data_memory;
-  std::vector<double> _field;
-  const phn_model* _model = nullptr;
-  phn_data* _data = nullptr;
 };
-
-template <int N>
-bench::PlainNetwork<N> plain_network(int n) {
-  bench::Arbitrary arbitrary;
-  bench::PlainNetwork<N> net;
-  net.neurons.resize(static_cast<std::size_t>(n));
-  net.spread = 1.4;
-  for (auto& neuron : net.neurons) {
-    for (double& c : neuron.center) c = arbitrary.number();
-    for (double& w : neuron.weight) w = arbitrary.number();
-  }
-  return net;
-}
-
-double plain_force_ns(int n) {
-  const auto net = plain_network<3>(n);
-  return 1e3 * median_us([&](int i) {
-           double d[3], f[3];
-           displacement(i, d);
-           bench::plain_force(net, d, f);
-           sink += f[0];
-         });
-}
-
-double plain_deformation_us(int n, int n_nodes) {
-  const auto net = plain_network<6>(n);
-  bench::Arbitrary arbitrary;
-  std::vector<std::array<double, 3>> points(static_cast<std::size_t>(n_nodes));
-  for (auto& point : points) point = {arbitrary.number(), arbitrary.number(), arbitrary.number()};
-  std::vector<double> field(3 * points.size());
-  return median_us([&](int i) {
-    double d[3];
-    displacement(i, d);
-    bench::plain_deformation(net, points, d, field.data());
-    sink += field[0];
-  });
-}
 
 /// One figure: times of the runtime and, in family rbfn, of the plain loop.
 struct Series {
@@ -165,13 +81,13 @@ std::vector<Series> measure() {
     Series force{"force, family rbfn", "neurons", "ns", {}, {}, {}};
     Series field{"deformation of 486 nodes, family rbfn", "neurons", "us", {}, {}, {}};
     for (const int n : neurons) {
-      Loaded loaded(bench::networks_model(n, n, 1));
+      Timed loaded(bench::networks_model(n, n, 1));
       force.n.push_back(n);
       force.time.push_back(loaded.force_ns());
-      force.plain.push_back(plain_force_ns(n));
+      force.plain.push_back(1e3 * bench::plain_force_us(n));
       field.n.push_back(n);
-      field.time.push_back(loaded.deformation_us());
-      field.plain.push_back(plain_deformation_us(n, bench::n_output));
+      field.time.push_back(loaded.prepared_us());
+      field.plain.push_back(bench::plain_deformation_us(n, bench::n_output));
     }
     finish(std::move(force));
     finish(std::move(field));
@@ -180,8 +96,8 @@ std::vector<Series> measure() {
     Series field{"deformation, family rbfn, 200 neurons", "nodes", "us", {}, {}, {}};
     for (const int n : nodes) {
       field.n.push_back(n);
-      field.time.push_back(Loaded(bench::networks_model(n_neurons, n_neurons, 1, n)).deformation_us());
-      field.plain.push_back(plain_deformation_us(n_neurons, n));
+      field.time.push_back(Timed(bench::networks_model(n_neurons, n_neurons, 1, n)).prepared_us());
+      field.plain.push_back(bench::plain_deformation_us(n_neurons, static_cast<std::size_t>(n)));
     }
     finish(std::move(field));
   }
@@ -189,7 +105,7 @@ std::vector<Series> measure() {
     Series force{"force, family modal", "centers", "ns", {}, {}, {}};
     for (const int n : {15, 31, 63, 127}) {  // and one at rest
       force.n.push_back(n + 1);
-      force.time.push_back(Loaded(bench::modal_model(n, n_shared, n_own, n_centers, n_near, 1)).force_ns());
+      force.time.push_back(Timed(bench::modal_model(n, n_shared, n_own, n_centers, n_near, 1)).force_ns());
     }
     finish(std::move(force));
   }
@@ -198,7 +114,7 @@ std::vector<Series> measure() {
     for (const int n : nodes) {
       field.n.push_back(n);
       field.time.push_back(
-          Loaded(bench::modal_model(n_centers, n_shared, n_own, n_centers, n_near, 1, n)).deformation_us());
+          Timed(bench::modal_model(n_centers, n_shared, n_own, n_centers, n_near, 1, n)).prepared_us());
     }
     finish(std::move(field));
   }
@@ -216,20 +132,20 @@ nlohmann::json compare_with_limits() {
   const bench::MachineLimits limits = bench::machine_limits();
   std::printf("this core: %.0f GFlop/s in double, %.0f in float, multiplications and additions not fused\n",
               limits.double_gflops, limits.float_gflops);
-  Loaded networks(bench::networks_model(100, n_neurons, 1));
-  Loaded modal(bench::modal_model(n_centers, n_shared, n_own, n_centers, n_near, 1));
+  Timed networks(bench::networks_model(100, n_neurons, 1));
+  Timed modal(bench::modal_model(n_centers, n_shared, n_own, n_centers, n_near, 1));
   // A Gaussian: distance 8, its exponential 37; three sums 6. A center of q^3: distance 9, root and division
   // 2, the rest 18.
   constexpr double gaussian = 45, sums = 6, center = 29;
   constexpr double nodes = bench::n_output;
   const std::vector<Work> works = {
       {"force, 100 neurons", 1e-3 * networks.force_ns(), 100 * (gaussian + sums), 100 * 6 * 8, false},
-      {"deformation 486 x 200, rbfn", networks.deformation_us(),
-       nodes * n_neurons * sums + n_neurons * gaussian, nodes * n_neurons * 8, false},
+      {"deformation 486 x 200, rbfn", networks.prepared_us(), nodes * n_neurons * sums + n_neurons * gaussian,
+       nodes * n_neurons * 8, false},
       {"force, 78 centers, modal", 1e-3 * modal.force_ns(), (n_centers + 1) * center, n_centers * (24 + 12),
        false},
-      {"deformation 486, 16 modes", modal.deformation_us(),
-       nodes * 3 * n_own * 2 + n_centers * (11 + 2 * n_own), nodes * 3 * n_own * 4, true}};
+      {"deformation 486, 16 modes", modal.prepared_us(), nodes * 3 * n_own * 2 + n_centers * (11 + 2 * n_own),
+       nodes * 3 * n_own * 4, true}};
   std::printf("  %-28s %9s %9s %12s %16s\n", "", "us", "kflop", "of the peak", "of reading it");
   nlohmann::json json;
   json["double_gflops"] = limits.double_gflops;
@@ -288,8 +204,6 @@ int run(int argc, char** argv) {
                                   {"unit", series.unit},
                                   {"plain", series.plain},
                                   {"departure", series.departure()}};
-  volatile double keep = sink;  // the calls have results that somebody reads
-  static_cast<void>(keep);
   if (!plot_file.empty()) plot(plot_file, all);
   if (!json_file.empty()) {
     std::ofstream out(json_file);

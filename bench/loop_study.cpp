@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/validation/closed_paths.hpp>
 #include <random>
 
 #include "exit_status.hpp"
@@ -19,11 +19,8 @@
 namespace {
 
 using phynness::LoadedModel;
+using phynness::Loop;
 using Vector = Eigen::Vector3d;
-
-struct Loop {
-  double work = 0, energy = 0;  ///< [J]: around the path; the largest on it
-};
 
 class Paths {
  public:
@@ -48,12 +45,8 @@ class Paths {
   Loop at_node() {
     const auto& nodes = _model.model().nodes;
     const std::int32_t node = nodes[index(nodes.size())].node;
-    return quadrilateral([&](const Vector& d, Vector& force) {
-      const int status = phn_force(_model.handle(), _model.data(), node, d.data(), force.data());
-      double energy = 0;
-      if (phn_energy(_model.handle(), _model.data(), node, d.data(), &energy) < 0) energy = force.dot(d) / 2;
-      return status < 0 ? 0 : energy;
-    });
+    return quadrilateral(
+        [&](const Vector& d, Vector& force) { return phynness::force_and_energy(_model, node, d, force); });
   }
 
   /// The same at one point of the surface.
@@ -163,29 +156,11 @@ class Paths {
     return result.energy;
   }
 
-  /// Gauss-Legendre with eight points on 40 pieces of each side: halving them changes no figure's first two
-  /// digits.
   template <class Respond>
   Loop quadrilateral(const Respond& respond) {
-    static constexpr std::array<double, 4> x{0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
-                                             0.9602898564975363},
-        w{0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
-    constexpr int pieces = 100;
     std::array<Vector, 4> corners;
     for (auto& corner : corners) corner = in_ball();
-    Loop loop;
-    for (std::size_t side = 0; side < 4; ++side) {
-      const Vector along = corners[(side + 1) % 4] - corners[side];
-      for (int i = 0; i < pieces; ++i)
-        for (std::size_t j = 0; j < 8; ++j) {
-          const double z = j % 2 ? x[j / 2] : -x[j / 2];
-          Vector force;
-          const double energy = respond(corners[side] + (i + (1 + z) / 2) / pieces * along, force);
-          loop.work += w[j / 2] / (2 * pieces) * force.dot(along);
-          loop.energy = std::max(loop.energy, std::abs(energy));
-        }
-    }
-    return loop;
+    return phynness::around_quadrilateral(corners, respond);
   }
 
   /// The triangles around a node in order, each with the node first; empty unless they close.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "evaluate.hpp"
+#include "small_matrices.hpp"
 
 namespace phynness::runtime {
 namespace {
@@ -23,129 +24,6 @@ constexpr double largest_guess = 2;
 /// Gauss-Legendre on 0 ... 1: exact for the first six powers of the depth.
 constexpr double gauss_point[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
 constexpr double gauss_weight[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
-
-void multiply(const double* a, const double* x, double* y) {
-  for (int i = 0; i < 3; ++i) y[i] = a[3 * i] * x[0] + a[3 * i + 1] * x[1] + a[3 * i + 2] * x[2];
-}
-
-void multiply_matrices(const double* a, const double* b, double* c) {
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j)
-      c[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
-  }
-}
-
-/// Inverse of a 3 x 3 matrix, of one a little stiffer if it is close to singular.
-void invert(const double* given, double* inverse) {
-  double a[9], size = 0;
-  for (int i = 0; i < 9; ++i) {
-    a[i] = given[i];
-    size = std::fmax(size, std::fabs(a[i]));
-  }
-  for (double shift = 1e-3;; shift *= 10) {
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        const int p = (i + 1) % 3, q = (i + 2) % 3, r = (j + 1) % 3, s = (j + 2) % 3;
-        inverse[3 * j + i] = a[3 * p + r] * a[3 * q + s] - a[3 * p + s] * a[3 * q + r];
-      }
-    }
-    const double determinant = a[0] * inverse[0] + a[1] * inverse[3] + a[2] * inverse[6];
-    if (std::fabs(determinant) > 1e-9 * size * size * size || !(size > 0) || shift > 1e3) {
-      const double factor = determinant != 0 ? 1 / determinant : 0;
-      for (int i = 0; i < 9; ++i) inverse[i] *= factor;
-      return;
-    }
-    for (int i = 0; i < 3; ++i) a[4 * i] = given[4 * i] + shift * size;
-  }
-}
-
-/// Gaussian elimination with partial pivoting; the solution replaces the n_right right-hand sides, row by row.
-bool solve_dense(double* a, std::int32_t n, double* right, std::int32_t n_right) {
-  double size = 0;
-  for (std::int32_t i = 0; i < n * n; ++i) size = std::fmax(size, std::fabs(a[i]));
-  for (std::int32_t k = 0; k < n; ++k) {
-    std::int32_t pivot = k;
-    for (std::int32_t i = k + 1; i < n; ++i) {
-      if (std::fabs(a[i * n + k]) > std::fabs(a[pivot * n + k])) pivot = i;
-    }
-    if (!(std::fabs(a[pivot * n + k]) > 1e-13 * size)) return false;
-    const auto swap_rows = [&](double* rows, std::int32_t width) {
-      for (std::int32_t j = 0; j < width && pivot != k; ++j) {
-        const double kept = rows[k * width + j];
-        rows[k * width + j] = rows[pivot * width + j];
-        rows[pivot * width + j] = kept;
-      }
-    };
-    swap_rows(a, n);
-    swap_rows(right, n_right);
-    for (std::int32_t i = k + 1; i < n; ++i) {
-      const double factor = a[i * n + k] / a[k * n + k];
-      for (std::int32_t j = k; j < n; ++j) a[i * n + j] -= factor * a[k * n + j];
-      for (std::int32_t j = 0; j < n_right; ++j) right[i * n_right + j] -= factor * right[k * n_right + j];
-    }
-  }
-  for (std::int32_t k = n - 1; k >= 0; --k) {
-    for (std::int32_t j = 0; j < n_right; ++j) {
-      double sum = right[k * n_right + j];
-      for (std::int32_t i = k + 1; i < n; ++i) sum -= a[k * n + i] * right[i * n_right + j];
-      right[k * n_right + j] = sum / a[k * n + k];
-    }
-  }
-  return true;
-}
-
-void multiply_transposed(const double* a, const double* x, double* y) {
-  for (int i = 0; i < 3; ++i) y[i] = a[i] * x[0] + a[3 + i] * x[1] + a[6 + i] * x[2];
-}
-
-double inner_product(const double* a, const double* b) {
-  double sum = 0;
-  for (int k = 0; k < 9; ++k) sum += a[k] * b[k];
-  return sum;
-}
-
-/// Eigenvalues of a symmetric 3 x 3 matrix, which is replaced by them on its diagonal, and eigenvectors in columns: Jacobi
-/// rotations, which need no more than six sweeps at this size.
-void diagonalize(double* a, double* vectors) {
-  for (int i = 0; i < 9; ++i) vectors[i] = i % 4 == 0 ? 1 : 0;
-  for (int sweep = 0; sweep < 6; ++sweep) {
-    for (int p = 0; p < 2; ++p) {
-      for (int q = p + 1; q < 3; ++q) {
-        const double off = a[3 * p + q];
-        if (off == 0) continue;
-        const double half = (a[4 * q] - a[4 * p]) / (2 * off);
-        const double tangent = (half < 0 ? -1 : 1) / (std::fabs(half) + std::sqrt(half * half + 1));
-        const double cosine = 1 / std::sqrt(tangent * tangent + 1), sine = tangent * cosine;
-        for (int k = 0; k < 3; ++k) {
-          const double x = a[3 * k + p], y = a[3 * k + q];
-          a[3 * k + p] = cosine * x - sine * y;
-          a[3 * k + q] = sine * x + cosine * y;
-        }
-        for (int k = 0; k < 3; ++k) {
-          const double x = a[3 * p + k], y = a[3 * q + k];
-          a[3 * p + k] = cosine * x - sine * y;
-          a[3 * q + k] = sine * x + cosine * y;
-          const double v = vectors[3 * k + p], w = vectors[3 * k + q];
-          vectors[3 * k + p] = cosine * v - sine * w;
-          vectors[3 * k + q] = sine * v + cosine * w;
-        }
-      }
-    }
-  }
-}
-
-/// Inverse of a symmetric 3 x 3 matrix whose eigenvalues count as `least` at least.
-void invert_stiffness(const double* stiffness, double least, double* inverse) {
-  double a[9], v[9];
-  for (int i = 0; i < 9; ++i) a[i] = stiffness[i];
-  diagonalize(a, v);
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      inverse[3 * i + j] = 0;
-      for (int k = 0; k < 3; ++k) inverse[3 * i + j] += v[3 * i + k] * v[3 * j + k] / std::fmax(a[4 * k], least);
-    }
-  }
-}
 
 class Solver {
  public:

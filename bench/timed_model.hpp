@@ -1,0 +1,106 @@
+// A model in the runtime's hands and the times of its calls, beside those of plain loops.
+#pragma once
+
+#include <phynness/phynness.h>
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "liver_sized_model.hpp"
+#include "median_time.hpp"
+#include "plain_runtime.hpp"
+
+namespace phynness::bench {
+
+inline void check(int status) {
+  if (status < 0) throw std::runtime_error(phn_status_message(status));
+}
+
+/// Results go here, so that somebody reads them.
+inline volatile double sink = 0;
+
+/// As a hand moves: another displacement for each call, within 15 mm.
+inline void displacement(int i, double* d) {
+  for (int k = 0; k < 3; ++k) d[k] = 0.0003 * ((i * (k + 3)) % 50);
+}
+
+struct TimedModel {
+  explicit TimedModel(const std::string& text) {
+    std::size_t bytes = 0;
+    check(phn_model_size(text.data(), text.size(), &bytes));
+    model_memory.resize(bytes);
+    check(phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model));
+    check(phn_data_size(model, 1, &bytes));
+    data_memory.resize(bytes);
+    check(phn_data_init(data_memory.data(), bytes, model, 1, &data));
+    field.resize(3 * static_cast<std::size_t>(phn_n_output(model)));
+  }
+
+  std::int32_t node(int i) const { return phn_active_nodes(model)[i % phn_n_active(model)]; }
+  void deform(std::int32_t touched, const double* d) {
+    phn_deform(model, data, 1, &touched, d, field.data());
+  }
+  /// All active nodes in turn.
+  double force_us() {
+    return median_us([&](int i) {
+      double d[3], f[3];
+      displacement(i, d);
+      phn_force(model, data, node(i), d, f);
+      sink = f[0];
+    });
+  }
+  double deformation_us(std::int32_t touched) {
+    return median_us([&](int i) {
+      double d[3];
+      displacement(i, d);
+      deform(touched, d);
+      sink = field[0];
+    });
+  }
+
+  std::vector<char> model_memory, data_memory;
+  std::vector<double> field;
+  const phn_model* model = nullptr;
+  phn_data* data = nullptr;
+};
+
+template <int N>
+PlainNetwork<N> plain_network(int n_neurons) {
+  Arbitrary arbitrary;
+  PlainNetwork<N> net;
+  net.neurons.resize(static_cast<std::size_t>(n_neurons));
+  net.spread = 1.4;
+  for (auto& neuron : net.neurons) {
+    for (double& c : neuron.center) c = arbitrary.number();
+    for (double& w : neuron.weight) w = arbitrary.number();
+  }
+  return net;
+}
+
+inline double plain_force_us(int n_neurons) {
+  const auto net = plain_network<3>(n_neurons);
+  return median_us([&](int i) {
+    double d[3], f[3];
+    displacement(i, d);
+    plain_force(net, d, f);
+    sink = f[0];
+  });
+}
+
+inline double plain_deformation_us(int n_neurons, std::size_t n_points) {
+  const auto net = plain_network<6>(n_neurons);
+  Arbitrary arbitrary;
+  std::vector<std::array<double, 3>> points(n_points);
+  for (auto& point : points) point = {arbitrary.number(), arbitrary.number(), arbitrary.number()};
+  std::vector<double> field(3 * n_points);
+  return median_us([&](int i) {
+    double d[3];
+    displacement(i, d);
+    plain_deformation(net, points, d, field.data());
+    sink = field[0];
+  });
+}
+
+}  // namespace phynness::bench

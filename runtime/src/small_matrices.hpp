@@ -1,0 +1,47 @@
+// Matrices of 3 x 3, row by row, and dense systems of a few unknowns.
+#pragma once
+
+#include <cstdint>
+
+namespace phynness::runtime {
+
+/// y = a x
+inline void multiply(const double* a, const double* x, double* y) {
+  for (int i = 0; i < 3; ++i) y[i] = a[3 * i] * x[0] + a[3 * i + 1] * x[1] + a[3 * i + 2] * x[2];
+}
+
+/// y = a^T x
+inline void multiply_transposed(const double* a, const double* x, double* y) {
+  for (int i = 0; i < 3; ++i) y[i] = a[i] * x[0] + a[3 + i] * x[1] + a[6 + i] * x[2];
+}
+
+/// c = a b. @param c  none of the two
+inline void multiply_matrices(const double* a, const double* b, double* c) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j)
+      c[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+  }
+}
+
+/// Sum of products of the entries.
+inline double inner_product(const double* a, const double* b) {
+  double sum = 0;
+  for (int k = 0; k < 9; ++k) sum += a[k] * b[k];
+  return sum;
+}
+
+/// Inverse of a 3 x 3 matrix, of one a little stiffer if it is close to singular.
+void invert(const double* given, double* inverse);
+
+/// Eigenvalues of a symmetric 3 x 3 matrix, which is replaced by them on its diagonal, and eigenvectors in columns: Jacobi
+/// rotations, which need no more than six sweeps at this size.
+void diagonalize(double* a, double* vectors);
+
+/// Inverse of a symmetric 3 x 3 matrix whose eigenvalues count as `least` at least.
+void invert_stiffness(const double* stiffness, double least, double* inverse);
+
+/// Gaussian elimination with partial pivoting; the solution replaces the n_right right-hand sides, row by row.
+/// @param a  n x n, destroyed. @return false if a is singular
+bool solve_dense(double* a, std::int32_t n, double* right, std::int32_t n_right);
+
+}  // namespace phynness::runtime

@@ -1,0 +1,47 @@
+// Work over closed paths of displacements, integrated from forces.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <phynness/validation/loaded_model.hpp>
+
+namespace phynness {
+
+struct Loop {
+  double work = 0, energy = 0;  ///< [J]: around the path; the largest on it
+};
+
+/// Once around a quadrilateral of displacements [m]: eight points of Gauss and Legendre on 100 pieces of each
+/// side. Half as many pieces change no figure's first two digits.
+/// @param respond  (displacement, force to fill in) -> energy
+template <class Respond>
+Loop around_quadrilateral(const std::array<Eigen::Vector3d, 4>& corners, const Respond& respond) {
+  static constexpr std::array<double, 4> x{0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                           0.9602898564975363},
+      w{0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+  constexpr int pieces = 100;
+  Loop loop;
+  for (std::size_t side = 0; side < 4; ++side) {
+    const Eigen::Vector3d along = corners[(side + 1) % 4] - corners[side];
+    for (int i = 0; i < pieces; ++i)
+      for (std::size_t j = 0; j < 8; ++j) {
+        const double z = j % 2 ? x[j / 2] : -x[j / 2];
+        Eigen::Vector3d force;
+        const double energy = respond(corners[side] + (i + (1 + z) / 2) / pieces * along, force);
+        loop.work += w[j / 2] / (2 * pieces) * force.dot(along);
+        loop.energy = std::max(loop.energy, std::abs(energy));
+      }
+  }
+  return loop;
+}
+
+/// Force of a node, and its energy [J]; in families that have none, the work |f . d| / 2.
+inline double force_and_energy(const LoadedModel& model, std::int32_t node, const Eigen::Vector3d& d,
+                               Eigen::Vector3d& force) {
+  if (phn_force(model.handle(), model.data(), node, d.data(), force.data()) < 0) return 0;
+  double energy = 0;
+  return phn_energy(model.handle(), model.data(), node, d.data(), &energy) < 0 ? force.dot(d) / 2 : energy;
+}
+
+}  // namespace phynness
