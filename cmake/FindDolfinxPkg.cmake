@@ -73,7 +73,8 @@ function(phynness_compile_forms target)
       COMMAND ${CMAKE_COMMAND} -E env "PYTHONPATH=${mechanics}" PYTHONDONTWRITEBYTECODE=1
               ${PHYNNESS_PYTHON} -m ffcx "${form}"
       WORKING_DIRECTORY "${generated}"  # ffcx 0.11 gave the option for this folder another name
-      DEPENDS "${form}" "${mechanics}/mechanics.py" "${mechanics}/elements.py"
+      DEPENDS "${form}" "${mechanics}/mechanics.py" "${mechanics}/elements.py" "${mechanics}/shell.py"
+              "${mechanics}/shell_elements.py" "${mechanics}/shell_st_venant_kirchhoff.py"
       COMMENT "ffcx ${name}" VERBATIM)
     target_sources(${target} PRIVATE "${generated}/${name}.c")
     set_source_files_properties("${generated}/${name}.c" PROPERTIES COMPILE_OPTIONS "${PHYNNESS_KERNEL_OPTIONS};-w" SKIP_LINTING ON)

@@ -30,6 +30,7 @@
 
 #if PHYNNESS_DOLFINX == 5
 #include <linear.h>
+#include <shell_linear.h>
 #elif PHYNNESS_DOLFINX >= 9
 #include <basix/finite-element.h>
 #include <dolfinx/fem/FiniteElement.h>
@@ -61,73 +62,121 @@ inline void quiet_logging() {
 }
 
 #if PHYNNESS_DOLFINX >= 9
-/// Lagrange on the tetrahedron with the points that basix.ufl gives the forms: dolfinx compares their hashes.
-inline basix::FiniteElement<double> lagrange(int degree) {
-  return basix::create_element<double>(basix::element::family::P, basix::cell::type::tetrahedron, degree,
+using BasixElement = basix::FiniteElement<double>;
+
+/// Lagrange with the points that basix.ufl gives the forms: dolfinx compares their hashes.
+inline BasixElement lagrange(int degree, basix::cell::type cell = basix::cell::type::tetrahedron) {
+  return basix::create_element<double>(basix::element::family::P, cell, degree,
                                        basix::element::lagrange_variant::gll_warped,
+                                       basix::element::dpc_variant::unset, false);
+}
+
+inline BasixElement crouzeix_raviart() {
+  return basix::create_element<double>(basix::element::family::CR, basix::cell::type::triangle, 1,
+                                       basix::element::lagrange_variant::unset,
                                        basix::element::dpc_variant::unset, false);
 }
 #endif
 
-/// Affine tetrahedra in their given order (dolfinx would reorder cells for locality; here input order is kept
-/// through original_cell_index, see cell_nodes()).
+/// Affine tetrahedra, or triangles in space, in their given order (dolfinx would reorder cells for locality; here
+/// input order is kept through original_cell_index, see cell_nodes()).
 inline std::shared_ptr<DolfinxMesh> create_mesh(const Points& nodes, const Cells& cells) {
   std::vector<std::int64_t> connectivity(cells.data(), cells.data() + cells.size());
   const std::array<std::size_t, 2> shape{static_cast<std::size_t>(nodes.rows()), 3};
   const std::span x(nodes.data(), static_cast<std::size_t>(nodes.size()));
 #if PHYNNESS_DOLFINX == 5
   std::vector<std::int32_t> offsets(cells.rows() + 1);
-  for (std::size_t i = 0; i < offsets.size(); ++i) offsets[i] = static_cast<std::int32_t>(4 * i);
+  for (std::size_t i = 0; i < offsets.size(); ++i)
+    offsets[i] = static_cast<std::int32_t>(static_cast<std::size_t>(cells.cols()) * i);
   const dolfinx::graph::AdjacencyList<std::int64_t> list(std::move(connectivity), std::move(offsets));
-  const dolfinx::fem::CoordinateElement element(dolfinx::mesh::CellType::tetrahedron, 1);
+  const dolfinx::fem::CoordinateElement element(
+      cells.cols() == 3 ? dolfinx::mesh::CellType::triangle : dolfinx::mesh::CellType::tetrahedron, 1);
   return std::make_shared<DolfinxMesh>(
       dolfinx::mesh::create_mesh(MPI_COMM_SELF, list, element, x, shape, dolfinx::mesh::GhostMode::none));
 #else
   const dolfinx::fem::CoordinateElement<double> element(
-      std::make_shared<const basix::FiniteElement<double>>(lagrange(1)));
+      std::make_shared<const BasixElement>(lagrange(
+          1, cells.cols() == 3 ? basix::cell::type::triangle : basix::cell::type::tetrahedron)));
   return std::make_shared<DolfinxMesh>(
       dolfinx::mesh::create_mesh(MPI_COMM_SELF, std::span<const std::int64_t>(connectivity), element, x,
                                  shape, dolfinx::mesh::GhostMode::none));
 #endif
 }
 
+inline int n_vertices_per_cell(const DolfinxMesh& mesh) {
+#if PHYNNESS_DOLFINX == 5
+  return mesh.topology().dim() + 1;
+#else
+  return mesh.topology()->dim() + 1;
+#endif
+}
+
 inline std::int32_t n_cells(const DolfinxMesh& mesh) {
 #if PHYNNESS_DOLFINX == 5
-  return mesh.topology().index_map(3)->size_local();
+  return mesh.topology().index_map(mesh.topology().dim())->size_local();
 #else
-  return mesh.topology()->index_map(3)->size_local();
+  return mesh.topology()->index_map(mesh.topology()->dim())->size_local();
 #endif
 }
 
-/// Places of a cell's four vertices in the arrays of the mesh's geometry.
-inline std::span<const std::int32_t, 4> vertices(const DolfinxMesh& mesh, std::int32_t cell) {
+/// Places of a cell's vertices in the arrays of the mesh's geometry.
+inline std::span<const std::int32_t> vertices(const DolfinxMesh& mesh, std::int32_t cell) {
 #if PHYNNESS_DOLFINX == 5
-  return std::span<const std::int32_t, 4>(mesh.geometry().dofmap().links(cell));
-#elif PHYNNESS_DOLFINX <= 10
-  return std::span<const std::int32_t, 4>(mesh.geometry().dofmap().data_handle() + 4 * std::ptrdiff_t{cell},
-                                          4);
+  return mesh.geometry().dofmap().links(cell);
 #else
-  return std::span<const std::int32_t, 4>(
-      mesh.geometry().dofmaps().front().data_handle() + 4 * std::ptrdiff_t{cell}, 4);
+  const auto n = n_vertices_per_cell(mesh);
+#if PHYNNESS_DOLFINX <= 10
+  return {mesh.geometry().dofmap().data_handle() + n * std::ptrdiff_t{cell}, static_cast<std::size_t>(n)};
+#else
+  return {mesh.geometry().dofmaps().front().data_handle() + n * std::ptrdiff_t{cell},
+          static_cast<std::size_t>(n)};
+#endif
 #endif
 }
 
-/// The four nodes of a dolfinx cell, in the numbers that create_mesh was given and in the cell's own vertex
-/// order.
-inline std::array<std::int32_t, 4> cell_nodes(const DolfinxMesh& mesh, std::int32_t cell) {
+/// The nodes of a dolfinx cell, in the numbers that create_mesh was given and in the cell's own vertex order.
+inline std::vector<std::int32_t> cell_nodes(const DolfinxMesh& mesh, std::int32_t cell) {
   const auto& original = mesh.geometry().input_global_indices();
-  std::array<std::int32_t, 4> nodes;
-  std::transform(vertices(mesh, cell).begin(), vertices(mesh, cell).end(), nodes.begin(),
-                 [&](auto i) { return static_cast<std::int32_t>(original[i]); });
+  std::vector<std::int32_t> nodes;
+  for (const auto place : vertices(mesh, cell)) nodes.push_back(static_cast<std::int32_t>(original[place]));
   return nodes;
 }
 
-/// Coordinates of the cell's vertices as the kernels want them: 4 x 3, row-major.
+/// Coordinates of the cell's vertices as the kernels want them: n x 3, row-major; of a triangle 9 of the 12.
 inline void cell_coordinates(const DolfinxMesh& mesh, std::int32_t cell, std::span<double, 12> coordinates) {
   const auto x = mesh.geometry().x();
   const auto places = vertices(mesh, cell);
-  for (int i = 0; i < 4; ++i) std::copy_n(x.data() + 3 * places[i], 3, coordinates.data() + 3 * i);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    std::copy_n(x.data() + 3 * places[i], 3, coordinates.data() + 3 * i);
 }
+
+#if PHYNNESS_DOLFINX >= 9
+inline std::shared_ptr<Space> space_of(const std::shared_ptr<DolfinxMesh>& mesh,
+                                       const std::shared_ptr<const dolfinx::fem::FiniteElement<double>>& chosen) {
+#if PHYNNESS_DOLFINX == 9
+  const auto dofmap = std::make_shared<const dolfinx::fem::DofMap>(dolfinx::fem::create_dofmap(
+      mesh->comm(), dolfinx::fem::create_element_dof_layout(*chosen), *mesh->topology(), nullptr, nullptr));
+  return std::make_shared<Space>(
+      mesh, chosen, dofmap, dolfinx::fem::compute_value_shape(chosen, mesh->topology()->dim(), 3));
+#else
+  return std::make_shared<Space>(dolfinx::fem::create_functionspace(mesh, chosen));
+#endif
+}
+
+/// Of forms/shell_elements.py.
+inline std::shared_ptr<Space> shell_space(const std::shared_ptr<DolfinxMesh>& mesh) {
+  using FiniteElement = dolfinx::fem::FiniteElement<double>;
+  const auto vector = [](const BasixElement& scalar) {
+#if PHYNNESS_DOLFINX == 9
+    return std::make_shared<const FiniteElement>(scalar, 3);
+#else
+    return std::make_shared<const FiniteElement>(scalar, std::vector<std::size_t>{3});
+#endif
+  };
+  return space_of(mesh, std::make_shared<const FiniteElement>(std::vector<std::shared_ptr<const FiniteElement>>{
+                            vector(lagrange(2, basix::cell::type::triangle)), vector(crouzeix_raviart())}));
+}
+#endif
 
 /// The space of an element: the one that forms/elements.py compiles its forms for.
 inline std::shared_ptr<Space> create_space(Element element, const std::shared_ptr<DolfinxMesh>& mesh) {
@@ -136,10 +185,12 @@ inline std::shared_ptr<Space> create_space(Element element, const std::shared_pt
   const auto factory = element == Element::p1            ? functionspace_form_linear_p1_residual
                        : element == Element::p2          ? functionspace_form_linear_p2_residual
                        : element == Element::taylor_hood ? functionspace_form_linear_th_residual
+                       : element == Element::shell       ? functionspace_form_shell_linear_residual
                                                          : functionspace_form_linear_p1p1_residual;
   return std::make_shared<Space>(dolfinx::fem::create_functionspace(factory, "v_0", mesh));
 #else
   using FiniteElement = dolfinx::fem::FiniteElement<double>;
+  if (element == Element::shell) return shell_space(mesh);
   const int degree = element == Element::p2 || element == Element::taylor_hood ? 2 : 1;
 #if PHYNNESS_DOLFINX == 9
   auto chosen = std::make_shared<const FiniteElement>(lagrange(degree), 3);
@@ -151,13 +202,7 @@ inline std::shared_ptr<Space> create_space(Element element, const std::shared_pt
   if (is_mixed(element))
     chosen = std::make_shared<const FiniteElement>(
         std::vector<std::shared_ptr<const FiniteElement>>{chosen, pressure});
-#if PHYNNESS_DOLFINX == 9
-  const auto dofmap = std::make_shared<const dolfinx::fem::DofMap>(dolfinx::fem::create_dofmap(
-      mesh->comm(), dolfinx::fem::create_element_dof_layout(*chosen), *mesh->topology(), nullptr, nullptr));
-  return std::make_shared<Space>(mesh, chosen, dofmap, dolfinx::fem::compute_value_shape(chosen, 3, 3));
-#else
-  return std::make_shared<Space>(dolfinx::fem::create_functionspace(mesh, chosen));
-#endif
+  return space_of(mesh, chosen);
 #endif
 }
 
@@ -172,12 +217,15 @@ inline std::span<const std::int32_t> cell_blocks(const Space& space, std::int32_
   return space.dofmap()->cell_dofs(cell);
 }
 
-/// Scalar dofs of one displacement component (0..2) of a mixed space, or of its pressure (3), cell by cell.
-inline std::shared_ptr<const Space> mixed_component(const Space& space, int component) {
+/// Scalar dofs of one displacement component (0..2) of a mixed space, or of its pressure (3), cell by cell. A shell's
+/// director has the components 3..5.
+inline std::shared_ptr<const Space> mixed_component(const Space& space, int component, bool shell = false) {
   // Level by level: dolfinx looks for the second number of a path among the children of the root.
 #if PHYNNESS_DOLFINX == 5
+  if (shell && component >= 3) return space.sub({1})->sub({component - 3});
   return component < 3 ? space.sub({0})->sub({component}) : space.sub({1});
 #else
+  if (shell && component >= 3) return std::make_shared<const Space>(space.sub({1}).sub({component - 3}));
   return std::make_shared<const Space>(component < 3 ? space.sub({0}).sub({component}) : space.sub({1}));
 #endif
 }
@@ -191,11 +239,14 @@ inline void set_values(Function& function, std::span<const double> values) {
 #endif
 }
 
+/// @param functions  the state and, for shells, what they are at rest
 inline Form create_form(const ufcx_form& form, const std::vector<std::shared_ptr<const Space>>& spaces,
-                        const std::shared_ptr<const Function>& w,
+                        const std::vector<std::shared_ptr<const Function>>& functions,
                         const std::map<std::string, std::shared_ptr<const Constant>>& constants,
                         const std::shared_ptr<const DolfinxMesh>& mesh) {
-  std::vector<std::shared_ptr<const Function>> coefficients(form.num_coefficients, w);
+  std::vector<std::shared_ptr<const Function>> coefficients;
+  for (int i = 0; i < form.num_coefficients; ++i)
+    coefficients.push_back(functions.at(static_cast<std::size_t>(form.original_coefficient_position[i])));
   std::vector<std::shared_ptr<const Constant>> ordered;
   for (const auto& name : dolfinx::fem::get_constant_names(form)) ordered.push_back(constants.at(name));
 #if PHYNNESS_DOLFINX == 5
@@ -227,13 +278,14 @@ void for_each_element_matrix(const Form& form, Take&& take) {
 }
 
 /// An expression of the cell's state at its points.
-/// @param values  num_points, zero before  @param w  the cell's dofs  @param x  cell_coordinates()
+/// @param values  num_points, zero before  @param w  the cell's dofs  @param c  packed_constants()
+/// @param x  cell_coordinates()
 inline void tabulate(const ufcx_expression& expression, std::span<double> values, std::span<const double> w,
-                     std::span<const double, 12> x) {
+                     std::span<const double> c, std::span<const double, 12> x) {
 #if PHYNNESS_DOLFINX <= 9
-  expression.tabulate_tensor_float64(values.data(), w.data(), nullptr, x.data(), nullptr, nullptr);
+  expression.tabulate_tensor_float64(values.data(), w.data(), c.data(), x.data(), nullptr, nullptr);
 #else
-  expression.tabulate_tensor_float64(values.data(), w.data(), nullptr, x.data(), nullptr, nullptr, nullptr);
+  expression.tabulate_tensor_float64(values.data(), w.data(), c.data(), x.data(), nullptr, nullptr, nullptr);
 #endif
 }
 
@@ -242,6 +294,13 @@ inline std::vector<double> packed_constants(const ufcx_form& form,
                                             const std::map<std::string, double>& constants) {
   std::vector<double> packed;
   for (const auto& name : dolfinx::fem::get_constant_names(form)) packed.push_back(constants.at(name));
+  return packed;
+}
+
+inline std::vector<double> packed_constants(const ufcx_expression& expression,
+                                            const std::map<std::string, double>& constants) {
+  std::vector<double> packed;
+  for (int i = 0; i < expression.num_constants; ++i) packed.push_back(constants.at(expression.constant_names[i]));
   return packed;
 }
 
@@ -263,10 +322,11 @@ inline double tabulate_cell(const ufcx_form& functional, std::span<const double>
   return value;
 }
 
-/// Reference tetrahedron's edges as pairs of local vertices, in the order of its edge dofs.
-inline const std::vector<std::vector<int>>& edge_vertices() {
-  static const std::vector<std::vector<int>> edges{{2, 3}, {1, 3}, {1, 2}, {0, 3}, {0, 2}, {0, 1}};
-  return edges;
+/// Edges of the reference tetrahedron (4 vertices) or triangle (3) as pairs of local vertices, in the order of their dofs.
+inline const std::vector<std::array<int, 2>>& edge_vertices(std::size_t n_vertices) {
+  static const std::vector<std::array<int, 2>> of_tetrahedron{{2, 3}, {1, 3}, {1, 2}, {0, 3}, {0, 2}, {0, 1}},
+      of_triangle{{1, 2}, {0, 2}, {0, 1}};
+  return n_vertices == 3 ? of_triangle : of_tetrahedron;
 }
 
 }  // namespace phynness::dolfinx_api

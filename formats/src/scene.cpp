@@ -56,12 +56,16 @@ Scene parse_scene(const std::string& text, const std::string& source_name,
   scene.title = top.text("title").value_or("");
   scene.mesh = sd::parse_mesh(mesh, folder, mesh_file);
   scene.material = sd::parse_material(material);
-  scene.solver = sd::parse_solver(solver, scene.material);
+  scene.solver = sd::parse_solver(solver, scene.material, scene.mesh);
   sd::parse_nodes(nodes, scene);
   scene.probe = sd::parse_probe(probe);
   scene.database = sd::parse_database(database);
   scene.training = sd::parse_training(training, scene.material);
   scene.validation = sd::parse_validation(validation);
+  if (scene.mesh.thickness_m > 0 && !scene.database.fields.empty())
+    database.reject("fields", "are computed in solids, but [mesh] is the middle surface of a shell", "remove fields");
+  if (scene.mesh.thickness_m > 0 && scene.mesh.symmetry && scene.mesh.symmetry->half)
+    mesh.reject("symmetry", "cannot make a shell from its half", "give the whole middle surface");
   return scene;
 }
 

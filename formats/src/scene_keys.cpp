@@ -20,7 +20,7 @@ const std::vector<Table>& tables() {
       {"", {"title", "mesh", "material", "solver", "nodes", "probe", "database", "training", "validation"}},
       {"mesh",
        {"shape", "file", "scale_to_m", "target_nodes", "target_size_m", "size_m", "radius_m",
-        "inner_radius_m", "length_m", "repair", "symmetry"}},
+        "inner_radius_m", "length_m", "slit_length_m", "slit_width_m", "thickness_m", "repair", "symmetry"}},
       {"mesh.symmetry", {"point_m", "point_fraction", "normal", "tolerance_m", "half"}},
       {"material",
        {"law", "youngs_modulus_Pa", "poisson_ratio", "shear_modulus_Pa", "lame_lambda_Pa", "bulk_modulus_Pa",

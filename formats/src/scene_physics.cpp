@@ -91,6 +91,11 @@ std::string physics_summary(const Scene& scene) {
     add("mesh.inner_radius_m", shortest(mesh.inner_radius_m));
     add("mesh.length_m", shortest(mesh.length_m));
   }
+  if (mesh.shape == Shape::drain) {
+    add("mesh.slit_length_m", shortest(mesh.slit_length_m));
+    add("mesh.slit_width_m", shortest(mesh.slit_width_m));
+  }
+  if (mesh.thickness_m > 0) add("mesh.thickness_m", shortest(mesh.thickness_m));
   if (mesh.symmetry) {
     const auto& plane = *mesh.symmetry;
     add("mesh.symmetry", std::string("point") + (plane.fraction ? "_fraction" : "_m") + " = " +
@@ -147,6 +152,8 @@ const char* name(Shape shape) {
       return "cylinder";
     case Shape::tube:
       return "tube";
+    case Shape::drain:
+      return "drain";
   }
   return "?";
 }
@@ -173,6 +180,8 @@ const char* name(Element element) {
       return "taylor-hood";
     case Element::p1_p1:
       return "p1-p1";
+    case Element::shell:
+      return "shell";
   }
   return "?";
 }

@@ -12,7 +12,8 @@ namespace {
 
 constexpr Range length{0, 1e3, true, false};
 constexpr double most_slender = 1000;
-constexpr int default_target_nodes = 739;  // the paper's liver
+constexpr int default_target_nodes = 739, default_drain_nodes = 239;  // the paper's liver and drain
+constexpr double default_drain_thickness_m = 0.0005;
 constexpr std::int64_t most_nodes = 5'000'000;
 
 void refuse_keys(const SceneTable& table, std::initializer_list<const char*> keys, const std::string& why,
@@ -35,7 +36,7 @@ void parse_mesh_file(const SceneTable& table, const std::filesystem::path& folde
   if (mesh_file == MeshFile::must_exist && !std::filesystem::is_regular_file(spec.file, code))
     table.reject("file", "names a mesh that is not there (looked for " + spec.file.string() + ")",
                  "correct the path; a relative one starts at the scene file's folder");
-  refuse_keys(table, {"size_m", "radius_m", "inner_radius_m", "length_m"},
+  refuse_keys(table, {"size_m", "radius_m", "inner_radius_m", "length_m", "slit_length_m", "slit_width_m"},
               "belongs to a built-in shape, but the mesh comes from a file", "remove it");
   spec.scale_to_m = table.number_or("scale_to_m", 1.0, {0, 1e6, true, false});
 }
@@ -43,7 +44,8 @@ void parse_mesh_file(const SceneTable& table, const std::filesystem::path& folde
 void parse_built_in_shape(const SceneTable& table, MeshSpec& spec) {
   refuse_keys(table, {"scale_to_m", "repair"}, "belongs to a mesh file, but the mesh is a built-in shape",
               "remove it");
-  const bool round = spec.shape == Shape::cylinder || spec.shape == Shape::tube;
+  const bool drain = spec.shape == Shape::drain;
+  const bool round = spec.shape == Shape::cylinder || spec.shape == Shape::tube || drain;
   const std::string shape = phynness::name(spec.shape);
   if (round)
     refuse_keys(table, {"size_m"}, "does not apply to shape " + shape, "give radius_m and length_m");
@@ -52,6 +54,12 @@ void parse_built_in_shape(const SceneTable& table, MeshSpec& spec) {
                 "give size_m = [x, y, z]");
   if (spec.shape == Shape::cylinder)
     refuse_keys(table, {"inner_radius_m"}, "does not apply to a cylinder", "use shape = \"tube\"");
+  if (drain)
+    refuse_keys(table, {"inner_radius_m"}, "does not apply to a drain, which is a shell",
+                "give radius_m, of its middle surface, and thickness_m");
+  else
+    refuse_keys(table, {"slit_length_m", "slit_width_m", "thickness_m"}, "does not apply to shape " + shape,
+                "use shape = \"drain\", or the file of a shell's middle surface");
 
   if (const auto size = table.vector("size_m", length)) {
     spec.size_m = *size;
@@ -63,10 +71,13 @@ void parse_built_in_shape(const SceneTable& table, MeshSpec& spec) {
   spec.radius_m = table.number_or("radius_m", 0, length);
   spec.inner_radius_m = table.number_or("inner_radius_m", 0, length);
   spec.length_m = table.number_or("length_m", 0, length);
+  spec.slit_length_m = table.number_or("slit_length_m", 0, length);
+  spec.slit_width_m = table.number_or("slit_width_m", 0, length);
+  if (drain && spec.thickness_m == 0) spec.thickness_m = default_drain_thickness_m;
   if (table.has("inner_radius_m") && table.has("radius_m") && spec.inner_radius_m >= spec.radius_m)
     table.reject("inner_radius_m", "must be less than radius_m", "leave a wall between the two radii");
 
-  if (!spec.target_nodes && !spec.target_size_m) spec.target_nodes = default_target_nodes;
+  if (!spec.target_nodes && !spec.target_size_m) spec.target_nodes = drain ? default_drain_nodes : default_target_nodes;
 }
 
 Directions parse_directions(const SceneTable& table) {
@@ -104,7 +115,7 @@ MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder
     table.reject("file", "stands beside shape", "keep one of the two: a built-in shape or a file");
   if (!table.has("shape") && !table.has("file"))
     table.missing("shape", ", and so is file",
-                  "add shape = \"liver\", \"block\", \"cylinder\" or \"tube\", or file = \"body.msh\"");
+                  "add shape = \"liver\", \"block\", \"cylinder\", \"tube\" or \"drain\", or file = \"body.msh\"");
   if (table.has("target_nodes") && table.has("target_size_m"))
     table.reject("target_size_m", "stands beside target_nodes, which decides the size",
                  "keep one of the two");
@@ -112,6 +123,7 @@ MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder
     spec.target_nodes = static_cast<int>(*nodes);
   if (const auto size = table.number("target_size_m", length)) spec.target_size_m = *size;
   spec.repair = table.flag_or("repair", false);
+  spec.thickness_m = table.number_or("thickness_m", 0, length);
   spec.symmetry = parse_symmetry(table);
   if (table.has("file")) {
     parse_mesh_file(table, folder, mesh_file, spec);
@@ -119,20 +131,29 @@ MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder
     spec.shape = *table.choice<Shape>("shape", {{"liver", Shape::liver},
                                                 {"block", Shape::block},
                                                 {"cylinder", Shape::cylinder},
-                                                {"tube", Shape::tube}});
+                                                {"tube", Shape::tube},
+                                                {"drain", Shape::drain}});
     parse_built_in_shape(table, spec);
   }
   return spec;
 }
 
-SolverSpec parse_solver(const SceneTable& table, const Material& material) {
+SolverSpec parse_solver(const SceneTable& table, const Material& material, const MeshSpec& mesh) {
   SolverSpec spec;
+  const bool shell = mesh.thickness_m > 0;
+  if (shell) spec.element = Element::shell;
   spec.element = table
                      .choice<Element>("element", {{"P1", Element::p1},
                                                   {"P2", Element::p2},
                                                   {"taylor-hood", Element::taylor_hood},
-                                                  {"p1-p1", Element::p1_p1}})
+                                                  {"p1-p1", Element::p1_p1},
+                                                  {"shell", Element::shell}})
                      .value_or(spec.element);
+  if (shell && spec.element != Element::shell)
+    table.reject("element", "is made of tetrahedra, but [mesh] is the middle surface of a shell",
+                 "write element = \"shell\", or remove mesh.thickness_m");
+  if (!shell && spec.element == Element::shell)
+    table.reject("element", "is a shell's, but [mesh] has no thickness", "add thickness_m to [mesh]");
   spec.relative_tolerance = table.number_or("relative_tolerance", spec.relative_tolerance, {1e-14, 1e-2});
   spec.max_iterations = static_cast<int>(table.integer_or("max_iterations", spec.max_iterations, 1, 1000));
   spec.max_cutbacks = static_cast<int>(table.integer_or("max_cutbacks", spec.max_cutbacks, 0, 30));

@@ -14,7 +14,7 @@ Vec3 parse_normal(const SceneTable& table);
 std::optional<SymmetryPlane> parse_symmetry(const SceneTable& mesh);
 MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file);
 Material parse_material(const SceneTable& table);
-SolverSpec parse_solver(const SceneTable& table, const Material& material);
+SolverSpec parse_solver(const SceneTable& table, const Material& material, const MeshSpec& mesh);
 /// Fills fixed, active and output with their locations.
 void parse_nodes(const SceneTable& table, Scene& scene);
 ProbeSpec parse_probe(const SceneTable& table);

@@ -23,4 +23,12 @@ struct Solid {
 /// Block: [0, x] x [0, y] x [0, z]. Cylinder and tube: axis z from 0 to the length.
 RawMesh mesh_solid(const Solid& solid, double edge_m);
 
+/// An open tube around z from 0 to its length; an ellipse is cut out of its upper wall (y > 0), in the middle.
+struct Drain {
+  double radius_m = 0, length_m = 0, slit_length_m = 0, slit_width_m = 0;
+  double area_m2() const;
+};
+/// Triangles of its middle surface.
+RawMesh mesh_drain(const Drain& drain, double edge_m);
+
 }  // namespace phynness::meshes

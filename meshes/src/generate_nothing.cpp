@@ -15,5 +15,6 @@ namespace {
 
 RawMesh fill(const Surface&) { refuse("filling a surface"); }
 RawMesh mesh_solid(const Solid&, double) { refuse("a built-in shape"); }
+RawMesh mesh_drain(const Drain&, double) { refuse("a built-in shape"); }
 
 }  // namespace phynness::meshes

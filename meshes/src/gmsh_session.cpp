@@ -70,11 +70,14 @@ void GmshSession::run(const std::string& what, const std::function<void()>& work
   throw failure("gmsh cannot " + what, reason, remedy);
 }
 
-RawMesh GmshSession::tetrahedra() const {
+RawMesh GmshSession::tetrahedra() const { return elements(gmsh_tetrahedron, "tetrahedra"); }
+RawMesh GmshSession::triangles() const { return elements(gmsh_triangle, "triangles"); }
+
+RawMesh GmshSession::elements(int type, const char* what) const {
   std::vector<std::size_t> tags, elements, element_nodes;
   std::vector<double> x, parametric;
   gmsh::model::mesh::getNodes(tags, x, parametric, -1, -1, false, false);
-  gmsh::model::mesh::getElementsByType(gmsh_tetrahedron, elements, element_nodes);
+  gmsh::model::mesh::getElementsByType(type, elements, element_nodes);
   std::vector<std::size_t> order(tags.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) { return tags[p] < tags[q]; });
@@ -84,10 +87,14 @@ RawMesh GmshSession::tetrahedra() const {
   for (const std::size_t i : order)
     if (position.emplace(tags[i], static_cast<std::int32_t>(raw.nodes.size())).second)
       raw.nodes.push_back({x[3 * i], x[3 * i + 1], x[3 * i + 2]});
-  for (std::size_t e = 0; e + 3 < element_nodes.size(); e += 4)
+  for (std::size_t e = 0; type == gmsh_triangle && e + 2 < element_nodes.size(); e += 3)
+    raw.triangles.push_back({position.at(element_nodes[e]), position.at(element_nodes[e + 1]),
+                             position.at(element_nodes[e + 2])});
+  for (std::size_t e = 0; type == gmsh_tetrahedron && e + 3 < element_nodes.size(); e += 4)
     raw.tetrahedra.push_back({position.at(element_nodes[e]), position.at(element_nodes[e + 1]),
                               position.at(element_nodes[e + 2]), position.at(element_nodes[e + 3])});
-  if (raw.tetrahedra.empty()) throw failure("gmsh made no tetrahedra", last_logged_error(), remedy);
+  if (raw.tetrahedra.empty() && raw.triangles.empty())
+    throw failure(std::string("gmsh made no ") + what, last_logged_error(), remedy);
   return raw;
 }
 

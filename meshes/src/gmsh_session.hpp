@@ -22,6 +22,11 @@ class GmshSession {
   void run(const std::string& what, const std::function<void()>& work) const;
   /// The tetrahedra of the current model and their nodes in the order of gmsh's numbers.
   RawMesh tetrahedra() const;
+  /// The same of its triangles.
+  RawMesh triangles() const;
+
+ private:
+  RawMesh elements(int type, const char* what) const;
 };
 
 }  // namespace phynness::meshes

@@ -14,6 +14,7 @@
 #include "peel.hpp"
 #include "remesh.hpp"
 #include "self_crossing.hpp"
+#include "shell.hpp"
 #include "sizing.hpp"
 #include "topology.hpp"
 
@@ -25,6 +26,9 @@ using namespace meshes;
 constexpr int default_nodes_liver = 739, default_nodes_solid = 500;
 constexpr Vec3 default_liver_m{0.20, 0.14, 0.05}, default_block_m{0.10, 0.10, 0.05};
 constexpr double default_cylinder_radius_m = 0.03, default_tube_radius_m = 0.01, default_length_m = 0.10;
+// As many nodes as the paper's drain, of about half an inch; formats/scene.md names them.
+constexpr int default_nodes_drain = 239;
+constexpr double default_drain_radius_m = 0.00635, default_drain_length_m = 0.038, default_slit_width_m = 0.004;
 constexpr double default_wall = 0.75;  // inner over outer radius of a tube
 
 double or_default(double value, double fallback) { return value > 0 ? value : fallback; }
@@ -109,7 +113,30 @@ MeshResult sized(const MeshSpec& spec, const Extent& extent, std::optional<int> 
   return meet_node_target(*target_nodes, extent, place(spec), affordable);
 }
 
+MeshResult drain(const MeshSpec& spec) {
+  Drain drain;
+  drain.radius_m = or_default(spec.radius_m, default_drain_radius_m);
+  drain.length_m = or_default(spec.length_m, default_drain_length_m);
+  drain.slit_length_m = or_default(spec.slit_length_m, drain.length_m / 2);
+  drain.slit_width_m = or_default(spec.slit_width_m, std::min(default_slit_width_m, drain.radius_m / 2));
+  const auto refuse = [&](const char* what, double value, const char* remedy) {
+    throw input_error(place(spec) + ": " + what, std::to_string(value) + " m", remedy);
+  };
+  if (drain.slit_length_m > 0.9 * drain.length_m)
+    refuse("the drain's slit is longer than nine tenths of it", drain.slit_length_m, "set mesh.slit_length_m below");
+  if (drain.slit_width_m > drain.radius_m)
+    refuse("the drain's slit is wider than its radius", drain.slit_width_m, "set mesh.slit_width_m below");
+  if (drain.slit_width_m > drain.slit_length_m)
+    refuse("the drain's slit is wider than it is long", drain.slit_width_m, "set mesh.slit_width_m below");
+  std::optional<int> target_nodes = spec.target_nodes;
+  if (!target_nodes && !spec.target_size_m) target_nodes = default_nodes_drain;
+  return sized(spec, {0, drain.area_m2()}, target_nodes, [&](double edge_m) {
+    return checked_shell(mesh_drain(drain, edge_m), 1, false, "shape 'drain'");
+  });
+}
+
 MeshResult from_shape(const MeshSpec& spec) {
+  if (spec.shape == Shape::drain) return drain(spec);
   const bool is_liver = spec.shape == Shape::liver;
   std::optional<int> target_nodes = spec.target_nodes;
   if (!target_nodes && !spec.target_size_m)
@@ -163,6 +190,17 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
   return result;
 }
 
+MeshResult shell_from_file(const MeshSpec& spec, const RawMesh& raw, const std::string& source) {
+  if (!raw.tetrahedra.empty())
+    throw input_error(place(spec) + ": a shell is made of triangles, but the file holds tetrahedra", source,
+                      "remove mesh.thickness_m to simulate the solid, or give the shell's middle surface");
+  MeshResult result = checked_shell(raw, spec.scale_to_m, spec.repair, source);
+  if (spec.target_nodes || spec.target_size_m)
+    result.warnings.push_back(
+        "a shell's triangles are used as they are: mesh.target_nodes and mesh.target_size_m mean nothing here");
+  return result;
+}
+
 /// A file that holds one half of the body.
 RawMesh mirrored_file(RawMesh half, const MeshSpec& spec, const std::string& source) {
   if (half.tetrahedra.empty())
@@ -191,6 +229,7 @@ MeshResult make_mesh(const Scene& scene) {
   const std::string source = spec.file.filename().string();
   RawMesh raw = read_mesh_file(spec.file);
   if (spec.symmetry && spec.symmetry->half) raw = mirrored_file(std::move(raw), spec, source);
+  if (spec.thickness_m > 0) return shell_from_file(spec, raw, source);
   if (raw.tetrahedra.empty()) return from_surface(spec, raw, source);
   MeshResult result = checked_body(raw, spec.scale_to_m, spec.repair, source);
   if (spec.target_nodes || spec.target_size_m)

@@ -21,19 +21,26 @@ QualityReport measure_quality(const Mesh& mesh) {
   }
   report.min_quality = std::numeric_limits<double>::infinity();
   std::vector<std::array<std::int32_t, 2>> edges;
+  const auto corners = static_cast<int>(mesh.cells.cols());
   for (std::int32_t c = 0; c < mesh.n_cells(); ++c) {
     const auto cell = mesh.cells.row(c);
     const Eigen::RowVector3d a = mesh.nodes.row(cell(0));
-    const Eigen::RowVector3d u = mesh.nodes.row(cell(1)) - a, v = mesh.nodes.row(cell(2)) - a,
-                             w = mesh.nodes.row(cell(3)) - a;
-    report.volume_m3 += u.dot(v.cross(w)) / 6;
-    const double quality = meshes::radius_ratio(u, v, w);
+    const Eigen::RowVector3d u = mesh.nodes.row(cell(1)) - a, v = mesh.nodes.row(cell(2)) - a;
+    double quality;
+    if (corners == 4) {
+      const Eigen::RowVector3d w = mesh.nodes.row(cell(3)) - a;
+      report.volume_m3 += u.dot(v.cross(w)) / 6;
+      quality = meshes::radius_ratio(u, v, w);
+    } else {
+      report.area_m2 += u.cross(v).norm() / 2;
+      quality = meshes::radius_ratio(u, v);
+    }
     report.n_slivers += quality < sliver_quality;
     if (quality < report.min_quality) {
       report.min_quality = quality;
       report.worst_cell = c;
     }
-    for (int i = 0; i < 4; ++i)
+    for (int i = 0; i < corners; ++i)
       for (int j = 0; j < i; ++j) edges.push_back({std::min(cell(i), cell(j)), std::max(cell(i), cell(j))});
   }
   std::sort(edges.begin(), edges.end());

@@ -1,4 +1,4 @@
-// The one quality measure of a tetrahedron.
+// The one quality measure of a tetrahedron, and of a triangle.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -15,6 +15,12 @@ inline double radius_ratio(const Eigen::RowVector3d& u, const Eigen::RowVector3d
   const double twelve_v_r = (u.squaredNorm() * vw + v.squaredNorm() * wu + w.squaredNorm() * uv).norm();
   if (!(total_area > 0) || !(twelve_v_r > 0)) return 0;
   return 108 * volume * volume / (total_area * twelve_v_r);
+}
+
+/// 2 r_in / r_circ of a triangle with edges u, v from one node; r_in = 2 A / (a + b + c), r_circ = a b c / (4 A).
+inline double radius_ratio(const Eigen::RowVector3d& u, const Eigen::RowVector3d& v) {
+  const double a = u.norm(), b = v.norm(), c = (v - u).norm(), twice_area = u.cross(v).norm();
+  return a * b * c > 0 ? 4 * twice_area * twice_area / ((a + b + c) * a * b * c) : 0;
 }
 
 }  // namespace phynness::meshes

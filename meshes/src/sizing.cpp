@@ -21,7 +21,7 @@ constexpr double good_enough_big = 0.02;  // big meshes take long and nobody cou
 constexpr int big = 10000;
 
 double edge_for(const Extent& extent, double nodes) {
-  double low = 1e-9 * std::cbrt(extent.volume_m3), high = 1e3 * std::sqrt(extent.area_m2);
+  double low = 1e-9 * std::max(std::cbrt(extent.volume_m3), std::sqrt(extent.area_m2)), high = 1e3 * std::sqrt(extent.area_m2);
   for (int i = 0; i < 100; ++i) {
     const double middle = std::sqrt(low * high);
     (expected_nodes(extent, middle) > nodes ? low : high) = middle;
@@ -99,6 +99,10 @@ double Solid::volume_m3() const {
   if (shape == Shape::block) return size_m[0] * size_m[1] * size_m[2];
   const double hole = shape == Shape::tube ? inner_radius_m : 0;
   return std::numbers::pi * (radius_m * radius_m - hole * hole) * length_m;
+}
+
+double Drain::area_m2() const {
+  return 2 * std::numbers::pi * radius_m * length_m - std::numbers::pi / 4 * slit_length_m * slit_width_m;
 }
 
 double Solid::area_m2() const {

@@ -37,11 +37,13 @@ void append_names(std::string& text, const Groups& groups) {
   text += "$EndPhysicalNames\n";
 }
 
-/// One point entity per group, one surface, one volume.
+bool is_solid(const Mesh& mesh) { return mesh.cells.cols() == 4; }
+
+/// One point entity per group, one surface, and the volume of a solid.
 void append_entities(std::string& text, const Mesh& mesh, const Groups& groups) {
   const Eigen::RowVector3d low = mesh.nodes.colwise().minCoeff(), high = mesh.nodes.colwise().maxCoeff();
   text += "$Entities\n";
-  line(text, groups.size(), 0, 1, 1);
+  line(text, groups.size(), 0, 1, is_solid(mesh) ? 1 : 0);
   int tag = 0;
   for (const auto& [name, nodes] : groups) {
     const Eigen::RowVector3d x = mesh.nodes.row(nodes.empty() ? 0 : nodes.front());
@@ -49,7 +51,7 @@ void append_entities(std::string& text, const Mesh& mesh, const Groups& groups) 
     line(text, tag, x(0), x(1), x(2), 1, tag);
   }
   line(text, 1, low(0), low(1), low(2), high(0), high(1), high(2), 0, 0);
-  line(text, 1, low(0), low(1), low(2), high(0), high(1), high(2), 0, 1, 1);
+  if (is_solid(mesh)) line(text, 1, low(0), low(1), low(2), high(0), high(1), high(2), 0, 1, 1);
   text += "$EndEntities\n";
 }
 
@@ -57,7 +59,7 @@ void append_nodes(std::string& text, const Mesh& mesh) {
   const Eigen::Index n = mesh.nodes.rows();
   text += "$Nodes\n";
   line(text, 1, n, 1, n);
-  line(text, 3, 1, 0, n);  // all in the volume's block, so that their order is the mesh's own
+  line(text, is_solid(mesh) ? 3 : 2, 1, 0, n);  // all in one block, so that their order is the mesh's own
   for (Eigen::Index i = 1; i <= n; ++i) line(text, i);
   for (Eigen::Index i = 0; i < n; ++i) line(text, mesh.nodes(i, 0), mesh.nodes(i, 1), mesh.nodes(i, 2));
   text += "$EndNodes\n";
@@ -66,10 +68,10 @@ void append_nodes(std::string& text, const Mesh& mesh) {
 void append_elements(std::string& text, const Mesh& mesh, const Groups& groups) {
   std::size_t n_points = 0;
   for (const auto& [name, nodes] : groups) n_points += nodes.size();
-  const auto n = n_points + static_cast<std::size_t>(mesh.surface.rows() + mesh.cells.rows());
+  const auto n = n_points + static_cast<std::size_t>(mesh.surface.rows() + (is_solid(mesh) ? mesh.cells.rows() : 0));
   std::size_t tag = 0;
   text += "$Elements\n";
-  line(text, groups.size() + 2, n, 1, n);
+  line(text, groups.size() + (is_solid(mesh) ? 2 : 1), n, 1, n);
   int group = 0;
   for (const auto& [name, nodes] : groups) {
     line(text, 0, ++group, 15, nodes.size());
@@ -78,8 +80,8 @@ void append_elements(std::string& text, const Mesh& mesh, const Groups& groups) 
   line(text, 2, 1, 2, mesh.surface.rows());
   for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t)
     line(text, ++tag, mesh.surface(t, 0) + 1, mesh.surface(t, 1) + 1, mesh.surface(t, 2) + 1);
-  line(text, 3, 1, 4, mesh.cells.rows());
-  for (Eigen::Index c = 0; c < mesh.cells.rows(); ++c)
+  if (is_solid(mesh)) line(text, 3, 1, 4, mesh.cells.rows());
+  for (Eigen::Index c = 0; is_solid(mesh) && c < mesh.cells.rows(); ++c)
     line(text, ++tag, mesh.cells(c, 0) + 1, mesh.cells(c, 1) + 1, mesh.cells(c, 2) + 1, mesh.cells(c, 3) + 1);
   text += "$EndElements\n";
 }
@@ -87,9 +89,9 @@ void append_elements(std::string& text, const Mesh& mesh, const Groups& groups) 
 }  // namespace
 
 void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::path& file) {
-  if (mesh.cells.cols() != 4 || mesh.cells.rows() == 0)
-    throw input_error("cannot write the mesh: it has no tetrahedra", file.string(),
-                      "give a mesh of 4-node cells");
+  if ((mesh.cells.cols() != 4 && mesh.cells.cols() != 3) || mesh.cells.rows() == 0)
+    throw input_error("cannot write the mesh: it has neither tetrahedra nor triangles", file.string(),
+                      "give a mesh of 4-node or 3-node cells");
   Groups groups = mesh.groups;
   if (sets) {
     groups["phynness_fixed"] = sets->fixed;

@@ -61,4 +61,12 @@ std::vector<std::int32_t> displacement_dofs(const Discretization& body, const st
   return dofs;
 }
 
+std::vector<std::int32_t> fixed_dofs(const Discretization& body, const std::vector<char>& fixed) {
+  auto dofs = displacement_dofs(body, fixed);
+  if (body.has_directors())
+    for (int p = body.n_nodes(); p < body.n_points(); ++p)
+      if (fixed[p]) dofs.insert(dofs.end(), body.director_dofs(p).begin(), body.director_dofs(p).end());
+  return dofs;
+}
+
 }  // namespace phynness

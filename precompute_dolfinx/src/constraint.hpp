@@ -32,5 +32,7 @@ Constraint tool_constraint(const Discretization& body,
 /// Points held at zero: fixed nodes, and middles of edges between two of them.
 std::vector<char> fixed_points(const Discretization& body, std::span<const std::int32_t> fixed_nodes);
 std::vector<std::int32_t> displacement_dofs(const Discretization& body, const std::vector<char>& points);
+/// Dofs that fixed points hold: displacements and, of a shell, directors between two fixed nodes: it is clamped.
+std::vector<std::int32_t> fixed_dofs(const Discretization& body, const std::vector<char>& fixed);
 
 }  // namespace phynness

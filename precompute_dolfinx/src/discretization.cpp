@@ -1,5 +1,6 @@
 #include "discretization.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -19,8 +20,32 @@ struct Discretization::Dolfinx {
   FormSet forms;
   std::shared_ptr<api::DolfinxMesh> mesh;
   std::shared_ptr<api::Space> space;
-  std::shared_ptr<api::Function> w;
-  std::unique_ptr<api::Form> energy, residual, tangent;
+  std::shared_ptr<api::Function> w, rest;
+  struct Forms {
+    api::Form energy, residual, tangent;
+  };
+  std::vector<Forms> passes;
+  std::vector<double> rest_values;  // of `rest`; empty for solids
+
+  Forms create(const ufcx_form& energy, const ufcx_form& residual, const ufcx_form& tangent,
+               const FormConstants& of_pass) const {
+    std::map<std::string, std::shared_ptr<const api::Constant>> constants;
+    for (const auto* values : {&of_pass, &forms.constants})
+      for (const auto& [name, value] : *values)
+        constants.try_emplace(name, std::make_shared<const api::Constant>(value));
+    const std::vector<std::shared_ptr<const api::Function>> functions{w, rest};
+    return {api::create_form(energy, {}, functions, constants, mesh),
+            api::create_form(residual, {space}, functions, constants, mesh),
+            api::create_form(tangent, {space, space}, functions, constants, mesh)};
+  }
+
+  /// What a kernel reads of a cell: its state and, of a shell, what it is at rest.
+  void gather(std::span<const std::int32_t> dofs, std::span<const double> state, std::vector<double>& values) const {
+    values.clear();
+    for (const auto i : dofs) values.push_back(state[i]);
+    if (!rest_values.empty())
+      for (const auto i : dofs) values.push_back(rest_values[i]);
+  }
 
   // The forms read this copy; the solver never hands out its own vector (FEniCS/dolfinx issue 3507).
   void set(std::span<const double> state) { api::set_values(*w, state); }
@@ -33,14 +58,11 @@ Discretization::Discretization(const Mesh& mesh, const FormSet& forms)
   d.mesh = api::create_mesh(mesh.nodes, mesh.cells);
   d.space = api::create_space(forms.element, d.mesh);
   d.w = std::make_shared<api::Function>(d.space);
-  std::map<std::string, std::shared_ptr<const api::Constant>> constants;
-  for (const auto& [name, value] : forms.constants)
-    constants[name] = std::make_shared<const api::Constant>(value);
-  d.energy = std::make_unique<api::Form>(api::create_form(*forms.energy, {}, d.w, constants, d.mesh));
-  d.residual =
-      std::make_unique<api::Form>(api::create_form(*forms.residual, {d.space}, d.w, constants, d.mesh));
-  d.tangent = std::make_unique<api::Form>(
-      api::create_form(*forms.tangent, {d.space, d.space}, d.w, constants, d.mesh));
+  d.rest = forms.element == Element::shell ? std::make_shared<api::Function>(d.space) : d.w;
+  for (const auto& of_pass : forms.passes)
+    d.passes.push_back(d.create(*forms.energy, *forms.residual, *forms.tangent, of_pass));
+  if (forms.gauge_energy)
+    d.passes.push_back(d.create(*forms.gauge_energy, *forms.gauge_residual, *forms.gauge_tangent, {}));
 
   _n_dofs = api::n_dofs(*d.space);
   _n_nodes = mesh.n_nodes();
@@ -51,6 +73,10 @@ Discretization::Discretization(const Mesh& mesh, const FormSet& forms)
       for (int k = 0; k < block; ++k) _element_dofs.push_back(block * b + k);
   _n_element_dofs = static_cast<int>(_element_dofs.size()) / _n_cells;
   number_points(mesh);
+  if (forms.element == Element::shell) {
+    d.rest_values = at_rest(mesh);
+    api::set_values(*d.rest, d.rest_values);
+  }
 }
 
 Discretization::~Discretization() = default;
@@ -58,23 +84,24 @@ Discretization::Discretization(Discretization&&) noexcept = default;
 
 void Discretization::number_points(const Mesh& mesh) {
   const auto& d = *_dolfinx;
-  const bool mixed = is_mixed(d.forms.element);
-  std::array<std::shared_ptr<const api::Space>, 4> component;
-  if (mixed)
-    for (int k = 0; k < 4; ++k) component[k] = api::mixed_component(*d.space, k);
+  const bool mixed = is_mixed(d.forms.element), shell = d.forms.element == Element::shell;
+  std::vector<std::shared_ptr<const api::Space>> component;
+  for (int k = 0; k < (shell ? 6 : mixed ? 4 : 0); ++k)
+    component.push_back(api::mixed_component(*d.space, k, shell));
 
   _point_dofs.assign(_n_nodes, {-1, -1, -1});
   std::vector<std::int32_t> pressure(mixed ? _n_nodes : 0, -1);
   std::map<std::array<std::int32_t, 2>, std::int32_t> edge_point;
   for (int cell = 0; cell < _n_cells; ++cell) {
     const auto nodes = api::cell_nodes(*d.mesh, cell);
-    const auto blocks = mixed ? api::cell_blocks(*component[0], cell) : api::cell_blocks(*d.space, cell);
+    const auto blocks =
+        component.empty() ? api::cell_blocks(*d.space, cell) : api::cell_blocks(*component[0], cell);
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       std::int32_t point;
-      if (i < 4) {
+      if (i < nodes.size()) {
         point = nodes[i];
       } else {
-        const auto& ends = api::edge_vertices()[i - 4];
+        const auto& ends = api::edge_vertices(nodes.size())[i - nodes.size()];
         std::array<std::int32_t, 2> edge{nodes[ends[0]], nodes[ends[1]]};
         if (edge[0] > edge[1]) std::swap(edge[0], edge[1]);
         const auto [entry, is_new] =
@@ -86,7 +113,13 @@ void Discretization::number_points(const Mesh& mesh) {
         }
       }
       for (int k = 0; k < 3; ++k)
-        _point_dofs[point][k] = mixed ? api::cell_blocks(*component[k], cell)[i] : 3 * blocks[i] + k;
+        _point_dofs[point][k] =
+            component.empty() ? 3 * blocks[i] + k : api::cell_blocks(*component[k], cell)[i];
+      if (shell && i >= nodes.size()) {
+        _director_dofs.resize(_edges.size());
+        for (int k = 0; k < 3; ++k)
+          _director_dofs[point - _n_nodes][k] = api::cell_blocks(*component[3 + k], cell)[i - nodes.size()];
+      }
     }
     if (mixed)
       for (int i = 0; i < 4; ++i) pressure[nodes[i]] = api::cell_blocks(*component[3], cell)[i];
@@ -113,30 +146,56 @@ void Discretization::number_points(const Mesh& mesh) {
 
 const FormSet& Discretization::forms() const { return _dolfinx->forms; }
 
+std::vector<double> Discretization::at_rest(const Mesh& mesh) const {
+  std::map<std::array<std::int32_t, 2>, Eigen::RowVector3d> normals;
+  for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
+    const auto corner = [&](int i) -> Eigen::RowVector3d { return mesh.nodes.row(mesh.cells(t, i % 3)); };
+    const Eigen::RowVector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+    for (int i = 0; i < 3; ++i) {
+      const auto [a, b] = std::minmax(mesh.cells(t, i), mesh.cells(t, (i + 1) % 3));
+      normals.try_emplace({a, b}, Eigen::RowVector3d::Zero()).first->second += normal;
+    }
+  }
+  std::vector<double> values(static_cast<std::size_t>(_n_dofs), 0.0);
+  for (int p = _n_nodes; p < n_points(); ++p) {
+    const Eigen::RowVector3d director = normals.at(edge(p)).normalized();
+    for (int k = 0; k < 3; ++k) {
+      values[static_cast<std::size_t>(dofs(p)[k])] = 1;  // a mark; see forms/shell.py
+      values[static_cast<std::size_t>(director_dofs(p)[k])] = director[k];
+    }
+  }
+  return values;
+}
+
 double Discretization::energy(std::span<const double> state) {
   _dolfinx->set(state);
-  return api::assemble_scalar(*_dolfinx->energy);
+  double sum = 0;
+  for (const auto& pass : _dolfinx->passes) sum += api::assemble_scalar(pass.energy);
+  return sum;
 }
 
 void Discretization::residual(std::span<const double> state, std::span<double> out) {
   _dolfinx->set(state);
   std::fill(out.begin(), out.end(), 0.0);
-  api::assemble_vector(out, *_dolfinx->residual);
+  for (const auto& pass : _dolfinx->passes) api::assemble_vector(out, pass.residual);
 }
 
 double Discretization::min_jacobian(std::span<const double> state) {
-  const auto& expression = *_dolfinx->forms.jacobian;
-  std::vector<double> w(_n_element_dofs), values(expression.num_points);
+  const auto& forms = _dolfinx->forms;
+  std::vector<double> w, values(forms.jacobian->num_points);
   std::array<double, 12> x;
   double least = std::numeric_limits<double>::infinity();
-  for (int cell = 0; cell < _n_cells; ++cell) {
-    const auto dofs = element_dofs(cell);
-    std::transform(dofs.begin(), dofs.end(), w.begin(), [&](auto i) { return state[i]; });
-    api::cell_coordinates(*_dolfinx->mesh, cell, x);
-    std::fill(values.begin(), values.end(), 0.0);
-    api::tabulate(expression, values, w, x);
-    for (const double J : values)
-      least = std::isnan(J) ? -std::numeric_limits<double>::infinity() : std::min(least, J);
+  for (auto constants : forms.jacobian_passes) {
+    constants.insert(forms.constants.begin(), forms.constants.end());
+    const auto c = api::packed_constants(*forms.jacobian, constants);
+    for (int cell = 0; cell < _n_cells; ++cell) {
+      _dolfinx->gather(element_dofs(cell), state, w);
+      api::cell_coordinates(*_dolfinx->mesh, cell, x);
+      std::fill(values.begin(), values.end(), 0.0);
+      api::tabulate(*forms.jacobian, values, w, c, x);
+      for (const double J : values)
+        least = std::isnan(J) ? -std::numeric_limits<double>::infinity() : std::min(least, J);
+    }
   }
   return least;
 }
@@ -155,7 +214,8 @@ void Discretization::cell_integrals(const ufcx_form& functional, std::span<const
 }
 
 std::array<std::int32_t, 4> Discretization::cell_nodes(int cell) const {
-  return api::cell_nodes(*_dolfinx->mesh, cell);
+  const auto nodes = api::cell_nodes(*_dolfinx->mesh, cell);
+  return {nodes[0], nodes[1], nodes[2], nodes.at(3)};
 }
 
 double Discretization::cell_volume(int cell) const {
@@ -169,7 +229,17 @@ double Discretization::cell_volume(int cell) const {
 void Discretization::element_tangents(
     std::span<const double> state, const std::function<void(std::int32_t, std::span<const double>)>& take) {
   _dolfinx->set(state);
-  api::for_each_element_matrix(*_dolfinx->tangent, take);
+  const auto& passes = _dolfinx->passes;
+  if (passes.size() == 1) return api::for_each_element_matrix(passes.front().tangent, take);
+  const auto size = static_cast<std::size_t>(_n_element_dofs) * static_cast<std::size_t>(_n_element_dofs);
+  std::vector<double> sums(size * static_cast<std::size_t>(_n_cells), 0.0);
+  for (const auto& pass : passes)
+    api::for_each_element_matrix(pass.tangent, [&](std::int32_t cell, std::span<const double> values) {
+      double* sum = sums.data() + size * static_cast<std::size_t>(cell);
+      for (std::size_t i = 0; i < size; ++i) sum[i] += values[i];
+    });
+  for (std::int32_t cell = 0; cell < _n_cells; ++cell)
+    take(cell, {sums.data() + size * static_cast<std::size_t>(cell), size});
 }
 
 }  // namespace phynness

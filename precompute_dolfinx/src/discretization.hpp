@@ -16,7 +16,8 @@ namespace phynness {
 /// dolfinx's own messages: errors only.
 void quiet_logging();
 
-/// A state is one vector of n_dofs() values: displacements and, for mixed elements, pressures.
+/// A state is one vector of n_dofs() values: displacements and, for mixed elements, pressures; of a shell, displacements
+/// of its middle surface and changes of directors, which live at the middles of edges.
 /// Points are where displacements live: the mesh's nodes in their order and then, for quadratic elements, the
 /// middles of edges.
 class Discretization {
@@ -31,6 +32,9 @@ class Discretization {
   int n_nodes() const { return _n_nodes; }
   /// Dofs of the three displacement components of a point.
   const std::array<std::int32_t, 3>& dofs(int point) const { return _point_dofs[point]; }
+  /// Dofs of the director at the middle of an edge. @pre a shell, and a point beyond the nodes
+  const std::array<std::int32_t, 3>& director_dofs(int point) const { return _director_dofs[point - _n_nodes]; }
+  bool has_directors() const { return !_director_dofs.empty(); }
   /// Empty for displacement elements.
   const std::vector<std::int32_t>& pressure_dofs() const { return _pressure_dofs; }
   /// The two nodes whose middle a point beyond the nodes is.
@@ -63,7 +67,7 @@ class Discretization {
   /// overwritten
   void cell_integrals(const ufcx_form& functional, std::span<const double> state,
                       std::span<double> out) const;
-  /// Nodes of a cell, in the mesh's numbers, and its volume at rest in units of length_m^3.
+  /// Nodes of a cell, in the mesh's numbers, and its volume at rest in units of length_m^3. @pre no shell
   std::array<std::int32_t, 4> cell_nodes(int cell) const;
   double cell_volume(int cell) const;
   const FormSet& forms() const;
@@ -71,10 +75,11 @@ class Discretization {
  private:
   struct Dolfinx;
   void number_points(const Mesh& mesh);
+  std::vector<double> at_rest(const Mesh& mesh) const;
 
   std::unique_ptr<Dolfinx> _dolfinx;
   int _n_dofs = 0, _n_nodes = 0, _n_cells = 0, _n_element_dofs = 0;
-  std::vector<std::array<std::int32_t, 3>> _point_dofs;
+  std::vector<std::array<std::int32_t, 3>> _point_dofs, _director_dofs;
   std::vector<std::array<std::int32_t, 2>> _edges;
   std::vector<std::int32_t> _pressure_dofs, _element_dofs;
   std::vector<char> _on_surface;

@@ -6,8 +6,12 @@
 #include <map>
 #include <phynness/formats/scene.hpp>
 #include <string>
+#include <vector>
 
 namespace phynness {
+
+/// Constants by their names in the UFL file, without dimension.
+using FormConstants = std::map<std::string, double>;
 
 struct FormSet {
   const ufcx_form* energy = nullptr;
@@ -16,8 +20,13 @@ struct FormSet {
   const ufcx_form* von_mises = nullptr;       ///< functional: integral of the von Mises stress
   const ufcx_form* stored = nullptr;          ///< functional: the energy, not negative in any cell
   const ufcx_expression* jacobian = nullptr;  ///< J = det F at the quadrature points
+  /// Shells only, added to the three: what keeps directors at their length.
+  const ufcx_form *gauge_energy = nullptr, *gauge_residual = nullptr, *gauge_tangent = nullptr;
   Element element = Element::p1;
-  std::map<std::string, double> constants;  ///< by their names in the UFL file, without dimension
+  FormConstants constants;
+  /// Constants that change from pass to pass: energy, residual and tangent are sums over these, and min_jacobian()
+  /// is the smallest. A solid has one pass, a shell one for every layer.
+  std::vector<FormConstants> passes{{}}, jacobian_passes{{}};
   bool checks_jacobian = true;              ///< false for the linear theory, which knows no J
 };
 
@@ -26,6 +35,7 @@ struct FormSet {
 inline constexpr double stabilization_alpha = 0.05;
 
 /// @param modulus_Pa  the unit of moduli (Scaling::modulus_Pa)
-FormSet form_set(const Material& material, Element element, double modulus_Pa);
+/// @param thickness   of a shell, in units of length (Scaling::length_m)
+FormSet form_set(const Material& material, Element element, double modulus_Pa, double thickness = 0);
 
 }  // namespace phynness

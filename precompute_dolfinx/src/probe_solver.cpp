@@ -25,9 +25,9 @@ struct ProbeSolver::Impl {
       : scene(s),
         scaling(Scaling::of(mesh, s.material)),
         body(without_dimension(mesh, scaling.length_m),
-             form_set(s.material, s.solver.element, scaling.modulus_Pa)),
+             form_set(s.material, s.solver.element, scaling.modulus_Pa, s.mesh.thickness_m / scaling.length_m)),
         fixed(fixed_points(body, sets.fixed)),
-        equilibrium(body, displacement_dofs(body, fixed), s.solver, team),
+        equilibrium(body, fixed_dofs(body, fixed), s.solver, team),
         rays(body, equilibrium, s.solver),
         fields(body, s.database.fields) {
     if (!hold_the_body(mesh.nodes, sets.fixed))

@@ -21,7 +21,7 @@ struct SourceLocation {
 
 using Vec3 = std::array<double, 3>;
 
-enum class Shape { none, liver, block, cylinder, tube };
+enum class Shape { none, liver, block, cylinder, tube, drain };
 
 /// A plane in which the scene says the body is its own mirror image.
 struct SymmetryPlane {
@@ -41,7 +41,9 @@ struct MeshSpec {
   std::optional<int> target_nodes;        ///< built-in shapes: wanted number of nodes ...
   std::optional<double> target_size_m;    ///< ... or edge length; surfaces (.stl, .obj): edge length to fill with
   Vec3 size_m{0, 0, 0};                   ///< block: edges; liver: bounding box; 0 = the shape's default
-  double radius_m = 0, inner_radius_m = 0, length_m = 0;  ///< cylinder, tube
+  double radius_m = 0, inner_radius_m = 0, length_m = 0;  ///< cylinder, tube, drain
+  double slit_length_m = 0, slit_width_m = 0;             ///< drain
+  double thickness_m = 0;                 ///< of the shell whose middle surface the mesh is; 0: a solid
   bool repair = false;                    ///< allow named repairs (flip cells, keep the largest component, ...)
   std::optional<SymmetryPlane> symmetry;  ///< only one half of the active nodes is solved
   SourceLocation where;
@@ -59,7 +61,7 @@ struct Material {
   double bulk_to_shear() const { return bulk_modulus_Pa / shear_modulus_Pa; }
 };
 
-enum class Element { p1, p2, taylor_hood, p1_p1 };
+enum class Element { p1, p2, taylor_hood, p1_p1, shell };
 /// Displacement and pressure.
 inline bool is_mixed(Element element) { return element == Element::taylor_hood || element == Element::p1_p1; }
 

@@ -12,9 +12,9 @@ namespace phynness {
 
 struct QualityReport {
   std::int32_t n_nodes = 0, n_cells = 0, n_surface_nodes = 0, n_surface_triangles = 0;
-  double volume_m3 = 0;
+  double volume_m3 = 0, area_m2 = 0;  ///< of a solid's cells, of a shell's triangles
   Vec3 min_m{}, max_m{};          ///< bounding box
-  double min_quality = 0;         ///< radius ratio 3 r_in / r_circ: 1 regular, 0 flat
+  double min_quality = 0;         ///< radius ratio 3 r_in / r_circ (triangles: 2 r_in / r_circ): 1 regular, 0 flat
   std::int32_t worst_cell = -1;
   std::int32_t n_slivers = 0;     ///< cells with quality below `sliver_quality`
   double mean_edge_m = 0, min_edge_m = 0, max_edge_m = 0;
@@ -32,13 +32,14 @@ struct MeshResult {
 /// The mesh a scene asks for: built-in shape (gmsh) or file, scaled to metres, checked.
 /// Cells are positively oriented, every node is referenced, the body is one connected component and its surface a
 /// closed manifold; anything else is an error that names the defect, or a repair that is named in `notes`.
+/// With a thickness the mesh is the middle surface of a shell: cells are triangles, and the surface may be open.
 /// @throws Error
 MeshResult make_mesh(const Scene& scene);
 
 /// The checks alone, for a mesh from elsewhere.
 QualityReport measure_quality(const Mesh& mesh);
 
-/// Writes gmsh format 4.1 (ASCII): nodes in their order, tetrahedra, surface triangles, physical groups; when `sets` is
+/// Writes gmsh format 4.1 (ASCII): nodes in their order, tetrahedra if it has any, triangles, physical groups; when `sets` is
 /// given its lists become physical point groups phynness_fixed, phynness_active, phynness_output. Written by our own code or gmsh, but
 /// reading it back through make_mesh gives the same node numbers, cells and hash.
 void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::path& file);

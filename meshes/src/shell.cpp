@@ -1,0 +1,171 @@
+#include "shell.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <phynness/formats/error.hpp>
+#include <sstream>
+
+#include "surface.hpp"
+#include "topology.hpp"
+
+namespace phynness::meshes {
+namespace {
+
+// A director is the mean normal of the two triangles at an edge: beyond this angle it stands for neither.
+constexpr double sharpest_fold_deg = 120, sharp_fold_deg = 60;
+constexpr double flat_triangle = 1e-6;  // twice the area over the square of the longest edge
+
+/// Keeps what `kept` says and renumbers the nodes that are left, in their order.
+void reduce(RawMesh& raw, const std::vector<char>& kept, std::vector<std::string>& notes) {
+  std::vector<Triangle> triangles;
+  std::vector<std::int32_t> number(raw.nodes.size(), -1), dropped;
+  for (std::size_t t = 0; t < raw.triangles.size(); ++t)
+    if (kept[t]) {
+      triangles.push_back(raw.triangles[t]);
+      for (const auto node : raw.triangles[t]) number[node] = 0;
+    }
+  std::vector<std::array<double, 3>> nodes;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] < 0) {
+      dropped.push_back(static_cast<std::int32_t>(i));
+      continue;
+    }
+    number[i] = static_cast<std::int32_t>(nodes.size());
+    nodes.push_back(raw.nodes[i]);
+  }
+  for (auto& triangle : triangles)
+    for (auto& node : triangle) node = number[node];
+  for (auto& [name, group] : raw.groups) {
+    std::vector<std::int32_t> left;
+    for (const auto node : group)
+      if (number[node] >= 0) left.push_back(number[node]);
+    group = std::move(left);
+  }
+  if (!dropped.empty())
+    notes.push_back("dropped " + counted(dropped.size(), "unreferenced node", "unreferenced nodes") +
+                    " (numbers in the file's list, from 0): " + first_few(dropped, 20));
+  raw.nodes = std::move(nodes);
+  raw.triangles = std::move(triangles);
+}
+
+Triangles to_matrix(const std::vector<Triangle>& list) {
+  Triangles triangles(static_cast<Eigen::Index>(list.size()), 3);
+  for (std::size_t t = 0; t < list.size(); ++t)
+    for (int k = 0; k < 3; ++k) triangles(static_cast<Eigen::Index>(t), k) = list[t][k];
+  return triangles;
+}
+
+void require_sound_edges(SurfaceTopology topology, const std::string& source) {
+  topology.open_edges.clear();
+  topology.inconsistent_edges.clear();
+  if (const std::string defects = describe_defects(topology, true); !defects.empty())
+    throw input_error(source + ": the triangles are not one surface that a shell can have", defects,
+                      topology.component_sizes.size() > 1
+                          ? "keep one piece, or set mesh.repair = true to keep the largest"
+                          : "at most two triangles may share an edge, and those of a node must form one fan");
+}
+
+void require_areas(const Mesh& mesh, const std::string& source) {
+  std::vector<std::int32_t> flat;
+  for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
+    const auto corner = [&](int i) -> Eigen::RowVector3d { return mesh.nodes.row(mesh.cells(t, i)); };
+    const Eigen::RowVector3d u = corner(1) - corner(0), v = corner(2) - corner(0);
+    const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
+    if (!(u.cross(v).norm() > flat_triangle * longest)) flat.push_back(static_cast<std::int32_t>(t));
+  }
+  if (!flat.empty())
+    throw input_error(source + ": triangles without area",
+                      counted(flat.size(), "triangle", "triangles") + ": " + first_few(flat),
+                      "mesh the surface again");
+}
+
+void look_at_folds(const Mesh& mesh, const std::string& source, std::vector<std::string>& warnings) {
+  std::map<Edge, std::vector<Eigen::RowVector3d>> normals;
+  for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
+    const auto corner = [&](int i) -> Eigen::RowVector3d { return mesh.nodes.row(mesh.cells(t, i)); };
+    const Eigen::RowVector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+    for (int i = 0; i < 3; ++i) {
+      const auto [a, b] = std::minmax(mesh.cells(t, i), mesh.cells(t, (i + 1) % 3));
+      normals[{a, b}].push_back(normal);
+    }
+  }
+  const auto cosine = [](double degrees) { return std::cos(degrees * 3.14159265358979 / 180); };
+  std::size_t sharp = 0;
+  for (const auto& [edge, pair] : normals) {
+    if (pair.size() < 2) continue;
+    const double cos_angle = pair[0].dot(pair[1]);
+    if (cos_angle < cosine(sharpest_fold_deg))
+      throw input_error(source + ": the shell's middle surface is folded back on itself",
+                        "at the edge between nodes " + std::to_string(edge[0]) + " and " + std::to_string(edge[1]),
+                        "round the fold, or mesh it finer");
+    sharp += cos_angle < cosine(sharp_fold_deg);
+  }
+  if (sharp > 0)
+    warnings.push_back("the surface turns by more than 60 degrees at " + counted(sharp, "edge", "edges") +
+                       ": a shell is smooth, so mesh it finer there, or model the corner as a solid");
+}
+
+}  // namespace
+
+MeshResult checked_shell(const RawMesh& given, double scale_to_m, bool repair, const std::string& source) {
+  MeshResult result;
+  RawMesh raw = given;
+  result.notes = std::move(raw.notes);
+  std::vector<char> kept(raw.triangles.size(), 1);
+  for (std::size_t t = 0; t < kept.size(); ++t) {
+    const auto& [a, b, c] = raw.triangles[t];
+    kept[t] = a != b && b != c && a != c;
+  }
+  reduce(raw, kept, result.notes);
+  if (raw.triangles.empty()) throw input_error(source + ": holds no triangles", "", "give the middle surface of a shell");
+  auto topology = surface_topology(to_matrix(raw.triangles));
+  if (repair && topology.component_sizes.size() > 1) {
+    const auto largest = std::max_element(topology.component_sizes.begin(), topology.component_sizes.end());
+    const auto keep = static_cast<std::int32_t>(largest - topology.component_sizes.begin());
+    result.notes.push_back("repair: kept the largest of " +
+                           describe_components(topology.component_sizes, "triangles"));
+    kept.assign(raw.triangles.size(), 0);
+    for (std::size_t t = 0; t < kept.size(); ++t) kept[t] = topology.component[t] == keep;
+    reduce(raw, kept, result.notes);
+    topology = surface_topology(to_matrix(raw.triangles));
+  }
+  require_sound_edges(topology, source);
+
+  Mesh& mesh = result.mesh;
+  mesh.nodes.resize(static_cast<Eigen::Index>(raw.nodes.size()), 3);
+  for (std::size_t i = 0; i < raw.nodes.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      auto& x = mesh.nodes(static_cast<Eigen::Index>(i), k);
+      x = raw.nodes[i][k] * scale_to_m;
+      if (!std::isfinite(x))
+        throw input_error(source + ": a node has coordinates that are not finite", "node " + std::to_string(i),
+                          "export the surface again");
+    }
+  mesh.surface = to_matrix(raw.triangles);
+  const std::int32_t turned = orient_consistently(mesh.surface, topology);
+  if (turned < 0)
+    throw input_error(source + ": the surface has one side only, like a Moebius strip", "",
+                      "a shell needs a front and a back: cut the surface open");
+  if (turned > 0)
+    result.notes.push_back("turned " + counted(static_cast<std::size_t>(turned), "triangle", "triangles") +
+                           " that ran against their neighbours");
+  if (topology.open_edges.empty() && enclosed_volume(mesh.nodes, mesh.surface) < 0)
+    mesh.surface.col(1).swap(mesh.surface.col(2));
+  mesh.cells = mesh.surface;
+  mesh.groups = std::move(raw.groups);
+  require_areas(mesh, source);
+  look_at_folds(mesh, source, result.warnings);
+  result.quality = measure_quality(mesh);
+  if (result.quality.n_slivers > 0) {
+    std::ostringstream text;
+    text.precision(2);
+    text << counted(static_cast<std::size_t>(result.quality.n_slivers), "sliver", "slivers") << ", worst quality "
+         << result.quality.min_quality << " in triangle " << result.quality.worst_cell;
+    result.warnings.push_back(text.str());
+  }
+  return result;
+}
+
+}  // namespace phynness::meshes

@@ -1,0 +1,17 @@
+// From a file's or gmsh's triangles to the middle surface of a shell that a solver may trust.
+#pragma once
+
+#include <phynness/meshes/meshes.hpp>
+#include <string>
+
+#include "raw_mesh.hpp"
+
+namespace phynness::meshes {
+
+/// Scales, drops unreferenced nodes, makes triangles run the same way, checks finiteness, areas, components and edges.
+/// The surface may be open. With `repair`, the largest of several components is kept.
+/// @return cells and surface are the same triangles; notes and warnings; quality filled in
+/// @throws Error naming the defect with its count
+MeshResult checked_shell(const RawMesh& raw, double scale_to_m, bool repair, const std::string& source);
+
+}  // namespace phynness::meshes
