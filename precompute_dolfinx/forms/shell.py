@@ -17,8 +17,9 @@ the usual factor of shear energy.
 
 The middle surface's energy t W(zeta = 0), of stretching and of shear, is integrated with weight alpha at the three
 points of the others and with 1 - alpha at one point, alpha = c t^2 / (c t^2 + h^2): without that, a thin flat triangle
-cannot bend as part of a curved surface (membrane locking), nor as freely as a plate should (shear locking). Partial
-selective reduced integration: Arnold & Brezzi 1997, doi 10.1090/S0025-5718-97-00785-0.
+cannot bend as part of a curved surface (membrane locking). Half of the shear energy goes that way too, which helps thin
+plates; all of it would make a shell under a point force hard to solve. Partial selective reduced integration: Arnold &
+Brezzi 1997, doi 10.1090/S0025-5718-97-00785-0; the measurements: docs/decisions/shell.md.
 
 The length of a director has no meaning of its own. A penalty at the middles of edges keeps it: `gauge`.
 
@@ -26,6 +27,7 @@ The length of a director has no meaning of its own. A penalty at the middles of 
     zeta, thickness    height, t
     layer              weight of a layer: half the thickness for each of two Gauss points
     swap               t in the pass that exchanges the middle surface's integral, else 0
+    shear              there the share of shear strains that takes part, else 1
 """
 
 import numpy
@@ -36,7 +38,7 @@ from ufl import (
 )
 
 zeta, thickness = Constant(domain), Constant(domain)
-layer, swap = Constant(domain), Constant(domain)
+layer, swap, shear = Constant(domain), Constant(domain), Constant(domain)
 
 state = Coefficient(space)
 # In the places of the displacement: 1 at middles of edges and 0 at vertices (see CENTRE); directors at rest.
@@ -90,8 +92,8 @@ class Metric:
         G13, G23, G33 = dot(G[0], D), dot(G[1], D), dot(D, D)
         g11, g22 = (product(G[a], G[a], change[a], change[a]) for a in (0, 1))
         g12 = product(G[0], G[1], change[0], change[1])
-        g13 = G13 + sqrt(5 / 6) * (product(G[0], D, change[0], turn) - G13)
-        g23 = G23 + sqrt(5 / 6) * (product(G[1], D, change[1], turn) - G23)
+        g13 = G13 + shear * sqrt(5 / 6) * (product(G[0], D, change[0], turn) - G13)
+        g23 = G23 + shear * sqrt(5 / 6) * (product(G[1], D, change[1], turn) - G23)
 
         det_plane = g11 * g22 - g12**2
         rest_plane = G11 * G22 - G12**2

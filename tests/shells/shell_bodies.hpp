@@ -64,7 +64,7 @@ struct ThinShell {
 inline SolverSpec shell_solver() {
   SolverSpec spec;
   spec.element = Element::shell;
-  spec.max_iterations = 300;
+  spec.max_iterations = 300;  // thin shells under dead loads: what is stiff changes its direction at every step
   return spec;
 }
 
