@@ -71,10 +71,14 @@ void incompressibility(const SolverSession&) {
     for (const auto element : elements) {
       auto body = pressed(robustness::cube(law, element, ratio));
       const double felt = stiffness_N_per_m(body);
-      body.scene.probe.max_displacement_m = h_m;
-      body.scene.probe.increments = 3;
-      const auto tally = robustness::follow_rays(body, {top(body.mesh)});
-      fmt::print("{:>14.2f}{:>6.0f} %", felt / reference, 100.0 * tally.full() / tally.rays);
+      if (element == Element::p2 && ratio > 200) {  // minutes a ray
+        fmt::print("{:>14.2f}{:>6} %", felt / reference, "-");
+      } else {
+        body.scene.probe.max_displacement_m = h_m;
+        body.scene.probe.increments = 3;
+        const auto tally = robustness::follow_rays(body, {top(body.mesh)});
+        fmt::print("{:>14.2f}{:>6.0f} %", felt / reference, 100.0 * tally.full() / tally.rays);
+      }
       std::fflush(stdout);
     }
     fmt::print("\n");
