@@ -21,6 +21,9 @@ constexpr double largest_shift = 0.5;
 /// Where nothing settles a force is a guess: no more than this many times what all tools would feel alone.
 constexpr double largest_guess = 2;
 
+/// And what a tool contributes to it counts as this many times as much as what the points miss.
+constexpr double effort = 0.1;
+
 /// Gauss-Legendre on 0 ... 1: exact for the first six powers of the depth.
 constexpr double gauss_point[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
 constexpr double gauss_weight[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
@@ -52,7 +55,7 @@ class Solver {
     }
     result.residual = miss();
     result.settled = result.residual <= 10 * settled_change * far;
-    if (!result.settled && correct()) add_forces();
+    if (!result.settled) guess();
     for (std::int32_t s = 0; !result.settled && s < _c.n_tools; ++s) limit_force(s, largest_guess * alone);
     // The fields lack what the tools do to each other's; the undeformed body makes up for it.
     for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) _c.shift[i] = 0;
@@ -273,13 +276,23 @@ class Solver {
     for (int k = 0; k < 3 && size > most; ++k) point.force[k] *= most / size;
   }
 
-  /// What the changes of the p in `right` do to the forces of the undeformed body.
-  void add_forces() {
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-      double f[3];
-      multiply(_c.point[t].stiffness, _c.right + 3 * t, f);
-      for (int k = 0; k < 3; ++k) _c.point[t].force[k] += f[k];
+  /// The p that miss the targets least in the undeformed body and are small themselves: tools near each other agree on what
+  /// both ask for, and give up most of what sets them against each other.
+  void guess() {
+    const std::int32_t n = 3 * _c.n_tools;
+    set_rest_matrix();
+    for (std::int32_t i = 0; i < n; ++i) {
+      for (std::int32_t j = 0; j < n; ++j) {
+        double sum = i == j ? effort * effort : 0;
+        for (std::int32_t k = 0; k < n; ++k) sum += _c.matrix[k * n + i] * _c.matrix[k * n + j];
+        _c.inverse[i * n + j] = sum;
+      }
+      _c.correction[i] = -effort * effort * _c.point[i / 3].own[i % 3];
+      for (std::int32_t k = 0; k < n; ++k) _c.correction[i] += _c.matrix[k * n + i] * _c.right[k];
     }
+    if (!solve_dense(_c.inverse, n, _c.correction, 1)) return;
+    for (std::int32_t i = 0; i < n; ++i) _c.point[i / 3].own[i % 3] += _c.correction[i];
+    respond();
   }
 
   /// Displacement of tool t's point in the field of tool s.

@@ -267,6 +267,38 @@ TEST_P(CoupledToolsOf, GuessesAreBounded) {
   }
 }
 
+// Claim: tools near each other that ask for the same are felt together as one tool is, however close they are
+// and whether or not they settle: what they ask for does not contradict itself. The body bends so much that
+// some do not settle. 20 %: what its single nodes say of each other differs by up to 8 %; a guess that takes
+// them at their word is off by 100 % and has four times the force at each.
+TEST(CoupledTools, ThatAgreeAreFeltAsOne) {
+  const LinearBody body(7);
+  Model model = bent(body);
+  for (ActiveNodeModel& node : model.nodes) {
+    node.conservative.coefficients *= 6;
+    Eigen::MatrixXd weights = node.modal.weights.values();
+    weights.topRows(4) *= 6;
+    node.modal.weights = scaled_table(weights);
+  }
+  const LoadedModel loaded(write_model_text(model));
+  int n_guesses = 0;
+  for (const double apart : {1e-2, 1e-3, 1e-4, 1e-5, 1e-7, 1e-9, 0.0}) {
+    for (const double sign : {1.0, -1.0}) {
+      const Eigen::Vector3d d(0.009 * sign, 0.007, -0.005 * sign);
+      const phn_tool tools[2] = {tool(1, 2, 3, 0.4, 0.3, d[0], d[1], d[2]),
+                                 tool(1, 2, 3, 0.4 - apart, 0.3 + apart, d[0], d[1], d[2])};
+      Eigen::Vector3d one;
+      Eigen::Matrix<double, 3, 2> forces;
+      ASSERT_GE(phn_couple(loaded.model, loaded.data, 1, tools, one.data(), nullptr), 0);
+      const int status = phn_couple(loaded.model, loaded.data, 2, tools, forces.data(), nullptr);
+      ASSERT_GE(status, 0);
+      n_guesses += (status & PHN_WARNING_UNSETTLED) != 0;
+      EXPECT_LT((forces.rowwise().sum() - one).norm(), 0.2 * one.norm()) << apart;
+    }
+  }
+  EXPECT_GT(n_guesses, 1);
+}
+
 // Claim: forces are continuous where a tool slides over an edge or a node, and the answer is the same
 // whatever was asked before. Both triangles see the edge's own problem, so that a step of 1e-9 changes the
 // force by some 1e-9 of it; substitution ends at 1e-9, too. The body is curved: the force differs from the

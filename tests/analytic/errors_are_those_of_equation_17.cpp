@@ -1,0 +1,75 @@
+// Claim: errors of validation are equation (17) as docs/theory.md has it: each force and each output node's
+// displacement over the largest finite element norm of that active node and group, nodes that the tool moves
+// left out of both; p95 by nearest rank; relative L2 per probe. Numbers chosen so that every figure can be
+// said by head; 1e-15 is rounding.
+#include <gtest/gtest.h>
+
+#include <phynness/validation/probed_states.hpp>
+
+namespace phynness {
+namespace {
+
+constexpr double tolerance = 1e-15;
+
+/// Two output nodes, of which the tool holds the first. The predictor is off by `force_off` along x and by
+/// `u_off` along y at the second.
+ProbedState state(double force_N, double force_off, double u_m, double u_off) {
+  ProbedState s;
+  s.force_FE = {0, 0, force_N};
+  s.force_linear = {force_off, 0, force_N};
+  s.u_FE.resize(2, 3);
+  s.u_FE << 0, 0, 100, u_m, 0, 0;  // the touched node moves most, and is right or wrong to no avail
+  s.u_linear = s.u_FE;
+  s.u_linear(0, 0) = 50;
+  s.u_linear(1, 1) += u_off;
+  return s;
+}
+
+NodeProbes probes() {
+  NodeProbes p;
+  p.node = 3;
+  p.counts = {0, 1};
+  p.states[0] = {state(-1, 0.4, 0.002, 0.001), state(2, 0.2, 0.004, 0.001), state(4, 0, 0.008, 0.002)};
+  p.states[1] = {state(10, 5, 0.1, 0.01)};
+  return p;
+}
+
+TEST(Errors, AreThoseOfEquation17) {
+  const auto errors = linear_errors({probes()});
+  EXPECT_EQ(errors.inside.force.n, 3);
+  EXPECT_NEAR(errors.inside.force.mean, (0.1 + 0.05 + 0) / 3, tolerance);
+  EXPECT_NEAR(errors.inside.force.max, 0.1, tolerance);
+  EXPECT_NEAR(errors.inside.force.p95, 0.1, tolerance);  // third of three: ceil(0.95 3) = 3
+  EXPECT_NEAR(errors.inside.force_relative.max, 0.4, tolerance);
+  EXPECT_EQ(errors.inside.displacement.n, 3);
+  EXPECT_NEAR(errors.inside.displacement.mean, (0.125 + 0.125 + 0.25) / 3, tolerance);
+  EXPECT_NEAR(errors.inside.field_l2.max, 0.5, tolerance);
+  EXPECT_NEAR(errors.inside.field_l2.mean, (0.5 + 0.25 + 0.25) / 3, tolerance);
+  // A group of its own: its forces divide by its own largest.
+  EXPECT_NEAR(errors.outside.force.mean, 0.5, tolerance);
+  EXPECT_NEAR(errors.outside.displacement.mean, 0.1, tolerance);
+}
+
+TEST(Errors, OfNodesDivideByTheirOwn) {
+  auto soft = probes();
+  soft.node = 5;
+  soft.states[1].clear();
+  for (auto& s : soft.states[0]) {
+    for (double& f : s.force_FE) f /= 1000;
+    for (double& f : s.force_linear) f /= 1000;
+  }
+  const auto errors = linear_errors({probes(), soft});
+  EXPECT_EQ(errors.inside.force.n, 6);
+  EXPECT_NEAR(errors.inside.force.mean, (0.1 + 0.05) / 3, tolerance);
+}
+
+TEST(Errors, P95IsTheNearestRank) {
+  std::vector<double> samples;
+  for (int i = 40; i >= 1; --i) samples.push_back(i);
+  EXPECT_EQ(ErrorStatistics::of(samples).p95, 38);  // ceil(0.95 40)
+  EXPECT_EQ(ErrorStatistics::of(samples).max, 40);
+  EXPECT_EQ(ErrorStatistics::of({}).n, 0);
+}
+
+}  // namespace
+}  // namespace phynness
