@@ -151,69 +151,35 @@ PHN_INLINE void mix_block(const SharedTable& shared, const ModalTables& tables, 
   }
 }
 
-/// Centers at a time, whatever the width of registers: sums are the same everywhere.
-constexpr std::int32_t centers_at_once = 16;
-
-struct Centers {
-  double y[3][centers_at_once], b[3][centers_at_once];  ///< x - c and coefficients
-};
-
-/// Centers from `begin` on; number n_centers is the one at 0, and what is beyond it counts nothing.
-template <class Coefficient>
-PHN_INLINE void take_centers(const Conservative<double>& net, const Coefficient* coefficient, const double* x,
-                             std::int32_t begin, Centers& some) {
-  for (std::int32_t i = 0; i < centers_at_once; ++i) {
-    const std::int32_t at = begin + i;
-    if (at < net.n_centers) {
-      const double* c = net.displacements + 3 * static_cast<std::size_t>(net.center[at]);
-      const Coefficient* b = coefficient + 3 * static_cast<std::size_t>(at);
-      for (int k = 0; k < 3; ++k) {
-        some.y[k][i] = x[k] - c[k];
-        some.b[k][i] = static_cast<double>(b[k]);
-      }
-    } else {
-      for (int k = 0; k < 3; ++k) {
-        some.y[k][i] = x[k];
-        some.b[k][i] = at == net.n_centers ? -net.total[k] : 0;
-      }
-    }
-  }
-}
-
-PHN_INLINE void force_of_centers(const Conservative<double>& net, const double* x, double* force) {
-  const double s2 = net.shape * net.shape, at[3] = {x[0], x[1], x[2]};
-  double sum[3][centers_at_once] = {};
-  Centers some;
-  for (std::int32_t begin = 0; begin <= net.n_centers; begin += centers_at_once) {
-    if (net.short_coefficient != nullptr) {
-      take_centers(net, net.short_coefficient, at, begin, some);
-    } else {
-      take_centers(net, net.coefficient, at, begin, some);
-    }
-    for (std::int32_t i = 0; i < centers_at_once; ++i) {
-      const double y0 = some.y[0][i], y1 = some.y[1][i], y2 = some.y[2][i];
-      const double b0 = some.b[0][i], b1 = some.b[1][i], b2 = some.b[2][i];
-      const double q = std::sqrt(y0 * y0 + y1 * y1 + y2 * y2 + s2), along = (y0 * b0 + y1 * b1 + y2 * b2) / q;
+PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTable& table, const double* x,
+                                 double* force) {
+  const Real shape = static_cast<Real>(net.shape), s2 = shape * shape;
+  const Real x0 = static_cast<Real>(x[0]), x1 = static_cast<Real>(x[1]), x2 = static_cast<Real>(x[2]);
+  Real sum[3][at_once] = {};
+  for (std::int32_t begin = 0; begin <= net.n_centers; begin += at_once) {
+    const Real *c0 = table.center[0] + begin, *c1 = table.center[1] + begin, *c2 = table.center[2] + begin;
+    const Real *w0 = table.coefficient[0] + begin, *w1 = table.coefficient[1] + begin, *w2 = table.coefficient[2] + begin;
+    for (std::int32_t i = 0; i < at_once; ++i) {
+      const Real y0 = x0 - c0[i], y1 = x1 - c1[i], y2 = x2 - c2[i], b0 = w0[i], b1 = w1[i], b2 = w2[i];
+      const Real q = square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2), along = (y0 * b0 + y1 * b1 + y2 * b2) / q;
       sum[0][i] += q * b0 + along * y0;
       sum[1][i] += q * b1 + along * y1;
       sum[2][i] += q * b2 + along * y2;
     }
   }
-  const double d[3] = {net.max_displacement * at[0], net.max_displacement * at[1], net.max_displacement * at[2]};
+  double total[3];
+  add_up(sum, total);
+  const double d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
   multiply_symmetric(net.stiffness, d, force);
-  for (int k = 0; k < 3; ++k) {
-    for (std::int32_t half = centers_at_once / 2; half > 0; half /= 2) {
-      for (std::int32_t i = 0; i < half; ++i) sum[k][i] += sum[k][i + half];
-    }
-    force[k] += sum[k][0] + net.force_at_rest[k];
-  }
+  for (int k = 0; k < 3; ++k) force[k] += total[k] + table.at_rest[k];
 }
 
 /// Everything above once more for each set of instructions.
 #define PHN_KERNELS(name, attributes)                                                                       \
   namespace name {                                                                                          \
-  attributes void force(const Conservative<double>& net, const double* x, double* sum) {                    \
-    force_of_centers(net, x, sum);                                                                          \
+  attributes void force(const Conservative<double>& net, const ForceTable& table, const double* x,          \
+                        double* sum) {                                                                      \
+    force_of_centers(net, table, x, sum);                                                                   \
   }                                                                                                         \
   attributes void basis(const SharedModes& shared, const double* x, double* values) {                       \
     fill_basis(shared, x, values);                                                                          \

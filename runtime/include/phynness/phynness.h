@@ -50,6 +50,12 @@ enum {
 /* Version of this library, "major.minor.patch". */
 const char *phn_version(void);
 
+/* Bits of the numbers that the inner loops of forces compute in: 64 in the library phynness_runtime, 32 in
+ * phynness_runtime_float, the same source (CMake: phynness::runtime, phynness::runtime_float; link one of them). In that one
+ * forces of families rbfn and modal and deformations of family rbfn have the rounding of floats: 1e-7 of their largest
+ * terms. A model.txt with weights beyond 1e25 is refused there (PHN_ERROR_RANGE). */
+int32_t phn_precision(void);
+
 /* One sentence for a status; never null. */
 const char *phn_status_message(int status);
 
