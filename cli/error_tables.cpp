@@ -97,7 +97,7 @@ void print_points(const PointReport& report) {
   row("force, as eq. (17)", &PointErrors::force);
   row("displacement", &PointErrors::displacement);
   row("field, relative L2", &PointErrors::field_l2);
-  fmt::print("points follow their tools to {:.1e} m; {}\n", report.largest_residual_m,
+  fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m,
              duration(report.seconds));
 }
 
@@ -141,7 +141,7 @@ void print_pairs(const PairReport& report) {
   block("displacement, mean over all nodes, over the largest", &PairStatistics::displacement_all);
   block("displacement, as eq. (17): touched nodes left out of both", &PairStatistics::displacement);
   block("field, relative L2", &PairStatistics::field_l2);
-  fmt::print("tools are where they should be to {:.1e} m; {}\n", report.largest_residual_m,
+  fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m,
              duration(report.seconds));
 }
 

@@ -68,6 +68,7 @@ void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, co
   net.n_inputs = n_inputs;
   real_line(in, "input_center", net.input_center, n_inputs, false);
   real_line(in, "input_half_range", net.input_half_range, n_inputs, true);
+  for (int k = 0; k < n_inputs; ++k) net.inverse_half_range[k] = std::fmin(1 / net.input_half_range[k], DBL_MAX);
   real_line(in, "output_center", net.output_center, 3, false);
   real_line(in, "output_half_range", net.output_half_range, 3, true);
   const double spread = width_line(in, "spread");

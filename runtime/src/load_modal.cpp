@@ -81,13 +81,15 @@ bool coefficients_are_floats(TextReader in, std::int32_t n) {
 /// Centers and coefficients once more as the force reads them, and what makes forces at rest 0.
 void place_force_table(Arena& arena, Conservative<double>& net, ForceTable& table, bool good) {
   const std::int32_t n = net.n_centers, n_whole = whole_blocks(n + 1);
-  Real *center[3], *coefficient[3];
-  for (int k = 0; k < 3; ++k) {
+  const bool in_table = n > most_gathered;
+  Real *center[3] = {}, *coefficient[3] = {};
+  for (int k = 0; k < 3; ++k) table.center[k] = table.coefficient[k] = nullptr;
+  for (int k = 0; k < 3 && in_table; ++k) {
     table.center[k] = center[k] = arena.take<Real>(static_cast<std::size_t>(n_whole));
     table.coefficient[k] = coefficient[k] = arena.take<Real>(static_cast<std::size_t>(n_whole));
   }
   if (!has_memory(arena) || !good) return;
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 3 && in_table; ++k) {
     for (std::int32_t i = 0; i < n_whole; ++i) {
       const std::size_t at = 3 * static_cast<std::size_t>(i) + k;
       center[k][i] = i < n ? static_cast<Real>(net.displacements[3 * static_cast<std::size_t>(net.center[i]) + k]) : 0;
@@ -101,7 +103,7 @@ void place_force_table(Arena& arena, Conservative<double>& net, ForceTable& tabl
   const double rest[3] = {0, 0, 0};
   double force[3];
   for (int k = 0; k < 3; ++k) {
-    coefficient[k][n] = static_cast<Real>(-net.total[k]);
+    if (in_table) coefficient[k][n] = static_cast<Real>(-net.total[k]);
     table.at_rest[k] = 0;
   }
   best_modal_kernels().force(net, table, rest, force);

@@ -8,7 +8,11 @@ namespace {
 PHN_INLINE std::int32_t smaller(std::int32_t a, std::int32_t b) { return a < b ? a : b; }
 
 PHN_INLINE Real scaled(const Network& net, int input, double value) {
+#ifdef PHYNNESS_FLOAT
+  const double x = (value - net.input_center[input]) * net.inverse_half_range[input];
+#else
   const double x = (value - net.input_center[input]) / net.input_half_range[input];
+#endif
   return static_cast<Real>(x < -largest_input ? -largest_input : x > largest_input ? largest_input : x);
 }
 

@@ -28,6 +28,7 @@ struct RandomNetwork {
     for (int k = 0; k < 6; ++k) {
       net.input_center[k] = 0.1 * between(random);
       net.input_half_range[k] = 0.5;
+      net.inverse_half_range[k] = 2;
       for (std::int32_t i = 0; i < n_neurons; ++i) center[k].push_back(static_cast<Real>(between(random)));
       center[k].resize(static_cast<std::size_t>(whole_blocks(n_neurons)));
       net.center[k] = center[k].data();
