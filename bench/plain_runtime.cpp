@@ -5,13 +5,13 @@
 namespace phynness::bench {
 namespace {
 
-template <int N>
-void evaluate(const PlainNetwork<N>& net, const double* x, double* y) {
+template <int N, class Real>
+void evaluate(const PlainNetwork<N, Real>& net, const Real* x, Real* y) {
   for (int k = 0; k < 3; ++k) y[k] = net.bias[k];
   for (const auto& neuron : net.neurons) {
-    double square = 0;
+    Real square = 0;
     for (int k = 0; k < N; ++k) square += (x[k] - neuron.center[k]) * (x[k] - neuron.center[k]);
-    const double h = std::exp(-square / (net.spread * net.spread));
+    const Real h = std::exp(-square / (net.spread * net.spread));
     for (int k = 0; k < 3; ++k) y[k] += neuron.weight[k] * h;
   }
 }
@@ -19,6 +19,7 @@ void evaluate(const PlainNetwork<N>& net, const double* x, double* y) {
 }  // namespace
 
 void plain_force(const PlainNetwork<3>& net, const double* d, double* force) { evaluate(net, d, force); }
+void plain_force(const PlainNetwork<3, float>& net, const float* d, float* force) { evaluate(net, d, force); }
 
 void plain_deformation(const PlainNetwork<6>& net, const std::vector<std::array<double, 3>>& points,
                        const double* d, double* field) {

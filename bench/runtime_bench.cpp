@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "evaluate.hpp"
 #include "timed_model.hpp"
 
 namespace {
@@ -42,9 +43,10 @@ struct Loaded : bench::TimedModel {
 class Table {
  public:
   void add(const std::string& key, double value, const std::string& words) {
-    std::printf("  %-34s %12.2f   %s\n", key.c_str(), value, words.c_str());
+    std::printf("  %-34s %12.*f   %s\n", key.c_str(), value < 0.005 ? 8 : 2, value, words.c_str());
     std::fflush(stdout);
-    _json += (_json.empty() ? "{\"" : ", \"") + key + "\": " + std::to_string(value);
+    _json += (_json.empty() ? "{\"" : ", \"") + std::string(phn_precision() == 32 ? "float_" : "") + key +
+             "\": " + std::to_string(value);
   }
   bool write(const std::string& file) const {
     std::ofstream out(file);
@@ -68,14 +70,15 @@ double frames_per_s(Loaded& loaded, std::int32_t touched) {
 
 void bench_networks(Table& table) {
   Loaded loaded(write_model_text(bench::networks_model(n_neurons_force, n_neurons_deformation, 20)));
-  const double plain_force_us = bench::plain_force_us(n_neurons_force);
+  const double plain_force_us = phn_precision() == 32 ? bench::plain_force_us<float>(n_neurons_force)
+                                                      : bench::plain_force_us<double>(n_neurons_force);
   const auto plain_us = [](std::size_t n_points) {
     return bench::plain_deformation_us(n_neurons_deformation, n_points);
   };
   const double force = loaded.force_us(), deformation = loaded.deformation_us(loaded.node(3)),
                plain = plain_us(bench::n_output);
   table.add("force_ns_100", 1e3 * force, "force of 100 neurons [ns]");
-  table.add("force_ns_100_plain", 1e3 * plain_force_us, "the plain loop [ns]");
+  table.add("force_ns_100_plain", 1e3 * plain_force_us, "the plain loop, in the same precision [ns]");
   table.add("force_ratio_to_plain", plain_force_us / force, "");
   table.add("deformation_us_486x200", deformation, "486 nodes, 200 neurons [us]");
   table.add("deformation_us_486x200_plain", plain, "the plain loop [us]");
@@ -108,6 +111,35 @@ void bench_modes(Table& table, Loaded& loaded) {
             }),
             "three levels of subdivision [us]");
   table.add("frames_per_s_38018_modal", frames_per_s(loaded, loaded.node(7)), "deformation and subdivision");
+}
+
+/// Forces of every node beside the same sums in double, at random displacements to the trained depth.
+void rounding_of_forces(Table& table, const Loaded& loaded) {
+  const phn_model& model = *loaded.model;
+  if (model.family != runtime::Family::modal) return;
+  bench::Arbitrary arbitrary;
+  double worst = 0, sum = 0;
+  for (std::int32_t a = 0; a < model.n_active; ++a) {
+    double largest = 0, error = 0;
+    for (int trial = 0; trial < 40; ++trial) {
+      double x[3], d[3], f[3], in_double[3], size = 0, off = 0;
+      for (int k = 0; k < 3; ++k)
+        d[k] = model.max_displacement * (x[k] = arbitrary.number() / std::sqrt(3.0));
+      check(phn_force(loaded.model, loaded.data, model.active_nodes[a], d, f));
+      runtime::conservative_force(model.active[a].modal->force, x, in_double);
+      for (int k = 0; k < 3; ++k) {
+        size += in_double[k] * in_double[k];
+        off += (f[k] - in_double[k]) * (f[k] - in_double[k]);
+      }
+      largest = std::max(largest, std::sqrt(size));
+      error = std::max(error, std::sqrt(off));
+    }
+    worst = std::max(worst, error / largest);
+    sum += error / largest;
+  }
+  table.add("force_rounding_mean", sum / model.n_active,
+            "largest difference to sums in double, over the node's largest force: mean over nodes");
+  table.add("force_rounding_max", worst, "the worst node");
 }
 
 struct Contact {
@@ -220,7 +252,9 @@ int run(int argc, char** argv) {
   }
   Table table;
   std::printf(
-      "runtime, one core, medians; models of arbitrary coefficients, 486 output nodes, 596 vertices\n");
+      "runtime, forces in %s, one core, medians; models of arbitrary coefficients, 486 output nodes, 596 "
+      "vertices\n",
+      phn_precision() == 32 ? "float (keys of the JSON file: float_...)" : "double");
   bench_networks(table);
   std::printf(
       "family modal: 64 shared and 16 own modes, 78 centers of amplitudes, 30 near nodes, 78 of forces\n");
@@ -236,6 +270,7 @@ int run(int argc, char** argv) {
                 phn_n_output(loaded.model), phn_surface_n_vertices(loaded.surface));
     Table other;
     bench_modes(other, loaded);
+    rounding_of_forces(other, loaded);
     bench_contact(other, loaded, true);
   }
   if (json.empty() || table.write(json)) return 0;

@@ -66,26 +66,29 @@ struct TimedModel {
   phn_data* data = nullptr;
 };
 
-template <int N>
-PlainNetwork<N> plain_network(int n_neurons) {
+template <int N, class Real = double>
+PlainNetwork<N, Real> plain_network(int n_neurons) {
   Arbitrary arbitrary;
-  PlainNetwork<N> net;
+  PlainNetwork<N, Real> net;
   net.neurons.resize(static_cast<std::size_t>(n_neurons));
-  net.spread = 1.4;
+  net.spread = static_cast<Real>(1.4);
   for (auto& neuron : net.neurons) {
-    for (double& c : neuron.center) c = arbitrary.number();
-    for (double& w : neuron.weight) w = arbitrary.number();
+    for (Real& c : neuron.center) c = static_cast<Real>(arbitrary.number());
+    for (Real& w : neuron.weight) w = static_cast<Real>(arbitrary.number());
   }
   return net;
 }
 
-inline double plain_force_us(int n_neurons) {
-  const auto net = plain_network<3>(n_neurons);
+template <class Real = double>
+double plain_force_us(int n_neurons) {
+  const auto net = plain_network<3, Real>(n_neurons);
   return median_us([&](int i) {
-    double d[3], f[3];
+    double d[3];
+    Real f[3];
     displacement(i, d);
-    plain_force(net, d, f);
-    sink = f[0];
+    const Real at[3] = {static_cast<Real>(d[0]), static_cast<Real>(d[1]), static_cast<Real>(d[2])};
+    plain_force(net, at, f);
+    sink = static_cast<double>(f[0]);
   });
 }
 

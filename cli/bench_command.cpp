@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <cmath>
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/validation.hpp>
 
@@ -15,7 +16,17 @@ struct Options {
   std::optional<std::filesystem::path> json_file;
 };
 
+/// An error of 0 stands for one that nobody estimated (phn_level).
+json estimated(double error) { return error > 0 ? json(error) : json(nullptr); }
+std::string percent(double error) { return error > 0 ? fmt::format("{:.3f}", 100 * error) : "-"; }
+
 void run(const Options& options) {
+  for (const auto& [name, value] :
+       {std::pair{"--budget", options.budget_us.value_or(0)}, std::pair{"--forces", options.forces},
+        std::pair{"--deformations", options.deformations}})
+    if (!std::isfinite(value))
+      throw input_error(fmt::format("{} is no finite number", name), fmt::format("{}", value),
+                        "microseconds and numbers of calls, as in --budget 200 --forces 1");
   if (options.json_file)
     refuse_overwriting(*options.json_file, {options.model / "model.txt", options.model / "mesh.txt"});
   const LoadedModel model(options.model);
@@ -27,14 +38,14 @@ void run(const Options& options) {
     phn_level info;
     phn_level_info(model.handle(), l, &info);
     const auto& time = times[static_cast<std::size_t>(l)];
-    fmt::print("{:<6} {:>13} {:>19} {:>6} {:>10.3f} {:>14.3f} {:>9.3f} {:>15.3f}\n", l, info.force_centers,
+    fmt::print("{:<6} {:>13} {:>19} {:>6} {:>10.3f} {:>14.3f} {:>9} {:>15}\n", l, info.force_centers,
                info.deformation_centers, info.modes, time.force_us, time.deformation_us,
-               100 * info.error_force, 100 * info.error_displacement);
+               percent(info.error_force), percent(info.error_displacement));
     levels.push_back({{"force_centers", info.force_centers},
                       {"deformation_centers", info.deformation_centers},
                       {"modes", info.modes},
-                      {"error_force", info.error_force},
-                      {"error_displacement", info.error_displacement},
+                      {"error_force", estimated(info.error_force)},
+                      {"error_displacement", estimated(info.error_displacement)},
                       {"force_us", time.force_us},
                       {"deformation_us", time.deformation_us}});
   }
@@ -43,7 +54,7 @@ void run(const Options& options) {
         "errors: of displacements left out of the fit one by one, over the largest of the node; the median "
         "node\n");
   else
-    fmt::print("one level; [training] levels makes more, with their errors\n");
+    fmt::print("one level, whose errors were not estimated; [training] levels makes more, with theirs\n");
   json out{{"levels", levels}};
   int status = PHN_OK;
   if (options.budget_us) {

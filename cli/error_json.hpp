@@ -1,10 +1,17 @@
 // Errors against finite elements, for machines: the same words from validate and tune.
 #pragma once
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <phynness/validation/surface_points.hpp>
+#include <phynness/validation/tool_pairs.hpp>
 
 namespace phynness::cli {
+
+inline nlohmann::ordered_json or_null(const std::optional<double>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
 
 /// Without samples there is no error, not an error of zero.
 inline nlohmann::ordered_json to_json(const ErrorStatistics& s) {
@@ -36,6 +43,7 @@ inline nlohmann::ordered_json to_json(const PointErrors& e) {
 
 inline nlohmann::ordered_json to_json(const PointReport& r) {
   return {{"points", r.points},
+          {"finished", r.finished},
           {"displacements", r.displacements},
           {"failed", r.failed},
           {"unsettled", r.unsettled},
@@ -43,6 +51,55 @@ inline nlohmann::ordered_json to_json(const PointReport& r) {
           {"coupled", to_json(r.coupled)},
           {"linear", to_json(r.linear)},
           {"at_nodes", to_json(r.at_nodes)}};
+}
+
+inline nlohmann::ordered_json to_json(const PairGroup& group) {
+  nlohmann::ordered_json out{{"pairs", group.pairs}};
+  for (const auto p : pair_predictors)
+    out[name(p)] = {{"force", to_json(group.of(p).force)},
+                    {"force_own", to_json(group.of(p).force_own)},
+                    {"displacement", to_json(group.of(p).displacement)},
+                    {"displacement_all", to_json(group.of(p).displacement_all)},
+                    {"field_l2", to_json(group.of(p).field_l2)}};
+  return out;
+}
+
+inline nlohmann::ordered_json to_json(const PairRecord& r) {
+  nlohmann::ordered_json out{{"nodes", r.nodes},
+                             {"displacement", r.displacement_m},
+                             {"distance", r.distance_m},
+                             {"solved", r.solved}};
+  if (!r.solved) return out;
+  out["unsettled"] = (r.status & PHN_WARNING_UNSETTLED) != 0;
+  out["outside"] = (r.status & PHN_WARNING_OUTSIDE) != 0;
+  const auto number = [](double value) {
+    return std::isnan(value) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(value);
+  };
+  for (const auto p : pair_predictors)
+    out[name(p)] = {{"force", number(r.of(p).force)},
+                    {"force_own", number(r.of(p).force_own)},
+                    {"displacement", number(r.of(p).displacement)},
+                    {"displacement_all", number(r.of(p).displacement_all)},
+                    {"field_l2", number(r.of(p).field_l2)}};
+  return out;
+}
+
+inline nlohmann::ordered_json to_json(const PairReport& r) {
+  nlohmann::ordered_json out{{"pairs", r.pairs},
+                             {"finished", r.finished},
+                             {"failed", r.failed},
+                             {"unsettled", r.unsettled},
+                             {"outside", r.outside},
+                             {"depth_m", r.depth_m},
+                             {"far_m", r.far_m},
+                             {"largest_residual_m", r.largest_residual_m},
+                             {"all", to_json(r.all)},
+                             {"near", to_json(r.near)},
+                             {"far", to_json(r.far)},
+                             {"settled", to_json(r.settled)},
+                             {"records", nlohmann::ordered_json::array()}};
+  for (const auto& record : r.records) out["records"].push_back(to_json(record));
+  return out;
 }
 
 }  // namespace phynness::cli

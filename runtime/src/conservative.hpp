@@ -112,9 +112,8 @@ void conservative_stiffness(const Net& net, const Real* x, Real* stiffness) {
 }
 
 /// Fills total, force_at_rest and energy_at_rest. @pre the rest of net is filled in
-/// @param sum_force  as conservative_force: the function that will be asked, as its order of summing decides the last bit
-template <class Real, class Force>
-void set_rest(Conservative<Real>& net, Force sum_force) {
+template <class Real>
+void set_rest(Conservative<Real>& net) {
   const Real rest[3] = {0, 0, 0};
   Real total[3] = {0, 0, 0}, force[3];
   for (int k = 0; k < 3; ++k) net.total[k] = net.force_at_rest[k] = 0;
@@ -126,14 +125,9 @@ void set_rest(Conservative<Real>& net, Force sum_force) {
   Conservative<Real> unit = net;
   unit.max_displacement = 1;
   for (int k = 0; k < 3; ++k) unit.total[k] = net.total[k] = total[k];
-  sum_force(unit, rest, force);
+  conservative_force(unit, rest, force);
   net.energy_at_rest = -conservative_energy(unit, rest);
   for (int k = 0; k < 3; ++k) net.force_at_rest[k] = -force[k];
-}
-
-template <class Real>
-void set_rest(Conservative<Real>& net) {
-  set_rest(net, conservative_force<Conservative<Real>, Real>);
 }
 
 }  // namespace phynness::runtime

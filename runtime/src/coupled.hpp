@@ -47,7 +47,7 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
 
 struct CoupledResult {
   bool settled;             ///< own displacements add up to what the tools ask for
-  double residual;          ///< largest distance between a tool's point and where the tool holds it [m]
+  double residual;          ///< largest distance between a tool's point and where the tool holds it, in the field as made to fit [m]
   double energy;            ///< [J]; 0 where the family has none
   std::int32_t iterations;
 };

@@ -119,6 +119,8 @@ void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, c
 
 bool outside(const phn_model& model, const ActiveNode& node, const double* d) {
   if (model.family == Family::linear) return length(d) > largest_linear;
+  // No root for most: squares that overflow or underflow go on below.
+  if (dot(d, d) < node.least_depth * node.least_depth) return false;
   // The deepest increment itself is inside, however its direction was rounded.
   const double slack = 1 + 1e-9;
   const double size = length(d);

@@ -35,19 +35,24 @@ const double* vector_table(TextReader& in, Arena& arena, std::int32_t n, double 
 /// The lines of a network's neurons. @param read_center  reads what stands before the weights of neuron i
 template <class ReadCenter>
 void read_weights(TextReader& in, Arena& arena, Network& net, ReadCenter read_center) {
-  double* weight[3];
+  Real* weight[3];
   double largest[3];
+  const std::int32_t n_whole = whole_blocks(net.n_neurons);
   for (int k = 0; k < 3; ++k) {
-    net.weight[k] = weight[k] = arena.take<double>(static_cast<std::size_t>(net.n_neurons));
+    net.weight[k] = weight[k] = arena.take<Real>(static_cast<std::size_t>(n_whole));
     largest[k] = std::fabs(net.bias[k]);
   }
   const bool fill = has_memory(arena);
+  for (int k = 0; k < 3; ++k) {
+    for (std::int32_t i = net.n_neurons; fill && i < n_whole; ++i) weight[k][i] = 0;
+  }
   for (std::int32_t i = 0; i < net.n_neurons && in.good(); ++i) {
     read_center(i);
     for (int k = 0; k < 3; ++k) {
       const double value = in.real();
       largest[k] += std::fabs(value);
-      if (fill) weight[k][i] = value;
+      if (!(std::fabs(value) <= largest_weight)) in.fail(PHN_ERROR_RANGE);
+      if (fill) weight[k][i] = static_cast<Real>(value);
     }
     in.end_line();
   }
@@ -63,16 +68,20 @@ void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, co
   net.n_inputs = n_inputs;
   real_line(in, "input_center", net.input_center, n_inputs, false);
   real_line(in, "input_half_range", net.input_half_range, n_inputs, true);
+  for (int k = 0; k < n_inputs; ++k) net.inverse_half_range[k] = std::fmin(1 / net.input_half_range[k], DBL_MAX);
   real_line(in, "output_center", net.output_center, 3, false);
   real_line(in, "output_half_range", net.output_half_range, 3, true);
   const double spread = width_line(in, "spread");
   net.inverse_square_spread = 1 / (spread * spread);
   real_line(in, "bias", net.bias, 3, false);
 
-  double* center[6];
-  const auto n = static_cast<std::size_t>(net.n_neurons);
-  for (int k = 0; k < n_inputs; ++k) net.center[k] = center[k] = arena.take<double>(n);
+  Real* center[6];
+  const std::int32_t n_whole = whole_blocks(net.n_neurons);
+  for (int k = 0; k < n_inputs; ++k) net.center[k] = center[k] = arena.take<Real>(static_cast<std::size_t>(n_whole));
   const bool fill = has_memory(arena);
+  for (int k = 0; k < n_inputs; ++k) {
+    for (std::int32_t i = net.n_neurons; fill && i < n_whole; ++i) center[k][i] = 0;
+  }
   read_weights(in, arena, net, [&](std::int32_t i) {
     const std::int32_t displacement = in.integer(0, tables.n_displacements - 1);
     const std::int32_t output = n_inputs == 6 ? in.integer(0, n_output - 1) : 0;
@@ -80,8 +89,8 @@ void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, co
       const double value =
           k < 3 ? tables.displacements[3 * displacement + k] : tables.output_points[3 * output + k - 3];
       const double scaled = (value - net.input_center[k]) / net.input_half_range[k];
-      if (!std::isfinite(scaled)) in.fail(PHN_ERROR_RANGE);
-      center[k][i] = scaled;
+      if (!(std::fabs(scaled) <= largest_input)) in.fail(PHN_ERROR_RANGE);
+      center[k][i] = static_cast<Real>(scaled);
     }
   });
 }
@@ -296,16 +305,14 @@ bool family_word(TextReader& in, Family& family) {
 }  // namespace
 
 std::int32_t find_sorted(const std::int32_t* list, std::int32_t n, std::int32_t node) {
-  std::int32_t low = 0, high = n;
-  while (low < high) {
-    const std::int32_t middle = low + (high - low) / 2;
-    if (list[middle] < node) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
+  // Halves without a branch: which one is taken cannot be foreseen.
+  const std::int32_t* at = list;
+  for (std::int32_t left = n; left > 1;) {
+    const std::int32_t half = left / 2;
+    at += at[half - 1] < node ? half : 0;
+    left -= half;
   }
-  return low < n && list[low] == node ? low : -1;
+  return n > 0 && *at == node ? static_cast<std::int32_t>(at - list) : -1;
 }
 
 std::int32_t find_vertex(const phn_model& model, std::int32_t node) {

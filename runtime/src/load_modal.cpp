@@ -78,8 +78,40 @@ bool coefficients_are_floats(TextReader in, std::int32_t n) {
   return true;
 }
 
+/// Centers and coefficients once more as the force reads them, and what makes forces at rest 0.
+void place_force_table(Arena& arena, Conservative<double>& net, ForceTable& table, bool good) {
+  const std::int32_t n = net.n_centers, n_whole = whole_blocks(n + 1);
+  const bool in_table = n > most_gathered;
+  Real *center[3] = {}, *coefficient[3] = {};
+  for (int k = 0; k < 3; ++k) table.center[k] = table.coefficient[k] = nullptr;
+  for (int k = 0; k < 3 && in_table; ++k) {
+    table.center[k] = center[k] = arena.take<Real>(static_cast<std::size_t>(n_whole));
+    table.coefficient[k] = coefficient[k] = arena.take<Real>(static_cast<std::size_t>(n_whole));
+  }
+  if (!has_memory(arena) || !good) return;
+  for (int k = 0; k < 3 && in_table; ++k) {
+    for (std::int32_t i = 0; i < n_whole; ++i) {
+      const std::size_t at = 3 * static_cast<std::size_t>(i) + k;
+      center[k][i] = i < n ? static_cast<Real>(net.displacements[3 * static_cast<std::size_t>(net.center[i]) + k]) : 0;
+      coefficient[k][i] = i >= n ? 0
+                          : net.short_coefficient ? static_cast<Real>(net.short_coefficient[at])
+                                                  : static_cast<Real>(net.coefficient[at]);
+    }
+  }
+  set_rest(net);
+  // The function that adds these values computes them: zeros at rest are exact.
+  const double rest[3] = {0, 0, 0};
+  double force[3];
+  for (int k = 0; k < 3; ++k) {
+    if (in_table) coefficient[k][n] = static_cast<Real>(-net.total[k]);
+    table.at_rest[k] = 0;
+  }
+  best_modal_kernels().force(net, table, rest, force);
+  for (int k = 0; k < 3; ++k) table.at_rest[k] = -force[k];
+}
+
 void load_conservative(TextReader& in, Arena& arena, std::int32_t n_displacements, const phn_model& model,
-                       Conservative<double>& net) {
+                       Conservative<double>& net, ForceTable& table) {
   const std::int32_t n = net.n_centers = count_line(in, "force", 0);
   net.max_displacement = model.max_displacement;
   net.displacements = model.displacements;
@@ -94,6 +126,7 @@ void load_conservative(TextReader& in, Arena& arena, std::int32_t n_displacement
     centers.set(i, center(in, n_displacements, model));
     for (int k = 0; k < 3; ++k) {
       const double value = linear_entry(in);
+      if (!(std::fabs(value) <= largest_weight)) in.fail(PHN_ERROR_RANGE);
       if (floats) {
         short_values.set(3 * static_cast<std::size_t>(i) + k, static_cast<float>(value));
       } else {
@@ -105,7 +138,7 @@ void load_conservative(TextReader& in, Arena& arena, std::int32_t n_displacement
   net.center = centers.get();
   net.short_coefficient = floats ? short_values.get() : nullptr;
   net.coefficient = floats ? nullptr : values.get();
-  if (has_memory(arena) && in.good()) set_rest(net, best_modal_kernels().force);
+  place_force_table(arena, net, table, in.good());
 }
 
 }  // namespace
@@ -181,7 +214,7 @@ void load_tables(TextReader& in, Arena& arena, const char* keyword, std::size_t 
 
 LoadedModal load_modal(TextReader& in, Arena& arena, std::int32_t n_displacements, phn_model& model) {
   LoadedModal node = {};
-  load_conservative(in, arena, n_displacements, model, node.force);
+  load_conservative(in, arena, n_displacements, model, node.force, node.force_table);
   load_tables(in, arena, "deformation", static_cast<std::size_t>(model.shared.n_centers) + 3,
               model.shared, model.n_output, node);
   const auto n_modes = static_cast<std::size_t>(node.n_modes);
@@ -206,7 +239,7 @@ void load_level_weights(TextReader& in, Arena& arena, const char* keyword, std::
 ModalResponse load_modal_level(TextReader& in, Arena& arena, std::int32_t n_displacements, const phn_model& level,
                                const LoadedModal& full) {
   ModalResponse node = full;
-  load_conservative(in, arena, n_displacements, level, node.force);
+  load_conservative(in, arena, n_displacements, level, node.force, node.force_table);
   if (node.force.n_centers > full.force.n_centers) in.fail(PHN_ERROR_RANGE);
   load_level_weights(in, arena, "deformation", static_cast<std::size_t>(level.shared.n_centers) + 3, node);
   node.fields = load_level_fields(in, arena, level, full);

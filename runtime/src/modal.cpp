@@ -7,7 +7,7 @@ namespace phynness::runtime {
 void modal_force(const ModalResponse& node, const double* d, double* force) {
   double x[3];
   cut(d, node.force.max_displacement, largest_modal, x);
-  best_modal_kernels().force(node.force, x, force);
+  best_modal_kernels().force(node.force, node.force_table, x, force);
 }
 
 double modal_energy(const ModalResponse& node, const double* d) {

@@ -151,69 +151,87 @@ PHN_INLINE void mix_block(const SharedTable& shared, const ModalTables& tables, 
   }
 }
 
-/// Centers at a time, whatever the width of registers: sums are the same everywhere.
-constexpr std::int32_t centers_at_once = 16;
-
 struct Centers {
-  double y[3][centers_at_once], b[3][centers_at_once];  ///< x - c and coefficients
+  Real center[3][at_once], coefficient[3][at_once];
 };
 
-/// Centers from `begin` on; number n_centers is the one at 0, and what is beyond it counts nothing.
-template <class Coefficient>
-PHN_INLINE void take_centers(const Conservative<double>& net, const Coefficient* coefficient, const double* x,
-                             std::int32_t begin, Centers& some) {
-  for (std::int32_t i = 0; i < centers_at_once; ++i) {
+/// Centers from `begin` on as a table has them.
+PHN_INLINE void gather(const Conservative<double>& net, std::int32_t begin, Centers& some) {
+  for (std::int32_t i = 0; i < at_once; ++i) {
     const std::int32_t at = begin + i;
-    if (at < net.n_centers) {
-      const double* c = net.displacements + 3 * static_cast<std::size_t>(net.center[at]);
-      const Coefficient* b = coefficient + 3 * static_cast<std::size_t>(at);
-      for (int k = 0; k < 3; ++k) {
-        some.y[k][i] = x[k] - c[k];
-        some.b[k][i] = static_cast<double>(b[k]);
+    for (int k = 0; k < 3; ++k) some.center[k][i] = some.coefficient[k][i] = 0;
+    if (at > net.n_centers) continue;
+    const std::size_t b = 3 * static_cast<std::size_t>(at);
+    for (int k = 0; k < 3; ++k) {
+      if (at == net.n_centers) {
+        some.coefficient[k][i] = static_cast<Real>(-net.total[k]);
+        continue;
       }
-    } else {
-      for (int k = 0; k < 3; ++k) {
-        some.y[k][i] = x[k];
-        some.b[k][i] = at == net.n_centers ? -net.total[k] : 0;
-      }
+      some.center[k][i] = static_cast<Real>(net.displacements[3 * static_cast<std::size_t>(net.center[at]) + k]);
+      some.coefficient[k][i] = net.short_coefficient ? static_cast<Real>(net.short_coefficient[b + k])
+                                                     : static_cast<Real>(net.coefficient[b + k]);
     }
   }
 }
 
-PHN_INLINE void force_of_centers(const Conservative<double>& net, const double* x, double* force) {
-  const double s2 = net.shape * net.shape, at[3] = {x[0], x[1], x[2]};
-  double sum[3][centers_at_once] = {};
+struct Sums {
+  Real of[3][at_once];
+};
+
+PHN_INLINE void add_centers(const Real* x, Real s2, const Real* c0, const Real* c1, const Real* c2, const Real* w0,
+                            const Real* w1, const Real* w2, Sums& sum) {
+  for (std::int32_t i = 0; i < at_once; ++i) {
+    const Real y0 = x[0] - c0[i], y1 = x[1] - c1[i], y2 = x[2] - c2[i], b0 = w0[i], b1 = w1[i], b2 = w2[i];
+    const Real q = square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2), along = (y0 * b0 + y1 * b1 + y2 * b2) / q;
+    sum.of[0][i] += q * b0 + along * y0;
+    sum.of[1][i] += q * b1 + along * y1;
+    sum.of[2][i] += q * b2 + along * y2;
+  }
+}
+
+PHN_INLINE Sums sum_gathered(const Conservative<double>& net, const Real* x, Real s2) {
+  Sums sum = {};
   Centers some;
-  for (std::int32_t begin = 0; begin <= net.n_centers; begin += centers_at_once) {
-    if (net.short_coefficient != nullptr) {
-      take_centers(net, net.short_coefficient, at, begin, some);
-    } else {
-      take_centers(net, net.coefficient, at, begin, some);
-    }
-    for (std::int32_t i = 0; i < centers_at_once; ++i) {
-      const double y0 = some.y[0][i], y1 = some.y[1][i], y2 = some.y[2][i];
-      const double b0 = some.b[0][i], b1 = some.b[1][i], b2 = some.b[2][i];
-      const double q = std::sqrt(y0 * y0 + y1 * y1 + y2 * y2 + s2), along = (y0 * b0 + y1 * b1 + y2 * b2) / q;
-      sum[0][i] += q * b0 + along * y0;
-      sum[1][i] += q * b1 + along * y1;
-      sum[2][i] += q * b2 + along * y2;
-    }
+  for (std::int32_t begin = 0; begin <= net.n_centers; begin += at_once) {
+    gather(net, begin, some);
+    add_centers(x, s2, some.center[0], some.center[1], some.center[2], some.coefficient[0], some.coefficient[1],
+                some.coefficient[2], sum);
   }
-  const double d[3] = {net.max_displacement * at[0], net.max_displacement * at[1], net.max_displacement * at[2]};
+  return sum;
+}
+
+PHN_INLINE Sums sum_table(const ForceTable& table, std::int32_t n_centers, const Real* x, Real s2) {
+  Sums sum = {};
+  for (std::int32_t begin = 0; begin <= n_centers; begin += at_once)
+    add_centers(x, s2, table.center[0] + begin, table.center[1] + begin, table.center[2] + begin,
+                table.coefficient[0] + begin, table.coefficient[1] + begin, table.coefficient[2] + begin, sum);
+  return sum;
+}
+
+PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTable& table, const double* x,
+                                 double* force) {
+  const Real shape = static_cast<Real>(net.shape), s2 = shape * shape;
+  const Real at[3] = {static_cast<Real>(x[0]), static_cast<Real>(x[1]), static_cast<Real>(x[2])};
+  double total[3];
+  // Two copies of the loop: one that chooses where to read keeps its sums in memory.
+  if (table.center[0] != nullptr) {
+    const Sums sum = sum_table(table, net.n_centers, at, s2);
+    add_up(sum.of, total);
+  } else {
+    const Sums sum = sum_gathered(net, at, s2);
+    add_up(sum.of, total);
+  }
+  const double d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
   multiply_symmetric(net.stiffness, d, force);
-  for (int k = 0; k < 3; ++k) {
-    for (std::int32_t half = centers_at_once / 2; half > 0; half /= 2) {
-      for (std::int32_t i = 0; i < half; ++i) sum[k][i] += sum[k][i + half];
-    }
-    force[k] += sum[k][0] + net.force_at_rest[k];
-  }
+  for (int k = 0; k < 3; ++k) force[k] += total[k] + table.at_rest[k];
 }
 
 /// Everything above once more for each set of instructions.
 #define PHN_KERNELS(name, attributes)                                                                       \
   namespace name {                                                                                          \
-  attributes void force(const Conservative<double>& net, const double* x, double* sum) {                    \
-    force_of_centers(net, x, sum);                                                                          \
+  attributes void force(const Conservative<double>& net, const ForceTable& table, const double* x,          \
+                        double* sum) {                                                                      \
+    force_of_centers(net, table, x, sum);                                                                   \
   }                                                                                                         \
   attributes void basis(const SharedModes& shared, const double* x, double* values) {                       \
     fill_basis(shared, x, values);                                                                          \

@@ -11,7 +11,7 @@ namespace phynness::runtime {
 struct ModalKernels {
   const char* name;
   /// As conservative_force, but for the order of its sums. @param x  d / max_displacement, cut; @param force 3 [N]
-  void (*force)(const Conservative<double>& net, const double* x, double* force);
+  void (*force)(const Conservative<double>& net, const ForceTable& table, const double* x, double* force);
   /// What all amplitudes are made of: kernels less their values at rest, then x.
   /// @param x  d / max_displacement, cut; @param basis n_centers + 3
   void (*basis)(const SharedModes& shared, const double* x, double* basis);

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "conservative.hpp"
+#include "real.hpp"
 
 namespace phynness::runtime {
 
@@ -15,12 +16,13 @@ namespace phynness::runtime {
 struct Network {
   std::int32_t n_neurons, n_inputs;  ///< n_inputs: 3 or 6
   double input_center[6], input_half_range[6];
+  double inverse_half_range[6];  ///< a division waits five times as long, which the last bit of a float does not show
   double output_center[3], output_half_range[3];
   double bias[3];
   double inverse_square_spread;  ///< 1 / r^2
   std::int32_t n_prepared;       ///< neurons of prepared tables: those of the full level, of which these are the first
-  const double* center[6];       ///< per input: n_neurons, scaled
-  const double* weight[3];       ///< per output: n_neurons
+  const Real* center[6];         ///< per input: n_neurons, scaled; whole blocks, as of the full level
+  const Real* weight[3];         ///< per output: n_neurons, filled up with 0 to whole blocks
 };
 
 enum class Family : std::uint8_t { rbfn, linear, modal };
@@ -63,9 +65,22 @@ struct ModalTables {
   const std::int16_t* near_mode;  ///< 3 n_near rows of n_columns, of a field n_near
 };
 
+/// Forces of more centers read them from a table of their own, which costs 48 bytes a center (24 in float) and saves half of
+/// the time; those of fewer gather them, so that small models stay small.
+inline constexpr std::int32_t most_gathered = 2 * at_once - 1;
+
+/// What the force sums, per component, in whole blocks: the centers, the one at 0 with the coefficient -sum_i b_i, and
+/// zeros.
+struct ForceTable {
+  const Real* center[3];       ///< over max_displacement; null: to be gathered
+  const Real* coefficient[3];  ///< [N]
+  double at_rest[3];           ///< added so that this sum, in its own order, vanishes at d = 0 [N]
+};
+
 /// Force, deformation (n_modes = 0: none) and fields of an active node of a modal model.
 struct ModalResponse : ModalTables {
   Conservative<double> force;
+  ForceTable force_table;
   const ModalTables* fields;  ///< one for each field of the model
 };
 

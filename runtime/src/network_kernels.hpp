@@ -17,10 +17,10 @@ struct NetworkKernels {
   /// Gaussians of the last three inputs for all output nodes: for every nodes_per_block of them, those of each neuron
   /// in turn. @pre net of the full level
   /// @param table  whole blocks; what is beyond the last node is that of the last node
-  void (*of_coordinates)(const Network& net, std::int32_t n_output, const double* points, double* table);
+  void (*of_coordinates)(const Network& net, std::int32_t n_output, const double* points, Real* table);
   /// Displacements of all output nodes, those of the probe not yet set. @param table  of of_coordinates
   /// @param factor  n_neurons; @param share of the constants; @param scratch 3 n_neurons; @param field n_output x 3 [m]
-  void (*field)(const Network& net, std::int32_t n_output, const double* table, const double* factor, double share,
+  void (*field)(const Network& net, std::int32_t n_output, const Real* table, const double* factor, double share,
                 double* scratch, double* field);
 };
 

@@ -55,6 +55,7 @@ DataParts lay_out(Arena& arena, const phn_model& model, std::int32_t max_tools) 
 extern "C" {
 
 const char* phn_version(void) { return PHYNNESS_VERSION; }
+int32_t phn_precision(void) { return 8 * static_cast<int32_t>(sizeof(phynness::runtime::Real)); }
 
 const char* phn_status_message(int status) {
   switch (status) {

@@ -16,7 +16,7 @@ struct PreparedNode {
   double* near_mode;      ///< n_columns x 3 n_near
   float* modes;           ///< for every rows_per_block of the 3 n_output rows: those rows of each mode in turn
   // Family rbfn; null in others.
-  double* gaussians;      ///< for every nodes_per_block of the output nodes: those of each neuron in turn
+  Real* gaussians;        ///< for every nodes_per_block of the output nodes: those of each neuron in turn
 };
 
 struct PreparedNodes {

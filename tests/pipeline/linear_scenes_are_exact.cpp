@@ -101,8 +101,8 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
         EXPECT_GT(size, 0);
       }
     }
-    ASSERT_EQ(phynness("validate scene.toml out/model --probes 2 --points 3 --json points.json").exit_status,
-              0);
+    const std::string validate = "validate scene.toml out/model --probes 2 --points 3 --pairs 5 --json ";
+    ASSERT_EQ(phynness(validate + "points.json").exit_status, 0);
     const auto points = json("points.json").at("points");
     EXPECT_EQ(points.at("failed"), 0);
     EXPECT_EQ(points.at("unsettled"), 0);
@@ -111,11 +111,24 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
       EXPECT_LT(points.at(who).at("displacement").at("max").get<double>(), 1e-6) << element << ' ' << who;
       EXPECT_EQ(points.at(who).at("force").at("n"), 12);
     }
-    const auto ranks = shell(
-        "mpirun --oversubscribe -n 2 \"$PHYNNESS\" validate scene.toml out/model --probes 2 --points 3 "
-        "--json ranks.json");
+    // What knows nothing of the other tool is not exact: the pairs would show it.
+    const auto pairs = json("points.json").at("pairs");
+    EXPECT_EQ(pairs.at("failed"), 0);
+    EXPECT_EQ(pairs.at("unsettled"), 0);
+    EXPECT_EQ(pairs.at("records").size(), 5U);
+    for (const char* measure : {"force", "force_own", "displacement", "displacement_all"}) {
+      for (const char* who : {"coupled", "linear"})
+        EXPECT_LT(pairs.at("all").at(who).at(measure).at("max").get<double>(), 1e-6) << element << ' ' << who;
+      if (measure[0] == 'f')
+        EXPECT_EQ(pairs.at("all").at("paper").at(measure).at("n"), 0);
+      else
+        EXPECT_GT(pairs.at("all").at("paper").at(measure).at("mean").get<double>(), 0.01);
+      EXPECT_GT(pairs.at("all").at("alone").at(measure).at("mean").get<double>(), 0.01);
+    }
+    const auto ranks = shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" " + validate + "ranks.json");
     ASSERT_EQ(ranks.exit_status, 0) << ranks.err;
     EXPECT_EQ(json("ranks.json").at("points"), points);
+    EXPECT_EQ(json("ranks.json").at("pairs"), pairs);
   }
   EXPECT_EQ(
       phynness("eval out/model --point 0.041,0.033,0.05 --displacement 0,0,0.001 --tools paper").exit_status,

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Claim: the runtime builds from its own folder, installs, and external programs in C and C++17, the latter without
+# Claim: the runtime builds from its own folder, installs, in double and in float, and external programs in C and C++17, the latter without
 # exceptions, find and use it, by CMake and by pkg-config, also after the installation was moved. A status of the C++
 # wrapper that is overlooked does not compile.
 # Usage: builds_alone_and_installs.sh CMAKE RUNTIME_SOURCE CONSUMER_SOURCE WORK_DIR
@@ -17,6 +17,7 @@ rm -rf "$work"
 "$cmake" --build "$work/consumer" >> "$work.log"
 "$work/consumer/c_consumer"
 "$work/consumer/cpp_consumer"
+"$work/consumer/float_consumer"
 
 mv "$work/prefix" "$work/moved"
 folder=$(dirname "$(find "$work/moved" -name phynness.pc)")
@@ -28,6 +29,10 @@ export PKG_CONFIG_PATH=$folder
 [ "$(pkg-config --modversion phynness)" = "$(pkg-config --modversion phynness-image)" ]
 read -ra flags <<< "$(pkg-config --cflags --libs phynness phynness-image)"
 "${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$consumer/c_consumer.c" "${flags[@]}" -o "$work/by_pkg_config"
+"$work/by_pkg_config"
+read -ra float_flags <<< "$(pkg-config --cflags --libs phynness-float phynness-image)"
+"${CC:-cc}" -std=c99 -DPRECISION=32 -Wall -Wextra -Wpedantic -Werror "$consumer/c_consumer.c" "${float_flags[@]}" \
+  -o "$work/by_pkg_config"
 "$work/by_pkg_config"
 for standard in c++17 c++20; do
   cpp=("${CXX:-c++}" -std=$standard -fno-exceptions -fno-rtti -Wall -Wextra -Wpedantic -Wconversion -Werror)

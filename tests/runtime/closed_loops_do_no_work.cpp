@@ -3,6 +3,7 @@
 #include <conservative.hpp>
 
 #include "loaded_model.hpp"
+#include "rounding.hpp"
 #include "small_model.hpp"
 
 namespace {
@@ -102,7 +103,7 @@ TEST(ClosedLoops, DoNoWork) {
   EXPECT_LT(worst_loop_in<float>(), 1e-5);
 }
 
-// Claim: the same through the C interface, for every node of a model.
+// Claim: the same through the C interface, for every node of a model; found 4e-8 in the runtime of floats.
 TEST(ClosedLoops, DoNoWorkThroughTheInterface) {
   const Model model = small_modal_model();
   const LoadedModel loaded(write_model_text(model));
@@ -121,7 +122,7 @@ TEST(ClosedLoops, DoNoWorkThroughTheInterface) {
                     EXPECT_GE(phn_energy(loaded.model, loaded.data, node.node, d.data(), &energy), 0);
                     return energy;
                   }),
-              1e-12);
+              in_float ? 1e-5 : 1e-12);
   }
 }
 

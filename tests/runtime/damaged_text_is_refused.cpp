@@ -3,6 +3,7 @@
 #include <phynness/formats/hash.hpp>
 
 #include "loaded_model.hpp"
+#include "rounding.hpp"
 #include "small_model.hpp"
 
 namespace {
@@ -278,6 +279,10 @@ TEST(DefectsOfText, CoordinatesAreBounded) {
     model.nodes[1].point = {-1e30, 1e30, -1e30};
     for (auto& node : model.nodes) {
       if (family == Family::rbfn) fill_centers(model, node.deformation);
+    }
+    if (in_float && family == Family::rbfn) {  // centers beyond 1e15 times the range of the inputs
+      EXPECT_ANY_THROW(LoadedModel{write_model_text(model)});
+      continue;
     }
     const LoadedModel loaded(write_model_text(model));
     const std::int32_t nodes[] = {3, 5};

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "loaded_model.hpp"
+#include "rounding.hpp"
 #include "small_model.hpp"
 
 namespace {
@@ -100,7 +101,7 @@ std::vector<Model> models() {
 
 // Claim: force, energy and stiffness are the formulas of formats/model.md, to rounding: 1e-14 of the sizes of
 // the terms, which the runtime sums in another order; 1e-12 of the force itself, whose terms may be a hundred
-// times larger.
+// times larger; of forces in float 29 bits more, and 1e-4.
 TEST(ModalRuntime, ForceEnergyAndStiffnessAreTheFormulas) {
   for (const Model& model : models()) {
     const LoadedModel loaded(write_model_text(model));
@@ -113,11 +114,11 @@ TEST(ModalRuntime, ForceEnergyAndStiffnessAreTheFormulas) {
         ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data()), 0);
         ASSERT_GE(phn_energy(loaded.model, loaded.data, node.node, d.data(), &energy), 0);
         ASSERT_GE(phn_stiffness(loaded.model, loaded.data, node.node, d.data(), stiffness.data()), 0);
-        EXPECT_LE((force - expected.force).norm(), 1e-14 * expected.force_terms);
+        EXPECT_LE((force - expected.force).norm(), rounded(1e-14) * expected.force_terms);
         EXPECT_LE(std::abs(energy - expected.energy), 1e-14 * expected.energy_terms);
         EXPECT_LE((stiffness - expected.stiffness).norm(), 1e-14 * expected.stiffness_terms);
         if (d.norm() > 1e-3) {
-          EXPECT_LT((force - expected.force).norm(), 1e-12 * expected.force.norm());
+          EXPECT_LT((force - expected.force).norm(), (in_float ? 1e-4 : 1e-12) * expected.force.norm());
         }
         EXPECT_EQ(stiffness, stiffness.transpose());
       }
@@ -156,6 +157,7 @@ TEST(ModalRuntime, DeformationIsTheSumOfModes) {
 // Claim: a coefficient is never rounded, whether a float holds it or not: with one center the force is as
 // exact as double allows, 1e-15 of its terms. Coefficients that are floats take half the memory.
 TEST(ModalRuntime, CoefficientsAreNotRounded) {
+  if (in_float) GTEST_SKIP() << "the float runtime rounds them";
   std::size_t bytes[2];
   for (const bool floats : {true, false}) {
     Model model = small_modal_model(1, 100, 1, 0);

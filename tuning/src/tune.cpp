@@ -74,7 +74,7 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
     const auto model = loaded(measured.model, mesh, candidate.name);
     if (solved.empty()) {
       const auto plan = plan_probes(model, scene.probe.directions, probes, seed, probed_nodes);
-      solve_probes(
+      const auto share = solve_probes(
           session, scene, model, plan,
           [&](std::int64_t done, std::int64_t total) {
             going = !progress || progress("solve probes", done, total);
@@ -85,6 +85,9 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
             report.failed += found.failed;
             solved.push_back(std::move(found));
           });
+      if (share.stopped)
+        throw failure("tuning was interrupted", std::to_string(share.rays) + " rays of the validation solved",
+                      "run it again");
       report.linear = linear_errors(solved);
     }
     measured.errors = model_errors(model, solved);

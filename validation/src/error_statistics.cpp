@@ -49,12 +49,13 @@ std::vector<double> centered_ranks(const std::vector<double>& values) {
 
 }  // namespace
 
-double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+std::optional<double> rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
   const auto x = centered_ranks(a), y = centered_ranks(b);
-  if (x.size() < 3 || x.size() != y.size()) return 0;
+  if (x.size() < 3 || x.size() != y.size()) return std::nullopt;
   const double xx = std::inner_product(x.begin(), x.end(), x.begin(), 0.0),
                yy = std::inner_product(y.begin(), y.end(), y.begin(), 0.0);
-  return xx > 0 && yy > 0 ? std::inner_product(x.begin(), x.end(), y.begin(), 0.0) / std::sqrt(xx * yy) : 0;
+  if (!(xx > 0 && yy > 0)) return std::nullopt;
+  return std::inner_product(x.begin(), x.end(), y.begin(), 0.0) / std::sqrt(xx * yy);
 }
 
 }  // namespace phynness

@@ -7,6 +7,7 @@
 #include <phynness/validation/probed_states.hpp>
 
 #include "probe_records.hpp"
+#include "shared_work.hpp"
 
 namespace phynness {
 namespace {
@@ -219,9 +220,9 @@ std::vector<char> counted_nodes(const ProbeSolver& solver, const std::vector<std
   return counts;
 }
 
-/// Solves the probes of one node. `after_each` is called after every ray.
+/// Solves the probes of one node. `go_on` is asked after every ray.
 NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& entry, double increment_m,
-                      const std::function<void()>& after_each) {
+                      const std::function<bool()>& go_on) {
   solver.touch({entry.node});
   NodeProbes found;
   found.node = entry.node;
@@ -230,6 +231,7 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
   for (const auto& pair : entry.pairs) {
     const auto s = waypoints(pair, increment_m);
     std::array<bool, 2> got{false, false};
+    const std::clock_t cpu_start = std::clock();
     solver.follow({pair.direction}, s, false, [&](std::size_t i, const Response& response) {
       if (response.status != Status::converged) return false;
       ++found.increments;
@@ -245,36 +247,40 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
         }
       return true;
     });
+    found.cpu_s += static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
     found.failed += !got[inside] + (pair.outside_m > 0 && !got[outside]);
-    after_each();
+    if (!go_on()) break;
   }
   return found;
 }
 
 }  // namespace
 
-void solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                  const std::vector<NodePlan>& plan,
-                  const std::function<void(std::int64_t, std::int64_t)>& progress,
-                  const std::function<bool()>& stop,
-                  const std::function<void(std::size_t, NodeProbes&&)>& take) {
+SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+                         const std::vector<NodePlan>& plan,
+                         const std::function<void(std::int64_t, std::int64_t)>& progress,
+                         const std::function<bool()>& stop,
+                         const std::function<void(std::size_t, NodeProbes&&)>& take) {
   // Which fields are stored is no part of the physics: the model's are solved for.
   Scene with_fields = scene;
   with_fields.database.fields = fields_of(model.model());
   ProbeSolver solver(with_fields, model.mesh(), {model.model().fixed, {}, model.model().output});
-  std::int64_t rays = 0, my_rays = 0;
+  SolvedShare share;
+  std::int64_t rays = 0;
   for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
-  for (auto e = static_cast<std::size_t>(session.rank()); e < plan.size();
-       e += static_cast<std::size_t>(session.size()))
-    take(e, probe_node(model.model(), solver, plan[e],
-                       scene.probe.max_displacement_m / scene.probe.increments, [&] {
-                         const auto done = std::min(rays, ++my_rays * session.size());
-                         if (progress && session.rank() == 0) progress(done, rays);
-                         if (stop && stop())
-                           throw failure("validation was interrupted",
-                                         std::to_string(done) + " of " + std::to_string(rays) + " rays",
-                                         "run it again");
-                       }));
+  const auto go_on = [&] {
+    ++share.rays;
+    if (progress && session.rank() == 0) progress(std::min(rays, share.rays * session.size()), rays);
+    share.stopped = share.stopped || (stop && stop());
+    return !share.stopped;
+  };
+  share_out(
+      session, static_cast<std::int64_t>(plan.size()), {}, [&] { return share.stopped; },
+      [&](std::size_t e) {
+        take(e, probe_node(model.model(), solver, plan[e],
+                           scene.probe.max_displacement_m / scene.probe.increments, go_on));
+      });
+  return share;
 }
 
 namespace {
@@ -304,19 +310,19 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
                           const std::function<void(std::int64_t, std::int64_t)>& progress,
                           const std::function<bool()>& stop, std::int64_t nodes) {
   const auto start = std::chrono::steady_clock::now();
-  const std::clock_t cpu_start = std::clock();
   std::vector<NodePlan> plan;
+  SolvedShare share;
   const std::array<Predict, n_predictors> predict{by_model(model), by_linear, by_zero};  // by Predictor
   std::array<Samples, n_predictors> samples;
   samples.fill(no_samples(model.model().fields.size()));
   std::vector<double> examples;
   std::array<std::vector<double>, 2> distances;  // by Group
   ProbeRecords records(model);
-  double failed = 0, solved[2] = {0, 0}, increments = 0;
+  double failed = 0, solved[2] = {0, 0}, increments = 0, cpu_s = 0;
   session.together([&] {
     check_same_scene(scene, model);
     plan = plan_probes(model, scene.probe.directions, probes, seed, nodes);
-    solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
+    share = solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
       for (const Group g : {inside, outside}) {
         for (std::size_t p = 0; p < n_predictors; ++p) collect(predict[p], found, g, samples[p]);
         // One for each error of a force: a node without any force has none.
@@ -328,6 +334,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
       records.add(found);
       failed += static_cast<double>(found.failed);
       increments += static_cast<double>(found.increments);
+      cpu_s += found.cpu_s;
       if (e < max_examples && !found.states[inside].empty())
         add_example(model, found.node, found.states[inside].front(), examples);
     });
@@ -335,6 +342,8 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
 
   ValidationReport report;
   report.probes = probes;
+  for (const auto& entry : plan) report.rays += static_cast<std::int64_t>(entry.pairs.size());
+  report.rays_finished = static_cast<std::int64_t>(session.sum(static_cast<double>(share.rays)));
   report.failed = static_cast<std::int64_t>(session.sum(failed));
   report.solved_inside = static_cast<std::int64_t>(session.sum(solved[inside]));
   report.solved_outside = static_cast<std::int64_t>(session.sum(solved[outside]));
@@ -349,15 +358,14 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
     report.errors[p] = statistics(samples[p]);
   }
   for (const Group g : {inside, outside}) {
-    const double correlation = rank_correlation(session.gather(distances[g]), samples[0][g][force]);
+    const auto correlation = rank_correlation(session.gather(distances[g]), samples[0][g][force]);
     (g == inside ? report.distance_correlation_inside : report.distance_correlation_outside) = correlation;
   }
   report.examples = read_examples(session.gather(examples));
   records.finish(session, report);
   if (session.rank() == 0) report.speed = measure_speed(model);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const double cpu = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
-  report.solve_ms_per_increment = 1e3 * session.sum(cpu) / std::max(1.0, session.sum(increments));
+  report.solve_ms_per_increment = 1e3 * session.sum(cpu_s) / std::max(1.0, session.sum(increments));
   return report;
 }
 

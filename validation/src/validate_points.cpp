@@ -7,6 +7,8 @@
 #include <phynness/validation/surface_points.hpp>
 #include <random>
 
+#include "shared_work.hpp"
+
 namespace phynness {
 namespace {
 
@@ -157,8 +159,8 @@ class Comparison {
     report.coupled = statistics(session, _coupled);
     report.linear = statistics(session, _linear);
     report.at_nodes = statistics(session, _at_nodes);
-    report.failed = static_cast<std::int64_t>(session.sum(static_cast<double>(report.failed)));
-    report.unsettled = static_cast<std::int64_t>(session.sum(static_cast<double>(report.unsettled)));
+    for (auto* count : {&report.finished, &report.failed, &report.unsettled})
+      *count = static_cast<std::int64_t>(session.sum(static_cast<double>(*count)));
     for (const double r : session.gather({report.largest_residual_m}))
       report.largest_residual_m = std::max(report.largest_residual_m, r);
   }
@@ -184,15 +186,8 @@ PointReport validate_points(const SolverSession& session, const Scene& scene, co
   session.together([&] {
     const auto places = choose_places(scene, model, points, displacements, seed);
     comparison.emplace(scene, model);
-    for (auto i = static_cast<std::size_t>(session.rank()); i < places.size();
-         i += static_cast<std::size_t>(session.size())) {
-      comparison->at(places[i], report);
-      const auto done = std::min<std::int64_t>(points, static_cast<std::int64_t>(i) + session.size());
-      if (progress && session.rank() == 0) progress(done, points);
-      if (stop && stop())
-        throw failure("validation was interrupted",
-                      std::to_string(done) + " of " + std::to_string(points) + " points", "run it again");
-    }
+    report.finished =
+        share_out(session, points, progress, stop, [&](std::size_t i) { comparison->at(places[i], report); });
   });
   comparison->finish(session, report);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -50,6 +50,12 @@ enum {
 /* Version of this library, "major.minor.patch". */
 const char *phn_version(void);
 
+/* Bits of the numbers that the inner loops of forces compute in: 64 in the library phynness_runtime, 32 in
+ * phynness_runtime_float, the same source (CMake: phynness::runtime, phynness::runtime_float; link one of them). In that one
+ * forces of families rbfn and modal and deformations of family rbfn have the rounding of floats: 1e-7 of their largest
+ * terms. A model.txt with weights beyond 1e25 is refused there (PHN_ERROR_RANGE). */
+int32_t phn_precision(void);
+
 /* One sentence for a status; never null. */
 const char *phn_status_message(int status);
 
@@ -135,7 +141,8 @@ typedef struct phn_tool {
 int phn_nearest(const phn_model *model, const double x[3], phn_tool *tool, double point[3]);
 
 typedef struct phn_coupled {
-  double residual;    /* largest distance between a tool's point and where the tool holds it, in the field [m] */
+  double residual;    /* largest distance between a tool's point and where the tool holds it, in the field [m]: rounding, as
+                       * the field is made to fit in the end. Whether the forces settled PHN_WARNING_UNSETTLED tells */
   double energy;      /* [J]; 0 in networks, which have none */
   int32_t iterations; /* 0 for one tool, at most 40 */
 } phn_coupled;

@@ -278,6 +278,10 @@ std::string picture(const ReportInput& in) {
   return section("Where on the body the error is", out);
 }
 
+std::string correlation(const std::optional<double>& value) {
+  return value ? fmt::format("{:.2f}", *value) : "(too few probes to say)";
+}
+
 std::string trust(const ReportInput& in) {
   constexpr int n_paths = 200;
   const Conservation c = closed_paths(in.model, n_paths, in.seed);
@@ -293,8 +297,9 @@ std::string trust(const ReportInput& in) {
   out += fmt::format(
       "<p>The distance to the nearest trained displacement (phn_trained_distance) and the error of the force "
       "have a rank "
-      "correlation of {:.2f} inside and {:.2f} beyond.</p>\n",
-      in.validation.distance_correlation_inside, in.validation.distance_correlation_outside);
+      "correlation of {} inside and {} beyond.</p>\n",
+      correlation(in.validation.distance_correlation_inside),
+      correlation(in.validation.distance_correlation_outside));
   return section("Conservation and trust", out);
 }
 

@@ -23,15 +23,22 @@ struct NodeProbes {
   std::array<std::vector<ProbedState>, 2> states;  ///< inside and beyond the trained range
   ForceCurve curve;                                ///< of the first ray
   std::int64_t failed = 0, increments = 0;
+  double cpu_s = 0;  ///< of following the rays; turning to the node left out
 };
 
-/// Solves this rank's share of the plan; `take` gets each entry of it with its position.
-/// @throws Error (failure) if `stop` says so
-void solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                  const std::vector<NodePlan>& plan,
-                  const std::function<void(std::int64_t, std::int64_t)>& progress,
-                  const std::function<bool()>& stop,
-                  const std::function<void(std::size_t, NodeProbes&&)>& take);
+/// What one rank did.
+struct SolvedShare {
+  std::int64_t rays = 0;
+  bool stopped = false;
+};
+
+/// Solves this rank's share of the plan; `take` gets each entry of it with its position. Where `stop` says so
+/// it ends after the ray at hand, and the last entry taken has fewer probes than planned.
+SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+                         const std::vector<NodePlan>& plan,
+                         const std::function<void(std::int64_t, std::int64_t)>& progress,
+                         const std::function<bool()>& stop,
+                         const std::function<void(std::size_t, NodeProbes&&)>& take);
 
 /// The model's own errors on those probes.
 PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes);

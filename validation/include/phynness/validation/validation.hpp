@@ -4,6 +4,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <phynness/validation/loaded_model.hpp>
 #include <string>
 #include <vector>
@@ -17,9 +18,9 @@ struct ErrorStatistics {
   static ErrorStatistics of(std::vector<double> samples);
 };
 
-/// Spearman's: 1 if b grows with a, -1 if it falls, equal values sharing their rank; 0 for fewer than three
-/// pairs or where one of them does not vary.
-double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
+/// Spearman's: 1 if b grows with a, -1 if it falls, equal values sharing their rank; none for fewer than
+/// three pairs or where one of them does not vary.
+std::optional<double> rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
 
 /// Of one scalar field, at all output nodes, those that the tool holds included.
 struct FieldErrors {
@@ -85,20 +86,22 @@ struct ValidationReport {
   std::int64_t probes = 0;  ///< asked for: inside and outside together
   std::int64_t failed = 0;  ///< of them, not solved by the finite elements
   std::int64_t solved_inside = 0, solved_outside = 0;
-  std::vector<std::int32_t> nodes;        ///< active nodes probed
-  std::int32_t n_beside_fixed = 0;        ///< of them chosen among the nearest to the fixed nodes
-  double outside_factor = 0;              ///< outside: R < |d| <= this * R
-  std::array<PredictorErrors, 3> errors;  ///< by Predictor
+  std::int64_t rays = 0, rays_finished = 0;  ///< planned, with at most two probes each; fewer if interrupted
+  std::vector<std::int32_t> nodes;           ///< active nodes probed
+  std::int32_t n_beside_fixed = 0;           ///< of them chosen among the nearest to the fixed nodes
+  double outside_factor = 0;                 ///< outside: R < |d| <= this * R
+  std::array<PredictorErrors, 3> errors;     ///< by Predictor
   /// Spearman's rank correlation of the force's error with the distance from what was trained, over the
-  /// model's probes inside the range and beyond; 0 where there are fewer than three.
-  double distance_correlation_inside = 0, distance_correlation_outside = 0;
+  /// model's probes inside the range and beyond; none where there are fewer than three.
+  std::optional<double> distance_correlation_inside, distance_correlation_outside;
   std::vector<ForceExample> examples;  ///< the first probe inside the range of a few nodes
   std::vector<ProbeRecord> records;    ///< by node; inside before outside
   std::vector<ForceCurve> curves;      ///< of the first ray of each node
   std::vector<double> output_error;  ///< per output node: mean error (17) of its displacement, probes inside
   RuntimeSpeed speed;
   double seconds = 0;                 ///< wall time
-  double solve_ms_per_increment = 0;  ///< CPU, this validation's own solves
+  double solve_ms_per_increment = 0;  ///< CPU of this validation's rays; set-up of body and nodes left out
+  bool interrupted() const { return rays_finished < rays; }
   const PredictorErrors& of(Predictor p) const { return errors[static_cast<std::size_t>(p)]; }
 };
 
@@ -114,6 +117,7 @@ class SolverSession;
 /// @param nodes  active nodes probed; 0: a twentieth of the probes, at least ten. (17) divides by the largest
 /// response
 ///               of a node's probes, so few probes a node make large errors of it
+/// Where `stop` says so it ends with the rays that are finished.
 /// @throws Error if the scene's physics or mesh is not the model's
 ValidationReport validate(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                           std::int64_t probes, std::uint64_t seed,

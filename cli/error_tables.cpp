@@ -1,0 +1,148 @@
+#include "error_tables.hpp"
+
+#include <fmt/core.h>
+
+#include <functional>
+
+#include "console.hpp"
+
+namespace phynness::cli {
+namespace {
+
+/// Two decimals, or the order of magnitude where those would show nothing.
+std::string percent(double fraction) {
+  const double value = 100 * fraction;
+  return value > 0 && value < 0.005 ? fmt::format("{:7.0e}", value) : fmt::format("{:7.2f}", value);
+}
+
+/// A rank correlation, or why there is none.
+std::string told(const std::optional<double>& correlation) {
+  return correlation ? fmt::format("{:.2f}", *correlation) : "not enough probes";
+}
+
+}  // namespace
+
+void print_table(const ValidationReport& report, const std::vector<FieldModes>& fields) {
+  using Member = std::function<const ErrorStatistics&(const GroupErrors&)>;
+  const auto row = [&](const std::string& what, const Member& member, GroupErrors PredictorErrors::*group) {
+    fmt::print("  {:<22}", what);
+    for (const auto p : predictors) {
+      const auto& s = member(report.of(p).*group);
+      if (s.n == 0)
+        fmt::print(" | {:>7} {:>7} {:>7}", "-", "-", "-");
+      else
+        fmt::print(" | {} {} {}", percent(s.mean), percent(s.p95), percent(s.max));
+    }
+    fmt::print("\n");
+  };
+  for (const auto& [title, group] : {std::pair{"inside the trained range", &PredictorErrors::inside},
+                                     std::pair{"beyond it (to 1.43 times)", &PredictorErrors::outside}}) {
+    fmt::print("{:<24} | {:^23} | {:^23} | {:^23}\n", title, "model", "linear predictor", "zero predictor");
+    fmt::print("{:<24} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7}\n", "  error in %", "mean",
+               "p95", "max", "mean", "p95", "max", "mean", "p95", "max");
+    row("force, eq. (17)", &GroupErrors::force, group);
+    row("displacement, eq. (17)", &GroupErrors::displacement, group);
+    row("  tenth moving most", &GroupErrors::displacement_moving, group);
+    row("field, relative L2", &GroupErrors::field_l2, group);
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+      row(
+          fields[f].name + " (17)", [f](const GroupErrors& e) -> const auto& { return e.fields[f].nodal; },
+          group);
+      row(
+          "  relative L2", [f](const GroupErrors& e) -> const auto& { return e.fields[f].l2; }, group);
+    }
+  }
+}
+
+void print_summary(const ValidationReport& report) {
+  const auto& inside = report.of(Predictor::model).inside;
+  if (inside.force.n > 0) fmt::print("median inside: force{} %", percent(inside.force.median));
+  if (inside.displacement.n > 0) fmt::print(", displacement{} %", percent(inside.displacement.median));
+  if (inside.force.n > 0) fmt::print("\n");
+  fmt::print(
+      "rank correlation of the force's error with the distance from what was trained: {} inside, {} beyond\n",
+      told(report.distance_correlation_inside), told(report.distance_correlation_outside));
+}
+
+void print_examples(const ValidationReport& report) {
+  fmt::print("{:<8} {:>24} | {:>27} | {:>27}\n", "node", "displacement, mm", "force by finite elements, mN",
+             "force by the model, mN");
+  for (const auto& e : report.examples) {
+    fmt::print("{:<8}", e.node);
+    for (const double x : e.displacement_m) fmt::print(" {:8.2f}", 1e3 * x);
+    fmt::print(" |");
+    for (const double x : e.finite_elements_N) fmt::print(" {:8.2f}", 1e3 * x);
+    fmt::print("  |");
+    for (const double x : e.model_N) fmt::print(" {:8.2f}", 1e3 * x);
+    fmt::print("\n");
+  }
+}
+
+void print_points(const PointReport& report) {
+  fmt::print("{} points of the surface, {} displacements each; {} not solved, {} unsettled by the model\n",
+             report.finished, report.displacements, report.failed, report.unsettled);
+  fmt::print("{:<24} | {:^31} | {:^31} | {:^31}\n", "tools between nodes", "coupled model",
+             "linear predictor", "model at the nearest nodes");
+  fmt::print("{:<24}", "  error in %");
+  for (int i = 0; i < 3; ++i) fmt::print(" | {:>7} {:>7} {:>7} {:>7}", "mean", "median", "p95", "max");
+  fmt::print("\n");
+  const auto row = [&](const char* what, const ErrorStatistics PointErrors::*member) {
+    fmt::print("  {:<22}", what);
+    for (const auto* errors : {&report.coupled, &report.linear, &report.at_nodes}) {
+      const auto& s = errors->*member;
+      fmt::print(" | {} {} {} {}", percent(s.mean), percent(s.median), percent(s.p95), percent(s.max));
+    }
+    fmt::print("\n");
+  };
+  row("force, as eq. (17)", &PointErrors::force);
+  row("displacement", &PointErrors::displacement);
+  row("field, relative L2", &PointErrors::field_l2);
+  fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m,
+             duration(report.seconds));
+}
+
+void print_pairs(const PairReport& report) {
+  fmt::print(
+      "{} pairs of nodes, both tools {:.4g} mm deep; {} not solved, {} unsettled by the model, {} beyond "
+      "what "
+      "it was trained on\n",
+      report.finished, 1e3 * report.depth_m, report.failed, report.unsettled, report.outside);
+  const double far_mm = 1e3 * report.far_m;
+  fmt::print("{:<28} | {:^31} | {:^15} | {:^15} | {:^15}\n", "two tools, error in %",
+             fmt::format("all, {}", report.all.pairs),
+             fmt::format("to {:.0f} mm, {}", far_mm, report.near.pairs),
+             fmt::format("beyond, {}", report.far.pairs), fmt::format("settled, {}", report.settled.pairs));
+  fmt::print("{:<28} | {:>7} {:>7} {:>7} {:>7}", "", "mean", "median", "p95", "max");
+  for (int i = 0; i < 3; ++i) fmt::print(" | {:>7} {:>7}", "mean", "median");
+  fmt::print("\n");
+  const auto block = [&](const char* what, const ErrorStatistics PairStatistics::*measure) {
+    fmt::print("  {}\n", what);
+    for (const auto p : pair_predictors) {
+      const auto& all = report.all.of(p).*measure;
+      if (all.n == 0) continue;
+      const char* who = p == PairPredictor::coupled ? "coupled model"
+                        : p == PairPredictor::alone ? "each tool alone"
+                        : p == PairPredictor::paper ? "weights (15)-(16)"
+                                                    : "linear predictor";
+      fmt::print("    {:<24} | {} {} {} {}", who, percent(all.mean), percent(all.median), percent(all.p95),
+                 percent(all.max));
+      for (const auto* group : {&report.near, &report.far, &report.settled}) {
+        const auto& s = group->of(p).*measure;
+        if (s.n == 0)
+          fmt::print(" | {:>7} {:>7}", "-", "-");
+        else
+          fmt::print(" | {} {}", percent(s.mean), percent(s.median));
+      }
+      fmt::print("\n");
+    }
+  };
+  block("force, the worse tool, over the larger force", &PairStatistics::force);
+  block("force, the worse tool, over its own", &PairStatistics::force_own);
+  block("displacement, mean over all nodes, over the largest", &PairStatistics::displacement_all);
+  block("displacement, as eq. (17): touched nodes left out of both", &PairStatistics::displacement);
+  block("field, relative L2", &PairStatistics::field_l2);
+  fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m,
+             duration(report.seconds));
+}
+
+}  // namespace phynness::cli

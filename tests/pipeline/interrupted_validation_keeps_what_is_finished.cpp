@@ -1,0 +1,69 @@
+// Claim: an interrupted validation reports what it has finished, says that it is not all, and the same seed
+// begins with the same probes: a run of as many gives the same figures.
+#include "command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+class InterruptedValidation : public CommandLine {
+ protected:
+  void SetUp() override {
+    CommandLine::SetUp();
+    auto scene = small_scene("P1", 2);
+    const auto active = scene.find("active = [");
+    scene.replace(
+        active, scene.find("[probe]") - active,
+        "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
+    write_file(folder / "scene.toml", scene);
+    ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+  }
+
+  /// More probes than a minute solves; SIGINT when the progress has counted to `count` in `unit`.
+  Outcome interrupted(const std::string& unit, const std::string& options) const {
+    return shell("PHYNNESS_PROGRESS=1 \"$PHYNNESS\" validate scene.toml out/model --json part.json " +
+                 options +
+                 " 2>progress.txt & pid=$!; for i in $(seq 3000); do "
+                 "grep -qE '[1-9][0-9]/[0-9]+ " +
+                 unit +
+                 "' progress.txt && break; sleep 0.01; done; kill -INT $pid; wait $pid; status=$?; "
+                 "cat progress.txt >&2; exit $status");
+  }
+};
+
+TEST_F(InterruptedValidation, OfRays) {
+  const auto stopped = interrupted("rays", "--probes 100000 --points 5 --pairs 5");
+  EXPECT_EQ(stopped.exit_status, 1);
+  EXPECT_NE(stopped.err.find("interrupted"), std::string::npos) << stopped.err;
+  EXPECT_NE(stopped.err.find("0 of 5 points"), std::string::npos) << stopped.err;
+  const auto part = json("part.json");
+  EXPECT_TRUE(part.at("interrupted").get<bool>());
+  const long finished = part.at("rays_finished");
+  EXPECT_GE(finished, 10);
+  EXPECT_LT(finished, part.at("rays").get<long>());
+  EXPECT_GT(part.at("inside").at("force").at("n").get<long>(), 0);
+  EXPECT_LE(part.at("inside").at("force").at("n").get<long>(), finished);
+  EXPECT_FALSE(part.contains("points"));
+}
+
+TEST_F(InterruptedValidation, OfPointsAndPairs) {
+  for (const std::string unit : {"points", "pairs"}) {
+    const auto stopped = interrupted(unit, "--probes 2 --" + unit + " 100000");
+    EXPECT_EQ(stopped.exit_status, 1);
+    EXPECT_NE(stopped.err.find("of 100000 " + unit), std::string::npos) << stopped.err;
+    const auto part = json("part.json").at(unit);
+    EXPECT_TRUE(json("part.json").at("interrupted").get<bool>());
+    const long finished = part.at("finished");
+    EXPECT_GE(finished, 10);
+    EXPECT_LT(finished, 100000);
+    const auto again = phynness("validate scene.toml out/model --probes 2 --json whole.json --" + unit + " " +
+                                std::to_string(finished));
+    ASSERT_EQ(again.exit_status, 0) << again.err;
+    EXPECT_FALSE(json("whole.json").at("interrupted").get<bool>());
+    auto whole = json("whole.json").at(unit);
+    whole[unit] = 100000;  // what was asked for is all that may differ
+    EXPECT_EQ(whole, part);
+  }
+}
+
+}  // namespace
+}  // namespace phynness::test

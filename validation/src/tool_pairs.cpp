@@ -1,0 +1,250 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <phynness/formats/error.hpp>
+#include <phynness/precompute/probe_solver.hpp>
+#include <phynness/validation/probe_plan.hpp>
+#include <phynness/validation/tool_pairs.hpp>
+
+#include "shared_work.hpp"
+
+namespace phynness {
+
+const char* name(PairPredictor p) {
+  switch (p) {
+    case PairPredictor::coupled:
+      return "coupled";
+    case PairPredictor::alone:
+      return "alone";
+    case PairPredictor::paper:
+      return "paper";
+    case PairPredictor::linear:
+      break;
+  }
+  return "linear";
+}
+
+namespace {
+
+constexpr std::size_t n_predictors = pair_predictors.size();
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+/// index, two nodes, two displacements, distance, solved, status, residual; the errors of each predictor.
+constexpr std::size_t row_head = 13, n_errors = 5, row_size = row_head + n_errors * n_predictors;
+
+Eigen::Vector3d vector(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+/// A tool moves the node that another one touches.
+bool moves(const ActiveNodeModel& tool, std::int32_t other) {
+  return std::find(tool.prescribed.begin(), tool.prescribed.end(), other) != tool.prescribed.end();
+}
+
+std::vector<PairRecord> choose_pairs(const Scene& scene, const LoadedModel& model, std::int64_t pairs,
+                                     double depth_m, std::uint64_t seed) {
+  const auto& nodes = model.model().nodes;
+  const Points normals = node_normals(model.mesh());
+  std::mt19937_64 random(seed);
+  const auto any_node = [&]() -> const ActiveNodeModel& {
+    return nodes[static_cast<std::size_t>(uniform(random) * static_cast<double>(nodes.size()))];
+  };
+  std::vector<PairRecord> records(static_cast<std::size_t>(pairs));
+  for (auto& record : records) {
+    bool apart = false;
+    for (int attempt = 0; attempt < 10000 && !apart && nodes.size() > 1; ++attempt) {
+      const auto &a = any_node(), &b = any_node();
+      apart = a.node != b.node && !moves(a, b.node) && !moves(b, a.node);
+      record.nodes = {a.node, b.node};
+    }
+    if (!apart)
+      throw input_error("the model has no two nodes that tools can hold at once",
+                        std::to_string(nodes.size()) + " active nodes",
+                        "make more nodes active or patches smaller, or leave --pairs out");
+    record.distance_m =
+        (model.mesh().nodes.row(record.nodes[0]) - model.mesh().nodes.row(record.nodes[1])).norm();
+    for (std::size_t t = 0; t < 2; ++t) {
+      Vec3 e = on_sphere(random);
+      const Eigen::Vector3d normal = normals.row(record.nodes[t]).transpose();
+      while (scene.probe.directions == Directions::hemisphere && normal.dot(vector(e)) >= 0)
+        e = on_sphere(random);
+      record.displacement_m[t] = {depth_m * e[0], depth_m * e[1], depth_m * e[2]};
+    }
+  }
+  return records;
+}
+
+/// Errors of one prediction. @param counts  per output node: 0 where a tool moves it itself
+PairErrors errors_of(const std::vector<std::optional<Vec3>>& force, const Points& u, const Response& truth,
+                     const Points& u_FE, const std::vector<char>& counts) {
+  PairErrors errors;
+  const double sizes[2] = {vector(truth.force_N[0]).norm(), vector(truth.force_N[1]).norm()};
+  const double larger = std::max(sizes[0], sizes[1]);
+  for (std::size_t t = 0; t < 2; ++t) {
+    const double off = force[t] ? (vector(*force[t]) - vector(truth.force_N[t])).norm() : none;
+    errors.force = force[t] && larger > 0 ? std::max(errors.force, off / larger) : none;
+    errors.force_own = force[t] && sizes[t] > 0 ? std::max(errors.force_own, off / sizes[t]) : none;
+  }
+  double largest = 0, sum = 0, error2 = 0, norm2 = 0, n = 0, largest_of_all = 0, sum_of_all = 0;
+  for (Eigen::Index o = 0; o < u_FE.rows(); ++o) {
+    const double error = (u.row(o) - u_FE.row(o)).norm(), size = u_FE.row(o).norm();
+    largest_of_all = std::max(largest_of_all, size);
+    sum_of_all += error;
+    if (!counts[static_cast<std::size_t>(o)]) continue;
+    largest = std::max(largest, size);
+    sum += error;
+    error2 += error * error;
+    norm2 += size * size;
+    n += 1;
+  }
+  errors.displacement = largest > 0 ? sum / (n * largest) : none;
+  errors.field_l2 = norm2 > 0 ? std::sqrt(error2 / norm2) : none;
+  errors.displacement_all =
+      largest_of_all > 0 ? sum_of_all / (static_cast<double>(u_FE.rows()) * largest_of_all) : none;
+  return errors;
+}
+
+class Comparison {
+ public:
+  Comparison(const Scene& scene, const LoadedModel& model)
+      : _model(model),
+        _increments(scene.probe.increments),
+        _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {}
+
+  void at(PairRecord& pair) {
+    const std::vector<std::int32_t> nodes(pair.nodes.begin(), pair.nodes.end());
+    const std::vector<Vec3> d(pair.displacement_m.begin(), pair.displacement_m.end());
+    _solver.touch(nodes);
+    const auto truth = _solver.solve(d, _increments);
+    pair.solved = truth.status == Status::converged;
+    if (!pair.solved) return;
+    const auto& output = _model.model().output;
+    std::vector<char> counts(output.size(), 1);
+    for (std::size_t t = 0; t < 2; ++t)
+      for (const auto& [node, weight] : _solver.prescribed(t)) {
+        const auto it = std::lower_bound(output.begin(), output.end(), node);
+        if (it != output.end() && *it == node) counts[static_cast<std::size_t>(it - output.begin())] = 0;
+      }
+    const auto rows = [&](const auto& of_node) {
+      Points u(static_cast<Eigen::Index>(output.size()), 3);
+      for (std::size_t o = 0; o < output.size(); ++o)
+        u.row(static_cast<Eigen::Index>(o)) = of_node(output[o]);
+      return u;
+    };
+    const Points u_FE = rows([&](std::int32_t i) { return truth.displacement_m.row(i); });
+    const auto judge = [&](PairPredictor p, const std::vector<std::optional<Vec3>>& force, const Points& u) {
+      pair.errors[static_cast<std::size_t>(p)] = errors_of(force, u, truth, u_FE, counts);
+    };
+
+    std::vector<phn_tool> tools;
+    for (std::size_t t = 0; t < 2; ++t)
+      tools.push_back({{nodes[t], -1, -1}, {1, 0, 0}, {d[t][0], d[t][1], d[t][2]}});
+    const auto coupled = _model.couple(tools);
+    pair.status = coupled.status;
+    pair.residual_m = coupled.coupled.residual;
+    judge(PairPredictor::coupled, coupled.force_N, coupled.displacement_m);
+
+    const auto first = _model.respond({nodes[0]}, {d[0]}), second = _model.respond({nodes[1]}, {d[1]});
+    judge(PairPredictor::alone, {first.force_N[0], second.force_N[0]},
+          first.displacement_m + second.displacement_m);
+    judge(PairPredictor::paper, {std::nullopt, std::nullopt}, _model.respond(nodes, d).displacement_m);
+
+    Eigen::VectorXd q(6);
+    q << vector(d[0]), vector(d[1]);
+    const Eigen::VectorXd f = _solver.rest().stiffness_N_per_m * q, u = _solver.rest().sensitivity * q;
+    judge(PairPredictor::linear, {Vec3{f[0], f[1], f[2]}, Vec3{f[3], f[4], f[5]}},
+          rows([&](std::int32_t i) { return u.segment<3>(3 * i).transpose(); }));
+  }
+
+ private:
+  const LoadedModel& _model;
+  int _increments;
+  ProbeSolver _solver;
+};
+
+void append(std::vector<double>& rows, std::size_t index, const PairRecord& pair) {
+  rows.insert(rows.end(), {static_cast<double>(index), static_cast<double>(pair.nodes[0]),
+                           static_cast<double>(pair.nodes[1])});
+  for (const auto& d : pair.displacement_m) rows.insert(rows.end(), d.begin(), d.end());
+  rows.insert(rows.end(),
+              {pair.distance_m, pair.solved ? 1.0 : 0.0, static_cast<double>(pair.status), pair.residual_m});
+  for (const auto& e : pair.errors)
+    rows.insert(rows.end(), {e.force, e.force_own, e.displacement, e.field_l2, e.displacement_all});
+}
+
+PairRecord read(const double* row) {
+  PairRecord pair;
+  pair.nodes = {static_cast<std::int32_t>(row[1]), static_cast<std::int32_t>(row[2])};
+  pair.displacement_m = {Vec3{row[3], row[4], row[5]}, Vec3{row[6], row[7], row[8]}};
+  pair.distance_m = row[9];
+  pair.solved = row[10] > 0;
+  pair.status = static_cast<int>(row[11]);
+  pair.residual_m = row[12];
+  for (std::size_t p = 0; p < n_predictors; ++p) {
+    const double* e = row + row_head + n_errors * p;
+    pair.errors[p] = {e[0], e[1], e[2], e[3], e[4]};
+  }
+  return pair;
+}
+
+PairGroup group_of(const std::vector<PairRecord>& records,
+                   const std::function<bool(const PairRecord&)>& belongs) {
+  PairGroup group;
+  for (const auto& pair : records) group.pairs += pair.solved && belongs(pair);
+  for (std::size_t p = 0; p < n_predictors; ++p) {
+    const auto over = [&](double PairErrors::*measure) {
+      std::vector<double> samples;
+      for (const auto& pair : records)
+        if (pair.solved && belongs(pair) && !std::isnan(pair.errors[p].*measure))
+          samples.push_back(pair.errors[p].*measure);
+      return ErrorStatistics::of(std::move(samples));
+    };
+    group.errors[p] = {over(&PairErrors::force), over(&PairErrors::force_own),
+                       over(&PairErrors::displacement), over(&PairErrors::field_l2),
+                       over(&PairErrors::displacement_all)};
+  }
+  return group;
+}
+
+}  // namespace
+
+PairReport validate_pairs(const SolverSession& session, const Scene& scene, const LoadedModel& model,
+                          std::int64_t pairs, double depth_m, std::uint64_t seed,
+                          const std::function<void(std::int64_t, std::int64_t)>& progress,
+                          const std::function<bool()>& stop) {
+  const auto start = std::chrono::steady_clock::now();
+  PairReport report;
+  report.pairs = pairs;
+  report.depth_m = depth_m;
+  const Points& x = model.mesh().nodes;
+  report.far_m = far_fraction * (x.colwise().maxCoeff() - x.colwise().minCoeff()).maxCoeff();
+  std::vector<double> rows;
+  std::int64_t finished = 0;
+  session.together([&] {
+    auto chosen = choose_pairs(scene, model, pairs, depth_m, seed);
+    Comparison comparison(scene, model);
+    finished = share_out(session, pairs, progress, stop, [&](std::size_t i) {
+      comparison.at(chosen[i]);
+      append(rows, i, chosen[i]);
+    });
+  });
+  rows = session.gather(rows);
+  std::vector<const double*> in_order;
+  for (std::size_t at = 0; at + row_size <= rows.size(); at += row_size) in_order.push_back(&rows[at]);
+  std::sort(in_order.begin(), in_order.end(), [](const double* a, const double* b) { return a[0] < b[0]; });
+  for (const double* row : in_order) report.records.push_back(read(row));
+  report.finished = static_cast<std::int64_t>(session.sum(static_cast<double>(finished)));
+  for (const auto& pair : report.records) {
+    report.failed += !pair.solved;
+    report.unsettled += (pair.status & PHN_WARNING_UNSETTLED) != 0;
+    report.outside += (pair.status & PHN_WARNING_OUTSIDE) != 0;
+    report.largest_residual_m = std::max(report.largest_residual_m, pair.residual_m);
+  }
+  report.all = group_of(report.records, [](const PairRecord&) { return true; });
+  report.near = group_of(report.records, [&](const PairRecord& p) { return p.distance_m <= report.far_m; });
+  report.far = group_of(report.records, [&](const PairRecord& p) { return p.distance_m > report.far_m; });
+  report.settled =
+      group_of(report.records, [](const PairRecord& p) { return (p.status & PHN_WARNING_UNSETTLED) == 0; });
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+}  // namespace phynness
