@@ -1,11 +1,13 @@
-#include "html.hpp"
+#include <phynness/drawing/html.hpp>
 
 namespace phynness::report {
 namespace {
 
 constexpr const char* style = R"(
-:root { color-scheme: light dark; --line: #8884; --soft: #8882; --model: #1565c0; --linear: #c05a00; }
-@media (prefers-color-scheme: dark) { :root { --model: #6ab0ff; --linear: #ffab5e; } }
+:root { color-scheme: light dark; --line: #8884; --soft: #8882; --model: #1565c0; --linear: #c05a00;
+  --c3: #2e7d32; --c4: #7b1fa2; --c5: #c62828; --c6: #00838f; --c7: #888; }
+@media (prefers-color-scheme: dark) { :root { --model: #6ab0ff; --linear: #ffab5e;
+  --c3: #7fd68a; --c4: #d39be8; --c5: #ff8a80; --c6: #6fd8e0; --c7: #999; } }
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin-bottom: 0; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .5rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: .5rem 0; }
