@@ -15,7 +15,9 @@ th, td { padding: .15rem .7rem; border-bottom: 1px solid var(--line); text-align
 td { white-space: nowrap; } th:first-child, td:first-child { text-align: left; } th { font-weight: 600; }
 figure { margin: .5rem 0; } figcaption { font-size: .85rem; opacity: .8; }
 svg { max-width: 100%; height: auto; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
-.plots > figure { flex: 1 1 20rem; } .wide { overflow-x: auto; } .key { opacity: .75; }
+.plots > figure { flex: 1 1 24rem; max-width: 31rem; }
+.words { font-size: .87rem; } .words td, .words th { white-space: normal; vertical-align: top; padding: .15rem .45rem; }
+.words th:first-child, .words td:first-child { min-width: 7rem; } .wide { overflow-x: auto; } .key { opacity: .75; }
 .warning { border-left: 4px solid var(--linear); padding: .3rem .8rem; background: var(--soft); }
 @media print { body { margin: 0; max-width: none; } h2 { break-after: avoid; } figure, tr { break-inside: avoid; } }
 )";
@@ -45,8 +47,9 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string table(const std::vector<std::vector<std::string>>& rows) {
-  std::string out = "<div class=\"wide\"><table>\n";
+std::string table(const std::vector<std::vector<std::string>>& rows, CellKind kind) {
+  std::string out = kind == CellKind::words ? "<div class=\"wide\"><table class=\"words\">\n"
+                                          : "<div class=\"wide\"><table>\n";
   for (std::size_t r = 0; r < rows.size(); ++r) {
     out += r == 0 ? "<thead><tr>" : "<tr>";
     for (const auto& cell : rows[r]) out += (r == 0 ? "<th>" : "<td>") + cell + (r == 0 ? "</th>" : "</td>");

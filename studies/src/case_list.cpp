@@ -4,7 +4,7 @@
 namespace phynness {
 namespace {
 
-constexpr const char* quick_nodes = "200";
+constexpr const char* quick_nodes = "150";
 constexpr const char* quick_increments = "4";
 
 /// Replaces the value of a key of a section; what follows a '#' stays. False if the key is not there.

@@ -83,7 +83,7 @@ ToolPair measure_pair(ProbeSolver& solver, const PairDraw& pair, const std::vect
     states.push_back(std::move(state));
     return true;
   });
-  ToolPair out{pair.a, pair.b, 0, {}};
+  ToolPair out{pair.a, pair.b, 0, pair.first, pair.second, {}};
   const auto& nodes = networks.mesh().nodes;
   out.distance_m = (nodes.row(pair.a) - nodes.row(pair.b)).norm();
   for (const auto& state : states) {

@@ -168,7 +168,7 @@ PaperFigure figure_10(const PaperStudy& study) {
 }
 
 PaperFigure figure_15(const PaperStudy& study) {
-  PaperFigure figure{"15", "Two tools", "", "", "", {}, {}};
+  PaperFigure figure{"15", "Two tools at once", "", "", "", {}, {}};
   figure.paper =
       "The error grows with depth; the maximum error for the majority of the points is within 2 to 4 %.";
   figure.why =

@@ -48,7 +48,7 @@ std::string escaped_table(const TextTable& rows) {
   TextTable cells = rows;
   for (auto& row : cells)
     for (auto& cell : row) cell = escaped(cell);
-  return table(cells);
+  return table(cells, CellKind::words);
 }
 
 std::string figure_section(const PaperStudy& study, const PaperFigure& figure) {

@@ -22,7 +22,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NodeMeasurements, node, beside_fixed, failed,
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TwoToolErrors, depth_m, paper_mean, coupled_mean, linear_mean, paper_max,
                                    coupled_max, linear_max, coupled_force, linear_force, alone_force, paper,
                                    coupled, linear)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ToolPair, a, b, distance_m, depths)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ToolPair, a, b, distance_m, first, second, depths)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CaseMeasurements, law, element, bulk_to_shear, range_m, outside_factor,
                                    force_spread, deformation_spread, ours, data_points, seconds, sizes, nodes,
                                    pairs)

@@ -2,6 +2,7 @@
 // the largest finite element response of the same node and the same group of test points.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -83,7 +84,8 @@ struct TwoToolErrors {
 struct ToolPair {
   std::int32_t a = 0, b = 0;
   double distance_m = 0;
-  std::vector<TwoToolErrors> depths;  ///< those that were solved
+  std::array<double, 3> first{}, second{};  ///< displacements per metre of the deeper tool's depth
+  std::vector<TwoToolErrors> depths;        ///< those that were solved
 };
 
 struct CaseMeasurements {
@@ -98,7 +100,7 @@ struct CaseMeasurements {
   std::vector<ToolPair> pairs;
 };
 
-/// The runtime on this machine, nothing else running: medians [us].
+/// The runtime on this machine, one core: medians of processor time [us].
 struct SurfaceLevel {
   std::int32_t vertices = 0, triangles = 0;
   double network_us = 0;       ///< networks at the nodes, then Loop's weights
