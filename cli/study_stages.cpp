@@ -137,7 +137,7 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::string& which
         1);
   validate("validate-ours", "ours", "validate-ours.json");
   nlohmann::json settings{{"sizes", run.sizes}, {"two_tools", of.two_tools}};
-  const auto key = hash_of(settings.dump() + text);
+  const auto key = hash_of(settings.dump() + text + std::to_string(measurements_version));
   settings["key"] = key;
   write_text_file(folder / "study.json", settings.dump(1));
   stage("measure", key, exists("measured.json"), {self, "study", "measure", folder.string()}, run.ranks);
@@ -178,7 +178,13 @@ CaseResult read_case(const StudyRun& run, const PaperCase& of) {
   f.samples = read_scene(folder / "scene.toml").training.samples;
   f.networks_errors = json_of(folder / "validate-networks.json");
   f.ours_errors = json_of(folder / "validate-ours.json");
-  result.measured = json_of(folder / "measured.json").at("measured").get<CaseMeasurements>();
+  try {
+    result.measured = json_of(folder / "measured.json").at("measured").get<CaseMeasurements>();
+  } catch (const nlohmann::json::exception& error) {
+    throw input_error("the measurements of a case cannot be read",
+                      (folder / "measured.json").string() + ", " + error.what(),
+                      "remove this file and run the study again: it is measured anew");
+  }
   if (of.linear) return result;
   const LoadedModel networks(folder / "networks"), ours(folder / "ours");
   if (phn_n_triangles(networks.handle()) == 0) return result;

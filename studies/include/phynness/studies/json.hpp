@@ -6,6 +6,9 @@
 
 namespace phynness {
 
+/// Of what follows: measurements of another version are made anew.
+inline constexpr int measurements_version = 1;
+
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StudySizes, nodes, probes_per_node, neurons, histogram_neurons, spreads,
                                    samples, force_neurons, curve_neurons, study_neurons, training_pairs,
                                    test_pairs, force_training_pairs, force_test_pairs, curve_points,
