@@ -75,7 +75,7 @@ std::string plot(const PlotSpec& spec) {
                         quoted(spec.title), quoted(spec.x), quoted(spec.y));
   if (spec.log_x) script += "set logscale x\nset format x '%g'\n";
   if (spec.log_y) script += "set logscale y\nset format y '%g'\n";
-  if (spec.from_zero && !spec.log_y) script += "set yrange [0:*]\n";
+  if (spec.high > spec.low) script += fmt::format("set yrange [{:.6g}:{:.6g}]\n", spec.low, spec.high);
   std::string drawn;
   for (std::size_t c = 0; c < spec.curves.size(); ++c) {
     const Curve& curve = spec.curves[c];

@@ -38,17 +38,17 @@ Panel errors_panel(const CaseResult& result, NodeCurve curve, const std::string&
   const auto& nodes = result.measured.nodes;
   Panel panel{result.of.title, x, "mean relative error, %", false, true, {}};
   panel.series.push_back(over_nodes("networks, as the paper", LineStyle::joined, 0, nodes, curve,
-                                    &NetworkErrors::held_mean, mean_of));
+                                    &NetworkErrors::held_mean, median_of));
   panel.series.push_back(
-      over_nodes("fresh", LineStyle::joined, 3, nodes, curve, &NetworkErrors::fresh_mean, mean_of));
+      over_nodes("fresh", LineStyle::joined, 3, nodes, curve, &NetworkErrors::fresh_mean, median_of));
   panel.series.push_back(
-      over_nodes("beyond R", LineStyle::joined, 5, nodes, curve, &NetworkErrors::beyond_mean, mean_of));
+      over_nodes("beyond R", LineStyle::joined, 5, nodes, curve, &NetworkErrors::beyond_mean, median_of));
   const Series like = panel.series.front();
   panel.series.push_back(level("linear predictor, fresh", LineStyle::dashes, 1,
-                               100 * node_mean(nodes, [](const auto& n) { return n.linear.displacement; }),
+                               100 * node_median(nodes, [](const auto& n) { return n.linear.displacement; }),
                                like));
   panel.series.push_back(level(result.measured.ours + ", fresh", LineStyle::dashes, 6,
-                               100 * node_mean(nodes, [](const auto& n) { return n.ours.displacement; }),
+                               100 * node_median(nodes, [](const auto& n) { return n.ours.displacement; }),
                                like));
   return panel;
 }
@@ -66,8 +66,8 @@ void add_rows(TextTable& table, const CaseResult& result, NodeCurve curve, const
         }
     if (held.empty()) continue;
     const auto words = [](std::vector<double> v) {
-      return fmt::format("{} ({} to {})", percent(mean_of(v)), percent(*std::min_element(v.begin(), v.end())),
-                         percent(largest_of(v)));
+      return fmt::format("{} ({} to {})", percent(median_of(v)),
+                         percent(*std::min_element(v.begin(), v.end())), percent(largest_of(v)));
     };
     table.push_back({result.of.title, fmt::format("{:g}", x), words(held), words(fresh), words(beyond)});
   }
@@ -76,7 +76,7 @@ void add_rows(TextTable& table, const CaseResult& result, NodeCurve curve, const
 PaperFigure swept(const PaperStudy& study, const char* number, const char* title, NodeCurve curve,
                   const std::string& x, const std::vector<double>& at) {
   PaperFigure figure{number, title, all_conditions(studied(study)), "", "", {}, {}};
-  figure.table = {{"case", x, "as the paper, mean % (range over nodes)", "fresh", "beyond R"}};
+  figure.table = {{"case", x, "as the paper: mean %, median of nodes (range)", "fresh", "beyond R"}};
   for (const auto* result : studied(study)) {
     if (result == studied(study).front()) figure.conditions += test_words(*result);
     figure.panels.push_back(errors_panel(*result, curve, x));
@@ -135,13 +135,15 @@ PaperFigure figure_8(const PaperStudy& study) {
                       &NodeMeasurements::by_neurons, "neurons", {20, 50, 100, 200, 300});
   figure.paper = "100 to 300 neurons: 2 to 3 % for the liver (text); the curve falls steeply, then slowly.";
   figure.why =
-      "The paper tests with pairs of the exploratory directions that it trained on. Random directions, which "
-      "a hand "
-      "moves in, cost little more inside the range, but several times as much beyond it: a Gaussian knows "
-      "nothing "
-      "where no center is. The linear predictor, which learns nothing, is the yardstick: error (17) is kind, "
-      "as most "
-      "of a body hardly moves.";
+      "The paper does not say which node it shows; the range over ours is wide: at nodes beside the fixed "
+      "ones, and where "
+      "the body snaps into another equilibrium, neighbouring directions have unlike responses and no network "
+      "follows "
+      "(docs/decisions/directions-and-centers.md). The paper tests with pairs of the exploratory directions "
+      "that it trained "
+      "on; a hand moves in others. Beyond the range a Gaussian knows nothing where no center is. Error (17) "
+      "is kind, as "
+      "most of a body hardly moves: the linear predictor, which learns nothing, tells how much.";
   return figure;
 }
 
@@ -172,16 +174,21 @@ PaperFigure figure_15(const PaperStudy& study) {
   figure.paper =
       "The error grows with depth; the maximum error for the majority of the points is within 2 to 4 %.";
   figure.why =
-      "Weights (15)-(16) are a mean of what each tool does alone: midway between two tools the surface moves "
-      "half as "
-      "far as either would move it, although both push. The error is a share of the deeper tool's depth, so "
-      "that "
-      "shares below 4 % depend mostly on how many nodes hardly move. Coupled superposition makes each tool "
-      "hold its "
-      "own point exactly and gives a force at both; the paper defines none.";
-  figure.table = {{"case", "depth, mm", "pairs", "(15)-(16): mean %", "below 2 %", "below 4 %",
-                   "coupled: mean %", "below 2 %", "linear: mean %", "force, coupled: mean %",
-                   "each tool alone", "linear"}};
+      "Weights (15)-(16) are a mean of what each tool does alone: midway between two tools that push the "
+      "surface moves half "
+      "as far as it should. Errors are shares of the largest displacement of the pair at its full depth, the "
+      "deeper the "
+      "larger; how many nodes are below 4 % depends mostly on how many hardly move. Ours are random pairs, "
+      "neighbours and "
+      "nodes beside the fixed ones among them, to the full depth; the paper does not say how deep its were. "
+      "Coupled "
+      "superposition makes each tool hold its own point exactly and gives a force at both; the paper defines "
+      "none. Deep in a "
+      "soft body responses do not add up, and it is wrong by as much as its force is "
+      "(docs/decisions/coupled-tools.md).";
+  figure.table = {{"case; mean % (median of pairs)", "depth, mm", "pairs", "(15)-(16)", "below 2 %",
+                   "below 4 %", "coupled", "below 2 %", "linear", "force: coupled", "each tool alone",
+                   "linear"}};
   for (const auto& result : study.cases) {
     if (!result.missing.empty() || result.measured.pairs.empty()) continue;
     std::vector<double> distances;
@@ -215,17 +222,19 @@ PaperFigure figure_15(const PaperStudy& study) {
         alone.push_back(row->alone_force);
         linear_force.push_back(row->linear_force);
       }
+      const auto both = [](const std::vector<double>& v) {
+        return fmt::format("{} ({})", percent(mean_of(v)), percent(median_of(v)));
+      };
       const std::string name = fmt::format("{:.1f} mm", depth / 10.0);
       static constexpr std::array<int, 6> colors{7, 3, 6, 0, 4, 5};
       paper.series.push_back(steps(name, colors[static_cast<std::size_t>(color) % 6], of_paper, shown_bins));
       coupled.series.push_back(
           steps(name, colors[static_cast<std::size_t>(color++) % 6], of_coupled, shown_bins));
       figure.table.push_back({result.of.title, fmt::format("{:.1f}", depth / 10.0),
-                              std::to_string(rows.size()), percent(mean_of(mean_paper)),
+                              std::to_string(rows.size()), both(mean_paper),
                               percent(share_below(of_paper, 0.02)), percent(share_below(of_paper, 0.04)),
-                              percent(mean_of(mean_coupled)), percent(share_below(of_coupled, 0.02)),
-                              percent(mean_of(mean_linear)), percent(mean_of(force)), percent(mean_of(alone)),
-                              percent(mean_of(linear_force))});
+                              both(mean_coupled), percent(share_below(of_coupled, 0.02)), both(mean_linear),
+                              both(force), both(alone), both(linear_force)});
     }
     figure.panels.push_back(paper);
     figure.panels.push_back(coupled);

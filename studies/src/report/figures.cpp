@@ -22,6 +22,7 @@ double mean_of(std::vector<double> values) {
   for (const double v : values) sum += v;
   return values.empty() ? 0 : sum / static_cast<double>(values.size());
 }
+double median_of(std::vector<double> values) { return median(std::move(values)); }
 double largest_of(std::vector<double> values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }

@@ -29,7 +29,7 @@ report::Mark mark(LineStyle style) {
 }
 
 std::string drawn(const Panel& panel) {
-  PlotSpec spec{panel.title, panel.x, panel.y, panel.log_x, {}, panel.log_y, false};
+  PlotSpec spec{panel.title, panel.x, panel.y, panel.log_x, {}, panel.log_y, panel.low, panel.high};
   for (const auto& series : panel.series) {
     Curve curve{series.name, mark(series.style), series.color, {}};
     for (std::size_t i = 0; i < series.x.size(); ++i)

@@ -14,6 +14,13 @@ inline std::string percent(double fraction) {
   const double value = 100 * fraction;
   return value > 0 && value < 0.005 ? fmt::format("{:.0e}", value) : fmt::format("{:.2f}", value);
 }
+inline double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const auto n = values.size();
+  return n % 2 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+}
+
 /// Mean over the nodes of a number of each.
 template <typename Number>
 double node_mean(const std::vector<NodeMeasurements>& nodes, const Number& number) {
@@ -21,11 +28,13 @@ double node_mean(const std::vector<NodeMeasurements>& nodes, const Number& numbe
   for (const auto& node : nodes) sum += number(node);
   return nodes.empty() ? 0 : sum / static_cast<double>(nodes.size());
 }
-inline double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const auto n = values.size();
-  return n % 2 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
+/// Their median: where the body snaps, a node's errors are many times those of the others and would make the
+/// mean.
+template <typename Number>
+double node_median(const std::vector<NodeMeasurements>& nodes, const Number& number) {
+  std::vector<double> values;
+  for (const auto& node : nodes) values.push_back(number(node));
+  return median(std::move(values));
 }
 
 /// The case of that name, if it was run.
@@ -43,6 +52,7 @@ Series over_nodes(const std::string& name, LineStyle style, int color,
                   const std::vector<NodeMeasurements>& nodes, NodeCurve curve, double NetworkErrors::*error,
                   double (*combine)(std::vector<double>));
 double mean_of(std::vector<double> values);
+double median_of(std::vector<double> values);
 double largest_of(std::vector<double> values);
 /// A straight level over the x of another series.
 Series level(const std::string& name, LineStyle style, int color, double percent, const Series& like);
@@ -66,6 +76,8 @@ PaperFigure figure_locking(const PaperStudy& study);
 /// Fewest neurons with which the largest force error of the paper's test stays below what a hand notices, by
 /// node; 0: none does.
 std::vector<int> neurons_needed(const CaseMeasurements& measured, bool fresh);
+/// The median of them, and at how many nodes none suffices.
+std::string needed_words(const CaseMeasurements& measured, bool fresh);
 
 TextTable summary(const PaperStudy& study);
 TextTable table_1(const PaperStudy& study);

@@ -24,7 +24,7 @@ struct PlotSpec {
   bool log_x = false;
   std::vector<Curve> curves;
   bool log_y = false;
-  bool from_zero = false;  ///< the vertical axis starts at 0
+  double low = 0, high = 0;  ///< of the vertical axis; equal: as the curves need
 };
 
 /// @throws Error (failure) if gnuplot fails

@@ -54,6 +54,7 @@ struct Panel {
   std::string title, x, y;
   bool log_x = false, log_y = false;
   std::vector<Series> series;
+  double low = 0, high = 0;  ///< of the vertical axis; equal: as the series need
 };
 /// Rows of words; the first is the head.
 using TextTable = std::vector<std::vector<std::string>>;
