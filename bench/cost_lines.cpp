@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <phynness/drawing/gnuplot.hpp>
 #include <string>
 #include <vector>
 
@@ -165,8 +165,8 @@ nlohmann::json compare_with_limits() {
 
 void plot(const std::string& file, const std::vector<Series>& all) {
   std::string script =
-      "set terminal svg size 1200,700 background '#ffffff' font 'sans,12'\nset output '" + file +
-      "'\nset multiplot layout 2,3\nset grid\nset key top left\nset xrange [0:*]\nset yrange [0:*]\n";
+      "set terminal svg size 1200,700 background '#ffffff' font 'sans,12'\nset output " + report::quoted(file) +
+      "\nset multiplot layout 2,3\nset grid\nset key top left\nset xrange [0:*]\nset yrange [0:*]\n";
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Series& series = all[i];
     const auto [constant, slope] = series.line();
@@ -182,11 +182,7 @@ void plot(const std::string& file, const std::vector<Series>& all) {
               " with points pt 7 notitle, " + std::to_string(constant) + " + " + std::to_string(slope) +
               " * x with lines notitle\n";
   }
-  std::signal(SIGPIPE, SIG_IGN);  // where there is no gnuplot
-  std::FILE* gnuplot = popen("gnuplot", "w");
-  const bool written = gnuplot && std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-  if (!gnuplot || pclose(gnuplot) != 0 || !written)
-    throw failure("the plot was not drawn", file, "install gnuplot-nox, or leave --plot out");
+  report::gnuplot(script, file, "leave --plot out");
 }
 
 int run(int argc, char** argv) {

@@ -29,6 +29,7 @@ void add_export_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_show_command(CLI::App& app);
 void add_run_command(CLI::App& app);
+void add_study_command(CLI::App& app);
 
 /// A scene with its mesh and selections; says on stderr what was noted on the way.
 struct LoadedScene {

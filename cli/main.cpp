@@ -43,6 +43,7 @@ int main(int argc, char** argv) {
   cli::add_info_command(app);
   cli::add_show_command(app);
   cli::add_run_command(app);
+  cli::add_study_command(app);
 
   try {
     if (argc > 1 && argv[1][0] != '-' && !is_subcommand(app, argv[1]))

@@ -1,22 +1,14 @@
 // mesh, precompute, train, validate in one go: each a subcommand of its own in a process of its own, so that
 // the parallel stages run under mpirun while training uses threads.
 #include <fmt/core.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
-#include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <phynness/formats/error.hpp>
-#include <thread>
 
+#include "child_process.hpp"
 #include "commands.hpp"
 #include "console.hpp"
-
-extern char** environ;
 
 namespace phynness::cli {
 namespace {
@@ -27,25 +19,6 @@ struct Options {
   int ranks = 1;
   bool resume = false;
 };
-
-struct ProcessResult {
-  bool started = false;
-  int exit_status = 1;
-};
-
-ProcessResult execute(const std::vector<std::string>& arguments) {
-  std::vector<char*> argv;
-  for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
-  pid_t child = 0;
-  const int code = posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ);
-  if (code != 0) return {};
-  int status = 0;
-  // Each signal is passed on: the first asks the child for an end, the second kills it.
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR)
-    if (stop_requested()) kill(child, SIGTERM);
-  return {true, WIFEXITED(status) ? WEXITSTATUS(status) : 1};
-}
 
 /// What a stage took and left, for the table at the end.
 struct Stage {
@@ -59,17 +32,7 @@ Stage stage(const char* title, const std::filesystem::path& written, std::vector
   const auto start = std::chrono::steady_clock::now();
   fmt::print("\n== {}\n", title);
   std::fflush(stdout);
-  if (ranks > 1) {
-    std::vector<std::string> launcher{"mpirun", "-n", std::to_string(ranks)};
-    if (ranks > static_cast<int>(std::thread::hardware_concurrency())) launcher.push_back("--oversubscribe");
-    arguments.insert(arguments.begin(), launcher.begin(), launcher.end());
-  }
-  const auto result = execute(arguments);
-  if (!result.started)
-    throw failure("cannot start", arguments[0], ranks > 1 ? "install Open MPI, or use --ranks 1" : "");
-  if (result.exit_status == 2)
-    throw input_error(std::string("stopped in ") + title, "see the message above", "");
-  if (result.exit_status != 0) throw failure(std::string("stopped in ") + title, "see the message above", "");
+  run_child(title, std::move(arguments), ranks);
   return {title, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), written};
 }
 
@@ -81,25 +44,15 @@ double size_of(const std::filesystem::path& what) {
   return sum;
 }
 
-void set_environment(int ranks) {
-  if (isatty(STDERR_FILENO)) setenv("PHYNNESS_PROGRESS", "1", 0);
-  if (ranks <= 1) return;
-  setenv("OMP_NUM_THREADS", "1", 0);
-  if (geteuid() == 0) {  // Open MPI wants to be told twice
-    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
-    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
-  }
-}
-
 void run(const Options& options) {
   install_stop_handler(false);
   std::error_code code;
   std::filesystem::create_directories(options.output, code);
   if (code) throw input_error("cannot make the output folder", options.output.string(), code.message());
-  const auto self = std::filesystem::read_symlink("/proc/self/exe").string();
+  const auto self = this_program();
   const auto in = [&](const char* name) { return (options.output / name).string(); };
   const auto scene = options.scene.string();
-  set_environment(options.ranks);
+  prepare_environment(options.ranks);
 
   std::vector<Stage> stages;
   stages.push_back(stage("mesh", in("mesh.msh"),

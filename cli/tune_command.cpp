@@ -1,9 +1,8 @@
 #include <fmt/core.h>
 
 #include <charconv>
-#include <csignal>
-#include <cstdio>
 #include <map>
+#include <phynness/drawing/gnuplot.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
@@ -68,16 +67,6 @@ void print_table(const TuningReport& report, const std::optional<std::size_t>& c
   fmt::print("\n> chosen; * none is better in error ({}), time and memory\n", statistic_names.at(statistic));
 }
 
-/// As gnuplot reads it: between single quotes nothing is special, but for the quote itself.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) {
-    if (c == '\'') out += '\'';
-    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return out + "'";
-}
-
 /// Two panels, error against time and against memory, by gnuplot.
 void plot(const std::filesystem::path& file, const TuningReport& report, const std::string& title,
           const std::optional<std::size_t>& chosen, ErrorStatistic statistic) {
@@ -94,7 +83,7 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
   std::string script = fmt::format("set terminal {} size 1000,460 background '#ffffff' font 'sans,{}'\n",
                                    png ? "pngcairo" : "svg", png ? 10 : 13);
   script += fmt::format("set output {}\nset multiplot layout 1,2 title {} noenhanced\n",
-                        quoted(file.string()), quoted(title));
+                        report::quoted(file.string()), report::quoted(title));
   script += fmt::format(
       "set logscale xy\nset grid\nset key top right\nset ylabel 'larger {} error of force and "
       "displacement, %'\n",
@@ -122,11 +111,7 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
       panel.replace(at, 6, column);
     script += fmt::format("set xlabel '{}'\nplot {}\n", label, panel);
   }
-  std::signal(SIGPIPE, SIG_IGN);  // where there is no gnuplot
-  std::FILE* gnuplot = popen("gnuplot", "w");
-  const bool written = gnuplot && std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-  if (!gnuplot || pclose(gnuplot) != 0 || !written)
-    throw failure("the plot was not drawn", file.string(), "install gnuplot-nox, or leave --plot out");
+  report::gnuplot(script, file.string(), "leave --plot out");
   fmt::print("plot: {}\n", file.string());
 }
 

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <phynness/drawing/gnuplot.hpp>
+#include <phynness/drawing/html.hpp>
+#include <phynness/drawing/plots.hpp>
+#include <phynness/formats/error.hpp>
 #include <phynness/validation/report.hpp>
 
 #include "conservation.hpp"
-#include "html.hpp"
-#include "plots.hpp"
 #include "surface_picture.hpp"
 
 namespace phynness {
@@ -358,6 +360,12 @@ std::string origin(const ReportInput& in) {
 }
 
 }  // namespace
+
+void require_plots() {
+  if (!gnuplot_is_there())
+    throw failure("a report needs gnuplot for its plots, which is not there", "gnuplot",
+                  "install gnuplot-nox, or leave --report out");
+}
 
 std::string html_report(const ReportInput& in) {
   const std::string title = in.scene.title.empty() ? "Model against finite elements" : in.scene.title;

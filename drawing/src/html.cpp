@@ -1,11 +1,13 @@
-#include "html.hpp"
+#include <phynness/drawing/html.hpp>
 
 namespace phynness::report {
 namespace {
 
 constexpr const char* style = R"(
-:root { color-scheme: light dark; --line: #8884; --soft: #8882; --model: #1565c0; --linear: #c05a00; }
-@media (prefers-color-scheme: dark) { :root { --model: #6ab0ff; --linear: #ffab5e; } }
+:root { color-scheme: light dark; --line: #8884; --soft: #8882; --model: #1565c0; --linear: #c05a00;
+  --c3: #2e7d32; --c4: #7b1fa2; --c5: #c62828; --c6: #00838f; --c7: #888; }
+@media (prefers-color-scheme: dark) { :root { --model: #6ab0ff; --linear: #ffab5e;
+  --c3: #7fd68a; --c4: #d39be8; --c5: #ff8a80; --c6: #6fd8e0; --c7: #999; } }
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin-bottom: 0; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .5rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: .5rem 0; }
@@ -13,7 +15,9 @@ th, td { padding: .15rem .7rem; border-bottom: 1px solid var(--line); text-align
 td { white-space: nowrap; } th:first-child, td:first-child { text-align: left; } th { font-weight: 600; }
 figure { margin: .5rem 0; } figcaption { font-size: .85rem; opacity: .8; }
 svg { max-width: 100%; height: auto; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
-.plots > figure { flex: 1 1 20rem; } .wide { overflow-x: auto; } .key { opacity: .75; }
+.plots > figure { flex: 1 1 24rem; max-width: 31rem; }
+.words { font-size: .87rem; } .words td, .words th { white-space: normal; vertical-align: top; padding: .15rem .45rem; }
+.words th:first-child, .words td:first-child { min-width: 7rem; } .wide { overflow-x: auto; } .key { opacity: .75; }
 .warning { border-left: 4px solid var(--linear); padding: .3rem .8rem; background: var(--soft); }
 @media print { body { margin: 0; max-width: none; } h2 { break-after: avoid; } figure, tr { break-inside: avoid; } }
 )";
@@ -43,8 +47,9 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string table(const std::vector<std::vector<std::string>>& rows) {
-  std::string out = "<div class=\"wide\"><table>\n";
+std::string table(const std::vector<std::vector<std::string>>& rows, CellKind kind) {
+  std::string out = kind == CellKind::words ? "<div class=\"wide\"><table class=\"words\">\n"
+                                          : "<div class=\"wide\"><table>\n";
   for (std::size_t r = 0; r < rows.size(); ++r) {
     out += r == 0 ? "<thead><tr>" : "<tr>";
     for (const auto& cell : rows[r]) out += (r == 0 ? "<th>" : "<td>") + cell + (r == 0 ? "</th>" : "</td>");

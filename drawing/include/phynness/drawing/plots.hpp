@@ -7,12 +7,15 @@
 
 namespace phynness::report {
 
-enum class Mark { line, dashes, points };
+enum class Mark { line, dashes, points, joined_points, dotted };
+
+/// Colours of the page, with a light and a dark value each.
+inline constexpr int n_colors = 8;
 
 struct Curve {
   std::string title;
   Mark mark = Mark::line;
-  int color = 0;  ///< 0: the model; 1: the linear predictor; 2: the finite elements
+  int color = 0;  ///< 0: the model; 1: the linear predictor; 2: the finite elements, text; 3 ... 7: others
   std::vector<std::pair<double, double>> at;
 };
 
@@ -20,6 +23,8 @@ struct PlotSpec {
   std::string title, x, y;
   bool log_x = false;
   std::vector<Curve> curves;
+  bool log_y = false;
+  double low = 0, high = 0;  ///< of the vertical axis; equal: as the curves need
 };
 
 /// @throws Error (failure) if gnuplot fails

@@ -1,0 +1,164 @@
+// phynness study paper: the paper's cases run whole, and its tables and figures beside the paper's numbers.
+#include <fmt/core.h>
+
+#include <chrono>
+#include <fstream>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/text_file.hpp>
+#include <phynness/formats/version.hpp>
+#include <phynness/studies/json.hpp>
+#include <phynness/validation/report.hpp>
+#include <sstream>
+#include <thread>
+
+#include "child_process.hpp"
+#include "commands.hpp"
+#include "console.hpp"
+#include "study.hpp"
+
+namespace phynness::cli {
+namespace {
+
+struct Options {
+  StudyRun run;
+  std::string cases;
+  std::filesystem::path sizes_file;
+};
+
+std::string machine() {
+  std::ifstream cpuinfo("/proc/cpuinfo");
+  std::string line, model = "unknown processor";
+  while (std::getline(cpuinfo, line))
+    if (line.starts_with("model name")) {
+      model = line.substr(line.find(':') + 2);
+      break;
+    }
+  return fmt::format("{}, {} cores", model, std::thread::hardware_concurrency());
+}
+
+/// The folder of scenes: what was asked for, here, beside an installed command, or the source's.
+std::filesystem::path scenes_folder(const std::filesystem::path& asked) {
+  if (!asked.empty()) {
+    if (!std::filesystem::is_directory(asked))
+      throw input_error("there is no such folder of scenes", asked.string(),
+                        "--scenes names the folder with liver_case1.toml ...");
+    return asked;
+  }
+  const auto installed = std::filesystem::path(this_program()).parent_path() / "../share/phynness/scenes";
+  for (const std::filesystem::path& folder :
+       {std::filesystem::path("scenes"), installed, std::filesystem::path(PHYNNESS_SOURCE_SCENES)})
+    if (std::filesystem::exists(folder / paper_cases().front().scene)) return folder;
+  throw input_error("the scenes of the study are not found", "liver_case1.toml", "--scenes DIR");
+}
+
+/// @throws Error if a word is no case
+std::vector<PaperCase> chosen_cases(const std::string& words) {
+  if (words.empty()) return paper_cases();
+  std::vector<PaperCase> chosen;
+  std::stringstream in(words);
+  std::string names;
+  for (const auto& one : paper_cases()) names += (names.empty() ? "" : ", ") + one.id;
+  for (std::string word; std::getline(in, word, ',');) {
+    bool found = false;
+    for (const auto& one : paper_cases())
+      if (one.id == word) {
+        chosen.push_back(one);
+        found = true;
+      }
+    if (!found) throw input_error("the study has no such case", word, "--cases: some of " + names);
+  }
+  return chosen;
+}
+
+void run_study(Options options) {
+  auto& run = options.run;
+  const auto start = std::chrono::steady_clock::now();
+  install_stop_handler(false);
+  run.scenes = scenes_folder(run.scenes);
+  run.sizes = study_sizes(run.quick);
+  if (!options.sizes_file.empty()) {
+    std::ifstream in(options.sizes_file);
+    auto sizes = nlohmann::json(run.sizes);
+    const auto changes = nlohmann::json::parse(in, nullptr, false);
+    if (!changes.is_object())
+      throw input_error("no JSON object", options.sizes_file.string(), "see StudySizes");
+    sizes.update(changes);
+    run.sizes = sizes.get<StudySizes>();
+  }
+  if (run.output.empty()) run.output = run.quick ? "out/paper-quick" : "out/paper";
+  const auto cases = chosen_cases(options.cases);
+  require_plots();
+  std::error_code code;
+  std::filesystem::create_directories(run.output, code);
+  if (code) throw input_error("cannot make the output folder", run.output.string(), code.message());
+  prepare_environment(run.ranks);
+
+  PaperStudy study;
+  study.quick = run.quick;
+  study.software = software_version();
+  study.machine = machine();
+  std::vector<PaperCase> done;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    if (!std::filesystem::exists(run.scenes / cases[i].scene)) continue;
+    run_case(run, cases[i],
+             fmt::format(
+                 "case {} of {}, {} since the start", i + 1, cases.size(),
+                 duration(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count())));
+    done.push_back(cases[i]);
+  }
+  fmt::print("\n== times and report\n");
+  std::fflush(stdout);
+  for (const auto& one : paper_cases()) {
+    const bool ran = std::any_of(done.begin(), done.end(), [&](const auto& d) { return d.id == one.id; });
+    if (ran) {
+      study.cases.push_back(read_case(run, one));
+      continue;
+    }
+    CaseResult missing;
+    missing.of = one;
+    missing.missing = std::filesystem::exists(run.scenes / one.scene) ? "not asked for (--cases)"
+                                                                      : "there is no scenes/" + one.scene;
+    study.cases.push_back(std::move(missing));
+  }
+  study.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const auto report = paper_report(study);
+  write_text_file(run.output / "paper.json", to_json(study, report).dump(1) + "\n");
+  write_text_file(run.output / "paper.html", html_page(study, report));
+  for (const auto& row : report.summary) {
+    fmt::print("{:<62}", row.front());
+    for (std::size_t c = 1; c < row.size(); ++c) fmt::print(" | {}", row[c]);
+    fmt::print("\n");
+  }
+  fmt::print("{} -> {}, {}\n", duration(study.seconds), (run.output / "paper.html").string(),
+             (run.output / "paper.json").string());
+}
+
+}  // namespace
+
+void add_study_command(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  auto* command =
+      app.add_subcommand("study", "Reproduce the paper: its cases, tables and figures -> one page");
+  command->require_subcommand(1);
+  auto* paper = command->add_subcommand(
+      "paper", "Cases 1 to 4 run whole; Tables 1 and 2 and Figures 6 to 15 beside the paper's numbers");
+  paper->add_flag("--quick", options->run.quick,
+                  "coarser meshes and fewer points: some minutes instead of an hour");
+  paper->add_option("-o,--output", options->run.output,
+                    "folder; an interrupted study goes on there (default: out/paper or out/paper-quick)");
+  paper->add_option("--cases", options->cases, "some of 1,2,3,3-p1-p1,4 (default: all whose scene is there)");
+  paper->add_option("--scenes", options->run.scenes, "folder with the scenes of the cases");
+  paper->add_option("--ranks", options->run.ranks, "processes for the finite element stages (mpirun)")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  paper->add_option("--sizes", options->sizes_file, "JSON that changes how much is measured")->group("");
+  paper->callback([options] { run_study(*options); });
+
+  auto folder = std::make_shared<std::filesystem::path>();
+  auto* measure =
+      command->add_subcommand("measure", "One case of a study, as `study paper` starts it")->group("");
+  measure->add_option("FOLDER", *folder)->required();
+  measure->callback([folder] { measure_folder(*folder); });
+}
+
+}  // namespace phynness::cli

@@ -1,0 +1,32 @@
+// Where the study's networks get their data: a case's database, as the paper's networks would be trained on
+// it.
+#pragma once
+
+#include <phynness/formats/database.hpp>
+#include <phynness/formats/tool.hpp>
+#include <phynness/training/node_training.hpp>
+#include <vector>
+
+namespace phynness::study {
+
+/// The rays of a database; those of a linear body, which is solved in three directions and one step,
+/// superposed to 26 directions in six steps, since networks need points to be trained on.
+class NodeData {
+ public:
+  /// @param radius_m  of a patch probe; 0: node probe
+  NodeData(const Database& database, bool superpose, double radius_m);
+  const DatabaseHeader& header() const { return _header; }
+  const TrainingTables& tables() const { return _tables; }
+  TouchedNodes touched(std::int32_t node) const;
+  /// @pre node is active
+  std::vector<Ray> rays(std::int32_t node) const;
+
+ private:
+  const Database& _database;
+  DatabaseHeader _header;
+  TrainingTables _tables;
+  bool _superpose;
+  double _radius_m;
+};
+
+}  // namespace phynness::study

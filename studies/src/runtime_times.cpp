@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <ctime>
+#include <phynness/formats/error.hpp>
+#include <phynness/studies/measure.hpp>
+#include <phynness/training/network_fit.hpp>
+
+namespace phynness {
+namespace {
+
+constexpr int n_batches = 9;
+
+/// Processor time of this thread [us]: what else the machine does counts little.
+double now_us() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e6 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_nsec);
+}
+
+/// Median over batches of at least 2 ms of the mean time of a call [us].
+template <typename Call>
+double median_us(const Call& call) {
+  const auto time = [&](int calls) {
+    const double start = now_us();
+    for (int i = 0; i < calls; ++i) call(i);
+    return (now_us() - start) / calls;
+  };
+  time(1);  // what is made at the first call does not count
+  const int calls = static_cast<int>(std::clamp(2000 / std::max(time(1), 1e-3), 1.0, 1e6));
+  std::vector<double> times;
+  for (int b = 0; b < n_batches; ++b) times.push_back(time(calls));
+  std::nth_element(times.begin(), times.begin() + n_batches / 2, times.end());
+  return times[n_batches / 2];
+}
+
+/// A displacement that changes from call to call, as a hand's does.
+Vec3 displacement(const Model& model, int i) {
+  Vec3 d{};
+  for (int k = 0; k < 3; ++k)
+    d[static_cast<std::size_t>(k)] = model.max_displacement_m * 0.01 * ((i * (k + 3)) % 50);
+  return d;
+}
+
+class Surface {
+ public:
+  Surface(const LoadedModel& model, int levels) {
+    std::size_t bytes = 0;
+    const auto require = [](int status) {
+      if (status < 0)
+        throw input_error("the surface cannot be subdivided", phn_status_message(status),
+                          "study a scene whose output nodes are its surface");
+    };
+    require(phn_surface_size(model.handle(), levels, &bytes));
+    _memory.resize(bytes);
+    require(phn_surface_init(_memory.data(), bytes, model.handle(), levels, &_surface));
+    _scratch.resize(phn_surface_scratch(_surface));
+    _fine.resize(3 * static_cast<std::size_t>(vertices()));
+  }
+  std::int32_t vertices() const { return phn_surface_n_vertices(_surface); }
+  std::int32_t triangles() const { return phn_surface_n_triangles(_surface); }
+  const std::int32_t* corners() const { return phn_surface_triangles(_surface); }
+  const float* points() const { return phn_surface_points(_surface); }
+  void deform(const double* field) { phn_surface_deform(_surface, _scratch.data(), field, _fine.data()); }
+
+ private:
+  std::vector<std::byte> _memory;
+  std::vector<float> _scratch, _fine;
+  const phn_surface* _surface = nullptr;
+};
+
+/// One deformation of a node that is ready.
+class Deformation {
+ public:
+  explicit Deformation(const LoadedModel& model)
+      : _model(model), _node(model.model().nodes[model.model().nodes.size() / 2].node) {
+    field.resize(3 * model.model().output.size());
+    phn_prepare(model.handle(), model.data(), _node);
+  }
+  void at(int i) {
+    const Vec3 d = displacement(_model.model(), i);
+    phn_deform(_model.handle(), _model.data(), 1, &_node, d.data(), field.data());
+  }
+  std::vector<double> field;
+
+ private:
+  const LoadedModel& _model;
+  std::int32_t _node;
+};
+
+double force_us(const LoadedModel& model) {
+  const auto& nodes = model.model().nodes;
+  Vec3 f{};
+  return median_us([&](int i) {
+    const Vec3 d = displacement(model.model(), i);
+    phn_force(model.handle(), model.data(), nodes[static_cast<std::size_t>(i) % nodes.size()].node, d.data(),
+              f.data());
+  });
+}
+
+/// (11)-(12) written down once for every vertex: what the paper times.
+double every_vertex_us(const RbfNetwork& network, const Model& model, const float* points, std::int32_t n) {
+  Eigen::VectorXd inputs(6);
+  volatile double keep = 0;
+  return median_us([&](int i) {
+    const Vec3 d = displacement(model, i);
+    inputs.head(3) << d[0], d[1], d[2];
+    double sum = 0;
+    for (std::int32_t v = 0; v < n; ++v) {
+      inputs.tail(3) << points[3 * v], points[3 * v + 1], points[3 * v + 2];
+      sum += evaluate(network, inputs)[0];
+    }
+    keep = sum;
+  });
+}
+
+}  // namespace
+
+RuntimeTimes measure_runtime(const LoadedModel& networks, const LoadedModel& ours, int n_levels) {
+  RuntimeTimes times;
+  Deformation of_networks(networks), of_ours(ours);
+  times.force_us = force_us(networks);
+  times.ours_force_us = force_us(ours);
+  times.deformation_us = median_us([&](int i) { of_networks.at(i); });
+  times.ours_deformation_us = median_us([&](int i) { of_ours.at(i); });
+  const auto& model = networks.model();
+  const auto& node = model.nodes[model.nodes.size() / 2];
+  for (const auto& one : model.nodes) {
+    times.neurons = std::max(times.neurons, static_cast<int>(one.deformation.weights.rows()));
+    times.force_neurons = std::max(times.force_neurons, static_cast<int>(one.force.weights.rows()));
+  }
+  for (int level = 0; level < n_levels; ++level) {
+    Surface surface(networks, level);
+    SurfaceLevel row{surface.vertices(), surface.triangles(), 0, 0, 0};
+    row.network_us = median_us([&](int i) {
+      of_networks.at(i);
+      surface.deform(of_networks.field.data());
+    });
+    row.ours_us = median_us([&](int i) {
+      of_ours.at(i);
+      surface.deform(of_ours.field.data());
+    });
+    row.every_vertex_us = every_vertex_us(node.deformation, model, surface.points(), surface.vertices());
+    times.levels.push_back(row);
+  }
+  std::vector<float> points(model.output_points.size());
+  for (Eigen::Index i = 0; i < model.output_points.size(); ++i)
+    points[static_cast<std::size_t>(i)] = static_cast<float>(model.output_points.data()[i]);
+  times.deformation_plain_us =
+      every_vertex_us(node.deformation, model, points.data(), static_cast<std::int32_t>(model.output.size()));
+  return times;
+}
+
+SurfaceShape surface_at(const LoadedModel& model, int level) {
+  const Surface surface(model, level);
+  SurfaceShape shape;
+  shape.points = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+                     surface.points(), surface.vertices(), 3)
+                     .cast<double>();
+  shape.triangles = Eigen::Map<const Triangles>(surface.corners(), surface.triangles(), 3);
+  return shape;
+}
+
+}  // namespace phynness
