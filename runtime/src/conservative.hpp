@@ -112,8 +112,9 @@ void conservative_stiffness(const Net& net, const Real* x, Real* stiffness) {
 }
 
 /// Fills total, force_at_rest and energy_at_rest. @pre the rest of net is filled in
-template <class Real>
-void set_rest(Conservative<Real>& net) {
+/// @param sum_force  as conservative_force; its order of summing decides the last bit
+template <class Real, class Force>
+void set_rest(Conservative<Real>& net, Force sum_force) {
   const Real rest[3] = {0, 0, 0};
   Real total[3] = {0, 0, 0}, force[3];
   for (int k = 0; k < 3; ++k) net.total[k] = net.force_at_rest[k] = 0;
@@ -125,9 +126,14 @@ void set_rest(Conservative<Real>& net) {
   Conservative<Real> unit = net;
   unit.max_displacement = 1;
   for (int k = 0; k < 3; ++k) unit.total[k] = net.total[k] = total[k];
-  conservative_force(unit, rest, force);
+  sum_force(unit, rest, force);
   net.energy_at_rest = -conservative_energy(unit, rest);
   for (int k = 0; k < 3; ++k) net.force_at_rest[k] = -force[k];
+}
+
+template <class Real>
+void set_rest(Conservative<Real>& net) {
+  set_rest(net, conservative_force<Conservative<Real>, Real>);
 }
 
 }  // namespace phynness::runtime

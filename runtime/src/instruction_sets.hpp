@@ -13,7 +13,7 @@
 
 /// What stands before and after is compiled on its own as far as this array goes: GCC 12 lets the way in which a loop's
 /// sums are added up at its end decide over the vectors of the loop, which then takes twice as long.
-#ifdef __GNUC__
+#if defined(__GNUC__) && !defined(__clang__)
 #define PHN_KEEP_IN_MEMORY(array) __asm__("" : "+m"(array))
 #else
 #define PHN_KEEP_IN_MEMORY(array)

@@ -80,34 +80,26 @@ bool coefficients_are_floats(TextReader in, std::int32_t n) {
 
 /// Centers and coefficients once more as the force reads them, and what makes forces at rest 0.
 void place_force_table(Arena& arena, Conservative<double>& net, ForceTable& table, bool good) {
-  const std::int32_t n = net.n_centers, n_whole = whole_blocks(n + 1);
-  const bool in_table = n > most_gathered;
-  Real *center[3] = {}, *coefficient[3] = {};
-  for (int k = 0; k < 3; ++k) table.center[k] = table.coefficient[k] = nullptr;
-  for (int k = 0; k < 3 && in_table; ++k) {
-    table.center[k] = center[k] = arena.take<Real>(static_cast<std::size_t>(n_whole));
-    table.coefficient[k] = coefficient[k] = arena.take<Real>(static_cast<std::size_t>(n_whole));
-  }
+  const bool in_table = net.n_centers > most_gathered;
+  auto* centers = arena.take<Real>(in_table ? 6 * static_cast<std::size_t>(whole_blocks(net.n_centers + 1)) : 0);
+  table.centers = in_table ? centers : nullptr;
   if (!has_memory(arena) || !good) return;
-  for (int k = 0; k < 3 && in_table; ++k) {
-    for (std::int32_t i = 0; i < n_whole; ++i) {
-      const std::size_t at = 3 * static_cast<std::size_t>(i) + k;
-      center[k][i] = i < n ? static_cast<Real>(net.displacements[3 * static_cast<std::size_t>(net.center[i]) + k]) : 0;
-      coefficient[k][i] = i >= n ? 0
-                          : net.short_coefficient ? static_cast<Real>(net.short_coefficient[at])
-                                                  : static_cast<Real>(net.coefficient[at]);
-    }
-  }
-  set_rest(net);
   // The function that adds these values computes them: zeros at rest are exact.
+  const auto by_kernel = [&](const Conservative<double>& unit, const double* at, double* force) {
+    for (double& f : table.at_rest) f = 0;
+    if (in_table) fill_force_table(unit, centers);
+    best_modal_kernels().force(unit, table, at, force);
+  };
+#ifdef PHYNNESS_FLOAT
   const double rest[3] = {0, 0, 0};
   double force[3];
-  for (int k = 0; k < 3; ++k) {
-    if (in_table) coefficient[k][n] = static_cast<Real>(-net.total[k]);
-    table.at_rest[k] = 0;
-  }
-  best_modal_kernels().force(net, table, rest, force);
+  set_rest(net);
+  by_kernel(net, rest, force);
   for (int k = 0; k < 3; ++k) table.at_rest[k] = -force[k];
+#else
+  set_rest(net, by_kernel);
+  for (int k = 0; k < 3; ++k) table.at_rest[k] = net.force_at_rest[k];
+#endif
 }
 
 void load_conservative(TextReader& in, Arena& arena, std::int32_t n_displacements, const phn_model& model,

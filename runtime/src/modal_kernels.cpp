@@ -151,76 +151,33 @@ PHN_INLINE void mix_block(const SharedTable& shared, const ModalTables& tables, 
   }
 }
 
-struct Centers {
-  Real center[3][at_once], coefficient[3][at_once];
-};
-
-/// Centers from `begin` on as a table has them.
-PHN_INLINE void gather(const Conservative<double>& net, std::int32_t begin, Centers& some) {
-  for (std::int32_t i = 0; i < at_once; ++i) {
-    const std::int32_t at = begin + i;
-    for (int k = 0; k < 3; ++k) some.center[k][i] = some.coefficient[k][i] = 0;
-    if (at > net.n_centers) continue;
-    const std::size_t b = 3 * static_cast<std::size_t>(at);
-    for (int k = 0; k < 3; ++k) {
-      if (at == net.n_centers) {
-        some.coefficient[k][i] = static_cast<Real>(-net.total[k]);
-        continue;
-      }
-      some.center[k][i] = static_cast<Real>(net.displacements[3 * static_cast<std::size_t>(net.center[at]) + k]);
-      some.coefficient[k][i] = net.short_coefficient ? static_cast<Real>(net.short_coefficient[b + k])
-                                                     : static_cast<Real>(net.coefficient[b + k]);
-    }
-  }
-}
-
-struct Sums {
-  Real of[3][at_once];
-};
-
-PHN_INLINE void add_centers(const Real* x, Real s2, const Real* c0, const Real* c1, const Real* c2, const Real* w0,
-                            const Real* w1, const Real* w2, Sums& sum) {
-  for (std::int32_t i = 0; i < at_once; ++i) {
-    const Real y0 = x[0] - c0[i], y1 = x[1] - c1[i], y2 = x[2] - c2[i], b0 = w0[i], b1 = w1[i], b2 = w2[i];
-    const Real q = square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2), along = (y0 * b0 + y1 * b1 + y2 * b2) / q;
-    sum.of[0][i] += q * b0 + along * y0;
-    sum.of[1][i] += q * b1 + along * y1;
-    sum.of[2][i] += q * b2 + along * y2;
-  }
-}
-
-PHN_INLINE Sums sum_gathered(const Conservative<double>& net, const Real* x, Real s2) {
-  Sums sum = {};
-  Centers some;
-  for (std::int32_t begin = 0; begin <= net.n_centers; begin += at_once) {
-    gather(net, begin, some);
-    add_centers(x, s2, some.center[0], some.center[1], some.center[2], some.coefficient[0], some.coefficient[1],
-                some.coefficient[2], sum);
-  }
-  return sum;
-}
-
-PHN_INLINE Sums sum_table(const ForceTable& table, std::int32_t n_centers, const Real* x, Real s2) {
-  Sums sum = {};
-  for (std::int32_t begin = 0; begin <= n_centers; begin += at_once)
-    add_centers(x, s2, table.center[0] + begin, table.center[1] + begin, table.center[2] + begin,
-                table.coefficient[0] + begin, table.coefficient[1] + begin, table.coefficient[2] + begin, sum);
-  return sum;
-}
-
 PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTable& table, const double* x,
                                  double* force) {
   const Real shape = static_cast<Real>(net.shape), s2 = shape * shape;
-  const Real at[3] = {static_cast<Real>(x[0]), static_cast<Real>(x[1]), static_cast<Real>(x[2])};
-  double total[3];
-  // Two copies of the loop: one that chooses where to read keeps its sums in memory.
-  if (table.center[0] != nullptr) {
-    const Sums sum = sum_table(table, net.n_centers, at, s2);
-    add_up(sum.of, total);
-  } else {
-    const Sums sum = sum_gathered(net, at, s2);
-    add_up(sum.of, total);
+  const Real x0 = static_cast<Real>(x[0]), x1 = static_cast<Real>(x[1]), x2 = static_cast<Real>(x[2]);
+  Real few[6 * (most_gathered + 1)];
+  const Real* from = table.centers;
+  if (from == nullptr) {
+    fill_force_table(net, few);
+    from = few;
   }
+  const std::int32_t n_whole = whole_blocks(net.n_centers + 1);
+  const Real *c0 = from, *c1 = c0 + n_whole, *c2 = c1 + n_whole, *w0 = c2 + n_whole, *w1 = w0 + n_whole,
+             *w2 = w1 + n_whole;
+  Real sum[3][at_once] = {};
+  const std::int32_t n_centers = net.n_centers;
+  for (std::int32_t begin = 0; begin <= n_centers; begin += at_once) {
+    for (std::int32_t i = 0; i < at_once; ++i) {
+      const std::int32_t j = begin + i;
+      const Real y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
+      const Real q = square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2), along = (y0 * b0 + y1 * b1 + y2 * b2) / q;
+      sum[0][i] += q * b0 + along * y0;
+      sum[1][i] += q * b1 + along * y1;
+      sum[2][i] += q * b2 + along * y2;
+    }
+  }
+  double total[3];
+  add_up(sum, total);
   const double d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
   multiply_symmetric(net.stiffness, d, force);
   for (int k = 0; k < 3; ++k) force[k] += total[k] + table.at_rest[k];
@@ -266,6 +223,22 @@ PHN_KERNELS(avx512, __attribute__((target("avx512f"))))
 #endif
 
 }  // namespace
+
+void fill_force_table(const Conservative<double>& net, Real* table) {
+  const std::int32_t n = net.n_centers, n_whole = whole_blocks(n + 1);
+  for (int k = 0; k < 3; ++k) {
+    Real *center = table + k * n_whole, *coefficient = table + (3 + k) * n_whole;
+    for (std::int32_t i = 0; i < n_whole; ++i) {
+      const std::size_t at = 3 * static_cast<std::size_t>(i) + k;
+      center[i] = coefficient[i] = 0;
+      if (i >= n) continue;
+      center[i] = static_cast<Real>(net.displacements[3 * static_cast<std::size_t>(net.center[i]) + k]);
+      coefficient[i] = net.short_coefficient ? static_cast<Real>(net.short_coefficient[at])
+                                             : static_cast<Real>(net.coefficient[at]);
+    }
+    coefficient[n] = static_cast<Real>(-net.total[k]);
+  }
+}
 
 const ModalKernels* modal_kernels(int set) {
 #ifdef PHN_X86_64

@@ -31,6 +31,9 @@ struct ModalKernels {
   void (*sum_block)(const SharedTable& shared, const ModalTables& tables, const float* block, float* out);
 };
 
+/// @param table  6 whole_blocks(n_centers + 1), as ForceTable::centers
+void fill_force_table(const Conservative<double>& net, Real* table);
+
 /// Null where library or processor lack the set.
 const ModalKernels* modal_kernels(int set);
 const ModalKernels& best_modal_kernels();

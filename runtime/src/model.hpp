@@ -69,11 +69,10 @@ struct ModalTables {
 /// the time; those of fewer gather them, so that small models stay small.
 inline constexpr std::int32_t most_gathered = 2 * at_once - 1;
 
-/// What the force sums, per component, in whole blocks: the centers, the one at 0 with the coefficient -sum_i b_i, and
-/// zeros.
+/// What the force sums, in whole blocks: x, y and z of the centers, those of the coefficients; after the centers the one at 0
+/// with the coefficient -sum_i b_i, and zeros.
 struct ForceTable {
-  const Real* center[3];       ///< over max_displacement; null: to be gathered
-  const Real* coefficient[3];  ///< [N]
+  const Real* centers;         ///< over max_displacement, and [N]; null: to be gathered
   double at_rest[3];           ///< added so that this sum, in its own order, vanishes at d = 0 [N]
 };
 
