@@ -30,7 +30,7 @@ std::string test_words(const CaseResult& result) {
       " Each network is trained on {} pairs of one node. 'As the paper': {} other pairs of the same "
       "database, so of "
       "the same 26 directions. 'Fresh': {} solves a node in random directions at random depths, all output "
-      "nodes.",
+      "nodes. Lines: the median over the nodes of each node's mean.",
       sizes.training_pairs, sizes.test_pairs, sizes.probes_per_node);
 }
 
@@ -99,7 +99,7 @@ PaperFigure figure_7(const PaperStudy& study) {
       "little and "
       "nodes beside the fixed ones are among them. Error (17) divides by the largest displacement of the "
       "test, and "
-      "most of a body hardly moves: that is why peaks lie so low, for the linear predictor too.";
+      "most of a body hardly moves: that is why peaks lie so low.";
   figure.table = {
       {"case", "neurons", "as the paper: below 2 %", "below 6 %", "fresh: below 2 %", "below 6 %"}};
   for (const auto* result : studied(study)) {

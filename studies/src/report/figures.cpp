@@ -86,7 +86,6 @@ PaperReport paper_report(const PaperStudy& s) {
   report.table1_why =
       "The paper's 12,636 precomputation cases are rays, 486 nodes x 26 directions, and its 75,660 points "
       "belong to one network: 485 nodes x 26 x 6. Its times are those of a Pentium 4 at 3 GHz with a "
-      "commercial "
       "solver started from a script; ours solve in one process, factorize seldom and store floats of the "
       "surface "
       "alone, where the paper kept everything. Table 1 gives 154 frames a second for 200 neurons, the "
