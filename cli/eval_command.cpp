@@ -72,7 +72,6 @@ void run(const Options& options) {
     extra["trained_distance"] = model.trained_distance(options.tool.nodes.front(), displacements.front());
   if (coupled) {
     extra["residual"] = response.coupled.residual;
-    extra["iterations"] = response.coupled.iterations;
   }
   ToolResult result{response.force_N, response.energy_J, response.displacement_m, model.model().output, {}};
   for (Eigen::Index f = 0; f < response.fields.cols(); ++f) {

@@ -102,7 +102,7 @@ int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t
 
 int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, const phn_contact_tool* tools,
                      phn_contact_state* states, phn_coupled* result) {
-  if (result != nullptr) *result = {0, 0, 0};
+  if (result != nullptr) *result = {0, 0};
   for (std::int32_t t = 0; t < n_tools && states != nullptr; ++t) states[t] = nothing;
   if (contact == nullptr || data == nullptr || data->model != contact->model || n_tools < 0) return PHN_ERROR_ARGUMENT;
   if (n_tools > 0 && (tools == nullptr || states == nullptr)) return PHN_ERROR_ARGUMENT;

@@ -26,7 +26,7 @@ class Balance {
       : _contact(contact), _surface(contact.surface), _data(data), _n(n_tools), _inputs(inputs) {}
 
   int run(phn_coupled* result) {
-    phn_coupled coupled = {0, 0, 0};
+    phn_coupled coupled = {0, 0};
     const int status = find(coupled);
     if (result != nullptr) *result = coupled;
     return status;

@@ -8,21 +8,16 @@
 namespace phynness::runtime {
 namespace {
 
-/// Changes of p this small against the displacements count as none.
-constexpr double settled_change = 1e-9;
-constexpr std::int32_t most_iterations = 40;
-constexpr double shortest_step = 1e-3;
+/// In parts of each tool's own compliance: how much is left of two tools' compliances once they oppose each other. Below, they
+/// are so close that what they ask for apart is given up (docs/decisions/coupled-tools.md).
+constexpr double least_apart = 0.05;
 
-/// A displaced tool's stiffness counts as this part of its least at rest at least, and changes what another does to it by
-/// this part of that at most (docs/decisions/coupled-tools.md).
-constexpr double least_of_rest = 0.3;
-constexpr double largest_shift = 0.5;
+/// Part of all tools' energies that counts for each order: 0 would make two tools that agree, and so have nothing left to do
+/// in either order, take turns with their smallest contradiction.
+constexpr double equal_part = 0.05;
 
-/// Where nothing settles a force is a guess: no more than this many times what all tools would feel alone.
-constexpr double largest_guess = 2;
-
-/// And what a tool contributes to it counts as this many times as much as what the points miss.
-constexpr double effort = 0.1;
+/// Points that miss their tools by more than this part of the largest displacement do not follow them.
+constexpr double follows = 1e-8;
 
 /// Gauss-Legendre on 0 ... 1: exact for the first six powers of the depth.
 constexpr double gauss_point[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
@@ -34,44 +29,34 @@ class Solver {
       : _model(model), _c(coupling), _targets(targets) {}
 
   CoupledResult run() {
+    const std::int32_t n = _c.n_tools;
     double far = 0;
-    for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+    for (std::int32_t s = 0; s < n; ++s) {
       prepare(s);
       far = std::fmax(far, length(_targets + 3 * s));
     }
+    for (std::int32_t s = 0; s < n; ++s) clear_field(s);
     CoupledResult result = {};
-    double alone = 0;  // what the tools would feel one by one
-    if (_c.n_tools > 1) {
-      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-        for (int k = 0; k < 3; ++k) _c.point[s].own[k] = _targets[3 * s + k];
-        pull(s);
-        alone += length(_c.point[s].force);
-        for (double& k : _c.point[s].own) k = 0;
-      }
-      result.iterations = find_own(far);
+    if (n > 1) {
+      set_rest_matrix();
+      find_stiffness();
+      result.energy = combine_orders();
     } else {
-      for (int k = 0; k < 3; ++k) _c.point[0].own[k] = _targets[k];
-      respond();
+      result.energy = respond(0, _targets);
+      add_response(0, 1);
     }
-    result.residual = miss();
-    result.settled = result.residual <= 10 * settled_change * far;
-    if (!result.settled) guess();
-    for (std::int32_t s = 0; !result.settled && s < _c.n_tools; ++s) limit_force(s, largest_guess * alone);
-    // The fields lack what the tools do to each other's; the undeformed body makes up for it.
-    for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) _c.shift[i] = 0;
+    // What fields do at the points that forces do not know of: as the undeformed body does it.
     miss();
     if (correct()) {
-      for (std::int32_t s = 0; s < _c.n_tools; ++s) add_field(s, _c.right + 3 * s);
-      result.residual = miss();
+      for (std::int32_t s = 0; s < n; ++s) add_at_rest(s, _c.right + 3 * s, 1);
     }
-    if (!finite()) return give_up(far);
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-      const HeldPoint& point = _c.point[t];
-      result.energy += point.energy + energy_of_nodes(point);
-      for (int k = 0; k < 3; ++k) result.energy += point.force[k] * (_targets[3 * t + k] - point.own[k]) / 2;
-    }
+    result.residual = miss();
+    result.settled = result.residual <= follows * far;
     if (!has_energy(_model)) result.energy = 0;
-    return result;
+    for (std::int32_t s = 0; s < n; ++s) {
+      for (int k = 0; k < 3; ++k) _c.point[s].own[k] = _targets[3 * s + k];
+    }
+    return finite() ? result : give_up(far);
   }
 
  private:
@@ -80,12 +65,15 @@ class Solver {
     return 3 * (static_cast<std::size_t>(t) * static_cast<std::size_t>(_c.max_tools) + static_cast<std::size_t>(s)) +
            static_cast<std::size_t>(i);
   }
-  std::size_t pair(std::int32_t t, std::int32_t s) const { return 3 * at(t, s, 0); }
+  std::size_t at9(std::int32_t t, std::int32_t s) const { return 3 * at(t, s, 0); }
   double* gradient_at_rest(std::int32_t s, std::int32_t i) const {
     return _c.rest_gradient + 3 * static_cast<std::size_t>(3 * s + i) * _model.n_basis;
   }
   double* node_basis(std::int32_t s, std::int32_t i) const {
     return _c.node_basis + static_cast<std::size_t>(3 * s + i) * _model.n_basis;
+  }
+  double* field_basis(std::int32_t s, std::int32_t i) const {
+    return _c.field_basis + static_cast<std::size_t>(3 * s + i) * _model.n_basis;
   }
 
   /// Derivative of a local response at rest. @param response 3 x 3
@@ -98,82 +86,201 @@ class Solver {
     }
   }
 
-  /// Responses of all tools at their p.
-  void respond() {
-    for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-      take_field(s);
-      pull(s);
-    }
-    for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) _c.shift[i] = 0;
-    if (!bends()) return;
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
-      find_compliance(t, _c.compliance);
-      for (std::int32_t s = 0; s < _c.n_tools; ++s) add_shift(t, s);
-    }
+  /// Force of tool s at p, and its response. @return energy
+  double respond(std::int32_t s, const double* p) {
+    HeldPoint& point = _c.point[s];
+    for (int k = 0; k < 3; ++k) point.own[k] = p[k];
+    take_response(s);
+    pull(s);
+    return point.energy + energy_of_nodes(point);
   }
 
-  /// What several tools cause themselves: the p that together give the targets. Broyden's method from the undeformed body's
-  /// derivatives; a step that makes it worse is taken back and quartered. @return iterations
-  std::int32_t find_own(double far) {
-    const std::int32_t n = 3 * _c.n_tools;
-    if (bends()) {
-      for (std::int32_t t = 0; t < _c.n_tools; ++t) find_compliance(t, _c.rest_compliance);
-    }
-    set_rest_matrix();
-    for (std::int32_t i = 0; i < n * n; ++i) _c.inverse[i] = i % (n + 1) == 0 ? 1 : 0;
-    if (!solve_dense(_c.matrix, n, _c.inverse, n)) {
-      for (std::int32_t i = 0; i < n * n; ++i) _c.inverse[i] = i % (n + 1) == 0 ? 1 : 0;
-    }
-    respond();
-    double least = miss(), step = 1;
-    std::int32_t iteration = 0;
-    for (; iteration < most_iterations && step > shortest_step && least > settled_change * far; ++iteration) {
-      for (std::int32_t i = 0; i < n; ++i) {
-        double sum = 0;
-        for (std::int32_t j = 0; j < n; ++j) sum += _c.inverse[i * n + j] * _c.right[j];
-        _c.correction[i] = step * sum;
-        _c.best[i] = _c.point[i / 3].own[i % 3];
-        _c.before[i] = _c.right[i];
-        _c.point[i / 3].own[i % 3] += _c.correction[i];
-      }
-      respond();
-      const double now = miss();
-      update_inverse(n);
-      if (now < least) {
-        least = now;
-        step = std::fmin(1.0, 2 * step);
-        continue;
-      }
-      step /= 4;
-      for (std::int32_t i = 0; i < n; ++i) {
-        _c.point[i / 3].own[i % 3] = _c.best[i];
-        _c.right[i] = _c.before[i];
-      }
-    }
-    respond();
-    return iteration;
-  }
-
-  /// Broyden's update: the inverse takes the change of what was missing to the step that made it.
-  void update_inverse(std::int32_t n) {
-    double scale = 0;
+  /// Order i: tool i displaces the body alone, then the others move their points the rest of the way while it holds its own.
+  /// All orders together, each with the more weight the more its tool does once others hold theirs: one that others move
+  /// along does nothing, and is not felt. Sets forces and adds up the field. @return energy
+  double combine_orders() {
+    const std::int32_t n = _c.n_tools;
+    const bool linear = _model.family == Family::linear;
     for (std::int32_t i = 0; i < n; ++i) {
-      double moved = 0;  // the step that the inverse expects
-      for (std::int32_t j = 0; j < n; ++j) moved += _c.inverse[i * n + j] * (_c.before[j] - _c.right[j]);
-      _c.matrix[i] = moved;
-      scale += _c.correction[i] * moved;
+      _c.energy[i] = respond(i, _targets + 3 * i);
+      for (int k = 0; k < 3; ++k) _c.alone[3 * i + k] = _c.point[i].force[k];
     }
-    double square = 0;
-    for (std::int32_t i = 0; i < n; ++i) square += _c.correction[i] * _c.correction[i];
-    if (!(std::fabs(scale) > 1e-3 * square)) return;
+    for (std::int32_t i = 0; i < n; ++i) {
+      find_derivatives(i);
+      hold_others(i);
+    }
+    find_weights();
+    // In a linear body all orders say the same.
+    for (std::int32_t i = 0; i < n && linear; ++i) _c.weight[i] = i == 0;
+    for (std::int32_t i = 0; i < n; ++i) {
+      add_response(i, _c.weight[i]);
+      for (std::int32_t j = 0; j < n; ++j) {
+        double own[3];
+        multiply(_c.point[j].compliance, _c.pulled + at(i, j, 0), own);
+        add_at_rest(j, own, _c.weight[i]);
+      }
+    }
+    double energy = 0;
+    for (std::int32_t i = 0; i < 3 * n; ++i) _c.forces[i] = 0;
+    for (std::int32_t i = 0; i < n; ++i) {
+      double force[3 * most_coupled];
+      for (std::int32_t j = 0; j < n; ++j) {
+        const double* pulled = _c.pulled + at(i, j, 0);
+        _c.energy[i] += dot(_c.rest + at(i, j, 0), pulled) / 2;
+        for (int k = 0; k < 3; ++k) force[3 * j + k] = pulled[k];
+        if (j != i && !linear) _c.energy[i] += bend(j, _c.rest + at(i, j, 0), force + 3 * j, _c.weight[i]);
+      }
+      for (int k = 0; k < 3; ++k) force[3 * i + k] = 0;
+      carry_back(i, force);
+      for (int k = 0; k < 3; ++k) force[3 * i + k] += _c.alone[3 * i + k];
+      for (std::int32_t j = 0; j < 3 * n; ++j) _c.forces[j] += _c.weight[i] * force[j];
+      energy += _c.weight[i] * _c.energy[i];
+    }
+    if (has_energy(_model) && !linear) add_change_of_weights(energy);
+    for (std::int32_t i = 0; i < 3 * n; ++i) _c.point[i / 3].force[i % 3] = _c.forces[i];
+    return energy;
+  }
+
+  /// What order i leaves to the others, and the forces in the undeformed body for it.
+  void hold_others(std::int32_t i) {
+    const std::int32_t n = _c.n_tools;
     for (std::int32_t j = 0; j < n; ++j) {
-      double row = 0;
-      for (std::int32_t i = 0; i < n; ++i) row += _c.correction[i] * _c.inverse[i * n + j];
-      _c.matrix[n + j] = row / scale;
+      double* rest = _c.rest + at(i, j, 0);
+      for (int k = 0; k < 3; ++k) rest[k] = 0;
+      if (j == i) continue;
+      displaced(j, i, rest);
+      for (int k = 0; k < 3; ++k) rest[k] = _targets[3 * j + k] - rest[k];
+    }
+    for (std::int32_t j = 0; j < n; ++j) {
+      double* pulled = _c.pulled + at(i, j, 0);
+      for (int k = 0; k < 3; ++k) pulled[k] = 0;
+      for (std::int32_t s = 0; s < n; ++s) {
+        for (int k = 0; k < 9; ++k) pulled[k / 3] += _c.stiffness[at9(j, s) + k] * _c.rest[at(i, s, 0) + k % 3];
+      }
+    }
+  }
+
+  /// Subtracts from tool i's force what forces at the points that it moves do at it.
+  /// @param force  of all tools; that of i is changed
+  void carry_back(std::int32_t i, double* force) const {
+    for (std::int32_t j = 0; j < _c.n_tools; ++j) {
+      if (j == i) continue;
+      double back[3];
+      multiply_transposed(_c.derivative + at9(i, j), force + 3 * j, back);
+      for (int k = 0; k < 3; ++k) force[3 * i + k] -= back[k];
+    }
+  }
+
+  /// Weight i: energy of what tool i still does in the other orders, as the undeformed body has it alone, and a part of all
+  /// tools' energies, which keeps tools equal that agree.
+  void find_weights() {
+    const std::int32_t n = _c.n_tools;
+    double all = 0;
+    for (std::int32_t i = 0; i < n; ++i) {
+      double linear[3];
+      multiply(_c.point[i].stiffness, _targets + 3 * i, linear);
+      all += dot(_targets + 3 * i, linear);
+    }
+    _sum = 0;
+    for (std::int32_t i = 0; i < n; ++i) {
+      _c.weight[i] = equal_part * std::fabs(all);
+      for (std::int32_t j = 0; j < n; ++j) {
+        if (j == i) continue;
+        double own[3];
+        multiply(_c.point[i].compliance, _c.pulled + at(j, i, 0), own);
+        _c.weight[i] += dot(_c.pulled + at(j, i, 0), own);
+      }
+      _sum += _c.weight[i];
+    }
+    for (std::int32_t i = 0; i < n; ++i) _c.weight[i] = _sum > 0 ? _c.weight[i] / _sum : 1.0 / n;
+  }
+
+  /// Adds what the change of the weights with the displacements does to the energy: forces are its gradient.
+  void add_change_of_weights(double energy) {
+    const std::int32_t n = _c.n_tools;
+    if (!(_sum > 0)) return;
+    double apart = 0;  // the orders' energies from the mean one
+    for (std::int32_t i = 0; i < n; ++i) apart += (_c.energy[i] - energy) / _sum;
+    for (std::int32_t i = 0; i < n; ++i) {
+      double linear[3];
+      multiply(_c.point[i].stiffness, _targets + 3 * i, linear);
+      for (int k = 0; k < 3; ++k) _c.forces[3 * i + k] += apart * equal_part * 2 * linear[k];
+    }
+    for (std::int32_t first = 0; first < n; ++first) {
+      double own[3 * most_coupled], force[3 * most_coupled] = {};
+      for (std::int32_t i = 0; i < n; ++i) {
+        multiply(_c.point[i].compliance, _c.pulled + at(first, i, 0), own + 3 * i);
+        for (int k = 0; k < 3; ++k) own[3 * i + k] *= i == first ? 0 : 2 * (_c.energy[i] - energy) / _sum;
+      }
+      for (std::int32_t j = 0; j < n; ++j) {
+        for (std::int32_t i = 0; i < n && j != first; ++i) {
+          for (int k = 0; k < 9; ++k) force[3 * j + k / 3] += _c.stiffness[at9(j, i) + k] * own[3 * i + k % 3];
+        }
+      }
+      carry_back(first, force);
+      for (std::int32_t i = 0; i < 3 * n; ++i) _c.forces[i] += force[i];
+    }
+  }
+
+  /// What tool j does beyond linear when it moves its point by `rest` in a body that others hold: taken as what it does
+  /// beyond linear alone, at as much of `rest` as would be left of it if others held theirs.
+  /// @param pulled  its gradient is added. @return energy
+  double bend(std::int32_t j, const double* rest, double* pulled, double weight) {
+    HeldPoint& point = _c.point[j];
+    double z[3], linear[3], gradient[3], back[3];
+    multiply(point.relative, rest, z);
+    const double energy = respond(j, z);
+    multiply(point.stiffness, z, linear);
+    for (int k = 0; k < 3; ++k) gradient[k] = point.force[k] - linear[k];
+    multiply_transposed(point.relative, gradient, back);
+    for (int k = 0; k < 3; ++k) pulled[k] += back[k];
+    add_response(j, weight);
+    add_at_rest(j, z, -weight);
+    return energy - dot(z, linear) / 2;
+  }
+
+  /// From the undeformed body's derivatives of the points by the p: the forces that move the points by given displacements,
+  /// and of each tool what of a displacement of its own is left when the others hold theirs.
+  /// Compliances are scaled to 1 for each tool alone; where they are almost singular, tools are too near each other to be
+  /// told apart: there the inverse goes to 0 with the eigenvalue instead of to infinity.
+  void find_stiffness() {
+    const std::int32_t n = 3 * _c.n_tools;
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+        // root_t A_ts root_s^-1
+        double moved[9], block[9];
+        for (int k = 0; k < 9; ++k) moved[k] = _c.matrix[(3 * t + k / 3) * n + 3 * s + k % 3];
+        multiply_matrices(_c.point[t].root, moved, block);
+        multiply_matrices(block, _c.point[s].inverse_root, moved);
+        for (int k = 0; k < 9; ++k) _c.work[(3 * t + k / 3) * n + 3 * s + k % 3] = moved[k];
+      }
     }
     for (std::int32_t i = 0; i < n; ++i) {
-      const double left = _c.correction[i] - _c.matrix[i];
-      for (std::int32_t j = 0; j < n; ++j) _c.inverse[i * n + j] += left * _c.matrix[n + j];
+      for (std::int32_t j = 0; j < i; ++j)
+        _c.work[i * n + j] = _c.work[j * n + i] = (_c.work[i * n + j] + _c.work[j * n + i]) / 2;
+    }
+    diagonalize(_c.work, n, _c.vectors);
+    _apart = true;
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+        double scaled[9] = {}, half[9];
+        for (std::int32_t e = 0; e < n; ++e) {
+          const double value = _c.work[e * n + e];
+          _apart = _apart && value >= least_apart;
+          const double inverse = value >= least_apart ? 1 / value : std::fmax(value, 0.0) / (least_apart * least_apart);
+          for (int k = 0; k < 9; ++k)
+            scaled[k] += _c.vectors[(3 * t + k / 3) * n + e] * inverse * _c.vectors[(3 * s + k % 3) * n + e];
+        }
+        multiply_matrices(_c.point[t].root, scaled, half);
+        multiply_matrices(half, _c.point[s].root, _c.stiffness + at9(t, s));
+        if (s != t) continue;
+        // Others can only hold a point tighter.
+        HeldPoint& point = _c.point[t];
+        double left[9];
+        invert_stiffness(scaled, 1, left);
+        multiply_matrices(point.inverse_root, left, half);
+        multiply_matrices(half, point.root, point.relative);
+      }
     }
   }
 
@@ -208,11 +315,7 @@ class Solver {
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) point.stiffness[3 * r + c] = (inverse[3 * r + c] + inverse[3 * c + r]) / 2;
     }
-    double values[9], vectors[9];
-    for (int k = 0; k < 9; ++k) values[k] = point.stiffness[k];
-    diagonalize(values, vectors);
-    point.least_stiffness = std::fmax(std::fmin(values[0], std::fmin(values[4], values[8])),
-                                      1e-3 * (std::fabs(values[0]) + std::fabs(values[4]) + std::fabs(values[8])));
+    find_roots(point);
     for (double& k : point.own) k = 0;
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       multiply_matrices(compliance[i], inverse, point.contribution[i]);
@@ -230,9 +333,27 @@ class Solver {
     }
   }
 
-  /// Contributions of tool s's nodes: node i's response through e_i, scaled to q_i; what is missing at the tool's own
+  /// Square root of the stiffness at rest, its inverse, and the compliance, all of a stiffness that resists everywhere.
+  static void find_roots(HeldPoint& point) {
+    double a[9], v[9];
+    for (int k = 0; k < 9; ++k) a[k] = point.stiffness[k];
+    diagonalize(a, 3, v);
+    const double least = 1e-3 * (std::fabs(a[0]) + std::fabs(a[4]) + std::fabs(a[8]));
+    for (int k = 0; k < 9; ++k) point.root[k] = point.inverse_root[k] = point.compliance[k] = 0;
+    for (int e = 0; e < 3; ++e) {
+      const double value = std::fmax(a[4 * e], least), root = std::sqrt(value);
+      for (int k = 0; k < 9; ++k) {
+        const double product = v[3 * (k / 3) + e] * v[3 * (k % 3) + e];
+        point.root[k] += root * product;
+        point.inverse_root[k] += root > 0 ? product / root : 0;
+        point.compliance[k] += value > 0 ? product / value : 0;
+      }
+    }
+  }
+
+  /// Contributions of tool s's nodes at p: node i's response through e_i, scaled to q_i; what is missing at the tool's own
   /// point is added as the undeformed body has it.
-  void take_field(std::int32_t s) {
+  void take_response(std::int32_t s) {
     HeldPoint& point = _c.point[s];
     double r[3] = {point.own[0], point.own[1], point.own[2]};
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
@@ -252,149 +373,154 @@ class Solver {
       local_displacement(_c.local[at(s, s, i)], share, q, n, basis, u);
       for (int k = 0; k < 3; ++k) r[k] -= u[k];
     }
-    add_field(s, r);
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) move_at_rest(s, i, r, 1, node_basis(s, i), point.node_own[i]);
   }
 
-  /// Moves tool s's point by r as the undeformed body does.
-  void add_field(std::int32_t s, const double* r) {
+  /// Adds to node i's part what moves tool s's point by `weight` r in the undeformed body.
+  void move_at_rest(std::int32_t s, std::int32_t i, const double* r, double weight, double* basis, double* own) const {
+    const HeldPoint& point = _c.point[s];
+    const std::int32_t n = basis_size(_model, node(point, i));
+    const double* gradient = gradient_at_rest(s, i);
+    double q[3];
+    multiply(point.contribution[i], r, q);
+    for (double& k : q) k *= weight;
+    for (std::int32_t j = 0; j < n; ++j)
+      basis[j] += q[0] * gradient[j] + q[1] * gradient[n + j] + q[2] * gradient[2 * n + j];
+    for (int k = 0; k < 3; ++k) own[k] += q[k];
+  }
+
+  void clear_field(std::int32_t s) {
     HeldPoint& point = _c.point[s];
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-      const std::int32_t n = basis_size(_model, node(point, i));
-      const double* gradient = gradient_at_rest(s, i);
-      double* basis = node_basis(s, i);
-      double q[3];
-      multiply(point.contribution[i], r, q);
-      for (std::int32_t j = 0; j < n; ++j)
-        basis[j] += q[0] * gradient[j] + q[1] * gradient[n + j] + q[2] * gradient[2 * n + j];
-      for (int k = 0; k < 3; ++k) point.node_own[i][k] += q[k];
+      point.field_share[i] = 0;
+      for (double& k : point.field_own[i]) k = 0;
+      for (std::int32_t j = 0; j < basis_size(_model, node(point, i)); ++j) field_basis(s, i)[j] = 0;
     }
   }
 
-  void limit_force(std::int32_t s, double most) {
+  /// Adds to the field `weight` times the latest response of tool s.
+  void add_response(std::int32_t s, double weight) {
     HeldPoint& point = _c.point[s];
-    const double size = length(point.force);
-    for (int k = 0; k < 3 && size > most; ++k) point.force[k] *= most / size;
-  }
-
-  /// The p that miss the targets least in the undeformed body and are small themselves: tools near each other agree on what
-  /// both ask for, and give up most of what sets them against each other.
-  void guess() {
-    const std::int32_t n = 3 * _c.n_tools;
-    set_rest_matrix();
-    for (std::int32_t i = 0; i < n; ++i) {
-      for (std::int32_t j = 0; j < n; ++j) {
-        double sum = i == j ? effort * effort : 0;
-        for (std::int32_t k = 0; k < n; ++k) sum += _c.matrix[k * n + i] * _c.matrix[k * n + j];
-        _c.inverse[i * n + j] = sum;
-      }
-      _c.correction[i] = -effort * effort * _c.point[i / 3].own[i % 3];
-      for (std::int32_t k = 0; k < n; ++k) _c.correction[i] += _c.matrix[k * n + i] * _c.right[k];
+    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+      point.field_share[i] += weight * point.node_share[i];
+      for (int k = 0; k < 3; ++k) point.field_own[i][k] += weight * point.node_own[i][k];
+      const double* basis = node_basis(s, i);
+      double* sum = field_basis(s, i);
+      for (std::int32_t j = 0; j < basis_size(_model, node(point, i)); ++j) sum[j] += weight * basis[j];
     }
-    if (!solve_dense(_c.inverse, n, _c.correction, 1)) return;
-    for (std::int32_t i = 0; i < n; ++i) _c.point[i / 3].own[i % 3] += _c.correction[i];
-    respond();
   }
 
-  /// Displacement of tool t's point in the field of tool s.
+  /// Adds to the field what moves tool s's point by `weight` r in the undeformed body.
+  void add_at_rest(std::int32_t s, const double* r, double weight) {
+    HeldPoint& point = _c.point[s];
+    for (std::int32_t i = 0; i < point.n_nodes; ++i)
+      move_at_rest(s, i, r, weight, field_basis(s, i), point.field_own[i]);
+  }
+
+  /// Displacement of tool t's point in the latest response of tool s.
   void displaced(std::int32_t t, std::int32_t s, double* u) const {
     const HeldPoint& point = _c.point[s];
     for (int k = 0; k < 3; ++k) u[k] = 0;
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       double by[3];
-      local_displacement(_c.local[at(t, s, i)], point.node_share[i], point.node_own[i], basis_size(_model, node(point, i)),
-                         node_basis(s, i), by);
+      local_displacement(_c.local[at(t, s, i)], point.node_share[i], point.node_own[i],
+                         basis_size(_model, node(point, i)), node_basis(s, i), by);
       for (int k = 0; k < 3; ++k) u[k] += by[k];
     }
   }
 
-  /// right = what the points lack of their targets. @return the largest distance
+  /// right = what the points lack of their targets in the field. @return the largest distance
   double miss() {
     double largest = 0;
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       double* r = _c.right + 3 * t;
-      for (int k = 0; k < 3; ++k) r[k] = _targets[3 * t + k] - _c.shift[3 * t + k];
+      for (int k = 0; k < 3; ++k) r[k] = _targets[3 * t + k];
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-        double u[3];
-        displaced(t, s, u);
-        for (int k = 0; k < 3; ++k) r[k] -= u[k];
+        const HeldPoint& point = _c.point[s];
+        for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+          double by[3];
+          local_displacement(_c.local[at(t, s, i)], point.field_share[i], point.field_own[i],
+                             basis_size(_model, node(point, i)), field_basis(s, i), by);
+          for (int k = 0; k < 3; ++k) r[k] -= by[k];
+        }
       }
       largest = std::fmax(largest, length(r));
     }
     return largest;
   }
 
-  /// Whether tools change each other's responses: linear bodies add up, and networks have no stiffness to tell by.
-  bool bends() const { return _c.n_tools > 1 && _model.family == Family::modal; }
-
-  /// Derivative of the displacement of tool t's point by the force at tool s, when t is at its p and s is not there: by
-  /// reciprocity what a force at t does to s, K_t^-1 (du_s/dp_t)^T. @param compliance  at rest or at p
-  void find_compliance(std::int32_t t, double* compliance) {
+  /// Derivatives of all points' displacements by the p of tool t, at the p of its latest response.
+  void find_derivatives(std::int32_t t) {
     HeldPoint& point = _c.point[t];
-    double stiffness[9], inverse[9], derivative[most_coupled][9] = {};
-    for (int k = 0; k < 9; ++k) stiffness[k] = point.stiffness[k];
+    const std::int32_t n_tools = _c.n_tools, row = 3 * n_tools;
+    for (std::int32_t s = 0; s < n_tools; ++s) {
+      for (int k = 0; k < 9; ++k) _c.derivative[at9(t, s) + k] = 0;
+    }
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       const ActiveNode& by = node(point, i);
       const std::int32_t n = basis_size(_model, by);
-      double e[3], change[9], bent[9], left[9], part[9];
+      double q[3], e[3], to_q[3], to_e[3], by_share[3] = {0, 0, 0}, left[9];
+      multiply(point.contribution[i], point.own, q);
       multiply(point.reach[i], point.own, e);
-      if (compliance == _c.rest_compliance) e[0] = e[1] = e[2] = 0;
-      evaluate_stiffness(_model, by, e, change);
-      for (int k = 0; k < 9; ++k) {
-        change[k] = point.share[i] * (change[k] - point.rest_stiffness[i][k]);
-        left[k] = point.contribution[i][k] - point.share[i] * point.reach[i][k];
-      }
-      multiply_matrices(change, point.reach[i], bent);
-      for (int r = 0; r < 3; ++r) {
-        for (int k = 0; k < 3; ++k) {
-          for (int l = 0; l < 3; ++l) stiffness[3 * r + k] += point.reach[i][3 * l + r] * bent[3 * l + k];
-        }
-      }
-      amplitude_gradient(_model, by, e, _c.gradient, _c.kernel);
-      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-        if (s == t) continue;
+      const double square = dot(e, e), share = point.node_share[i];
+      // d(share)/dp of share = q . e / e . e
+      multiply_transposed(point.contribution[i], e, to_q);
+      multiply_transposed(point.reach[i], q, to_e);
+      multiply_transposed(point.reach[i], e, left);
+      for (int k = 0; k < 3 && square > 0; ++k) by_share[k] = (to_q[k] + to_e[k] - 2 * share * left[k]) / square;
+      for (int k = 0; k < 9; ++k)
+        left[k] = point.contribution[i][k] - share * point.reach[i][k] - e[k / 3] * by_share[k % 3];
+      basis_and_gradient(_model, by, e, _c.basis, _c.gradient, _c.kernel);
+      for (std::int32_t s = 0; s < n_tools; ++s) {
         const LocalResponse& local = _c.local[at(s, t, i)];
+        const double* rest = _c.rest_response + 9 * at(s, t, i);
+        double indirect[9], change[9], part[9], value[3];
         for (int r = 0; r < 3; ++r) {
+          value[r] = local.constant[r];
           for (int k = 0; k < 3; ++k) {
-            double sum = r == k ? local.direct : 0;
-            for (std::int32_t j = 0; j < n; ++j) sum += local.rows[r * n + j] * _c.gradient[k * n + j];
-            bent[3 * r + k] = point.share[i] * sum;
+            indirect[3 * r + k] = rest[3 * r + k] - (r == k ? local.direct : 0);
+            change[3 * r + k] = 0;
+          }
+          for (std::int32_t j = 0; j < n; ++j) {
+            const double weight = local.rows[r * n + j];
+            value[r] += weight * _c.basis[j];
+            for (int k = 0; k < 3; ++k) change[3 * r + k] += weight * _c.gradient[k * n + j];
           }
         }
-        multiply_matrices(bent, point.reach[i], part);
-        for (int k = 0; k < 9; ++k) derivative[s][k] += part[k];
-        multiply_matrices(_c.rest_response + 9 * at(s, t, i), left, part);
-        for (int k = 0; k < 9; ++k) derivative[s][k] += part[k];
+        double* sum = _c.derivative + at9(t, s);
+        multiply_matrices(change, point.reach[i], part);
+        for (int k = 0; k < 9; ++k)
+          sum[k] += share * part[k] + value[k / 3] * by_share[k % 3] + local.direct * point.contribution[i][k];
+        multiply_matrices(indirect, left, part);
+        for (int k = 0; k < 9; ++k) sum[k] += part[k];
       }
     }
-    invert_stiffness(stiffness, least_of_rest * point.least_stiffness, inverse);
-    for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-      double* between = compliance + pair(t, s);
-      for (int r = 0; r < 3; ++r) {
-        for (int k = 0; k < 3; ++k) {
-          between[3 * r + k] = 0;
-          for (int l = 0; l < 3; ++l) between[3 * r + k] += inverse[3 * r + l] * derivative[s][3 * k + l];
-        }
-      }
+    // What a tool's own point lacks is added as in the undeformed body.
+    double lacks[9];
+    for (int k = 0; k < 9; ++k) lacks[k] = (k % 4 == 0 ? 1 : 0) - _c.derivative[at9(t, t) + k];
+    for (std::int32_t s = 0; s < n_tools; ++s) {
+      double moved[9], part[9];
+      for (int k = 0; k < 9; ++k) moved[k] = _c.matrix[(3 * s + k / 3) * row + 3 * t + k % 3];
+      multiply_matrices(moved, lacks, part);
+      for (int k = 0; k < 9; ++k) _c.derivative[at9(t, s) + k] += part[k];
     }
   }
 
-  /// What the displacement of tool t changes of what tool s does to it, at most half of that: where the change is as large
-  /// as the thing itself, the next term of the series would be too.
-  void add_shift(std::int32_t t, std::int32_t s) {
-    if (s == t) return;
-    double change[9], shift[3], u[3];
-    for (int k = 0; k < 9; ++k) change[k] = _c.compliance[pair(t, s) + k] - _c.rest_compliance[pair(t, s) + k];
-    multiply(change, _c.point[s].force, shift);
-    displaced(t, s, u);
-    const double most = largest_shift * length(u), size = length(shift);
-    const double factor = size > 0 ? most / std::sqrt(most * most + size * size) : 0;
-    for (int k = 0; k < 3; ++k) _c.shift[3 * t + k] += factor * shift[k];
-  }
-
-  /// right becomes the change of the p that makes up for it in the undeformed body.
+  /// right becomes the change of the p that makes up for it in the undeformed body, as far as tools can be told apart.
   bool correct() {
-    set_rest_matrix();
-    return solve_dense(_c.matrix, 3 * _c.n_tools, _c.right, 1);
+    const std::int32_t n = 3 * _c.n_tools;
+    if (_apart) {
+      for (std::int32_t i = 0; i < n * n; ++i) _c.work[i] = _c.matrix[i];
+      if (_c.n_tools > 1) return solve_dense(_c.work, n, _c.right, 1);
+      return true;
+    }
+    for (std::int32_t i = 0; i < n; ++i) {
+      _c.forces[i] = 0;
+      for (std::int32_t j = 0; j < n; ++j)
+        _c.forces[i] += _c.stiffness[at9(i / 3, j / 3) + static_cast<std::size_t>(3 * (i % 3) + j % 3)] * _c.right[j];
+    }
+    for (std::int32_t t = 0; t < _c.n_tools; ++t) multiply(_c.point[t].compliance, _c.forces + 3 * t, _c.right + 3 * t);
+    return true;
   }
 
   /// Derivatives of the points' displacements by the p in the undeformed body.
@@ -484,9 +610,9 @@ class Solver {
       const HeldPoint& point = _c.point[t];
       for (int k = 0; k < 3; ++k) all = all && std::isfinite(point.force[k]) && std::isfinite(point.own[k]);
       for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-        for (int k = 0; k < 3; ++k) all = all && std::isfinite(point.node_own[i][k]);
+        for (int k = 0; k < 3; ++k) all = all && std::isfinite(point.field_own[i][k]);
         for (std::int32_t j = 0; j < basis_size(_model, node(point, i)); ++j)
-          all = all && std::isfinite(node_basis(t, i)[j]);
+          all = all && std::isfinite(field_basis(t, i)[j]);
       }
     }
     return all;
@@ -497,18 +623,16 @@ class Solver {
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       HeldPoint& point = _c.point[t];
       for (int k = 0; k < 3; ++k) point.force[k] = point.own[k] = 0;
-      for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-        point.node_share[i] = 0;
-        for (int k = 0; k < 3; ++k) point.node_own[i][k] = 0;
-        for (std::int32_t j = 0; j < basis_size(_model, node(point, i)); ++j) node_basis(t, i)[j] = 0;
-      }
+      clear_field(t);
     }
-    return {false, far, 0, 0};
+    return {false, far, 0};
   }
 
   const phn_model& _model;
   Coupling& _c;
   const double* _targets;
+  double _sum = 0;     ///< of the weights before they were made to add up to 1
+  bool _apart = true;  ///< no two tools are too near each other to be told apart
 };
 
 }  // namespace
@@ -527,18 +651,22 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.rest_response = arena.take<double>(9 * n_locals);
   c.rest_gradient = arena.take<double>(9 * t * model.n_basis);
   c.node_basis = arena.take<double>(3 * t * model.n_basis);
+  c.field_basis = arena.take<double>(3 * t * model.n_basis);
   c.basis = arena.take<double>(model.n_basis);
   c.gradient = arena.take<double>(3 * model.n_basis);
   c.kernel = arena.take<double>(3 * (static_cast<std::size_t>(model.shared.n_centers) + 3));
-  c.compliance = arena.take<double>(9 * t * t);
-  c.rest_compliance = arena.take<double>(9 * t * t);
   c.matrix = arena.take<double>(9 * t * t);
-  c.inverse = arena.take<double>(9 * t * t);
+  c.work = arena.take<double>(9 * t * t);
+  c.vectors = arena.take<double>(9 * t * t);
+  c.stiffness = arena.take<double>(9 * t * t);
+  c.derivative = arena.take<double>(9 * t * t);
+  c.rest = arena.take<double>(9 * t * t);
+  c.pulled = arena.take<double>(9 * t * t);
   c.right = arena.take<double>(3 * t);
-  c.shift = arena.take<double>(3 * t);
-  c.before = arena.take<double>(3 * t);
-  c.best = arena.take<double>(3 * t);
-  c.correction = arena.take<double>(3 * t);
+  c.forces = arena.take<double>(3 * t);
+  c.alone = arena.take<double>(3 * t);
+  c.energy = arena.take<double>(t);
+  c.weight = arena.take<double>(t);
   return c;
 }
 
@@ -551,9 +679,9 @@ void coupled_field(const phn_model& model, const Coupling& c, PreparedNodes& pre
   for (std::int32_t s = 0; s < c.n_tools; ++s) {
     const HeldPoint& point = c.point[s];
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-      const double* basis = c.node_basis + static_cast<std::size_t>(3 * s + i) * model.n_basis;
+      const double* basis = c.field_basis + static_cast<std::size_t>(3 * s + i) * model.n_basis;
       field_of_basis(model, model.active[point.active[i]], prepare(model, prepared, point.active[i]),
-                     point.node_share[i], point.node_own[i], basis, scratch, one);
+                     point.field_share[i], point.field_own[i], basis, scratch, one);
       for (std::int32_t o = 0; o < 3 * model.n_output; ++o) field[o] += one[o];
     }
   }

@@ -23,10 +23,12 @@ struct HeldPoint {
   double reach[3][9];          ///< M_i: e_i = M_i p, how far node i goes
   double share[3];             ///< s_i: q_i = s_i e_i as nearly as a number can say
   double rest_stiffness[3][9]; ///< K_i of the nodes [N/m]
-  double least_stiffness;      ///< of the point in any direction, loaded or not [N/m]
+  double root[9], inverse_root[9], compliance[9];  ///< A^1/2, A^-1/2, A^-1
+  double relative[9];          ///< what of a displacement is left when the other tools hold their points
   double own[3], force[3];     ///< p [m]; at the tool [N]
   double energy;               ///< of p alone, without that of its nodes [J]
-  double node_share[3], node_own[3][3];  ///< what the field is made of: see local_displacement
+  double node_share[3], node_own[3][3];    ///< the response at p: see local_displacement
+  double field_share[3], field_own[3][3];  ///< what the field is made of
 };
 
 /// The latest tools and their solution, and scratch.
@@ -37,19 +39,21 @@ struct Coupling {
   LocalResponse* local;    ///< of tool t's point under node i of tool s, at 3 (t max_tools + s) + i
   double* rest_response;   ///< 9 each, as local: its derivative at rest
   double* rest_gradient;   ///< of node i of tool s, at 3 s + i: 3 x n_basis
-  double* node_basis;      ///< n_basis each: what the field is made of
+  double *node_basis, *field_basis;  ///< n_basis each: the response at p; what the field is made of
   LocalResponse pair;      ///< scratch: of one node under another
-  double *compliance, *rest_compliance;  ///< between tools t and s, at 9 (t max_tools + s), with t at its p and at rest
-  double *basis, *gradient, *kernel, *matrix, *inverse, *right, *shift, *best, *correction, *before;
+  double* stiffness;       ///< of the points at rest, of t by s at 9 (t max_tools + s)
+  double* derivative;      ///< of s's point by the p of t, there too
+  double *rest, *pulled;   ///< what order i leaves to j [m], and the force in the undeformed body [N], at 9 i max_tools + 3 j
+  double *energy, *weight, *alone;  ///< of the orders; forces of the tools alone
+  double *basis, *gradient, *kernel, *matrix, *work, *vectors, *right, *forces;
 };
 
 Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max_tools);
 
 struct CoupledResult {
-  bool settled;             ///< own displacements add up to what the tools ask for
+  bool settled;             ///< all points are where their tools hold them
   double residual;          ///< largest distance between a tool's point and where the tool holds it, in the field as made to fit [m]
   double energy;            ///< [J]; 0 where the family has none
-  std::int32_t iterations;
 };
 
 /// @param coupling  n_tools and, of each point, nodes and weights are set

@@ -61,28 +61,35 @@ bool solve_dense(double* a, std::int32_t n, double* right, std::int32_t n_right)
   return true;
 }
 
-void diagonalize(double* a, double* vectors) {
-  for (int i = 0; i < 9; ++i) vectors[i] = i % 4 == 0 ? 1 : 0;
-  for (int sweep = 0; sweep < 6; ++sweep) {
-    for (int p = 0; p < 2; ++p) {
-      for (int q = p + 1; q < 3; ++q) {
-        const double off = a[3 * p + q];
+void diagonalize(double* a, std::int32_t n, double* vectors) {
+  for (std::int32_t i = 0; i < n * n; ++i) vectors[i] = i % (n + 1) == 0 ? 1 : 0;
+  for (int sweep = 0; sweep < 10; ++sweep) {
+    double off_diagonal = 0, size = 0;
+    for (std::int32_t i = 0; i < n * n; ++i) {
+      const double square = a[i] * a[i];
+      size += square;
+      if (i % (n + 1) != 0) off_diagonal += square;
+    }
+    if (!(off_diagonal > 1e-34 * size)) return;
+    for (std::int32_t p = 0; p < n - 1; ++p) {
+      for (std::int32_t q = p + 1; q < n; ++q) {
+        const double off = a[p * n + q];
         if (off == 0) continue;
-        const double half = (a[4 * q] - a[4 * p]) / (2 * off);
+        const double half = (a[q * n + q] - a[p * n + p]) / (2 * off);
         const double tangent = (half < 0 ? -1 : 1) / (std::fabs(half) + std::sqrt(half * half + 1));
         const double cosine = 1 / std::sqrt(tangent * tangent + 1), sine = tangent * cosine;
-        for (int k = 0; k < 3; ++k) {
-          const double x = a[3 * k + p], y = a[3 * k + q];
-          a[3 * k + p] = cosine * x - sine * y;
-          a[3 * k + q] = sine * x + cosine * y;
+        for (std::int32_t k = 0; k < n; ++k) {
+          const double x = a[k * n + p], y = a[k * n + q];
+          a[k * n + p] = cosine * x - sine * y;
+          a[k * n + q] = sine * x + cosine * y;
         }
-        for (int k = 0; k < 3; ++k) {
-          const double x = a[3 * p + k], y = a[3 * q + k];
-          a[3 * p + k] = cosine * x - sine * y;
-          a[3 * q + k] = sine * x + cosine * y;
-          const double v = vectors[3 * k + p], w = vectors[3 * k + q];
-          vectors[3 * k + p] = cosine * v - sine * w;
-          vectors[3 * k + q] = sine * v + cosine * w;
+        for (std::int32_t k = 0; k < n; ++k) {
+          const double x = a[p * n + k], y = a[q * n + k];
+          a[p * n + k] = cosine * x - sine * y;
+          a[q * n + k] = sine * x + cosine * y;
+          const double v = vectors[k * n + p], w = vectors[k * n + q];
+          vectors[k * n + p] = cosine * v - sine * w;
+          vectors[k * n + q] = sine * v + cosine * w;
         }
       }
     }
@@ -92,7 +99,7 @@ void diagonalize(double* a, double* vectors) {
 void invert_stiffness(const double* stiffness, double least, double* inverse) {
   double a[9], v[9];
   for (int i = 0; i < 9; ++i) a[i] = stiffness[i];
-  diagonalize(a, v);
+  diagonalize(a, 3, v);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       inverse[3 * i + j] = 0;

@@ -33,9 +33,9 @@ inline double inner_product(const double* a, const double* b) {
 /// Inverse of a 3 x 3 matrix, of one a little stiffer if it is close to singular.
 void invert(const double* given, double* inverse);
 
-/// Eigenvalues of a symmetric 3 x 3 matrix, which is replaced by them on its diagonal, and eigenvectors in columns: Jacobi
-/// rotations, which need no more than six sweeps at this size.
-void diagonalize(double* a, double* vectors);
+/// Eigenvalues of a symmetric n x n matrix, which is replaced by them on its diagonal, and eigenvectors in columns: cyclic
+/// Jacobi rotations, until what is off the diagonal is rounding, ten sweeps at most (3 x 3: six, 24 x 24: eight).
+void diagonalize(double* a, std::int32_t n, double* vectors);
 
 /// Inverse of a symmetric 3 x 3 matrix whose eigenvalues count as `least` at least.
 void invert_stiffness(const double* stiffness, double least, double* inverse);

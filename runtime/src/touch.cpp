@@ -56,17 +56,17 @@ phynness::runtime::CoupledResult single(const phn_model& model, Coupling& c, con
   using namespace phynness::runtime;
   HeldPoint& point = c.point[0];
   const ActiveNode& node = model.active[point.active[0]];
-  double* d = point.node_own[0];
+  double* d = point.field_own[0];
   for (int k = 0; k < 3; ++k) {
     d[k] = target[k] / point.weight[0];
     point.own[k] = target[k];
     for (int l = 0; l < 3; ++l) point.reach[0][3 * k + l] = k == l ? 1 / point.weight[0] : 0;
   }
-  point.node_share[0] = 1;
+  point.field_share[0] = 1;
   evaluate_force(model, node, d, point.force);
   for (double& f : point.force) f /= point.weight[0];
-  if (has_deformation(model, node)) basis_of(model, node, d, c.node_basis, c.kernel);
-  return {true, 0, has_energy(model) ? evaluate_energy(model, node, d) : 0, 0};
+  if (has_deformation(model, node)) basis_of(model, node, d, c.field_basis, c.kernel);
+  return {true, 0, has_energy(model) ? evaluate_energy(model, node, d) : 0};
 }
 
 /// Warnings of all nodes at the displacements where their responses are taken.
@@ -114,7 +114,7 @@ int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, doubl
 
 int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                phn_coupled* result) {
-  if (result != nullptr) *result = {0, 0, 0};
+  if (result != nullptr) *result = {0, 0};
   if (n_tools < 0) return PHN_ERROR_ARGUMENT;
   for (std::size_t i = 0; forces != nullptr && i < 3 * static_cast<std::size_t>(n_tools); ++i) forces[i] = 0;
   if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
@@ -149,7 +149,7 @@ int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const ph
   }
   if (result != nullptr) {
     const double energy = std::isfinite(solved.energy) ? solved.energy : 0;
-    *result = {solved.residual, energy, solved.iterations};
+    *result = {solved.residual, energy};
   }
   return status;
 }

@@ -51,7 +51,7 @@ TEST_P(EveryFamily, AnswersAreFinite) {
         good = good && std::isfinite(x);
     }
     std::vector<phn_contact_state> states(tools.size());
-    phn_coupled coupled = {nan, nan, 0};
+    phn_coupled coupled = {nan, nan};
     const int status = phn_contact_step(touch.contact, loaded.data, static_cast<int>(tools.size()),
                                         tools.data(), states.data(), &coupled);
     ASSERT_EQ(status, good ? std::max(status, 0) : PHN_ERROR_NOT_FINITE);

@@ -25,13 +25,17 @@ struct LinearBody {
   Eigen::MatrixXd compliance;
   Model model;
 
-  explicit LinearBody(int n) {
+  /// @param coupled  false: nodes on springs of their own, which take no notice of each other
+  explicit LinearBody(int n, bool coupled = true) {
     Numbers numbers;
     Eigen::MatrixXd A(3 * n, 3 * n);
     for (int i = 0; i < 3 * n; ++i) {
       for (int j = 0; j < 3 * n; ++j) A(i, j) = 0.3 * numbers.next();
     }
     compliance = (A * A.transpose() + Eigen::MatrixXd::Identity(3 * n, 3 * n)) / 50;
+    for (int i = 0; i < 3 * n && !coupled; ++i) {
+      for (int j = 0; j < 3 * n; ++j) compliance(i, j) *= i / 3 == j / 3;
+    }
     model = small_linear_model();
     model.n_mesh_nodes = n + 1;
     model.fixed = {n};
@@ -169,7 +173,8 @@ TEST_P(CoupledToolsOf, AtANodeAreThatNode) {
 }
 
 // Claim: the touched point goes exactly where its tool is, whether or not the responses agree with each
-// other: these are random. Modal fields are floats (6e-8), of a size of up to 1000 amplitudes.
+// other: these are random. Of two tools that is promised where the model says that it can tell them apart.
+// Modal fields are floats (6e-8), of a size of up to 1000 amplitudes.
 TEST_P(CoupledToolsOf, PointsFollowTheirTools) {
   const Model model = small_model_of(GetParam());
   const LoadedModel loaded(write_model_text(model));
@@ -178,7 +183,12 @@ TEST_P(CoupledToolsOf, PointsFollowTheirTools) {
   for (const std::int32_t n : {1, 2}) {
     Eigen::VectorXd forces(3 * n);
     phn_coupled result = {};
-    EXPECT_GE(phn_couple(loaded.model, loaded.data, n, tools.data(), forces.data(), &result), 0);
+    const int status = phn_couple(loaded.model, loaded.data, n, tools.data(), forces.data(), &result);
+    EXPECT_GE(status, 0);
+    if (n > 1 && (status & PHN_WARNING_UNSETTLED)) {
+      EXPECT_GT(result.residual, 1e-8 * 0.001);
+      continue;
+    }
     EXPECT_LT(result.residual, 1e-12);
     Points field(12, 3);
     EXPECT_GE(phn_coupled_deform(loaded.model, loaded.data, field.data()), 0);
@@ -195,58 +205,126 @@ TEST_P(CoupledToolsOf, PointsFollowTheirTools) {
   }
 }
 
-// Claim: a tool that pulls a little meets the body as the other tool has displaced it: what it does there is
-// the compliance between them in that state, K^-1 J^T with stiffness and derivatives at the displacement, not
-// the one at rest. The change is bounded at half of the whole, smoothly: at the hundredth part that it is
-// here, that takes 2e-4 of it, and differences of fields in float the rest up to 1e-3.
-TEST(CoupledTools, MeetTheBodyAsTheOtherHasDisplacedIt) {
+// Claim: so do the points of several tools in a body, bent or not, at nodes and between them, two of them in
+// one triangle.
+TEST(CoupledTools, AreFollowed) {
   const LinearBody body(7);
-  const LoadedModel loaded(write_model_text(bent(body)));
-  const auto moved = [&](std::int32_t by, std::int32_t at, const Eigen::Vector3d& d) {
+  const std::vector<phn_tool> tools = {tool(0, 1, 2, 0.2, 0.5, 0.005, 0.004, -0.002),
+                                       tool(0, 1, 2, 0.5, 0.2, 0.002, 0.003, 0.006),
+                                       tool(6, -1, -1, 1, 0, -0.001, 0.002, 0.007)};
+  for (const Model& model : {body.model, bent(body)}) {
+    const LoadedModel loaded(write_model_text(model));
+    Eigen::Matrix3d forces;
+    phn_coupled result = {};
+    EXPECT_EQ(phn_couple(loaded.model, loaded.data, 3, tools.data(), forces.data(), &result) &
+                  PHN_WARNING_UNSETTLED,
+              0);
+    EXPECT_LT(result.residual, 1e-12);
     Points field(7, 3);
-    EXPECT_GE(phn_deform(loaded.model, loaded.data, 1, &by, d.data(), field.data()), 0);
-    return Eigen::Vector3d(field.row(at));
-  };
-  const auto force_at = [&](std::int32_t node, const Eigen::Vector3d& d) {
-    Eigen::Vector3d f;
-    EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), f.data()), 0);
-    return f;
-  };
-  const auto compliance = [&](std::int32_t held, std::int32_t other, const Eigen::Vector3d& d) {
-    Eigen::Matrix3d stiffness, derivative;
-    EXPECT_GE(phn_stiffness(loaded.model, loaded.data, held, d.data(), stiffness.data()), 0);
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d h = Eigen::Vector3d::Unit(k) * 2e-4;
-      derivative.col(k) = (moved(held, other, d + h) - moved(held, other, d - h)) / 4e-4;
+    EXPECT_GE(phn_coupled_deform(loaded.model, loaded.data, field.data()), 0);
+    for (const phn_tool& at : tools) {
+      Eigen::Vector3d moved(0, 0, 0);
+      for (int j = 0; j < 3; ++j) {
+        if (at.nodes[j] >= 0) moved += at.weights[j] * field.row(at.nodes[j]).transpose();
+      }
+      EXPECT_LT((moved - Eigen::Map<const Eigen::Vector3d>(at.displacement)).norm(), 1e-7);
     }
-    return Eigen::Matrix3d(stiffness.inverse() * derivative.transpose());
-  };
-  const std::int32_t nodes[2] = {1, 4};
-  const Eigen::Vector3d p[2] = {{0.005, 0.004, -0.002}, {0.0001, -0.0002, 0.0001}}, rest(0, 0, 0);
-  phn_tool tools[2];
-  Eigen::Vector3d shift[2];
-  for (int t = 0; t < 2; ++t) {
-    const std::int32_t here = nodes[t], other = nodes[1 - t];
-    shift[t] = (compliance(here, other, p[t]) - compliance(here, other, rest)) * force_at(other, p[1 - t]);
-    const Eigen::Vector3d target = p[t] + moved(other, here, p[1 - t]) + shift[t];
-    tools[t] = tool(here, -1, -1, 1, 0, target[0], target[1], target[2]);
-  }
-  Eigen::Matrix<double, 3, 2> forces;
-  EXPECT_EQ(phn_couple(loaded.model, loaded.data, 2, tools, forces.data(), nullptr) & PHN_WARNING_UNSETTLED,
-            0);
-  for (int t = 0; t < 2; ++t) {
-    Eigen::Matrix3d stiffness;
-    phn_stiffness(loaded.model, loaded.data, nodes[t], p[t].data(), stiffness.data());
-    const double missed = (stiffness * shift[t]).norm();  // by the sum of the fields alone
-    EXPECT_LT((forces.col(t) - force_at(nodes[t], p[t])).norm(), 1e-3 * missed);
   }
 }
 
-// Claim: tools so close that nothing settles give a guess that a device can render: no more than twice the
-// sum of what they would feel alone.
-TEST_P(CoupledToolsOf, GuessesAreBounded) {
+// Claim: forces of several tools are the gradient of the energy that is said: no closed path of any of them
+// does work, at nodes and between them. Central differences of 1e-6 m at 7e-3 m are right to 1e-8 of the
+// force, and energies to 16 digits, of which the differences leave ten.
+TEST(CoupledTools, ForcesAreTheGradientOfTheEnergy) {
+  const LinearBody body(7);
+  const LoadedModel loaded(write_model_text(bent(body)));
+  const std::vector<std::vector<phn_tool>> cases = {
+      {tool(1, -1, -1, 1, 0, 0.005, 0.004, -0.002), tool(4, -1, -1, 1, 0, -0.003, 0.006, 0.001)},
+      {tool(0, 1, 2, 0.2, 0.5, 0.005, 0.004, -0.002), tool(5, -1, -1, 1, 0, -0.003, 0.006, 0.001)},
+      {tool(0, 1, 2, 0.2, 0.5, 0.005, 0.004, -0.002), tool(1, 2, 3, 0.1, 0.3, 0.002, 0.003, 0.006)},
+      {tool(0, 1, 2, 0.2, 0.5, 0.005, 0.004, -0.002), tool(3, 4, 5, 0.1, 0.3, 0.002, 0.003, 0.006),
+       tool(6, -1, -1, 1, 0, -0.001, 0.002, 0.007)}};
+  for (auto tools : cases) {
+    const auto n = static_cast<int>(tools.size());
+    Eigen::VectorXd forces(3 * n), ignored(3 * n), gradient(3 * n);
+    phn_coupled result = {};
+    ASSERT_EQ(phn_couple(loaded.model, loaded.data, n, tools.data(), forces.data(), nullptr) &
+                  PHN_WARNING_UNSETTLED,
+              0);
+    for (int i = 0; i < 3 * n; ++i) {
+      double& d = tools[static_cast<std::size_t>(i / 3)].displacement[i % 3];
+      const double kept = d, h = 1e-6;
+      double energy[2];
+      for (const int side : {0, 1}) {
+        d = kept + (side == 0 ? -h : h);
+        phn_couple(loaded.model, loaded.data, n, tools.data(), ignored.data(), &result);
+        energy[side] = result.energy;
+      }
+      d = kept;
+      gradient[i] = (energy[1] - energy[0]) / (2 * h);
+    }
+    EXPECT_LT((gradient - forces).norm(), 1e-7 * forces.norm());
+    // What is tested is there: the same body without curvature has other forces.
+    const LoadedModel linear(write_model_text(body.model));
+    phn_couple(linear.model, linear.data, n, tools.data(), ignored.data(), nullptr);
+    EXPECT_GT((ignored - forces).norm(), 1e-3 * forces.norm());
+  }
+}
+
+// Claim: tools in bodies that take no notice of each other feel what each feels alone, to rounding, however
+// curved.
+TEST(CoupledTools, ThatDoNotMeetFeelWhatTheyFeelAlone) {
+  const LinearBody body(7, false);
+  const LoadedModel loaded(write_model_text(bent(body)));
+  const phn_tool tools[3] = {tool(1, -1, -1, 1, 0, 0.005, 0.004, -0.002),
+                             tool(4, -1, -1, 1, 0, -0.003, 0.006, 0.001),
+                             tool(0, 2, 5, 0.3, 0.3, 0.002, 0.003, 0.006)};
+  Eigen::Matrix3d together, alone;
+  double energies = 0;
+  phn_coupled result = {};
+  for (int t = 0; t < 3; ++t) {
+    EXPECT_GE(phn_couple(loaded.model, loaded.data, 1, tools + t, alone.col(t).data(), &result), 0);
+    energies += result.energy;
+  }
+  EXPECT_GE(phn_couple(loaded.model, loaded.data, 3, tools, together.data(), &result), 0);
+  EXPECT_LT((together - alone).norm(), 1e-12 * alone.norm());
+  EXPECT_NEAR(result.energy, energies, 1e-12 * energies);
+}
+
+// Claim: a second tool that goes just where the first one's field moves its point changes nothing: the first
+// feels what it felt, the second nothing. Both to a tenth of what is beyond linear at the first: the weight
+// of the order that does not say so is 0.05 of all tools' energies over the first one's, the second having
+// next to none.
+TEST(CoupledTools, ThatAreMovedAlongAreNotFelt) {
+  const LinearBody body(7);
+  Model model = bent(body);
+  for (ActiveNodeModel& node : model.nodes) node.conservative.coefficients *= 5;
+  const LoadedModel loaded(write_model_text(model)), linear(write_model_text(body.model));
+  for (const std::int32_t other : {0, 2, 4, 5, 6}) {
+    const std::int32_t first = 1;
+    const Eigen::Vector3d d(0.005, 0.004, -0.002);
+    Eigen::Vector3d alone, straight;
+    Points field(7, 3);
+    EXPECT_GE(phn_force(loaded.model, loaded.data, first, d.data(), alone.data()), 0);
+    EXPECT_GE(phn_force(linear.model, linear.data, first, d.data(), straight.data()), 0);
+    EXPECT_GE(phn_deform(loaded.model, loaded.data, 1, &first, d.data(), field.data()), 0);
+    const phn_tool tools[2] = {tool(first, -1, -1, 1, 0, d[0], d[1], d[2]),
+                               tool(other, -1, -1, 1, 0, field(other, 0), field(other, 1), field(other, 2))};
+    Eigen::Matrix<double, 3, 2> forces;
+    EXPECT_GE(phn_couple(loaded.model, loaded.data, 2, tools, forces.data(), nullptr), 0);
+    const double curved = (alone - straight).norm();
+    EXPECT_GT(curved, 0.02 * alone.norm());
+    EXPECT_LT((forces.col(0) - alone).norm(), 0.1 * curved) << other;
+    EXPECT_LT(forces.col(1).norm(), 0.1 * curved) << other;
+  }
+}
+
+// Claim: tools too near each other to follow each other's contradictions say so, and give forces that a
+// device can render: opposed they may be 1 / (2 least_apart) = 10 times what linear tools would feel alone at
+// their displacements.
+TEST_P(CoupledToolsOf, ForcesAreBounded) {
   const LoadedModel loaded(write_model_text(small_model_of(GetParam())));
-  int n_guesses = 0;
+  int n_given_up = 0;
   for (const double apart : {1e-3, 1e-5, 1e-7, 0.0}) {
     const phn_tool tools[2] = {tool(3, 5, 8, 0.4, 0.3, 0.005, 0.004, -0.003),
                                tool(3, 5, 8, 0.4 - apart, 0.3 + apart, -0.004, 0.005, 0.002)};
@@ -256,21 +334,15 @@ TEST_P(CoupledToolsOf, GuessesAreBounded) {
       ASSERT_GE(phn_couple(loaded.model, loaded.data, 1, tools + t, alone[t].data(), nullptr), 0);
     const int status = phn_couple(loaded.model, loaded.data, 2, tools, forces.data(), nullptr);
     ASSERT_GE(status, 0);
-    if (!(status & PHN_WARNING_UNSETTLED)) continue;
-    ++n_guesses;
-    // The force that a tool feels alone is corrected by what its own field misses: a tenth more room for
-    // that.
-    for (int t = 0; t < 2; ++t) EXPECT_LE(forces.col(t).norm(), 2.2 * (alone[0].norm() + alone[1].norm()));
+    n_given_up += (status & PHN_WARNING_UNSETTLED) != 0;
+    for (int t = 0; t < 2; ++t) EXPECT_LE(forces.col(t).norm(), 10 * (alone[0].norm() + alone[1].norm()));
   }
-  if (GetParam() != Family::linear) {
-    EXPECT_GT(n_guesses, 0);
-  }
+  EXPECT_GT(n_given_up, 1);
 }
 
-// Claim: tools near each other that ask for the same are felt together as one tool is, however close they are
-// and whether or not they settle: what they ask for does not contradict itself. The body bends so much that
-// some do not settle. 20 %: what its single nodes say of each other differs by up to 8 %; a guess that takes
-// them at their word is off by 100 % and has four times the force at each.
+// Claim: tools near each other that ask for the same are felt together as one tool is, the better the closer
+// they are: what they ask for does not contradict itself. The body bends so much that two nodes' responses to
+// each other differ by up to 8 %; at a place that is the same what is left are the 1e-5 of 16-bit tables.
 TEST(CoupledTools, ThatAgreeAreFeltAsOne) {
   const LinearBody body(7);
   Model model = bent(body);
@@ -281,7 +353,6 @@ TEST(CoupledTools, ThatAgreeAreFeltAsOne) {
     node.modal.weights = scaled_table(weights);
   }
   const LoadedModel loaded(write_model_text(model));
-  int n_guesses = 0;
   for (const double apart : {1e-2, 1e-3, 1e-4, 1e-5, 1e-7, 1e-9, 0.0}) {
     for (const double sign : {1.0, -1.0}) {
       const Eigen::Vector3d d(0.009 * sign, 0.007, -0.005 * sign);
@@ -290,13 +361,28 @@ TEST(CoupledTools, ThatAgreeAreFeltAsOne) {
       Eigen::Vector3d one;
       Eigen::Matrix<double, 3, 2> forces;
       ASSERT_GE(phn_couple(loaded.model, loaded.data, 1, tools, one.data(), nullptr), 0);
-      const int status = phn_couple(loaded.model, loaded.data, 2, tools, forces.data(), nullptr);
-      ASSERT_GE(status, 0);
-      n_guesses += (status & PHN_WARNING_UNSETTLED) != 0;
-      EXPECT_LT((forces.rowwise().sum() - one).norm(), 0.2 * one.norm()) << apart;
+      ASSERT_GE(phn_couple(loaded.model, loaded.data, 2, tools, forces.data(), nullptr), 0);
+      EXPECT_LT((forces.rowwise().sum() - one).norm(), (2 * apart + 1e-4) * one.norm()) << apart;
     }
   }
-  EXPECT_GT(n_guesses, 1);
+}
+
+// Claim: two tools that come together, meet and part feel no jump: a step of 1e-6 of the weights on the way
+// changes forces by no more than 1e-3 of the largest.
+TEST(CoupledTools, MeetWithoutAJump) {
+  const LinearBody body(7);
+  const LoadedModel loaded(write_model_text(bent(body)));
+  const auto forces_at = [&](double apart) {
+    const phn_tool tools[2] = {tool(1, 2, 3, 0.4, 0.3, 0.005, 0.004, -0.002),
+                               tool(1, 2, 3, 0.4 - apart, 0.3 + apart, -0.003, 0.006, 0.001)};
+    Eigen::Matrix<double, 6, 1> forces;
+    EXPECT_GE(phn_couple(loaded.model, loaded.data, 2, tools, forces.data(), nullptr), 0);
+    return forces;
+  };
+  for (double apart = -0.25; apart < 0.35; apart += 0.004) {
+    const auto here = forces_at(apart), there = forces_at(apart + 1e-6);
+    EXPECT_LT((there - here).norm(), 1e-3 * here.norm()) << apart;
+  }
 }
 
 // Claim: forces are continuous where a tool slides over an edge or a node, and the answer is the same
@@ -330,7 +416,7 @@ TEST_P(CoupledToolsOf, AnswerOrRefuseEveryInput) {
   const LoadedModel loaded(write_model_text(small_model_of(GetParam())));
   const auto status = [&](std::vector<phn_tool> tools) {
     std::vector<double> forces(3 * tools.size() + 3, nan);
-    phn_coupled result = {nan, nan, -1};
+    phn_coupled result = {nan, nan};
     const int said = phn_couple(loaded.model, loaded.data, static_cast<int>(tools.size()), tools.data(),
                                 forces.data(), &result);
     for (std::size_t i = 0; i < 3 * tools.size(); ++i)

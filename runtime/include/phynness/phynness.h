@@ -141,10 +141,9 @@ typedef struct phn_tool {
 int phn_nearest(const phn_model *model, const double x[3], phn_tool *tool, double point[3]);
 
 typedef struct phn_coupled {
-  double residual;    /* largest distance between a tool's point and where the tool holds it, in the field [m]: rounding, as
-                       * the field is made to fit in the end. Whether the forces settled PHN_WARNING_UNSETTLED tells */
-  double energy;      /* [J]; 0 in networks, which have none */
-  int32_t iterations; /* 0 for one tool, at most 40 */
+  double residual; /* largest distance between a tool's point and where the tool holds it, in the field [m]: rounding, but
+                    * where PHN_WARNING_UNSETTLED says that tools are too near each other */
+  double energy;   /* [J]; 0 in networks, which have none */
 } phn_coupled;
 
 /* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3, from the responses of single nodes (docs/theory.md,
