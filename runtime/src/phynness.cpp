@@ -62,11 +62,11 @@ const char* phn_status_message(int status) {
     case PHN_OK:
       return "good";
     case PHN_WARNING_UNSETTLED:
-      return "coupled tools did not settle: the forces are a guess";
+      return "coupled tools are too near each other: not all of them are followed";
     case PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE:
     case PHN_WARNING_UNSETTLED | PHN_WARNING_INCOMPLETE:
     case PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE:
-      return "coupled tools did not settle, at displacements beyond or beside what was trained";
+      return "coupled tools are too near each other, at displacements beyond or beside what was trained";
     case PHN_WARNING_OUTSIDE:
       return "displacement is beyond the depth trained in its direction";
     case PHN_WARNING_INCOMPLETE:
