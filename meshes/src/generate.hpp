@@ -26,6 +26,7 @@ RawMesh mesh_solid(const Solid& solid, double edge_m);
 /// An open tube around z from 0 to its length; an ellipse is cut out of its upper wall (y > 0), in the middle.
 struct Drain {
   double radius_m = 0, length_m = 0, slit_length_m = 0, slit_width_m = 0;
+  int mirror_axis = -1;  ///< 0, 2: the mesh is made symmetric in the plane through the middle across x or z
   double area_m2() const;
 };
 /// Triangles of its middle surface.

@@ -2,6 +2,7 @@
 
 #include "generate.hpp"
 #include "gmsh_session.hpp"
+#include "mirror.hpp"
 
 namespace phynness::meshes {
 
@@ -10,6 +11,7 @@ RawMesh mesh_drain(const Drain& drain, double edge_m) {
   const double radius = drain.radius_m / edge_m, length = drain.length_m / edge_m;
   const double slit_length = drain.slit_length_m / edge_m, slit_width = drain.slit_width_m / edge_m;
   constexpr double quarter_turn = 1.5707963267948966;
+  const int axis = drain.mirror_axis;
   const GmshSession session;
   RawMesh raw;
   session.run("mesh the drain", [&] {
@@ -31,6 +33,13 @@ RawMesh mesh_drain(const Drain& drain, double edge_m) {
       if (entity.first == 3) bodies.push_back(entity);
     std::vector<gmsh::vectorpair> map;
     occ::cut(tube, bodies, left, map);
+    // What gmsh makes of a symmetric shape is not symmetric: so it meshes a half, which is mirrored.
+    if (axis >= 0) {
+      const double reach = 2 * radius, height = axis == 2 ? length / 2 : length;
+      const int half = occ::addBox(axis == 0 ? 0 : -reach, -reach, 0, axis == 0 ? reach : 2 * reach, 2 * reach, height);
+      const gmsh::vectorpair whole = left;
+      occ::intersect(whole, {{3, half}}, left, map);
+    }
     occ::synchronize();
     gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
     gmsh::option::setNumber("Mesh.MeshSizeMin", 1);
@@ -40,7 +49,11 @@ RawMesh mesh_drain(const Drain& drain, double edge_m) {
   });
   for (auto& x : raw.nodes)
     for (auto& component : x) component *= edge_m;
-  return raw;
+  if (axis < 0) return raw;
+  Eigen::RowVector3d normal = Eigen::RowVector3d::Zero(), point = normal;
+  normal[axis] = 1;
+  if (axis == 2) point[axis] = drain.length_m / 2;
+  return with_mirror_image(std::move(raw), point, normal, 1e-6 * edge_m, "shape 'drain'");
 }
 
 }  // namespace phynness::meshes

@@ -58,6 +58,13 @@ void check_spec(const MeshSpec& spec) {
       refuse("a dimension must be positive", std::to_string(value), "give metres");
 }
 
+/// The axis of coordinates across which the scene's plane of symmetry lies, or -1.
+int mirror_axis(const MeshSpec& spec) {
+  for (int k = 0; spec.symmetry && k < 3; ++k)
+    if (std::abs(spec.symmetry->normal[k]) == 1) return k;
+  return -1;
+}
+
 Solid solid_of(const MeshSpec& spec) {
   Solid solid;
   solid.shape = spec.shape;
@@ -66,8 +73,7 @@ Solid solid_of(const MeshSpec& spec) {
                               spec.shape == Shape::tube ? default_tube_radius_m : default_cylinder_radius_m);
   solid.inner_radius_m = or_default(spec.inner_radius_m, default_wall * solid.radius_m);
   solid.length_m = or_default(spec.length_m, default_length_m);
-  for (int k = 0; spec.symmetry && k < 3; ++k)
-    if (std::abs(spec.symmetry->normal[k]) == 1) solid.mirror_axis = k;
+  solid.mirror_axis = mirror_axis(spec);
   if (spec.shape == Shape::tube && solid.inner_radius_m >= solid.radius_m)
     throw input_error(
         place(spec) + ": a tube's inner radius must be smaller than its radius",
@@ -119,6 +125,7 @@ MeshResult drain(const MeshSpec& spec) {
   drain.length_m = or_default(spec.length_m, default_drain_length_m);
   drain.slit_length_m = or_default(spec.slit_length_m, drain.length_m / 2);
   drain.slit_width_m = or_default(spec.slit_width_m, std::min(default_slit_width_m, drain.radius_m / 2));
+  if (mirror_axis(spec) == 0 || mirror_axis(spec) == 2) drain.mirror_axis = mirror_axis(spec);  // the slit is above
   const auto refuse = [&](const char* what, double value, const char* remedy) {
     throw input_error(place(spec) + ": " + what, std::to_string(value) + " m", remedy);
   };
@@ -203,7 +210,7 @@ MeshResult shell_from_file(const MeshSpec& spec, const RawMesh& raw, const std::
 
 /// A file that holds one half of the body.
 RawMesh mirrored_file(RawMesh half, const MeshSpec& spec, const std::string& source) {
-  if (half.tetrahedra.empty())
+  if (half.tetrahedra.empty() && !(spec.thickness_m > 0))
     throw input_error(place(spec) + ": half = true needs tetrahedra, but the file holds a surface", source,
                       "mesh the half in another program (gmsh), or give the whole body");
   const auto& plane = *spec.symmetry;

@@ -106,7 +106,8 @@ void check_cells(const Mesh& mesh, const SymmetryPlane& plane, const std::vector
   std::set<Corners> cells;
   const auto corners = [&](Eigen::Index c, bool mirrored) {
     Corners nodes{};
-    for (int k = 0; k < 4; ++k)
+    nodes.fill(-1);  // shells have three
+    for (Eigen::Index k = 0; k < mesh.cells.cols(); ++k)
       nodes[static_cast<std::size_t>(k)] = mirrored ? image[mesh.cells(c, k)] : mesh.cells(c, k);
     std::sort(nodes.begin(), nodes.end());
     return nodes;
@@ -168,7 +169,15 @@ RawMesh with_mirror_image(RawMesh half, const Vector& point, const Vector& norma
     // A mirror turns a cell inside out: two corners change places.
     half.tetrahedra.push_back({image[cell[0]], image[cell[2]], image[cell[1]], image[cell[3]]});
   }
-  half.triangles.clear();  // of the half: its cut face is inside the whole
+  if (n_cells > 0) {
+    half.triangles.clear();  // of the half: its cut face is inside the whole
+  } else {
+    const std::size_t n_triangles = half.triangles.size();
+    for (std::size_t t = 0; t < n_triangles; ++t) {
+      const auto triangle = half.triangles[t];
+      half.triangles.push_back({image[triangle[0]], image[triangle[2]], image[triangle[1]]});
+    }
+  }
   for (auto& [name, nodes] : half.groups) {
     const auto count = nodes.size();
     for (std::size_t i = 0; i < count; ++i) nodes.push_back(image[nodes[i]]);
