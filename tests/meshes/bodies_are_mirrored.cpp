@@ -93,14 +93,15 @@ TEST(MirroredShape, IsTheDrainThatItIsWithoutAPlane) {
   scene.mesh.symmetry.reset();
   const Mesh plain = make_mesh(scene).mesh;
   const auto area = [](const Mesh& mesh) {
-    double sum = 0;
+    double sum = 0, outward = 0;
     for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
       const Eigen::Vector3d a = mesh.nodes.row(mesh.cells(t, 0)), b = mesh.nodes.row(mesh.cells(t, 1)),
                             c = mesh.nodes.row(mesh.cells(t, 2)), n = (b - a).cross(c - a) / 2,
                             m = (a + b + c) / 3;
-      EXPECT_GT(n[0] * m[0] + n[1] * m[1], 0);  // the tube's axis is z
+      outward += n[0] * m[0] + n[1] * m[1] > 0 ? 1 : -1;  // the tube's axis is z
       sum += n.norm();
     }
+    EXPECT_EQ(std::abs(outward), static_cast<double>(mesh.cells.rows()));
     return sum;
   };
   EXPECT_NEAR(area(mirrored), area(plain), 0.01 * area(plain));
