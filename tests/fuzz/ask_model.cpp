@@ -293,7 +293,8 @@ class Asker {
     require(phn_set_level(_model, _data, wanted) == (there ? PHN_OK : PHN_ERROR_ARGUMENT), "set or refused");
     require(phn_level_of(_data) == (there ? wanted : before), "the level that was set");
     phn_level info;
-    require(phn_level_info(_model, wanted, &info) == (there ? PHN_OK : PHN_ERROR_ARGUMENT), "told or refused");
+    require(phn_level_info(_model, wanted, &info) == (there ? PHN_OK : PHN_ERROR_ARGUMENT),
+            "told or refused");
     require(info.error_force >= 0 && info.error_displacement >= 0, "errors are not negative");
     std::vector<phn_level_time> times(static_cast<std::size_t>(n));
     for (auto& time : times) time = {_script.number(), _script.number()};

@@ -102,9 +102,9 @@ TEST(EveryInput, TheLargestModalModelStaysFinite) {
   }
 }
 
-// Claim: networks whose displacements a float could not hold are refused by the runtime in float, with the loader's word
-// for it, full ones and smaller levels; those just below have finite answers. In double both have. Forces, which are
-// scaled in double, may be larger.
+// Claim: networks whose displacements a float could not hold are refused by the runtime in float, with the
+// loader's word for it, full ones and smaller levels; those just below have finite answers. In double both
+// have. Forces, which are scaled in double, may be larger.
 TEST(EveryInput, NetworksStayInTheRangeOfTheirNumbers) {
   for (const bool smaller_level : {false, true}) {
     for (const double reach : {1e35, 1e40}) {
@@ -112,7 +112,8 @@ TEST(EveryInput, NetworksStayInTheRangeOfTheirNumbers) {
       ActiveNodeModel& node = model.nodes[0];
       node.force.output_half_range.setConstant(1e200);
       node.deformation.output_half_range.setConstant(1e20);
-      (smaller_level ? node.levels[0].deformation.weights : node.deformation.weights).setConstant(reach / 1e21);
+      (smaller_level ? node.levels[0].deformation.weights : node.deformation.weights)
+          .setConstant(reach / 1e21);
       const std::string text = write_model_text(model);
       std::size_t bytes = 0;
       if (in_float && reach > 1e37) {
@@ -137,12 +138,16 @@ TEST(EveryInput, NetworksStayInTheRangeOfTheirNumbers) {
   }
 }
 
-// Claim: sizes that addresses cannot tell are refused, whatever they are made of, and never wrap to small ones, as they
-// would on devices of 32 bits; what was taken before is kept out of the way of what comes after.
+// Claim: sizes that addresses cannot tell are refused, whatever they are made of, and never wrap to small
+// ones, as they would on devices of 32 bits; what was taken before is kept out of the way of what comes
+// after.
 TEST(EveryInput, SizesDoNotWrap) {
   constexpr std::size_t most = std::numeric_limits<std::size_t>::max();
-  const std::pair<std::size_t, std::size_t> too_many[] = {
-      {most, 1}, {most / 8 + 2, 1}, {most / 16, 2}, {std::size_t(1) << 40, std::size_t(1) << 40}, {3, most / 3}};
+  const std::pair<std::size_t, std::size_t> too_many[] = {{most, 1},
+                                                          {most / 8 + 2, 1},
+                                                          {most / 16, 2},
+                                                          {std::size_t(1) << 40, std::size_t(1) << 40},
+                                                          {3, most / 3}};
   for (const auto& [n, per] : too_many) {
     runtime::Arena arena;
     arena.take<double>(1000);
