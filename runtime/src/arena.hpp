@@ -26,18 +26,7 @@ class Arena {
   /// `n` x `per` objects of T, uninitialized; null when counting or when the memory is used up.
   template <class T>
   T* take(std::size_t n, std::size_t per = 1) {
-    if (_overflow) return nullptr;
-    if (per > 0 && n > largest / sizeof(T) / per) return beyond<T>();
-    const std::size_t size = n * per * sizeof(T), align = size < smallest_aligned ? alignof(T) : alignment;
-    if (size > largest - _used) return beyond<T>();
-    const std::size_t at = (_used + align - 1) / align * align;
-    _used = at + size;
-    if (_base == nullptr) return nullptr;
-    if (_used > _bytes) {
-      _overflow = true;
-      return nullptr;
-    }
-    return reinterpret_cast<T*>(_base + at);
+    return static_cast<T*>(take(n, per, sizeof(T), alignof(T)));
   }
 
   bool counting() const { return _base == nullptr; }
@@ -50,11 +39,8 @@ class Arena {
   /// Half of what addresses can tell: sums of an array and what was taken before do not wrap, on devices of 32 bits neither.
   static constexpr std::size_t largest = static_cast<std::size_t>(PTRDIFF_MAX) - 2 * alignment;
 
-  template <class T>
-  T* beyond() {
-    _overflow = true;
-    return nullptr;
-  }
+  /// Not in the header: it is called some seventy times.
+  void* take(std::size_t n, std::size_t per, std::size_t size, std::size_t align);
 
   unsigned char* _base = nullptr;
   std::size_t _bytes = 0, _used = 0;
