@@ -32,6 +32,14 @@ ForceThread::ForceThread(const LoopSettings& settings, const phn_model* model, p
     for (int k = 0; k < 3; ++k) _rest_stiffness[3 * i + k] = (slope[3 * i + k] + slope[3 * k + i]) / 2;
 }
 
+ForceThread::ForceThread(const LoopSettings& settings, const phn_model* model, TouchingTool& touching)
+    : _settings(settings), _model(model), _touching(&touching) {}
+
+void ForceThread::follow_touching(Vector3 position) {
+  _tool = _touching->follow(position, _tool, _settings.coupling_stiffness_N_per_m, _settings.largest_displacement_m);
+  _warnings += _touching->status() > 0;
+}
+
 void ForceThread::follow(Vector3 position) {
   const double d[3] = {_tool.x, _tool.y, _tool.z};
   double force[3] = {}, stiffness[9] = {};
@@ -73,15 +81,25 @@ Vector3 ForceThread::step(Vector3 position, long taken, long cycle) {
     return force;
   }
   if (!_started) _last_position = position;
+  if (!_started && _touching) _tool = position;
   _started = true;
   const Vector3 moved = position - _last_position, tool_before = _tool;
-  follow(position);
+  if (_touching) {
+    follow_touching(position);
+  } else {
+    follow(position);
+  }
   const Vector3 slip = (moved - (_tool - tool_before));
   force = _settings.coupling_stiffness_N_per_m * (_tool - position) -
           (_settings.coupling_damping_Ns_per_m / _settings.period_s) * slip;
   force = kept_passive(force, moved);
   _last_position = position;
   _last_force = force;
-  _touch.write({_tool, cycle});
+  Touch touch;
+  touch.displacement = _tool;
+  touch.cycle = cycle;
+  touch.anywhere = _touching != nullptr;
+  if (_touching) touch.held = _touching->held();
+  _touch.write(touch);
   return force;
 }

@@ -4,6 +4,7 @@
 #include <phynness/phynness.h>
 
 #include "latest.hpp"
+#include "touching_tool.hpp"
 #include "vector3.hpp"
 
 struct LoopSettings {
@@ -18,7 +19,9 @@ struct LoopSettings {
 
 /// What the picture thread needs: small, copied.
 struct Touch {
-  Vector3 displacement;
+  Vector3 displacement;                           ///< of the tool; of the node that it holds, if it holds one
+  bool anywhere = false;                          ///< it touches through the surface, where `held` says
+  phn_tool held{{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
   long cycle = 0;
 };
 
@@ -26,8 +29,10 @@ class ForceThread {
  public:
   /// The tool holds active node `node`.
   ForceThread(const LoopSettings& settings, const phn_model* model, phn_data* data, int32_t node);
+  /// The tool is a sphere that touches the surface, and `touching` is used by this thread alone.
+  ForceThread(const LoopSettings& settings, const phn_model* model, TouchingTool& touching);
 
-  /// @param position  of the device, m from where the tool touched; taken in cycle `taken`
+  /// @param position  of the device, m from where the tool touched, or in the frame of `touching`; taken in cycle `taken`
   /// @return force for the motors [N]; zero if the position is stale
   Vector3 step(Vector3 position, long taken, long cycle);
 
@@ -42,13 +47,15 @@ class ForceThread {
  private:
   /// The tool between the spring of the coupling and the tissue: one Newton step of their balance a cycle.
   void follow(Vector3 position);
+  void follow_touching(Vector3 position);
   Vector3 kept_passive(Vector3 force, Vector3 moved);
 
   LoopSettings _settings;
   const phn_model* _model;
-  phn_data* _data;
-  int32_t _node;
-  double _rest_stiffness[9];  ///< where the family has none
+  phn_data* _data = nullptr;
+  int32_t _node = -1;
+  TouchingTool* _touching = nullptr;
+  double _rest_stiffness[9] = {};  ///< where the family has none
   Latest<Touch> _touch;
   Vector3 _tool, _last_position, _last_force;
   bool _started = false;

@@ -30,6 +30,10 @@ const char* const help =
     "  --coupling N/M    stiffness between device and tool (default 400)\n"
     "  --no-controller   observe energy only\n"
     "  --stall A,N       the device's positions freeze for N cycles from cycle A on\n"
+    "  --contact         the tool is a sphere that comes from the air, touches, slides and leaves: x and y along the\n"
+    "                    surface at node J, z outward; position 0 is a fifth of the reach above the surface\n"
+    "  --radius METRES   of that sphere (default 0.004)\n"
+    "  --friction MU     its coefficient of friction (default 0)\n"
     "  --fps F           of the picture thread (default 100)\n"
     "  --realtime        SCHED_FIFO and locked memory, if this user may\n";
 
@@ -37,7 +41,8 @@ struct Options {
   std::string model_dir, motion;
   long node = -1, cycles = 10000, stall_from = -1, stall_cycles = 0;
   double reach_m = 0, frames_per_s = 100, coupling = 400;
-  bool free_running = false, controller = true, realtime = false;
+  TouchingSettings sphere;
+  bool free_running = false, controller = true, realtime = false, contact = false, of_contact = false;
 };
 
 double number(const char* option, const char* text) {
@@ -79,6 +84,14 @@ Options parse(int argc, char** argv) {
       const char* text = next();
       if (!text || std::sscanf(text, "%ld,%ld", &o.stall_from, &o.stall_cycles) != 2)
         throw std::invalid_argument("--stall needs a cycle and a number of cycles, such as 500,20");
+    } else if (word == "--contact") {
+      o.contact = true;
+    } else if (word == "--radius") {
+      o.sphere.radius_m = number("--radius", next());
+      o.of_contact = true;
+    } else if (word == "--friction") {
+      o.sphere.friction = number("--friction", next());
+      o.of_contact = true;
     } else if (word == "--fps") {
       o.frames_per_s = number("--fps", next());
     } else if (word == "--realtime") {
@@ -89,6 +102,7 @@ Options parse(int argc, char** argv) {
       o.model_dir = word;
     }
   }
+  if (o.of_contact && !o.contact) throw std::invalid_argument("--radius and --friction are of a sphere: add --contact");
   if (o.model_dir.empty() || o.node < 0) throw std::invalid_argument("a model directory and --node are needed (--help)");
   return o;
 }
@@ -111,6 +125,16 @@ class Model {
       check(phn_data_init(_data_memory[i].get(), bytes, _model, 1, &_data[i]), file);
     }
   }
+  /// Of one tool.
+  phn_contact* make_contact() {
+    std::size_t bytes = 0;
+    const int status = phn_contact_size(_model, 1, &bytes);
+    if (status < 0) throw std::runtime_error(std::string("--contact: no triangle can be touched: ") + phn_status_message(status));
+    _contact_memory.reset(new char[bytes]);
+    phn_contact* contact = nullptr;
+    check(phn_contact_init(_contact_memory.get(), bytes, _model, 1, &contact), "--contact");
+    return contact;
+  }
   const phn_model* model() const { return _model; }
   phn_data* data(int thread) const { return _data[thread]; }
 
@@ -118,7 +142,7 @@ class Model {
   static void check(int status, const std::string& file) {
     if (status < 0) throw std::runtime_error(file + ": " + phn_status_message(status));
   }
-  std::unique_ptr<char[]> _model_memory, _data_memory[2];
+  std::unique_ptr<char[]> _model_memory, _data_memory[2], _contact_memory;
   const phn_model* _model = nullptr;
   phn_data* _data[2] = {};
 };
@@ -177,7 +201,7 @@ struct Lateness {
 };
 
 void run(const Options& o) {
-  const Model model(o.model_dir);
+  Model model(o.model_dir);
   const auto node = static_cast<int32_t>(o.node);
   const double rest[3] = {0, 0, 0};
   double force[3], depth = 0;
@@ -189,10 +213,17 @@ void run(const Options& o) {
   settings.coupling_stiffness_N_per_m = o.coupling;
   settings.passivity_controller = o.controller;
   settings.largest_displacement_m = depth;
-  const HandMotion motion =
-      o.motion.empty() ? HandMotion(o.reach_m > 0 ? o.reach_m : depth / 2) : HandMotion::recorded(o.motion);
+  const double reach = o.reach_m > 0 ? o.reach_m : depth / 2;
+  const HandMotion motion = o.motion.empty() ? HandMotion(reach) : HandMotion::recorded(o.motion);
   SimulatedDevice device({}, motion);
-  ForceThread loop(settings, model.model(), model.data(0), node);
+  std::unique_ptr<TouchingTool> touching;
+  if (o.contact) {
+    TouchingSettings sphere = o.sphere;
+    sphere.clearance_m = reach / 5;
+    touching.reset(new TouchingTool(sphere, model.model(), model.data(0), model.make_contact(), node));
+  }
+  ForceThread loop = touching ? ForceThread(settings, model.model(), *touching)
+                              : ForceThread(settings, model.model(), model.data(0), node);
   // Before the priority is raised, which threads would inherit.
   PictureThread picture(loop.touch(), model.model(), model.data(1), node, o.frames_per_s);
   if (o.realtime) ask_for_realtime();
@@ -237,6 +268,9 @@ void run(const Options& o) {
               1e3 * loop.most_generated());
   std::printf("force                largest %.3g N; zero for %ld cycles with stale positions\n", largest_force,
               loop.stale_cycles());
+  if (touching)
+    std::printf("contact              %ld touches, %.1f %% of the cycles\n", touching->touches(),
+                100.0 * static_cast<double>(touching->cycles_in_contact()) / static_cast<double>(o.cycles));
   std::printf("trained range left   in %ld cycles\n", loop.warnings());
   std::printf("picture              %ld frames, slowest deformation %.1f us, largest displacement %.3g mm\n",
               picture.frames(), picture.slowest_frame_us(), 1e3 * picture.largest_displacement_m());

@@ -26,7 +26,13 @@ void PictureThread::run(int32_t node, double frames_per_s) {
     if (!_touch.read(touch)) continue;
     const auto start = Clock::now();
     const double d[3] = {touch.displacement.x, touch.displacement.y, touch.displacement.z};
-    if (phn_deform(_model, _data, 1, &node, d, _field.data()) < 0) continue;
+    double force[3];
+    const int32_t n_held = touch.held.nodes[0] >= 0 ? 1 : 0;
+    const int status = !touch.anywhere ? phn_deform(_model, _data, 1, &node, d, _field.data())
+                       : phn_couple(_model, _data, n_held, &touch.held, force, nullptr) < 0
+                           ? PHN_ERROR_ARGUMENT
+                           : phn_coupled_deform(_model, _data, _field.data());
+    if (status < 0) continue;
     _slowest_us = std::max(_slowest_us, std::chrono::duration<double, std::micro>(Clock::now() - start).count());
     for (std::size_t i = 0; i < _field.size(); i += 3)
       _largest_m = std::max(_largest_m, length({_field[i], _field[i + 1], _field[i + 2]}));

@@ -23,26 +23,25 @@ class Arena {
     _bytes = bytes > skipped ? bytes - skipped : 0;
   }
 
-  /// `n` objects of T, uninitialized; null when counting or when the memory is used up.
+  /// `n` x `per` objects of T, uninitialized; null when counting or when the memory is used up.
   template <class T>
-  T* take(std::size_t n) {
-    const std::size_t size = n * sizeof(T), align = size < smallest_aligned ? alignof(T) : alignment;
-    const std::size_t at = (_used + align - 1) / align * align;
-    _used = at + size;
-    if (_base == nullptr) return nullptr;
-    if (_used > _bytes) {
-      _overflow = true;
-      return nullptr;
-    }
-    return reinterpret_cast<T*>(_base + at);
+  T* take(std::size_t n, std::size_t per = 1) {
+    return static_cast<T*>(take(n, per, sizeof(T), alignof(T)));
   }
 
   bool counting() const { return _base == nullptr; }
+  /// Whether the memory was used up, or when counting: more than any memory has.
   bool overflow() const { return _overflow; }
   /// Bytes to ask for, whatever the alignment of the memory will be.
   std::size_t needed() const { return _used + alignment - 1; }
 
  private:
+  /// Half of what addresses can tell: sums of an array and what was taken before do not wrap, on devices of 32 bits neither.
+  static constexpr std::size_t largest = static_cast<std::size_t>(PTRDIFF_MAX) - 2 * alignment;
+
+  /// Not in the header: it is called some seventy times.
+  void* take(std::size_t n, std::size_t per, std::size_t size, std::size_t align);
+
   unsigned char* _base = nullptr;
   std::size_t _bytes = 0, _used = 0;
   bool _overflow = false;

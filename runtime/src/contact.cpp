@@ -77,6 +77,7 @@ int phn_contact_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
   if (n == 0) return PHN_ERROR_UNDEFINED;
   Arena arena;
   lay_out_contact(arena, *model, n);
+  if (arena.overflow()) return PHN_ERROR_RANGE;
   *bytes = arena.needed();
   return PHN_OK;
 }

@@ -645,13 +645,13 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   const std::size_t n_locals = 3 * t * t;
   c.point = arena.take<HeldPoint>(t);
   c.local = arena.take<LocalResponse>(n_locals);
-  auto* rows = arena.take<double>(3 * model.n_basis * (n_locals + 1));
+  auto* rows = arena.take<double>(3 * model.n_basis, n_locals + 1);
   for (std::size_t i = 0; c.local && rows && i < n_locals; ++i) c.local[i].rows = rows + 3 * model.n_basis * i;
   c.pair.rows = rows ? rows + 3 * model.n_basis * n_locals : nullptr;
   c.rest_response = arena.take<double>(9 * n_locals);
-  c.rest_gradient = arena.take<double>(9 * t * model.n_basis);
-  c.node_basis = arena.take<double>(3 * t * model.n_basis);
-  c.field_basis = arena.take<double>(3 * t * model.n_basis);
+  c.rest_gradient = arena.take<double>(9 * t, model.n_basis);
+  c.node_basis = arena.take<double>(3 * t, model.n_basis);
+  c.field_basis = arena.take<double>(3 * t, model.n_basis);
   c.basis = arena.take<double>(model.n_basis);
   c.gradient = arena.take<double>(3 * model.n_basis);
   c.kernel = arena.take<double>(3 * (static_cast<std::size_t>(model.shared.n_centers) + 3));

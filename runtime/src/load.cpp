@@ -59,6 +59,8 @@ void read_weights(TextReader& in, Arena& arena, Network& net, ReadCenter read_ce
   for (int k = 0; k < 3; ++k) {
     const double bound = std::fabs(net.output_center[k]) + net.output_half_range[k] * largest[k];
     if (in.good() && !(bound < largest_output)) in.fail(PHN_ERROR_RANGE);
+    // Forces are scaled in double after they were summed, displacements before.
+    if (in.good() && net.n_inputs == 6 && !(bound <= largest_displacement_sum)) in.fail(PHN_ERROR_RANGE);
   }
 }
 

@@ -114,11 +114,13 @@ void load_conservative(TextReader& in, Arena& arena, std::int32_t n_displacement
   Column<std::int32_t> centers(arena, n);
   Column<float> short_values(arena, floats ? n_values : 0);
   Column<double> values(arena, floats ? 0 : n_values);
+  double size = 0;
   for (std::int32_t i = 0; i < n && in.good(); ++i) {
     centers.set(i, center(in, n_displacements, model));
     for (int k = 0; k < 3; ++k) {
       const double value = linear_entry(in);
-      if (!(std::fabs(value) <= largest_weight)) in.fail(PHN_ERROR_RANGE);
+      size += std::fabs(value);
+      if (!(std::fabs(value) <= largest_weight && size <= largest_weight_sum)) in.fail(PHN_ERROR_RANGE);
       if (floats) {
         short_values.set(3 * static_cast<std::size_t>(i) + k, static_cast<float>(value));
       } else {

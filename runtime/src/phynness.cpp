@@ -118,6 +118,7 @@ int phn_model_size(const char* text, size_t length, size_t* bytes) {
   Arena arena;
   const phn_model* none = nullptr;
   const int status = phynness::runtime::load_model(text, length, arena, &none);
+  if (arena.overflow()) return PHN_ERROR_RANGE;
   if (status == PHN_OK) *bytes = arena.needed();
   return status;
 }
@@ -136,6 +137,7 @@ int phn_data_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
   if (model == nullptr || max_tools < 1) return PHN_ERROR_ARGUMENT;
   Arena arena;
   lay_out(arena, *model, max_tools);
+  if (arena.overflow()) return PHN_ERROR_RANGE;
   *bytes = arena.needed();
   return PHN_OK;
 }

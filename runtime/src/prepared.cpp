@@ -53,10 +53,10 @@ PreparedNodes lay_out_prepared(Arena& arena, const phn_model& model, std::int32_
   for (std::int32_t i = 0; i < prepared.n; ++i) {
     PreparedNode entry = {-1, 0, nullptr, nullptr, nullptr};
     if (model.family == Family::rbfn) {
-      entry.gaussians = arena.take<Real>(node_count(model) * model.n_basis);
+      entry.gaussians = arena.take<Real>(node_count(model), model.n_basis);
     } else {
       entry.near_mode = arena.take<double>(model.prepared_near);
-      entry.modes = arena.take<float>(row_count(model) * m);
+      entry.modes = arena.take<float>(row_count(model), m);
     }
     if (prepared.node) prepared.node[i] = entry;
   }

@@ -15,9 +15,14 @@ using Real = float;
 /// Weights and coefficients that models may hold, and inputs of networks, which are cut there: sums of them times kernels
 /// stay finite.
 inline constexpr double largest_weight = 1e25, largest_input = 1e15;
+/// Sums of sizes of coefficients of a force: kernels of inputs that are cut stay below 1e7.
+inline constexpr double largest_weight_sum = 1e30;
+/// Displacements [m] that a deformation network could reach, summed in Real.
+inline constexpr double largest_displacement_sum = 1e37;
 #else
 using Real = double;
 inline constexpr double largest_weight = DBL_MAX, largest_input = DBL_MAX;
+inline constexpr double largest_weight_sum = DBL_MAX, largest_displacement_sum = DBL_MAX;
 #endif
 
 /// Neurons or centers at a time, whatever the width of registers: sums are the same everywhere. Arrays of them are filled

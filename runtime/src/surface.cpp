@@ -87,6 +87,7 @@ int phn_surface_size(const phn_model* model, int32_t levels, size_t* bytes) {
   if (refused != PHN_OK) return refused;
   Arena arena;
   lay_out_surface(arena, counts, levels);
+  if (arena.overflow()) return PHN_ERROR_RANGE;
   *bytes = arena.needed();
   return PHN_OK;
 }

@@ -35,7 +35,7 @@ class Asker {
   }
 
   void call() {
-    switch (_script.below(16)) {
+    switch (_script.below(18)) {
       case 0:
       case 1:
         return force();
@@ -62,6 +62,10 @@ class Asker {
         return surface();
       case 14:
         return nulls();
+      case 15:
+        return level();
+      case 16:
+        return distance();
       default:
         return sizes();
     }
@@ -102,6 +106,7 @@ class Asker {
     _fresh.fill();
     require(phn_data_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK,
             "data of its size");
+    require(phn_set_level(_model, fresh, phn_level_of(_data)) == PHN_OK, "a level that the data have");
     require(call(fresh, again.data()) == status, "the status does not depend on earlier calls");
     require(n == 0 || std::memcmp(out.data(), again.data(), 8 * n) == 0,
             "the answer does not depend on earlier calls");
@@ -239,7 +244,6 @@ class Asker {
                [&](phn_data* data, double* out) {
                  phn_coupled result;
                  const int told = phn_couple(_model, data, n, tools.data(), out, &result);
-                 require(result.iterations >= 0 && result.iterations <= 40, "at most 40 iterations");
                  out[n_forces] = result.residual;
                  out[n_forces + 1] = result.energy;
                  double* field = out + n_forces + 2;
@@ -280,6 +284,34 @@ class Asker {
     });
     right(status, node, d, false);
     require(_out[0] >= 0, "a depth");
+  }
+  void level() {
+    const std::int32_t n = phn_n_levels(_model), before = phn_level_of(_data),
+                       wanted = _script.below(8) == 0 ? _script.raw<std::int32_t>() : _script.below(n + 1);
+    const bool there = wanted >= 0 && wanted < n;
+    require(phn_set_level(_model, _data, wanted) == (there ? PHN_OK : PHN_ERROR_ARGUMENT), "set or refused");
+    require(phn_level_of(_data) == (there ? wanted : before), "the level that was set");
+    phn_level info;
+    require(phn_level_info(_model, wanted, &info) == (there ? PHN_OK : PHN_ERROR_ARGUMENT),
+            "told or refused");
+    require(info.error_force >= 0 && info.error_displacement >= 0, "errors are not negative");
+    std::vector<phn_level_time> times(static_cast<std::size_t>(n));
+    for (auto& time : times) time = {_script.number(), _script.number()};
+    std::int32_t best = -1;
+    const double forces = _script.number(), deformations = _script.number(), budget = _script.number();
+    const int status = phn_budget(_model, times.data(), forces, deformations, budget, &best);
+    require(best >= 0 && best < n && (status == PHN_OK || best == 0), "a level, the smallest where refused");
+    require(status == PHN_OK || status == PHN_ERROR_ARGUMENT || status == PHN_ERROR_BUDGET, "a budget");
+  }
+  void distance() {
+    const std::int32_t node = any_node();
+    double d[3];
+    displacement(d);
+    const int status = answer(2, _out, PHN_WARNING_OUTSIDE, [&](phn_data*, double* out) {
+      return phn_trained_distance(_model, node, d, out, out + 1);
+    });
+    right(status, node, d, false);
+    require(_out[0] >= 0 && _out[1] >= 0, "distances");
   }
   void surface() {
     const std::int32_t levels = _script.below(16) < 14 ? _script.below(4) - 1 : _script.below(8);

@@ -12,7 +12,7 @@ namespace {
 
 using namespace phynness::test;
 
-Model start(Script& script) {
+Model start_without_levels(Script& script) {
   switch (script.below(4)) {
     case 0: {
       const int n = script.below(4);
@@ -27,6 +27,12 @@ Model start(Script& script) {
     default:
       return small_field_model();
   }
+}
+
+Model start(Script& script) {
+  Model model = start_without_levels(script);
+  const bool levels = script.below(4) == 0 && model.family != Family::linear;
+  return levels ? with_levels(model, 2 + script.below(3)) : model;
 }
 
 /// Every group of numbers in a model: change(first, count). @return how many of them all nodes share; they
@@ -74,6 +80,16 @@ std::size_t for_each_group(Model& model, Change change_group) {
     matrix(node.conservative.coefficients);
     modes(node.modal);
     for (ModalDeformation& field : node.fields) modes(field);
+    for (LevelResponse& level : node.levels) {
+      for (FirstNeurons* first : {&level.force, &level.deformation}) {
+        matrix(first->weights);
+        matrix(first->bias);
+      }
+      change(&level.conservative.shape, 1);
+      matrix(level.conservative.coefficients);
+      matrix(level.weights.scale);
+      for (ScaledTable& weights : level.field_weights) matrix(weights.scale);
+    }
   }
   return n_shared;
 }

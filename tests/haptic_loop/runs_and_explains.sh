@@ -14,6 +14,9 @@ for model in rbfn linear modal; do
 done
 printf '0 0 0\n0.001 0 -0.002\n' > motion.txt
 "$loop" modal --node 3 --cycles 100 --motion motion.txt | grep -q 'missed deadlines'
+out=$("$loop" modal --node 3 --cycles 5000 --free --contact --radius 0.003 --friction 0.3)
+echo "$out"
+echo "$out" | grep -Eq '^contact +[0-9]+ touches, [0-9.]+ % of the cycles'
 refused() {
   expected=$1; words=$2; shift 2
   status=0
@@ -25,5 +28,8 @@ refused 2 'model directory' --node 3
 refused 2 'positive number' modal --node 3 --cycles -1
 refused 1 'phynness train' nowhere --node 3
 refused 1 'node 1' modal --node 1
+refused 2 'add --contact' modal --node 3 --radius 0.01
+refused 2 'positive number' modal --node 3 --contact --friction -0.5
+refused 2 'no corner of the surface' modal --node 15 --contact
 printf '0 0 up\n' > motion.txt
 refused 1 'motion.txt:1' modal --node 3 --motion motion.txt

@@ -1,7 +1,7 @@
 #!/bin/bash
 # Claim: the runtime builds from its own folder, installs, in double and in float, and external programs in C and C++17, the latter without
-# exceptions, find and use it, by CMake and by pkg-config, also after the installation was moved. A status of the C++
-# wrapper that is overlooked does not compile.
+# exceptions, find and use it, by CMake and by pkg-config, also after the installation was moved. A program that links
+# both does not configure, a status of the C++ wrapper that is overlooked does not compile.
 # Usage: builds_alone_and_installs.sh CMAKE RUNTIME_SOURCE CONSUMER_SOURCE WORK_DIR
 set -euo pipefail
 cmake=$1
@@ -18,6 +18,11 @@ rm -rf "$work"
 "$work/consumer/c_consumer"
 "$work/consumer/cpp_consumer"
 "$work/consumer/float_consumer"
+if "$cmake" -S "$consumer" -B "$work/both" -DCMAKE_PREFIX_PATH="$work/prefix" -DBOTH_RUNTIMES=ON > "$work/both.log" 2>&1; then
+  echo "a program that links both runtimes configures"
+  exit 1
+fi
+grep -q PHYNNESS_REAL "$work/both.log"
 
 mv "$work/prefix" "$work/moved"
 folder=$(dirname "$(find "$work/moved" -name phynness.pc)")

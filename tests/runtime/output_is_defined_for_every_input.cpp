@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "arena.hpp"
 #include "loaded_model.hpp"
 #include "rounding.hpp"
 #include "small_model.hpp"
@@ -99,6 +100,76 @@ TEST(EveryInput, TheLargestModalModelStaysFinite) {
       }
     }
   }
+}
+
+// Claim: networks whose displacements a float could not hold are refused by the runtime in float, with the
+// loader's word for it, full ones and smaller levels; those just below have finite answers. In double both
+// have. Forces, which are scaled in double, may be larger.
+TEST(EveryInput, NetworksStayInTheRangeOfTheirNumbers) {
+  for (const bool smaller_level : {false, true}) {
+    for (const double reach : {1e35, 1e40}) {
+      Model model = with_levels(small_model());
+      ActiveNodeModel& node = model.nodes[0];
+      node.force.output_half_range.setConstant(1e200);
+      node.deformation.output_half_range.setConstant(1e20);
+      (smaller_level ? node.levels[0].deformation.weights : node.deformation.weights)
+          .setConstant(reach / 1e21);
+      const std::string text = write_model_text(model);
+      std::size_t bytes = 0;
+      if (in_float && reach > 1e37) {
+        EXPECT_EQ(phn_model_size(text.data(), text.size(), &bytes), PHN_ERROR_RANGE);
+        continue;
+      }
+      const LoadedModel loaded(text);
+      const double d[] = {0.001, 0.002, -0.003};
+      for (const std::int32_t level : {0, 2}) {
+        ASSERT_EQ(phn_set_level(loaded.model, loaded.data, level), PHN_OK);
+        double force[3];
+        Points u(12, 3);
+        EXPECT_GE(phn_force(loaded.model, loaded.data, node.node, d, force), 0);
+        EXPECT_TRUE(Eigen::Vector3d(force[0], force[1], force[2]).allFinite());
+        EXPECT_GE(phn_deform(loaded.model, loaded.data, 1, &node.node, d, u.data()), 0);
+        EXPECT_TRUE(u.allFinite());
+        if ((level == 0) == smaller_level) {
+          EXPECT_GT(u.cwiseAbs().maxCoeff(), 0.01 * reach);
+        }
+      }
+    }
+  }
+}
+
+// Claim: sizes that addresses cannot tell are refused, whatever they are made of, and never wrap to small
+// ones, as they would on devices of 32 bits; what was taken before is kept out of the way of what comes
+// after.
+TEST(EveryInput, SizesDoNotWrap) {
+  constexpr std::size_t most = std::numeric_limits<std::size_t>::max();
+  const std::pair<std::size_t, std::size_t> too_many[] = {{most, 1},
+                                                          {most / 8 + 2, 1},
+                                                          {most / 16, 2},
+                                                          {std::size_t(1) << 40, std::size_t(1) << 40},
+                                                          {3, most / 3}};
+  for (const auto& [n, per] : too_many) {
+    runtime::Arena arena;
+    arena.take<double>(1000);
+    EXPECT_EQ(arena.take<double>(n, per), nullptr);
+    EXPECT_TRUE(arena.overflow()) << n << ' ' << per;
+    std::vector<char> memory(1 << 16);
+    runtime::Arena filled(memory.data(), memory.size());
+    EXPECT_NE(filled.take<double>(1000), nullptr);
+    EXPECT_EQ(filled.take<double>(n, per), nullptr);
+    EXPECT_EQ(filled.take<char>(1), nullptr);  // nothing after what does not fit
+    EXPECT_TRUE(filled.overflow());
+  }
+  runtime::Arena arena;
+  arena.take<double>(most / 32);
+  EXPECT_FALSE(arena.overflow());
+  arena.take<double>(most / 32);
+  EXPECT_TRUE(arena.overflow());  // together
+  runtime::Arena small;
+  small.take<char>(0, most);
+  small.take<std::int32_t>(5, 7);
+  EXPECT_FALSE(small.overflow());
+  EXPECT_EQ(small.needed(), 140 + runtime::alignment - 1);
 }
 
 // Claim: what a model does not define is refused with zeros: energy and stiffness of networks, the

@@ -53,7 +53,8 @@ const char *phn_version(void);
 /* Bits of the numbers that the inner loops of forces compute in: 64 in the library phynness_runtime, 32 in
  * phynness_runtime_float, the same source (CMake: phynness::runtime, phynness::runtime_float; link one of them). In that one
  * forces of families rbfn and modal and deformations of family rbfn have the rounding of floats: 1e-7 of their largest
- * terms. A model.txt with weights beyond 1e25 is refused there (PHN_ERROR_RANGE). */
+ * terms. A model.txt with weights beyond 1e25, or networks that could reach 1e37 m, is refused there
+ * (PHN_ERROR_RANGE). */
 int32_t phn_precision(void);
 
 /* One sentence for a status; never null. */
@@ -67,7 +68,8 @@ int phn_model_size(const char *text, size_t length, size_t *bytes);
  * On failure *model is null. */
 int phn_model_init(void *memory, size_t bytes, const char *text, size_t length, const phn_model **model);
 
-/* Scratch for up to `max_tools` tools (>= 1) at once. The model must outlive it. */
+/* Scratch for up to `max_tools` tools (>= 1) at once. The model must outlive it. Sizes beyond what addresses of this
+ * machine tell, which those of 32 bits may meet, are refused (PHN_ERROR_RANGE), here and by the other _size functions. */
 int phn_data_size(const phn_model *model, int32_t max_tools, size_t *bytes);
 int phn_data_init(void *memory, size_t bytes, const phn_model *model, int32_t max_tools, phn_data **data);
 
