@@ -2,7 +2,9 @@
 
 A point at height zeta over the middle surface, |zeta| <= t/2, is carried from X + zeta D to x + zeta d: x = X + u with
 quadratic u, and directors D, d that live at the middles of edges and are linear in a triangle. The spaces are those of
-Campello, Pimenta & Wriggers 2003, doi 10.1007/s00466-003-0458-8, who have rotations in the place of directors. With convected coordinates, G_i = (X,1 + zeta D,1; X,2 + zeta D,2; D), g_i likewise:
+Campello, Pimenta & Wriggers 2003, doi 10.1007/s00466-003-0458-8, who have rotations in the place of directors. With
+convected coordinates, G_a = X,a + zeta D,a and g_a likewise, the layer's normal N as third base vector G_3, and g_3 the
+vector that becomes of it, D = c N + s^a G_a and d = c g_3 + s^a g_a:
 
     C = g_ij G^i x G^j,     I1 = G^ij g_ij,     I2 = G_ij cof(g)_ij / det G,     J^2 = det g / det G.
 
@@ -10,10 +12,10 @@ g_33 = x is not what the director says but what makes the stress across the shel
 condenses it (plane_stress of the files beside this one), so no thickness locking and any K/mu. The invariants are
 linear in it,
 
-    I1 = A + B x,     I2 = P + Q x,     x = s + r J^2,
+    I1 = A + x,     I2 = P + A x,     x = s + r J^2,
 
-with s what shear alone gives and r = det G / det g_ab. The shear strains g_a3 - G_a3 are scaled by sqrt(5/6), which gives
-the usual factor of shear energy.
+A = G^ab g_ab, s what shear alone gives and r = det G / det g_ab. The shear strains g_a3 are scaled by sqrt(5/6), which
+gives the usual factor of shear energy.
 
 The middle surface's energy t W(zeta = 0), of stretching and of shear, is integrated with weight alpha at the three
 points of the others and with 1 - alpha at one point, alpha = c t^2 / (c t^2 + h^2): without that, a thin flat triangle
@@ -34,7 +36,7 @@ import numpy
 from shell_elements import domain, space
 from ufl import (
     CellDiameter, Coefficient, Constant, Jacobian, TestFunction, TrialFunction, conditional, cross, derivative, dot, dx, exp,
-    grad, gt, split, sqrt,
+    grad, gt, sinh, split, sqrt,
 )
 
 zeta, thickness = Constant(domain), Constant(domain)
@@ -79,7 +81,12 @@ change = [_along(u, a) + zeta * _along(turn, a) for a in _tangents]
 
 
 class Metric:
-    """Metric of the deformed shell, and its invariants as functions of x = g_33. Linear: of small strains."""
+    """Metric of the deformed shell, and its invariants as functions of x = g_33. Linear: of small strains.
+
+    With N and not D as third base vector G_a3 = 0, and stretching and shear have energies of their own: a share of the shear
+    (`shear`) that is taken away then leaves the rest positive. With D, whose angle to N is h / R, thin shells were unstable
+    at rest.
+    """
 
     def __init__(self, finite=True):
         g = [a + b for a, b in zip(G, change)]
@@ -89,36 +96,32 @@ class Metric:
             return dot(a + da, b + db) if finite else dot(a, b) + dot(a, db) + dot(da, b)
 
         G11, G12, G22 = dot(G[0], G[0]), dot(G[0], G[1]), dot(G[1], G[1])
-        G13, G23, G33 = dot(G[0], D), dot(G[1], D), dot(D, D)
+        rest_plane = G11 * G22 - G12**2
+        D1, D2 = dot(G[0], D), dot(G[1], D)
+        s1, s2 = (G22 * D1 - G12 * D2) / rest_plane, (G11 * D2 - G12 * D1) / rest_plane
+        normal = cross(*G) / sqrt(rest_plane)
+        c = dot(normal, D)
+        turned = (turn - s1 * change[0] - s2 * change[1]) / c
+
         g11, g22 = (product(G[a], G[a], change[a], change[a]) for a in (0, 1))
         g12 = product(G[0], G[1], change[0], change[1])
-        g13 = G13 + shear * sqrt(5 / 6) * (product(G[0], D, change[0], turn) - G13)
-        g23 = G23 + shear * sqrt(5 / 6) * (product(G[1], D, change[1], turn) - G23)
+        g13, g23 = (
+            shear * sqrt(5 / 6) * (dot(G[a], turned) + dot(change[a], normal + turned if finite else normal)) for a in (0, 1)
+        )
 
         det_plane = g11 * g22 - g12**2
-        rest_plane = G11 * G22 - G12**2
-        rest_det = G33 * rest_plane - G11 * G23**2 - G22 * G13**2 + 2 * G12 * G13 * G23
-        # Contravariant metric at rest, times its determinant.
-        I11, I22, I33 = G22 * G33 - G23**2, G11 * G33 - G13**2, rest_plane
-        I12, I13, I23 = G13 * G23 - G12 * G33, G12 * G23 - G22 * G13, G12 * G13 - G11 * G23
-
-        self.A = (I11 * g11 + I22 * g22 + 2 * (I12 * g12 + I13 * g13 + I23 * g23)) / rest_det
-        self.B = I33 / rest_det
-        c13, c23 = g12 * g23 - g22 * g13, g12 * g13 - g11 * g23
-        flat = 2 * G12 * g13 * g23 - G11 * g23**2 - G22 * g13**2
-        self.P = (G33 * det_plane + 2 * (G13 * c13 + G23 * c23) + flat) / rest_det
-        self.Q = (G11 * g22 + G22 * g11 - 2 * G12 * g12) / rest_det
+        self.A = (G22 * g11 + G11 * g22 - 2 * G12 * g12) / rest_plane
+        self.P = (det_plane + 2 * G12 * g13 * g23 - G11 * g23**2 - G22 * g13**2) / rest_plane
         self.s = (g22 * g13**2 + g11 * g23**2 - 2 * g12 * g13 * g23) / det_plane
-        self.r = rest_det / det_plane
-        self.rest = G33
+        self.r = rest_plane / det_plane
         # Volume of a layer over the area of the triangle.
         area = sqrt(dot(_tangents[0], _tangents[0]) * dot(_tangents[1], _tangents[1]) - dot(*_tangents) ** 2)
-        self.volume = sqrt(rest_det) / area
+        self.volume = sqrt(rest_plane) * c / area
         self.stretch = dot(d, d) - dot(D, D) if finite else 2 * dot(D, turn)
 
     def invariants(self):
         """(I1, dI1/dy, I2, dI2/dy) at y = J^2 = 1."""
-        return (self.A + self.B * (self.s + self.r), self.B * self.r, self.P + self.Q * (self.s + self.r), self.Q * self.r)
+        return (self.A + self.s + self.r, self.r, self.P + self.A * (self.s + self.r), self.A * self.r)
 
 
 def _chain(energy):
