@@ -2,7 +2,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <phynness/validation/force_unit.hpp>
 
 #include "console.hpp"
 
@@ -65,15 +68,20 @@ void print_summary(const ValidationReport& report) {
 }
 
 void print_examples(const ValidationReport& report) {
-  fmt::print("{:<8} {:>24} | {:>27} | {:>27}\n", "node", "displacement, mm", "force by finite elements, mN",
-             "force by the model, mN");
+  double largest = 0;
+  for (const auto& e : report.examples)
+    for (const double x : e.finite_elements_N) largest = std::max(largest, std::abs(x));
+  const ForceUnit unit = force_unit(largest);
+  fmt::print("{:<8} {:>24} | {:>27} | {:>27}\n", "node", "displacement, mm",
+             fmt::format("force by finite elements, {}", unit.name),
+             fmt::format("force by the model, {}", unit.name));
   for (const auto& e : report.examples) {
     fmt::print("{:<8}", e.node);
     for (const double x : e.displacement_m) fmt::print(" {:8.2f}", 1e3 * x);
     fmt::print(" |");
-    for (const double x : e.finite_elements_N) fmt::print(" {:8.2f}", 1e3 * x);
+    for (const double x : e.finite_elements_N) fmt::print(" {:8.2f}", unit.per_N * x);
     fmt::print("  |");
-    for (const double x : e.model_N) fmt::print(" {:8.2f}", 1e3 * x);
+    for (const double x : e.model_N) fmt::print(" {:8.2f}", unit.per_N * x);
     fmt::print("\n");
   }
 }
@@ -97,8 +105,7 @@ void print_points(const PointReport& report) {
   row("force, as eq. (17)", &PointErrors::force);
   row("displacement", &PointErrors::displacement);
   row("field, relative L2", &PointErrors::field_l2);
-  fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m,
-             duration(report.seconds));
+  fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m, duration(report.seconds));
 }
 
 void print_pairs(const PairReport& report) {
@@ -141,8 +148,7 @@ void print_pairs(const PairReport& report) {
   block("displacement, mean over all nodes, over the largest", &PairStatistics::displacement_all);
   block("displacement, as eq. (17): touched nodes left out of both", &PairStatistics::displacement);
   block("field, relative L2", &PairStatistics::field_l2);
-  fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m,
-             duration(report.seconds));
+  fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m, duration(report.seconds));
 }
 
 }  // namespace phynness::cli

@@ -28,8 +28,12 @@ std::string some(const std::vector<std::int32_t>& numbers) {
 }
 
 void print_mesh(const Mesh& mesh, const NodeSets& sets) {
-  fmt::print("mesh      {}: {} nodes, {} cells, {} surface triangles\n", mesh_hash(mesh), mesh.n_nodes(),
-             mesh.n_cells(), mesh.surface.rows());
+  if (mesh.cells.cols() == 3)
+    fmt::print("mesh      {}: {} nodes, {} triangles of a shell\n", mesh_hash(mesh), mesh.n_nodes(),
+               mesh.n_cells());
+  else
+    fmt::print("mesh      {}: {} nodes, {} tetrahedra, {} surface triangles\n", mesh_hash(mesh),
+               mesh.n_nodes(), mesh.n_cells(), mesh.surface.rows());
   fmt::print("fixed     {}: {}\n", sets.fixed.size(), some(sets.fixed));
   fmt::print("active    {}: {}\n", sets.active.size(), some(sets.active));
   fmt::print("output    {}: {}\n", sets.output.size(), some(sets.output));
@@ -184,21 +188,33 @@ json about_scene(const std::filesystem::path& file) {
           {"active", loaded.sets.active}};
 }
 
-/// A mesh file alone, as a scene without selections would read it.
+/// A mesh file alone, as a scene without selections would read it: an open surface is that of a shell.
 json about_mesh(const std::filesystem::path& file) {
-  Scene scene;
-  scene.mesh.file = std::filesystem::absolute(file);
-  const auto made = make_mesh(scene);
+  const auto absolute = std::filesystem::absolute(file);
+  const bool shell = holds_open_surface(absolute);
+  const auto made = shell ? make_shell(absolute) : [&] {
+    Scene scene;
+    scene.mesh.file = absolute;
+    return make_mesh(scene);
+  }();
   for (const auto& note : made.notes) fmt::print(stderr, "note: {}\n", note);
   for (const auto& warning : made.warnings) fmt::print(stderr, "warning: {}\n", warning);
   const auto& q = made.quality;
-  fmt::print("mesh      {} {}: {} nodes ({} on the surface), {} tetrahedra\n", file.string(),
-             mesh_hash(made.mesh), q.n_nodes, q.n_surface_nodes, q.n_cells);
+  if (shell)
+    fmt::print(
+        "mesh      {} {}: {} nodes, {} triangles of an open surface, for a shell: [mesh] thickness_m\n",
+        file.string(), mesh_hash(made.mesh), q.n_nodes, q.n_cells);
+  else
+    fmt::print("mesh      {} {}: {} nodes ({} on the surface), {} tetrahedra\n", file.string(),
+               mesh_hash(made.mesh), q.n_nodes, q.n_surface_nodes, q.n_cells);
   fmt::print("box       {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g} (file units)\n", q.min_m[0], q.min_m[1],
              q.min_m[2], q.max_m[0], q.max_m[1], q.max_m[2]);
   fmt::print("quality   worst {:.3f}, {} slivers\n", q.min_quality, q.n_slivers);
-  return {
-      {"kind", "mesh"}, {"mesh_hash", mesh_hash(made.mesh)}, {"nodes", q.n_nodes}, {"tetrahedra", q.n_cells}};
+  return {{"kind", "mesh"},
+          {"mesh_hash", mesh_hash(made.mesh)},
+          {"nodes", q.n_nodes},
+          {"tetrahedra", shell ? 0 : q.n_cells},
+          {"shell_triangles", shell ? q.n_cells : 0}};
 }
 
 void run(const Options& options) {

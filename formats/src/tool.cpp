@@ -37,8 +37,14 @@ TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::s
   return touched;
 }
 
-bool hold_the_body(const Points& nodes, std::span<const std::int32_t> fixed) {
+bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {
+  std::vector<char> held(static_cast<std::size_t>(mesh.n_nodes()), 0);
+  for (const auto node : fixed) held[static_cast<std::size_t>(node)] = 1;
+  const auto is_held = [&](Eigen::Index c, int k) { return held[static_cast<std::size_t>(mesh.cells(c, k))]; };
+  for (Eigen::Index c = 0; mesh.cells.cols() == 3 && c < mesh.cells.rows(); ++c)
+    if (is_held(c, 0) + is_held(c, 1) + is_held(c, 2) > 1) return true;
   if (fixed.size() < 3) return false;
+  const Points& nodes = mesh.nodes;
   Points at(static_cast<Eigen::Index>(fixed.size()), 3);
   for (std::size_t i = 0; i < fixed.size(); ++i) at.row(static_cast<Eigen::Index>(i)) = nodes.row(fixed[i]);
   at.rowwise() -= Eigen::RowVector3d(at.colwise().mean());

@@ -7,6 +7,7 @@
 #include <phynness/formats/error.hpp>
 #include <sstream>
 
+#include "coincident_nodes.hpp"
 #include "topology.hpp"
 
 namespace phynness::meshes {
@@ -15,8 +16,6 @@ namespace {
 // Relative to the cube of the longest edge: coordinates stored as float leave about 1e-7 of noise in a flat
 // cell, and a cell this flat makes no sense to any solver.
 constexpr double zero_volume = 1e-9;
-// Relative to the bounding box: nodes this close are one place.
-constexpr double coincident = 1e-9;
 
 /// Cells that were tested, with room to drop some of them and the nodes that only they use.
 struct Body {
@@ -101,36 +100,11 @@ void orient_cells(Body& body) {
               std::to_string(mesh.n_cells()) + " that ran the other way round: " + first_few(negative));
 }
 
-/// For each node the first node at the same place (itself if alone).
-std::vector<std::int32_t> coincident_nodes(const Points& nodes) {
-  const double tolerance = coincident * (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).norm();
-  std::vector<std::int32_t> by_x(static_cast<std::size_t>(nodes.rows())), first(by_x.size());
-  std::iota(by_x.begin(), by_x.end(), 0);
-  std::iota(first.begin(), first.end(), 0);
-  std::sort(by_x.begin(), by_x.end(), [&](std::int32_t p, std::int32_t q) {
-    return std::pair(nodes(p, 0), p) < std::pair(nodes(q, 0), q);
-  });
-  for (std::size_t i = 0; i < by_x.size(); ++i)
-    for (std::size_t j = i + 1; j < by_x.size() && nodes(by_x[j], 0) - nodes(by_x[i], 0) <= tolerance; ++j)
-      if ((nodes.row(by_x[i]) - nodes.row(by_x[j])).norm() <= tolerance) {
-        const auto [low, high] = std::minmax(by_x[i], by_x[j]);
-        first[high] = std::min(first[high], first[low]);
-      }
-  return first;
-}
-
-std::vector<std::int32_t> repeats(const std::vector<std::int32_t>& first) {
-  std::vector<std::int32_t> list;
-  for (std::size_t i = 0; i < first.size(); ++i)
-    if (first[i] != static_cast<std::int32_t>(i)) list.push_back(static_cast<std::int32_t>(i));
-  return list;
-}
-
 void require_one_component(Body& body, bool repair) {
   Mesh& mesh = body.mesh();
   CellTopology topology = cell_topology(mesh.cells, mesh.nodes.rows());
   const std::vector<std::int32_t> first = coincident_nodes(mesh.nodes);
-  std::vector<std::int32_t> twins = repeats(first);
+  std::vector<std::int32_t> twins = repeated(first);
   for (auto& node : twins) node = body.file_number[node];
   const std::string twins_text =
       counted(twins.size(), "node lies", "nodes lie") + " exactly on another one (" + first_few(twins) + ")";
@@ -211,12 +185,7 @@ MeshResult checked_body(const RawMesh& raw, double scale_to_m, bool repair, cons
          << quality.min_quality << " in cell " << quality.worst_cell;
     body.result.warnings.push_back(text.str());
   }
-  const double extent = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).maxCoeff();
-  if (extent > 10 || extent < 1e-4) {
-    std::ostringstream text;
-    text << "the body is " << extent << " m across: is mesh.scale_to_m = " << scale_to_m << " right?";
-    body.result.warnings.push_back(text.str());
-  }
+  warn_of_size(body.result, scale_to_m);
   return std::move(body.result);
 }
 

@@ -99,6 +99,15 @@ MeshResult generated_body(RawMesh raw, const std::string& source, bool symmetric
   }
 }
 
+MeshResult generated_shell(const RawMesh& raw, const std::string& source) {
+  try {
+    return checked_shell(raw, 1, false, source);
+  } catch (const Error& error) {
+    throw failure("the mesh that gmsh made is not sound", error.what(),
+                  "try a smaller mesh.target_size_m or more mesh.target_nodes");
+  }
+}
+
 MeshResult filled_at(const Surface& surface, double edge_m, const std::string& source) {
   std::vector<std::string> notes;
   Surface wanted = remeshed(surface, edge_m);
@@ -137,9 +146,11 @@ MeshResult drain(const MeshSpec& spec) {
     refuse("the drain's slit is wider than it is long", drain.slit_width_m, "set mesh.slit_width_m below");
   std::optional<int> target_nodes = spec.target_nodes;
   if (!target_nodes && !spec.target_size_m) target_nodes = default_nodes_drain;
-  return sized(spec, {0, drain.area_m2()}, target_nodes, [&](double edge_m) {
-    return checked_shell(mesh_drain(drain, edge_m), 1, false, "shape 'drain'");
+  MeshResult result = sized(spec, {0, drain.area_m2()}, target_nodes, [&](double edge_m) {
+    return generated_shell(mesh_drain(drain, edge_m), "shape 'drain'");
   });
+  check_wall(result, spec.thickness_m, place(spec));
+  return result;
 }
 
 MeshResult from_shape(const MeshSpec& spec) {
@@ -202,6 +213,7 @@ MeshResult shell_from_file(const MeshSpec& spec, const RawMesh& raw, const std::
     throw input_error(place(spec) + ": a shell is made of triangles, but the file holds tetrahedra", source,
                       "remove mesh.thickness_m to simulate the solid, or give the shell's middle surface");
   MeshResult result = checked_shell(raw, spec.scale_to_m, spec.repair, source);
+  check_wall(result, spec.thickness_m, place(spec));
   if (spec.target_nodes || spec.target_size_m)
     result.warnings.push_back(
         "a shell's triangles are used as they are: mesh.target_nodes and mesh.target_size_m mean nothing here");
@@ -228,6 +240,19 @@ RawMesh mirrored_file(RawMesh half, const MeshSpec& spec, const std::string& sou
 }
 
 }  // namespace
+
+bool holds_open_surface(const std::filesystem::path& file) {
+  const RawMesh raw = read_mesh_file(file);
+  if (!raw.tetrahedra.empty()) return false;
+  Triangles triangles(static_cast<Eigen::Index>(raw.triangles.size()), 3);
+  Eigen::Index t = 0;
+  for (const auto& [a, b, c] : raw.triangles) triangles.row(t++) << a, b, c;
+  return !surface_topology(triangles).open_edges.empty();
+}
+
+MeshResult make_shell(const std::filesystem::path& file) {
+  return checked_shell(read_mesh_file(file), 1, false, file.filename().string());
+}
 
 MeshResult make_mesh(const Scene& scene) {
   const MeshSpec& spec = scene.mesh;

@@ -248,7 +248,7 @@ NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
   NodeSets sets;
   sets.fixed = resolver.resolve(scene.fixed, "fixed", scene.fixed_where);
   resolver.set_fixed(sets.fixed);
-  if (!hold_the_body(mesh.nodes, sets.fixed))
+  if (!hold_the_body(mesh, sets.fixed))
     throw input_error(at(scene.fixed_where) + "the fixed nodes do not hold the body: it can still turn",
                       std::to_string(sets.fixed.size()) + " nodes: " + first_of(sets.fixed),
                       "fix at least three nodes that are not on one line");

@@ -2,11 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <phynness/formats/error.hpp>
 #include <sstream>
 
+#include "coincident_nodes.hpp"
 #include "surface.hpp"
 #include "topology.hpp"
 
@@ -16,6 +18,9 @@ namespace {
 // A director is the mean normal of the two triangles at an edge: beyond this angle it stands for neither.
 constexpr double sharpest_fold_deg = 120, sharp_fold_deg = 60;
 constexpr double flat_triangle = 1e-6;  // twice the area over the square of the longest edge
+// Area of the inner face over that of the middle surface, 1 - t / (2 R) of a bend of radius R. Below 0.75, t > R / 2,
+// the theory of shells has errors of some per cent by itself; the inner face of a wall as thick as 2 R meets itself.
+constexpr double thick_layer = 0.75, thickest_layer = 0.05;
 
 /// Keeps what `kept` says and renumbers the nodes that are left, in their order.
 void reduce(RawMesh& raw, const std::vector<char>& kept, std::vector<std::string>& notes) {
@@ -48,6 +53,47 @@ void reduce(RawMesh& raw, const std::vector<char>& kept, std::vector<std::string
                     " (numbers in the file's list, from 0): " + first_few(dropped, 20));
   raw.nodes = std::move(nodes);
   raw.triangles = std::move(triangles);
+}
+
+/// Drops triangles with two equal corners, and nodes that no triangle uses.
+void drop_useless(RawMesh& raw, std::vector<std::string>& notes) {
+  std::vector<char> kept(raw.triangles.size(), 1);
+  for (std::size_t t = 0; t < kept.size(); ++t) {
+    const auto& [a, b, c] = raw.triangles[t];
+    kept[t] = a != b && b != c && a != c;
+  }
+  if (const auto n = std::count(kept.begin(), kept.end(), 0); n > 0)
+    notes.push_back("dropped " + counted(static_cast<std::size_t>(n), "triangle", "triangles") +
+                    " with two equal corners");
+  reduce(raw, kept, notes);
+}
+
+/// A seam whose nodes are there twice is a slit: named, or with `repair` closed.
+void look_at_twins(RawMesh& raw, bool repair, const std::string& source, MeshResult& result) {
+  Points nodes(static_cast<Eigen::Index>(raw.nodes.size()), 3);
+  for (std::size_t i = 0; i < raw.nodes.size(); ++i)
+    for (int k = 0; k < 3; ++k) nodes(static_cast<Eigen::Index>(i), k) = raw.nodes[i][k];
+  if (!nodes.allFinite())
+    throw input_error(source + ": a node has coordinates that are not finite", "", "export the surface again");
+  const auto first = coincident_nodes(nodes);
+  const auto twins = repeated(first);
+  if (twins.empty()) return;
+  const std::string text =
+      counted(twins.size(), "node lies", "nodes lie") + " exactly on another one (" + first_few(twins) + ")";
+  if (!repair) {
+    result.warnings.push_back(text + ": a slit in the surface, unless they should have been merged; mesh.repair = true "
+                                     "merges them");
+    return;
+  }
+  result.notes.push_back("repair: merged coincident nodes: " + text);
+  for (auto& triangle : raw.triangles)
+    for (auto& node : triangle) node = first[static_cast<std::size_t>(node)];
+  for (auto& [name, group] : raw.groups) {
+    for (auto& node : group) node = first[static_cast<std::size_t>(node)];
+    std::sort(group.begin(), group.end());
+    group.erase(std::unique(group.begin(), group.end()), group.end());
+  }
+  drop_useless(raw, result.notes);
 }
 
 Triangles to_matrix(const std::vector<Triangle>& list) {
@@ -113,20 +159,17 @@ MeshResult checked_shell(const RawMesh& given, double scale_to_m, bool repair, c
   MeshResult result;
   RawMesh raw = given;
   result.notes = std::move(raw.notes);
-  std::vector<char> kept(raw.triangles.size(), 1);
-  for (std::size_t t = 0; t < kept.size(); ++t) {
-    const auto& [a, b, c] = raw.triangles[t];
-    kept[t] = a != b && b != c && a != c;
-  }
-  reduce(raw, kept, result.notes);
-  if (raw.triangles.empty()) throw input_error(source + ": holds no triangles", "", "give the middle surface of a shell");
+  drop_useless(raw, result.notes);
+  if (raw.triangles.empty())
+    throw input_error(source + ": holds no triangles", "", "give the middle surface of a shell");
+  look_at_twins(raw, repair, source, result);
   auto topology = surface_topology(to_matrix(raw.triangles));
   if (repair && topology.component_sizes.size() > 1) {
     const auto largest = std::max_element(topology.component_sizes.begin(), topology.component_sizes.end());
     const auto keep = static_cast<std::int32_t>(largest - topology.component_sizes.begin());
     result.notes.push_back("repair: kept the largest of " +
                            describe_components(topology.component_sizes, "triangles"));
-    kept.assign(raw.triangles.size(), 0);
+    std::vector<char> kept(raw.triangles.size(), 0);
     for (std::size_t t = 0; t < kept.size(); ++t) kept[t] = topology.component[t] == keep;
     reduce(raw, kept, result.notes);
     topology = surface_topology(to_matrix(raw.triangles));
@@ -165,7 +208,55 @@ MeshResult checked_shell(const RawMesh& given, double scale_to_m, bool repair, c
          << result.quality.min_quality << " in triangle " << result.quality.worst_cell;
     result.warnings.push_back(text.str());
   }
+  warn_of_size(result, scale_to_m);
   return result;
+}
+
+void check_wall(MeshResult& result, double thickness_m, const std::string& source) {
+  const Mesh& mesh = result.mesh;
+  const auto metres = [](double value) {
+    std::ostringstream text;
+    text << value << " m";
+    return text.str();
+  };
+  const double longest = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).maxCoeff();
+  if (!(thickness_m < longest))
+    throw input_error(source + ": the shell is thicker than it is long",
+                      "thickness_m = " + metres(thickness_m) + ", the middle surface is " + metres(longest) + " long",
+                      "lengths are in metres; simulate a thick wall as a solid, without thickness_m");
+  std::map<Edge, Eigen::RowVector3d> directors;
+  const auto corner = [&](Eigen::Index t, int i) -> Eigen::RowVector3d { return mesh.nodes.row(mesh.cells(t, i % 3)); };
+  const auto edge = [&](Eigen::Index t, int i) -> Edge {
+    const auto [a, b] = std::minmax(mesh.cells(t, i), mesh.cells(t, (i + 1) % 3));
+    return {a, b};
+  };
+  for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
+    const Eigen::RowVector3d normal = (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).normalized();
+    for (int i = 0; i < 3; ++i) directors.try_emplace(edge(t, i), Eigen::RowVector3d::Zero()).first->second += normal;
+  }
+  double thinnest = 1;
+  Eigen::Index worst = 0;
+  for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
+    const Eigen::RowVector3d u = corner(t, 1) - corner(t, 0), v = corner(t, 2) - corner(t, 0);
+    std::array<Eigen::RowVector3d, 3> D;
+    for (int i = 0; i < 3; ++i) D[static_cast<std::size_t>(i)] = directors.at(edge(t, i)).normalized();
+    // Linear in the triangle, given at the middles of its edges 0-1, 1-2, 2-0.
+    const Eigen::RowVector3d along_u = 2 * (D[1] - D[2]), along_v = 2 * (D[1] - D[0]);
+    const Eigen::RowVector3d middle = (D[0] + D[1] + D[2]) / 3;
+    for (const double zeta : {thickness_m / 2, -thickness_m / 2}) {
+      const double share = (u + zeta * along_u).cross(v + zeta * along_v).dot(middle) / u.cross(v).dot(middle);
+      if (share < thinnest) thinnest = share, worst = t;
+    }
+  }
+  const std::string where = "thickness_m = " + metres(thickness_m) + ", the sharpest bend is at triangle " +
+                            std::to_string(worst) + " (" + metres(corner(worst, 0)[0]) + ", " +
+                            metres(corner(worst, 0)[1]) + ", " + metres(corner(worst, 0)[2]) + ")";
+  if (thinnest < thickest_layer)
+    throw input_error(source + ": the wall is so thick that its inner face meets itself where the surface bends", where,
+                      "make it thinner, round the bend, or simulate a solid, without thickness_m");
+  if (thinnest < thick_layer)
+    result.warnings.push_back("the wall is thicker than half the radius of a bend: a shell is thin, a solid would be "
+                              "more accurate; " + where);
 }
 
 }  // namespace phynness::meshes

@@ -21,7 +21,8 @@ constexpr double good_enough_big = 0.02;  // big meshes take long and nobody cou
 constexpr int big = 10000;
 
 double edge_for(const Extent& extent, double nodes) {
-  double low = 1e-9 * std::max(std::cbrt(extent.volume_m3), std::sqrt(extent.area_m2)), high = 1e3 * std::sqrt(extent.area_m2);
+  double low = 1e-9 * std::max(std::cbrt(extent.volume_m3), std::sqrt(extent.area_m2));
+  double high = 1e3 * std::sqrt(extent.area_m2);
   for (int i = 0; i < 100; ++i) {
     const double middle = std::sqrt(low * high);
     (expected_nodes(extent, middle) > nodes ? low : high) = middle;

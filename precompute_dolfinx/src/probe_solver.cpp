@@ -30,7 +30,7 @@ struct ProbeSolver::Impl {
         equilibrium(body, fixed_dofs(body, fixed), s.solver, team),
         rays(body, equilibrium, s.solver),
         fields(body, s.database.fields) {
-    if (!hold_the_body(mesh.nodes, sets.fixed))
+    if (!hold_the_body(mesh, sets.fixed))
       throw input_error("the fixed nodes do not hold the body",
                         std::to_string(sets.fixed.size()) + " fixed nodes",
                         "fix at least three nodes that are not on one line");

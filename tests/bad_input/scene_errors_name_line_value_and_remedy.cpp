@@ -41,6 +41,23 @@ TEST_P(SceneMistake, is_refused_with_line_value_and_remedy) {
     EXPECT_NE(message.find(words), std::string::npos) << words << "\n" << message;
 }
 
+TEST(ShellScene, RefusesWhatShellsDoNotHave) {
+  const auto shell = with(with(good_scene, shape, "shape = \"drain\""), "element = \"P1\"", "");
+  EXPECT_EQ(parsed(shell).solver.element, Element::shell);
+  const auto fields = refusal(shell + "[database]\nfields = [\"von-mises-stress\"]\n");
+  EXPECT_NE(fields.find("fields are computed in solids"), std::string::npos) << fields;
+  EXPECT_NE(fields.find("remove fields"), std::string::npos) << fields;
+  // Condensed by Newton steps that are good near incompressibility.
+  const auto soft = refusal(with(shell, moduli, "shear_modulus_Pa = 500.0\nbulk_modulus_Pa = 400.0"));
+  EXPECT_NE(soft.find("K/mu is 0.8"), std::string::npos) << soft;
+  EXPECT_NE(soft.find("st-venant-kirchhoff"), std::string::npos) << soft;
+  const auto mooney =
+      refusal(with(shell, law_and_moduli,
+                   "law = \"mooney-rivlin\"\nc10_Pa = 200.0\nc01_Pa = 50.0\nbulk_modulus_Pa = 900.0"));
+  EXPECT_NE(mooney.find("K/mu is 1.8"), std::string::npos) << mooney;
+  parsed(with(shell, law_and_moduli, "law = \"linear\"\nshear_modulus_Pa = 500.0\nbulk_modulus_Pa = 400.0"));
+}
+
 const std::vector<Mistake> keys = {
     {"misspelt_key",
      increments,
@@ -302,6 +319,36 @@ const std::vector<Mistake> combinations = {
      "shape = \"tube\"\nradius_m = 0.01\ninner_radius_m = 0.01",
      "inner_radius_m",
      {"less than radius_m", "0.01"}},
+    {"thickness_of_a_solid",
+     shape,
+     "shape = \"block\"\nthickness_m = 0.001",
+     "thickness_m",
+     {"block", "0.001", "drain"}},
+    {"thickness_of_nothing",
+     shape,
+     "shape = \"drain\"\nthickness_m = 0",
+     "thickness_m",
+     {"greater than 0", "not in mm"}},
+    {"slit_of_a_tube",
+     shape,
+     "shape = \"tube\"\nslit_width_m = 0.001",
+     "slit_width_m",
+     {"tube", "0.001", "drain"}},
+    {"inner_radius_of_a_drain",
+     shape,
+     "shape = \"drain\"\ninner_radius_m = 0.001",
+     "inner_radius_m",
+     {"which is a shell", "0.001", "thickness_m"}},
+    {"tetrahedra_of_a_shell",
+     shape,
+     "shape = \"drain\"",
+     "element = \"P1\"",
+     {"tetrahedra", "P1", "element = \"shell\""}},
+    {"shell_of_a_solid",
+     "element = \"P1\"",
+     "element = \"shell\"",
+     "",
+     {"has no thickness", "add thickness_m"}},
     {"nothing_fixed", fixed_line, "", "[nodes]", {"fixed is missing", "singular", "box"}},
     {"empty_selection", fixed_line, "fixed = []", "", {"empty list", "[]", "at least one"}},
     {"empty_active",
@@ -382,7 +429,8 @@ TEST(SceneSyntax, error_names_line_and_column) {
 
 // Found by fuzzing: toml++ asserts and assumes here, see toml_implementation.cpp.
 TEST(SceneSyntax, headers_without_a_name_and_letters_beyond_ascii_are_refused) {
-  for (const char* line : {"[#]", "[=]", "[m\u00e4sh]", "m\u00e4sh = 1", "a = \u00e4", "a\u00e9 = 1", "\u0416 = 1"}) {
+  for (const char* line :
+       {"[#]", "[=]", "[m\u00e4sh]", "m\u00e4sh = 1", "a = \u00e4", "a\u00e9 = 1", "\u0416 = 1"}) {
     const std::string message = refusal("title = \"a\"\n" + std::string(line) + "\n");
     EXPECT_EQ(message.find("body.toml:2:"), 0u) << message;
     EXPECT_NE(message.find("not valid TOML"), std::string::npos) << message;

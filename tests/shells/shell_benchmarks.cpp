@@ -1,6 +1,7 @@
-// Claim: the shell bends and stretches as the benchmarks of Sze, Liu & Lo (2004), doi 10.1016/j.finel.2003.11.001, say,
-// within 1 %, at thickness over length 1/100 to 1/250: neither shear nor membrane nor thickness locks. Their figures are
-// converged ones of fine meshes; with these meshes 0.1, 0.5 and 0.9 % are left.
+// Claim: the shell bends and stretches as the benchmarks of Sze, Liu & Lo (2004),
+// doi 10.1016/j.finel.2003.11.001, say, within 1 %, at thickness over length 1/100 to 1/250: neither shear
+// nor membrane nor thickness locks. Their figures are converged ones of fine meshes; with these meshes 0.1,
+// 0.5 and 0.9 % are left.
 #include <algorithm>
 
 #include "shell_bodies.hpp"
@@ -17,7 +18,8 @@ TEST(ShellBenchmarks, CantileverUnderEndShear) {
   const ThinShell law{1.2e6, 0, 0.1};
   const auto mesh = strip(10, 1, {16, 1});
   Discretization body(mesh, law.forms());
-  Equilibrium equilibrium(body, shell_dofs(body, [](const Vector3& X, int) { return X[0] < 1e-9; }), shell_solver());
+  Equilibrium equilibrium(body, shell_dofs(body, [](const Vector3& X, int) { return X[0] < 1e-9; }),
+                          shell_solver());
   std::vector<double> load(body.n_dofs(), 0.0), state(body.n_dofs(), 0.0);
   std::vector<int> tip;
   for (int p = 0; p < body.n_points(); ++p)
@@ -44,15 +46,18 @@ TEST(ShellBenchmarks, CantileverUnderEndShear) {
 }
 
 TEST(ShellBenchmarks, CantileverUnderEndMoment) {
-  // L = 12, b = 1, t = 0.1, E = 1.2e6, nu = 0: under M = 2 pi E I / L it closes to a circle. The director of the end is
-  // turned; the moment is the work-conjugate of its angle. Exact: M = E I angle / L, and the end on a circle.
+  // L = 12, b = 1, t = 0.1, E = 1.2e6, nu = 0: under M = 2 pi E I / L it closes to a circle. The director of
+  // the end is turned; the moment is the work-conjugate of its angle. Exact: M = E I angle / L, and the end
+  // on a circle.
   const ThinShell law{1.2e6, 0, 0.1};
   const double L = 12, EI = 1.2e6 * 1e-3 / 12;
   const auto mesh = strip(L, 1, {24, 1});
   Discretization body(mesh, law.forms());
-  Equilibrium equilibrium(body, shell_dofs(body, [](const Vector3& X, int) { return X[0] < 1e-9; }), shell_solver());
+  Equilibrium equilibrium(body, shell_dofs(body, [](const Vector3& X, int) { return X[0] < 1e-9; }),
+                          shell_solver());
   Constraint end;
-  end.dofs = shell_dofs(body, [&](const Vector3& X, int) { return X[0] > L - 1e-9; }, false, true);
+  end.dofs = shell_dofs(
+      body, [&](const Vector3& X, int) { return X[0] > L - 1e-9; }, false, true);
   ASSERT_EQ(end.dofs.size(), 3u);
   end.G = Eigen::Matrix3d::Identity();
   equilibrium.prescribe(end);
@@ -60,7 +65,8 @@ TEST(ShellBenchmarks, CantileverUnderEndMoment) {
   constexpr int steps = 40;
   for (int step = 1; step <= steps; ++step) {
     const double angle = 2 * std::numbers::pi * step / steps;
-    const Vector3 director(-std::sin(angle), 0, std::cos(angle)), slope(-std::cos(angle), 0, -std::sin(angle));
+    const Vector3 director(-std::sin(angle), 0, std::cos(angle)),
+        slope(-std::cos(angle), 0, -std::sin(angle));
     for (int k = 0; k < 3; ++k) state[end.dofs[k]] = director[k] - (k == 2);
     const auto outcome = equilibrium.solve(state);
     ASSERT_EQ(outcome.status, Status::converged) << step;
@@ -71,8 +77,8 @@ TEST(ShellBenchmarks, CantileverUnderEndMoment) {
       if (body.points()(p, 0) > L - 1e-9) u += state[body.dofs(p)[0]] / 2, w += state[body.dofs(p)[2]] / 2;
     const double radius = L / angle;
     const double exact_u = radius * std::sin(angle) - L, exact_w = radius * (1 - std::cos(angle));
-    std::printf("angle %.2f: moment %.3f (%.3f), u %.3f (%.3f), w %.3f (%.3f)\n", angle, moment, expected, u, exact_u,
-                w, exact_w);
+    std::printf("angle %.2f: moment %.3f (%.3f), u %.3f (%.3f), w %.3f (%.3f)\n", angle, moment, expected, u,
+                exact_u, w, exact_w);
     EXPECT_NEAR(moment, expected, one_per_cent * expected);
     EXPECT_NEAR(u, exact_u, one_per_cent * L);
     EXPECT_NEAR(w, exact_w, one_per_cent * L);
@@ -80,8 +86,9 @@ TEST(ShellBenchmarks, CantileverUnderEndMoment) {
 }
 
 TEST(ShellBenchmarks, PinchedHemisphereWithAHole) {
-  // R = 10, t = 0.04, hole of 18 degrees, E = 6.825e7, nu = 0.3; four alternating loads of 400 at the equator; a quarter
-  // between symmetry planes carries half of two of them. (P / P_max, u_A outward, -u_B inward)
+  // R = 10, t = 0.04, hole of 18 degrees, E = 6.825e7, nu = 0.3; four alternating loads of 400 at the
+  // equator; a quarter between symmetry planes carries half of two of them. (P / P_max, u_A outward, -u_B
+  // inward)
   constexpr double reference[][3] = {
       {0.25, 2.596, 3.833}, {0.5, 3.406, 5.902}, {0.75, 3.816, 7.234}, {1.0, 4.067, 8.178}};
   const ThinShell law{6.825e7, 0.3, 0.04};
@@ -95,8 +102,9 @@ TEST(ShellBenchmarks, PinchedHemisphereWithAHole) {
   const int A = n * (n + 1), B = n * (n + 1) + n;
   ASSERT_NEAR((body.points().row(A) - Eigen::RowVector3d(R, 0, 0)).norm(), 0, 1e-9);
   ASSERT_NEAR((body.points().row(B) - Eigen::RowVector3d(0, R, 0)).norm(), 0, 1e-9);
-  auto held = shell_dofs(body, [](const Vector3& X, int k) { return (k == 0 && std::abs(X[0]) < 1e-9) ||
-                                                                    (k == 1 && std::abs(X[1]) < 1e-9); });
+  auto held = shell_dofs(body, [](const Vector3& X, int k) {
+    return (k == 0 && std::abs(X[0]) < 1e-9) || (k == 1 && std::abs(X[1]) < 1e-9);
+  });
   held.push_back(body.dofs(A)[2]);  // no load along it: holds what is left of rigid motion
   Equilibrium equilibrium(body, held, shell_solver());
   std::vector<double> load(body.n_dofs(), 0.0), state(body.n_dofs(), 0.0);

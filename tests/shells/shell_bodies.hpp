@@ -51,7 +51,8 @@ std::vector<std::int32_t> shell_dofs(const Discretization& body, Chosen&& chosen
   return dofs;
 }
 
-/// A shell of Hooke's moduli that is not stretched much: St. Venant-Kirchhoff with the shear modulus as the unit.
+/// A shell of Hooke's moduli that is not stretched much: St. Venant-Kirchhoff with the shear modulus as the
+/// unit.
 struct ThinShell {
   double youngs_modulus, poissons_ratio, thickness;
   double shear_modulus() const { return youngs_modulus / (2 * (1 + poissons_ratio)); }
@@ -64,7 +65,8 @@ struct ThinShell {
 inline SolverSpec shell_solver() {
   SolverSpec spec;
   spec.element = Element::shell;
-  spec.max_iterations = 300;  // thin shells under dead loads: what is stiff changes its direction at every step
+  spec.max_iterations =
+      300;  // thin shells under dead loads: what is stiff changes its direction at every step
   return spec;
 }
 

@@ -1,6 +1,6 @@
-// Claims about the shell's forms: rigid motions are free, residual and tangent are derivatives, the stress across the shell
-// is condensed as the law has it, bending is that of plate theory down to thickness over length 1/1000, and a slit tube of
-// the paper's drain is as stiff as a solid of Taylor-Hood tetrahedra.
+// Claims about the shell's forms: rigid motions are free, residual and tangent are derivatives, the stress
+// across the shell is condensed as the law has it, bending is that of plate theory down to thickness over
+// length 1/1000, and a slit tube of the paper's drain is as stiff as a solid of Taylor-Hood tetrahedra.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,8 +28,10 @@ Mesh arch(int n) {
 }
 
 /// Displacement R X - X of the middle surface, and directors turned with it.
-std::vector<double> turned(Discretization& body, const std::vector<double>& directors, const Eigen::Matrix3d& R) {
-  auto state = state_of(body, [&](const Vector3& X) -> Vector3 { return R * X - X + Vector3(0.3, -0.2, 0.7); });
+std::vector<double> turned(Discretization& body, const std::vector<double>& directors,
+                           const Eigen::Matrix3d& R) {
+  auto state =
+      state_of(body, [&](const Vector3& X) -> Vector3 { return R * X - X + Vector3(0.3, -0.2, 0.7); });
   for (int p = body.n_nodes(); p < body.n_points(); ++p) {
     Vector3 D;
     for (int k = 0; k < 3; ++k) D[k] = directors[static_cast<std::size_t>(body.director_dofs(p)[k])];
@@ -60,7 +62,8 @@ std::vector<double> mean_normals(const Discretization& body, const Mesh& mesh) {
 
 class ShellForms : public ::testing::TestWithParam<Law> {
  protected:
-  ShellForms() : _mesh(arch(3)), _body(_mesh, form_set(unit_material(GetParam(), 50), Element::shell, 1, 0.1)) {
+  ShellForms()
+      : _mesh(arch(3)), _body(_mesh, form_set(unit_material(GetParam(), 50), Element::shell, 1, 0.1)) {
     _state.resize(_body.n_dofs());
     for (auto& value : _state) value = 0.02 * _random();
     _direction.resize(_body.n_dofs());
@@ -81,7 +84,8 @@ class ShellForms : public ::testing::TestWithParam<Law> {
   Eigen::VectorXd _direction;
 };
 
-// Central differences of fourth order with step 1e-3: error of the order of step^4 and of rounding over the step.
+// Central differences of fourth order with step 1e-3: error of the order of step^4 and of rounding over the
+// step.
 constexpr double step = 1e-3, tolerance = 1e-8;
 template <class F>
 auto derivative_at_zero(F&& f) -> decltype(f(0.0)) {
@@ -95,7 +99,8 @@ TEST_P(ShellForms, ResidualIsTheDerivativeOfTheEnergy) {
 }
 
 TEST_P(ShellForms, TangentIsTheDerivativeOfTheResidualAndSymmetric) {
-  const Eigen::VectorXd expected = derivative_at_zero([&](double t) -> Eigen::VectorXd { return residual(_body, moved(t)); });
+  const Eigen::VectorXd expected =
+      derivative_at_zero([&](double t) -> Eigen::VectorXd { return residual(_body, moved(t)); });
   const auto K = dense_tangent(_body, _state);
   EXPECT_LT((K * _direction - expected).norm(), tolerance * expected.norm());
   EXPECT_LT((K - K.transpose()).norm(), 1e-12 * K.norm());
@@ -105,7 +110,8 @@ TEST_P(ShellForms, RestIsAtRestAndStable) {
   const std::vector<double> zero(_body.n_dofs(), 0.0);
   EXPECT_NEAR(_body.energy(zero), 0, 1e-14);
   EXPECT_LT(residual(_body, zero).norm(), 1e-13);
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense_tangent(_body, zero)).eigenvalues();
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense_tangent(_body, zero)).eigenvalues();
   // Six rigid motions, and no other motion that is free: no hourglass of the reduced integration.
   EXPECT_LT(std::abs(values[5]), 1e-10 * values[values.size() - 1]);
   EXPECT_GT(values[0], -1e-10 * values[values.size() - 1]);
@@ -113,12 +119,14 @@ TEST_P(ShellForms, RestIsAtRestAndStable) {
 }
 
 TEST_P(ShellForms, ThinCurvedShellsAreStableAtRest) {
-  // Exchanged integrals must leave a positive energy however thin the shell is against h^2 / R. The softest motions that
-  // strain bend: their stiffness is a few hundredths of t^3 or more; rounding, 1e-15 of the membrane's t, is 1e-9 of that.
+  // Exchanged integrals must leave a positive energy however thin the shell is against h^2 / R. The softest
+  // motions that strain bend: their stiffness is a few hundredths of t^3 or more; rounding, 1e-15 of the
+  // membrane's t, is 1e-9 of that.
   for (const double thickness : {0.01, 0.001}) {
     Discretization body(_mesh, form_set(unit_material(GetParam(), 50), Element::shell, 1, thickness));
     const std::vector<double> zero(body.n_dofs(), 0.0);
-    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense_tangent(body, zero)).eigenvalues();
+    const Eigen::VectorXd values =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense_tangent(body, zero)).eigenvalues();
     const double bending = std::pow(thickness, 3);
     EXPECT_GT(values[0], -1e-6 * bending) << thickness;
     EXPECT_LT(values[5], 1e-6 * bending) << thickness;
@@ -159,21 +167,24 @@ TEST_P(PlaneStress, IsThatOfTheLaw) {
   const auto mesh = strip(1, 1, {2, 2});
   constexpr double thickness = 0.01;
   Discretization body(mesh, form_set(material, Element::shell, 1, thickness));
-  // Exact for St. Venant-Kirchhoff. The others' last Newton step leaves a rest of fifth order in the volume strain: strains
-  // here are of order 1, so that it is below (mu/K)^5. Golden section finds the minimum to some 1e-8.
+  // Exact for St. Venant-Kirchhoff. The others' last Newton step leaves a rest of fifth order in the volume
+  // strain: strains here are of order 1, so that it is below (mu/K)^5. Golden section finds the minimum to
+  // some 1e-8.
   const double tolerance = law == Law::st_venant_kirchhoff ? 1e-7 : std::pow(bulk_to_shear, -5) + 1e-7;
   // St. Venant-Kirchhoff would turn the wall inside out at the largest.
   const double size = law == Law::st_venant_kirchhoff ? 0.3 : 1;
   for (auto [s1, s2] : {std::pair{1.3, 1.0}, {1.5, 0.9}, {0.8, 0.9}, {1.2, 1.25}}) {
     s1 = 1 + size * (s1 - 1), s2 = 1 + size * (s2 - 1);
-    const auto state = state_of(body, [&](const Vector3& X) { return Vector3((s1 - 1) * X[0], (s2 - 1) * X[1], 0); });
+    const auto state =
+        state_of(body, [&](const Vector3& X) { return Vector3((s1 - 1) * X[0], (s2 - 1) * X[1], 0); });
     const double expected = thickness * plane_stress_energy(material, s1, s2);
     EXPECT_NEAR(body.energy(state), expected, tolerance * expected) << s1 << " " << s2;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, PlaneStress,
-                         ::testing::Combine(::testing::Values(Law::st_venant_kirchhoff, Law::neo_hookean, Law::mooney_rivlin),
+                         ::testing::Combine(::testing::Values(Law::st_venant_kirchhoff, Law::neo_hookean,
+                                                              Law::mooney_rivlin),
                                             ::testing::Values(2.0, 10.0, 200.0, 23000.0)),
                          [](const auto& info) {
                            return case_name({{std::get<0>(info.param), Element::shell}, 0}) + "_" +
@@ -181,18 +192,20 @@ INSTANTIATE_TEST_SUITE_P(Laws, PlaneStress,
                          });
 
 TEST(Plates, ClampedSquareSagsAsInPlateTheory) {
-  // Timoshenko & Woinowsky-Krieger 1959, table 35: w = 0.00560 P a^2 / D at the middle of a clamped square plate under a
-  // force there, nu = 0.3. Shear adds some tens of (t/a)^2. At t/a = 1/1000 the rest is discretization, of order 2: 3.7 %
-  // with 16 x 16 squares, 0.9 % with 32 x 32.
+  // Timoshenko & Woinowsky-Krieger 1959, table 35: w = 0.00560 P a^2 / D at the middle of a clamped square
+  // plate under a force there, nu = 0.3. Shear adds some tens of (t/a)^2. At t/a = 1/1000 the rest is
+  // discretization, of order 2: 3.7 % with 16 x 16 squares, 0.9 % with 32 x 32.
   for (const double thickness : {0.01, 0.001}) {
     const ThinShell law{1, 0.3, thickness};
     const auto mesh = strip(1, 1, {32, 32});
     Discretization body(mesh, [&] {
       return form_set(hookean(Law::linear, 1, 0.3), Element::shell, law.shear_modulus(), thickness);
     }());
-    Equilibrium equilibrium(body, shell_dofs(body, [](const Vector3& X, int) {
-                              return std::min({X[0], X[1], 1 - X[0], 1 - X[1]}) < 1e-9;
-                            }),
+    Equilibrium equilibrium(body,
+                            shell_dofs(body,
+                                       [](const Vector3& X, int) {
+                                         return std::min({X[0], X[1], 1 - X[0], 1 - X[1]}) < 1e-9;
+                                       }),
                             shell_solver());
     const double D = std::pow(thickness, 3) / (12 * (1 - 0.09)) / law.shear_modulus();
     int middle = -1;
@@ -207,9 +220,10 @@ TEST(Plates, ClampedSquareSagsAsInPlateTheory) {
 }
 
 TEST(SlitTube, IsAsStiffAsASolidOfTaylorHoodTetrahedra) {
-  // The drain's radius, length, wall and moduli, slit along its whole length and clamped at both ends; a dead load
-  // downward on the third of its length in the middle, where y > 0. The two agree to 6 % here and to 2 % with twice as many
-  // cells each way (docs/decisions/shell.md): the shell comes from below, the straight-edged solid from above.
+  // The drain's radius, length, wall and moduli, slit along its whole length and clamped at both ends; a dead
+  // load downward on the third of its length in the middle, where y > 0. The two agree to 6 % here and to 2 %
+  // with twice as many cells each way (docs/decisions/shell.md): the shell comes from below, the
+  // straight-edged solid from above.
   constexpr double R = 6.35, t = 0.5, L = 38, slit = 0.32;
   constexpr int around = 20, along = 12;
   Material material = unit_material(Law::mooney_rivlin, 100e3 / 4.4);
@@ -218,7 +232,8 @@ TEST(SlitTube, IsAsStiffAsASolidOfTaylorHoodTetrahedra) {
     const double angle = std::numbers::pi / 2 + slit + s * (2 * std::numbers::pi - 2 * slit);
     return {(R + height) * std::cos(angle), (R + height) * std::sin(angle), L * z};
   };
-  /// Mean displacement of the watched nodes under a load that is spread evenly over all the faces at the given radii.
+  /// Mean displacement of the watched nodes under a load that is spread evenly over all the faces at the
+  /// given radii.
   const auto sag = [&](Discretization& body, std::vector<std::int32_t> held, const Mesh& mesh,
                        const std::vector<double>& radii, const std::vector<Vector3>& watched) {
     SolverSpec spec = shell_solver();
@@ -227,7 +242,8 @@ TEST(SlitTube, IsAsStiffAsASolidOfTaylorHoodTetrahedra) {
     std::vector<double> load(body.n_dofs(), 0.0);
     for (const double radius : radii) {
       const auto part = dead_traction(body, mesh, {0, -1, 0}, [&](const Vector3& X) {
-        return X[1] > 1e-9 && std::abs(X[2] - L / 2) < L / 6 + 1e-9 && std::abs(std::hypot(X[0], X[1]) - radius) < 1e-9;
+        return X[1] > 1e-9 && std::abs(X[2] - L / 2) < L / 6 + 1e-9 &&
+               std::abs(std::hypot(X[0], X[1]) - radius) < 1e-9;
       });
       for (std::size_t i = 0; i < load.size(); ++i) load[i] += part[i];
     }
@@ -258,11 +274,12 @@ TEST(SlitTube, IsAsStiffAsASolidOfTaylorHoodTetrahedra) {
   Discretization solid(wall, form_set(material, Element::taylor_hood, 1));
   std::vector<std::int32_t> held;
   for (int p = 0; p < solid.n_points(); ++p)
-    if (ends(solid.points().row(p).transpose(), 0)) held.insert(held.end(), solid.dofs(p).begin(), solid.dofs(p).end());
-  const Vector3 outer = sag(solid, held, wall, {R - t / 2, R + t / 2},
-                            {place(0, -t / 2, 0.5), place(0, t / 2, 0.5)});
-  std::printf("lip of the slit: shell %.4f %.4f %.4f, solid %.4f %.4f %.4f mm\n", bent[0], bent[1], bent[2], outer[0],
-              outer[1], outer[2]);
+    if (ends(solid.points().row(p).transpose(), 0))
+      held.insert(held.end(), solid.dofs(p).begin(), solid.dofs(p).end());
+  const Vector3 outer =
+      sag(solid, held, wall, {R - t / 2, R + t / 2}, {place(0, -t / 2, 0.5), place(0, t / 2, 0.5)});
+  std::printf("lip of the slit: shell %.4f %.4f %.4f, solid %.4f %.4f %.4f mm\n", bent[0], bent[1], bent[2],
+              outer[0], outer[1], outer[2]);
   EXPECT_GT(outer.norm(), 2 * t);
   EXPECT_LT((bent - outer).norm(), 0.08 * outer.norm());
 }

@@ -7,6 +7,7 @@
 #include <phynness/drawing/html.hpp>
 #include <phynness/drawing/plots.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/report.hpp>
 
 #include "conservation.hpp"
@@ -30,8 +31,14 @@ std::string bytes(std::size_t n) {
   return n < 1'000'000 ? fmt::format("{:.1f} kB", 1e-3 * static_cast<double>(n))
                        : fmt::format("{:.2f} MB", 1e-6 * static_cast<double>(n));
 }
-std::string vector(const Vec3& v, const char* format = "{:.2f} {:.2f} {:.2f}") {
-  return fmt::format(fmt::runtime(format), 1e3 * v[0], 1e3 * v[1], 1e3 * v[2]);
+std::string vector(const Vec3& v, double scale = 1e3, const char* format = "{:.2f} {:.2f} {:.2f}") {
+  return fmt::format(fmt::runtime(format), scale * v[0], scale * v[1], scale * v[2]);
+}
+ForceUnit unit_of(const ReportInput& in) {
+  double largest = 0;
+  for (const auto& r : in.validation.records)
+    for (const double x : r.finite_elements_N) largest = std::max(largest, std::abs(x));
+  return force_unit(largest);
 }
 
 std::string headline(const ReportInput& in) {
@@ -185,19 +192,20 @@ std::string worst(const ReportInput& in) {
   std::stable_sort(records.begin(), records.end(),
                    [](const auto* a, const auto* b) { return a->force_error > b->force_error; });
   records.resize(std::min(records.size(), most_worst));
-  std::vector<std::vector<std::string>> rows{{"node", "to the fixed nodes, mm", "displacement, mm",
-                                              "finite elements, mN", "model, mN", "force off by, %",
-                                              "displacement off by, %"}};
+  const ForceUnit unit = unit_of(in);
+  std::vector<std::vector<std::string>> rows{
+      {"node", "to the fixed nodes, mm", "displacement, mm", fmt::format("finite elements, {}", unit.name),
+       fmt::format("model, {}", unit.name), "force off by, %", "displacement off by, %"}};
   const auto& points = in.model.mesh().nodes;
   for (const auto* r : records) {
     double nearest = 1e300;
     for (const auto fixed : in.model.model().fixed)
       nearest = std::min(nearest, (points.row(fixed) - points.row(r->node)).norm());
-    rows.push_back({std::to_string(r->node), fmt::format("{:.0f}", 1e3 * nearest), vector(r->displacement_m),
-                    vector(r->finite_elements_N), vector(r->model_N), percent(r->force_error),
-                    in.validation.of(Predictor::model).inside.displacement.n > 0
-                        ? percent(r->displacement_error)
-                        : "-"});
+    rows.push_back(
+        {std::to_string(r->node), fmt::format("{:.0f}", 1e3 * nearest), vector(r->displacement_m),
+         vector(r->finite_elements_N, unit.per_N), vector(r->model_N, unit.per_N), percent(r->force_error),
+         in.validation.of(Predictor::model).inside.displacement.n > 0 ? percent(r->displacement_error)
+                                                                      : "-"});
   }
   return section("The worst forces inside the range", table(rows));
 }
@@ -215,9 +223,11 @@ std::string curves(const ReportInput& in) {
       "dots: finite "
       "elements; dashed: the force at the first dot, drawn on in a straight line.</p>\n<div "
       "class=\"plots\">\n";
+  const ForceUnit newton = unit_of(in);
   for (const auto* curve : shown) {
     const auto along = [&](const Vec3& f) {
-      return 1e3 * (f[0] * curve->direction[0] + f[1] * curve->direction[1] + f[2] * curve->direction[2]);
+      return newton.per_N *
+             (f[0] * curve->direction[0] + f[1] * curve->direction[1] + f[2] * curve->direction[2]);
     };
     Curve model{"model", Mark::line, 0, {}}, solves{"finite elements", Mark::points, 2, {}},
         straight{"straight on", Mark::dashes, 1, {}};
@@ -236,10 +246,10 @@ std::string curves(const ReportInput& in) {
     out += fmt::format("<figure>{}<figcaption>Along {}; trained to {:.3g} mm</figcaption></figure>\n",
                        plot({fmt::format("Node {}", curve->node),
                              "depth, mm",
-                             "force, mN",
+                             fmt::format("force, {}", newton.name),
                              false,
                              {straight, model, solves}}),
-                       vector(unit, "({:.2f} {:.2f} {:.2f})"),
+                       vector(unit, 1e3, "({:.2f} {:.2f} {:.2f})"),
                        1e3 * in.model.trained_depth(curve->node, curve->direction));
   }
   return section("Force against depth", out + "</div>\n");

@@ -30,9 +30,10 @@ inline double patch_weight(double s2) { return s2 < 1 - 1e-9 ? (1 - s2) * (1 - s
 TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
                            std::int32_t node, double tool_radius);
 
-/// True if no rigid motion leaves the fixed nodes where they are: at least three of them, not on one line.
+/// True if no rigid motion leaves the fixed nodes where they are: at least three of them, not on one line, or an
+/// edge of a shell, which is clamped there.
 /// A singular factorization does not show this reliably, as rounding makes its zero pivots small numbers.
-bool hold_the_body(const Points& nodes, std::span<const std::int32_t> fixed);
+bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed);
 
 /// A point of the undeformed surface: a triangle's nodes and barycentric weights, >= 0 and of sum 1.
 struct SurfacePoint {

@@ -36,6 +36,14 @@ struct MeshResult {
 /// @throws Error
 MeshResult make_mesh(const Scene& scene);
 
+/// True if a file holds triangles alone, and edges that one triangle has: not the surface of a body, perhaps a shell's.
+/// @throws Error as make_mesh for a file that cannot be read
+bool holds_open_surface(const std::filesystem::path& file);
+
+/// A file's triangles as the middle surface of a shell, in the file's units, without a thickness to check it against.
+/// @throws Error
+MeshResult make_shell(const std::filesystem::path& file);
+
 /// The checks alone, for a mesh from elsewhere.
 QualityReport measure_quality(const Mesh& mesh);
 
