@@ -18,9 +18,4 @@ def squared_thickness(metric):
     return 1 - lmbda / (lmbda + 2 * mu) * (metric.A - 2) - metric.s
 
 
-def squared_thickness(metric):
-    """x - s: negative where stretching in the plane would take more than all of the thickness."""
-    return 1 - lmbda / 4 * (metric.A - 2) / (lmbda / 4 + mu / 2) - metric.s
-
-
 globals().update(every_form(plane_stress, mu, squared_thickness=squared_thickness))
