@@ -127,13 +127,12 @@ class Solver {
       for (std::int32_t j = 0; j < n; ++j) {
         const double* pulled = _c.pulled + at(i, j, 0);
         _c.energy[i] += dot(_c.rest + at(i, j, 0), pulled) / 2;
-        for (int k = 0; k < 3; ++k) force[3 * j + k] = pulled[k];
+        for (int k = 0; k < 3; ++k) force[3 * j + k] = j == i ? 0 : pulled[k];
         if (j != i && !linear) _c.energy[i] += bend(j, _c.rest + at(i, j, 0), force + 3 * j, _c.weight[i]);
       }
-      for (int k = 0; k < 3; ++k) force[3 * i + k] = 0;
       carry_back(i, force);
-      for (int k = 0; k < 3; ++k) force[3 * i + k] += _c.alone[3 * i + k];
-      for (std::int32_t j = 0; j < 3 * n; ++j) _c.forces[j] += _c.weight[i] * force[j];
+      add_scaled(1, _c.alone + 3 * i, 3, force + 3 * i);
+      add_scaled(_c.weight[i], force, 3 * n, _c.forces);
       energy += _c.weight[i] * _c.energy[i];
     }
     if (has_energy(_model) && !linear) add_change_of_weights(energy);
@@ -151,11 +150,17 @@ class Solver {
       displaced(j, i, rest);
       for (int k = 0; k < 3; ++k) rest[k] = _targets[3 * j + k] - rest[k];
     }
-    for (std::int32_t j = 0; j < n; ++j) {
-      double* pulled = _c.pulled + at(i, j, 0);
-      for (int k = 0; k < 3; ++k) pulled[k] = 0;
-      for (std::int32_t s = 0; s < n; ++s) {
-        for (int k = 0; k < 9; ++k) pulled[k / 3] += _c.stiffness[at9(j, s) + k] * _c.rest[at(i, s, 0) + k % 3];
+    pull_all(_c.rest + at(i, 0, 0), _c.pulled + at(i, 0, 0));
+  }
+
+  /// Forces of the undeformed body at all points for displacements of theirs.
+  void pull_all(const double* moved, double* pulled) const {
+    for (std::int32_t j = 0; j < _c.n_tools; ++j) {
+      for (int k = 0; k < 3; ++k) pulled[3 * j + k] = 0;
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+        double by[3];
+        multiply(_c.stiffness + at9(j, s), moved + 3 * s, by);
+        add_scaled(1, by, 3, pulled + 3 * j);
       }
     }
   }
@@ -167,7 +172,7 @@ class Solver {
       if (j == i) continue;
       double back[3];
       multiply_transposed(_c.derivative + at9(i, j), force + 3 * j, back);
-      for (int k = 0; k < 3; ++k) force[3 * i + k] -= back[k];
+      add_scaled(-1, back, 3, force + 3 * i);
     }
   }
 
@@ -204,21 +209,18 @@ class Solver {
     for (std::int32_t i = 0; i < n; ++i) {
       double linear[3];
       multiply(_c.point[i].stiffness, _targets + 3 * i, linear);
-      for (int k = 0; k < 3; ++k) _c.forces[3 * i + k] += apart * equal_part * 2 * linear[k];
+      add_scaled(apart * equal_part * 2, linear, 3, _c.forces + 3 * i);
     }
     for (std::int32_t first = 0; first < n; ++first) {
-      double own[3 * most_coupled], force[3 * most_coupled] = {};
+      double own[3 * most_coupled], force[3 * most_coupled];
       for (std::int32_t i = 0; i < n; ++i) {
         multiply(_c.point[i].compliance, _c.pulled + at(first, i, 0), own + 3 * i);
         for (int k = 0; k < 3; ++k) own[3 * i + k] *= i == first ? 0 : 2 * (_c.energy[i] - energy) / _sum;
       }
-      for (std::int32_t j = 0; j < n; ++j) {
-        for (std::int32_t i = 0; i < n && j != first; ++i) {
-          for (int k = 0; k < 9; ++k) force[3 * j + k / 3] += _c.stiffness[at9(j, i) + k] * own[3 * i + k % 3];
-        }
-      }
+      pull_all(own, force);
+      for (int k = 0; k < 3; ++k) force[3 * first + k] = 0;
       carry_back(first, force);
-      for (std::int32_t i = 0; i < 3 * n; ++i) _c.forces[i] += force[i];
+      add_scaled(1, force, 3 * n, _c.forces);
     }
   }
 
@@ -233,7 +235,7 @@ class Solver {
     multiply(point.stiffness, z, linear);
     for (int k = 0; k < 3; ++k) gradient[k] = point.force[k] - linear[k];
     multiply_transposed(point.relative, gradient, back);
-    for (int k = 0; k < 3; ++k) pulled[k] += back[k];
+    add_scaled(1, back, 3, pulled);
     add_response(j, weight);
     add_at_rest(j, z, -weight);
     return energy - dot(z, linear) / 2;
@@ -249,7 +251,7 @@ class Solver {
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
         // root_t A_ts root_s^-1
         double moved[9], block[9];
-        for (int k = 0; k < 9; ++k) moved[k] = _c.matrix[(3 * t + k / 3) * n + 3 * s + k % 3];
+        rest_block(t, s, moved);
         multiply_matrices(_c.point[t].root, moved, block);
         multiply_matrices(block, _c.point[s].inverse_root, moved);
         for (int k = 0; k < 9; ++k) _c.work[(3 * t + k / 3) * n + 3 * s + k % 3] = moved[k];
@@ -384,9 +386,8 @@ class Solver {
     double q[3];
     multiply(point.contribution[i], r, q);
     for (double& k : q) k *= weight;
-    for (std::int32_t j = 0; j < n; ++j)
-      basis[j] += q[0] * gradient[j] + q[1] * gradient[n + j] + q[2] * gradient[2 * n + j];
-    for (int k = 0; k < 3; ++k) own[k] += q[k];
+    for (int k = 0; k < 3; ++k) add_scaled(q[k], gradient + k * n, n, basis);
+    add_scaled(1, q, 3, own);
   }
 
   void clear_field(std::int32_t s) {
@@ -403,10 +404,8 @@ class Solver {
     HeldPoint& point = _c.point[s];
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       point.field_share[i] += weight * point.node_share[i];
-      for (int k = 0; k < 3; ++k) point.field_own[i][k] += weight * point.node_own[i][k];
-      const double* basis = node_basis(s, i);
-      double* sum = field_basis(s, i);
-      for (std::int32_t j = 0; j < basis_size(_model, node(point, i)); ++j) sum[j] += weight * basis[j];
+      add_scaled(weight, point.node_own[i], 3, point.field_own[i]);
+      add_scaled(weight, node_basis(s, i), basis_size(_model, node(point, i)), field_basis(s, i));
     }
   }
 
@@ -425,7 +424,7 @@ class Solver {
       double by[3];
       local_displacement(_c.local[at(t, s, i)], point.node_share[i], point.node_own[i],
                          basis_size(_model, node(point, i)), node_basis(s, i), by);
-      for (int k = 0; k < 3; ++k) u[k] += by[k];
+      add_scaled(1, by, 3, u);
     }
   }
 
@@ -441,7 +440,7 @@ class Solver {
           double by[3];
           local_displacement(_c.local[at(t, s, i)], point.field_share[i], point.field_own[i],
                              basis_size(_model, node(point, i)), field_basis(s, i), by);
-          for (int k = 0; k < 3; ++k) r[k] -= by[k];
+          add_scaled(-1, by, 3, r);
         }
       }
       largest = std::fmax(largest, length(r));
@@ -449,10 +448,15 @@ class Solver {
     return largest;
   }
 
+  /// Derivative of tool t's point by the p of tool s in the undeformed body. @pre set_rest_matrix
+  void rest_block(std::int32_t t, std::int32_t s, double* block) const {
+    for (int k = 0; k < 9; ++k) block[k] = _c.matrix[(3 * t + k / 3) * 3 * _c.n_tools + 3 * s + k % 3];
+  }
+
   /// Derivatives of all points' displacements by the p of tool t, at the p of its latest response.
   void find_derivatives(std::int32_t t) {
     HeldPoint& point = _c.point[t];
-    const std::int32_t n_tools = _c.n_tools, row = 3 * n_tools;
+    const std::int32_t n_tools = _c.n_tools;
     for (std::int32_t s = 0; s < n_tools; ++s) {
       for (int k = 0; k < 9; ++k) _c.derivative[at9(t, s) + k] = 0;
     }
@@ -492,7 +496,7 @@ class Solver {
         for (int k = 0; k < 9; ++k)
           sum[k] += share * part[k] + value[k / 3] * by_share[k % 3] + local.direct * point.contribution[i][k];
         multiply_matrices(indirect, left, part);
-        for (int k = 0; k < 9; ++k) sum[k] += part[k];
+        add_scaled(1, part, 9, sum);
       }
     }
     // What a tool's own point lacks is added as in the undeformed body.
@@ -500,9 +504,9 @@ class Solver {
     for (int k = 0; k < 9; ++k) lacks[k] = (k % 4 == 0 ? 1 : 0) - _c.derivative[at9(t, t) + k];
     for (std::int32_t s = 0; s < n_tools; ++s) {
       double moved[9], part[9];
-      for (int k = 0; k < 9; ++k) moved[k] = _c.matrix[(3 * s + k / 3) * row + 3 * t + k % 3];
+      rest_block(s, t, moved);
       multiply_matrices(moved, lacks, part);
-      for (int k = 0; k < 9; ++k) _c.derivative[at9(t, s) + k] += part[k];
+      add_scaled(1, part, 9, _c.derivative + at9(t, s));
     }
   }
 
@@ -514,11 +518,7 @@ class Solver {
       if (_c.n_tools > 1) return solve_dense(_c.work, n, _c.right, 1);
       return true;
     }
-    for (std::int32_t i = 0; i < n; ++i) {
-      _c.forces[i] = 0;
-      for (std::int32_t j = 0; j < n; ++j)
-        _c.forces[i] += _c.stiffness[at9(i / 3, j / 3) + static_cast<std::size_t>(3 * (i % 3) + j % 3)] * _c.right[j];
-    }
+    pull_all(_c.right, _c.forces);
     for (std::int32_t t = 0; t < _c.n_tools; ++t) multiply(_c.point[t].compliance, _c.forces + 3 * t, _c.right + 3 * t);
     return true;
   }

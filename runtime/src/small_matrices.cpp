@@ -4,6 +4,17 @@
 
 namespace phynness::runtime {
 
+void multiply_matrices(const double* a, const double* b, double* c) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j)
+      c[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
+  }
+}
+
+void add_scaled(double factor, const double* x, std::int32_t n, double* y) {
+  for (std::int32_t i = 0; i < n; ++i) y[i] += factor * x[i];
+}
+
 void invert(const double* given, double* inverse) {
   double a[9], size = 0;
   for (int i = 0; i < 9; ++i) {

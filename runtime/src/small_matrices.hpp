@@ -16,12 +16,10 @@ inline void multiply_transposed(const double* a, const double* x, double* y) {
 }
 
 /// c = a b. @param c  none of the two
-inline void multiply_matrices(const double* a, const double* b, double* c) {
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j)
-      c[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
-  }
-}
+void multiply_matrices(const double* a, const double* b, double* c);
+
+/// y += factor x. @param n  of both
+void add_scaled(double factor, const double* x, std::int32_t n, double* y);
 
 /// Sum of products of the entries.
 inline double inner_product(const double* a, const double* b) {
