@@ -63,14 +63,16 @@ Scene parse_scene(const std::string& text, const std::string& source_name,
   scene.training = sd::parse_training(training, scene.material);
   scene.validation = sd::parse_validation(validation);
   if (scene.mesh.thickness_m > 0 && !scene.database.fields.empty())
-    database.reject("fields", "are computed in solids, but [mesh] is the middle surface of a shell", "remove fields");
+    database.reject("fields", "are computed in solids, but [mesh] is the middle surface of a shell",
+                    "remove fields");
   const Material& m = scene.material;
   const double least = m.law == Law::mooney_rivlin ? 2 : m.law == Law::neo_hookean ? 1 : 0;
   if (scene.mesh.thickness_m > 0 && m.bulk_to_shear() < least)
-    material.reject("law",
-                    "condenses the stress across a shell in a few steps of Newton's method, good enough from K/mu = " +
-                        sd::shortest(least) + " on; here K/mu is " + sd::shortest(m.bulk_to_shear()),
-                    "use law = \"st-venant-kirchhoff\", which has it in closed form, or a solid without thickness_m");
+    material.reject(
+        "law",
+        "condenses the stress across a shell in a few steps of Newton's method, good enough from K/mu = " +
+            sd::shortest(least) + " on; here K/mu is " + sd::shortest(m.bulk_to_shear()),
+        "use law = \"st-venant-kirchhoff\", which has it in closed form, or a solid without thickness_m");
   return scene;
 }
 

@@ -40,7 +40,8 @@ struct Discretization::Dolfinx {
   }
 
   /// What a kernel reads of a cell: its state and, of a shell, what it is at rest.
-  void gather(std::span<const std::int32_t> dofs, std::span<const double> state, std::vector<double>& values) const {
+  void gather(std::span<const std::int32_t> dofs, std::span<const double> state,
+              std::vector<double>& values) const {
     values.clear();
     for (const auto i : dofs) values.push_back(state[i]);
     if (!rest_values.empty())

@@ -42,11 +42,11 @@ std::array<FormSet, 4> forms_of(Law law) {
   return PHYNNESS_LAW(mooney_rivlin);
 }
 
-#define PHYNNESS_SHELL(law)                                                                              \
-  FormSet {                                                                                              \
+#define PHYNNESS_SHELL(law)                                                                               \
+  FormSet {                                                                                               \
     form_shell_##law##_energy, form_shell_##law##_residual, form_shell_##law##_tangent, nullptr, nullptr, \
-        expression_shell_##law##_orientation, form_shell_##law##_gauge_energy,                           \
-        form_shell_##law##_gauge_residual, form_shell_##law##_gauge_tangent, Element::shell, {}          \
+        expression_shell_##law##_orientation, form_shell_##law##_gauge_energy,                            \
+        form_shell_##law##_gauge_residual, form_shell_##law##_gauge_tangent, Element::shell, {}           \
   }
 
 FormSet shell_forms_of(Law law) {
@@ -63,7 +63,8 @@ FormSet shell_forms_of(Law law) {
   return PHYNNESS_SHELL(mooney_rivlin);
 }
 
-/// Share of the shear strains that is integrated at one point: half of their energy (docs/decisions/shell.md).
+/// Share of the shear strains that is integrated at one point: half of their energy
+/// (docs/decisions/shell.md).
 constexpr double swapped_shear = 0.7;
 
 /// Two Gauss points through the thickness, and the middle surface's change of integral (forms/shell.py).
@@ -84,7 +85,8 @@ void set_passes(FormSet& set, double t) {
 
 FormSet form_set(const Material& material, Element element, double modulus_Pa, double thickness) {
   const bool shell = element == Element::shell;
-  FormSet set = shell ? shell_forms_of(material.law) : forms_of(material.law)[static_cast<std::size_t>(element)];
+  FormSet set =
+      shell ? shell_forms_of(material.law) : forms_of(material.law)[static_cast<std::size_t>(element)];
   if (shell) {
     set.passes.clear();
     set_passes(set, thickness);
