@@ -16,13 +16,13 @@ def plane_stress(metric):
     I1, dI1, I2, dI2 = metric.invariants()
     terms = ((c10 * (I1 - dI1), -1 / 3), (c10 * dI1, 2 / 3), (c01 * (I2 - dI2), -2 / 3), (c01 * dI2, 1 / 3))
     q = -sum(a * k for a, k in terms) / (sum(a * k**2 for a, k in terms) + bulk / 4)
-    # All exponents are multiples of a twelfth.
-    z, s = exp(q / 12), sinh(q / 4)
-    values = [(a * z ** round(12 * k), k) for a, k in terms]
-    slope = sum(v * k for v, k in values) + bulk * z**9 * s
-    curvature = sum(v * k**2 for v, k in values) + bulk * (z**12 / 2 - z**6 / 4)
+    # Exponentials and not powers of one: their derivatives are themselves, where those of powers are calls of pow().
+    s = sinh(q / 4)
+    values = [(a * exp(k * q), k) for a, k in terms]
+    slope = sum(v * k for v, k in values) + bulk * exp(3 * q / 4) * s
+    curvature = sum(v * k**2 for v, k in values) + bulk * (exp(q) / 2 - exp(q / 2) / 4)
     shape = sum(v for v, _ in values) - 3 * (c10 + c01)
-    return shape + 2 * bulk * z**6 * s**2 - slope**2 / (2 * curvature)
+    return shape + 2 * bulk * exp(q / 2) * s**2 - slope**2 / (2 * curvature)
 
 
 globals().update(every_form(plane_stress, 2 * (c10 + c01)))
