@@ -66,11 +66,11 @@ const char* with(Mark mark) {
 std::string plot(const PlotSpec& spec) {
   std::size_t n_keys = 0;
   for (const auto& curve : spec.curves) n_keys += !curve.at.empty() && !curve.title.empty();
-  // Below the plot, two to a line: the plot keeps its height.
+  // Below the plot and the axis label, two to a line: the plot keeps its height.
   std::string script = fmt::format(
       "set terminal svg size 460,{} dynamic font 'sans,12' noenhanced\n"
-      "set grid lc 'gray'\nset border 3\nset tics nomirror\nset key below maxcols 2 samplen 2\n",
-      270 + 18 * ((n_keys + 1) / 2));
+      "set grid lc 'gray'\nset border 3\nset tics nomirror\nset key below maxcols 2 samplen 2 height 1\n",
+      288 + 18 * ((n_keys + 1) / 2));
   script += fmt::format("set title {} noenhanced\nset xlabel {} noenhanced\nset ylabel {} noenhanced\n",
                         quoted(spec.title), quoted(spec.x), quoted(spec.y));
   if (spec.log_x) script += "set logscale x\nset format x '%g'\n";

@@ -22,7 +22,12 @@ std::string seconds(double s) {
 std::string microseconds(double us) {
   return us < 1000 ? fmt::format("{:.2f} us", us) : fmt::format("{:.2f} ms", us / 1e3);
 }
-std::string rate(double us) { return us > 0 ? fmt::format("{:.3g} fps", 1e6 / us) : ""; }
+std::string rate(double us) {
+  if (!(us > 0)) return "";
+  const double fps = 1e6 / us;
+  if (fps < 1e4) return fmt::format("{:.3g} fps", fps);
+  return fps < 1e6 ? fmt::format("{:.0f},000 fps", fps / 1e3) : fmt::format("{:.1f} million fps", fps / 1e6);
+}
 
 /// The paper's Table 2.
 struct PaperLevel {
