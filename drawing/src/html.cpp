@@ -17,7 +17,7 @@ figure { margin: .5rem 0; } figcaption { font-size: .85rem; opacity: .8; }
 svg { max-width: 100%; height: auto; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
 .plots > figure { flex: 1 1 24rem; max-width: 31rem; }
 .words { font-size: .87rem; } .words td, .words th { white-space: normal; vertical-align: top; padding: .15rem .45rem; }
-.words th:first-child, .words td:first-child { min-width: 7rem; } .wide { overflow-x: auto; } .key { opacity: .75; }
+.words th:first-child, .words td:first-child { min-width: 7rem; } .one-line { white-space: nowrap; } .wide { overflow-x: auto; } .key { opacity: .75; }
 .warning { border-left: 4px solid var(--linear); padding: .3rem .8rem; background: var(--soft); }
 @media print { body { margin: 0; max-width: none; } h2 { break-after: avoid; } figure, tr { break-inside: avoid; } }
 )";
@@ -49,10 +49,18 @@ std::string escaped(const std::string& text) {
 
 std::string table(const std::vector<std::vector<std::string>>& rows, CellKind kind) {
   std::string out = kind == CellKind::words ? "<div class=\"wide\"><table class=\"words\">\n"
-                                          : "<div class=\"wide\"><table>\n";
+                                            : "<div class=\"wide\"><table>\n";
   for (std::size_t r = 0; r < rows.size(); ++r) {
     out += r == 0 ? "<thead><tr>" : "<tr>";
-    for (const auto& cell : rows[r]) out += (r == 0 ? "<th>" : "<td>") + cell + (r == 0 ? "</th>" : "</td>");
+    for (const auto& cell : rows[r]) {
+      // A number's minus is no place to break a line.
+      const bool number = kind == CellKind::words && cell.find(' ') == std::string::npos &&
+                          cell.find_first_of("0123456789") == 0;
+      out += (r == 0   ? "<th>"
+              : number ? "<td class=\"one-line\">"
+                       : "<td>") +
+             cell + (r == 0 ? "</th>" : "</td>");
+    }
     out += r == 0 ? "</tr></thead>\n" : "</tr>\n";
   }
   return out + "</table></div>\n";

@@ -1,6 +1,7 @@
 // Figures 6, 11 and 12, and what locking does: forces.
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "parts.hpp"
 
@@ -27,6 +28,7 @@ std::vector<double> times(const std::vector<double>& values, double factor) {
 }
 
 /// Mean and largest |said - finite elements| over the largest finite element force, inside or beyond R.
+/// NaN where finite elements found no equilibrium.
 struct CurveError {
   double inside = 0, beyond = 0;
 };
@@ -43,9 +45,21 @@ CurveError curve_error(const std::vector<double>& said, const ForceCurves& curve
     auto& largest = in ? largest_inside : largest_beyond;
     largest = std::max(largest, size);
   }
-  error.inside = n_inside > 0 && largest_inside > 0 ? error.inside / (n_inside * largest_inside) : 0;
-  error.beyond = n_beyond > 0 && largest_beyond > 0 ? error.beyond / (n_beyond * largest_beyond) : 0;
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  error.inside = n_inside > 0 && largest_inside > 0 ? error.inside / (n_inside * largest_inside) : none;
+  error.beyond = n_beyond > 0 && largest_beyond > 0 ? error.beyond / (n_beyond * largest_beyond) : none;
   return error;
+}
+
+/// Median of the nodes that have a number, and how many these are if not all.
+std::string median_of_those(const std::vector<double>& values) {
+  std::vector<double> known;
+  for (const double value : values)
+    if (!std::isnan(value)) known.push_back(value);
+  if (known.empty()) return "no equilibrium";
+  const auto n = known.size();
+  const std::string said = percent(median(std::move(known)));
+  return n == values.size() ? said : fmt::format("{} ({} of {})", said, n, values.size());
 }
 
 /// Forces are drawn in mN, or in uN where 0.1 mN is never felt.
@@ -70,7 +84,8 @@ Panel curve_panel(const CaseResult& result, const NodeMeasurements& node) {
       false,
       {}};
   const auto x = times(c.depth_m, 1e3);
-  panel.series.push_back({"finite elements", LineStyle::points, 2, x, times(c.finite_elements, unit.per_newton)});
+  panel.series.push_back(
+      {"finite elements", LineStyle::points, 2, x, times(c.finite_elements, unit.per_newton)});
   static constexpr std::array<int, 3> colors{5, 3, 0};
   for (std::size_t n = 0; n < c.networks.size(); ++n)
     panel.series.push_back({fmt::format("{} neurons", result.measured.sizes.curve_neurons[n]),
@@ -109,7 +124,8 @@ PaperFigure figure_6(const PaperStudy& study) {
       "With 100 of some 150 points as neurons it also follows the noise between points: the paper's Case 2 "
       "at 100 "
       "neurons. A network gets at most 60 % of its points as neurons, so that 75 and 100 may be the same one "
-      "(the drain's 130 points). Family modal has a linear tail. A linear body (Case 1) has nothing to learn: three unit "
+      "(the drain's 130 points). Family modal has a linear tail. A linear body (Case 1) has nothing to "
+      "learn: three unit "
       "responses are "
       "exact, networks are not. Where finite elements end early, no equilibrium was found beyond.";
   figure.table = {{"case; mean error % (17) along the curve, median of nodes", "50 neurons: to R", "beyond",
@@ -128,12 +144,14 @@ PaperFigure figure_6(const PaperStudy& study) {
         figure.panels.push_back(curve_panel(*result, *node));
     std::vector<std::string> row{result->of.title};
     const auto cells = [&](const auto& of) {
-      row.push_back(percent(node_median(nodes, [&](const auto& n) {
-        return curve_error(of(n), n.curves, result->measured.range_m).inside;
-      })));
-      row.push_back(percent(node_median(nodes, [&](const auto& n) {
-        return curve_error(of(n), n.curves, result->measured.range_m).beyond;
-      })));
+      std::vector<double> inside, beyond;
+      for (const auto& node : nodes) {
+        const auto error = curve_error(of(node), node.curves, result->measured.range_m);
+        inside.push_back(error.inside);
+        beyond.push_back(error.beyond);
+      }
+      row.push_back(median_of_those(inside));
+      row.push_back(median_of_those(beyond));
     };
     for (std::size_t n = 0; n < 3; ++n)
       cells([n](const NodeMeasurements& m) {
@@ -147,7 +165,8 @@ PaperFigure figure_6(const PaperStudy& study) {
     figure.conditions += fmt::format(
         "Force along the inward normal, trained on all increments; {} points to {:.1f} mm; drawn: a node "
         "beside the fixed "
-        "ones and one that is not; the table: the median of all nodes. Case 1's three solves a node are "
+        "ones and one that is not; the table: the median of all nodes, or of as many as have an equilibrium "
+        "there. Case 1's three solves a node are "
         "superposed to the "
         "26 directions, as networks need points.",
         cases.front()->measured.sizes.curve_points,
