@@ -244,9 +244,14 @@ inline Form create_form(const ufcx_form& form, const std::vector<std::shared_ptr
                         const std::vector<std::shared_ptr<const Function>>& functions,
                         const std::map<std::string, std::shared_ptr<const Constant>>& constants,
                         const std::shared_ptr<const DolfinxMesh>& mesh) {
+#if PHYNNESS_DOLFINX == 5
+  const int* positions = form.original_coefficient_position;
+#else
+  const int* positions = form.original_coefficient_positions;
+#endif
   std::vector<std::shared_ptr<const Function>> coefficients;
   for (int i = 0; i < form.num_coefficients; ++i)
-    coefficients.push_back(functions.at(static_cast<std::size_t>(form.original_coefficient_position[i])));
+    coefficients.push_back(functions.at(static_cast<std::size_t>(positions[i])));
   std::vector<std::shared_ptr<const Constant>> ordered;
   for (const auto& name : dolfinx::fem::get_constant_names(form)) ordered.push_back(constants.at(name));
 #if PHYNNESS_DOLFINX == 5
