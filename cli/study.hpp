@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <phynness/studies/cases.hpp>
 #include <phynness/studies/report.hpp>
 #include <string>
@@ -18,8 +19,12 @@ struct StudyRun {
 
 /// Everything about one case that needs a process of its own: mesh, database, models, their validation, the
 /// measurements. What is there already, of the same scene, is kept.
+/// @param how_far  which of all cases, and the time: asked before each stage
 /// @throws Error  also (input) if the folder holds the case of another scene
-void run_case(const StudyRun& run, const PaperCase& of, const std::string& which_of_all);
+void run_case(const StudyRun& run, const PaperCase& of, const std::function<std::string()>& how_far);
+
+/// True if run_case() has ended there, for these sizes.
+bool is_finished(const StudyRun& run, const PaperCase& of);
 
 /// What run_case() left, with times taken now.
 CaseResult read_case(const StudyRun& run, const PaperCase& of);

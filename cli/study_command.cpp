@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <optional>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/version.hpp>
@@ -21,7 +22,7 @@ namespace {
 
 struct Options {
   StudyRun run;
-  std::string cases;
+  std::optional<std::string> cases;
   std::filesystem::path sizes_file;
 };
 
@@ -53,19 +54,23 @@ std::filesystem::path scenes_folder(const std::filesystem::path& asked) {
 
 /// @throws Error if a word is no case
 std::vector<PaperCase> chosen_cases(const std::string& words) {
-  if (words.empty()) return paper_cases();
   std::vector<PaperCase> chosen;
   std::stringstream in(words);
   std::string names;
   for (const auto& one : paper_cases()) names += (names.empty() ? "" : ", ") + one.id;
+  if (words.empty()) throw input_error("no case is named", "--cases \"\"", "--cases: some of " + names);
   for (std::string word; std::getline(in, word, ',');) {
+    word.erase(0, word.find_first_not_of(' '));
+    word.erase(word.find_last_not_of(' ') + 1);
     bool found = false;
     for (const auto& one : paper_cases())
       if (one.id == word) {
         chosen.push_back(one);
         found = true;
       }
-    if (!found) throw input_error("the study has no such case", word, "--cases: some of " + names);
+    if (!found)
+      throw input_error("the study has no such case", word.empty() ? "an empty word" : word,
+                        "--cases: some of " + names);
   }
   return chosen;
 }
@@ -86,11 +91,13 @@ void run_study(Options options) {
     run.sizes = sizes.get<StudySizes>();
   }
   if (run.output.empty()) run.output = run.quick ? "out/paper-quick" : "out/paper";
-  const auto cases = chosen_cases(options.cases);
+  const auto cases = options.cases ? chosen_cases(*options.cases) : paper_cases();
   require_plots();
   std::error_code code;
   std::filesystem::create_directories(run.output, code);
-  if (code) throw input_error("cannot make the output folder", run.output.string(), code.message());
+  if (code)
+    throw input_error("cannot make the output folder", run.output.string() + ", " + code.message(),
+                      "give -o a folder that can be written");
   prepare_environment(run.ranks);
 
   PaperStudy study;
@@ -100,17 +107,19 @@ void run_study(Options options) {
   std::vector<PaperCase> done;
   for (std::size_t i = 0; i < cases.size(); ++i) {
     if (!std::filesystem::exists(run.scenes / cases[i].scene)) continue;
-    run_case(run, cases[i],
-             fmt::format(
-                 "case {} of {}, {} since the start", i + 1, cases.size(),
-                 duration(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count())));
+    run_case(run, cases[i], [&] {
+      return fmt::format(
+          "case {} of {}, {} since the start", i + 1, cases.size(),
+          duration(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+    });
     done.push_back(cases[i]);
   }
   fmt::print("\n== times and report\n");
   std::fflush(stdout);
   for (const auto& one : paper_cases()) {
     const bool ran = std::any_of(done.begin(), done.end(), [&](const auto& d) { return d.id == one.id; });
-    if (ran) {
+    // One that was finished before belongs to the page, asked for or not.
+    if (ran || is_finished(run, one)) {
       study.cases.push_back(read_case(run, one));
       continue;
     }

@@ -74,15 +74,27 @@ std::string lay_scene(const StudyRun& run, const PaperCase& of, const std::files
   return text;
 }
 
+/// What a case is measured with.
+nlohmann::json settings_of(const StudyRun& run, const PaperCase& of) {
+  return {{"sizes", run.sizes}, {"two_tools", of.two_tools}};
+}
+std::string measuring_key(const nlohmann::json& settings, const std::string& scene) {
+  return hash_of(settings.dump() + scene + std::to_string(measurements_version));
+}
+
 }  // namespace
 
 std::filesystem::path case_folder(const StudyRun& run, const PaperCase& of) {
   return run.output / ("case-" + of.id);
 }
 
-void run_case(const StudyRun& run, const PaperCase& of, const std::string& which_of_all) {
+void run_case(const StudyRun& run, const PaperCase& of, const std::function<std::string()>& how_far) {
   const auto folder = case_folder(run, of);
-  std::filesystem::create_directories(folder);
+  std::error_code code;
+  std::filesystem::create_directories(folder, code);
+  if (code)
+    throw input_error("cannot make the folder of a case", folder.string() + ", " + code.message(),
+                      "give -o a folder that can be written");
   const auto text = lay_scene(run, of, folder);
   const Scene scene = read_scene(folder / "scene.toml");
   const auto in = [&](const char* name) { return (folder / name).string(); };
@@ -91,7 +103,7 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::string& which
   const auto announce = [&](const char* stage) {
     if (stop_requested())
       throw failure("the study was interrupted", stage, "run it again: finished stages are kept");
-    fmt::print("\n== {}, {}: {}\n", which_of_all, of.title, stage);
+    fmt::print("\n== {}, {}: {}\n", how_far(), of.title, stage);
     std::fflush(stdout);
   };
   const auto stage = [&](const char* name, const std::string& key, bool there,
@@ -136,11 +148,20 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::string& which
          of.linear ? "linear" : "modal", "--json", in("train-ours.json")},
         1);
   validate("validate-ours", "ours", "validate-ours.json");
-  nlohmann::json settings{{"sizes", run.sizes}, {"two_tools", of.two_tools}};
-  const auto key = hash_of(settings.dump() + text + std::to_string(measurements_version));
+  auto settings = settings_of(run, of);
+  const auto key = measuring_key(settings, text);
   settings["key"] = key;
   write_text_file(folder / "study.json", settings.dump(1));
   stage("measure", key, exists("measured.json"), {self, "study", "measure", folder.string()}, run.ranks);
+}
+
+bool is_finished(const StudyRun& run, const PaperCase& of) {
+  const auto folder = case_folder(run, of);
+  if (!std::filesystem::exists(run.scenes / of.scene) || !std::filesystem::exists(folder / "measured.json") ||
+      !std::filesystem::exists(folder / "database.h5"))
+    return false;
+  const auto text = case_scene(of, read_text(run.scenes / of.scene), run.quick);
+  return Journal(folder).has("measure", measuring_key(settings_of(run, of), text));
 }
 
 CaseResult read_case(const StudyRun& run, const PaperCase& of) {

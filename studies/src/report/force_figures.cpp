@@ -31,8 +31,10 @@ std::vector<double> times(const std::vector<double>& values, double factor) {
 /// NaN where finite elements found no equilibrium.
 struct CurveError {
   double inside = 0, beyond = 0;
+  bool whole_inside = false, whole_beyond = false;  ///< an equilibrium at every depth
 };
-CurveError curve_error(const std::vector<double>& said, const ForceCurves& curves, double range) {
+CurveError curve_error(const std::vector<double>& said, const ForceCurves& curves, double range,
+                       double outside_factor, int points) {
   CurveError error;
   int n_inside = 0, n_beyond = 0;
   double largest_inside = 0, largest_beyond = 0;
@@ -48,18 +50,20 @@ CurveError curve_error(const std::vector<double>& said, const ForceCurves& curve
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   error.inside = n_inside > 0 && largest_inside > 0 ? error.inside / (n_inside * largest_inside) : none;
   error.beyond = n_beyond > 0 && largest_beyond > 0 ? error.beyond / (n_beyond * largest_beyond) : none;
+  const int points_inside = static_cast<int>(points / outside_factor + 1e-9);
+  error.whole_inside = n_inside >= points_inside;
+  error.whole_beyond = n_beyond >= points - points_inside;
   return error;
 }
 
-/// Median of the nodes that have a number, and how many these are if not all.
-std::string median_of_those(const std::vector<double>& values) {
+/// Median of the nodes that have a number, and how many of all have one for every depth.
+std::string median_of_those(const std::vector<double>& values, std::size_t whole) {
   std::vector<double> known;
   for (const double value : values)
     if (!std::isnan(value)) known.push_back(value);
   if (known.empty()) return "no equilibrium";
-  const auto n = known.size();
   const std::string said = percent(median(std::move(known)));
-  return n == values.size() ? said : fmt::format("{} ({} of {})", said, n, values.size());
+  return whole == values.size() ? said : fmt::format("{} ({} of {} whole)", said, whole, values.size());
 }
 
 /// Forces are drawn in mN, or in uN where 0.1 mN is never felt.
@@ -123,8 +127,9 @@ PaperFigure figure_6(const PaperStudy& study) {
       "spread. "
       "With 100 of some 150 points as neurons it also follows the noise between points: the paper's Case 2 "
       "at 100 "
-      "neurons. A network gets at most 60 % of its points as neurons, so that 75 and 100 may be the same one "
-      "(the drain's 130 points). Family modal has a linear tail. A linear body (Case 1) has nothing to "
+      "neurons. Training ends where further neurons would depend linearly on those there are: then 75 and "
+      "100 "
+      "are the same network. Family modal has a linear tail. A linear body (Case 1) has nothing to "
       "learn: three unit "
       "responses are "
       "exact, networks are not. Where finite elements end early, no equilibrium was found beyond.";
@@ -145,13 +150,17 @@ PaperFigure figure_6(const PaperStudy& study) {
     std::vector<std::string> row{result->of.title};
     const auto cells = [&](const auto& of) {
       std::vector<double> inside, beyond;
+      std::size_t whole_inside = 0, whole_beyond = 0;
       for (const auto& node : nodes) {
-        const auto error = curve_error(of(node), node.curves, result->measured.range_m);
+        const auto error = curve_error(of(node), node.curves, result->measured.range_m,
+                                       result->measured.outside_factor, result->measured.sizes.curve_points);
         inside.push_back(error.inside);
         beyond.push_back(error.beyond);
+        whole_inside += error.whole_inside;
+        whole_beyond += error.whole_beyond;
       }
-      row.push_back(median_of_those(inside));
-      row.push_back(median_of_those(beyond));
+      row.push_back(median_of_those(inside, whole_inside));
+      row.push_back(median_of_those(beyond, whole_beyond));
     };
     for (std::size_t n = 0; n < 3; ++n)
       cells([n](const NodeMeasurements& m) {
@@ -165,8 +174,8 @@ PaperFigure figure_6(const PaperStudy& study) {
     figure.conditions += fmt::format(
         "Force along the inward normal, trained on all increments; {} points to {:.1f} mm; drawn: a node "
         "beside the fixed "
-        "ones and one that is not; the table: the median of all nodes, or of as many as have an equilibrium "
-        "there. Case 1's three solves a node are "
+        "ones and one that is not; the table: the median of nodes, each as far as it has an equilibrium (whole: "
+        "at all depths). Case 1's three solves a node are "
         "superposed to the "
         "26 directions, as networks need points.",
         cases.front()->measured.sizes.curve_points,
@@ -184,10 +193,12 @@ PaperFigure figure_11(const PaperStudy& study) {
   figure.why =
       "A held-out increment of full depth must be extrapolated, while random probes are seldom that deep: "
       "for forces the paper's "
-      "test may be the harder one. With nearly as many neurons as pairs a network gains nothing or loses. "
-      "'All': trained on every "
+      "test may be the harder one. With nearly as many neurons as pairs a network gains nothing or loses, "
+      "and "
+      "training ends where further ones would depend on those there are. 'All': trained on every "
       "increment. Lines: the median over the nodes of each node's mean.";
-  figure.table = {{"case", "neurons", "as the paper: mean %, median of nodes", "fresh",
+  figure.table = {{"case", "neurons asked for", "trained, median: as the paper, on all",
+                   "as the paper: mean %, median of nodes (range)", "the same, fresh",
                    "trained on all: fresh", "beyond R"}};
   for (const auto* result : run_cases(study, true)) {
     const auto& nodes = result->measured.nodes;
@@ -207,17 +218,31 @@ PaperFigure figure_11(const PaperStudy& study) {
     panel.series.push_back(level(result->measured.ours + ", fresh", LineStyle::dashes, 6,
                                  100 * node_median(nodes, [](const auto& n) { return n.ours.force; }), like));
     figure.panels.push_back(panel);
-    const auto beyond = over_nodes("", LineStyle::line, 0, nodes, &NodeMeasurements::force_all,
-                                   &NetworkErrors::beyond_mean, median_of);
-    for (std::size_t i = 0; i < panel.series[0].x.size(); ++i) {
-      const auto at = [&](const Series& s) {
-        for (std::size_t k = 0; k < s.x.size(); ++k)
-          if (s.x[k] == panel.series[0].x[i]) return percent(s.y[k] / 100);
-        return std::string("-");
+    for (const int asked : result->measured.sizes.force_neurons) {
+      if (asked % 10 != 0) continue;
+      const auto of = [&](const auto& curve, const auto& number) {
+        std::vector<double> values;
+        for (const auto& node : nodes)
+          for (const auto& row : node.*curve)
+            if (static_cast<int>(row.x) == asked) values.push_back(number(row));
+        return values;
       };
-      if (std::lround(panel.series[0].x[i]) % 10 == 0)
-        figure.table.push_back({result->of.title, fmt::format("{:g}", panel.series[0].x[i]),
-                                at(panel.series[0]), at(panel.series[1]), at(panel.series[2]), at(beyond)});
+      const auto errors = [&](const auto& curve, double NetworkErrors::*which) {
+        const auto values = of(curve, [&](const NetworkErrors& row) { return row.*which; });
+        if (values.empty()) return std::string("-");
+        return fmt::format("{} ({} to {})", percent(median(values)),
+                           percent(*std::min_element(values.begin(), values.end())),
+                           percent(largest_of(values)));
+      };
+      const auto trained = [&](const auto& curve) {
+        return median(of(curve, [](const NetworkErrors& row) { return static_cast<double>(row.neurons); }));
+      };
+      constexpr auto pairs = &NodeMeasurements::force_as_paper, all = &NodeMeasurements::force_all;
+      if (of(all, [](const NetworkErrors&) { return 0.0; }).empty()) continue;
+      figure.table.push_back(
+          {result->of.title, std::to_string(asked), fmt::format("{:g}, {:g}", trained(pairs), trained(all)),
+           errors(pairs, &NetworkErrors::held_mean), errors(pairs, &NetworkErrors::fresh_mean),
+           errors(all, &NetworkErrors::fresh_mean), errors(all, &NetworkErrors::beyond_mean)});
     }
   }
   return figure;
@@ -228,8 +253,7 @@ std::vector<int> neurons_needed(const CaseMeasurements& measured, bool fresh) {
   for (const auto& node : measured.nodes) {
     int fewest = 0;
     for (const auto& row : fresh ? node.force_all : node.force_as_paper)
-      if (fewest == 0 && (fresh ? row.fresh_max : row.held_max) <= noticeable)
-        fewest = static_cast<int>(row.x);
+      if (fewest == 0 && (fresh ? row.fresh_max : row.held_max) <= noticeable) fewest = row.neurons;
     needed.push_back(fewest);
   }
   return needed;
@@ -238,17 +262,17 @@ std::vector<int> neurons_needed(const CaseMeasurements& measured, bool fresh) {
 std::string needed_words(const CaseMeasurements& measured, bool fresh) {
   std::vector<double> needed;
   std::size_t never = 0;
-  const double more = 1 + measured.sizes.force_neurons.back();
+  int most = 0;  // that training found worth adding
+  for (const auto& node : measured.nodes)
+    for (const auto& row : fresh ? node.force_all : node.force_as_paper) most = std::max(most, row.neurons);
   for (const int n : neurons_needed(measured, fresh)) {
-    needed.push_back(n > 0 ? n : more);
+    needed.push_back(n > 0 ? n : most + 1);
     never += n == 0;
   }
-  const double middle = median(needed);
-  if (never == 0) return fmt::format("{:g}", middle);
-  return fmt::format(
-      "{} (none suffices at {} of {} nodes)",
-      2 * never >= needed.size() ? fmt::format("more than {:g}", more - 1) : fmt::format("{:g}", middle),
-      never, needed.size());
+  if (never == 0) return fmt::format("{:g}", median(needed));
+  if (2 * never >= needed.size())
+    return fmt::format("none of up to {} suffices at {} of {} nodes", most, never, needed.size());
+  return fmt::format("{:g} (none suffices at {} of {} nodes)", median(needed), never, needed.size());
 }
 
 PaperFigure figure_12(const PaperStudy& study) {
@@ -268,8 +292,7 @@ PaperFigure figure_12(const PaperStudy& study) {
       "decided by one pair: next to the fixed nodes, and where the body snaps or a cell nearly inverts, the "
       "force of that pair "
       "is many times those of its neighbours, and no number of neurons reaches 10 %; at nodes far from there "
-      "some dozens do. "
-      "From some 80 neurons on 100 pairs the network follows what is between them and gets worse.";
+      "some dozens do.";
   figure.table = {{"case", "neurons needed, as the paper: median of nodes", "range", "never (of nodes)",
                    "trained on all, fresh: median", "range", "never",
                    "largest error of our family %: median of nodes", "worst node",

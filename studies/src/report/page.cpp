@@ -78,9 +78,16 @@ std::string figure_section(const PaperStudy& study, const PaperFigure& figure) {
 /// Figures of phynness validate for both models of a case.
 std::string validations(const PaperStudy& study) {
   TextTable rows{{"case, error % (17)", "model", "force: mean", "p95", "max", "displacement: mean", "p95",
-                  "beyond R: force", "displacement"}};
+                  "beyond R: force", "displacement", "solved: inside, beyond"}};
   for (const auto& result : study.cases) {
     if (!result.missing.empty()) continue;
+    const auto& probes = result.facts.ours_errors;
+    const std::string solved =
+        probes.is_object() && probes.contains("solved_inside")
+            ? fmt::format("{}, {} of {}", probes.at("solved_inside").get<std::int64_t>(),
+                          probes.at("solved_outside").get<std::int64_t>(),
+                          probes.at("probes").get<std::int64_t>())
+            : "-";
     const auto add = [&](const char* name, const nlohmann::json& of) {
       const auto cell = [&](const char* group, const char* what, const char* statistic) {
         const auto& value = of.at(group).at(what).at(statistic);
@@ -89,7 +96,7 @@ std::string validations(const PaperStudy& study) {
       rows.push_back({result.of.title, name, cell("inside", "force", "mean"), cell("inside", "force", "p95"),
                       cell("inside", "force", "max"), cell("inside", "displacement", "mean"),
                       cell("inside", "displacement", "p95"), cell("outside", "force", "mean"),
-                      cell("outside", "displacement", "mean")});
+                      cell("outside", "displacement", "mean"), solved});
     };
     if (!result.facts.networks_errors.is_null()) add("the paper's networks", result.facts.networks_errors);
     if (result.facts.ours_errors.is_null()) continue;
@@ -102,7 +109,9 @@ std::string validations(const PaperStudy& study) {
              : section("Whole models against fresh solves",
                        "<p>Every free node has its networks; probes in random directions, half of them "
                        "beyond the "
-                       "trained range (phynness validate). Beside each stand the two trivial answers.</p>\n" +
+                       "trained range (phynness validate). Errors are of those that have an equilibrium. "
+                       "Beside each stand "
+                       "the two trivial answers.</p>\n" +
                            escaped_table(rows));
 }
 
