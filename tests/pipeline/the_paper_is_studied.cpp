@@ -208,16 +208,20 @@ TEST_F(Study, HasEveryTableAndFigureAndGoesOnWhereItWas) {
   expect_pair(report);
   expect_page();
 
-  // Again, after the measurements of one case were lost: they alone are made anew, on two ranks, and are the
-  // same.
+  // Again, after the measurements of two cases were lost: those asked for are made anew, on two ranks, and
+  // are the same.
   std::filesystem::remove(folder / "out/case-3/measured.json");
+  std::filesystem::remove(folder / "out/case-4/measured.json");
   const auto again = study("--ranks 2 --cases 3");
   ASSERT_EQ(again.exit_status, 0) << again.err << again.out;
   EXPECT_EQ(again.out.find("precompute"), std::string::npos) << again.out;
   EXPECT_NE(again.out.find(": measure"), std::string::npos) << again.out;
   auto before = report.at("cases").at("3").at("measured"),
        after = json("out/paper.json").at("cases").at("3").at("measured");
-  EXPECT_EQ(json("out/paper.json").at("cases").at("1").at("not_run"), "not asked for (--cases)");
+  // What is finished stays on the page, asked for or not.
+  EXPECT_EQ(json("out/paper.json").at("cases").at("1").at("measured"),
+            report.at("cases").at("1").at("measured"));
+  EXPECT_EQ(json("out/paper.json").at("cases").at("4").at("not_run"), "not asked for (--cases)");
   for (auto* measured : {&before, &after}) {
     measured->erase("seconds");
     for (auto& node : measured->at("nodes")) node.erase("training_cpu_s");
@@ -234,6 +238,13 @@ TEST_F(Study, NamesWhatItDoesNotKnow) {
   const auto no_case = study("--cases 3,7");
   EXPECT_EQ(no_case.exit_status, 2);
   EXPECT_NE(no_case.err.find("no such case: 7"), std::string::npos) << no_case.err;
+  // An unset variable of a shell is no wish for all of them.
+  const auto nothing = study("--cases ''");
+  EXPECT_EQ(nothing.exit_status, 2);
+  EXPECT_NE(nothing.err.find("no case is named"), std::string::npos) << nothing.err;
+  const auto nowhere = phynness("study paper --quick -o /proc/nowhere");
+  EXPECT_EQ(nowhere.exit_status, 2);
+  EXPECT_NE(nowhere.err.find("can be written"), std::string::npos) << nowhere.err;
   const auto no_folder = phynness("study paper --scenes nowhere -o out");
   EXPECT_EQ(no_folder.exit_status, 2);
   EXPECT_NE(no_folder.err.find("nowhere"), std::string::npos) << no_folder.err;
