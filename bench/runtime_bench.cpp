@@ -3,13 +3,16 @@
 #include <phynness/contact.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "evaluate.hpp"
 #include "timed_model.hpp"
@@ -239,6 +242,46 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
   table.add("contact_us_frictionless", contact.cycle_us(0.005, 0, true), "that slides without [us]");
 }
 
+/// Several tools, spread over the body and moved at every call: at nodes, and in the middles of triangles.
+void bench_several_tools(Table& table, const Loaded& loaded) {
+  constexpr std::size_t most = 8;
+  std::size_t bytes = 0;
+  check(phn_data_size(loaded.model, int{most}, &bytes));
+  std::vector<char> memory(bytes);
+  phn_data* data = nullptr;
+  check(phn_data_init(memory.data(), bytes, loaded.model, int{most}, &data));
+
+  std::vector<phn_tool> at_nodes, between;
+  const std::int32_t* active = phn_active_nodes(loaded.model);
+  const std::set<std::int32_t> touchable(active, active + phn_n_active(loaded.model));
+  for (const std::int32_t node : touchable) at_nodes.push_back({{node, -1, -1}, {1, 0, 0}, {}});
+  const std::int32_t* triangles = phn_triangles(loaded.model);
+  for (int t = 0; t < phn_n_triangles(loaded.model); ++t) {
+    const std::int32_t* nodes = triangles + 3 * t;
+    if (!std::all_of(nodes, nodes + 3, [&](std::int32_t node) { return touchable.count(node) == 1; }))
+      continue;
+    between.push_back({{nodes[0], nodes[1], nodes[2]}, {0.4, 0.3, 0.3}, {}});
+  }
+  if (between.size() < most) return;
+  const auto couple_us = [&](const std::vector<phn_tool>& places, std::size_t n_tools) {
+    std::array<phn_tool, most> tools;
+    for (std::size_t k = 0; k < n_tools; ++k) tools[k] = places[places.size() * k / n_tools];
+    return median_us([&](int i) {
+      for (std::size_t k = 0; k < n_tools; ++k)
+        displacement(i + 7 * static_cast<int>(k), tools[k].displacement);
+      double forces[3 * most];
+      check(
+          phn_couple(loaded.model, data, static_cast<std::int32_t>(n_tools), tools.data(), forces, nullptr));
+      sink = forces[0];
+    });
+  };
+  for (const std::size_t n_tools : {1u, 2u, 4u, 8u}) {
+    const std::string n = std::to_string(n_tools), tools = n + (n_tools == 1 ? " tool" : " tools");
+    table.add("couple_us_nodes_" + n, couple_us(at_nodes, n_tools), tools + " at nodes [us]");
+    table.add("couple_us_between_" + n, couple_us(between, n_tools), tools + " between nodes [us]");
+  }
+}
+
 int run(int argc, char** argv) {
   std::string json, model_dir;
   for (int i = 1; i + 1 < argc; i += 2) {
@@ -272,6 +315,7 @@ int run(int argc, char** argv) {
     bench_modes(other, loaded);
     rounding_of_forces(other, loaded);
     bench_contact(other, loaded, true);
+    bench_several_tools(other, loaded);
   }
   if (json.empty() || table.write(json)) return 0;
   std::fprintf(stderr, "writing failed: %s\n", json.c_str());
