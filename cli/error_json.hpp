@@ -73,8 +73,9 @@ inline nlohmann::ordered_json to_json(const PairRecord& r) {
   out["unsettled"] = (r.status & PHN_WARNING_UNSETTLED) != 0;
   out["outside"] = (r.status & PHN_WARNING_OUTSIDE) != 0;
   const auto number = [](double value) {
-    return std::isnan(value) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(value);
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
   };
+  out["single_force"] = number(r.single_force);
   for (const auto p : pair_predictors)
     out[name(p)] = {{"force", number(r.of(p).force)},
                     {"force_own", number(r.of(p).force_own)},
@@ -96,7 +97,8 @@ inline nlohmann::ordered_json to_json(const PairReport& r) {
                              {"all", to_json(r.all)},
                              {"near", to_json(r.near)},
                              {"far", to_json(r.far)},
-                             {"settled", to_json(r.settled)},
+                             {"right_alone", to_json(r.right)},
+                             {"single_force", to_json(r.single_force)},
                              {"records", nlohmann::ordered_json::array()}};
   for (const auto& record : r.records) out["records"].push_back(to_json(record));
   return out;

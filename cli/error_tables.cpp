@@ -118,7 +118,7 @@ void print_pairs(const PairReport& report) {
   fmt::print("{:<28} | {:^31} | {:^15} | {:^15} | {:^15}\n", "two tools, error in %",
              fmt::format("all, {}", report.all.pairs),
              fmt::format("to {:.0f} mm, {}", far_mm, report.near.pairs),
-             fmt::format("beyond, {}", report.far.pairs), fmt::format("settled, {}", report.settled.pairs));
+             fmt::format("beyond, {}", report.far.pairs), fmt::format("right alone, {}", report.right.pairs));
   fmt::print("{:<28} | {:>7} {:>7} {:>7} {:>7}", "", "mean", "median", "p95", "max");
   for (int i = 0; i < 3; ++i) fmt::print(" | {:>7} {:>7}", "mean", "median");
   fmt::print("\n");
@@ -133,7 +133,7 @@ void print_pairs(const PairReport& report) {
                                                     : "linear predictor";
       fmt::print("    {:<24} | {} {} {} {}", who, percent(all.mean), percent(all.median), percent(all.p95),
                  percent(all.max));
-      for (const auto* group : {&report.near, &report.far, &report.settled}) {
+      for (const auto* group : {&report.near, &report.far, &report.right}) {
         const auto& s = group->of(p).*measure;
         if (s.n == 0)
           fmt::print(" | {:>7} {:>7}", "-", "-");
@@ -148,6 +148,13 @@ void print_pairs(const PairReport& report) {
   block("displacement, mean over all nodes, over the largest", &PairStatistics::displacement_all);
   block("displacement, as eq. (17): touched nodes left out of both", &PairStatistics::displacement);
   block("field, relative L2", &PairStatistics::field_l2);
+  const auto& alone = report.single_force;
+  if (alone.n > 0)
+    fmt::print(
+        "right alone: the model's force of each of the two tools alone is right to {:.0f} %; the worse: mean "
+        "{}, "
+        "median {}, max {} %\n",
+        1e2 * right_alone, percent(alone.mean), percent(alone.median), percent(alone.max));
   fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m, duration(report.seconds));
 }
 

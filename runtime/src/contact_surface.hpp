@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "arena.hpp"
-#include "model.hpp"
+#include "triangle.hpp"
 
 namespace phynness::runtime {
 
@@ -62,43 +62,12 @@ void walk(const ContactSurface& surface, SurfacePoint& at, const double* step);
 /// Part of the corners that move.
 double movable(const ContactSurface& surface, const SurfacePoint& at);
 
-inline void subtract(const double* a, const double* b, double* c) {
-  for (int k = 0; k < 3; ++k) c[k] = a[k] - b[k];
-}
-inline void cross(const double* a, const double* b, double* c) {
-  c[0] = a[1] * b[2] - a[2] * b[1];
-  c[1] = a[2] * b[0] - a[0] * b[2];
-  c[2] = a[0] * b[1] - a[1] * b[0];
-}
-inline double norm(const double* a) { return std::sqrt(dot(a, a)); }
-
-/// Twice the area times the unit normal.
-inline void area_normal(const double* const corner[3], double* normal) {
-  double ab[3], ac[3];
-  subtract(corner[1], corner[0], ab);
-  subtract(corner[2], corner[0], ac);
-  cross(ab, ac, normal);
-}
-
 inline const double* row(const double* rows, std::int32_t i) { return rows + 3 * static_cast<std::size_t>(i); }
 inline double* row(double* rows, std::int32_t i) { return rows + 3 * static_cast<std::size_t>(i); }
 
 /// @param points  placed or rest
 inline void corners_of(const ContactSurface& s, const double* points, std::int32_t triangle, const double* corner[3]) {
   for (int k = 0; k < 3; ++k) corner[k] = row(points, s.triangle[3 * triangle + k]);
-}
-
-/// Gradients of the barycentric weights. @param normal  unit
-inline void weight_gradients(const double* const corner[3], double gradient[3][3], double* normal) {
-  area_normal(corner, normal);
-  const double area = norm(normal);
-  for (int k = 0; k < 3; ++k) normal[k] /= area;
-  for (int k = 0; k < 3; ++k) {
-    double edge[3];
-    subtract(corner[(k + 2) % 3], corner[(k + 1) % 3], edge);
-    cross(normal, edge, gradient[k]);
-    for (int l = 0; l < 3; ++l) gradient[k][l] /= area;
-  }
 }
 
 }  // namespace phynness::runtime

@@ -8,13 +8,22 @@
 namespace phynness::runtime {
 namespace {
 
-/// In parts of each tool's own compliance: how much is left of two tools' compliances once they oppose each other. Below, they
-/// are so close that what they ask for apart is given up (docs/decisions/coupled-tools.md).
+/// In parts of each tool's own compliance: how much is left of two tools' compliances once they oppose each
+/// other. Below, they are so close that what they ask for apart is given up
+/// (docs/decisions/coupled-tools.md).
 constexpr double least_apart = 0.05;
 
-/// Part of all tools' energies that counts for each order: 0 would make two tools that agree, and so have nothing left to do
-/// in either order, take turns with their smallest contradiction.
+/// Part of all tools' energies that counts for each order: 0 would make two tools that agree, and so have
+/// nothing left to do in either order, take turns with their smallest contradiction.
 constexpr double equal_part = 0.05;
+
+/// Of the rotation of the surface around a point that one tool makes, the part by which the body turns for
+/// the tool that comes second (docs/decisions/coupled-tools.md).
+constexpr double turned_part = 0.7;
+
+/// Bodies of which half is turned: see curvature. Linear laws, which turn nothing, have 1e-6, nonlinear ones 0.05 and
+/// more.
+constexpr double half_curved = 0.005;
 
 /// Points that miss their tools by more than this part of the largest displacement do not follow them.
 constexpr double follows = 1e-8;
@@ -31,11 +40,13 @@ class Solver {
   CoupledResult run() {
     const std::int32_t n = _c.n_tools;
     double far = 0;
+    _c.n_sets = n > 1 && _model.family != Family::linear ? 1 + n : 1;
     for (std::int32_t s = 0; s < n; ++s) {
       prepare(s);
       far = std::fmax(far, length(_targets + 3 * s));
     }
-    for (std::int32_t s = 0; s < n; ++s) clear_field(s);
+    for (std::int32_t s = 0; s < n && turns(); ++s) prepare_turn(s);
+    clear_field();
     CoupledResult result = {};
     if (n > 1) {
       set_rest_matrix();
@@ -43,12 +54,12 @@ class Solver {
       result.energy = combine_orders();
     } else {
       result.energy = respond(0, _targets);
-      add_response(0, 1);
+      add_response(0, 0, 1);
     }
     // What fields do at the points that forces do not know of: as the undeformed body does it.
     miss();
     if (correct()) {
-      for (std::int32_t s = 0; s < n; ++s) add_at_rest(s, _c.right + 3 * s, 1);
+      for (std::int32_t s = 0; s < n; ++s) add_at_rest(0, s, _c.right + 3 * s, 1);
     }
     result.residual = miss();
     result.settled = result.residual <= follows * far;
@@ -72,9 +83,15 @@ class Solver {
   double* node_basis(std::int32_t s, std::int32_t i) const {
     return _c.node_basis + static_cast<std::size_t>(3 * s + i) * _model.n_basis;
   }
-  double* field_basis(std::int32_t s, std::int32_t i) const {
-    return _c.field_basis + static_cast<std::size_t>(3 * s + i) * _model.n_basis;
+  FieldPart& field(std::int32_t set, std::int32_t s, std::int32_t i) const { return _c.field[at(set, s, i)]; }
+  double* field_basis(std::int32_t set, std::int32_t s, std::int32_t i) const {
+    return _c.field_basis + at(set, s, i) * _model.n_basis;
   }
+  /// Whether what one tool does turns the body for the others.
+  bool turns() const { return _c.n_sets > 1; }
+  /// Place k of 2 n: the points, then how the surface turns around them.
+  std::int32_t place(std::int32_t k) const { return k < _c.n_tools ? k : _c.max_tools + k - _c.n_tools; }
+  std::int32_t n_places() const { return turns() ? 2 * _c.n_tools : _c.n_tools; }
 
   /// Derivative of a local response at rest. @param response 3 x 3
   void rest_response(const LocalResponse& local, std::int32_t n, const double* gradient, double* response) const {
@@ -95,9 +112,10 @@ class Solver {
     return point.energy + energy_of_nodes(point);
   }
 
-  /// Order i: tool i displaces the body alone, then the others move their points the rest of the way while it holds its own.
-  /// All orders together, each with the more weight the more its tool does once others hold theirs: one that others move
-  /// along does nothing, and is not felt. Sets forces and adds up the field. @return energy
+  /// Order i: tool i displaces the body alone, then the others move their points the rest of the way while it
+  /// holds its own. All orders together, each with the more weight the more its tool does once others hold
+  /// theirs: one that others move along does nothing, and is not felt. Sets forces and adds up the field.
+  /// @return energy
   double combine_orders() {
     const std::int32_t n = _c.n_tools;
     const bool linear = _model.family == Family::linear;
@@ -113,22 +131,28 @@ class Solver {
     // In a linear body all orders say the same.
     for (std::int32_t i = 0; i < n && linear; ++i) _c.weight[i] = i == 0;
     for (std::int32_t i = 0; i < n; ++i) {
-      add_response(i, _c.weight[i]);
+      add_response(0, i, _c.weight[i]);
+      double turned[3] = {0, 0, 0}, all = 0;
       for (std::int32_t j = 0; j < n; ++j) {
         double own[3];
         multiply(_c.point[j].compliance, _c.pulled + at(i, j, 0), own);
-        add_at_rest(j, own, _c.weight[i]);
+        add_at_rest(set_of(i), j, own, _c.weight[i]);
+        if (j == i || !turns()) continue;
+        const double part = dot(_c.pulled + at(i, j, 0), own);
+        add_scaled(part, _c.turned + at(i, j, 0), 3, turned);
+        all += part;
       }
+      for (int k = 0; k < 3 && turns(); ++k) _c.field_turn[3 * set_of(i) + k] = all > 0 ? turned[k] / all : 0;
     }
     double energy = 0;
-    for (std::int32_t i = 0; i < 3 * n; ++i) _c.forces[i] = 0;
+    set_zero(_c.forces, 3 * static_cast<std::size_t>(n));
     for (std::int32_t i = 0; i < n; ++i) {
       double force[3 * most_coupled];
       for (std::int32_t j = 0; j < n; ++j) {
         const double* pulled = _c.pulled + at(i, j, 0);
         _c.energy[i] += dot(_c.rest + at(i, j, 0), pulled) / 2;
         for (int k = 0; k < 3; ++k) force[3 * j + k] = j == i ? 0 : pulled[k];
-        if (j != i && !linear) _c.energy[i] += bend(j, _c.rest + at(i, j, 0), force + 3 * j, _c.weight[i]);
+        if (j != i && !linear) _c.energy[i] += bend(i, j, force + 3 * j);
       }
       carry_back(i, force);
       add_scaled(1, _c.alone + 3 * i, 3, force + 3 * i);
@@ -140,15 +164,28 @@ class Solver {
     return energy;
   }
 
-  /// What order i leaves to the others, and the forces in the undeformed body for it.
+  /// v of rotate for tool j, over what tool i makes of its place.
+  double turned_by(std::int32_t i, std::int32_t j) const {
+    const double curved = _c.point[i].curved + _c.point[j].curved, area = _c.point[j].area;
+    return area > 0 ? turned_part / 2 / area * curved / (curved + 2 * half_curved * half_curved) : 0;
+  }
+
+  /// The field of what order i leaves to the others.
+  std::int32_t set_of(std::int32_t i) const { return turns() ? 1 + i : 0; }
+
+  /// What order i leaves to the others, turned back to where the body has not been turned by tool i, and the
+  /// forces in the undeformed body for it.
   void hold_others(std::int32_t i) {
     const std::int32_t n = _c.n_tools;
     for (std::int32_t j = 0; j < n; ++j) {
-      double* rest = _c.rest + at(i, j, 0);
-      for (int k = 0; k < 3; ++k) rest[k] = 0;
+      double *rest = _c.rest + at(i, j, 0), *turned = _c.turned + at(i, j, 0), left[3];
+      for (int k = 0; k < 3; ++k) rest[k] = turned[k] = 0;
       if (j == i) continue;
-      displaced(j, i, rest);
-      for (int k = 0; k < 3; ++k) rest[k] = _targets[3 * j + k] - rest[k];
+      displaced(j, i, left);
+      for (int k = 0; k < 3; ++k) left[k] = _targets[3 * j + k] - left[k];
+      if (turns()) displaced(place(n + j), i, turned);
+      for (int k = 0; k < 3; ++k) turned[k] *= turned_by(i, j);
+      rotate(turned, true, left, rest);
     }
     pull_all(_c.rest + at(i, 0, 0), _c.pulled + at(i, 0, 0));
   }
@@ -156,7 +193,7 @@ class Solver {
   /// Forces of the undeformed body at all points for displacements of theirs.
   void pull_all(const double* moved, double* pulled) const {
     for (std::int32_t j = 0; j < _c.n_tools; ++j) {
-      for (int k = 0; k < 3; ++k) pulled[3 * j + k] = 0;
+      set_zero(pulled + 3 * j, 3);
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
         double by[3];
         multiply(_c.stiffness + at9(j, s), moved + 3 * s, by);
@@ -165,19 +202,28 @@ class Solver {
     }
   }
 
-  /// Subtracts from tool i's force what forces at the points that it moves do at it.
-  /// @param force  of all tools; that of i is changed
+  /// From derivatives by what order i leaves to the others, as turned back, to those by all tools'
+  /// displacements.
+  /// @param force  of all tools, that of i 0; becomes the latter
   void carry_back(std::int32_t i, double* force) const {
     for (std::int32_t j = 0; j < _c.n_tools; ++j) {
       if (j == i) continue;
-      double back[3];
-      multiply_transposed(_c.derivative + at9(i, j), force + 3 * j, back);
+      const double *turned = _c.turned + at(i, j, 0), *rest = _c.rest + at(i, j, 0);
+      double g[3], left[3], change[3], back[3];
+      for (int k = 0; k < 3; ++k) g[k] = force[3 * j + k];
+      rotate(turned, false, g, force + 3 * j);
+      multiply_transposed(_c.derivative + at9(j, i), force + 3 * j, back);
       add_scaled(-1, back, 3, force + 3 * i);
+      if (!turns()) continue;
+      rotate(turned, false, rest, left);
+      rotation_gradient(turned, g, left, change);
+      multiply_transposed(_c.derivative + at9(place(_c.n_tools + j), i), change, back);
+      add_scaled(turned_by(i, j), back, 3, force + 3 * i);
     }
   }
 
-  /// Weight i: energy of what tool i still does in the other orders, as the undeformed body has it alone, and a part of all
-  /// tools' energies, which keeps tools equal that agree.
+  /// Weight i: energy of what tool i still does in the other orders, as the undeformed body has it alone, and
+  /// a part of all tools' energies, which keeps tools equal that agree.
   void find_weights() {
     const std::int32_t n = _c.n_tools;
     double all = 0;
@@ -218,33 +264,34 @@ class Solver {
         for (int k = 0; k < 3; ++k) own[3 * i + k] *= i == first ? 0 : 2 * (_c.energy[i] - energy) / _sum;
       }
       pull_all(own, force);
-      for (int k = 0; k < 3; ++k) force[3 * first + k] = 0;
+      set_zero(force + 3 * first, 3);
       carry_back(first, force);
       add_scaled(1, force, 3 * n, _c.forces);
     }
   }
 
-  /// What tool j does beyond linear when it moves its point by `rest` in a body that others hold: taken as what it does
-  /// beyond linear alone, at as much of `rest` as would be left of it if others held theirs.
+  /// What tool j does beyond linear when it moves its point by what order i leaves to it in a body that
+  /// others hold: taken as what it does beyond linear alone, at as much of that as would be left of it if
+  /// others held theirs.
   /// @param pulled  its gradient is added. @return energy
-  double bend(std::int32_t j, const double* rest, double* pulled, double weight) {
+  double bend(std::int32_t i, std::int32_t j, double* pulled) {
     HeldPoint& point = _c.point[j];
     double z[3], linear[3], gradient[3], back[3];
-    multiply(point.relative, rest, z);
+    multiply(point.relative, _c.rest + at(i, j, 0), z);
     const double energy = respond(j, z);
     multiply(point.stiffness, z, linear);
     for (int k = 0; k < 3; ++k) gradient[k] = point.force[k] - linear[k];
     multiply_transposed(point.relative, gradient, back);
     add_scaled(1, back, 3, pulled);
-    add_response(j, weight);
-    add_at_rest(j, z, -weight);
+    add_response(set_of(i), j, _c.weight[i]);
+    add_at_rest(set_of(i), j, z, -_c.weight[i]);
     return energy - dot(z, linear) / 2;
   }
 
-  /// From the undeformed body's derivatives of the points by the p: the forces that move the points by given displacements,
-  /// and of each tool what of a displacement of its own is left when the others hold theirs.
-  /// Compliances are scaled to 1 for each tool alone; where they are almost singular, tools are too near each other to be
-  /// told apart: there the inverse goes to 0 with the eigenvalue instead of to infinity.
+  /// From the undeformed body's derivatives of the points by the p: the forces that move the points by given
+  /// displacements, and of each tool what of a displacement of its own is left when the others hold theirs.
+  /// Compliances are scaled to 1 for each tool alone; where they are almost singular, tools are too near each
+  /// other to be told apart: there the inverse goes to 0 with the eigenvalue instead of to infinity.
   void find_stiffness() {
     const std::int32_t n = 3 * _c.n_tools;
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
@@ -290,15 +337,17 @@ class Solver {
   void prepare(std::int32_t s) {
     HeldPoint& point = _c.point[s];
     double compliance[3][9], between[3][3][9], sum[9] = {}, inverse[9];
+    point.curved = 0;
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       const ActiveNode& by = node(point, i);
       stiffness_at_rest(_model, by, point.rest_stiffness[i]);
+      if (turns()) point.curved += point.weight[i] * curvature(_model, by, point.rest_stiffness[i]);
       invert(point.rest_stiffness[i], compliance[i]);
       basis_gradient_at_rest(_model, by, gradient_at_rest(s, i), _c.kernel, _c.basis);
       const std::int32_t n = basis_size(_model, by);
       for (std::int32_t j = 0; j < point.n_nodes; ++j) {
         const double one = 1;
-        prepare_local(_model, by, 1, &node(point, j).output, &one, _c.pair);
+        prepare_local(by, 1, &node(point, j).output, &one, _c.pair);
         rest_response(_c.pair, n, gradient_at_rest(s, i), between[j][i]);
         double moved[9];
         multiply_matrices(between[j][i], compliance[i], moved);
@@ -306,10 +355,10 @@ class Solver {
       }
       for (std::int32_t t = 0; t < _c.n_tools; ++t) {
         const HeldPoint& other = _c.point[t];
-        std::int32_t vertex[3] = {-1, -1, -1};
-        for (std::int32_t j = 0; j < other.n_nodes; ++j) vertex[j] = node(other, j).output;
+        std::int32_t vertex[3];
+        vertices_of(other, vertex);
         LocalResponse& local = _c.local[at(t, s, i)];
-        prepare_local(_model, by, other.n_nodes, vertex, other.weight, local);
+        prepare_local(by, other.n_nodes, vertex, other.weight, local);
         rest_response(local, n, gradient_at_rest(s, i), _c.rest_response + 9 * at(t, s, i));
       }
     }
@@ -318,13 +367,13 @@ class Solver {
       for (int c = 0; c < 3; ++c) point.stiffness[3 * r + c] = (inverse[3 * r + c] + inverse[3 * c + r]) / 2;
     }
     find_roots(point);
-    for (double& k : point.own) k = 0;
+    set_zero(point.own, 3);
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       multiply_matrices(compliance[i], inverse, point.contribution[i]);
       for (double& q : point.contribution[i]) q *= point.weight[i];
     }
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-      for (double& m : point.reach[i]) m = 0;
+      set_zero(point.reach[i], 9);
       for (std::int32_t j = 0; j < point.n_nodes; ++j) {
         double part[9];
         multiply_matrices(between[i][j], point.contribution[j], part);
@@ -335,7 +384,45 @@ class Solver {
     }
   }
 
-  /// Square root of the stiffness at rest, its inverse, and the compliance, all of a stiffness that resists everywhere.
+  void vertices_of(const HeldPoint& point, std::int32_t* vertex) const {
+    for (std::int32_t j = 0; j < point.n_nodes; ++j) vertex[j] = node(point, j).output;
+  }
+
+  /// The mean displacement of up to three vertices.
+  void prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* vertices, const double* weight,
+                     LocalResponse& local) const {
+    double maps[27];
+    for (std::int32_t k = 0; k < 9 * n; ++k) maps[k] = k % 9 % 4 == 0 ? weight[k / 9] : 0;
+    clear_local(_model, by, local);
+    add_local(_model, by, n, vertices, maps, _c.shared, local);
+  }
+
+  /// How the surface turns around tool t's point under the nodes of the others; what it turns itself, none asks for.
+  /// @pre prepare of all tools
+  void prepare_turn(std::int32_t t) {
+    HeldPoint& point = _c.point[t];
+    SurfaceTurn& turn = *_c.turn;
+    std::int32_t vertex[3];
+    vertices_of(point, vertex);
+    turn.triangle = 0;
+    turn.area = 0;
+    for (bool first = true; next_turn(_model, point.n_nodes, vertex, point.weight, turn) || first; first = false) {
+      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+        for (std::int32_t i = 0; i < _c.point[s].n_nodes; ++i) {
+          const ActiveNode& by = node(_c.point[s], i);
+          const std::size_t k = at(place(_c.n_tools + t), s, i);
+          LocalResponse& local = _c.local[k];
+          if (first) clear_local(_model, by, local);
+          if (s != t) add_local(_model, by, turn.n, turn.vertex, turn.map, _c.shared, local);
+          rest_response(local, basis_size(_model, by), gradient_at_rest(s, i), _c.rest_response + 9 * k);
+        }
+      }
+    }
+    point.area = turn.area;
+  }
+
+  /// Square root of the stiffness at rest, its inverse, and the compliance, all of a stiffness that resists
+  /// everywhere.
   static void find_roots(HeldPoint& point) {
     double a[9], v[9];
     for (int k = 0; k < 9; ++k) a[k] = point.stiffness[k];
@@ -353,8 +440,8 @@ class Solver {
     }
   }
 
-  /// Contributions of tool s's nodes at p: node i's response through e_i, scaled to q_i; what is missing at the tool's own
-  /// point is added as the undeformed body has it.
+  /// Contributions of tool s's nodes at p: node i's response through e_i, scaled to q_i; what is missing at
+  /// the tool's own point is added as the undeformed body has it.
   void take_response(std::int32_t s) {
     HeldPoint& point = _c.point[s];
     double r[3] = {point.own[0], point.own[1], point.own[2]};
@@ -369,7 +456,8 @@ class Solver {
       const double* gradient = gradient_at_rest(s, i);
       double* basis = node_basis(s, i);
       for (std::int32_t j = 0; j < n; ++j)
-        basis[j] = share * _c.basis[j] + left[0] * gradient[j] + left[1] * gradient[n + j] + left[2] * gradient[2 * n + j];
+        basis[j] =
+            share * _c.basis[j] + left[0] * gradient[j] + left[1] * gradient[n + j] + left[2] * gradient[2 * n + j];
       point.node_share[i] = share;
       for (int k = 0; k < 3; ++k) point.node_own[i][k] = q[k];
       local_displacement(_c.local[at(s, s, i)], share, q, n, basis, u);
@@ -390,36 +478,35 @@ class Solver {
     add_scaled(1, q, 3, own);
   }
 
-  void clear_field(std::int32_t s) {
-    HeldPoint& point = _c.point[s];
-    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-      point.field_share[i] = 0;
-      for (double& k : point.field_own[i]) k = 0;
-      for (std::int32_t j = 0; j < basis_size(_model, node(point, i)); ++j) field_basis(s, i)[j] = 0;
+  std::size_t basis_of_set() const { return 3 * static_cast<std::size_t>(_c.n_tools) * _model.n_basis; }
+  void clear_field() {
+    set_zero(_c.field_turn, 3 * static_cast<std::size_t>(_c.n_sets));
+    for (std::int32_t set = 0; set < _c.n_sets; ++set) {
+      for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) field(set, 0, i) = {0, {0, 0, 0}};
+      set_zero(field_basis(set, 0, 0), basis_of_set());
     }
   }
 
   /// Adds to the field `weight` times the latest response of tool s.
-  void add_response(std::int32_t s, double weight) {
-    HeldPoint& point = _c.point[s];
+  void add_response(std::int32_t set, std::int32_t s, double weight) {
+    const HeldPoint& point = _c.point[s];
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-      point.field_share[i] += weight * point.node_share[i];
-      add_scaled(weight, point.node_own[i], 3, point.field_own[i]);
-      add_scaled(weight, node_basis(s, i), basis_size(_model, node(point, i)), field_basis(s, i));
+      field(set, s, i).share += weight * point.node_share[i];
+      add_scaled(weight, point.node_own[i], 3, field(set, s, i).own);
+      add_scaled(weight, node_basis(s, i), basis_size(_model, node(point, i)), field_basis(set, s, i));
     }
   }
 
   /// Adds to the field what moves tool s's point by `weight` r in the undeformed body.
-  void add_at_rest(std::int32_t s, const double* r, double weight) {
-    HeldPoint& point = _c.point[s];
-    for (std::int32_t i = 0; i < point.n_nodes; ++i)
-      move_at_rest(s, i, r, weight, field_basis(s, i), point.field_own[i]);
+  void add_at_rest(std::int32_t set, std::int32_t s, const double* r, double weight) {
+    for (std::int32_t i = 0; i < _c.point[s].n_nodes; ++i)
+      move_at_rest(s, i, r, weight, field_basis(set, s, i), field(set, s, i).own);
   }
 
-  /// Displacement of tool t's point in the latest response of tool s.
+  /// Displacement or rotation of place t in the latest response of tool s.
   void displaced(std::int32_t t, std::int32_t s, double* u) const {
     const HeldPoint& point = _c.point[s];
-    for (int k = 0; k < 3; ++k) u[k] = 0;
+    set_zero(u, 3);
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       double by[3];
       local_displacement(_c.local[at(t, s, i)], point.node_share[i], point.node_own[i],
@@ -434,31 +521,34 @@ class Solver {
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       double* r = _c.right + 3 * t;
       for (int k = 0; k < 3; ++k) r[k] = _targets[3 * t + k];
-      for (std::int32_t s = 0; s < _c.n_tools; ++s) {
-        const HeldPoint& point = _c.point[s];
-        for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-          double by[3];
-          local_displacement(_c.local[at(t, s, i)], point.field_share[i], point.field_own[i],
-                             basis_size(_model, node(point, i)), field_basis(s, i), by);
-          add_scaled(-1, by, 3, r);
+      for (std::int32_t set = 0; set < _c.n_sets; ++set) {
+        double sum[3] = {0, 0, 0}, by[3];
+        for (std::int32_t s = 0; s < _c.n_tools; ++s) {
+          const HeldPoint& point = _c.point[s];
+          for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+            local_displacement(_c.local[at(t, s, i)], field(set, s, i).share, field(set, s, i).own,
+                               basis_size(_model, node(point, i)), field_basis(set, s, i), by);
+            add_scaled(1, by, 3, sum);
+          }
         }
+        rotate(_c.field_turn + 3 * set, false, sum, by);
+        add_scaled(-1, by, 3, r);
       }
       largest = std::fmax(largest, length(r));
     }
     return largest;
   }
 
-  /// Derivative of tool t's point by the p of tool s in the undeformed body. @pre set_rest_matrix
+  /// Derivative of place t of 2 n by the p of tool s in the undeformed body. @pre set_rest_matrix
   void rest_block(std::int32_t t, std::int32_t s, double* block) const {
     for (int k = 0; k < 9; ++k) block[k] = _c.matrix[(3 * t + k / 3) * 3 * _c.n_tools + 3 * s + k % 3];
   }
 
-  /// Derivatives of all points' displacements by the p of tool t, at the p of its latest response.
+  /// Derivatives of all places by the p of tool t, at the p of its latest response.
   void find_derivatives(std::int32_t t) {
     HeldPoint& point = _c.point[t];
-    const std::int32_t n_tools = _c.n_tools;
-    for (std::int32_t s = 0; s < n_tools; ++s) {
-      for (int k = 0; k < 9; ++k) _c.derivative[at9(t, s) + k] = 0;
+    for (std::int32_t s = 0; s < n_places(); ++s) {
+      set_zero(_c.derivative + at9(place(s), t), 9);
     }
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
       const ActiveNode& by = node(point, i);
@@ -475,14 +565,14 @@ class Solver {
       for (int k = 0; k < 9; ++k)
         left[k] = point.contribution[i][k] - share * point.reach[i][k] - e[k / 3] * by_share[k % 3];
       basis_and_gradient(_model, by, e, _c.basis, _c.gradient, _c.kernel);
-      for (std::int32_t s = 0; s < n_tools; ++s) {
-        const LocalResponse& local = _c.local[at(s, t, i)];
-        const double* rest = _c.rest_response + 9 * at(s, t, i);
+      for (std::int32_t s = 0; s < n_places(); ++s) {
+        const LocalResponse& local = _c.local[at(place(s), t, i)];
+        const double* rest = _c.rest_response + 9 * at(place(s), t, i);
         double indirect[9], change[9], part[9], value[3];
         for (int r = 0; r < 3; ++r) {
           value[r] = local.constant[r];
           for (int k = 0; k < 3; ++k) {
-            indirect[3 * r + k] = rest[3 * r + k] - (r == k ? local.direct : 0);
+            indirect[3 * r + k] = rest[3 * r + k] - local.direct[3 * r + k];
             change[3 * r + k] = 0;
           }
           for (std::int32_t j = 0; j < n; ++j) {
@@ -491,10 +581,11 @@ class Solver {
             for (int k = 0; k < 3; ++k) change[3 * r + k] += weight * _c.gradient[k * n + j];
           }
         }
-        double* sum = _c.derivative + at9(t, s);
+        double* sum = _c.derivative + at9(place(s), t);
         multiply_matrices(change, point.reach[i], part);
-        for (int k = 0; k < 9; ++k)
-          sum[k] += share * part[k] + value[k / 3] * by_share[k % 3] + local.direct * point.contribution[i][k];
+        for (int k = 0; k < 9; ++k) sum[k] += share * part[k] + value[k / 3] * by_share[k % 3];
+        multiply_matrices(local.direct, point.contribution[i], part);
+        add_scaled(1, part, 9, sum);
         multiply_matrices(indirect, left, part);
         add_scaled(1, part, 9, sum);
       }
@@ -502,20 +593,21 @@ class Solver {
     // What a tool's own point lacks is added as in the undeformed body.
     double lacks[9];
     for (int k = 0; k < 9; ++k) lacks[k] = (k % 4 == 0 ? 1 : 0) - _c.derivative[at9(t, t) + k];
-    for (std::int32_t s = 0; s < n_tools; ++s) {
+    for (std::int32_t s = 0; s < n_places(); ++s) {
       double moved[9], part[9];
       rest_block(s, t, moved);
       multiply_matrices(moved, lacks, part);
-      add_scaled(1, part, 9, _c.derivative + at9(t, s));
+      add_scaled(1, part, 9, _c.derivative + at9(place(s), t));
     }
   }
 
-  /// right becomes the change of the p that makes up for it in the undeformed body, as far as tools can be told apart.
+  /// right becomes the change of the p that makes up for it in the undeformed body, as far as tools can be
+  /// told apart.
   bool correct() {
     const std::int32_t n = 3 * _c.n_tools;
     if (_apart) {
       for (std::int32_t i = 0; i < n * n; ++i) _c.work[i] = _c.matrix[i];
-      if (_c.n_tools > 1) return solve_dense(_c.work, n, _c.right, 1);
+      if (_c.n_tools > 1) return solve_dense(_c.work, n, _c.right);
       return true;
     }
     pull_all(_c.right, _c.forces);
@@ -523,15 +615,15 @@ class Solver {
     return true;
   }
 
-  /// Derivatives of the points' displacements by the p in the undeformed body.
+  /// Derivatives of all places by the p in the undeformed body.
   void set_rest_matrix() {
     const std::int32_t n = 3 * _c.n_tools;
-    for (std::int32_t k = 0; k < n * n; ++k) _c.matrix[k] = 0;
-    for (std::int32_t t = 0; t < _c.n_tools; ++t) {
+    for (std::int32_t k = 0; k < 3 * n_places() * n; ++k) _c.matrix[k] = 0;
+    for (std::int32_t t = 0; t < n_places(); ++t) {
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
         for (std::int32_t i = 0; i < _c.point[s].n_nodes; ++i) {
           double product[9];
-          multiply_matrices(_c.rest_response + 9 * at(t, s, i), _c.point[s].contribution[i], product);
+          multiply_matrices(_c.rest_response + 9 * at(place(t), s, i), _c.point[s].contribution[i], product);
           for (int k = 0; k < 9; ++k) _c.matrix[(3 * t + k / 3) * n + 3 * s + k % 3] += product[k];
         }
       }
@@ -605,15 +697,14 @@ class Solver {
   }
 
   bool finite() const {
-    bool all = true;
+    bool all = all_finite(_c.field_turn, 3 * static_cast<std::size_t>(_c.n_sets));
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       const HeldPoint& point = _c.point[t];
-      for (int k = 0; k < 3; ++k) all = all && std::isfinite(point.force[k]) && std::isfinite(point.own[k]);
-      for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-        for (int k = 0; k < 3; ++k) all = all && std::isfinite(point.field_own[i][k]);
-        for (std::int32_t j = 0; j < basis_size(_model, node(point, i)); ++j)
-          all = all && std::isfinite(field_basis(t, i)[j]);
-      }
+      all = all && all_finite(point.force, 3) && all_finite(point.own, 3);
+    }
+    for (std::int32_t set = 0; set < _c.n_sets; ++set) {
+      for (std::int32_t i = 0; i < 3 * _c.n_tools; ++i) all = all && all_finite(field(set, 0, i).own, 3);
+      all = all && all_finite(field_basis(set, 0, 0), basis_of_set());
     }
     return all;
   }
@@ -623,8 +714,8 @@ class Solver {
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       HeldPoint& point = _c.point[t];
       for (int k = 0; k < 3; ++k) point.force[k] = point.own[k] = 0;
-      clear_field(t);
     }
+    clear_field();
     return {false, far, 0};
   }
 
@@ -642,7 +733,8 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.max_tools = max_tools < most_coupled ? max_tools : most_coupled;
   c.model = &model;
   const auto t = static_cast<std::size_t>(c.max_tools);
-  const std::size_t n_locals = 3 * t * t;
+  // One tool alone turns nothing for another.
+  const std::size_t n_places = t > 1 ? 2 * t : t, n_sets = t > 1 ? 1 + t : 1, n_locals = 3 * n_places * t;
   c.point = arena.take<HeldPoint>(t);
   c.local = arena.take<LocalResponse>(n_locals);
   auto* rows = arena.take<double>(3 * model.n_basis, n_locals + 1);
@@ -651,17 +743,22 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.rest_response = arena.take<double>(9 * n_locals);
   c.rest_gradient = arena.take<double>(9 * t, model.n_basis);
   c.node_basis = arena.take<double>(3 * t, model.n_basis);
-  c.field_basis = arena.take<double>(3 * t, model.n_basis);
+  c.field = arena.take<FieldPart>(3 * n_sets * t);
+  c.field_basis = arena.take<double>(3 * n_sets * t, model.n_basis);
+  c.field_turn = arena.take<double>(3 * n_sets);
+  c.turn = arena.take<SurfaceTurn>(n_sets > 1);
   c.basis = arena.take<double>(model.n_basis);
   c.gradient = arena.take<double>(3 * model.n_basis);
   c.kernel = arena.take<double>(3 * (static_cast<std::size_t>(model.shared.n_centers) + 3));
-  c.matrix = arena.take<double>(9 * t * t);
+  c.shared = arena.take<double>(3 * static_cast<std::size_t>(model.shared.n_modes));
+  c.matrix = arena.take<double>(9 * n_places * t);
   c.work = arena.take<double>(9 * t * t);
   c.vectors = arena.take<double>(9 * t * t);
   c.stiffness = arena.take<double>(9 * t * t);
-  c.derivative = arena.take<double>(9 * t * t);
+  c.derivative = arena.take<double>(9 * n_places * t);
   c.rest = arena.take<double>(9 * t * t);
   c.pulled = arena.take<double>(9 * t * t);
+  c.turned = arena.take<double>(9 * t * t);
   c.right = arena.take<double>(3 * t);
   c.forces = arena.take<double>(3 * t);
   c.alone = arena.take<double>(3 * t);
@@ -676,13 +773,19 @@ CoupledResult solve_coupled(const phn_model& model, Coupling& coupling, const do
 
 void coupled_field(const phn_model& model, const Coupling& c, PreparedNodes& prepared, double* scratch, double* one,
                    double* field) {
-  for (std::int32_t s = 0; s < c.n_tools; ++s) {
-    const HeldPoint& point = c.point[s];
-    for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-      const double* basis = c.field_basis + static_cast<std::size_t>(3 * s + i) * model.n_basis;
-      field_of_basis(model, model.active[point.active[i]], prepare(model, prepared, point.active[i]),
-                     point.field_share[i], point.field_own[i], basis, scratch, one);
-      for (std::int32_t o = 0; o < 3 * model.n_output; ++o) field[o] += one[o];
+  for (std::int32_t set = 0; set < c.n_sets; ++set) {
+    for (std::int32_t s = 0; s < c.n_tools; ++s) {
+      const HeldPoint& point = c.point[s];
+      for (std::int32_t i = 0; i < point.n_nodes; ++i) {
+        const auto at = static_cast<std::size_t>(3 * (set * c.max_tools + s) + i);
+        field_of_basis(model, model.active[point.active[i]], prepare(model, prepared, point.active[i]),
+                       c.field[at].share, c.field[at].own, c.field_basis + at * model.n_basis, scratch, one);
+        for (std::int32_t o = 0; o < model.n_output; ++o) {
+          double turned[3];
+          rotate(c.field_turn + 3 * set, false, one + 3 * o, turned);
+          for (int k = 0; k < 3; ++k) field[3 * o + k] += turned[k];
+        }
+      }
     }
   }
 }

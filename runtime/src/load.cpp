@@ -32,9 +32,22 @@ const double* vector_table(TextReader& in, Arena& arena, std::int32_t n, double 
   return rows.get();
 }
 
-/// The lines of a network's neurons. @param read_center  reads what stands before the weights of neuron i
-template <class ReadCenter>
-void read_weights(TextReader& in, Arena& arena, Network& net, ReadCenter read_center) {
+/// The displacement, and of 6 inputs the output node, where neuron i is centered. @param center  to be set, or null
+void read_center(TextReader& in, const Network& net, const Tables& tables, std::int32_t n_output, std::int32_t i,
+                 Real* const* center) {
+  const std::int32_t displacement = in.integer(0, tables.n_displacements - 1);
+  const std::int32_t output = net.n_inputs == 6 ? in.integer(0, n_output - 1) : 0;
+  for (int k = 0; k < net.n_inputs && center != nullptr && in.good(); ++k) {
+    const double value = k < 3 ? tables.displacements[3 * displacement + k] : tables.output_points[3 * output + k - 3];
+    const double scaled = (value - net.input_center[k]) / net.input_half_range[k];
+    if (!(std::fabs(scaled) <= largest_input)) in.fail(PHN_ERROR_RANGE);
+    center[k][i] = static_cast<Real>(scaled);
+  }
+}
+
+/// The lines of a network's neurons. @param tables  null: lines hold weights alone. @param center  see read_center
+void read_neurons(TextReader& in, Arena& arena, Network& net, const Tables* tables, std::int32_t n_output,
+                  Real* const* center) {
   Real* weight[3];
   double largest[3];
   const std::int32_t n_whole = whole_blocks(net.n_neurons);
@@ -47,7 +60,7 @@ void read_weights(TextReader& in, Arena& arena, Network& net, ReadCenter read_ce
     for (std::int32_t i = net.n_neurons; fill && i < n_whole; ++i) weight[k][i] = 0;
   }
   for (std::int32_t i = 0; i < net.n_neurons && in.good(); ++i) {
-    read_center(i);
+    if (tables != nullptr) read_center(in, net, *tables, n_output, i, center);
     for (int k = 0; k < 3; ++k) {
       const double value = in.real();
       largest[k] += std::fabs(value);
@@ -84,17 +97,7 @@ void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, co
   for (int k = 0; k < n_inputs; ++k) {
     for (std::int32_t i = net.n_neurons; fill && i < n_whole; ++i) center[k][i] = 0;
   }
-  read_weights(in, arena, net, [&](std::int32_t i) {
-    const std::int32_t displacement = in.integer(0, tables.n_displacements - 1);
-    const std::int32_t output = n_inputs == 6 ? in.integer(0, n_output - 1) : 0;
-    for (int k = 0; k < n_inputs && fill && in.good(); ++k) {
-      const double value =
-          k < 3 ? tables.displacements[3 * displacement + k] : tables.output_points[3 * output + k - 3];
-      const double scaled = (value - net.input_center[k]) / net.input_half_range[k];
-      if (!(std::fabs(scaled) <= largest_input)) in.fail(PHN_ERROR_RANGE);
-      center[k][i] = static_cast<Real>(scaled);
-    }
-  });
+  read_neurons(in, arena, net, &tables, n_output, fill ? center : nullptr);
 }
 
 /// What the first neurons of a network do alone.
@@ -103,7 +106,7 @@ void network_level(TextReader& in, Arena& arena, const char* keyword, Network& n
   net.n_neurons = count_line(in, keyword, 0);
   if (net.n_neurons > n_full) in.fail(PHN_ERROR_RANGE);
   real_line(in, "bias", net.bias, 3, false);
-  read_weights(in, arena, net, [](std::int32_t) {});
+  read_neurons(in, arena, net, nullptr, 0, nullptr);
 }
 
 Networks networks_level(TextReader& in, Arena& arena, const Networks& full) {

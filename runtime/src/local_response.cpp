@@ -5,6 +5,7 @@
 #include "evaluate.hpp"
 #include "modal_kernels.hpp"
 #include "network_kernels.hpp"
+#include "small_matrices.hpp"
 
 namespace phynness::runtime {
 namespace {
@@ -20,55 +21,84 @@ void add_row(const std::int16_t* row, const double* scale, double factor, std::i
   for (std::int32_t j = 0; j < m; ++j) sum[j] += factor * (row[j] * scale[j]);
 }
 
-/// One component of one output node's displacement, per amplitude.
-void add_modes(const phn_model& model, const ModalResponse& node, std::int32_t output, int component,
-               double weight, double* sum) {
-  const auto m = static_cast<std::size_t>(node.n_columns);
-  const std::int32_t at = find_sorted(node.near, node.n_near, output);
-  if (at >= 0) {
-    const std::size_t row = 3 * static_cast<std::size_t>(at) + static_cast<std::size_t>(component);
-    return add_row(node.near_mode + row * m, node.near_mode_scale, weight, node.n_modes, sum);
+/// Modes of vertices near the node are its own, those of others mixed from the shared ones, which are summed
+/// first.
+class ModeSum {
+ public:
+  ModeSum(const phn_model& model, const ModalResponse& node, double* shared)
+      : _model(model), _node(node), _shared(shared) {
+    for (std::int32_t k = 0; k < 3 * model.shared.n_modes; ++k) shared[k] = 0;
   }
-  const std::int32_t row = 3 * output + component, block = row / rows_per_block;
-  const float* mode = model.shared.modes + static_cast<std::size_t>(block) * rows_per_block *
-                                               static_cast<std::size_t>(model.shared.n_modes);
-  for (std::int32_t s = 0; s < model.shared.n_modes; ++s) {
-    const double factor = weight * static_cast<double>(mode[s * rows_per_block + row % rows_per_block]);
-    add_row(node.mixing + static_cast<std::size_t>(s) * m, node.mixing_scale, factor, node.n_modes, sum);
+  void add(std::int32_t output, const double* map, LocalResponse& local) {
+    const std::int32_t at = find_sorted(_node.near, _node.n_near, output), n_shared = _model.shared.n_modes;
+    for (std::int32_t c = 0; c < 3; ++c) {
+      const auto row = static_cast<std::size_t>(3 * (at >= 0 ? at : output) + c);
+      const float* mode = _model.shared.modes +
+                          row / rows_per_block * rows_per_block * static_cast<std::size_t>(n_shared) +
+                          row % rows_per_block;
+      for (std::int32_t r = 0; r < 3; ++r) {
+        const double factor = map[3 * r + c];
+        if (factor == 0) continue;
+        if (at >= 0) {
+          add_row(_node.near_mode + row * static_cast<std::size_t>(_node.n_columns), _node.near_mode_scale, factor,
+                  _node.n_modes, local.rows + r * _node.n_modes);
+          continue;
+        }
+        for (std::int32_t s = 0; s < n_shared; ++s)
+          _shared[r * n_shared + s] += factor * static_cast<double>(mode[s * rows_per_block]);
+        _mixes = true;
+      }
+    }
   }
-}
+  void mix(LocalResponse& local) const {
+    const std::int32_t n_shared = _model.shared.n_modes;
+    for (std::int32_t k = 0; k < 3 * n_shared && _mixes; ++k)
+      add_row(_node.mixing + static_cast<std::size_t>(k % n_shared) * static_cast<std::size_t>(_node.n_columns),
+              _node.mixing_scale, _shared[k], _node.n_modes, local.rows + k / n_shared * _node.n_modes);
+  }
 
-void add_gaussians(const phn_model& model, const Network& net, std::int32_t output, double weight,
+ private:
+  const phn_model& _model;
+  const ModalResponse& _node;
+  double* _shared;  ///< 3 x n_modes
+  bool _mixes = false;
+};
+
+void add_gaussians(const phn_model& model, const Network& net, std::int32_t output, const double* map,
                    LocalResponse& local) {
   const double* point = model.output_points + 3 * static_cast<std::size_t>(output);
   double x[3];
   for (int k = 0; k < 3; ++k) x[k] = (point[k] - net.input_center[3 + k]) / net.input_half_range[3 + k];
   for (std::int32_t i = 0; i < net.n_neurons; ++i) {
-    double square = 0;
+    double square = 0, u[3], sum[3];
     for (int k = 0; k < 3; ++k) {
       const double y = x[k] - net.center[3 + k][i];
       square += y * y;
     }
-    const double h = weight * std::exp(-square * net.inverse_square_spread);
-    for (int k = 0; k < 3; ++k)
-      local.rows[k * net.n_neurons + i] += h * net.output_half_range[k] * net.weight[k][i];
+    const double h = std::exp(-square * net.inverse_square_spread);
+    for (int k = 0; k < 3; ++k) u[k] = h * net.output_half_range[k] * net.weight[k][i];
+    multiply(map, u, sum);
+    for (int k = 0; k < 3; ++k) local.rows[k * net.n_neurons + i] += sum[k];
   }
-  for (int k = 0; k < 3; ++k)
-    local.constant[k] += weight * (net.output_center[k] + net.output_half_range[k] * net.bias[k]);
+  double constant[3], sum[3];
+  for (int k = 0; k < 3; ++k) constant[k] = net.output_center[k] + net.output_half_range[k] * net.bias[k];
+  multiply(map, constant, sum);
+  add_scaled(1, sum, 3, local.constant);
 }
 
-/// Of a stiffness at rest, over the cube of its mean diagonal. Forces between nodes are the same from 0 to 0.05.
+/// Of a stiffness at rest, over the cube of its mean diagonal. Forces between nodes are the same from 0 to
+/// 0.05.
 constexpr double least_determinant = 0.01;
 
-/// Raises a symmetric matrix by a multiple of 1 until it resists in every direction: beside a snap fits at rest do not,
-/// and what a point between such nodes does is then the difference of large numbers.
+/// Raises a symmetric matrix by a multiple of 1 until it resists in every direction: beside a snap fits at
+/// rest do not, and what a point between such nodes does is then the difference of large numbers.
 void stiffen(double* k) {
   const double mean = (std::fabs(k[0]) + std::fabs(k[4]) + std::fabs(k[8])) / 3, shift = mean / 16;
   const double d[3] = {k[0], k[4], k[8]};
   for (int step = 0; step < 64; ++step) {
     const double second = k[0] * k[4] - k[1] * k[1];
-    const double third = k[0] * (k[4] * k[8] - k[5] * k[5]) - k[1] * (k[1] * k[8] - k[5] * k[2]) +
-                         k[2] * (k[1] * k[5] - k[4] * k[2]);
+    const double third =
+        k[0] * (k[4] * k[8] - k[5] * k[5]) - k[1] * (k[1] * k[8] - k[5] * k[2]) + k[2] * (k[1] * k[5] - k[4] * k[2]);
     if (k[0] > 0 && second > 0 && third > least_determinant * mean * mean * mean) return;
     for (int i = 0; i < 3; ++i) k[4 * i] = d[i] + (step + 1) * shift;
   }
@@ -154,41 +184,45 @@ void amplitude_gradient(const phn_model& model, const ActiveNode& node, const do
   for (std::int32_t j = 0; j < 3 * node.modal->n_modes; ++j) gradient[j] /= R;
 }
 
-void prepare_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
-                   const double* weights, LocalResponse& local) {
-  const std::int32_t size = basis_size(model, node);
-  local.direct = 0;
-  for (int k = 0; k < 3; ++k) local.constant[k] = 0;
-  for (std::int32_t i = 0; i < 3 * size; ++i) local.rows[i] = 0;
+void clear_local(const phn_model& model, const ActiveNode& node, LocalResponse& local) {
+  for (double& k : local.constant) k = 0;
+  for (double& k : local.direct) k = 0;
+  for (std::int32_t i = 0; i < 3 * basis_size(model, node); ++i) local.rows[i] = 0;
+}
+
+void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
+               const double* maps, double* scratch, LocalResponse& local) {
+  const bool modal = model.family == Family::modal;
+  // Other families share no modes, and have no node to mix them for.
+  static const ModalResponse none = {};
+  ModeSum modes(model, modal ? *node.modal : none, scratch);
   for (std::int32_t i = 0; i < n; ++i) {
     const std::int32_t vertex = vertices[i];
-    if (vertex < 0 || vertex >= model.n_output || weights[i] == 0) continue;
+    const double* map = maps + 9 * i;
+    if (vertex < 0 || vertex >= model.n_output) continue;
     const std::int32_t moved = position_of(node.prescribed, node.n_prescribed, vertex);
     if (moved >= 0) {
-      local.direct += weights[i] * node.prescribed_weight[moved];
-      continue;
-    }
-    switch (model.family) {
-      case Family::rbfn:
-        add_gaussians(model, node.networks->deformation, vertex, weights[i], local);
-        break;
-      case Family::linear:
-        for (int k = 0; k < 3; ++k) {
-          for (int l = 0; l < 3; ++l)
-            local.rows[3 * k + l] += weights[i] * node.linear->unit_response[l][3 * vertex + k];
-        }
-        break;
-      case Family::modal:
-        for (int k = 0; k < 3; ++k) add_modes(model, *node.modal, vertex, k, weights[i], local.rows + k * size);
-        break;
+      add_scaled(node.prescribed_weight[moved], map, 9, local.direct);
+    } else if (modal) {
+      modes.add(vertex, map, local);
+    } else if (model.family == Family::rbfn) {
+      add_gaussians(model, node.networks->deformation, vertex, map, local);
+    } else {
+      for (int l = 0; l < 3; ++l) {
+        double u[3];
+        multiply(map, node.linear->unit_response[l] + 3 * vertex, u);
+        for (int k = 0; k < 3; ++k) local.rows[3 * k + l] += u[k];
+      }
     }
   }
+  if (modal) modes.mix(local);
 }
 
 void local_displacement(const LocalResponse& local, double share, const double* d, std::int32_t n_basis,
                         const double* basis, double* u) {
+  multiply(local.direct, d, u);
   for (int i = 0; i < 3; ++i) {
-    u[i] = share * local.constant[i] + local.direct * d[i];
+    u[i] += share * local.constant[i];
     for (std::int32_t j = 0; j < n_basis; ++j) u[i] += local.rows[i * n_basis + j] * basis[j];
   }
 }
@@ -210,6 +244,20 @@ void field_of_basis(const phn_model& model, const ActiveNode& node, const Prepar
   for (std::int32_t p = 0; p < node.n_prescribed; ++p) {
     for (int k = 0; k < 3; ++k) field[3 * node.prescribed[p] + k] = node.prescribed_weight[p] * d[k];
   }
+}
+
+double curvature(const phn_model& model, const ActiveNode& node, const double* stiffness) {
+  double apart = 0, all = 0;
+  for (int k = 0; k < 6; ++k) {
+    double d[3] = {0, 0, 0}, force[3], linear[3];
+    d[k / 2] = (k % 2 - 0.5) * 2 * model.max_displacement;
+    evaluate_force(model, node, d, force);
+    multiply(stiffness, d, linear);
+    add_scaled(-1, linear, 3, force);
+    apart += dot(force, force);
+    all += dot(linear, linear);
+  }
+  return all > 0 ? apart / all : 0;
 }
 
 void stiffness_at_rest(const phn_model& model, const ActiveNode& node, double* stiffness) {

@@ -1,16 +1,17 @@
-// What one active node does to points of the surface and to the whole of it, as a product with the node's own basis:
-// amplitudes of modes, Gaussians of its displacement d, or d itself.
+// What one active node does to points of the surface and to the whole of it, as a product with the node's own
+// basis: amplitudes of modes, Gaussians of its displacement d, or d itself.
 #pragma once
 
 #include "prepared.hpp"
 
 namespace phynness::runtime {
 
-/// Weighted displacements of a few vertices under one active node displaced by d: constant + direct d + rows . basis(d).
+/// A sum of maps times displacements of a few vertices under one active node displaced by d: constant +
+/// direct d + rows . basis(d).
 struct LocalResponse {
   double constant[3];
-  double direct;  ///< of vertices that the probe moves itself
-  double* rows;   ///< 3 x basis_size(node)
+  double direct[9];  ///< of vertices that the probe moves itself
+  double* rows;      ///< 3 x basis_size(node)
 };
 
 std::int32_t basis_size(const phn_model& model, const ActiveNode& node);
@@ -19,8 +20,8 @@ std::int32_t basis_size(const phn_model& model, const ActiveNode& node);
 /// @param basis  basis_size(node); @param scratch shared n_centers + 3
 void basis_of(const phn_model& model, const ActiveNode& node, const double* d, double* basis, double* scratch);
 
-/// Derivatives around rest, as differences over the first increment that was trained, forth and back: beside a snap a
-/// derivative at 0 itself is that of the interpolation, not of the body.
+/// Derivatives around rest, as differences over the first increment that was trained, forth and back: beside
+/// a snap a derivative at 0 itself is that of the interpolation, not of the body.
 /// @param gradient  3 x basis_size(node), row k by d_k [1/m]; @param scratch shared n_centers + 3
 /// @param other     scratch, basis_size(node)
 void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, double* gradient, double* scratch,
@@ -35,9 +36,13 @@ void basis_and_gradient(const phn_model& model, const ActiveNode& node, const do
 void amplitude_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* gradient,
                         double* scratch);
 
-/// @param vertices, weights  n of them; vertices as in phn_model::triangles, fixed ones and -1 do not move
-void prepare_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
-                   const double* weights, LocalResponse& local);
+void clear_local(const phn_model& model, const ActiveNode& node, LocalResponse& local);
+
+/// @param vertices, maps  n of them, maps 3 x 3; vertices as in phn_model::triangles, fixed ones and -1 do
+/// not move
+/// @param scratch         3 shared n_modes
+void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
+               const double* maps, double* scratch, LocalResponse& local);
 
 /// share constant + direct d + rows . basis. @param u  3 [m]
 void local_displacement(const LocalResponse& local, double share, const double* d, std::int32_t n_basis,
@@ -49,7 +54,11 @@ void local_displacement(const LocalResponse& local, double share, const double* 
 void field_of_basis(const phn_model& model, const ActiveNode& node, const PreparedNode* prepared, double share,
                     const double* d, const double* basis, double* scratch, double* field);
 
-/// Derivative of the force around rest, in the same way, symmetric and positive definite. @param stiffness 3 x 3 [N/m]
+/// How far forces at the trained depth, along the axes, are from the linear ones, over the latter, squared.
+double curvature(const phn_model& model, const ActiveNode& node, const double* stiffness);
+
+/// Derivative of the force around rest, in the same way, symmetric and positive definite. @param stiffness 3
+/// x 3 [N/m]
 void stiffness_at_rest(const phn_model& model, const ActiveNode& node, double* stiffness);
 
 }  // namespace phynness::runtime

@@ -15,6 +15,16 @@ void add_scaled(double factor, const double* x, std::int32_t n, double* y) {
   for (std::int32_t i = 0; i < n; ++i) y[i] += factor * x[i];
 }
 
+void set_zero(double* x, std::size_t n) {
+  for (std::size_t i = 0; i < n; ++i) x[i] = 0;
+}
+
+bool all_finite(const double* x, std::size_t n) {
+  double sum = 0;  // 0 times infinity is no number either
+  for (std::size_t i = 0; i < n; ++i) sum += 0 * x[i];
+  return sum == 0;
+}
+
 void invert(const double* given, double* inverse) {
   double a[9], size = 0;
   for (int i = 0; i < 9; ++i) {
@@ -38,7 +48,7 @@ void invert(const double* given, double* inverse) {
   }
 }
 
-bool solve_dense(double* a, std::int32_t n, double* right, std::int32_t n_right) {
+bool solve_dense(double* a, std::int32_t n, double* right) {
   double size = 0;
   for (std::int32_t i = 0; i < n * n; ++i) size = std::fmax(size, std::fabs(a[i]));
   for (std::int32_t k = 0; k < n; ++k) {
@@ -47,27 +57,21 @@ bool solve_dense(double* a, std::int32_t n, double* right, std::int32_t n_right)
       if (std::fabs(a[i * n + k]) > std::fabs(a[pivot * n + k])) pivot = i;
     }
     if (!(std::fabs(a[pivot * n + k]) > 1e-13 * size)) return false;
-    const auto swap_rows = [&](double* rows, std::int32_t width) {
-      for (std::int32_t j = 0; j < width && pivot != k; ++j) {
-        const double kept = rows[k * width + j];
-        rows[k * width + j] = rows[pivot * width + j];
-        rows[pivot * width + j] = kept;
-      }
-    };
-    swap_rows(a, n);
-    swap_rows(right, n_right);
+    for (std::int32_t j = 0; j <= n && pivot != k; ++j) {
+      double &one = j < n ? a[k * n + j] : right[k], &other = j < n ? a[pivot * n + j] : right[pivot];
+      const double kept = one;
+      one = other;
+      other = kept;
+    }
     for (std::int32_t i = k + 1; i < n; ++i) {
       const double factor = a[i * n + k] / a[k * n + k];
-      for (std::int32_t j = k; j < n; ++j) a[i * n + j] -= factor * a[k * n + j];
-      for (std::int32_t j = 0; j < n_right; ++j) right[i * n_right + j] -= factor * right[k * n_right + j];
+      add_scaled(-factor, a + k * n + k, n - k, a + i * n + k);
+      right[i] -= factor * right[k];
     }
   }
   for (std::int32_t k = n - 1; k >= 0; --k) {
-    for (std::int32_t j = 0; j < n_right; ++j) {
-      double sum = right[k * n_right + j];
-      for (std::int32_t i = k + 1; i < n; ++i) sum -= a[k * n + i] * right[i * n_right + j];
-      right[k * n_right + j] = sum / a[k * n + k];
-    }
+    for (std::int32_t i = k + 1; i < n; ++i) right[k] -= a[k * n + i] * right[i];
+    right[k] /= a[k * n + k];
   }
   return true;
 }

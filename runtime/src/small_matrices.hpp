@@ -1,6 +1,7 @@
 // Matrices of 3 x 3, row by row, and dense systems of a few unknowns.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace phynness::runtime {
@@ -21,6 +22,11 @@ void multiply_matrices(const double* a, const double* b, double* c);
 /// y += factor x. @param n  of both
 void add_scaled(double factor, const double* x, std::int32_t n, double* y);
 
+void set_zero(double* x, std::size_t n);
+
+/// Whether none is infinite or not a number.
+bool all_finite(const double* x, std::size_t n);
+
 /// Sum of products of the entries.
 inline double inner_product(const double* a, const double* b) {
   double sum = 0;
@@ -38,8 +44,8 @@ void diagonalize(double* a, std::int32_t n, double* vectors);
 /// Inverse of a symmetric 3 x 3 matrix whose eigenvalues count as `least` at least.
 void invert_stiffness(const double* stiffness, double least, double* inverse);
 
-/// Gaussian elimination with partial pivoting; the solution replaces the n_right right-hand sides, row by row.
+/// Gaussian elimination with partial pivoting; the solution replaces the right-hand side.
 /// @param a  n x n, destroyed. @return false if a is singular
-bool solve_dense(double* a, std::int32_t n, double* right, std::int32_t n_right);
+bool solve_dense(double* a, std::int32_t n, double* right);
 
 }  // namespace phynness::runtime

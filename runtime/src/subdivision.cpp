@@ -134,8 +134,9 @@ SurfaceLevel subdivide(std::int32_t n_vertices, std::int32_t n_triangles, std::i
 
 namespace {
 
-template <int stride>
-void refine_rows(const SurfaceLevel& level, const float* coarse, float* fine) {
+}  // namespace
+
+void refine(const SurfaceLevel& level, const float* coarse, float* fine, int stride) {
   // Rows of three are written as four; the next one covers the fourth.
   for (std::int32_t v = 0; v < level.n_vertices; ++v, fine += stride) {
     const VertexRule &rule = level.rules[v], &next = level.rules[v + 1];
@@ -155,17 +156,11 @@ void refine_rows(const SurfaceLevel& level, const float* coarse, float* fine) {
     Row sum;
     for (int k = 0; k < 4; ++k)
       sum.value[k] = 0.375f * (a.value[k] + b.value[k]) + 0.125f * (c.value[k] + d.value[k]);
-    std::memcpy(fine, &sum, e + 1 < level.n_edges ? sizeof sum : stride * sizeof(float));
-  }
-}
-
-}  // namespace
-
-void refine(const SurfaceLevel& level, const float* coarse, float* fine, int stride) {
-  if (stride == 3) {
-    refine_rows<3>(level, coarse, fine);
-  } else {
-    refine_rows<4>(level, coarse, fine);
+    if (e + 1 < level.n_edges) {
+      std::memcpy(fine, &sum, sizeof sum);
+    } else {
+      for (int k = 0; k < stride; ++k) fine[k] = sum.value[k];
+    }
   }
 }
 

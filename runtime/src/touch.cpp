@@ -56,13 +56,15 @@ phynness::runtime::CoupledResult single(const phn_model& model, Coupling& c, con
   using namespace phynness::runtime;
   HeldPoint& point = c.point[0];
   const ActiveNode& node = model.active[point.active[0]];
-  double* d = point.field_own[0];
+  c.n_sets = 1;
+  for (int k = 0; k < 3; ++k) c.field_turn[k] = 0;
+  double* d = c.field[0].own;
   for (int k = 0; k < 3; ++k) {
     d[k] = target[k] / point.weight[0];
     point.own[k] = target[k];
     for (int l = 0; l < 3; ++l) point.reach[0][3 * k + l] = k == l ? 1 / point.weight[0] : 0;
   }
-  point.field_share[0] = 1;
+  c.field[0].share = 1;
   evaluate_force(model, node, d, point.force);
   for (double& f : point.force) f /= point.weight[0];
   if (has_deformation(model, node)) basis_of(model, node, d, c.field_basis, c.kernel);

@@ -28,9 +28,11 @@ const char* name(PairPredictor p) {
 namespace {
 
 constexpr std::size_t n_predictors = pair_predictors.size();
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
-/// index, two nodes, two displacements, distance, solved, status, residual; the errors of each predictor.
-constexpr std::size_t row_head = 13, n_errors = 5, row_size = row_head + n_errors * n_predictors;
+constexpr double none = std::numeric_limits<double>::quiet_NaN(),
+                 infinite = std::numeric_limits<double>::infinity();
+/// index, two nodes, two displacements, distance, solved, status, residual, error alone; the errors of each
+/// predictor.
+constexpr std::size_t row_head = 14, n_errors = 5, row_size = row_head + n_errors * n_predictors;
 
 Eigen::Vector3d vector(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
@@ -152,9 +154,19 @@ class Comparison {
     const Eigen::VectorXd f = _solver.rest().stiffness_N_per_m * q, u = _solver.rest().sensitivity * q;
     judge(PairPredictor::linear, {Vec3{f[0], f[1], f[2]}, Vec3{f[3], f[4], f[5]}},
           rows([&](std::int32_t i) { return u.segment<3>(3 * i).transpose(); }));
+    pair.single_force = std::max(single_force(nodes[0], d[0], *first.force_N[0]),
+                                 single_force(nodes[1], d[1], *second.force_N[0]));
   }
 
  private:
+  /// Error of a tool alone, over its finite element force; infinite where that has none.
+  double single_force(std::int32_t node, const Vec3& d, const Vec3& force) {
+    _solver.touch({node});
+    const Response truth = _solver.solve({d}, _increments);
+    if (truth.status != Status::converged) return infinite;
+    return (vector(force) - vector(truth.force_N[0])).norm() / vector(truth.force_N[0]).norm();
+  }
+
   const LoadedModel& _model;
   int _increments;
   ProbeSolver _solver;
@@ -164,8 +176,8 @@ void append(std::vector<double>& rows, std::size_t index, const PairRecord& pair
   rows.insert(rows.end(), {static_cast<double>(index), static_cast<double>(pair.nodes[0]),
                            static_cast<double>(pair.nodes[1])});
   for (const auto& d : pair.displacement_m) rows.insert(rows.end(), d.begin(), d.end());
-  rows.insert(rows.end(),
-              {pair.distance_m, pair.solved ? 1.0 : 0.0, static_cast<double>(pair.status), pair.residual_m});
+  rows.insert(rows.end(), {pair.distance_m, pair.solved ? 1.0 : 0.0, static_cast<double>(pair.status),
+                           pair.residual_m, pair.single_force});
   for (const auto& e : pair.errors)
     rows.insert(rows.end(), {e.force, e.force_own, e.displacement, e.field_l2, e.displacement_all});
 }
@@ -178,6 +190,7 @@ PairRecord read(const double* row) {
   pair.solved = row[10] > 0;
   pair.status = static_cast<int>(row[11]);
   pair.residual_m = row[12];
+  pair.single_force = row[13];
   for (std::size_t p = 0; p < n_predictors; ++p) {
     const double* e = row + row_head + n_errors * p;
     pair.errors[p] = {e[0], e[1], e[2], e[3], e[4]};
@@ -241,8 +254,12 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   report.all = group_of(report.records, [](const PairRecord&) { return true; });
   report.near = group_of(report.records, [&](const PairRecord& p) { return p.distance_m <= report.far_m; });
   report.far = group_of(report.records, [&](const PairRecord& p) { return p.distance_m > report.far_m; });
-  report.settled =
-      group_of(report.records, [](const PairRecord& p) { return (p.status & PHN_WARNING_UNSETTLED) == 0; });
+  report.right = group_of(report.records, [](const PairRecord& p) { return p.single_force <= right_alone; });
+  std::vector<double> alone;
+  for (const auto& pair : report.records) {
+    if (pair.solved && std::isfinite(pair.single_force)) alone.push_back(pair.single_force);
+  }
+  report.single_force = ErrorStatistics::of(std::move(alone));
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }

@@ -34,6 +34,10 @@ struct PairRecord {
   bool solved = false;    ///< by the finite elements; what follows is 0 otherwise
   int status = 0;         ///< of phn_couple: warnings
   double residual_m = 0;
+  /// Of the model's answers for each tool alone against a solve of it alone, the worse, over its finite
+  /// element force; infinite where one was not solved. What the pair's error has of it is not that of
+  /// coupling.
+  double single_force = 0;
   std::array<PairErrors, pair_predictors.size()> errors;  ///< by PairPredictor
   const PairErrors& of(PairPredictor p) const { return errors[static_cast<std::size_t>(p)]; }
 };
@@ -56,7 +60,9 @@ struct PairReport {
   std::int64_t unsettled = 0, outside = 0;  ///< of the solved, where the model warns so
   double depth_m = 0, far_m = 0;
   double largest_residual_m = 0;
-  PairGroup all, near, far, settled;
+  PairGroup all, near, far;
+  PairGroup right;  ///< where the model is right_alone about both tools
+  ErrorStatistics single_force;
   std::vector<PairRecord> records;  ///< finished ones, in the order of the seed
   double seconds = 0;
   bool interrupted() const { return finished < pairs; }
@@ -64,6 +70,8 @@ struct PairReport {
 
 /// Depth of both tools if none is asked for, as a fraction of the trained one: 12 mm of the paper's 28.
 inline constexpr double pair_depth_fraction = 12.0 / 28;
+/// Errors of force of a tool alone up to which what is left of a pair's error is that of coupling.
+inline constexpr double right_alone = 0.02;
 /// Tools farther apart than this fraction of the body's longest extent are called far.
 inline constexpr double far_fraction = 0.3;
 
