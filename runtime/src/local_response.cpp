@@ -17,8 +17,12 @@ std::int32_t position_of(const std::int32_t* list, std::int32_t n, std::int32_t 
   return -1;
 }
 
-void add_row(const std::int16_t* row, const double* scale, double factor, std::int32_t m, double* sum) {
-  for (std::int32_t j = 0; j < m; ++j) sum[j] += factor * (row[j] * scale[j]);
+/// Adds one row of a table to three, times `factor`. @param sum  3 x m
+void add_row(const std::int16_t* row, const double* scale, const double* factor, std::int32_t m, double* sum) {
+  for (std::int32_t j = 0; j < m; ++j) {
+    const double value = row[j] * scale[j];
+    for (int k = 0; k < 3; ++k) sum[k * m + j] += factor[k] * value;
+  }
 }
 
 /// Modes of vertices near the node are its own, those of others mixed from the shared ones, which are summed
@@ -31,36 +35,34 @@ class ModeSum {
   }
   void add(std::int32_t output, const double* map, LocalResponse& local) {
     const std::int32_t at = find_sorted(_node.near, _node.n_near, output), n_shared = _model.shared.n_modes;
+    _mixes = _mixes || at < 0;
     for (std::int32_t c = 0; c < 3; ++c) {
       const auto row = static_cast<std::size_t>(3 * (at >= 0 ? at : output) + c);
+      const double factor[3] = {map[c], map[3 + c], map[6 + c]};
+      if (at >= 0) {
+        add_row(_node.near_mode + row * static_cast<std::size_t>(_node.n_columns), _node.near_mode_scale, factor,
+                _node.n_modes, local.rows);
+        continue;
+      }
       const float* mode = _model.shared.modes +
                           row / rows_per_block * rows_per_block * static_cast<std::size_t>(n_shared) +
                           row % rows_per_block;
-      for (std::int32_t r = 0; r < 3; ++r) {
-        const double factor = map[3 * r + c];
-        if (factor == 0) continue;
-        if (at >= 0) {
-          add_row(_node.near_mode + row * static_cast<std::size_t>(_node.n_columns), _node.near_mode_scale, factor,
-                  _node.n_modes, local.rows + r * _node.n_modes);
-          continue;
-        }
-        for (std::int32_t s = 0; s < n_shared; ++s)
-          _shared[r * n_shared + s] += factor * static_cast<double>(mode[s * rows_per_block]);
-        _mixes = true;
+      for (std::int32_t s = 0; s < n_shared; ++s) {
+        const auto value = static_cast<double>(mode[s * rows_per_block]);
+        for (int k = 0; k < 3; ++k) _shared[3 * s + k] += factor[k] * value;
       }
     }
   }
   void mix(LocalResponse& local) const {
-    const std::int32_t n_shared = _model.shared.n_modes;
-    for (std::int32_t k = 0; k < 3 * n_shared && _mixes; ++k)
-      add_row(_node.mixing + static_cast<std::size_t>(k % n_shared) * static_cast<std::size_t>(_node.n_columns),
-              _node.mixing_scale, _shared[k], _node.n_modes, local.rows + k / n_shared * _node.n_modes);
+    for (std::int32_t s = 0; s < _model.shared.n_modes && _mixes; ++s)
+      add_row(_node.mixing + static_cast<std::size_t>(s) * static_cast<std::size_t>(_node.n_columns),
+              _node.mixing_scale, _shared + 3 * s, _node.n_modes, local.rows);
   }
 
  private:
   const phn_model& _model;
   const ModalResponse& _node;
-  double* _shared;  ///< 3 x n_modes
+  double* _shared;  ///< n_modes x 3
   bool _mixes = false;
 };
 

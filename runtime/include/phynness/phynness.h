@@ -156,14 +156,15 @@ typedef struct phn_coupled {
  * they ask for together and a part of what sets them against each other, the less the closer they are.
  * Cost, one tool between three nodes: 21 forces, 3 energies where the family has them, 21 sets of amplitudes and 9 with
  * their gradients, nothing to iterate. n tools: n^2 times that, but for n a set of amplitudes with gradients more for each
- * node. Of a model with 78 centers and 16 modes 1 tool between nodes takes some 34 us, 2 130, 4 470; 2 at nodes 26.
+ * node, the modes of the vertices around each tool under the others' nodes, and n passes over the triangles. Of a model with
+ * 78 centers and 16 modes 1 tool between nodes takes some 34 us, 2 180, 4 650, 8 2,500; 2 at nodes 43, 4 150, 8 620.
  * PHN_ERROR_NOT_ACTIVE: a node can neither be touched nor is fixed, or all of a tool's are fixed. PHN_ERROR_UNDEFINED: a
  * node has forces only. Components of displacements are cut at 1000 max_displacement_m. */
 int phn_couple(const phn_model *model, phn_data *data, int32_t n_tools, const phn_tool *tools, double *forces,
                phn_coupled *result);
 
 /* Displacements [m] of all output nodes, n_output x 3, under the tools of the last phn_couple with this data: the sum of
- * what its nodes do. Zeros before the first. Cost: that of 3 n_tools deformations. */
+ * what its nodes do. Zeros before the first. Cost: that of 3 n_tools deformations, of several tools 1 + n_tools times as many. */
 int phn_coupled_deform(const phn_model *model, phn_data *data, double *out);
 
 /* The surface subdivided `levels` times (0 ... 6) by Loop's scheme: each level makes four triangles of one and a vertex
