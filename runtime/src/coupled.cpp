@@ -25,6 +25,10 @@ constexpr double turned_part = 0.7;
 /// more.
 constexpr double half_curved = 0.005;
 
+/// Part of all orders' weights below which what an order leaves to the others turns its field no more: where nothing is
+/// left there is no mean of the rotations, but networks' fields have a part that stays.
+constexpr double least_turned = 1e-6;
+
 /// Points that miss their tools by more than this part of the largest displacement do not follow them.
 constexpr double follows = 1e-8;
 
@@ -128,8 +132,8 @@ class Solver {
       hold_others(i);
     }
     find_weights();
-    // In a linear body all orders say the same.
-    for (std::int32_t i = 0; i < n && linear; ++i) _c.weight[i] = i == 0;
+    // In a linear body all orders say the same, unless tools are too near each other; weights of their own would bend it.
+    for (std::int32_t i = 0; i < n && linear; ++i) _c.weight[i] = 1.0 / n;
     for (std::int32_t i = 0; i < n; ++i) {
       add_response(0, i, _c.weight[i]);
       double turned[3] = {0, 0, 0}, all = 0;
@@ -142,6 +146,7 @@ class Solver {
         add_scaled(part, _c.turned + at(i, j, 0), 3, turned);
         all += part;
       }
+      all += least_turned * _sum;
       for (int k = 0; k < 3 && turns(); ++k) _c.field_turn[3 * set_of(i) + k] = all > 0 ? turned[k] / all : 0;
     }
     double energy = 0;

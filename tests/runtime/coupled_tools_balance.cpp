@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -232,6 +233,59 @@ TEST(CoupledTools, AreFollowed) {
       EXPECT_LT((moved - Eigen::Map<const Eigen::Vector3d>(at.displacement)).norm(), 1e-7);
     }
   }
+}
+
+// Claim: how tools are numbered is nothing to the answer, be they far from each other or too near to be told
+// apart. 1e-9: sums in another order, and compliances between tools that are nearly one.
+TEST_P(CoupledToolsOf, AreTheSameInAnyOrder) {
+  const LoadedModel loaded(write_model_text(small_model_of(GetParam())));
+  for (const double apart : {0.3, 1e-3, 1e-6}) {
+    const phn_tool first = tool(3, 5, 8, 0.4, 0.3, 0.0005, 0.0004, -0.0003),
+                   second = tool(3, 5, 8, 0.4 - apart, 0.3 + apart, -0.0004, 0.0005, 0.0002);
+    const phn_tool there[2] = {first, second}, back[2] = {second, first};
+    Eigen::Matrix<double, 3, 2> forces, swapped;
+    Points field(12, 3), other(12, 3);
+    phn_coupled result[2] = {};
+    ASSERT_GE(phn_couple(loaded.model, loaded.data, 2, there, forces.data(), result), 0);
+    phn_coupled_deform(loaded.model, loaded.data, field.data());
+    ASSERT_GE(phn_couple(loaded.model, loaded.data, 2, back, swapped.data(), result + 1), 0);
+    phn_coupled_deform(loaded.model, loaded.data, other.data());
+    swapped.col(0).swap(swapped.col(1));
+    EXPECT_LT((forces - swapped).norm(), 1e-9 * forces.norm()) << apart;
+    EXPECT_LT((field - other).norm(), 1e-6 * field.norm()) << apart;  // fields of modes are floats
+    EXPECT_NEAR(result[0].energy, result[1].energy, 1e-9 * std::fabs(result[0].energy)) << apart;
+  }
+}
+
+// Claim: the field has no jump where the others are just where the first tool has moved them, from whichever
+// side they come: what is left to them has no direction there. Networks, whose field for nothing is not
+// nothing, had one.
+TEST_P(CoupledToolsOf, FieldsHaveNoJumpWhereNothingIsLeft) {
+  const Model model = small_model_of(GetParam());
+  const LoadedModel loaded(write_model_text(model));
+  Numbers numbers;
+  const std::int32_t nodes[3] = {3, 5, 8};
+  const double d[3] = {0.0005, 0.001, -0.0002};
+  Points alone(12, 3);
+  ASSERT_GE(phn_deform(loaded.model, loaded.data, 1, nodes, d, alone.data()), 0);
+  const auto field_beside = [&](double apart) {
+    phn_tool tools[3];
+    for (int t = 0; t < 3; ++t) {
+      tools[t] = tool(nodes[t], -1, -1, 1, 0, d[0], d[1], d[2]);
+      const auto output =
+          std::find(model.output.begin(), model.output.end(), nodes[t]) - model.output.begin();
+      for (int k = 0; k < 3 && t > 0; ++k)
+        tools[t].displacement[k] = alone(output, k) + apart * numbers.next();
+    }
+    Eigen::Matrix3d forces;
+    Points field(12, 3);
+    EXPECT_GE(phn_couple(loaded.model, loaded.data, 3, tools, forces.data(), nullptr), 0);
+    phn_coupled_deform(loaded.model, loaded.data, field.data());
+    return field;
+  };
+  const Points reference = field_beside(1e-9);
+  for (int side = 0; side < 20; ++side)
+    EXPECT_LT((field_beside(1e-9) - reference).norm(), 1e-5 * reference.norm() + 1e-7);
 }
 
 // Claim: forces of several tools are the gradient of the energy that is said: no closed path of any of them
