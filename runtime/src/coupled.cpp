@@ -755,7 +755,8 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.basis = arena.take<double>(model.n_basis);
   c.gradient = arena.take<double>(3 * model.n_basis);
   c.kernel = arena.take<double>(3 * (static_cast<std::size_t>(model.shared.n_centers) + 3));
-  c.shared = arena.take<double>(3 * static_cast<std::size_t>(model.shared.n_modes));
+  const auto n_shared = 3 * static_cast<std::size_t>(model.shared.n_modes);
+  c.shared = arena.take<double>(n_shared > model.n_basis ? n_shared : model.n_basis);
   c.matrix = arena.take<double>(9 * n_places * t);
   c.work = arena.take<double>(9 * t * t);
   c.vectors = arena.take<double>(9 * t * t);

@@ -66,19 +66,12 @@ class ModeSum {
   bool _mixes = false;
 };
 
-void add_gaussians(const phn_model& model, const Network& net, std::int32_t output, const double* map,
+void add_gaussians(const phn_model& model, const Network& net, std::int32_t output, const double* map, double* gaussian,
                    LocalResponse& local) {
-  const double* point = model.output_points + 3 * static_cast<std::size_t>(output);
-  double x[3];
-  for (int k = 0; k < 3; ++k) x[k] = (point[k] - net.input_center[3 + k]) / net.input_half_range[3 + k];
+  best_network_kernels().of_inputs(net, 3, model.output_points + 3 * static_cast<std::size_t>(output), gaussian);
   for (std::int32_t i = 0; i < net.n_neurons; ++i) {
-    double square = 0, u[3], sum[3];
-    for (int k = 0; k < 3; ++k) {
-      const double y = x[k] - net.center[3 + k][i];
-      square += y * y;
-    }
-    const double h = std::exp(-square * net.inverse_square_spread);
-    for (int k = 0; k < 3; ++k) u[k] = h * net.output_half_range[k] * net.weight[k][i];
+    double u[3], sum[3];
+    for (int k = 0; k < 3; ++k) u[k] = gaussian[i] * net.output_half_range[k] * static_cast<double>(net.weight[k][i]);
     multiply(map, u, sum);
     for (int k = 0; k < 3; ++k) local.rows[k * net.n_neurons + i] += sum[k];
   }
@@ -123,7 +116,7 @@ std::int32_t basis_size(const phn_model& model, const ActiveNode& node) {
 void basis_of(const phn_model& model, const ActiveNode& node, const double* d, double* basis, double* scratch) {
   switch (model.family) {
     case Family::rbfn:
-      return best_network_kernels().of_displacement(node.networks->deformation, d, basis);
+      return best_network_kernels().of_inputs(node.networks->deformation, 0, d, basis);
     case Family::linear:
       return cut(d, 1, largest_linear, basis);
     case Family::modal: {
@@ -154,7 +147,7 @@ void basis_and_gradient(const phn_model& model, const ActiveNode& node, const do
   switch (model.family) {
     case Family::rbfn: {
       const Network& net = node.networks->deformation;
-      best_network_kernels().of_displacement(net, d, basis);
+      best_network_kernels().of_inputs(net, 0, d, basis);
       for (std::int32_t i = 0; i < n; ++i) {
         for (int k = 0; k < 3; ++k) {
           const double y = (d[k] - net.input_center[k]) / net.input_half_range[k] - net.center[k][i];
@@ -208,7 +201,7 @@ void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, c
     } else if (modal) {
       modes.add(vertex, map, local);
     } else if (model.family == Family::rbfn) {
-      add_gaussians(model, node.networks->deformation, vertex, map, local);
+      add_gaussians(model, node.networks->deformation, vertex, map, scratch, local);
     } else {
       for (int l = 0; l < 3; ++l) {
         double u[3];

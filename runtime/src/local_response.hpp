@@ -40,7 +40,7 @@ void clear_local(const phn_model& model, const ActiveNode& node, LocalResponse& 
 
 /// @param vertices, maps  n of them, maps 3 x 3; vertices as in phn_model::triangles, fixed ones and -1 do
 /// not move
-/// @param scratch         3 shared n_modes
+/// @param scratch         3 shared n_modes, of networks basis_size(node)
 void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
                const double* maps, double* scratch, LocalResponse& local);
 

@@ -12,7 +12,7 @@ namespace {
 using namespace phynness::runtime;
 
 struct Values {
-  std::vector<double> force = std::vector<double>(3), of_displacement, field;
+  std::vector<double> force = std::vector<double>(3), of_displacement, of_point, field;
   std::vector<Real> table;
   bool operator==(const Values&) const = default;
 };
@@ -48,7 +48,9 @@ struct RandomNetwork {
     Values values;
     kernels.force(net, d, values.force.data());
     values.of_displacement.resize(n);
-    kernels.of_displacement(net, d, values.of_displacement.data());
+    kernels.of_inputs(net, 0, d, values.of_displacement.data());
+    values.of_point.resize(n);
+    kernels.of_inputs(net, 3, points.data(), values.of_point.data());
     values.table.resize((n_output + nodes_per_block - 1) / nodes_per_block * nodes_per_block * n);
     kernels.of_coordinates(net, static_cast<std::int32_t>(n_output), points.data(), values.table.data());
     values.field.resize(3 * n_output);

@@ -156,8 +156,9 @@ typedef struct phn_coupled {
  * they ask for together and a part of what sets them against each other, the less the closer they are.
  * Cost, one tool between three nodes: 21 forces, 3 energies where the family has them, 21 sets of amplitudes and 9 with
  * their gradients, nothing to iterate. n tools: n^2 times that, but for n a set of amplitudes with gradients more for each
- * node, the modes of the vertices around each tool under the others' nodes, and n passes over the triangles. Of a model with
- * 78 centers and 16 modes 1 tool between nodes takes some 34 us, 2 180, 4 650, 8 2,500; 2 at nodes 43, 4 150, 8 620.
+ * node, 6 forces of each node, what the vertices around each tool do under the others' nodes, and n passes over the
+ * triangles. Of a model with 78 centers and 16 modes 1 tool between nodes takes some 32 us, 2 150, 4 550, 8 2,200; 2 at
+ * nodes 35, 4 130, 8 540.
  * PHN_ERROR_NOT_ACTIVE: a node can neither be touched nor is fixed, or all of a tool's are fixed. PHN_ERROR_UNDEFINED: a
  * node has forces only. Components of displacements are cut at 1000 max_displacement_m. */
 int phn_couple(const phn_model *model, phn_data *data, int32_t n_tools, const phn_tool *tools, double *forces,
