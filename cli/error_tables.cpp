@@ -151,9 +151,8 @@ void print_pairs(const PairReport& report) {
   const auto& alone = report.single_force;
   if (alone.n > 0)
     fmt::print(
-        "right alone: the model's force of each of the two tools alone is right to {:.0f} %; the worse: mean "
-        "{}, "
-        "median {}, max {} %\n",
+        "right alone: each tool's force, when it is alone, is right to {:.0f} %; errors of the worse one: "
+        "mean {}, median {}, max {} %\n",
         1e2 * right_alone, percent(alone.mean), percent(alone.median), percent(alone.max));
   fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m, duration(report.seconds));
 }

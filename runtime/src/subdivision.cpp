@@ -132,10 +132,6 @@ SurfaceLevel subdivide(std::int32_t n_vertices, std::int32_t n_triangles, std::i
   return level;
 }
 
-namespace {
-
-}  // namespace
-
 void refine(const SurfaceLevel& level, const float* coarse, float* fine, int stride) {
   // Rows of three are written as four; the next one covers the fourth.
   for (std::int32_t v = 0; v < level.n_vertices; ++v, fine += stride) {

@@ -18,7 +18,7 @@ struct SurfaceTurn {
 /// The (infinitesimal) rotation of the surface around up to three of its vertices, in parts whose sum is still to be
 /// divided by their area: the mean over triangles, weighted by area and by the weights of the vertices that they meet.
 /// A triangle's rotation is what tilts its normal, and half the curl in its plane. Rigid rotations are found, stretches
-/// not felt. All parts together cost a pass over all triangles.
+/// along the surface not felt. All parts together cost a pass over all triangles.
 /// @param vertex, weight  n_vertices; weights >= 0
 /// @param turn  triangle = 0, area = 0 before the first part; one, unless more than SurfaceTurn::most vertices meet
 /// @return false if there is none left

@@ -259,7 +259,8 @@ TEST_P(CoupledToolsOf, AreTheSameInAnyOrder) {
 
 // Claim: the field has no jump where the others are just where the first tool has moved them, from whichever
 // side they come: what is left to them has no direction there. Networks, whose field for nothing is not
-// nothing, had one.
+// nothing, had one, of 1e-3 of the field. 1e-5: the field moves by some hundred times the 1e-9 m, and fields
+// of modes are floats.
 TEST_P(CoupledToolsOf, FieldsHaveNoJumpWhereNothingIsLeft) {
   const Model model = small_model_of(GetParam());
   const LoadedModel loaded(write_model_text(model));
@@ -285,7 +286,7 @@ TEST_P(CoupledToolsOf, FieldsHaveNoJumpWhereNothingIsLeft) {
   };
   const Points reference = field_beside(1e-9);
   for (int side = 0; side < 20; ++side)
-    EXPECT_LT((field_beside(1e-9) - reference).norm(), 1e-5 * reference.norm() + 1e-7);
+    EXPECT_LT((field_beside(1e-9) - reference).norm(), 1e-5 * reference.norm());
 }
 
 // Claim: forces of several tools are the gradient of the energy that is said: no closed path of any of them
@@ -330,7 +331,7 @@ TEST(CoupledTools, ForcesAreTheGradientOfTheEnergy) {
 // Claim: where forces are not linear, a tool that turns the surface around another one takes the other's
 // stiffness along: by 0.7 of the rotation, as the decision on coupled tools has it. The first tool is stiff,
 // so that nearly only its order counts: the other one has 0.05 of 1.1, and the forces of both are within 6 %
-// of the mean.
+// of the mean. 1e-5 where nothing turns: tables round to 16 bits.
 TEST(CoupledTools, AreTurnedByEachOther) {
   LinearBody body(8, false);
   const Eigen::Vector3d axis(0, 1, 0), stiffness(1, 4, 9);

@@ -13,7 +13,7 @@ using namespace phynness;
 using namespace phynness::test;
 using Eigen::Vector3d;
 
-/// Node 0 with a rim of n nodes around it that go up and down, three quarters of it the more crowded.
+/// Node 0 with a closed rim of n nodes around it that goes up and down; triangles of all sizes.
 Model fan(int n) {
   Model model = small_linear_model();
   model.n_mesh_nodes = n + 2;
@@ -70,7 +70,7 @@ Turned turn_of(const phn_model& model, const std::vector<std::int32_t>& vertices
 }
 
 // Claim: a rigid rotation, infinitesimal, is found, wherever its axis is and however many triangles meet; a
-// translation and a swelling are none. Around a point between nodes it is the mean of theirs.
+// translation and a swelling are none. At a node and between three.
 TEST(SurfaceTurn, IsThatOfARigidBody) {
   const Vector3d w(0.3, -0.2, 0.5), center(0.1, 0.05, -0.02);
   for (const int n : {3, 6, 40, 200}) {

@@ -165,7 +165,8 @@ int phn_couple(const phn_model *model, phn_data *data, int32_t n_tools, const ph
                phn_coupled *result);
 
 /* Displacements [m] of all output nodes, n_output x 3, under the tools of the last phn_couple with this data: the sum of
- * what its nodes do. Zeros before the first. Cost: that of 3 n_tools deformations, of several tools 1 + n_tools times as many. */
+ * what its nodes do. Zeros before the first. Cost: that of 3 n_tools deformations, of several tools 1 + n_tools times as
+ * many. */
 int phn_coupled_deform(const phn_model *model, phn_data *data, double *out);
 
 /* The surface subdivided `levels` times (0 ... 6) by Loop's scheme: each level makes four triangles of one and a vertex
