@@ -75,6 +75,7 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
            {"rays_resumed", report.rays_resumed},
            {"increments", report.increments},
            {"failed", report.failed},
+           {"rays_with_library_errors", report.library_errors},
            {"newton_iterations", report.iterations},
            {"ranks", report.ranks.size()},
            {"wall_seconds", report.wall_seconds},
@@ -121,7 +122,11 @@ void run(const Options& options) {
     Progress progress(target.shard ? "shard " + target.shard->str() : "precompute", "rays");
     report = precompute(
         session, loaded.scene, loaded.mesh, loaded.sets, target,
-        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
+        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested,
+        [&](const std::string& text) {
+          fmt::print(stderr, "warning: {}{}\n", text,
+                     session.size() > 1 ? "\n  the other ranks end the nodes they work on" : "");
+        });
   }
   if (report.interrupted)
     throw failure("interrupted", fmt::format("{} rays finished and kept", report.rays + report.rays_resumed),
@@ -148,6 +153,9 @@ void run(const Options& options) {
                                : "phynness info " + target.file.string() +
                                      " says why; a smaller displacement, more increments or another element "
                                      "may help");
+  if (report.library_errors > 0)
+    fmt::print(stderr, "warning: {} rays ended because a library call failed; its messages are in {}\n",
+               report.library_errors, target.file.string() + ".solver.log");
   if (report.failed > report.increments / 100)
     fmt::print(stderr, "warning: {} increments failed and will not be trained on{}\n", report.failed,
                target.shard ? "" : "; phynness info " + target.file.string() + " says why");

@@ -5,7 +5,11 @@
 #include <memory>
 #include <phynness/precompute/probe_solver.hpp>
 
+#include "solver_test_session.hpp"
+
 namespace {
+
+std::unique_ptr<phynness::SolverSession> session;
 
 /// An environment and not a main(), so that listing the tests starts no MPI.
 class SolverEnvironment : public ::testing::Environment {
@@ -14,13 +18,13 @@ class SolverEnvironment : public ::testing::Environment {
     // tests.
     ::setenv("OMPI_MCA_pml", "ob1", 0);
     ::setenv("OMPI_MCA_btl", "self", 0);
-    _session = std::make_unique<phynness::SolverSession>();
+    session = std::make_unique<phynness::SolverSession>();
   }
-  void TearDown() override { _session.reset(); }
-
-  std::unique_ptr<phynness::SolverSession> _session;
+  void TearDown() override { session.reset(); }
 };
 
 [[maybe_unused]] const auto* const environment = ::testing::AddGlobalTestEnvironment(new SolverEnvironment);
 
 }  // namespace
+
+const phynness::SolverSession& phynness::test::solver_session() { return *session; }

@@ -30,6 +30,8 @@ const char* name(Status status) {
       return "not_finite";
     case Status::after_failure:
       return "after_failure";
+    case Status::library_error:
+      return "library_error";
   }
   return "unknown";
 }

@@ -283,7 +283,7 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
 
   const std::vector<Status> all = {Status::converged,  Status::not_requested, Status::not_solved,
                                    Status::inverted,   Status::diverged,      Status::factorization,
-                                   Status::not_finite, Status::after_failure};
+                                   Status::not_finite, Status::after_failure,     Status::library_error};
   std::vector<std::int8_t> values;
   std::string meanings;
   for (auto status : all) {

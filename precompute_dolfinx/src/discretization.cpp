@@ -9,6 +9,7 @@
 #include <set>
 
 #include "../dolfinx_api.hpp"
+#include "fault_injection.hpp"
 
 namespace phynness {
 
@@ -179,6 +180,7 @@ void Discretization::residual(std::span<const double> state, std::span<double> o
   _dolfinx->set(state);
   std::fill(out.begin(), out.end(), 0.0);
   for (const auto& pass : _dolfinx->passes) api::assemble_vector(out, pass.residual);
+  if (injected_fault(FaultSite::residual) == Fault::not_finite) out[out.size() / 2] = std::nan("");
 }
 
 double Discretization::min_jacobian(std::span<const double> state) {

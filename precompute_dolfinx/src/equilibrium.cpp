@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "equilibrium_impl.hpp"
 #include "factorization.hpp"
@@ -19,37 +20,45 @@ std::vector<std::int32_t> unknowns_of(const TangentMatrix& tangent, std::span<co
 }  // namespace
 
 Equilibrium::Impl::Impl(Discretization& discretization, const std::vector<std::int32_t>& fixed_dofs,
-                        const SolverSpec& spec, Team* helpers)
+                        const SolverSpec& spec, LinearSolver* shared)
     : body(discretization),
       options(spec),
-      team(helpers),
+      own(shared ? nullptr : std::make_unique<Factorization>()),
+      linear(shared ? shared : own.get()),
       tangent(discretization, fixed_dofs),
       pressures(unknowns_of(tangent, discretization.pressure_dofs())) {
   set_up_solver();
   rounding = residual_of_rounding();
 }
 
-int Equilibrium::Impl::negative_pivots() const {
-  KSP ksp;
-  PHYNNESS_PETSC(SNESGetKSP(snes, &ksp));
-  const int all = team ? team->negative_pivots() : phynness::negative_pivots(ksp);
-  return all - static_cast<int>(body.pressure_dofs().size());
+int Equilibrium::Impl::negative_pivots() {
+  return linear->negative_pivots() - static_cast<int>(body.pressure_dofs().size());
 }
 
-PetscErrorCode Equilibrium::Impl::factorize_together(PC pc) {
-  Team* team = nullptr;
-  Mat matrix;
-  PetscCall(PCShellGetContext(pc, &team));
-  PetscCall(PCGetOperators(pc, nullptr, &matrix));
-  PetscCall(PCSetFailedReason(pc, team->factorize(matrix) ? PC_NOERROR : PC_FACTOR_NUMERIC_ZEROPIVOT));
-  return 0;
+bool Equilibrium::Impl::factorize() {
+  ++counts.factorizations;
+  return tangent.is_finite() && linear->factorize(tangent.matrix());
 }
 
-PetscErrorCode Equilibrium::Impl::solve_together(PC pc, Vec b, Vec x) {
-  Team* team = nullptr;
-  PetscCall(PCShellGetContext(pc, &team));
-  team->solve(b, x);
-  return 0;
+PetscErrorCode Equilibrium::Impl::set_up_factors(PC pc) {
+  void* context = nullptr;
+  PetscCall(PCShellGetContext(pc, &context));
+  auto& self = *static_cast<Impl*>(context);
+  return self.contain([&] {
+    self.linear_failed = !self.factorize();
+    PHYNNESS_PETSC(PCSetFailedReason(pc, self.linear_failed ? PC_FACTOR_NUMERIC_ZEROPIVOT : PC_NOERROR));
+  });
+}
+
+PetscErrorCode Equilibrium::Impl::apply_factors(PC pc, Vec b, Vec x) {
+  void* context = nullptr;
+  PetscCall(PCShellGetContext(pc, &context));
+  auto& self = *static_cast<Impl*>(context);
+  return self.contain([&] {
+    if (self.linear->solve(b, x)) return;
+    self.linear_failed = true;
+    PHYNNESS_PETSC(PCSetFailedReason(pc, PC_FACTOR_OTHER));
+  });
 }
 
 void Equilibrium::Impl::set_up_solver() {
@@ -73,15 +82,11 @@ void Equilibrium::Impl::set_up_solver() {
   PHYNNESS_PETSC(SNESGetLineSearch(snes, &search));
   PHYNNESS_PETSC(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
   PHYNNESS_PETSC(SNESLineSearchShellSetApply(search, step, this));
-  if (team) {
-    PHYNNESS_PETSC(KSPSetOperators(ksp, tangent.matrix(), tangent.matrix()));
-    PHYNNESS_PETSC(PCSetType(pc, PCSHELL));
-    PHYNNESS_PETSC(PCShellSetContext(pc, team));
-    PHYNNESS_PETSC(PCShellSetSetUp(pc, factorize_together));
-    PHYNNESS_PETSC(PCShellSetApply(pc, solve_together));
-  } else {
-    set_up_factorization(ksp, tangent.matrix());
-  }
+  PHYNNESS_PETSC(KSPSetOperators(ksp, tangent.matrix(), tangent.matrix()));
+  PHYNNESS_PETSC(PCSetType(pc, PCSHELL));
+  PHYNNESS_PETSC(PCShellSetContext(pc, this));
+  PHYNNESS_PETSC(PCShellSetSetUp(pc, set_up_factors));
+  PHYNNESS_PETSC(PCShellSetApply(pc, apply_factors));
   PHYNNESS_PETSC(SNESSetFromOptions(snes));
 }
 
@@ -149,33 +154,49 @@ double Equilibrium::Impl::free_norm() const {
   return std::sqrt(sum);
 }
 
+double Equilibrium::Impl::energy_and_load() {
+  double energy = body.energy(state);
+  for (std::size_t dof = 0; dof < load.size(); ++dof) energy -= load[dof] * state[dof];
+  return energy;
+}
+
+double Equilibrium::Impl::merit() {
+  const double energy = energy_and_load();
+  if (pressures.empty()) return energy;
+  const auto& dofs = body.pressure_dofs();
+  Eigen::VectorXd r_p(static_cast<Eigen::Index>(dofs.size()));
+  for (std::size_t i = 0; i < dofs.size(); ++i) r_p[static_cast<Eigen::Index>(i)] = residual[dofs[i]];
+  return energy + r_p.dot(pressures.solve(r_p)) / 2;
+}
+
 PetscErrorCode Equilibrium::Impl::form_function(SNES snes, Vec x, Vec r, void* context) {
   auto& self = *static_cast<Impl*>(context);
-  self.gather(x);
-  self.evaluate_residual();
-  self.scatter(r);
-  // ln J with J <= 0: the line search must back off instead of taking NaN for an answer.
-  if (!std::isfinite(self.free_norm())) PetscCall(SNESSetFunctionDomainError(snes));
-  return 0;
+  return self.contain([&] {
+    self.gather(x);
+    self.evaluate_residual();
+    self.scatter(r);
+    // ln J with J <= 0: the line search must back off instead of taking NaN for an answer.
+    if (!std::isfinite(self.free_norm())) PHYNNESS_PETSC(SNESSetFunctionDomainError(snes));
+  });
 }
 
 PetscErrorCode Equilibrium::Impl::form_jacobian(SNES snes, Vec x, Mat, Mat, void* context) {
   auto& self = *static_cast<Impl*>(context);
-  KSP ksp;
-  PetscCall(SNESGetKSP(snes, &ksp));
-  PetscCall(KSPSetReusePreconditioner(ksp, self.refresh ? PETSC_FALSE : PETSC_TRUE));
-  ++self.counts.substitutions;
-  self.fresh = self.refresh;
-  if (!self.refresh) return 0;
-  self.refresh = false;
-  self.quasi_newton.clear();
-  self.gather(x);
-  self.tangent.assemble(self.body, self.state, self.constraint, self.prescribed, self.convex);
-  self.pressures.set(self.tangent.matrix());
-  self.factors_are_convex = self.convex;
-  ++self.counts.tangents;
-  ++self.counts.factorizations;  // KSPPREONLY follows
-  return 0;
+  return self.contain([&] {
+    KSP ksp;
+    PHYNNESS_PETSC(SNESGetKSP(snes, &ksp));
+    PHYNNESS_PETSC(KSPSetReusePreconditioner(ksp, self.refresh ? PETSC_FALSE : PETSC_TRUE));
+    ++self.counts.substitutions;
+    self.fresh = self.refresh;
+    if (!self.refresh) return;
+    self.refresh = false;
+    self.quasi_newton.clear();
+    self.gather(x);
+    self.tangent.assemble(self.body, self.state, self.constraint, self.prescribed, self.convexity());
+    self.pressures.set(self.tangent.matrix());
+    self.factors_are_convex = self.convex;
+    ++self.counts.tangents;
+  });
 }
 
 PetscErrorCode Equilibrium::Impl::test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal norm,
@@ -190,8 +211,8 @@ PetscErrorCode Equilibrium::Impl::test_convergence(SNES, PetscInt, PetscReal, Pe
 }
 
 Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs,
-                         const SolverSpec& options, Team* team)
-    : _impl(std::make_unique<Impl>(body, fixed_dofs, options, team && team->size() > 1 ? team : nullptr)) {
+                         const SolverSpec& options, LinearSolver* shared)
+    : _impl(std::make_unique<Impl>(body, fixed_dofs, options, shared)) {
   prescribe({{}, Eigen::MatrixXd(0, 0)});
 }
 Equilibrium::~Equilibrium() = default;
@@ -210,6 +231,17 @@ void Equilibrium::prescribe(Constraint constraint) {
   }
 }
 
+void Equilibrium::recover() {
+  auto& s = *_impl;
+  s.snes = {};
+  s.x = {};
+  s.r = {};
+  s.quasi_newton.clear();
+  s.pressures = PressureBlock(unknowns_of(s.tangent, s.body.pressure_dofs()));
+  s.linear->reset();
+  s.set_up_solver();
+}
+
 SolverCounts Equilibrium::counts() const { return _impl->counts; }
 const Constraint& Equilibrium::constraint() const { return _impl->constraint; }
 
@@ -219,23 +251,61 @@ void Equilibrium::set_load(std::vector<double> load) {
   _impl->load = std::move(load);
 }
 
-Equilibrium::Outcome Equilibrium::solve(std::span<double> state) {
-  auto& s = *_impl;
-  s.state.assign(state.begin(), state.end());
-  s.spread(s.x);
-  s.refresh = true;
-  s.convex = false;
-  s.pressures.forget();
-  Outcome outcome;
-  PHYNNESS_PETSC(SNESSolve(s.snes, nullptr, s.x));
+SNESConvergedReason Equilibrium::Impl::iterate(bool from_convex, int most_iterations, int& iterations) {
+  PHYNNESS_PETSC(SNESSetTolerances(snes, 0, 0, 0, most_iterations, 100 * most_iterations));
+  spread(x);
+  refresh = true;
+  convex = from_convex;
+  strictly = false;
+  linear_failed = false;
+  trouble = nullptr;
+  const auto code = SNESSolve(snes, nullptr, x);
+  if (trouble) std::rethrow_exception(std::exchange(trouble, nullptr));
+  petsc_check(code, "SNESSolve");
   SNESConvergedReason reason;
-  PetscInt iterations = 0;
-  PHYNNESS_PETSC(SNESGetConvergedReason(s.snes, &reason));
-  PHYNNESS_PETSC(SNESGetIterationNumber(s.snes, &iterations));
-  outcome.iterations = static_cast<int>(iterations);
+  PetscInt n = 0;
+  PHYNNESS_PETSC(SNESGetConvergedReason(snes, &reason));
+  PHYNNESS_PETSC(SNESGetIterationNumber(snes, &n));
+  iterations += static_cast<int>(n);
+  // The latest residual is that of the last trial, and a search ends with the trial that it takes.
+  gather(x);
+  return linear_failed && reason < 0 ? SNES_DIVERGED_LINEAR_SOLVE : reason;
+}
+
+bool Equilibrium::Impl::stays_at_saddle(SNESConvergedReason reason, bool check) {
+  // Near a saddle a line search fails on rounding, where Newton's method would converge to it.
+  if (reason < 0) return reason == SNES_DIVERGED_LINE_SEARCH && factors_are_convex;
+  // The factors may be those of a state some steps before.
+  if (!check) return false;
+  tangent.assemble(body, state, constraint, prescribed);
+  ++counts.tangents;
+  factors_are_convex = false;
+  quasi_newton.clear();
+  if (!factorize()) return false;
+  return negative_pivots() > 0 && (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
+}
+
+Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stability) {
+  constexpr int most_saddles = 4;
+  auto& s = *_impl;
+  Outcome outcome;
+  s.met_instability = false;
+  SNESConvergedReason reason = SNES_DIVERGED_LINEAR_SOLVE;
+  // Element tangents made positive semidefinite have factors where the true tangent has none.
+  for (const bool convex : {false, true}) {
+    if (reason != SNES_DIVERGED_LINEAR_SOLVE) break;
+    s.state.assign(state.begin(), state.end());
+    s.pressures.forget();
+    reason = s.iterate(convex, s.options.max_iterations, outcome.iterations);
+  }
+  for (int i = 0; i < most_saddles && s.stays_at_saddle(reason, check_stability || s.met_instability) &&
+                  s.leave_saddle();
+       ++i) {
+    outcome.left_saddle = true;
+    reason = s.iterate(false, 5 * s.options.max_iterations, outcome.iterations);
+  }
+  outcome.met_instability = s.met_instability;
   if (reason > 0) {
-    // The latest residual is that of the last trial, and a search ends with the trial that it takes.
-    s.gather(s.x);
     std::copy(s.state.begin(), s.state.end(), state.begin());
     const double scale = s.reaction_norm + s.load_norm;
     outcome.relative_residual = scale > 0 ? s.free_norm() / scale : 0;
@@ -262,24 +332,12 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   s.state.assign(state.begin(), state.end());
   const auto coupling = s.tangent.assemble(s.body, s.state, s.constraint, s.prescribed);
   ++s.counts.tangents;
-  ++s.counts.factorizations;
   s.factors_are_convex = false;
   s.quasi_newton.clear();
   s.counts.substitutions += directions.cols();
   Linearization out;
-  KSP ksp;
-  PC pc;
-  PHYNNESS_PETSC(SNESGetKSP(s.snes, &ksp));
-  PHYNNESS_PETSC(KSPSetOperators(ksp, s.tangent.matrix(), s.tangent.matrix()));
-  PHYNNESS_PETSC(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
-  PHYNNESS_PETSC(KSPGetPC(ksp, &pc));
-  PHYNNESS_PETSC(PCSetUp(pc));
-  PCFailedReason failed;
-  PHYNNESS_PETSC(PCGetFailedReason(pc, &failed));
-  if (failed != PC_NOERROR) {
-    out.status = Status::factorization;
-    return out;
-  }
+  out.status = Status::factorization;
+  if (!s.factorize()) return out;
   out.negative_pivots = s.negative_pivots();
 
   const Eigen::Index k = directions.cols();
@@ -291,7 +349,7 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
     PHYNNESS_PETSC(VecGetArray(s.r, &values));
     std::copy(rhs.data(), rhs.data() + rhs.size(), values);
     PHYNNESS_PETSC(VecRestoreArray(s.r, &values));
-    PHYNNESS_PETSC(KSPSolve(ksp, s.r, s.x));
+    if (!s.linear->solve(s.r, s.x)) return out;
     const PetscScalar* solution = nullptr;
     PHYNNESS_PETSC(VecGetArrayRead(s.x, &solution));
     const Eigen::Map<const Eigen::VectorXd> dx(solution, s.tangent.n_unknowns());
@@ -302,6 +360,7 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
     for (std::size_t i = 0; i < s.constraint.dofs.size(); ++i)
       out.sensitivity(s.constraint.dofs[i], c) = prescribed[static_cast<Eigen::Index>(i)];
   }
+  out.status = Status::converged;
   return out;
 }
 
@@ -328,11 +387,8 @@ Eigen::VectorXd Equilibrium::velocity(std::span<const double> state, const Eigen
     values[i] = s.is_free[dof] ? (forward[dof] - s.residual[dof]) / (2 * epsilon) : 0.0;
   }
   PHYNNESS_PETSC(VecRestoreArray(s.r, &values));
-  KSP ksp;
-  PHYNNESS_PETSC(SNESGetKSP(s.snes, &ksp));
-  PHYNNESS_PETSC(KSPSetReusePreconditioner(ksp, PETSC_TRUE));
-  PHYNNESS_PETSC(KSPSolve(ksp, s.r, s.x));
   ++s.counts.substitutions;
+  if (!s.linear->solve(s.r, s.x)) return Eigen::VectorXd::Constant(guess.size(), std::nan(""));
   s.quasi_newton.apply(s.x);
   const PetscScalar* correction = nullptr;
   PHYNNESS_PETSC(VecGetArrayRead(s.x, &correction));

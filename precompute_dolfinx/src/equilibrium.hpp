@@ -11,20 +11,18 @@
 
 #include "constraint.hpp"
 #include "discretization.hpp"
-#include "tangent_matrix.hpp"
+#include "linear_solver.hpp"
 
 namespace phynness {
-
-class Team;
 
 /// Solves r(x) = load on the rows that are neither fixed nor prescribed. Fixed dofs keep the value they have
 /// in the state; prescribed dofs keep theirs during a solve: they are put there first, their rows of the
 /// Newton system are the identity with right-hand side zero, so no metre ever meets a newton in a norm.
 class Equilibrium {
  public:
-  /// @param team  whose leader this is, factorizes; null: this process alone
+  /// @param shared  factorizes together with other ranks; null: this process alone
   Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options,
-              Team* team = nullptr);
+              LinearSolver* shared = nullptr);
   ~Equilibrium();
   Equilibrium(Equilibrium&&) noexcept;
 
@@ -38,12 +36,17 @@ class Equilibrium {
     Status status = Status::converged;
     int iterations = 0;
     double relative_residual = 0;  ///< |free rows| / |reactions|
+    bool met_instability = false;  ///< a tangent on the way had negative pivots
+    bool left_saddle = false;      ///< the state is another than the one Newton's method came to at first
     Eigen::VectorXd force;         ///< G^T r_c, n_parameters, if converged
   };
   /// Newton from `state`, whose prescribed dofs hold their values already. On failure `state` is left as it
-  /// was. Converged: |free rows of r - load| <= relative_tolerance * (|reactions| + |load|), Euclidean norms,
+  /// was. Where Newton's method comes to an unstable equilibrium, it goes on downhill from there along the
+  /// direction of most negative curvature. A tangent that cannot be factorized is tried once more, made convex. Converged: |free rows of r - load| <= relative_tolerance * (|reactions| + |load|), Euclidean norms,
   /// or not to be told from zero in double precision (which tiny displacements meet).
-  Outcome solve(std::span<double> state);
+  /// @param check_stability  look whether the equilibrium is stable even if no tangent on the way had negative
+  /// pivots: another factorization
+  Outcome solve(std::span<double> state, bool check_stability = false);
 
   /// The tangent at an equilibrium state, factorized.
   struct Linearization {
@@ -70,6 +73,9 @@ class Equilibrium {
 
   /// G^T r_c: what must be applied to hold the prescribed displacement; n_parameters.
   Eigen::VectorXd force(std::span<const double> state);
+
+  /// After an exception: begins anew with all that libraries keep between calls, whose state is then unknown.
+  void recover();
 
   SolverCounts counts() const;
 

@@ -1,35 +1,96 @@
 #include "factorization.hpp"
 
-#include "petsc_check.hpp"
+#include <cmath>
+
+#include "fault_injection.hpp"
 
 namespace phynness {
+namespace {
 
-void set_up_factorization(KSP ksp, Mat matrix) {
-  PC pc;
-  Mat factor;
-  PHYNNESS_PETSC(KSPSetOperators(ksp, matrix, matrix));
-  PHYNNESS_PETSC(KSPGetPC(ksp, &pc));
-  // LDL^T tells the number of negative pivots.
-  PHYNNESS_PETSC(PCSetType(pc, PCCHOLESKY));
-  PHYNNESS_PETSC(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  PHYNNESS_PETSC(PCFactorSetUpMatSolverType(pc));
-  PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
-  // Definite wherever it matters, or quasi-definite with pressures (Vanderbei 1995, doi:10.1137/0805005):
-  // neither scaling nor pivoting is needed, and they cost a tenth to a fifth.
-  PHYNNESS_PETSC(MatMumpsSetIcntl(factor, 8, 0));
-  PHYNNESS_PETSC(MatMumpsSetCntl(factor, 1, 0.0));
-  // In parallel the last front would go to ScaLAPACK, which does not count negative pivots.
-  PHYNNESS_PETSC(MatMumpsSetIcntl(factor, 13, 1));
+/// A copy of the matrix that has no inverse: one row and column are zero.
+PetscMat made_singular(Mat matrix) {
+  PetscMat copy;
+  PetscInt n = 0;
+  PHYNNESS_PETSC(MatDuplicate(matrix, MAT_COPY_VALUES, copy.address()));
+  PHYNNESS_PETSC(MatGetSize(matrix, &n, nullptr));
+  const PetscInt row = n / 2;
+  PHYNNESS_PETSC(MatZeroRowsColumns(copy, 1, &row, 0.0, nullptr, nullptr));
+  return copy;
 }
 
-int negative_pivots(KSP ksp) {
-  PC pc;
-  Mat factor;
+}  // namespace
+
+void Factorization::analyse(Mat matrix) {
+  // Options of MUMPS reach it from PETSC_OPTIONS under this prefix.
+  PHYNNESS_PETSC(MatSetOptionsPrefixFactor(matrix, "phynness_"));
+  // LDL^T tells the number of negative pivots.
+  PHYNNESS_PETSC(MatGetFactor(matrix, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, _factors.address()));
+  // Definite wherever it matters, or quasi-definite with pressures (Vanderbei 1995, doi:10.1137/0805005):
+  // neither scaling nor pivoting is needed, and they cost a tenth to a fifth.
+  PHYNNESS_PETSC(MatMumpsSetIcntl(_factors, 8, 0));
+  PHYNNESS_PETSC(MatMumpsSetCntl(_factors, 1, 0.0));
+  // In parallel the last front would go to ScaLAPACK, which does not count negative pivots.
+  PHYNNESS_PETSC(MatMumpsSetIcntl(_factors, 13, 1));
+  MatFactorInfo info;
+  PHYNNESS_PETSC(MatFactorInfoInitialize(&info));
+  PHYNNESS_PETSC(MatCholeskyFactorSymbolic(_factors, matrix, nullptr, &info));
+}
+
+bool Factorization::refactorize(Mat matrix) {
+  if (!_factors) analyse(matrix);
+  const auto fault = injected_fault(FaultSite::factorization);
+  PetscMat singular;
+  if (fault == Fault::singular) {
+    singular = made_singular(matrix);
+    matrix = singular;
+  }
+  if (fault == Fault::out_of_memory) PHYNNESS_PETSC(MatMumpsSetIcntl(_factors, 23, 1));  // 1 MB
+  MatFactorInfo info;
+  MatFactorError error = MAT_FACTOR_NOERROR;
+  PHYNNESS_PETSC(MatFactorInfoInitialize(&info));
+  PHYNNESS_PETSC(MatCholeskyFactorNumeric(_factors, matrix, &info));
+  PHYNNESS_PETSC(MatFactorGetError(_factors, &error));
+  return error == MAT_FACTOR_NOERROR;
+}
+
+bool Factorization::factorize(Mat matrix) {
+  _good = false;
+  try {
+    _good = refactorize(matrix);
+  } catch (...) {
+    reset();
+    throw;
+  }
+  // MUMPS keeps the error of a factorization that failed: PETSc then skips the next one, calls it good, and
+  // ends the process in the solve. Only a new analysis clears it.
+  if (!_good) reset();
+  return _good;
+}
+
+bool Factorization::solve(Vec b, Vec x) {
+  if (!_good) return false;
+  try {
+    PHYNNESS_PETSC(MatSolve(_factors, b, x));
+  } catch (...) {
+    reset();
+    throw;
+  }
+  if (injected_fault(FaultSite::substitution) == Fault::not_finite) PHYNNESS_PETSC(VecSet(x, std::nan("")));
+  PetscReal norm = 0;
+  PHYNNESS_PETSC(VecNorm(x, NORM_INFINITY, &norm));
+  return std::isfinite(norm);
+}
+
+int Factorization::negative_pivots() {
+  if (!_good) throw failure("there are no factors whose pivots could be counted", "", "report this defect");
   PetscInt negative = 0;
-  PHYNNESS_PETSC(KSPGetPC(ksp, &pc));
-  PHYNNESS_PETSC(PCFactorGetMatrix(pc, &factor));
-  PHYNNESS_PETSC(MatGetInertia(factor, &negative, nullptr, nullptr));
+  PHYNNESS_PETSC(MatGetInertia(_factors, &negative, nullptr, nullptr));
   return static_cast<int>(negative);
+}
+
+void Factorization::reset() {
+  _factors = {};
+  _good = false;
 }
 
 }  // namespace phynness

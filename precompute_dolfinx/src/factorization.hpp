@@ -1,14 +1,25 @@
 // LDL^T by MUMPS, the same for a process alone and for a team.
 #pragma once
 
-#include <petscksp.h>
+#include "linear_solver.hpp"
+#include "petsc_check.hpp"
 
 namespace phynness {
 
-/// @param matrix  symmetric; the pattern is its own from now on
-void set_up_factorization(KSP ksp, Mat matrix);
+/// Its functions are collective over the communicator of the matrix.
+class Factorization : public LinearSolver {
+ public:
+  bool factorize(Mat matrix) override;
+  bool solve(Vec b, Vec x) override;
+  int negative_pivots() override;
+  void reset() override;
 
-/// Of the latest factorization, those of the pressures included. Collective.
-int negative_pivots(KSP ksp);
+ private:
+  void analyse(Mat matrix);
+  bool refactorize(Mat matrix);
+
+  PetscMat _factors;
+  bool _good = false;
+};
 
 }  // namespace phynness

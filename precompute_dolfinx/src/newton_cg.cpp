@@ -15,7 +15,7 @@ double dot(Vec a, Vec b) {
 
 }  // namespace
 
-NewtonCg newton_cg(KSP preconditioner, Mat K, Vec f, Vec y) {
+NewtonCg newton_cg(LinearSolver& preconditioner, Mat K, Vec f, Vec y) {
   constexpr int most_iterations = 40;
   constexpr double reduction = 0.1;
   PetscVec r, z, p, q;
@@ -37,7 +37,10 @@ NewtonCg newton_cg(KSP preconditioner, Mat K, Vec f, Vec y) {
     PHYNNESS_PETSC(VecAXPY(y, rz / (out.negative_curvature ? p_squared : curvature), p));
     if (out.negative_curvature) break;
     PHYNNESS_PETSC(VecAXPY(r, -rz / curvature, q));
-    PHYNNESS_PETSC(KSPSolve(preconditioner, r, z));
+    if (!preconditioner.solve(r, z)) {
+      out.failed = true;
+      break;
+    }
     const double next = dot(r, z);
     if (!(next > goal)) break;
     PHYNNESS_PETSC(VecAYPX(p, next / rz, z));

@@ -32,7 +32,7 @@ double norm(Vec a) {
 /// x <- x - length * y. (Impl is private to Equilibrium, hence the templates.)
 class Step {
  public:
-  Step(SNESLineSearch search, KSP ksp) : _search(search), _ksp(ksp) {
+  explicit Step(SNESLineSearch search) : _search(search) {
     PHYNNESS_PETSC(SNESLineSearchGetVecs(search, &_x, &_f, &_y, &_trial, &_trial_f));
     _before = norm(_f);
   }
@@ -71,12 +71,23 @@ class Step {
   template <typename Impl>
   double newton(Impl& s) {
     // Newton's method would go to the saddle.
-    if (!s.convex && s.negative_pivots() > 0) return make_convex(s);
+    if (!s.convex && s.negative_pivots() > 0) {
+      s.met_instability = true;
+      return make_convex(s);
+    }
     bool negative_curvature = false;
+    if (s.convex && !s.strictly && s.negative_pivots() > 0) {
+      s.strictly = s.refresh = true;
+      return 0;
+    }
     if (s.convex) {
-      const auto cg = newton_cg(_ksp, s.tangent.exact(), _f, _y);
+      const auto cg = newton_cg(*s.linear, s.tangent.exact(), _f, _y);
       s.counts.substitutions += cg.iterations;
       negative_curvature = cg.negative_curvature;
+      if (cg.failed || (s.met_instability && !s.break_symmetry(_y))) {
+        s.linear_failed = true;
+        return -1;
+      }
     }
     look_at_pressures(s);
     // Minus the merit's derivative along the step, whose pressures aim at r_p = 0.
@@ -169,22 +180,6 @@ class Step {
     return s.pressures.empty() ? slope : slope + s.pressures.part(_trial_f).dot(_pressure_change);
   }
 
-  template <typename Impl>
-  static double energy_and_load(Impl& s) {
-    double energy = s.body.energy(s.state);
-    for (std::size_t dof = 0; dof < s.load.size(); ++dof) energy -= s.load[dof] * s.state[dof];
-    return energy;
-  }
-
-  /// What steps descend, at the trial: the stored energy, with the pressures that the displacements ask for.
-  template <typename Impl>
-  double merit(Impl& s) {
-    const double energy = energy_and_load(s);
-    if (s.pressures.empty()) return energy;
-    const auto r_p = s.pressures.part(_trial_f);
-    return energy + r_p.dot(s.pressures.solve(r_p)) / 2;
-  }
-
   /// @return false if the residual there is not finite (J <= 0 in a law with ln J)
   template <typename Impl>
   bool try_length(Impl& s, double length) {
@@ -202,11 +197,11 @@ class Step {
     // A step for the pressures' sake: the merit has them right already.
     if (!_has_merit || _gap_before > slope) return shorter;
     if (std::abs(here) <= 0.5 * slope) return true;
-    const double after = merit(s);
+    const double after = s.merit();
     if (std::isnan(_merit_before)) {
       const auto moved = s.state;
       s.gather(_x);
-      _merit_before = energy_and_load(s) + _gap_before;
+      _merit_before = s.energy_and_load() + _gap_before;
       s.state = moved;
     }
     // Where rounding hides the step's share of the energy, the residual still shows it.
@@ -223,7 +218,6 @@ class Step {
   }
 
   SNESLineSearch _search;
-  KSP _ksp;
   Vec _x = nullptr, _f = nullptr, _y = nullptr, _trial = nullptr, _trial_f = nullptr;
   double _before = 0, _after = 0, _merit_before = std::numeric_limits<double>::quiet_NaN();
   bool _has_merit = true;
@@ -236,10 +230,7 @@ class Step {
 
 PetscErrorCode Equilibrium::Impl::step(SNESLineSearch search, void* context) {
   auto& self = *static_cast<Impl*>(context);
-  KSP ksp;
-  PetscCall(SNESGetKSP(self.snes, &ksp));
-  Step(search, ksp).take(self);
-  return 0;
+  return self.contain([&] { Step(search).take(self); });
 }
 
 }  // namespace phynness

@@ -10,6 +10,7 @@
 
 #include "ray_schedule.hpp"
 #include "solve_ray.hpp"
+#include "solver_log.hpp"
 #include "team.hpp"
 #include "work_counter.hpp"
 
@@ -63,7 +64,7 @@ class Requested {
 
 /// What one rank did, as numbers that can be gathered.
 struct Share {
-  std::int64_t rays = 0, increments = 0, failed = 0, iterations = 0;
+  std::int64_t rays = 0, increments = 0, failed = 0, iterations = 0, library_errors = 0;
   double busy_seconds = 0;
   bool interrupted = false;
 
@@ -72,9 +73,45 @@ struct Share {
     for (std::size_t i = 0; i < ray.status.size(); ++i) {
       if (ray.status[i] != Status::not_requested) ++increments;
       if (static_cast<int>(ray.status[i]) < 0) ++failed;
+      if (ray.status[i] == Status::library_error) ++library_errors;
       iterations += ray.iterations[i];
     }
   }
+};
+
+/// Solves the rays of one node after the other.
+class RaysOfNodes {
+ public:
+  RaysOfNodes(ProbeSolver& solver, const DatabaseHeader& header) : _solver(solver), _header(header) {}
+
+  Ray solve(const RayIndex& ray) {
+    const auto node = _header.sets.active[static_cast<std::size_t>(ray.active)];
+    SolverLog::instance().set_context("node " + std::to_string(node) + ", direction " +
+                                      std::to_string(ray.direction));
+    if (!touch(ray.active, node)) return failed_ray(_header, ray.active, ray.direction);
+    return solve_ray(_solver, _header, ray.active, ray.direction);
+  }
+
+ private:
+  /// @return false if the node cannot be touched now; the next ray tries again
+  bool touch(std::int32_t active, std::int32_t node) {
+    if (_touched == active) return true;
+    _touched = -1;
+    try {
+      _solver.touch({node});
+    } catch (const std::exception& error) {
+      const auto* known = dynamic_cast<const Error*>(&error);
+      if (known && known->kind() == Error::Kind::input) throw;
+      SolverLog::instance().write(error.what());
+      return false;
+    }
+    _touched = active;
+    return true;
+  }
+
+  ProbeSolver& _solver;
+  const DatabaseHeader& _header;
+  std::int32_t _touched = -1;
 };
 
 /// Takes tasks until none is left, or `stop`.
@@ -85,28 +122,30 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
                  Share& share) {
   const auto tasks = ray_tasks(rays, n_teams);
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
-  std::int32_t touched = -1;
+  RaysOfNodes nodes(solver, header);
   for (auto task = counter.next(); task < n_tasks; task = counter.next()) {
     const auto start = Clock::now();
     for (auto i = tasks[static_cast<std::size_t>(task)]; i < tasks[static_cast<std::size_t>(task) + 1]; ++i) {
       const auto ray = rays[static_cast<std::size_t>(i)];
-      if (!requested(ray)) {
-        const Ray empty = empty_ray(header, ray.active, ray.direction);
-        log.append(empty);
-        share.count(empty);
-      } else {
-        if (touched != ray.active) solver.touch({header.sets.active[static_cast<std::size_t>(ray.active)]});
-        touched = ray.active;
-        const Ray solved = solve_ray(solver, header, ray.active, ray.direction);
-        log.append(solved);
-        share.count(solved);
-      }
+      const Ray result = requested(ray) ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction);
+      log.append(result);
+      share.count(result);
       share.interrupted = stop && stop();
       done();
       if (share.interrupted) break;
     }
     share.busy_seconds += seconds_since(start);
     if (share.interrupted) break;
+  }
+}
+
+std::string what(const std::exception_ptr& trouble) {
+  try {
+    std::rethrow_exception(trouble);
+  } catch (const std::exception& error) {
+    return error.what();
+  } catch (...) {
+    return "an error without a message";
   }
 }
 
@@ -133,12 +172,14 @@ DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeS
 
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh,
                             const NodeSets& sets, const PrecomputeTarget& target,
-                            const PrecomputeProgress& progress, const std::function<bool()>& stop) {
+                            const PrecomputeProgress& progress, const std::function<bool()>& stop,
+                            const std::function<void(const std::string&)>& warn) {
   const auto start = Clock::now();
   WorkClock core;
   core.start();
   auto header = database_header(scene, mesh, sets);
   header.shard = target.shard;
+  SolverLog::instance().open(target.file.string() + ".solver.log", session.rank());
 
   std::vector<char> logged(header.sets.active.size() * header.directions.size(), 0);
   const auto rays_in_all = static_cast<std::int64_t>(rays_left(header, logged).size());
@@ -182,6 +223,8 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
         log.close();
       } catch (...) {
         trouble = std::current_exception();
+        counter.abandon();
+        if (warn) warn("rank " + std::to_string(session.rank()) + " stops: " + what(trouble));
       }
       core.stop();
       if (team.size() > 1) team.dismiss();
@@ -214,12 +257,14 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   });
   report.pack_seconds = seconds_since(pack_start);
 
-  std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations};
-  MPI_Allreduce(MPI_IN_PLACE, totals, 4, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations,
+                           share.library_errors};
+  MPI_Allreduce(MPI_IN_PLACE, totals, 5, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   report.rays = totals[0];
   report.increments = report.increments_solved = totals[1];
   report.failed = totals[2];
   report.iterations = totals[3];
+  report.library_errors = totals[4];
   report.core_seconds = session.sum(core.seconds());
   const auto figures =
       session.gather({static_cast<double>(share.rays), share.busy_seconds,

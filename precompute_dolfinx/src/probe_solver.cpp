@@ -8,6 +8,7 @@
 #include "nodal_fields.hpp"
 #include "ray_solver.hpp"
 #include "scaling.hpp"
+#include "team.hpp"
 
 namespace phynness {
 namespace {
@@ -27,7 +28,7 @@ struct ProbeSolver::Impl {
         body(without_dimension(mesh, scaling.length_m),
              form_set(s.material, s.solver.element, scaling.modulus_Pa, s.mesh.thickness_m / scaling.length_m)),
         fixed(fixed_points(body, sets.fixed)),
-        equilibrium(body, fixed_dofs(body, fixed), s.solver, team),
+        equilibrium(body, fixed_dofs(body, fixed), s.solver, team && team->size() > 1 ? team : nullptr),
         rays(body, equilibrium, s.solver),
         fields(body, s.database.fields) {
     if (!hold_the_body(mesh, sets.fixed))
@@ -77,6 +78,7 @@ ProbeSolver::~ProbeSolver() = default;
 ProbeSolver::ProbeSolver(ProbeSolver&&) noexcept = default;
 
 int ProbeSolver::n_dofs() const { return _impl->body.n_dofs(); }
+void ProbeSolver::recover() { _impl->equilibrium.recover(); }
 SolverCounts ProbeSolver::counts() const { return _impl->equilibrium.counts(); }
 
 void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
@@ -104,7 +106,12 @@ void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
                           "nodes " + std::to_string(nodes[t]) + " and " + std::to_string(nodes[other]),
                           "keep tools at least a tool radius apart");
   s.equilibrium.prescribe(tool_constraint(s.body, s.weights));
-  s.rest = s.rays.rest();
+  try {
+    s.rest = s.rays.rest();
+  } catch (...) {
+    s.equilibrium.recover();
+    throw;
+  }
 
   s.rest_SI.stiffness_N_per_m = s.rest.tangent * s.scaling.stiffness_N_per_m();
   s.rest_SI.sensitivity.resize(3 * s.body.n_nodes(), s.rest.sensitivity.cols());
@@ -153,7 +160,11 @@ void ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vec
                   response.iterations = step.iterations;
                   response.cutbacks = step.cutbacks;
                   response.force_N.assign(n_tools, Vec3{});
-                  if (step.status != Status::converged) {
+                  if (step.status == Status::converged) {
+                    response.fields = s.fields_of(point.state);
+                    if (!response.fields.allFinite()) response.status = Status::not_finite;
+                  }
+                  if (response.status != Status::converged) {
                     response.displacement_m = Points::Zero(s.body.n_nodes(), 3);
                     response.fields.setZero(s.body.n_nodes(), s.n_fields());
                     return take(i, response);
@@ -167,7 +178,6 @@ void ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vec
                   response.negative_pivots = point.negative_pivots;
                   response.min_jacobian = point.min_jacobian;
                   response.displacement_m = s.displacement(point.state);
-                  response.fields = s.fields_of(point.state);
                   return take(i, response);
                 });
 }

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <phynness/formats/error.hpp>
+
+#include "solver_log.hpp"
 
 namespace phynness {
 
@@ -46,7 +49,7 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
 
   to.s = s;
   PathStep step;
-  const auto outcome = _equilibrium.solve(to.state);
+  const auto outcome = _equilibrium.solve(to.state, path.last().met_instability);
   step.status = outcome.status;
   step.iterations = outcome.iterations;
   if (step.status != Status::converged) return step;
@@ -56,7 +59,9 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
     step.status = Status::inverted;
     return step;
   }
-  if (all_tangents) {
+  to.met_instability = path.last().met_instability || outcome.met_instability;
+  to.jumped = outcome.left_saddle;
+  if (all_tangents || to.jumped) {
     const auto n_parameters = direction.size();
     const auto linear =
         _equilibrium.linearize(to.state, Eigen::MatrixXd::Identity(n_parameters, n_parameters));
@@ -81,7 +86,7 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
   // Fewer than the pressures have: where J exceeds e, a pressure that multiplies J meets its volume from the
   // wrong side, and the equilibrium is one of the element alone. Without tangents the count may be that of
   // the state before the last update.
-  if (to.negative_pivots < 0 && !all_tangents) {
+  if (to.negative_pivots < 0 && !all_tangents && !to.jumped) {
     const auto again = _equilibrium.linearize(to.state, Eigen::MatrixXd(direction.size(), 0));
     if (again.status != Status::converged) {
       step.status = Status::factorization;
@@ -94,6 +99,20 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
     return step;
   }
   to.energy = _body.energy(to.state);
+  if (!std::isfinite(to.energy)) step.status = Status::not_finite;
+  return step;
+}
+
+PathStep RaySolver::attempt(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
+                            PathPoint& to) {
+  try {
+    return advance(path, direction, s, all_tangents, to);
+  } catch (const std::exception& error) {
+    SolverLog::instance().write(error.what());
+  }
+  _equilibrium.recover();
+  PathStep step;
+  step.status = Status::library_error;
   return step;
 }
 
@@ -117,7 +136,7 @@ void RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction,
       const bool last = path.last().s + h * (1 + 1e-9) >= s_values[i];
       PathPoint to;
       const auto step =
-          advance(path, direction, last ? s_values[i] : path.last().s + h, all_tangents && last, to);
+          attempt(path, direction, last ? s_values[i] : path.last().s + h, all_tangents && last, to);
       total.iterations += step.iterations;
       if (step.status == Status::converged) {
         path.append(std::move(to));

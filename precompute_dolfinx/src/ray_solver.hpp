@@ -44,6 +44,10 @@ class RaySolver {
   /// Tries to go from the last point of `path` to parameter s; `to` is complete only if converged.
   PathStep advance(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
                    PathPoint& to);
+  /// advance(), where an exception is an outcome like others: the next, shorter step may do without what
+  /// failed.
+  PathStep attempt(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
+                   PathPoint& to);
 
   Discretization& _body;
   Equilibrium& _equilibrium;

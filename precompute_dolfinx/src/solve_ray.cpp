@@ -1,6 +1,9 @@
 #include "solve_ray.hpp"
 
 #include <ctime>
+#include <exception>
+
+#include "solver_log.hpp"
 
 namespace phynness {
 namespace {
@@ -25,6 +28,25 @@ void store(const Response& response, std::size_t i, const DatabaseHeader& header
   for (std::size_t f = 0; f < ray.fields.size(); ++f)
     for (std::size_t j = 0; j < output.size(); ++j)
       ray.fields[f][i * output.size() + j] = response.fields(output[j], static_cast<Eigen::Index>(f));
+}
+
+/// @param n_stored  increments that have their result, and keep it if this throws
+void follow_ray(ProbeSolver& solver, const DatabaseHeader& header, Ray& ray, std::size_t& n_stored) {
+  double before = cpu_seconds();
+  solver.follow({header.directions[static_cast<std::size_t>(ray.direction)]}, header.magnitudes_m,
+                header.tangents, [&](std::size_t i, const Response& response) {
+                  const double now = cpu_seconds();
+                  store(response, i, header, now - before, ray);
+                  before = now;
+                  n_stored = i + 1;
+                  return true;
+                });
+}
+
+/// From increment `first` on there is no result.
+void end_ray(Ray& ray, std::size_t first) {
+  for (std::size_t i = first; i < ray.status.size(); ++i)
+    ray.status[i] = i == first ? Status::library_error : Status::after_failure;
 }
 
 }  // namespace
@@ -54,17 +76,23 @@ Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t di
   return ray;
 }
 
+Ray failed_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction) {
+  Ray ray = empty_ray(header, active, direction);
+  end_ray(ray, 0);
+  return ray;
+}
+
 Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t active,
               std::int32_t direction) {
   Ray ray = empty_ray(header, active, direction);
-  double before = cpu_seconds();
-  solver.follow({header.directions[static_cast<std::size_t>(direction)]}, header.magnitudes_m,
-                header.tangents, [&](std::size_t i, const Response& response) {
-                  const double now = cpu_seconds();
-                  store(response, i, header, now - before, ray);
-                  before = now;
-                  return true;
-                });
+  std::size_t n_stored = 0;
+  try {
+    follow_ray(solver, header, ray, n_stored);
+  } catch (const std::exception& error) {
+    SolverLog::instance().write(error.what());
+    end_ray(ray, n_stored);
+    solver.recover();
+  }
   return ray;
 }
 

@@ -7,6 +7,7 @@
 
 #include "discretization.hpp"
 #include "petsc_check.hpp"
+#include "solver_log.hpp"
 
 namespace phynness {
 
@@ -15,6 +16,7 @@ SolverSession::SolverSession() {
   // Signals are ours too: Ctrl-C asks for an end between two rays.
   PHYNNESS_PETSC(PetscOptionsSetValue(nullptr, "-no_signal_handler", "true"));
   PHYNNESS_PETSC(PetscInitialize(nullptr, nullptr, nullptr, nullptr));
+  send_petsc_errors_to_log();
   quiet_logging();
   // Two threads on matrices of a few thousand rows cost more than they give, and ranks fill the cores.
   if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))

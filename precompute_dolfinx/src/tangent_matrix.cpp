@@ -3,6 +3,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+
+#include "fault_injection.hpp"
 
 namespace phynness {
 namespace {
@@ -10,12 +13,12 @@ namespace {
 /// Without its negative eigenvalues (Teran et al. 2005, doi:10.1145/1073368.1073394).
 /// @return true if there were any
 template <typename Matrix>
-bool make_convex(Matrix& matrix) {
+bool make_convex(Matrix& matrix, Convexity convexity) {
   // A Cholesky factorization costs a twentieth of the eigenvalues. The shift lets rigid motions pass, whose
   // eigenvalues are zero to rounding.
   Matrix shifted = matrix;
   shifted.diagonal().array() += 1e-3 * matrix.trace();
-  if (Eigen::LLT<Matrix>(shifted).info() == Eigen::Success) return false;
+  if (convexity == Convexity::nearly && Eigen::LLT<Matrix>(shifted).info() == Eigen::Success) return false;
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(matrix);
   if (eigen.info() != Eigen::Success || eigen.eigenvalues()[0] >= 0) return false;
   Eigen::Index n = 0;
@@ -80,9 +83,20 @@ TangentMatrix::TangentMatrix(Discretization& body, const std::vector<std::int32_
   PHYNNESS_PETSC(MatSetOption(_matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
 }
 
+bool TangentMatrix::is_finite() const {
+  const PetscScalar* values = nullptr;
+  PHYNNESS_PETSC(MatSeqAIJGetArrayRead(_matrix, &values));
+  const bool finite =
+      Eigen::Map<const Eigen::VectorXd>(values, static_cast<Eigen::Index>(_column.size())).allFinite();
+  PHYNNESS_PETSC(MatSeqAIJRestoreArrayRead(_matrix, &values));
+  return finite;
+}
+
 TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<const double> state,
                                                 const Constraint& constraint,
-                                                const std::vector<std::int32_t>& prescribed, bool convex) {
+                                                const std::vector<std::int32_t>& prescribed,
+                                                Convexity convexity) {
+  const bool convex = convexity != Convexity::none;
   PetscScalar *values = nullptr, *convex_values = nullptr;
   if (convex && !_exact) PHYNNESS_PETSC(MatDuplicate(_matrix, MAT_DO_NOT_COPY_VALUES, _exact.address()));
   PHYNNESS_PETSC(MatSeqAIJGetArray(convex ? _exact : _matrix, &values));
@@ -106,10 +120,10 @@ TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<
     nearest = Eigen::Map<const Eigen::MatrixXd>(element.data(), m, m);
     if (n_u == 12) {
       linear = nearest.topLeftCorner<12, 12>();
-      if (make_convex(linear)) nearest.topLeftCorner<12, 12>() = linear;
+      if (make_convex(linear, convexity)) nearest.topLeftCorner<12, 12>() = linear;
     } else {
       quadratic = nearest.topLeftCorner(n_u, n_u);
-      if (make_convex(quadratic)) nearest.topLeftCorner(n_u, n_u) = quadratic;
+      if (make_convex(quadratic, convexity)) nearest.topLeftCorner(n_u, n_u) = quadratic;
     }
     for (std::size_t e = 0; e < per_cell; ++e)
       if (position[e] >= 0) convex_values[position[e]] += nearest.data()[e];
@@ -132,6 +146,8 @@ TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<
     }
   }
   prescribe(values, prescribed);
+  if (injected_fault(FaultSite::tangent) == Fault::not_finite)
+    (convex ? convex_values : values)[_column.size() / 2] = std::nan("");
   PHYNNESS_PETSC(MatSeqAIJRestoreArray(convex ? _exact : _matrix, &values));
   if (convex) {
     prescribe(convex_values, prescribed);

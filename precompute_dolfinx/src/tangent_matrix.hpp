@@ -11,6 +11,10 @@
 
 namespace phynness {
 
+/// How much an element tangent loses of its negative eigenvalues: nothing, what is large beside its trace (a
+/// thousandth; quick to see), or all.
+enum class Convexity { none, nearly, strictly };
+
 /// Rows are the dofs that are not fixed, "unknowns". A probe's prescribed dofs stay as rows of the identity,
 /// so that the pattern, and with it the symbolic factorization, is the same for every active node.
 class TangentMatrix {
@@ -22,6 +26,8 @@ class TangentMatrix {
   const std::vector<std::int32_t>& dof_of() const { return _dof_of; }
   const std::vector<std::int32_t>& unknown_of() const { return _unknown_of; }
   Mat matrix() const { return _matrix; }
+  /// Of matrix(). MUMPS would take a NaN for a pivot like any other.
+  bool is_finite() const;
   /// K(state) as it is, after an assembly that made matrix() convex.
   Mat exact() const { return _exact; }
 
@@ -33,10 +39,10 @@ class TangentMatrix {
 
   /// Assembles K(state) into matrix(), prescribed rows and columns replaced by the identity.
   /// @param prescribed  unknowns of constraint.dofs, in that order
-  /// @param convex      matrix() is made of element tangents whose block of the displacements is the nearest
-  /// positive semidefinite one; exact() of the true ones
+  /// @param convexity   unless none, matrix() is made of element tangents whose block of the displacements is
+  /// the nearest positive semidefinite one; exact() of the true ones
   Coupling assemble(Discretization& body, std::span<const double> state, const Constraint& constraint,
-                    const std::vector<std::int32_t>& prescribed, bool convex = false);
+                    const std::vector<std::int32_t>& prescribed, Convexity convexity = Convexity::none);
 
  private:
   void prescribe(PetscScalar* values, const std::vector<std::int32_t>& prescribed) const;

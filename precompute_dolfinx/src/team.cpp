@@ -1,7 +1,8 @@
 #include "team.hpp"
 
+#include <array>
 #include <chrono>
-#include <cstdio>
+#include <string>
 #include <thread>
 
 #include "factorization.hpp"
@@ -20,19 +21,18 @@ using Clock = std::chrono::steady_clock;
 class Team::Share {
  public:
   Share(MPI_Comm comm, std::int64_t n, Mat matrix);
-  ~Share() { KSPDestroy(&_ksp); }
-  Share(const Share&) = delete;
 
   bool factorize(Mat matrix);
-  void solve(Vec b, Vec x);
-  int negative_pivots() const { return phynness::negative_pivots(_ksp); }
+  bool solve(Vec b, Vec x);
+  int negative_pivots() { return _factorization.negative_pivots(); }
+  void reset() { _factorization.reset(); }
 
  private:
   MPI_Comm _comm;
   bool _leads = false;
   PetscMat _matrix;
   PetscVec _b, _x;
-  KSP _ksp = nullptr;
+  Factorization _factorization;
   std::vector<PetscScalar> _values;           ///< of this member's rows
   std::vector<int> _first_row, _n_rows;       ///< per member
   std::vector<int> _first_entry, _n_entries;  ///< per member; on the leader only
@@ -74,11 +74,6 @@ Team::Share::Share(MPI_Comm comm, std::int64_t n, Mat matrix) : _comm(comm) {
   PHYNNESS_PETSC(MatSetOption(_matrix, MAT_SYMMETRIC, PETSC_TRUE));
   PHYNNESS_PETSC(MatSetOption(_matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   PHYNNESS_PETSC(MatCreateVecs(_matrix, _x.address(), _b.address()));
-  PHYNNESS_PETSC(KSPCreate(_comm, &_ksp));
-  PHYNNESS_PETSC(KSPSetOptionsPrefix(_ksp, "phynness_"));
-  PHYNNESS_PETSC(KSPSetType(_ksp, KSPPREONLY));
-  set_up_factorization(_ksp, _matrix);
-  PHYNNESS_PETSC(KSPSetFromOptions(_ksp));
 }
 
 bool Team::Share::factorize(Mat matrix) {
@@ -88,16 +83,10 @@ bool Team::Share::factorize(Mat matrix) {
                static_cast<int>(_values.size()), MPIU_SCALAR, 0, _comm);
   if (_leads) PHYNNESS_PETSC(MatSeqAIJRestoreArrayRead(matrix, &all));
   PHYNNESS_PETSC(MatUpdateMPIAIJWithArray(_matrix, _values.data()));
-  PC pc;
-  PCFailedReason failed;
-  PHYNNESS_PETSC(KSPSetOperators(_ksp, _matrix, _matrix));
-  PHYNNESS_PETSC(KSPGetPC(_ksp, &pc));
-  PHYNNESS_PETSC(PCSetUp(pc));
-  PHYNNESS_PETSC(PCGetFailedReason(pc, &failed));
-  return failed == PC_NOERROR;
+  return _factorization.factorize(_matrix);
 }
 
-void Team::Share::solve(Vec b, Vec x) {
+bool Team::Share::solve(Vec b, Vec x) {
   const PetscScalar* from = nullptr;
   PetscScalar *to = nullptr, *mine = nullptr;
   PetscInt rows = 0;
@@ -108,13 +97,14 @@ void Team::Share::solve(Vec b, Vec x) {
                MPIU_SCALAR, 0, _comm);
   PHYNNESS_PETSC(VecRestoreArray(_b, &mine));
   if (_leads) PHYNNESS_PETSC(VecRestoreArrayRead(b, &from));
-  PHYNNESS_PETSC(KSPSolve(_ksp, _b, _x));
+  const bool good = _factorization.solve(_b, _x);
   if (_leads) PHYNNESS_PETSC(VecGetArray(x, &to));
   PHYNNESS_PETSC(VecGetArray(_x, &mine));
   MPI_Gatherv(mine, static_cast<int>(rows), MPIU_SCALAR, to, _n_rows.data(), _first_row.data(), MPIU_SCALAR,
               0, _comm);
   PHYNNESS_PETSC(VecRestoreArray(_x, &mine));
   if (_leads) PHYNNESS_PETSC(VecRestoreArray(x, &to));
+  return good;
 }
 
 Team::Team(int size) : _size(size) {
@@ -165,37 +155,58 @@ bool Team::factorize(Mat matrix) {
     PHYNNESS_PETSC(MatGetSize(matrix, &n, nullptr));
     command(Order::create, n, matrix);
   }
-  return command(Order::factorize, 0, matrix) == 0;
+  return command(Order::factorize, 0, matrix) != 0;
 }
 
-void Team::solve(Vec b, Vec x) { command(Order::solve, 0, nullptr, b, x); }
+bool Team::solve(Vec b, Vec x) { return command(Order::solve, 0, nullptr, b, x) != 0; }
 
 int Team::negative_pivots() { return static_cast<int>(command(Order::count_negative_pivots)); }
 
-std::int64_t Team::obey(Order order, std::int64_t n, Mat matrix, Vec b, Vec x) {
-  try {
-    switch (order) {
-      case Order::create:
-        _share = std::make_unique<Share>(_comm, n, matrix);
-        return 0;
-      case Order::factorize:
-        return _share->factorize(matrix) ? 0 : 1;
-      case Order::solve:
-        _share->solve(b, x);
-        return 0;
-      case Order::count_negative_pivots:
-        return _share->negative_pivots();
-      case Order::dismiss:
-        break;
-    }
-  } catch (const std::exception& error) {
-    // The others are inside the same collective call, and would wait for ever.
-    std::fprintf(stderr,
-                 "error: a team cannot go on: %s\n  remedy: finished rays are kept: go on with --resume\n",
-                 error.what());
-    MPI_Abort(MPI_COMM_WORLD, 1);
+void Team::reset() {
+  if (_share) command(Order::reset);
+}
+
+std::int64_t Team::do_share(Order order, std::int64_t n, Mat matrix, Vec b, Vec x) {
+  switch (order) {
+    case Order::create:
+      _share = std::make_unique<Share>(_comm, n, matrix);
+      return 1;
+    case Order::factorize:
+      return _share->factorize(matrix) ? 1 : 0;
+    case Order::solve:
+      return _share->solve(b, x) ? 1 : 0;
+    case Order::count_negative_pivots:
+      return _share->negative_pivots();
+    case Order::reset:
+      _share->reset();
+      return 1;
+    case Order::dismiss:
+      break;
   }
   return 0;
+}
+
+std::int64_t Team::obey(Order order, std::int64_t n, Mat matrix, Vec b, Vec x) {
+  std::string trouble;
+  std::int64_t result = 0;
+  try {
+    result = do_share(order, n, matrix, b, x);
+  } catch (const std::exception& error) {
+    trouble = error.what();
+  }
+  // What MUMPS cannot do, no member can: all of them get here. All of them must also agree on it, or the next
+  // order would find some with factors and some without.
+  std::array<std::int64_t, 2> agreed{trouble.empty() ? 1 : 0, result};
+  MPI_Allreduce(MPI_IN_PLACE, agreed.data(), 2, MPI_INT64_T, MPI_MIN, _comm);
+  if (agreed[0] != 0) return agreed[1];
+  if (order == Order::create)
+    _share.reset();
+  else if (_share)
+    _share->reset();
+  if (!leads()) return 0;
+  throw failure("a factorization shared by several ranks failed",
+                trouble.empty() ? "another rank of the team met an error" : trouble,
+                "give each rank more memory, or use fewer ranks per node");
 }
 
 }  // namespace phynness

@@ -25,6 +25,7 @@ enum class Status : std::int8_t {
   factorization = -3,     ///< singular or failed factorization
   not_finite = -4,        ///< NaN or infinity in the residual
   after_failure = -5,     ///< an earlier increment of the ray failed
+  library_error = -6,     ///< a library call failed or memory ran out; the solver's log has the message
 };
 const char* name(Status);
 

@@ -33,6 +33,7 @@ struct PrecomputeReport {
   /// Of the whole database, or, for a shard or an interrupted run, of what was solved now. failed:
   /// after_failure included.
   std::int64_t increments = 0, failed = 0, iterations = 0;
+  std::int64_t library_errors = 0;            ///< rays of this run that Status::library_error ended
   std::int64_t increments_solved = 0;         ///< of the increments, those that are not mirror images
   double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
@@ -48,11 +49,16 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// does not depend on who solves it.
 /// @pre ranks_per_solve divides the number of ranks
 /// @pre this process holds the DatabaseLock of the file, on rank 0
+/// A ray that cannot be solved is recorded as failed, with its reason, whatever the reason; messages of
+/// libraries go to `<target.file>.solver.log`.
 /// @param stop  polled between rays on every rank; true ends the run early with what is finished kept
+/// @param warn  told at once on the rank that cannot go on (its file system is full, say); the other ranks end
+/// the nodes they work on before this throws
 /// @throws Error
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh,
                             const NodeSets& sets, const PrecomputeTarget& target,
-                            const PrecomputeProgress& progress = {}, const std::function<bool()>& stop = {});
+                            const PrecomputeProgress& progress = {}, const std::function<bool()>& stop = {},
+                            const std::function<void(const std::string&)>& warn = {});
 
 /// Header of the database that precompute() writes for a scene.
 DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeSets& sets);

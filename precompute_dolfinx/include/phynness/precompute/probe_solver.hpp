@@ -58,7 +58,8 @@ class ProbeSolver {
   ProbeSolver(ProbeSolver&&) noexcept;
 
   /// Chooses the touched nodes. Rest stiffness is computed once for them and shared by what follows.
-  /// @throws Error if a node is not on the surface, is fixed, or named twice
+  /// @throws Error if a node is not on the surface, is fixed, or named twice, or if the tangent at rest could
+  /// not be factorized; another call may then succeed
   void touch(const std::vector<std::int32_t>& nodes);
   const RestResponse& rest() const;
   /// The fields that linear theory gives a displacement: those of the sensitivities at rest, at a
@@ -76,6 +77,10 @@ class ProbeSolver {
 
   /// One displacement, reached in `increments` equal steps.
   Response solve(const std::vector<Vec3>& displacement_m, int increments, bool tangents = false);
+
+  /// After an exception of follow() or solve(), before the next call: what libraries keep between calls begins
+  /// anew.
+  void recover();
 
   int n_dofs() const;
   SolverCounts counts() const;

@@ -1,0 +1,103 @@
+// Away from an unstable equilibrium, on purpose and the same way every time.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "equilibrium_impl.hpp"
+#include "negative_curvature.hpp"
+
+namespace phynness {
+namespace {
+
+double size_of(const Discretization& body) {
+  return (body.points().colwise().maxCoeff() - body.points().colwise().minCoeff()).norm();
+}
+
+/// A force on every free displacement that no symmetry of a body leaves unchanged: a smooth function of the
+/// place, so that neither the numbering of the nodes nor rounding decides which way a body buckles.
+Eigen::VectorXd generic_force(const Discretization& body, const std::vector<std::int32_t>& unknown_of,
+                              const std::vector<char>& is_free, int n_unknowns) {
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(n_unknowns);
+  const Eigen::RowVector3d wave = Eigen::RowVector3d(3.1, 1.7, 2.3) / size_of(body);
+  for (int p = 0; p < body.n_points(); ++p)
+    for (int k = 0; k < 3; ++k)
+      if (const auto dof = body.dofs(p)[k]; dof >= 0 && is_free[dof])
+        force[unknown_of[dof]] = std::sin(wave.dot(body.points().row(p)) + 1 + 0.7 * k);
+  return force;
+}
+
+}  // namespace
+
+bool Equilibrium::Impl::break_symmetry(Vec step) {
+  constexpr double share = 1e-6;
+  const auto force = generic_force(body, tangent.unknown_of(), is_free, tangent.n_unknowns());
+  PetscVec b, z;
+  PHYNNESS_PETSC(VecDuplicate(step, b.address()));
+  PHYNNESS_PETSC(VecDuplicate(step, z.address()));
+  PetscScalar* values = nullptr;
+  PHYNNESS_PETSC(VecGetArray(b, &values));
+  std::copy(force.begin(), force.end(), values);
+  PHYNNESS_PETSC(VecRestoreArray(b, &values));
+  if (!linear->solve(b, z)) return false;
+  ++counts.substitutions;
+  PetscReal of_step = 0, of_z = 0;
+  PHYNNESS_PETSC(VecNorm(step, NORM_INFINITY, &of_step));
+  PHYNNESS_PETSC(VecNorm(z, NORM_INFINITY, &of_z));
+  if (of_z > 0) PHYNNESS_PETSC(VecAXPY(step, share * of_step / of_z, z));
+  return true;
+}
+
+bool Equilibrium::Impl::leave_saddle() {
+  const auto saddle = state;
+  const double size = size_of(body);
+  tangent.assemble(body, state, constraint, prescribed, Convexity::strictly);
+  ++counts.tangents;
+  factors_are_convex = true;
+  quasi_newton.clear();
+  pressures.set(tangent.matrix());
+  if (!factorize()) return false;
+  const auto found = most_negative_curvature(
+      *linear, tangent.exact(), generic_force(body, tangent.unknown_of(), is_free, tangent.n_unknowns()));
+  if (found.direction.size() == 0) return false;
+
+  double largest = 0;
+  for (int p = 0; p < body.n_points(); ++p)
+    for (const auto dof : body.dofs(p))
+      if (dof >= 0 && is_free[dof])
+        largest = std::max(largest, std::abs(found.direction[tangent.unknown_of()[dof]]));
+  const auto merit_at = [&](double length) {
+    state = saddle;
+    for (int i = 0; i < tangent.n_unknowns(); ++i)
+      state[tangent.dof_of()[i]] += length / largest * found.direction[i];
+    evaluate_residual();
+    const bool valid =
+        std::isfinite(free_norm()) && (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
+    return valid ? merit() : std::numeric_limits<double>::infinity();
+  };
+  // In units of the body: from far above rounding to what bends it visibly.
+  constexpr double shortest = 1e-5, longest = 0.1;
+  const double at_saddle = merit_at(0);
+  double best = 0, lowest = at_saddle;
+  for (const double sign : {1.0, -1.0}) {
+    double here = 0, before = at_saddle;
+    for (double length = shortest * size; length <= longest * size; length *= 2) {
+      const double now = merit_at(sign * length);
+      if (!(now < before)) {
+        // Rounding hides what the first steps gain.
+        if (length > 1e-3 * size || !std::isfinite(now)) break;
+        continue;
+      }
+      before = now;
+      here = sign * length;
+    }
+    // The other way only if that is better by more than rounding: a symmetric body goes the first way.
+    if (before < lowest - (sign < 0 ? 1e-3 * (at_saddle - lowest) : 0)) {
+      lowest = before;
+      best = here;
+    }
+  }
+  merit_at(best);
+  return best != 0;
+}
+
+}  // namespace phynness

@@ -1,0 +1,26 @@
+// What Newton's method solves its linear systems with: factors of one symmetric matrix after the other.
+#pragma once
+
+#include <petscvec.h>
+#include <petscmat.h>
+
+namespace phynness {
+
+/// Failures are answers, not exceptions: a matrix that cannot be factorized is an event of the increment that
+/// asked for it. Factors of a factorization that failed are never used.
+class LinearSolver {
+ public:
+  virtual ~LinearSolver() = default;
+  /// @param matrix  symmetric, of the same pattern every time, on this process alone
+  /// @return false if it could not be factorized; there are no factors then
+  virtual bool factorize(Mat matrix) = 0;
+  /// x = matrix^-1 b, of the latest that was factorized.
+  /// @return false, and x is undefined, if there are no factors or the answer is not finite
+  virtual bool solve(Vec b, Vec x) = 0;
+  /// Of the latest matrix, those of the pressures included. @throws Error if there are no factors
+  virtual int negative_pivots() = 0;
+  /// Drops the factors, and what the library keeps of them.
+  virtual void reset() = 0;
+};
+
+}  // namespace phynness
