@@ -1,0 +1,69 @@
+#include "streams.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <iterator>
+#include <system_error>
+
+namespace phynness::cli {
+namespace {
+
+constexpr const char* told_by_parent = "PHYNNESS_STDOUT_REPORTED_BY_PARENT";
+
+/// Of the first write to stdout that failed; 0: none.
+int first_error = 0;
+
+void note_error() {
+  if (first_error == 0) first_error = errno != 0 ? errno : EIO;
+}
+
+}  // namespace
+
+void prepare_streams() {
+  // open() takes the lowest number that is free. For reading only, so that writing fails as on a closed one.
+  for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
+    if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) break;
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+void print_result_text(fmt::string_view format, fmt::format_args values) {
+  fmt::memory_buffer text;
+  fmt::vformat_to(std::back_inserter(text), format, values);
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) note_error();
+}
+
+void message_text(fmt::string_view format, fmt::format_args values) noexcept {
+  try {
+    fmt::memory_buffer text;
+    fmt::vformat_to(std::back_inserter(text), format, values);
+    std::fwrite(text.data(), 1, text.size(), stderr);
+  } catch (...) {  // no memory for a long message
+  }
+}
+
+void flush_results() {
+  if (std::fflush(stdout) != 0) note_error();
+}
+
+void report_stdout_for_children() { setenv(told_by_parent, "1", 1); }
+
+int finish_streams(int exit_status) {
+  flush_results();
+  if (first_error == 0 || std::getenv(told_by_parent) != nullptr) return exit_status;
+  message(
+      "error: results could not be written to stdout: {}\n"
+      "  remedy: the work is done and its files are written; for the text, run it again with a stdout that "
+      "can be "
+      "written\n",
+      std::generic_category().message(first_error));
+  return exit_status == 0 ? 1 : exit_status;
+}
+
+}  // namespace phynness::cli
