@@ -31,7 +31,6 @@ Stage stage(const char* title, const std::filesystem::path& written, std::vector
             int ranks) {
   const auto start = std::chrono::steady_clock::now();
   print_result("\n== {}\n", title);
-  flush_results();
   run_child(title, std::move(arguments), ranks);
   return {title, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), written};
 }

@@ -2,11 +2,11 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
 #include <iterator>
 #include <system_error>
@@ -19,8 +19,23 @@ constexpr const char* told_by_parent = "PHYNNESS_STDOUT_REPORTED_BY_PARENT";
 /// Of the first write to stdout that failed; 0: none.
 int first_error = 0;
 
-void note_error() {
-  if (first_error == 0) first_error = errno != 0 ? errno : EIO;
+/// Not through stdio: text left in the buffer of a stdout that cannot be written is an error in
+/// PetscFinalize().
+/// @return 0, or errno
+int write_all(int descriptor, const fmt::memory_buffer& text) noexcept {
+  const char *at = text.data(), *end = at + text.size();
+  while (at != end) {
+    const auto n = write(descriptor, at, static_cast<std::size_t>(end - at));
+    if (n >= 0) {
+      at += n;
+    } else if (errno == EAGAIN) {  // a terminal that another program has made non-blocking
+      pollfd ready{descriptor, POLLOUT, 0};
+      poll(&ready, 1, -1);
+    } else if (errno != EINTR) {
+      return errno;
+    }
+  }
+  return 0;
 }
 
 }  // namespace
@@ -36,26 +51,21 @@ void prepare_streams() {
 void print_result_text(fmt::string_view format, fmt::format_args values) {
   fmt::memory_buffer text;
   fmt::vformat_to(std::back_inserter(text), format, values);
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) note_error();
+  if (first_error == 0) first_error = write_all(STDOUT_FILENO, text);
 }
 
 void message_text(fmt::string_view format, fmt::format_args values) noexcept {
   try {
     fmt::memory_buffer text;
     fmt::vformat_to(std::back_inserter(text), format, values);
-    std::fwrite(text.data(), 1, text.size(), stderr);
+    write_all(STDERR_FILENO, text);
   } catch (...) {  // no memory for a long message
   }
-}
-
-void flush_results() {
-  if (std::fflush(stdout) != 0) note_error();
 }
 
 void report_stdout_for_children() { setenv(told_by_parent, "1", 1); }
 
 int finish_streams(int exit_status) {
-  flush_results();
   if (first_error == 0 || std::getenv(told_by_parent) != nullptr) return exit_status;
   message(
       "error: results could not be written to stdout: {}\n"

@@ -25,9 +25,6 @@ void message(fmt::format_string<T...> format, const T&... values) noexcept {
   message_text(format, fmt::make_format_args(values...));
 }
 
-/// Before a child process writes to the same stdout.
-void flush_results();
-
 /// For child processes: this process reports at its end that stdout cannot be written, so that a child which
 /// finds this out goes on and ends as its work does.
 void report_stdout_for_children();

@@ -127,7 +127,6 @@ void run_study(Options options) {
     done.push_back(cases[i]);
   }
   print_result("\n== times and report\n");
-  flush_results();
   for (const auto& one : paper_cases()) {
     const bool ran = std::any_of(done.begin(), done.end(), [&](const auto& d) { return d.id == one.id; });
     // One that was finished before belongs to the page, asked for or not.

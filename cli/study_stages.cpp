@@ -103,7 +103,6 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
     if (stop_requested())
       throw failure("the study was interrupted", stage, "run it again: finished stages are kept");
     print_result("\n== {}, {}: {}\n", how_far(), of.title, stage);
-    flush_results();
   };
   const auto stage = [&](const char* name, const std::string& key, bool there,
                          std::vector<std::string> arguments, int ranks) {
