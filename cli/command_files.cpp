@@ -91,10 +91,11 @@ class Claims {
  private:
   static void check(const Claim& a, const Claim& b) {
     if (!(a.written || b.written) || a.option == b.option) return;
-    const bool one_file = same(a.resolved, b.resolved);
-    if (!one_file && !(b.encloses && lies_in(a.resolved, b.resolved)) &&
-        !(a.encloses && lies_in(b.resolved, a.resolved)))
-      return;
+    const auto takes = [](const Claim& whole, const Claim& part) {
+      return whole.encloses &&
+             (same(part.resolved, whole.resolved) || lies_in(part.resolved, whole.resolved));
+    };
+    if (!takes(a, b) && !takes(b, a)) return;
     const auto& output = a.written ? a : b;
     const auto& other = a.written ? b : a;
     throw input_error(
@@ -138,6 +139,7 @@ void claim_output(const std::string& option, const fs::path& path, OutputKind ki
     claims().add({option, file, {}, true, true});
     claims().add({option, with_suffix(file, ".part"), {}, true, true});
   };
+  if (keeps_nothing(path)) return;
   switch (kind) {
     case OutputKind::file:
       return claim_text(path);

@@ -16,6 +16,9 @@ namespace {
 
 constexpr const char* told_by_parent = "PHYNNESS_STDOUT_REPORTED_BY_PARENT";
 
+/// True in a child process, whose parent reports at its end that stdout cannot be written.
+bool parent_reports = false;
+
 /// Of the first write to stdout that failed; 0: none.
 int first_error = 0;
 
@@ -41,6 +44,7 @@ int write_all(int descriptor, const fmt::memory_buffer& text) noexcept {
 }  // namespace
 
 void prepare_streams() {
+  parent_reports = std::getenv(told_by_parent) != nullptr;
   // open() takes the lowest number that is free. For reading only, so that writing fails as on a closed one.
   for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
     if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) break;
@@ -66,7 +70,7 @@ void message_text(fmt::string_view format, fmt::format_args values) noexcept {
 void report_stdout_for_children() { setenv(told_by_parent, "1", 1); }
 
 int finish_streams(int exit_status) {
-  if (first_error == 0 || std::getenv(told_by_parent) != nullptr) return exit_status;
+  if (first_error == 0 || parent_reports) return exit_status;
   message(
       "error: results could not be written to stdout: {}\n"
       "  remedy: the work is done and its files are written; for the text, run it again with a stdout that "

@@ -99,7 +99,7 @@ class Overwriting : public CommandLine {
               {"parts/body.msh", {"parts/body.msh"}},
               {"s.shard-0-of-2.h5", {"s.shard-0-of-2.h5", "s.shard-0-of-2.h5.log/rank-0000"}}};
     if (option == "--node") return {{"--node " + node, {}}};
-    if (option == "--displacement") return {{"--displacement 0,0,-0.001", {}}};
+    if (option == "--displacement") return {{"--node " + node + " --displacement 0,0,-0.001", {}}};
     if (option == "--direction") return {{"--direction 0", {}}};
     ADD_FAILURE() << "this test does not know what to give to " << option;
     return {};
@@ -182,7 +182,6 @@ TEST_F(Overwriting, OfInputsIsRefusedByEveryCommand) {
           for (std::size_t i = 0; i < names.size(); ++i) {
             // All spellings for one command; for the others, which share the rule, two of them in turn.
             if (command != "info" && i % 4 != tried.size() % 4) continue;
-            // A model or a case may be made in a new folder anywhere but in an input.
             expect_refused(line(use, {{output.name, names[i]}}), output.name);
             if (HasFatalFailure()) return;
           }
@@ -202,7 +201,7 @@ TEST_F(Overwriting, OfAnotherOutputIsRefusedByEveryCommand) {
           if (HasFatalFailure()) return;
           ++pairs;
         }
-  EXPECT_GT(pairs, 15);
+  EXPECT_GE(pairs, 15);
   // Two names of a file that is not there yet.
   fs::create_symlink("later.json", folder / "fresh/link");
   const auto eval = "eval model --node " + node + " --displacement 0,0,-0.001 ";
