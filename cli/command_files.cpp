@@ -173,6 +173,9 @@ void check_files(const CLI::App& app) {
     const auto declared = declared_options().find(option);
     if (declared == declared_options().end()) continue;
     for (const auto& path : option->results()) {
+      if (path.empty())
+        throw input_error("a name of a file is empty", option->get_name() + " ''",
+                          "name a file, or leave the option out");
       if (const auto* input = std::get_if<InputKind>(&declared->second))
         claim_input(option->get_name(), path, *input);
       else
