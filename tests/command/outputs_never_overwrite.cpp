@@ -31,7 +31,8 @@ class Overwriting : public CommandLine {
   /// A scene in one folder whose mesh lies in another, and a database, shards and a model made of it.
   void SetUp() override {
     CommandLine::SetUp();
-    for (const char* name : {"scenes", "parts", "fresh", "fresh/there", "paper"}) fs::create_directory(folder / name);
+    for (const char* name : {"scenes", "parts", "fresh", "fresh/there", "paper"})
+      fs::create_directory(folder / name);
     write_file(folder / "block.toml", small_scene());
     auto text = small_scene();
     const auto from = text.find("shape = "), to = text.find("[material]");
