@@ -11,7 +11,9 @@ namespace phynness::bench {
 /// @param run  returns its own status or throws
 inline int exit_status(int (*run)(int, char**), int argc, char** argv) {
   try {
-    return run(argc, argv);
+    const int status = run(argc, argv);
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return status;
+    throw failure("results could not be written to stdout", "", "send stdout to a place that can be written");
   } catch (const Error& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return error.kind() == Error::Kind::input ? 2 : 1;

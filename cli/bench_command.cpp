@@ -4,7 +4,9 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/validation.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -27,20 +29,18 @@ void run(const Options& options) {
     if (!std::isfinite(value))
       throw input_error(fmt::format("{} is no finite number", name), fmt::format("{}", value),
                         "microseconds and numbers of calls, as in --budget 200 --forces 1");
-  if (options.json_file)
-    refuse_overwriting(*options.json_file, {options.model / "model.txt", options.model / "mesh.txt"});
   const LoadedModel model(options.model);
   const auto times = measure_levels(model);
   json levels = json::array();
-  fmt::print("{:<6} {:>13} {:>19} {:>6} {:>10} {:>14} {:>9} {:>15}\n", "level", "force centers",
-             "deformation centers", "modes", "force us", "deformation us", "force %", "displacement %");
+  print_result("{:<6} {:>13} {:>19} {:>6} {:>10} {:>14} {:>9} {:>15}\n", "level", "force centers",
+               "deformation centers", "modes", "force us", "deformation us", "force %", "displacement %");
   for (std::int32_t l = 0; l < phn_n_levels(model.handle()); ++l) {
     phn_level info;
     phn_level_info(model.handle(), l, &info);
     const auto& time = times[static_cast<std::size_t>(l)];
-    fmt::print("{:<6} {:>13} {:>19} {:>6} {:>10.3f} {:>14.3f} {:>9} {:>15}\n", l, info.force_centers,
-               info.deformation_centers, info.modes, time.force_us, time.deformation_us,
-               percent(info.error_force), percent(info.error_displacement));
+    print_result("{:<6} {:>13} {:>19} {:>6} {:>10.3f} {:>14.3f} {:>9} {:>15}\n", l, info.force_centers,
+                 info.deformation_centers, info.modes, time.force_us, time.deformation_us,
+                 percent(info.error_force), percent(info.error_displacement));
     levels.push_back({{"force_centers", info.force_centers},
                       {"deformation_centers", info.deformation_centers},
                       {"modes", info.modes},
@@ -50,11 +50,11 @@ void run(const Options& options) {
                       {"deformation_us", time.deformation_us}});
   }
   if (times.size() > 1)
-    fmt::print(
+    print_result(
         "errors: of displacements left out of the fit one by one, over the largest of the node; the median "
         "node\n");
   else
-    fmt::print("one level, whose errors were not estimated; [training] levels makes more, with theirs\n");
+    print_result("one level, whose errors were not estimated; [training] levels makes more, with theirs\n");
   json out{{"levels", levels}};
   int status = PHN_OK;
   if (options.budget_us) {
@@ -65,8 +65,8 @@ void run(const Options& options) {
     out["level"] = nullptr;
     if (status == PHN_OK) {
       out["level"] = level;
-      fmt::print("{:g} forces and {:g} deformations in {:g} us: level {}\n", options.forces,
-                 options.deformations, *options.budget_us, level);
+      print_result("{:g} forces and {:g} deformations in {:g} us: level {}\n", options.forces,
+                   options.deformations, *options.budget_us, level);
     }
   }
   write_json(options.json_file, out);
@@ -81,13 +81,14 @@ void add_bench_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command =
       app.add_subcommand("bench", "Time of a force and of a deformation at each level of a model");
-  command->add_option("MODEL_DIR", options->model, "directory with model.txt and mesh.txt")->required();
+  add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
+      ->required();
   command->add_option("--budget", options->budget_us, "say which level fits into so many microseconds")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--forces", options->forces, "forces within the budget")->check(CLI::NonNegativeNumber);
   command->add_option("--deformations", options->deformations, "deformations within the budget")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--json", options->json_file, "write the figures for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }
 

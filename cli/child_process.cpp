@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "console.hpp"
+#include "streams.hpp"
 
 extern char** environ;
 
@@ -41,6 +42,7 @@ ProcessResult execute(const std::vector<std::string>& arguments) {
 std::string this_program() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
 
 void prepare_environment(int ranks) {
+  report_stdout_for_children();
   if (isatty(STDERR_FILENO)) setenv("PHYNNESS_PROGRESS", "1", 0);
   if (ranks <= 1) return;
   setenv("OMP_NUM_THREADS", "1", 0);

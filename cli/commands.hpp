@@ -31,6 +31,10 @@ void add_show_command(CLI::App& app);
 void add_run_command(CLI::App& app);
 void add_study_command(CLI::App& app);
 
+/// Reads a scene and declares the mesh file that it names as an input of the command.
+/// @throws Error also if an output would overwrite that file
+Scene open_scene(const std::filesystem::path& file);
+
 /// A scene with its mesh and selections; says on stderr what was noted on the way.
 struct LoadedScene {
   Scene scene;
@@ -44,9 +48,6 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false);
 /// another mesh).
 void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
 
-/// @throws Error if `output` is one of `others`: an input, or another output
-void refuse_overwriting(const std::filesystem::path& output,
-                        const std::vector<std::filesystem::path>& others);
 void write_json(const std::optional<std::filesystem::path>& file, const json& value);
 
 /// Tools from repeated --node J or --point x,y,z and --displacement dx,dy,dz.
@@ -61,7 +62,6 @@ struct ToolOptions {
   /// Where the tools are: nodes, then the points of the surface nearest to --point; says how far they moved.
   /// @throws Error if a point is no three finite numbers or a node is none of the mesh
   std::vector<SurfacePoint> places(const Mesh& mesh) const;
-  void refuse_overwriting_inputs(const std::filesystem::path& input) const;
 };
 
 /// The result that eval and solve share.

@@ -7,8 +7,10 @@
 #include <phynness/formats/text_file.hpp>
 #include <phynness/meshes/meshes.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 
@@ -40,14 +42,20 @@ Vec3 parse_vector(const std::string& text, const std::string& what, const std::s
 
 }  // namespace
 
+Scene open_scene(const std::filesystem::path& file) {
+  auto scene = read_scene(file);
+  if (scene.mesh.shape == Shape::none) declare_input("the mesh of " + file.string() + ",", scene.mesh.file);
+  return scene;
+}
+
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
   LoadedScene loaded;
-  loaded.scene = read_scene(file);
+  loaded.scene = open_scene(file);
   auto made = make_mesh(loaded.scene);
   if (!quiet) {
-    for (const auto& note : made.notes) fmt::print(stderr, "note: {}\n", note);
-    for (const auto& warning : made.warnings) fmt::print(stderr, "warning: {}\n", warning);
-    for (const auto& warning : scene_warnings(loaded.scene)) fmt::print(stderr, "warning: {}\n", warning);
+    for (const auto& note : made.notes) message("note: {}\n", note);
+    for (const auto& warning : made.warnings) message("warning: {}\n", warning);
+    for (const auto& warning : scene_warnings(loaded.scene)) message("warning: {}\n", warning);
   }
   const double depth = loaded.scene.probe.max_displacement_m;
   const auto& q = made.quality;
@@ -58,20 +66,19 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
                       fmt::format("max_displacement_m = {:g}, the body is {:.3g} m long", depth, *longest),
                       "displacements are in metres; is mesh.scale_to_m right?");
   if (depth > *thinnest && !quiet)
-    fmt::print(stderr,
-               "warning: the maximum displacement, {:g} m, is more than the body is thick, {:.3g} m\n", depth,
-               *thinnest);
+    message("warning: the maximum displacement, {:g} m, is more than the body is thick, {:.3g} m\n", depth,
+            *thinnest);
   const double radius = loaded.scene.probe.kind == ProbeKind::patch ? loaded.scene.probe.tool_radius_m : 0;
   if (radius > *longest)
     throw input_error(loaded.scene.probe.where.str() + ": the tool is larger than the body",
                       fmt::format("tool_radius_m = {:g}, the body is {:.3g} m long", radius, *longest),
                       "radii are in metres; is mesh.scale_to_m right?");
   if (radius > 0 && radius < q.mean_edge_m && !quiet)
-    fmt::print(stderr,
-               "warning: the tool radius, {:g} m, is less than an edge of the mesh, {:.3g} m on average: the "
-               "patch is "
-               "little more than a node\n",
-               radius, q.mean_edge_m);
+    message(
+        "warning: the tool radius, {:g} m, is less than an edge of the mesh, {:.3g} m on average: the "
+        "patch is "
+        "little more than a node\n",
+        radius, q.mean_edge_m);
   loaded.mesh = std::move(made.mesh);
   loaded.sets = resolve_selections(loaded.scene, loaded.mesh);
   return loaded;
@@ -83,15 +90,6 @@ void check_mesh(const Scene& scene, const std::string& hash, const std::string& 
   if (own != hash)
     throw input_error("the mesh of " + where + " is not the scene's", hash + ", the scene's is " + own,
                       "use the scene and mesh it was made from, or precompute again");
-}
-
-void refuse_overwriting(const std::filesystem::path& output,
-                        const std::vector<std::filesystem::path>& others) {
-  std::error_code code;
-  for (const auto& other : others)
-    if (std::filesystem::weakly_canonical(output, code) == std::filesystem::weakly_canonical(other, code))
-      throw input_error("the output would overwrite another file of this command", output.string(),
-                        "give the output a name of its own");
 }
 
 void write_json(const std::optional<std::filesystem::path>& file, const json& value) {
@@ -110,16 +108,9 @@ void ToolOptions::add_to(CLI::App& command) {
                   "displacement dx,dy,dz [m]; one for each --node, then one for each --point")
       ->required()
       ->allow_extra_args(false);
-  command.add_option(
-      "--deformation", deformation_csv,
-      "write the displacement of the output nodes: node,x,y,z,ux,uy,uz [m], and fields, if there are");
-  command.add_option("--json", json_file, "write the result for machines");
-}
-
-void ToolOptions::refuse_overwriting_inputs(const std::filesystem::path& input) const {
-  if (deformation_csv) refuse_overwriting(*deformation_csv, {input});
-  if (json_file) refuse_overwriting(*json_file, {input});
-  if (json_file && deformation_csv) refuse_overwriting(*json_file, {*deformation_csv});
+  add_path(command, "--deformation", deformation_csv, OutputKind::file,
+           "write the displacement of the output nodes: node,x,y,z,ux,uy,uz [m], and fields, if there are");
+  add_path(command, "--json", json_file, OutputKind::file, "write the result for machines");
 }
 
 std::vector<Vec3> ToolOptions::parsed_displacements() const {
@@ -150,8 +141,8 @@ std::vector<SurfacePoint> ToolOptions::places(const Mesh& mesh) const {
     const Vec3 wanted = parse_vector(text, "point", "--point 0.1,0.02,0.05 (metres)");
     found.push_back(nearest_on_surface(mesh.nodes, mesh.surface, wanted));
     const auto& place = found.back();
-    fmt::print(stderr, "point {}: {:.3g} m from the surface, on the triangle of nodes {}, {}, {}\n", text,
-               place.distance, place.nodes[0], place.nodes[1], place.nodes[2]);
+    message("point {}: {:.3g} m from the surface, on the triangle of nodes {}, {}, {}\n", text,
+            place.distance, place.nodes[0], place.nodes[1], place.nodes[2]);
   }
   return found;
 }
@@ -181,26 +172,26 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
     if (result.force_N[t]) tool["force"] = *result.force_N[t];
     tools.push_back(tool);
     const auto& d = displacements[t];
-    fmt::print("{}  displacement {:g} {:g} {:g} m", where, d[0], d[1], d[2]);
+    print_result("{}  displacement {:g} {:g} {:g} m", where, d[0], d[1], d[2]);
     if (result.force_N[t]) {
       const auto& f = *result.force_N[t];
-      fmt::print("  force {:.6g} {:.6g} {:.6g} N\n", f[0], f[1], f[2]);
+      print_result("  force {:.6g} {:.6g} {:.6g} N\n", f[0], f[1], f[2]);
     } else {
-      fmt::print("  force: not defined by these weights\n");
+      print_result("  force: not defined by these weights\n");
     }
   }
   json out{{"tools", tools}, {"energy", nullptr}, {"max_displacement", nullptr}};
   if (result.displacement_m.rows() > 0) out["max_displacement"] = largest;
   if (result.energy_J) out["energy"] = *result.energy_J;
   out.update(extra);
-  if (result.energy_J) fmt::print("energy {:.6g} J  ", *result.energy_J);
+  if (result.energy_J) print_result("energy {:.6g} J  ", *result.energy_J);
   if (result.displacement_m.rows() > 0)
-    fmt::print("largest displacement {:.6g} m\n", largest);
+    print_result("largest displacement {:.6g} m\n", largest);
   else
-    fmt::print("forces only\n");
+    print_result("forces only\n");
   for (const auto& field : result.fields) {
     const double most = field.values.size() > 0 ? field.values.maxCoeff() : 0.0;
-    fmt::print("largest {} {:.6g} {}\n", field.name, most, field.unit);
+    print_result("largest {} {:.6g} {}\n", field.name, most, field.unit);
     out["fields"][field.name] = {{"max", most}, {"unit", field.unit}};
   }
 
@@ -217,8 +208,7 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
       csv += "\n";
     }
     write_text_file(*options.deformation_csv, csv);
-    fmt::print(stderr, "deformation of {} nodes: {}\n", result.nodes.size(),
-               options.deformation_csv->string());
+    message("deformation of {} nodes: {}\n", result.nodes.size(), options.deformation_csv->string());
   }
   write_json(options.json_file, out);
 }

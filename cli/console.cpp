@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "streams.hpp"
+
 namespace phynness::cli {
 
 Progress::Progress(std::string what, std::string unit) : _what(std::move(what)), _unit(std::move(unit)) {
@@ -16,7 +18,7 @@ Progress::Progress(std::string what, std::string unit) : _what(std::move(what)),
 }
 
 Progress::~Progress() {
-  if (_drawn) fmt::print(stderr, "\r\033[K");
+  if (_drawn) message("\r\033[K");
 }
 
 void Progress::update(std::int64_t done, std::int64_t total) {
@@ -33,11 +35,9 @@ void Progress::update(std::int64_t done, std::int64_t total) {
   const double rate = seconds > 0.3 ? static_cast<double>(done - _first) / seconds : 0;
   constexpr int width = 24;
   const auto filled = static_cast<std::size_t>(width * done / total);
-  fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {}", _what, std::string(filled, '#'),
-             std::string(width - filled, '.'), done, total, _unit);
-  if (rate > 0)
-    fmt::print(stderr, ", {:.3g}/s, {} left", rate, duration(static_cast<double>(total - done) / rate));
-  std::fflush(stderr);
+  message("\r\033[K{} [{}{}] {}/{} {}", _what, std::string(filled, '#'), std::string(width - filled, '.'),
+          done, total, _unit);
+  if (rate > 0) message(", {:.3g}/s, {} left", rate, duration(static_cast<double>(total - done) / rate));
 }
 
 namespace {

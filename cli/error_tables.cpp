@@ -8,6 +8,7 @@
 #include <phynness/validation/force_unit.hpp>
 
 #include "console.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -28,21 +29,21 @@ std::string told(const std::optional<double>& correlation) {
 void print_table(const ValidationReport& report, const std::vector<FieldModes>& fields) {
   using Member = std::function<const ErrorStatistics&(const GroupErrors&)>;
   const auto row = [&](const std::string& what, const Member& member, GroupErrors PredictorErrors::*group) {
-    fmt::print("  {:<22}", what);
+    print_result("  {:<22}", what);
     for (const auto p : predictors) {
       const auto& s = member(report.of(p).*group);
       if (s.n == 0)
-        fmt::print(" | {:>7} {:>7} {:>7}", "-", "-", "-");
+        print_result(" | {:>7} {:>7} {:>7}", "-", "-", "-");
       else
-        fmt::print(" | {} {} {}", percent(s.mean), percent(s.p95), percent(s.max));
+        print_result(" | {} {} {}", percent(s.mean), percent(s.p95), percent(s.max));
     }
-    fmt::print("\n");
+    print_result("\n");
   };
   for (const auto& [title, group] : {std::pair{"inside the trained range", &PredictorErrors::inside},
                                      std::pair{"beyond it (to 1.43 times)", &PredictorErrors::outside}}) {
-    fmt::print("{:<24} | {:^23} | {:^23} | {:^23}\n", title, "model", "linear predictor", "zero predictor");
-    fmt::print("{:<24} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7}\n", "  error in %", "mean",
-               "p95", "max", "mean", "p95", "max", "mean", "p95", "max");
+    print_result("{:<24} | {:^23} | {:^23} | {:^23}\n", title, "model", "linear predictor", "zero predictor");
+    print_result("{:<24} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7}\n", "  error in %",
+                 "mean", "p95", "max", "mean", "p95", "max", "mean", "p95", "max");
     row("force, eq. (17)", &GroupErrors::force, group);
     row("displacement, eq. (17)", &GroupErrors::displacement, group);
     row("  tenth moving most", &GroupErrors::displacement_moving, group);
@@ -59,10 +60,10 @@ void print_table(const ValidationReport& report, const std::vector<FieldModes>& 
 
 void print_summary(const ValidationReport& report) {
   const auto& inside = report.of(Predictor::model).inside;
-  if (inside.force.n > 0) fmt::print("median inside: force{} %", percent(inside.force.median));
-  if (inside.displacement.n > 0) fmt::print(", displacement{} %", percent(inside.displacement.median));
-  if (inside.force.n > 0) fmt::print("\n");
-  fmt::print(
+  if (inside.force.n > 0) print_result("median inside: force{} %", percent(inside.force.median));
+  if (inside.displacement.n > 0) print_result(", displacement{} %", percent(inside.displacement.median));
+  if (inside.force.n > 0) print_result("\n");
+  print_result(
       "rank correlation of the force's error with the distance from what was trained: {} inside, {} beyond\n",
       told(report.distance_correlation_inside), told(report.distance_correlation_outside));
 }
@@ -72,58 +73,59 @@ void print_examples(const ValidationReport& report) {
   for (const auto& e : report.examples)
     for (const double x : e.finite_elements_N) largest = std::max(largest, std::abs(x));
   const ForceUnit unit = force_unit(largest);
-  fmt::print("{:<8} {:>24} | {:>27} | {:>27}\n", "node", "displacement, mm",
-             fmt::format("force by finite elements, {}", unit.name),
-             fmt::format("force by the model, {}", unit.name));
+  print_result("{:<8} {:>24} | {:>27} | {:>27}\n", "node", "displacement, mm",
+               fmt::format("force by finite elements, {}", unit.name),
+               fmt::format("force by the model, {}", unit.name));
   for (const auto& e : report.examples) {
-    fmt::print("{:<8}", e.node);
-    for (const double x : e.displacement_m) fmt::print(" {:8.2f}", 1e3 * x);
-    fmt::print(" |");
-    for (const double x : e.finite_elements_N) fmt::print(" {:8.2f}", unit.per_N * x);
-    fmt::print("  |");
-    for (const double x : e.model_N) fmt::print(" {:8.2f}", unit.per_N * x);
-    fmt::print("\n");
+    print_result("{:<8}", e.node);
+    for (const double x : e.displacement_m) print_result(" {:8.2f}", 1e3 * x);
+    print_result(" |");
+    for (const double x : e.finite_elements_N) print_result(" {:8.2f}", unit.per_N * x);
+    print_result("  |");
+    for (const double x : e.model_N) print_result(" {:8.2f}", unit.per_N * x);
+    print_result("\n");
   }
 }
 
 void print_points(const PointReport& report) {
-  fmt::print("{} points of the surface, {} displacements each; {} not solved, {} unsettled by the model\n",
-             report.finished, report.displacements, report.failed, report.unsettled);
-  fmt::print("{:<24} | {:^31} | {:^31} | {:^31}\n", "tools between nodes", "coupled model",
-             "linear predictor", "model at the nearest nodes");
-  fmt::print("{:<24}", "  error in %");
-  for (int i = 0; i < 3; ++i) fmt::print(" | {:>7} {:>7} {:>7} {:>7}", "mean", "median", "p95", "max");
-  fmt::print("\n");
+  print_result("{} points of the surface, {} displacements each; {} not solved, {} unsettled by the model\n",
+               report.finished, report.displacements, report.failed, report.unsettled);
+  print_result("{:<24} | {:^31} | {:^31} | {:^31}\n", "tools between nodes", "coupled model",
+               "linear predictor", "model at the nearest nodes");
+  print_result("{:<24}", "  error in %");
+  for (int i = 0; i < 3; ++i) print_result(" | {:>7} {:>7} {:>7} {:>7}", "mean", "median", "p95", "max");
+  print_result("\n");
   const auto row = [&](const char* what, const ErrorStatistics PointErrors::*member) {
-    fmt::print("  {:<22}", what);
+    print_result("  {:<22}", what);
     for (const auto* errors : {&report.coupled, &report.linear, &report.at_nodes}) {
       const auto& s = errors->*member;
-      fmt::print(" | {} {} {} {}", percent(s.mean), percent(s.median), percent(s.p95), percent(s.max));
+      print_result(" | {} {} {} {}", percent(s.mean), percent(s.median), percent(s.p95), percent(s.max));
     }
-    fmt::print("\n");
+    print_result("\n");
   };
   row("force, as eq. (17)", &PointErrors::force);
   row("displacement", &PointErrors::displacement);
   row("field, relative L2", &PointErrors::field_l2);
-  fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m, duration(report.seconds));
+  print_result("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m,
+               duration(report.seconds));
 }
 
 void print_pairs(const PairReport& report) {
-  fmt::print(
+  print_result(
       "{} pairs of nodes, both tools {:.4g} mm deep; {} not solved, {} unsettled by the model, {} beyond "
       "what "
       "it was trained on\n",
       report.finished, 1e3 * report.depth_m, report.failed, report.unsettled, report.outside);
   const double far_mm = 1e3 * report.far_m;
-  fmt::print("{:<28} | {:^31} | {:^15} | {:^15} | {:^15}\n", "two tools, error in %",
-             fmt::format("all, {}", report.all.pairs),
-             fmt::format("to {:.0f} mm, {}", far_mm, report.near.pairs),
-             fmt::format("beyond, {}", report.far.pairs), fmt::format("right alone, {}", report.right.pairs));
-  fmt::print("{:<28} | {:>7} {:>7} {:>7} {:>7}", "", "mean", "median", "p95", "max");
-  for (int i = 0; i < 3; ++i) fmt::print(" | {:>7} {:>7}", "mean", "median");
-  fmt::print("\n");
+  print_result(
+      "{:<28} | {:^31} | {:^15} | {:^15} | {:^15}\n", "two tools, error in %",
+      fmt::format("all, {}", report.all.pairs), fmt::format("to {:.0f} mm, {}", far_mm, report.near.pairs),
+      fmt::format("beyond, {}", report.far.pairs), fmt::format("right alone, {}", report.right.pairs));
+  print_result("{:<28} | {:>7} {:>7} {:>7} {:>7}", "", "mean", "median", "p95", "max");
+  for (int i = 0; i < 3; ++i) print_result(" | {:>7} {:>7}", "mean", "median");
+  print_result("\n");
   const auto block = [&](const char* what, const ErrorStatistics PairStatistics::*measure) {
-    fmt::print("  {}\n", what);
+    print_result("  {}\n", what);
     for (const auto p : pair_predictors) {
       const auto& all = report.all.of(p).*measure;
       if (all.n == 0) continue;
@@ -131,16 +133,16 @@ void print_pairs(const PairReport& report) {
                         : p == PairPredictor::alone ? "each tool alone"
                         : p == PairPredictor::paper ? "weights (15)-(16)"
                                                     : "linear predictor";
-      fmt::print("    {:<24} | {} {} {} {}", who, percent(all.mean), percent(all.median), percent(all.p95),
-                 percent(all.max));
+      print_result("    {:<24} | {} {} {} {}", who, percent(all.mean), percent(all.median), percent(all.p95),
+                   percent(all.max));
       for (const auto* group : {&report.near, &report.far, &report.right}) {
         const auto& s = group->of(p).*measure;
         if (s.n == 0)
-          fmt::print(" | {:>7} {:>7}", "-", "-");
+          print_result(" | {:>7} {:>7}", "-", "-");
         else
-          fmt::print(" | {} {}", percent(s.mean), percent(s.median));
+          print_result(" | {} {}", percent(s.mean), percent(s.median));
       }
-      fmt::print("\n");
+      print_result("\n");
     }
   };
   block("force, the worse tool, over the larger force", &PairStatistics::force);
@@ -150,11 +152,12 @@ void print_pairs(const PairReport& report) {
   block("field, relative L2", &PairStatistics::field_l2);
   const auto& alone = report.single_force;
   if (alone.n > 0)
-    fmt::print(
+    print_result(
         "right alone: each tool's force, when it is alone, is right to {:.0f} %; errors of the worse one: "
         "mean {}, median {}, max {} %\n",
         1e2 * right_alone, percent(alone.mean), percent(alone.median), percent(alone.max));
-  fmt::print("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m, duration(report.seconds));
+  print_result("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m,
+               duration(report.seconds));
 }
 
 }  // namespace phynness::cli

@@ -3,8 +3,10 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/loaded_model.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "fine_surface.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -26,10 +28,6 @@ void check_surface_options(const Options& options) {
     return;
   }
   check_surface_name(*options.surface);
-  refuse_overwriting(*options.surface, {options.model / "model.txt", options.model / "mesh.txt"});
-  for (const auto& other : {options.tool.deformation_csv, options.tool.json_file}) {
-    if (other) refuse_overwriting(*options.surface, {*other});
-  }
 }
 
 std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places,
@@ -47,8 +45,6 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places,
 }
 
 void run(const Options& options) {
-  options.tool.refuse_overwriting_inputs(options.model / "model.txt");
-  options.tool.refuse_overwriting_inputs(options.model / "mesh.txt");
   check_surface_options(options);
   const auto displacements = options.tool.parsed_displacements();
   if (options.tools == "paper" && !options.tool.points.empty())
@@ -64,7 +60,7 @@ void run(const Options& options) {
   if (response.displacement_m.rows() == 0 && wanted)
     throw input_error("this model has forces only", wanted->string(),
                       "train it with [training] modes of 1 or more");
-  if (response.status > 0) fmt::print(stderr, "warning: {}\n", phn_status_message(response.status));
+  if (response.status > 0) message("warning: {}\n", phn_status_message(response.status));
   json extra{{"status", response.status},
              {"family", name(model.model().family)},
              {"level", phn_level_of(model.data())}};
@@ -84,7 +80,7 @@ void run(const Options& options) {
   if (!options.surface) return;
   const auto n = write_fine_surface(model, response.displacement_m, options.levels, *options.surface,
                                     model.model().title);
-  fmt::print(stderr, "surface of {} vertices: {}\n", n, options.surface->string());
+  message("surface of {} vertices: {}\n", n, options.surface->string());
 }
 
 }  // namespace
@@ -92,7 +88,8 @@ void run(const Options& options) {
 void add_eval_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("eval", "Force and deformation from a model, as the runtime gives them");
-  command->add_option("MODEL_DIR", options->model, "directory with model.txt and mesh.txt")->required();
+  add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
+      ->required();
   options->tool.add_to(*command);
   command
       ->add_option(
@@ -101,8 +98,8 @@ void add_eval_command(CLI::App& app) {
       ->check(CLI::IsMember({"coupled", "paper"}));
   command->add_option("--level", options->level,
                       "level of the model, 0 the smallest (default: the full one)");
-  command->add_option("--surface", options->surface,
-                      "write the surface: .vtk or .vtu at rest with its displacement, .obj deformed");
+  add_path(*command, "--surface", options->surface, OutputKind::file,
+           "write the surface: .vtk or .vtu at rest with its displacement, .obj deformed");
   command->add_option("--subdivide", options->levels, "levels of subdivision of that surface (Loop's scheme)")
       ->check(CLI::Range(0, 6));
   command->callback([options] { run(*options); });

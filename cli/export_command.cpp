@@ -7,8 +7,10 @@
 #include <phynness/formats/text_file.hpp>
 #include <phynness/validation/loaded_model.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -37,7 +39,6 @@ void check_output(const Options& options) {
   if (std::filesystem::exists(options.output) && !std::filesystem::is_directory(options.output))
     throw input_error("the output is no directory", options.output.string(),
                       "name a directory; it is made if absent");
-  refuse_overwriting(options.output, {options.model});
   std::filesystem::create_directories(options.output, code);
   if (code)
     throw input_error("the output directory cannot be made", options.output.string() + ": " + code.message(),
@@ -71,14 +72,13 @@ json golden_json(const GoldenQueries& queries, std::size_t n) {
 
 void run(const Options& options) {
   check_name(options.name);
+  for (const auto* suffix : {".h", ".c", ".bin", "_golden.h", "_golden.c"})
+    declare_output("--output", options.output / (options.name + suffix));
   if (options.json_file) {
     const auto folder = std::filesystem::absolute(*options.json_file).parent_path();
     if (!std::filesystem::is_directory(folder))
       throw input_error("there is no such folder", folder.string(),
                         "make it first, or name another with --json");
-    refuse_overwriting(*options.json_file, {options.model / "model.txt", options.model / "mesh.txt"});
-    for (const auto* suffix : {".h", ".c", ".bin", "_golden.h", "_golden.c"})
-      refuse_overwriting(*options.json_file, {options.output / (options.name + suffix)});
   }
   const LoadedModel loaded(options.model);
   const Model& model = loaded.model();
@@ -102,21 +102,20 @@ void run(const Options& options) {
     write("_golden.h", golden.header);
     write("_golden.c", golden.source);
   }
-  fmt::print("{}: family {}, {} active nodes, {}, {}\n", (options.output / options.name).string(),
-             name(model.family), image.n_active,
-             deforms ? fmt::format("{} output nodes", image.n_output) : std::string("forces only"),
-             options.floats ? "float" : "double");
-  fmt::print("flash {}; RAM {} for a deformation, none for a force\n",
-             bytes(static_cast<double>(image.bytes.size())), bytes(static_cast<double>(image.ram_bytes())));
-  fmt::print("differs from the runtime by {:.2g} of the largest force", force_deviation);
-  if (deforms) fmt::print(" and {:.2g} of the largest displacement", deformation_deviation);
-  fmt::print(" at {} queries\n", n_measured);
+  print_result("{}: family {}, {} active nodes, {}, {}\n", (options.output / options.name).string(),
+               name(model.family), image.n_active,
+               deforms ? fmt::format("{} output nodes", image.n_output) : std::string("forces only"),
+               options.floats ? "float" : "double");
+  print_result("flash {}; RAM {} for a deformation, none for a force\n",
+               bytes(static_cast<double>(image.bytes.size())), bytes(static_cast<double>(image.ram_bytes())));
+  print_result("differs from the runtime by {:.2g} of the largest force", force_deviation);
+  if (deforms) print_result(" and {:.2g} of the largest displacement", deformation_deviation);
+  print_result(" at {} queries\n", n_measured);
   if (!model.fields.empty())
-    fmt::print(stderr, "note: the model's fields are left out; images hold force and deformation\n");
+    message("note: the model's fields are left out; images hold force and deformation\n");
   const double deviation = deforms ? std::max(force_deviation, deformation_deviation) : force_deviation;
   if (deviation > 1e-3)
-    fmt::print(
-        stderr,
+    message(
         "warning: this model's terms cancel by too much: the image differs by {:.2g} of the largest answer\n"
         "  remedy: {}train it with --family modal or a smaller --spread\n",
         deviation, options.floats ? "export it without --float, or " : "");
@@ -140,8 +139,11 @@ void add_export_command(CLI::App& app) {
       "export",
       "Write a model as C source (NAME.h, NAME.c) and as a file (NAME.bin) that a device evaluates\n"
       "in place, in flash, with the functions of phynness/image.h; sizes are constants in NAME.h");
-  command->add_option("MODEL_DIR", options->model, "directory with model.txt and mesh.txt")->required();
-  command->add_option("-o,--output", options->output, "directory for the files; made if absent")->required();
+  add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
+      ->required();
+  add_path(*command, "-o,--output", options->output, OutputKind::folder,
+           "directory for the files; made if absent")
+      ->required();
   command->add_option("--name", options->name, "of files and symbols; default: model");
   command->add_flag("--force-only", options->force_only, "leave the deformation out: far less flash");
   command->add_flag("--float", options->floats,
@@ -151,7 +153,8 @@ void add_export_command(CLI::App& app) {
                    "also write NAME_golden.h and .c: so many queries with the runtime's answers in double, "
                    "to compare a device with")
       ->check(CLI::Range(0, 100000));
-  command->add_option("--json", options->json_file, "write sizes and golden queries for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file,
+           "write sizes and golden queries for machines");
   command->callback([options] { run(*options); });
 }
 

@@ -7,8 +7,10 @@
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/validation/loaded_model.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -29,34 +31,35 @@ std::string some(const std::vector<std::int32_t>& numbers) {
 
 void print_mesh(const Mesh& mesh, const NodeSets& sets) {
   if (mesh.cells.cols() == 3)
-    fmt::print("mesh      {}: {} nodes, {} triangles of a shell\n", mesh_hash(mesh), mesh.n_nodes(),
-               mesh.n_cells());
+    print_result("mesh      {}: {} nodes, {} triangles of a shell\n", mesh_hash(mesh), mesh.n_nodes(),
+                 mesh.n_cells());
   else
-    fmt::print("mesh      {}: {} nodes, {} tetrahedra, {} surface triangles\n", mesh_hash(mesh),
-               mesh.n_nodes(), mesh.n_cells(), mesh.surface.rows());
-  fmt::print("fixed     {}: {}\n", sets.fixed.size(), some(sets.fixed));
-  fmt::print("active    {}: {}\n", sets.active.size(), some(sets.active));
-  fmt::print("output    {}: {}\n", sets.output.size(), some(sets.output));
+    print_result("mesh      {}: {} nodes, {} tetrahedra, {} surface triangles\n", mesh_hash(mesh),
+                 mesh.n_nodes(), mesh.n_cells(), mesh.surface.rows());
+  print_result("fixed     {}: {}\n", sets.fixed.size(), some(sets.fixed));
+  print_result("active    {}: {}\n", sets.active.size(), some(sets.active));
+  print_result("output    {}: {}\n", sets.output.size(), some(sets.output));
 }
 
 json about_database(const std::filesystem::path& file) {
   const auto progress = database_progress(file);
   for (const auto& damage : progress.damage)
-    fmt::print(stderr, "warning: {}: {}; {} dropped\n", damage.log.string(), damage.reason,
-               bytes(static_cast<double>(damage.dropped_bytes)));
+    message("warning: {}: {}; {} dropped\n", damage.log.string(), damage.reason,
+            bytes(static_cast<double>(damage.dropped_bytes)));
   if (!progress.complete) {
     if (progress.shard) {
       const auto whole = database_of(file, *progress.shard).string();
-      fmt::print("shard {} of a database: {} of {} rays; ", progress.shard->str(), progress.rays_logged,
-                 progress.rays_total);
+      print_result("shard {} of a database: {} of {} rays; ", progress.shard->str(), progress.rays_logged,
+                   progress.rays_total);
       if (progress.rays_logged < progress.rays_total)
-        fmt::print("go on with phynness precompute SCENE -o {} --shard {} --resume\n", whole,
-                   progress.shard->str());
+        print_result("go on with phynness precompute SCENE -o {} --shard {} --resume\n", whole,
+                     progress.shard->str());
       else
-        fmt::print("when all shards are there: phynness merge SHARD... -o {}\n", whole);
+        print_result("when all shards are there: phynness merge SHARD... -o {}\n", whole);
     } else {
-      fmt::print("unfinished database: {} of {} rays; go on with phynness precompute SCENE -o {} --resume\n",
-                 progress.rays_logged, progress.rays_total, file.string());
+      print_result(
+          "unfinished database: {} of {} rays; go on with phynness precompute SCENE -o {} --resume\n",
+          progress.rays_logged, progress.rays_total, file.string());
     }
     return {{"kind", progress.shard ? "shard" : "database"},
             {"complete", false},
@@ -66,34 +69,34 @@ json about_database(const std::filesystem::path& file) {
   const auto database = Database::open(file);
   const auto& h = database.header();
   const auto summary = summarize(database);
-  fmt::print("database  {} ({}), {}\n", file.string(),
-             bytes(static_cast<double>(std::filesystem::file_size(file))), h.software_version);
-  fmt::print("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
+  print_result("database  {} ({}), {}\n", file.string(),
+               bytes(static_cast<double>(std::filesystem::file_size(file))), h.software_version);
+  print_result("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
   print_mesh(h.mesh, h.sets);
-  fmt::print("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(),
-             h.magnitudes_m.size(), h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
+  print_result("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(),
+               h.magnitudes_m.size(), h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
   json fields = json::array();
   for (const auto field : h.fields) fields.push_back(name(field));
   if (!h.fields.empty()) {
     std::string names;
     for (const auto field : h.fields) names += fmt::format(" {} [{}]", name(field), unit(field));
-    fmt::print("fields   {}\n", names);
+    print_result("fields   {}\n", names);
   }
   const auto n_rays = static_cast<std::int64_t>(h.sets.active.size() * h.directions.size());
   const std::int64_t n_mirrored = n_rays - MirroredRays(h).n_solved();
   if (h.sets.mirror)
-    fmt::print("symmetry  plane with normal {:.4g} {:.4g} {:.4g}: {} of {} rays are mirror images\n",
-               h.sets.mirror->normal[0], h.sets.mirror->normal[1], h.sets.mirror->normal[2], n_mirrored,
-               n_rays);
+    print_result("symmetry  plane with normal {:.4g} {:.4g} {:.4g}: {} of {} rays are mirror images\n",
+                 h.sets.mirror->normal[0], h.sets.mirror->normal[1], h.sets.mirror->normal[2], n_mirrored,
+                 n_rays);
   json states = json::object();
   for (const auto& [status, count] : summary.states) {
-    fmt::print("  {:<16} {}\n", name(status), count);
+    print_result("  {:<16} {}\n", name(status), count);
     states[name(status)] = count;
   }
-  fmt::print("unstable  {} converged states with negative pivots; smallest J {:.3g}\n",
-             summary.unstable_states, summary.min_jacobian);
-  fmt::print("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations,
-             duration(summary.seconds));
+  print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n",
+               summary.unstable_states, summary.min_jacobian);
+  print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations,
+               duration(summary.seconds));
   return {{"kind", "database"},
           {"complete", true},
           {"mesh_hash", h.mesh_hash},
@@ -119,25 +122,25 @@ json about_model(const std::filesystem::path& dir) {
     neurons = std::max(neurons, static_cast<std::size_t>(node.deformation.weights.rows()));
     force_neurons = std::max(force_neurons, static_cast<std::size_t>(node.force.weights.rows()));
   }
-  fmt::print("model     {}: family {}, {} \n", dir.string(), name(m.family), m.software_version);
-  fmt::print("scene     {}, physics {}\n", m.title, m.physics_hash);
+  print_result("model     {}: family {}, {} \n", dir.string(), name(m.family), m.software_version);
+  print_result("scene     {}, physics {}\n", m.title, m.physics_hash);
   print_mesh(model.mesh(), {m.fixed, active, m.output});
   if (m.family == Family::linear)
-    fmt::print(
+    print_result(
         "responses a 3 x 3 stiffness and three unit responses each; trained to {:.4g} m, exact beyond\n",
         m.max_displacement_m);
   else if (m.family == Family::modal)
-    fmt::print(
+    print_result(
         "responses {} force centers and {} modes each, {} shared modes, {} amplitude centers; trained to "
         "{:.4g} m\n",
         centers, modes, m.shared.modes.cols(), m.shared.centers.size(), m.max_displacement_m);
   else
-    fmt::print("networks  {} neurons for deformation, {} for force; trained to {:.4g} m\n", neurons,
-               force_neurons, m.max_displacement_m);
+    print_result("networks  {} neurons for deformation, {} for force; trained to {:.4g} m\n", neurons,
+                 force_neurons, m.max_displacement_m);
   json fields = json::array();
   for (const auto& field : m.fields) {
-    fmt::print("field     {} [{}], {} shared modes, up to {:.4g} in training\n", field.name, field.unit,
-               field.modes.cols(), field.scale);
+    print_result("field     {} [{}], {} shared modes, up to {:.4g} in training\n", field.name, field.unit,
+                 field.modes.cols(), field.scale);
     fields.push_back(field.name);
   }
   json levels = json::array();
@@ -151,16 +154,16 @@ json about_model(const std::filesystem::path& dir) {
                       {"error_displacement", info.error_displacement}});
     if (m.levels.empty()) continue;
     const std::string modes_text = info.modes > 0 ? fmt::format(" of {} modes", info.modes) : "";
-    fmt::print(
+    print_result(
         "level {}   {} centers of the force, {} of the deformation{}; errors of left-out states: {:.3f} %, "
         "{:.3f} %\n",
         l, info.force_centers, info.deformation_centers, modes_text, 100 * info.error_force,
         100 * info.error_displacement);
   }
-  fmt::print("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n",
-             bytes(static_cast<double>(model.text_bytes())),
-             bytes(static_cast<double>(model.mesh_text_bytes())),
-             bytes(static_cast<double>(model.memory_bytes())));
+  print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n",
+               bytes(static_cast<double>(model.text_bytes())),
+               bytes(static_cast<double>(model.mesh_text_bytes())),
+               bytes(static_cast<double>(model.memory_bytes())));
   return {{"kind", "model"},
           {"family", name(m.family)},
           {"mesh_hash", m.mesh_hash},
@@ -178,9 +181,9 @@ json about_model(const std::filesystem::path& dir) {
 
 json about_scene(const std::filesystem::path& file) {
   const auto loaded = load_scene(file);
-  fmt::print("scene     {}: {}\n", file.string(), loaded.scene.title);
+  print_result("scene     {}: {}\n", file.string(), loaded.scene.title);
   print_mesh(loaded.mesh, loaded.sets);
-  fmt::print("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
+  print_result("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
   return {{"kind", "scene"},
           {"mesh_hash", mesh_hash(loaded.mesh)},
           {"physics_hash", physics_hash(loaded.scene)},
@@ -197,19 +200,19 @@ json about_mesh(const std::filesystem::path& file) {
     scene.mesh.file = absolute;
     return make_mesh(scene);
   }();
-  for (const auto& note : made.notes) fmt::print(stderr, "note: {}\n", note);
-  for (const auto& warning : made.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const auto& note : made.notes) message("note: {}\n", note);
+  for (const auto& warning : made.warnings) message("warning: {}\n", warning);
   const auto& q = made.quality;
   if (shell)
-    fmt::print(
+    print_result(
         "mesh      {} {}: {} nodes, {} triangles of an open surface, for a shell: [mesh] thickness_m\n",
         file.string(), mesh_hash(made.mesh), q.n_nodes, q.n_cells);
   else
-    fmt::print("mesh      {} {}: {} nodes ({} on the surface), {} tetrahedra\n", file.string(),
-               mesh_hash(made.mesh), q.n_nodes, q.n_surface_nodes, q.n_cells);
-  fmt::print("box       {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g} (file units)\n", q.min_m[0], q.min_m[1],
-             q.min_m[2], q.max_m[0], q.max_m[1], q.max_m[2]);
-  fmt::print("quality   worst {:.3f}, {} slivers\n", q.min_quality, q.n_slivers);
+    print_result("mesh      {} {}: {} nodes ({} on the surface), {} tetrahedra\n", file.string(),
+                 mesh_hash(made.mesh), q.n_nodes, q.n_surface_nodes, q.n_cells);
+  print_result("box       {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g} (file units)\n", q.min_m[0],
+               q.min_m[1], q.min_m[2], q.max_m[0], q.max_m[1], q.max_m[2]);
+  print_result("quality   worst {:.3f}, {} slivers\n", q.min_quality, q.n_slivers);
   return {{"kind", "mesh"},
           {"mesh_hash", mesh_hash(made.mesh)},
           {"nodes", q.n_nodes},
@@ -240,9 +243,10 @@ void run(const Options& options) {
 void add_info_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("info", "Say what a scene, mesh, database or model directory holds");
-  command->add_option("FILE_OR_DIR", options->what, "scene.toml, mesh file, database.h5 or MODEL_DIR")
+  add_path(*command, "FILE_OR_DIR", options->what, InputKind::whole,
+           "scene.toml, mesh file, database.h5 or MODEL_DIR")
       ->required();
-  command->add_option("--json", options->json_file, "write it for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write it for machines");
   command->callback([options] { run(*options); });
 }
 

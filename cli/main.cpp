@@ -1,13 +1,13 @@
 // phynness: the one command. Messages go to stderr; exit status 0 success, 1 failure, 2 wrong usage or input.
-#include <fmt/core.h>
-
-#include <csignal>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/version.hpp>
+#include <sstream>
 
+#include "command_files.hpp"
 #include "commands.hpp"
-#include "console.hpp"
+#include "streams.hpp"
 
+namespace phynness {
 namespace {
 
 bool is_subcommand(const CLI::App& app, const std::string& word) {
@@ -16,19 +16,7 @@ bool is_subcommand(const CLI::App& app, const std::string& word) {
   return false;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  using namespace phynness;
-  // A file larger than the process's limit is then a failed write, reported like a full disk.
-  std::signal(SIGXFSZ, SIG_IGN);
-  CLI::App app{
-      "Precomputes the response of soft bodies with finite elements, condenses it into networks, and checks "
-      "what\n"
-      "they are worth. Start with: phynness run scenes/demo.toml -o out"};
-  app.name("phynness");
-  app.set_version_flag("--version", software_version());
-  app.require_subcommand(1);
+void add_commands(CLI::App& app) {
   cli::add_mesh_command(app);
   cli::add_plan_command(app);
   cli::add_precompute_command(app);
@@ -44,29 +32,57 @@ int main(int argc, char** argv) {
   cli::add_show_command(app);
   cli::add_run_command(app);
   cli::add_study_command(app);
+}
 
+/// Help and version are results, a complaint about the command line is a message.
+int end_of_parsing(const CLI::App& app, const CLI::ParseError& error) {
+  std::ostringstream results, messages;
+  const int status = app.exit(error, results, messages);
+  cli::print_result("{}", results.str());
+  cli::message("{}", messages.str());
+  return status == 0 ? 0 : 2;
+}
+
+/// @return the exit status
+int run_command_line(int argc, char** argv) {
+  CLI::App app{
+      "Precomputes the response of soft bodies with finite elements, condenses it into networks, and checks "
+      "what\n"
+      "they are worth. Start with: phynness run scenes/demo.toml -o out"};
+  app.name("phynness");
+  app.set_version_flag("--version", software_version());
+  app.require_subcommand(1);
+  add_commands(app);
+  // Runs when the whole line has been parsed, and before the subcommand does.
+  app.parse_complete_callback([&app] { cli::check_files(app); });
   try {
     if (argc > 1 && argv[1][0] != '-' && !is_subcommand(app, argv[1]))
       throw input_error("there is no such subcommand", argv[1], "phynness --help lists them");
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return end_of_parsing(app, error);
   } catch (const Error& error) {
     // Ranks other than the first fail without words, so that a person reads the reason once.
-    if (*error.what() != 0) fmt::print(stderr, "error: {}\n", error.what());
+    if (*error.what() != 0) cli::message("error: {}\n", error.what());
     return error.kind() == Error::Kind::input ? 2 : 1;
   } catch (const std::bad_alloc&) {
-    fmt::print(
-        stderr,
+    cli::message(
         "error: out of memory\n  remedy: use a coarser mesh, fewer output nodes or a larger machine\n");
     return 1;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "error: {}\n  remedy: this is a defect; please report it with the scene\n",
-               error.what());
+    cli::message("error: {}\n  remedy: this is a defect; please report it with the scene\n", error.what());
     return 1;
   } catch (...) {  // gmsh throws strings
-    fmt::print(stderr, "error: a library gave up without words\n  remedy: please report it with the scene\n");
+    cli::message("error: a library gave up without words\n  remedy: please report it with the scene\n");
     return 1;
   }
+}
+
+}  // namespace
+}  // namespace phynness
+
+int main(int argc, char** argv) {
+  phynness::cli::prepare_streams();
+  return phynness::cli::finish_streams(phynness::run_command_line(argc, argv));
 }

@@ -4,8 +4,10 @@
 #include <phynness/formats/database_merge.hpp>
 #include <phynness/formats/error.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -68,20 +70,16 @@ Error rays_missing(const Options& options, const MergeReport& report) {
 }
 
 void run(const Options& options) {
-  refuse_overwriting(options.output, options.shards);
-  if (options.json_file) {
-    refuse_overwriting(*options.json_file, options.shards);
-    refuse_overwriting(*options.json_file, {options.output});
-  }
   const auto report = merge_shards(options.shards, options.output);
   for (const auto& damage : report.damage)
-    fmt::print(stderr, "warning: {}: {}; {} dropped\n", damage.log.string(), damage.reason,
-               bytes(static_cast<double>(damage.dropped_bytes)));
+    message("warning: {}: {}; {} dropped\n", damage.log.string(), damage.reason,
+            bytes(static_cast<double>(damage.dropped_bytes)));
   write_json(options.json_file, figures(options, report));
   if (!report.missing.empty()) throw rays_missing(options, report);
-  fmt::print("{} rays of {} shards, {} -> {}; the shards and their .log folders are no longer needed\n",
-             report.rays_total, options.shards.size(),
-             bytes(static_cast<double>(std::filesystem::file_size(options.output))), options.output.string());
+  print_result("{} rays of {} shards, {} -> {}; the shards and their .log folders are no longer needed\n",
+               report.rays_total, options.shards.size(),
+               bytes(static_cast<double>(std::filesystem::file_size(options.output))),
+               options.output.string());
 }
 
 }  // namespace
@@ -90,9 +88,12 @@ void add_merge_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command =
       app.add_subcommand("merge", "Make one database of the shards that precompute --shard i/n has solved");
-  command->add_option("SHARD", options->shards, "database.shard-0-of-8.h5 ...")->required();
-  command->add_option("-o,--output", options->output, "database to write (formats/database.md)")->required();
-  command->add_option("--json", options->json_file, "write what was merged and what is missing for machines");
+  add_path(*command, "SHARD", options->shards, InputKind::whole, "database.shard-0-of-8.h5 ...")->required();
+  add_path(*command, "-o,--output", options->output, OutputKind::database,
+           "database to write (formats/database.md)")
+      ->required();
+  add_path(*command, "--json", options->json_file, OutputKind::file,
+           "write what was merged and what is missing for machines");
   command->callback([options] { run(*options); });
 }
 

@@ -1,8 +1,8 @@
-#include <fmt/core.h>
-
 #include <phynness/meshes/meshes.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -13,27 +13,25 @@ struct Options {
 };
 
 void run(const Options& options) {
-  refuse_overwriting(options.output, {options.scene});
-  if (options.json_file) refuse_overwriting(*options.json_file, {options.scene, options.output});
   const auto loaded = load_scene(options.scene);
   const auto q = measure_quality(loaded.mesh);
   write_msh(loaded.mesh, &loaded.sets, options.output);
   const auto& s = loaded.sets;
   const bool shell = loaded.mesh.cells.cols() == 3;
   if (shell)
-    fmt::print("{} nodes, {} triangles of a shell {:.3g} mm thick, {:.4g} cm2", q.n_nodes, q.n_cells,
-               1e3 * loaded.scene.mesh.thickness_m, 1e4 * q.area_m2);
+    print_result("{} nodes, {} triangles of a shell {:.3g} mm thick, {:.4g} cm2", q.n_nodes, q.n_cells,
+                 1e3 * loaded.scene.mesh.thickness_m, 1e4 * q.area_m2);
   else
-    fmt::print("{} nodes ({} on the surface), {} tetrahedra, {:.4g} cm3", q.n_nodes, q.n_surface_nodes,
-               q.n_cells, 1e6 * q.volume_m3);
-  fmt::print(", {:.3g} x {:.3g} x {:.3g} cm\n", 100 * (q.max_m[0] - q.min_m[0]),
-             100 * (q.max_m[1] - q.min_m[1]), 100 * (q.max_m[2] - q.min_m[2]));
-  fmt::print(
+    print_result("{} nodes ({} on the surface), {} tetrahedra, {:.4g} cm3", q.n_nodes, q.n_surface_nodes,
+                 q.n_cells, 1e6 * q.volume_m3);
+  print_result(", {:.3g} x {:.3g} x {:.3g} cm\n", 100 * (q.max_m[0] - q.min_m[0]),
+               100 * (q.max_m[1] - q.min_m[1]), 100 * (q.max_m[2] - q.min_m[2]));
+  print_result(
       "edges {:.3g} to {:.3g} mm, mean {:.3g} mm; worst quality {:.3f} (cell {}), {} slivers below {}\n",
       1e3 * q.min_edge_m, 1e3 * q.max_edge_m, 1e3 * q.mean_edge_m, q.min_quality, q.worst_cell, q.n_slivers,
       sliver_quality);
-  fmt::print("{} fixed nodes, {} active, {} output\n", s.fixed.size(), s.active.size(), s.output.size());
-  fmt::print("mesh {} -> {}\n", mesh_hash(loaded.mesh), options.output.string());
+  print_result("{} fixed nodes, {} active, {} output\n", s.fixed.size(), s.active.size(), s.output.size());
+  print_result("mesh {} -> {}\n", mesh_hash(loaded.mesh), options.output.string());
   write_json(options.json_file,
              {{"mesh_hash", mesh_hash(loaded.mesh)},
               {"nodes", q.n_nodes},
@@ -55,9 +53,10 @@ void run(const Options& options) {
 void add_mesh_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("mesh", "Make or import the scene's mesh, check it, write it as .msh");
-  command->add_option("SCENE", options->scene, "scene file (formats/scene.md)")->required();
-  command->add_option("-o,--output", options->output, "mesh file to write (gmsh format 4.1)")->required();
-  command->add_option("--json", options->json_file, "write the figures for machines");
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
+  add_path(*command, "-o,--output", options->output, OutputKind::file, "mesh file to write (gmsh format 4.1)")
+      ->required();
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }
 

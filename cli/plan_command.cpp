@@ -1,8 +1,7 @@
-#include <fmt/core.h>
-
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 
+#include "command_files.hpp"
 #include "console.hpp"
 #include "plan.hpp"
 
@@ -14,7 +13,6 @@ bool is_database(const std::filesystem::path& file) {
 }
 
 void run(const PlanOptions& options) {
-  if (options.json_file) refuse_overwriting(*options.json_file, {options.source});
   install_stop_handler();
   const auto basis = is_database(options.source) ? basis_of_database(options) : basis_of_scene(options);
   write_json(options.json_file, report_plan(options, basis));
@@ -75,10 +73,8 @@ void add_plan_command(CLI::App& app) {
   auto* command = app.add_subcommand(
       "plan",
       "Predict time, memory and sizes of a precompute from a few dozen solved rays, and how far it scales");
-  command
-      ->add_option(
-          "SCENE", options->source,
-          "scene file; or a finished database.h5, whose measured costs are then taken instead of a sample")
+  add_path(*command, "SCENE", options->source, InputKind::whole,
+           "scene file; or a finished database.h5, whose measured costs are then taken instead of a sample")
       ->required();
   command->add_option("--ranks", options->ranks, "MPI processes to plan for")
       ->check(CLI::Range(1, 1000000))
@@ -87,7 +83,7 @@ void add_plan_command(CLI::App& app) {
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "which rays")->capture_default_str();
-  command->add_option("--json", options->json_file, "write the plan for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the plan for machines");
   const auto assumed = [&](const char* name, double& value, const char* what) {
     command->add_option(name, value, what)
         ->check(CLI::Range(0.0, 1e9))

@@ -6,6 +6,7 @@
 
 #include "console.hpp"
 #include "plan.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -111,17 +112,17 @@ Scaling scaling(const char* title, const PlanOptions& options, const RayWork& wo
     }
     progress.update(++done, total);
   }
-  fmt::print("\n{}\n{:>6}", title, "ranks");
-  for (const auto& way : all) fmt::print(" {:>13}", way.name);
-  fmt::print("  precompute is limited by\n");
+  print_result("\n{}\n{:>6}", title, "ranks");
+  for (const auto& way : all) print_result(" {:>13}", way.name);
+  print_result("  precompute is limited by\n");
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    fmt::print("{:>6}", steps[i]);
-    for (const double e : table[i]) fmt::print(" {:>13.1f}", 100 * e);
-    fmt::print("  {}\n", limits[i]);
+    print_result("{:>6}", steps[i]);
+    for (const double e : table[i]) print_result(" {:>13.1f}", 100 * e);
+    print_result("  {}\n", limits[i]);
   }
-  fmt::print("{:>6}", "90 %");
-  for (const auto& way : all) fmt::print(" {:>13}", result.at_wanted[way.key].get<int>());
-  fmt::print("  ranks\n");
+  print_result("{:>6}", "90 %");
+  for (const auto& way : all) print_result(" {:>13}", result.at_wanted[way.key].get<int>());
+  print_result("  ranks\n");
   return result;
 }
 
@@ -134,7 +135,7 @@ void print_states(const PlanBasis& basis) {
     failed += count;
     reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", count, name(status));
   }
-  if (failed > 0) fmt::print(stderr, "warning: {} of {} increments failed: {}\n", failed, all, reasons);
+  if (failed > 0) message("warning: {} of {} increments failed: {}\n", failed, all, reasons);
 }
 
 }  // namespace
@@ -153,28 +154,28 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
     longest_s = std::max(longest_s, basis.work.ray_seconds(ray));
 
   print_states(basis);
-  fmt::print("measured      {} rays of {} at {} nodes: {:.4g} s each{}, {:.4g} s the longest\n",
-             basis.rays_measured, basis.rays_requested, basis.nodes_measured,
-             basis.work.total_seconds() / static_cast<double>(basis.rays_requested),
-             basis.rays_measured < basis.rays_requested
-                 ? fmt::format(" (standard error {:.1f} %)", 100 * basis.relative_error)
-                 : "",
-             longest_s);
+  print_result("measured      {} rays of {} at {} nodes: {:.4g} s each{}, {:.4g} s the longest\n",
+               basis.rays_measured, basis.rays_requested, basis.nodes_measured,
+               basis.work.total_seconds() / static_cast<double>(basis.rays_requested),
+               basis.rays_measured < basis.rays_requested
+                   ? fmt::format(" (standard error {:.1f} %)", 100 * basis.relative_error)
+                   : "",
+               longest_s);
   if (basis.rays_mirrored > 0)
-    fmt::print("mirrored      {} rays more, which cost nothing\n", basis.rays_mirrored);
+    print_result("mirrored      {} rays more, which cost nothing\n", basis.rays_mirrored);
   if (basis.relative_error > acceptable_error)
-    fmt::print(stderr, "note: costs differ much between rays; --rays {} would halve the standard error\n",
-               4 * basis.rays_measured);
-  fmt::print("on {} rank{}\n", options.ranks, options.ranks == 1 ? "" : "s");
-  fmt::print("  wall time   {}: {} to start, {} to pack\n", duration(run.wall_s),
-             duration(machine.launch_s + machine.start_s), duration(run.wall_s - run.solved_s));
-  fmt::print("  core-hours  {:.4g}, of which solving {:.4g}\n", core_hours,
-             (run.spent.solving + run.spent.node_setup) / 3600);
-  if (basis.memory_bytes) fmt::print("  memory      {} a rank\n", bytes(*basis.memory_bytes));
-  fmt::print("database      {}, and {} of logs until it is packed\n", bytes(database_bytes),
-             bytes(log_bytes));
-  fmt::print("model         {} and a mesh of {}\n", bytes(basis.model.model_text_bytes),
-             bytes(basis.model.mesh_text_bytes));
+    message("note: costs differ much between rays; --rays {} would halve the standard error\n",
+            4 * basis.rays_measured);
+  print_result("on {} rank{}\n", options.ranks, options.ranks == 1 ? "" : "s");
+  print_result("  wall time   {}: {} to start, {} to pack\n", duration(run.wall_s),
+               duration(machine.launch_s + machine.start_s), duration(run.wall_s - run.solved_s));
+  print_result("  core-hours  {:.4g}, of which solving {:.4g}\n", core_hours,
+               (run.spent.solving + run.spent.node_setup) / 3600);
+  if (basis.memory_bytes) print_result("  memory      {} a rank\n", bytes(*basis.memory_bytes));
+  print_result("database      {}, and {} of logs until it is packed\n", bytes(database_bytes),
+               bytes(log_bytes));
+  print_result("model         {} and a mesh of {}\n", bytes(basis.model.model_text_bytes),
+               bytes(basis.model.mesh_text_bytes));
 
   Scaling scale, solving;
   {
@@ -185,7 +186,7 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
     solving = scaling("the same without start and packing", options, basis.work, solving_only(machine),
                       progress, done);
   }
-  fmt::print(
+  print_result(
       "\n{} ranks can be used at 90 % efficiency, beyond the limit is: {}; while solving alone {} ranks, "
       "{}\n",
       scale.ranks, scale.limit, solving.ranks, solving.limit);

@@ -5,8 +5,10 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/precompute.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -22,13 +24,13 @@ struct Options {
 /// Takes the lock, and says what is there already.
 DatabaseLock begin(const PrecomputeTarget& target) {
   DatabaseLock lock(target.file);
-  if (!lock.warning().empty()) fmt::print(stderr, "warning: {}\n", lock.warning());
+  if (!lock.warning().empty()) message("warning: {}\n", lock.warning());
   if (target.resume && std::filesystem::exists(target.file)) {
     const auto found = database_progress(target.file);
     for (const auto& damage : found.damage)
-      fmt::print(stderr, "warning: {}: {}; {} dropped, their rays will be solved again\n",
-                 damage.log.string(), damage.reason, bytes(static_cast<double>(damage.dropped_bytes)));
-    fmt::print(stderr, "note: resuming with {} of {} rays\n", found.rays_logged, found.rays_total);
+      message("warning: {}: {}; {} dropped, their rays will be solved again\n", damage.log.string(),
+              damage.reason, bytes(static_cast<double>(damage.dropped_bytes)));
+    message("note: resuming with {} of {} rays\n", found.rays_logged, found.rays_total);
   }
   return lock;
 }
@@ -42,24 +44,24 @@ void print_ranks(const PrecomputeReport& report) {
     busy += rank.busy_seconds;
     most_memory = std::max(most_memory, rank.peak_memory_bytes);
   }
-  fmt::print(
+  print_result(
       "{} of set-up, {} of solving, {} of packing; ranks idle {:.1f} % of solving; peak memory {} a rank\n",
       duration(report.setup_seconds), duration(report.solve_seconds), duration(report.pack_seconds),
       report.rays > 0 ? 100 * idle / (idle + busy) : 0.0, bytes(most_memory));
   if (report.ranks.size() < 2) return;
   if (report.ranks.size() <= few) {
-    fmt::print("{:>6} {:>8} {:>10} {:>10} {:>12}\n", "rank", "rays", "busy s", "idle s", "peak memory");
+    print_result("{:>6} {:>8} {:>10} {:>10} {:>12}\n", "rank", "rays", "busy s", "idle s", "peak memory");
     for (std::size_t r = 0; r < report.ranks.size(); ++r)
-      fmt::print("{:>6} {:>8} {:>10.2f} {:>10.2f} {:>12}\n", r, report.ranks[r].rays,
-                 report.ranks[r].busy_seconds, report.ranks[r].idle_seconds,
-                 bytes(report.ranks[r].peak_memory_bytes));
+      print_result("{:>6} {:>8} {:>10.2f} {:>10.2f} {:>12}\n", r, report.ranks[r].rays,
+                   report.ranks[r].busy_seconds, report.ranks[r].idle_seconds,
+                   bytes(report.ranks[r].peak_memory_bytes));
     return;
   }
   const auto [least, most] = std::minmax_element(
       report.ranks.begin(), report.ranks.end(),
       [](const RankFigures& a, const RankFigures& b) { return a.idle_seconds < b.idle_seconds; });
-  fmt::print("idle {:.2f} s (rank {}) to {:.2f} s (rank {})\n", least->idle_seconds,
-             least - report.ranks.begin(), most->idle_seconds, most - report.ranks.begin());
+  print_result("idle {:.2f} s (rank {}) to {:.2f} s (rank {})\n", least->idle_seconds,
+               least - report.ranks.begin(), most->idle_seconds, most - report.ranks.begin());
 }
 
 json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const PrecomputeReport& report) {
@@ -97,10 +99,8 @@ void run(const Options& options) {
   if (!options.shard.empty()) {
     target.shard = parse_shard(options.shard);
     target.file = shard_file(options.output, *target.shard);
+    declare_output("--shard", target.file, OutputKind::database);
   }
-  refuse_overwriting(options.output, {options.scene});
-  refuse_overwriting(target.file, {options.scene});
-  if (options.json_file) refuse_overwriting(*options.json_file, {options.scene, options.output, target.file});
   install_stop_handler();
   const SolverSession session;
   const bool first = session.rank() == 0;
@@ -133,7 +133,7 @@ void run(const Options& options) {
                   "go on with --resume");
   if (!first) return;
   const auto solved = std::max<std::int64_t>(1, report.increments_solved);
-  fmt::print(
+  print_result(
       "{} active nodes, {} rays ({} resumed), {} increments, {} failed ({:.2f} %), {:.2f} Newton iterations "
       "each\n",
       loaded.sets.active.size(), report.rays + report.rays_resumed, report.rays_resumed, report.increments,
@@ -141,11 +141,12 @@ void run(const Options& options) {
       100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
       static_cast<double>(report.iterations) / static_cast<double>(solved));
   if (report.rays_mirrored > 0)
-    fmt::print("{} rays ({:.0f} %) are mirror images, whose increments count too\n", report.rays_mirrored,
-               100.0 * static_cast<double>(report.rays_mirrored) /
-                   static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
-  fmt::print("{} on {} rank{}, {:.1f} core-ms per increment\n", duration(report.wall_seconds), session.size(),
-             session.size() == 1 ? "" : "s", 1e3 * report.core_seconds / static_cast<double>(solved));
+    print_result("{} rays ({:.0f} %) are mirror images, whose increments count too\n", report.rays_mirrored,
+                 100.0 * static_cast<double>(report.rays_mirrored) /
+                     static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
+  print_result("{} on {} rank{}, {:.1f} core-ms per increment\n", duration(report.wall_seconds),
+               session.size(), session.size() == 1 ? "" : "s",
+               1e3 * report.core_seconds / static_cast<double>(solved));
   print_ranks(report);
   if (report.failed == report.increments && report.increments > 0)
     throw failure("no increment converged", std::to_string(report.increments) + " increments",
@@ -157,17 +158,17 @@ void run(const Options& options) {
     fmt::print(stderr, "warning: {} rays ended because a library call failed; its messages are in {}\n",
                report.library_errors, target.file.string() + ".solver.log");
   if (report.failed > report.increments / 100)
-    fmt::print(stderr, "warning: {} increments failed and will not be trained on{}\n", report.failed,
-               target.shard ? "" : "; phynness info " + target.file.string() + " says why");
+    message("warning: {} increments failed and will not be trained on{}\n", report.failed,
+            target.shard ? "" : "; phynness info " + target.file.string() + " says why");
   if (target.shard)
-    fmt::print("shard {} -> {}; when all {} are there: phynness merge {} -o {}\n", target.shard->str(),
-               target.file.string(), target.shard->count,
-               (options.output.parent_path() / options.output.stem()).string() + ".shard-*" +
-                   options.output.extension().string(),
-               options.output.string());
+    print_result("shard {} -> {}; when all {} are there: phynness merge {} -o {}\n", target.shard->str(),
+                 target.file.string(), target.shard->count,
+                 (options.output.parent_path() / options.output.stem()).string() + ".shard-*" +
+                     options.output.extension().string(),
+                 options.output.string());
   else
-    fmt::print("database {} -> {}\n", bytes(static_cast<double>(std::filesystem::file_size(target.file))),
-               target.file.string());
+    print_result("database {} -> {}\n", bytes(static_cast<double>(std::filesystem::file_size(target.file))),
+                 target.file.string());
   write_json(options.json_file, figures(loaded, target, report));
 }
 
@@ -179,8 +180,10 @@ void add_precompute_command(CLI::App& app) {
       "precompute",
       "Solve every probe of the scene with finite elements -> database.h5\n(in parallel: mpirun -n 8 "
       "phynness precompute ...)");
-  command->add_option("SCENE", options->scene, "scene file (formats/scene.md)")->required();
-  command->add_option("-o,--output", options->output, "database to write (formats/database.md)")->required();
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
+  add_path(*command, "-o,--output", options->output, OutputKind::database,
+           "database to write (formats/database.md)")
+      ->required();
   command->add_flag("--resume", options->resume, "go on with an unfinished database");
   command->add_option("--shard", options->shard,
                       "i/n: solve part i (from 0) of n, as a process that needs no other, into its own file\n"
@@ -191,7 +194,7 @@ void add_precompute_command(CLI::App& app) {
           "ranks that factorize one solve together, for meshes too large for one (docs/howto/cluster.md)")
       ->check(CLI::Range(1, 1 << 20))
       ->default_val(1);
-  command->add_option("--json", options->json_file, "write the figures for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }
 

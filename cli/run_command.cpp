@@ -1,14 +1,14 @@
 // mesh, precompute, train, validate in one go: each a subcommand of its own in a process of its own, so that
 // the parallel stages run under mpirun while training uses threads.
-#include <fmt/core.h>
-
 #include <chrono>
 #include <fstream>
 #include <phynness/formats/error.hpp>
 
 #include "child_process.hpp"
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -30,8 +30,7 @@ struct Stage {
 Stage stage(const char* title, const std::filesystem::path& written, std::vector<std::string> arguments,
             int ranks) {
   const auto start = std::chrono::steady_clock::now();
-  fmt::print("\n== {}\n", title);
-  std::fflush(stdout);
+  print_result("\n== {}\n", title);
   run_child(title, std::move(arguments), ranks);
   return {title, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), written};
 }
@@ -44,7 +43,16 @@ double size_of(const std::filesystem::path& what) {
   return sum;
 }
 
+void declare_files(const Options& options) {
+  for (const char* name : {"mesh.msh", "mesh.json", "precompute.json", "train.json", "validate.json"})
+    declare_output("--output", options.output / name);
+  declare_output("--output", options.output / "database.h5", OutputKind::database);
+  declare_output("--output", options.output / "model", OutputKind::model);
+  open_scene(options.scene);
+}
+
 void run(const Options& options) {
+  declare_files(options);
   install_stop_handler(false);
   std::error_code code;
   std::filesystem::create_directories(options.output, code);
@@ -75,10 +83,10 @@ void run(const Options& options) {
     }
     write_json(options.json_file, all);
   }
-  fmt::print("\n{:<12} {:>12} {:>10}  written\n", "stage", "time", "size");
+  print_result("\n{:<12} {:>12} {:>10}  written\n", "stage", "time", "size");
   for (const auto& s : stages)
-    fmt::print("{:<12} {:>12} {:>10}  {}\n", s.title, duration(s.seconds), bytes(size_of(s.written)),
-               s.written.string());
+    print_result("{:<12} {:>12} {:>10}  {}\n", s.title, duration(s.seconds), bytes(size_of(s.written)),
+                 s.written.string());
 }
 
 }  // namespace
@@ -87,13 +95,16 @@ void add_run_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command =
       app.add_subcommand("run", "The whole pipeline: mesh, precompute, train, validate -> OUT_DIR");
-  command->add_option("SCENE", options->scene, "scene file (formats/scene.md)")->required();
-  command->add_option("-o,--output", options->output, "folder for everything that is written")->required();
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
+  add_path(*command, "-o,--output", options->output, OutputKind::folder,
+           "folder for everything that is written")
+      ->required();
   command->add_option("--ranks", options->ranks, "processes for the finite element stages (mpirun)")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   command->add_flag("--resume", options->resume, "go on with an unfinished database in OUT_DIR");
-  command->add_option("--json", options->json_file, "write the figures of all stages for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file,
+           "write the figures of all stages for machines");
   command->callback([options] { run(*options); });
 }
 

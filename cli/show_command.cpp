@@ -4,8 +4,10 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "shown_response.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -58,14 +60,15 @@ void write(const ShownResponse& shown, Kind kind, const std::filesystem::path& f
   for (std::size_t i = 0; i < shown.states.size(); ++i) {
     names.push_back(fmt::format("{}-{:04d}.vtu", file.stem().string(), shown.increments[i]));
     times.push_back(shown.states[i].time);
-    write_text_file(file.parent_path() / names.back(), vtu_text(shown.grid, shown.states[i]));
+    declare_output("--output", file.parent_path() / names.back());
   }
+  for (std::size_t i = 0; i < shown.states.size(); ++i)
+    write_text_file(file.parent_path() / names[i], vtu_text(shown.grid, shown.states[i]));
   // Last, so that it never names a file that is not there.
   write_text_file(file, pvd_text(names, times));
 }
 
 void run(const Options& options) {
-  refuse_overwriting(options.output, {options.database});
   const Kind kind = kind_of(options.output);
   if (!holds_many(kind) && options.increment == "all")
     throw input_error("this format holds one increment", options.output.string(),
@@ -76,20 +79,20 @@ void run(const Options& options) {
     shown.states.erase(shown.states.begin(), shown.states.end() - 1);
     shown.increments.erase(shown.increments.begin(), shown.increments.end() - 1);
   }
-  for (const auto& note : shown.notes) fmt::print(stderr, "note: {}\n", note);
+  for (const auto& note : shown.notes) message("note: {}\n", note);
   const auto& header = database.header();
   const auto& e = header.directions[static_cast<std::size_t>(options.direction)];
   const auto title = fmt::format("node {}, direction {} ({:.3g} {:.3g} {:.3g})", options.node,
                                  options.direction, e[0], e[1], e[2]);
   write(shown, kind, options.output, title);
   const auto& cells = shown.grid.cells;
-  fmt::print("{}: {} points, {} {}, {} increment{} to {:.4g} m -> {}\n", title, shown.grid.points.rows(),
-             cells.rows(),
-             cells.cols() == 4   ? "tetrahedra"
-             : cells.cols() == 3 ? "triangles"
-                                 : "vertices",
-             shown.states.size(), shown.states.size() == 1 ? "" : "s", shown.states.back().time,
-             options.output.string());
+  print_result("{}: {} points, {} {}, {} increment{} to {:.4g} m -> {}\n", title, shown.grid.points.rows(),
+               cells.rows(),
+               cells.cols() == 4   ? "tetrahedra"
+               : cells.cols() == 3 ? "triangles"
+                                   : "vertices",
+               shown.states.size(), shown.states.size() == 1 ? "" : "s", shown.states.back().time,
+               options.output.string());
 }
 
 }  // namespace
@@ -97,18 +100,16 @@ void run(const Options& options) {
 void add_show_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("show", "Write a stored response for ParaView: XDMF, PVD, VTU or VTK");
-  command->add_option("DATABASE", options->database, "finished database.h5")->required();
+  add_path(*command, "DATABASE", options->database, InputKind::whole, "finished database.h5")->required();
   command->add_option("--node", options->node, "active node (0-based number of the mesh)")->required();
   command->add_option("--direction", options->direction, "index of the direction, 0 the first")->required();
   command->add_option(
       "--increment", options->increment,
       "1 is the first; or all (default: all in .xdmf and .pvd, the last converged one in .vtu "
       "and .vtk)");
-  command
-      ->add_option(
-          "-o,--output", options->output,
-          ".xdmf, .pvd (with .vtu files beside it), .vtu or .vtk; time is the prescribed displacement "
-          "in m")
+  add_path(*command, "-o,--output", options->output, OutputKind::file,
+           ".xdmf, .pvd (with .vtu files beside it), .vtu or .vtk; time is the prescribed displacement "
+           "in m")
       ->required();
   command->callback([options] { run(*options); });
 }

@@ -5,7 +5,9 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/held_points.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -47,7 +49,6 @@ std::vector<PointTool> tools_at(const std::vector<SurfacePoint>& places,
 }
 
 void run(const Options& options) {
-  options.tool.refuse_overwriting_inputs(options.source);
   const auto displacements = options.tool.parsed_displacements();
   const SolverSession session;
   const auto loaded = load_source(options.source);
@@ -66,9 +67,8 @@ void run(const Options& options) {
                   "take a smaller displacement or more --increments; " + std::to_string(response.cutbacks) +
                       " cutbacks were tried");
   if (response.negative_pivots > 0)
-    fmt::print(stderr,
-               "warning: the state is unstable ({} negative pivots): the answer may depend on the path\n",
-               response.negative_pivots);
+    message("warning: the state is unstable ({} negative pivots): the answer may depend on the path\n",
+            response.negative_pivots);
   ToolResult result;
   for (const auto& f : response.force_N) result.force_N.emplace_back(f);
   result.energy_J = response.energy_J;
@@ -105,7 +105,8 @@ void run(const Options& options) {
 void add_solve_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("solve", "Force and deformation from one finite element solve");
-  command->add_option("SCENE", options->source, "scene file, or database.h5 (its scene and its mesh)")
+  add_path(*command, "SCENE", options->source, InputKind::whole,
+           "scene file, or database.h5 (its scene and its mesh)")
       ->required();
   options->tool.add_to(*command);
   command

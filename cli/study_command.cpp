@@ -13,8 +13,10 @@
 #include <thread>
 
 #include "child_process.hpp"
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "streams.hpp"
 #include "study.hpp"
 
 namespace phynness::cli {
@@ -75,6 +77,15 @@ std::vector<PaperCase> chosen_cases(const std::string& words) {
   return chosen;
 }
 
+/// Finished cases belong to the page, asked for or not.
+void declare_files(const StudyRun& run) {
+  for (const auto& one : paper_cases()) {
+    declare_input("--scenes", run.scenes / one.scene);
+    declare_output("--output", case_folder(run, one), OutputKind::tree);
+  }
+  for (const char* name : {"paper.json", "paper.html"}) declare_output("--output", run.output / name);
+}
+
 void run_study(Options options) {
   auto& run = options.run;
   const auto start = std::chrono::steady_clock::now();
@@ -92,6 +103,7 @@ void run_study(Options options) {
   }
   if (run.output.empty()) run.output = run.quick ? "out/paper-quick" : "out/paper";
   const auto cases = options.cases ? chosen_cases(*options.cases) : paper_cases();
+  declare_files(run);
   require_plots();
   std::error_code code;
   std::filesystem::create_directories(run.output, code);
@@ -114,8 +126,7 @@ void run_study(Options options) {
     });
     done.push_back(cases[i]);
   }
-  fmt::print("\n== times and report\n");
-  std::fflush(stdout);
+  print_result("\n== times and report\n");
   for (const auto& one : paper_cases()) {
     const bool ran = std::any_of(done.begin(), done.end(), [&](const auto& d) { return d.id == one.id; });
     // One that was finished before belongs to the page, asked for or not.
@@ -134,12 +145,12 @@ void run_study(Options options) {
   write_text_file(run.output / "paper.json", to_json(study, report).dump(1) + "\n");
   write_text_file(run.output / "paper.html", html_page(study, report));
   for (const auto& row : report.summary) {
-    fmt::print("{:<62}", row.front());
-    for (std::size_t c = 1; c < row.size(); ++c) fmt::print(" | {}", row[c]);
-    fmt::print("\n");
+    print_result("{:<62}", row.front());
+    for (std::size_t c = 1; c < row.size(); ++c) print_result(" | {}", row[c]);
+    print_result("\n");
   }
-  fmt::print("{} -> {}, {}\n", duration(study.seconds), (run.output / "paper.html").string(),
-             (run.output / "paper.json").string());
+  print_result("{} -> {}, {}\n", duration(study.seconds), (run.output / "paper.html").string(),
+               (run.output / "paper.json").string());
 }
 
 }  // namespace
@@ -153,20 +164,21 @@ void add_study_command(CLI::App& app) {
       "paper", "Cases 1 to 4 run whole; Tables 1 and 2 and Figures 6 to 15 beside the paper's numbers");
   paper->add_flag("--quick", options->run.quick,
                   "coarser meshes and fewer points: some minutes instead of an hour");
-  paper->add_option("-o,--output", options->run.output,
-                    "folder; an interrupted study goes on there (default: out/paper or out/paper-quick)");
+  add_path(*paper, "-o,--output", options->run.output, OutputKind::folder,
+           "folder; an interrupted study goes on there (default: out/paper or out/paper-quick)");
   paper->add_option("--cases", options->cases, "some of 1,2,3,3-p1-p1,4 (default: all whose scene is there)");
-  paper->add_option("--scenes", options->run.scenes, "folder with the scenes of the cases");
+  add_path(*paper, "--scenes", options->run.scenes, InputKind::folder, "folder with the scenes of the cases");
   paper->add_option("--ranks", options->run.ranks, "processes for the finite element stages (mpirun)")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  paper->add_option("--sizes", options->sizes_file, "JSON that changes how much is measured")->group("");
+  add_path(*paper, "--sizes", options->sizes_file, InputKind::whole, "JSON that changes how much is measured")
+      ->group("");
   paper->callback([options] { run_study(*options); });
 
   auto folder = std::make_shared<std::filesystem::path>();
   auto* measure =
       command->add_subcommand("measure", "One case of a study, as `study paper` starts it")->group("");
-  measure->add_option("FOLDER", *folder)->required();
+  add_path(*measure, "FOLDER", *folder, OutputKind::tree, "of the case")->required();
   measure->callback([folder] { measure_folder(*folder); });
 }
 

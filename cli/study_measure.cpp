@@ -10,6 +10,7 @@
 
 #include "commands.hpp"
 #include "console.hpp"
+#include "streams.hpp"
 #include "study.hpp"
 
 namespace phynness::cli {
@@ -59,8 +60,8 @@ void measure_folder(const std::filesystem::path& folder) {
   nlohmann::json out{{"key", read_json(folder / "study.json").at("key")}, {"measured", all}};
   write_text_file(folder / "measured.json", out.dump());
   for (int rank = 0; rank < session.size(); ++rank) std::filesystem::remove(part_file(folder, rank));
-  fmt::print("measured {} nodes and {} pairs of tools in {}\n", all.nodes.size(), all.pairs.size(),
-             duration(all.seconds));
+  print_result("measured {} nodes and {} pairs of tools in {}\n", all.nodes.size(), all.pairs.size(),
+               duration(all.seconds));
 }
 
 }  // namespace phynness::cli

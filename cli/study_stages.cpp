@@ -1,5 +1,3 @@
-#include <fmt/core.h>
-
 #include <fstream>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
@@ -12,6 +10,7 @@
 #include "child_process.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "streams.hpp"
 #include "study.hpp"
 
 namespace phynness::cli {
@@ -103,8 +102,7 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
   const auto announce = [&](const char* stage) {
     if (stop_requested())
       throw failure("the study was interrupted", stage, "run it again: finished stages are kept");
-    fmt::print("\n== {}, {}: {}\n", how_far(), of.title, stage);
-    std::fflush(stdout);
+    print_result("\n== {}, {}: {}\n", how_far(), of.title, stage);
   };
   const auto stage = [&](const char* name, const std::string& key, bool there,
                          std::vector<std::string> arguments, int ranks) {

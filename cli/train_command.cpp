@@ -4,8 +4,10 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/training/training.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -34,15 +36,15 @@ void print_modal(const Model& model, const TrainingReport& report) {
     modes = std::max(modes, static_cast<std::size_t>(node.modal.weights.cols()));
   }
   const auto& q = report.modal;
-  fmt::print(
+  print_result(
       "{} nodes, up to {} force centers and {} modes each; {} shared modes, {} amplitude centers; {}\n",
       report.n_networks, centers, modes, model.shared.modes.cols(), model.shared.centers.size(),
       duration(report.seconds));
-  fmt::print(
+  print_result(
       "mean error, eq. (17), on the training states: force {:.3f} %; displacement {:.3f} % by truncation, "
       "{:.3f} % by regression\n",
       100 * q.force_training, 100 * q.truncation, 100 * q.regression);
-  fmt::print(
+  print_result(
       "with a direction left out: force {:.3f} %, amplitudes {:.3f} %; terms cancel by {:.0f} at most; "
       "shapes "
       "{:.2g} to {:.2g} and {:.2g}\n",
@@ -52,30 +54,29 @@ void print_modal(const Model& model, const TrainingReport& report) {
 
 void print_levels(const Model& model) {
   for (std::size_t l = 0; l < model.levels.size(); ++l)
-    fmt::print("level {}: with a state left out force {:.3f} %, displacement {:.3f} %, the median node\n", l,
-               100 * model.levels[l].error_force, 100 * model.levels[l].error_displacement);
+    print_result("level {}: with a state left out force {:.3f} %, displacement {:.3f} %, the median node\n",
+                 l, 100 * model.levels[l].error_force, 100 * model.levels[l].error_displacement);
 }
 
 void print_fields(const Model& model, const TrainingReport& report, const std::vector<Field>& stored) {
   for (std::size_t f = 0; f < model.fields.size(); ++f) {
     const auto& q = report.modal.fields[f];
-    fmt::print("{}: {:.3f} % by truncation, {:.3f} % by regression, of the node's largest\n",
-               model.fields[f].name, 100 * q.truncation, 100 * q.regression);
+    print_result("{}: {:.3f} % by truncation, {:.3f} % by regression, of the node's largest\n",
+                 model.fields[f].name, 100 * q.truncation, 100 * q.regression);
   }
   if (stored.empty() || !model.fields.empty()) return;
   std::string names;
   for (const auto field : stored) names += (names.empty() ? "" : ", ") + std::string(name(field));
-  fmt::print(stderr, "note: the database's fields ({}) are not modelled: {}\n", names,
-             model.family == Family::modal ? "a model without modes has forces only"
-                                           : "only family modal does, --family modal");
+  message("note: the database's fields ({}) are not modelled: {}\n", names,
+          model.family == Family::modal ? "a model without modes has forces only"
+                                        : "only family modal does, --family modal");
 }
 
 void run(const Options& options) {
   check_spread(options.spread, "--spread");
   check_spread(options.force_spread, "--force-spread");
-  if (options.json_file) refuse_overwriting(*options.json_file, {options.scene, options.database});
   install_stop_handler();
-  const Scene scene = read_scene(options.scene);
+  const Scene scene = open_scene(options.scene);
   const auto database = Database::open(options.database);
   const auto& header = database.header();
   if (physics_hash(scene) != header.physics_hash)
@@ -91,13 +92,12 @@ void run(const Options& options) {
                                                 : Family::rbfn;
   if (spec.family != Family::rbfn &&
       (options.neurons || options.force_neurons || options.spread || options.force_spread))
-    fmt::print(stderr, "note: family {} has no neurons; options of neurons and spreads do nothing\n",
-               name(spec.family));
+    message("note: family {} has no neurons; options of neurons and spreads do nothing\n", name(spec.family));
   if (spec.family != Family::modal && (options.modes || options.shared_modes || options.near_nodes ||
                                        options.force_centers || options.amplitude_centers))
-    fmt::print(stderr, "note: options of modes and centers do nothing in family {}\n", name(spec.family));
+    message("note: options of modes and centers do nothing in family {}\n", name(spec.family));
   if (spec.family == Family::linear && options.levels.value_or(1) > 1)
-    fmt::print(stderr, "note: family linear has one level; --levels does nothing\n");
+    message("note: family linear has one level; --levels does nothing\n");
   spec.levels = options.levels.value_or(spec.levels);
   spec.modes = options.modes.value_or(spec.modes);
   spec.shared_modes = options.shared_modes.value_or(spec.shared_modes);
@@ -131,26 +131,25 @@ void run(const Options& options) {
   const auto mesh_bytes = std::filesystem::file_size(options.output / "mesh.txt");
   const auto& linear = report.linear;
   if (model.family == Family::linear) {
-    fmt::print("{} nodes, a 3 x 3 stiffness and three unit responses of {} output nodes each, {}\n",
-               report.n_networks, model.output.size(), duration(report.seconds));
-    fmt::print(
+    print_result("{} nodes, a 3 x 3 stiffness and three unit responses of {} output nodes each, {}\n",
+                 report.n_networks, model.output.size(), duration(report.seconds));
+    print_result(
         "linear to {:.1e} (displacements), {:.1e} (forces), {:.1e} (energies); stiffness symmetric to "
         "{:.1e}\n",
         linear.displacement_residual, linear.force_residual, linear.energy_residual, linear.asymmetry);
   } else if (model.family == Family::modal) {
     print_modal(model, report);
   } else {
-    fmt::print("{} nodes, up to {} deformation and {} force neurons each, spread {:.3g} and {:.3g}, {}\n",
-               report.n_networks, neurons, force_neurons, report.deformation_spread, report.force_spread,
-               duration(report.seconds));
+    print_result("{} nodes, up to {} deformation and {} force neurons each, spread {:.3g} and {:.3g}, {}\n",
+                 report.n_networks, neurons, force_neurons, report.deformation_spread, report.force_spread,
+                 duration(report.seconds));
   }
   print_levels(model);
   print_fields(model, report, header.fields);
   if (report.n_skipped > 0)
-    fmt::print(stderr, "warning: {} active nodes have no converged increment and are left out\n",
-               report.n_skipped);
-  fmt::print("model.txt {}, mesh.txt {} -> {}\n", bytes(static_cast<double>(model_bytes)),
-             bytes(static_cast<double>(mesh_bytes)), options.output.string());
+    message("warning: {} active nodes have no converged increment and are left out\n", report.n_skipped);
+  print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(static_cast<double>(model_bytes)),
+               bytes(static_cast<double>(mesh_bytes)), options.output.string());
   json out{{"family", name(model.family)},
            {"networks", report.n_networks},
            {"skipped", report.n_skipped},
@@ -190,9 +189,12 @@ void add_train_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command =
       app.add_subcommand("train", "Condense a database into a model -> MODEL_DIR (model.txt, mesh.txt)");
-  command->add_option("SCENE", options->scene, "the scene the database was made from")->required();
-  command->add_option("DATABASE", options->database, "database.h5 of phynness precompute")->required();
-  command->add_option("-o,--output", options->output, "model directory to write (formats/model.md)")
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the database was made from")
+      ->required();
+  add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 of phynness precompute")
+      ->required();
+  add_path(*command, "-o,--output", options->output, OutputKind::model,
+           "model directory to write (formats/model.md)")
       ->required();
   command
       ->add_option(
@@ -220,7 +222,7 @@ void add_train_command(CLI::App& app) {
   count("--levels", options->levels, "networks of each response, each half as large as the next", 1,
         largest_level_count);
   count("--amplitude-centers", options->amplitude_centers, "modal: centers of the amplitudes", 0, 100'000);
-  command->add_option("--json", options->json_file, "write the figures for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }
 

@@ -8,9 +8,11 @@
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/tuning/tuning.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "error_json.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -48,23 +50,26 @@ void print_table(const TuningReport& report, const std::optional<std::size_t>& c
                  ErrorStatistic statistic) {
   const bool by_median = statistic == ErrorStatistic::median;
   const char* middle = by_median ? "median" : "mean";
-  fmt::print("{:<40} {:>15} {:>15} {:>15} {:>9} {:>9} {:>9}\n", "", "force inside", "displ. inside",
-             "displ. beyond", "force", "deform.", "memory");
-  fmt::print("{:<40} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n",
-             "model, errors of eq. (17) in %", middle, "p95", middle, "p95", middle, "p95", "us", "us", "MB");
+  print_result("{:<40} {:>15} {:>15} {:>15} {:>9} {:>9} {:>9}\n", "", "force inside", "displ. inside",
+               "displ. beyond", "force", "deform.", "memory");
+  print_result("{:<40} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n",
+               "model, errors of eq. (17) in %", middle, "p95", middle, "p95", middle, "p95", "us", "us",
+               "MB");
   const auto errors = [&](const PredictorErrors& e) {
     for (const auto& some : {e.inside.force, e.inside.displacement, e.outside.displacement})
-      fmt::print(" {:7.2f} {:7.2f}", 100 * (by_median ? some.median : some.mean), 100 * some.p95);
+      print_result(" {:7.2f} {:7.2f}", 100 * (by_median ? some.median : some.mean), 100 * some.p95);
   };
   for (std::size_t i = 0; i < report.models.size(); ++i) {
     const auto& m = report.models[i];
-    fmt::print("{} {:<38}", chosen == i ? '>' : m.on_front ? '*' : ' ', m.candidate.name);
+    print_result("{} {:<38}", chosen == i ? '>' : m.on_front ? '*' : ' ', m.candidate.name);
     errors(m.errors);
-    fmt::print(" {:9.2f} {:9.1f} {:9.2f}\n", m.speed.force_us, m.speed.deformation_us, m.memory_bytes / 1e6);
+    print_result(" {:9.2f} {:9.1f} {:9.2f}\n", m.speed.force_us, m.speed.deformation_us,
+                 m.memory_bytes / 1e6);
   }
-  fmt::print("  {:<38}", "(linear predictor)");
+  print_result("  {:<38}", "(linear predictor)");
   errors(report.linear);
-  fmt::print("\n> chosen; * none is better in error ({}), time and memory\n", statistic_names.at(statistic));
+  print_result("\n> chosen; * none is better in error ({}), time and memory\n",
+               statistic_names.at(statistic));
 }
 
 /// Two panels, error against time and against memory, by gnuplot.
@@ -112,7 +117,7 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
     script += fmt::format("set xlabel '{}'\nplot {}\n", label, panel);
   }
   report::gnuplot(script, file.string(), "leave --plot out");
-  fmt::print("plot: {}\n", file.string());
+  print_result("plot: {}\n", file.string());
 }
 
 json sizes(const TrainingSpec& spec) {
@@ -135,9 +140,6 @@ void run(const Options& options) {
   if (options.plot_file && options.plot_file->extension() != ".svg" &&
       options.plot_file->extension() != ".png")
     throw input_error("a plot is .svg or .png", options.plot_file->string(), "--plot trade.svg");
-  if (options.json_file) refuse_overwriting(*options.json_file, {options.scene, options.database});
-  if (options.plot_file)
-    refuse_overwriting(*options.plot_file, {options.scene, options.database, options.json_file.value_or("")});
   for (const auto& file : {options.json_file, options.plot_file, std::optional(options.output)})
     if (const auto folder = file ? std::filesystem::absolute(*file).parent_path() : std::filesystem::path();
         file && !std::filesystem::is_directory(folder))
@@ -147,7 +149,7 @@ void run(const Options& options) {
   if (session.size() > 1)
     throw input_error("tune runs as one process", fmt::format("{} ranks", session.size()),
                       "start it without mpirun");
-  const Scene scene = read_scene(options.scene);
+  const Scene scene = open_scene(options.scene);
   const auto database = Database::open(options.database);
   if (physics_hash(scene) != database.header().physics_hash)
     throw input_error("the database was made from another scene",
@@ -170,14 +172,15 @@ void run(const Options& options) {
   }
   mark_front(report.models, limits.statistic);
   const auto choice = choose_model(report.models, limits);
-  fmt::print("{}, {}, K/mu = {:.4g}, R = {:.4g} mm: {} probes at {} nodes, {} failed; {}\n", scene.title,
-             name(scene.solver.element), scene.material.bulk_to_shear(), 1e3 * scene.probe.max_displacement_m,
-             report.probes, report.nodes.size(), report.failed, duration(report.seconds));
+  print_result("{}, {}, K/mu = {:.4g}, R = {:.4g} mm: {} probes at {} nodes, {} failed; {}\n", scene.title,
+               name(scene.solver.element), scene.material.bulk_to_shear(),
+               1e3 * scene.probe.max_displacement_m, report.probes, report.nodes.size(), report.failed,
+               duration(report.seconds));
   print_table(report, choice.chosen, limits.statistic);
-  for (const auto& reason : report.left_out) fmt::print(stderr, "note: not trained: {}\n", reason);
+  for (const auto& reason : report.left_out) message("note: not trained: {}\n", reason);
   if (2 * report.failed > report.probes)
-    fmt::print(stderr, "warning: {} of {} probes failed; errors are those of the others\n", report.failed,
-               report.probes);
+    message("warning: {} of {} probes failed; errors are those of the others\n", report.failed,
+            report.probes);
 
   json models = json::array();
   for (const auto& m : report.models) {
@@ -201,7 +204,7 @@ void run(const Options& options) {
   // The model first: what was found is not lost where a plot cannot be drawn.
   if (choice.chosen) {
     write_model_dir(options.output, report.models[*choice.chosen].model, database.header().mesh);
-    fmt::print("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
+    print_result("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
   }
   write_json(options.json_file, out);
   if (options.plot_file)
@@ -222,9 +225,12 @@ void add_tune_command(CLI::App& app) {
   auto* command = app.add_subcommand(
       "tune",
       "Trains families and sizes, measures error, time and memory, writes the model that meets the limits");
-  command->add_option("SCENE", options->scene, "the scene the database was made from")->required();
-  command->add_option("DATABASE", options->database, "database.h5 of phynness precompute")->required();
-  command->add_option("-o,--output", options->output, "model directory to write")->required();
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the database was made from")
+      ->required();
+  add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 of phynness precompute")
+      ->required();
+  add_path(*command, "-o,--output", options->output, OutputKind::model, "model directory to write")
+      ->required();
   command->add_option("--max-error", options->max_error,
                       "error (17) of force and displacement inside the trained range, such as 2%");
   command
@@ -241,9 +247,9 @@ void add_tune_command(CLI::App& app) {
   command->add_option("--seed", options->seed, "of those")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--plot", options->plot_file,
-                      "draw error against time and memory (.svg or .png; needs gnuplot)");
-  command->add_option("--json", options->json_file, "write the figures for machines");
+  add_path(*command, "--plot", options->plot_file, OutputKind::file,
+           "draw error against time and memory (.svg or .png; needs gnuplot)");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }
 

@@ -8,10 +8,12 @@
 #include <phynness/validation/surface_points.hpp>
 #include <phynness/validation/tool_pairs.hpp>
 
+#include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
 #include "error_json.hpp"
 #include "error_tables.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -30,13 +32,7 @@ struct Options {
 };
 
 void run(const Options& options) {
-  if (options.json_file)
-    refuse_overwriting(*options.json_file,
-                       {options.scene, options.model / "model.txt", options.model / "mesh.txt"});
   if (options.report_file) {
-    refuse_overwriting(*options.report_file,
-                       {options.scene, options.model / "model.txt", options.model / "mesh.txt"});
-    if (options.json_file) refuse_overwriting(*options.report_file, {*options.json_file});
     const auto folder = std::filesystem::absolute(*options.report_file).parent_path();
     if (!std::filesystem::is_directory(folder) || std::filesystem::is_directory(*options.report_file))
       throw input_error("a report cannot be written there", options.report_file->string(),
@@ -50,7 +46,7 @@ void run(const Options& options) {
   Scene scene;
   std::optional<LoadedModel> loaded;
   session.together([&] {
-    scene = read_scene(options.scene);
+    scene = open_scene(options.scene);
     loaded.emplace(options.model);
     if (options.level) loaded->set_level(*options.level);
     if (session.rank() == 0) check_mesh(scene, loaded->model().mesh_hash, options.model.string());
@@ -95,26 +91,26 @@ void run(const Options& options) {
   for (std::size_t i = 0; i < std::min(most_named, report.nodes.size()); ++i)
     nodes += (nodes.empty() ? "" : " ") + std::to_string(report.nodes[i]);
   if (report.nodes.size() > most_named) nodes += " ...";
-  fmt::print("{} ({}), {}, K/mu = {:.4g}{}, {} probes, R = {:.4g} mm\n",
-             scene.title.empty() ? "scene" : scene.title, name(scene.material.law),
-             name(scene.solver.element), K_mu,
-             scene.solver.element == Element::p1 && K_mu > 20 ? " (locked)" : "", name(scene.probe.kind),
-             1e3 * scene.probe.max_displacement_m);
-  fmt::print("{} probes at {} nodes ({} beside the fixed ones: {}); {} failed\n", report.probes,
-             report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
+  print_result("{} ({}), {}, K/mu = {:.4g}{}, {} probes, R = {:.4g} mm\n",
+               scene.title.empty() ? "scene" : scene.title, name(scene.material.law),
+               name(scene.solver.element), K_mu,
+               scene.solver.element == Element::p1 && K_mu > 20 ? " (locked)" : "", name(scene.probe.kind),
+               1e3 * scene.probe.max_displacement_m);
+  print_result("{} probes at {} nodes ({} beside the fixed ones: {}); {} failed\n", report.probes,
+               report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
   const auto& fields = model.model().fields;
   print_table(report, fields);
   print_summary(report);
   print_examples(report);
   if (points.finished > 0) print_points(points);
   if (pairs.finished > 0) print_pairs(pairs);
-  fmt::print("runtime on this machine, one core: force {:.2f} us", report.speed.force_us);
+  print_result("runtime on this machine, one core: force {:.2f} us", report.speed.force_us);
   if (report.of(Predictor::model).inside.displacement.n > 0)
-    fmt::print(", deformation of {} nodes {:.1f} us", model.model().output.size(),
-               report.speed.deformation_us);
-  if (!fields.empty()) fmt::print(", a field {:.1f} us", report.speed.field_us);
-  fmt::print("\n");
-  fmt::print("{} on {} rank{}\n", duration(report.seconds), session.size(), session.size() == 1 ? "" : "s");
+    print_result(", deformation of {} nodes {:.1f} us", model.model().output.size(),
+                 report.speed.deformation_us);
+  if (!fields.empty()) print_result(", a field {:.1f} us", report.speed.field_us);
+  print_result("\n");
+  print_result("{} on {} rank{}\n", duration(report.seconds), session.size(), session.size() == 1 ? "" : "s");
   const auto& of_model = report.of(Predictor::model);
   const auto both = [&](const PredictorErrors& e) {
     return json{{"inside", to_json(e.inside, fields)}, {"outside", to_json(e.outside, fields)}};
@@ -168,7 +164,7 @@ void run(const Options& options) {
   }
   if (options.report_file) {
     write_text_file(*options.report_file, html_report({scene, model, report, seed, software_version()}));
-    fmt::print("report: {}\n", options.report_file->string());
+    print_result("report: {}\n", options.report_file->string());
   }
 }
 
@@ -177,8 +173,10 @@ void run(const Options& options) {
 void add_validate_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("validate", "Compare a model with fresh finite element solves");
-  command->add_option("SCENE", options->scene, "the scene the model was made from")->required();
-  command->add_option("MODEL_DIR", options->model, "directory with model.txt and mesh.txt")->required();
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the model was made from")
+      ->required();
+  add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
+      ->required();
   command->add_option("--probes", options->probes, "how many, inside and beyond the range together")
       ->check(CLI::Range(1, 10'000'000));
   command
@@ -202,8 +200,9 @@ void add_validate_command(CLI::App& app) {
                       "level of the model, 0 the smallest (default: the full one)");
   command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--json", options->json_file, "write the figures for machines");
-  command->add_option("--report", options->report_file, "write a page for persons (.html; needs gnuplot)");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
+  add_path(*command, "--report", options->report_file, OutputKind::file,
+           "write a page for persons (.html; needs gnuplot)");
   command->callback([options] { run(*options); });
 }
 

@@ -281,6 +281,8 @@ void run(const Options& o) {
 int main(int argc, char** argv) {
   try {
     run(parse(argc, argv));
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw std::runtime_error("results could not be written to stdout");
     return 0;
   } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "error: %s\n", error.what());

@@ -1,0 +1,195 @@
+#include "command_files.hpp"
+
+#include <fmt/core.h>
+
+#include <map>
+#include <phynness/formats/error.hpp>
+#include <variant>
+#include <vector>
+
+namespace phynness::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file or directory that the command reads or writes.
+struct Claim {
+  std::string option;
+  fs::path path;      ///< as it was named
+  fs::path resolved;  ///< canonical
+  bool written = false;
+  bool encloses = true;  ///< nothing else may lie inside: true for files, too
+};
+
+/// Canonical, with symbolic links followed even if they lead to nothing yet.
+fs::path resolve(const fs::path& path) {
+  constexpr int most_links = 40;
+  std::error_code code;
+  fs::path found = fs::absolute(path, code);
+  for (int links = 0; links < most_links; ++links) {
+    const auto canonical = fs::weakly_canonical(found, code);
+    found = code ? found.lexically_normal() : canonical;
+    if (!found.has_filename()) found = found.parent_path();  // a slash at the end
+    fs::path at, rest;
+    bool is_link = false;
+    for (const auto& part : found) {
+      if (is_link) {
+        rest /= part;
+      } else {
+        at /= part;
+        is_link = fs::is_symlink(fs::symlink_status(at, code));
+      }
+    }
+    if (!is_link) break;
+    const auto target = fs::read_symlink(at, code);
+    if (code) break;
+    found = at.parent_path() / target / rest;
+  }
+  return found;
+}
+
+bool same(const fs::path& a, const fs::path& b) {
+  std::error_code code;
+  return a == b || fs::equivalent(a, b, code);
+}
+
+bool lies_in(const fs::path& inner, const fs::path& outer) {
+  for (auto at = inner; at.has_relative_path();) {
+    at = at.parent_path();
+    if (same(at, outer)) return true;
+  }
+  return false;
+}
+
+/// What a pipe, a terminal or /dev/null is given is not kept, so nothing can be overwritten.
+bool keeps_nothing(const fs::path& path) {
+  std::error_code code;
+  const auto type = fs::status(path, code).type();
+  return type != fs::file_type::regular && type != fs::file_type::directory &&
+         type != fs::file_type::not_found && type != fs::file_type::none;
+}
+
+class Claims {
+ public:
+  void add(Claim claim) {
+    if (claim.path.empty() || keeps_nothing(claim.path)) return;
+    claim.resolved = resolve(claim.path);
+    for (const auto& other : _claims) check(claim, other);
+    _claims.push_back(std::move(claim));
+  }
+  /// With what is in it, so that a second name of a file in it is found by its inode.
+  void add_tree(const Claim& claim) {
+    add(claim);
+    std::error_code code;
+    for (fs::directory_iterator entry(claim.path, code), end; !code && entry != end; entry.increment(code)) {
+      auto inside = claim;
+      inside.path = entry->path();
+      add(inside);
+    }
+  }
+
+ private:
+  static void check(const Claim& a, const Claim& b) {
+    if (!(a.written || b.written) || a.option == b.option) return;
+    const auto takes = [](const Claim& whole, const Claim& part) {
+      return whole.encloses &&
+             (same(part.resolved, whole.resolved) || lies_in(part.resolved, whole.resolved));
+    };
+    if (!takes(a, b) && !takes(b, a)) return;
+    const auto& output = a.written ? a : b;
+    const auto& other = a.written ? b : a;
+    throw input_error(
+        fmt::format("an output would overwrite {}", other.written ? "another output" : "an input"),
+        fmt::format("{} {} and {} {}", output.option, output.path.string(), other.option,
+                    other.path.string()),
+        fmt::format("give {} a place of its own", output.option));
+  }
+
+  std::vector<Claim> _claims;
+};
+
+/// Of the one command that this process runs.
+Claims& claims() {
+  static Claims all;
+  return all;
+}
+
+using Kind = std::variant<InputKind, OutputKind>;
+std::map<const CLI::Option*, Kind>& declared_options() {
+  static std::map<const CLI::Option*, Kind> all;
+  return all;
+}
+
+fs::path with_suffix(const fs::path& path, const char* suffix) { return path.string() + suffix; }
+
+void claim_input(const std::string& option, const fs::path& path, InputKind kind) {
+  Claim claim{option, path, {}, false, kind == InputKind::whole};
+  std::error_code code;
+  if (kind == InputKind::folder) return claims().add(claim);
+  claims().add_tree(claim);
+  claim.path = with_suffix(path, ".log");
+  if (!fs::is_directory(path, code) && fs::is_directory(claim.path, code)) claims().add_tree(claim);
+}
+
+void claim_output(const std::string& option, const fs::path& path, OutputKind kind) {
+  const bool encloses = kind != OutputKind::model && kind != OutputKind::folder;
+  const auto claim = [&](const fs::path& of) { return Claim{option, of, {}, true, encloses}; };
+  // Text files are written beside their place and renamed, so the name beside it is written, too.
+  const auto claim_text = [&](const fs::path& file) {
+    claims().add({option, file, {}, true, true});
+    claims().add({option, with_suffix(file, ".part"), {}, true, true});
+  };
+  if (keeps_nothing(path)) return;
+  switch (kind) {
+    case OutputKind::file:
+      return claim_text(path);
+    case OutputKind::database:
+      for (const char* suffix : {"", ".tmp", ".packing"}) claims().add(claim(with_suffix(path, suffix)));
+      return claims().add_tree(claim(with_suffix(path, ".log")));
+    case OutputKind::model:
+      claims().add(claim(path));
+      for (const char* name : {"model.txt", "mesh.txt"}) claim_text(path / name);
+      return;
+    case OutputKind::folder:
+      return claims().add(claim(path));
+    case OutputKind::tree:
+      return claims().add_tree(claim(path));
+  }
+}
+
+}  // namespace
+
+void declare(CLI::Option& option, InputKind kind) {
+  option.type_name("INPUT");
+  declared_options()[&option] = kind;
+}
+void declare(CLI::Option& option, OutputKind kind) {
+  option.type_name("OUTPUT");
+  declared_options()[&option] = kind;
+}
+
+void check_files(const CLI::App& app) {
+  for (const auto* option : app.get_options()) {
+    const auto declared = declared_options().find(option);
+    if (declared == declared_options().end()) continue;
+    for (const auto& path : option->results()) {
+      if (path.empty())
+        throw input_error("a name of a file is empty", option->get_name() + " ''",
+                          "name a file, or leave the option out");
+      if (const auto* input = std::get_if<InputKind>(&declared->second))
+        claim_input(option->get_name(), path, *input);
+      else
+        claim_output(option->get_name(), path, std::get<OutputKind>(declared->second));
+    }
+  }
+  for (const auto* command : app.get_subcommands()) check_files(*command);
+}
+
+void declare_input(const std::string& option, const std::filesystem::path& path) {
+  claim_input(option, path, InputKind::whole);
+}
+void declare_output(const std::string& option, const std::filesystem::path& path, OutputKind kind) {
+  claim_output(option, path, kind);
+}
+
+}  // namespace phynness::cli

@@ -1,0 +1,83 @@
+#include "streams.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <iterator>
+#include <system_error>
+
+namespace phynness::cli {
+namespace {
+
+constexpr const char* told_by_parent = "PHYNNESS_STDOUT_REPORTED_BY_PARENT";
+
+/// True in a child process, whose parent reports at its end that stdout cannot be written.
+bool parent_reports = false;
+
+/// Of the first write to stdout that failed; 0: none.
+int first_error = 0;
+
+/// Not through stdio: text left in the buffer of a stdout that cannot be written is an error in
+/// PetscFinalize().
+/// @return 0, or errno
+int write_all(int descriptor, const fmt::memory_buffer& text) noexcept {
+  const char *at = text.data(), *end = at + text.size();
+  while (at != end) {
+    const auto n = write(descriptor, at, static_cast<std::size_t>(end - at));
+    if (n >= 0) {
+      at += n;
+    } else if (errno == EAGAIN) {  // a terminal that another program has made non-blocking
+      pollfd ready{descriptor, POLLOUT, 0};
+      poll(&ready, 1, -1);
+    } else if (errno != EINTR) {
+      return errno;
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+void prepare_streams() {
+  parent_reports = std::getenv(told_by_parent) != nullptr;
+  // open() takes the lowest number that is free. For reading only, so that writing fails as on a closed one.
+  for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
+    if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) break;
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+void print_result_text(fmt::string_view format, fmt::format_args values) {
+  fmt::memory_buffer text;
+  fmt::vformat_to(std::back_inserter(text), format, values);
+  if (first_error == 0) first_error = write_all(STDOUT_FILENO, text);
+}
+
+void message_text(fmt::string_view format, fmt::format_args values) noexcept {
+  try {
+    fmt::memory_buffer text;
+    fmt::vformat_to(std::back_inserter(text), format, values);
+    write_all(STDERR_FILENO, text);
+  } catch (...) {  // no memory for a long message
+  }
+}
+
+void report_stdout_for_children() { setenv(told_by_parent, "1", 1); }
+
+int finish_streams(int exit_status) {
+  if (first_error == 0 || parent_reports) return exit_status;
+  message(
+      "error: results could not be written to stdout: {}\n"
+      "  remedy: the work is done and its files are written; for the text, run it again with a stdout that "
+      "can be "
+      "written\n",
+      std::generic_category().message(first_error));
+  return exit_status == 0 ? 1 : exit_status;
+}
+
+}  // namespace phynness::cli

@@ -1,0 +1,306 @@
+// Claims: no command writes over what it reads, however the output is spelled, nor over another of its
+// outputs; it exits with 2, says which options and paths, and leaves every file as it was. The commands and
+// their options are taken from --help; an option for a path that is not declared as INPUT or OUTPUT is found.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "../pipeline/command_line.hpp"
+#include "offered_options.hpp"
+
+namespace phynness::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Texts that are not names of files. A new option that names a file is declared, with add_path() of
+/// cli/command_files.hpp.
+const std::set<std::string> texts{"--shard",  "--displacement", "--point",     "--tools",
+                                  "--family", "--max-error",    "--max-time",  "--max-size",
+                                  "--cases",  "--error-by",     "--increment", "--name"};
+
+/// A subcommand with the inputs that it is given.
+struct Use {
+  std::string command, inputs;
+  std::vector<std::string> read;  ///< files and folders of the inputs
+  std::vector<OfferedOption> outputs;
+};
+
+class Overwriting : public CommandLine {
+ protected:
+  /// A scene in one folder whose mesh lies in another, and a database, shards and a model made of it.
+  void SetUp() override {
+    CommandLine::SetUp();
+    for (const char* name : {"scenes", "parts", "fresh", "fresh/there", "paper"})
+      fs::create_directory(folder / name);
+    write_file(folder / "block.toml", small_scene());
+    auto text = small_scene();
+    const auto from = text.find("shape = "), to = text.find("[material]");
+    text.replace(from, to - from, "file = \"../parts/body.msh\"\n");
+    write_file(folder / "scenes/scene.toml", text);
+    for (const char* one : {"liver_case1.toml", "liver_case3.toml"})
+      fs::copy_file(fs::path(PHYNNESS_SOURCE_DIR) / "scenes" / one, folder / "paper" / one);
+    for (const char* line : {"mesh block.toml -o parts/body.msh", "precompute scenes/scene.toml -o d.h5",
+                             "precompute scenes/scene.toml -o s.h5 --shard 0/2",
+                             "precompute scenes/scene.toml -o s.h5 --shard 1/2",
+                             "train scenes/scene.toml d.h5 -o model", "info d.h5 --json fresh/info.json"}) {
+      const auto made = phynness(line);
+      ASSERT_EQ(made.exit_status, 0) << line << "\n" << made.err;
+    }
+    node = std::to_string(json("fresh/info.json").at("active").at(0).get<int>());
+    fs::remove(folder / "fresh/info.json");
+  }
+
+  /// Every file in the folder with its bytes.
+  std::map<std::string, std::string> files() const {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      const auto name = entry.path().lexically_relative(folder).string();
+      if (entry.is_regular_file() && name != "stdout.txt" && name != "stderr.txt")
+        all[name] = read_file(entry.path());
+    }
+    return all;
+  }
+
+  Offered offered(const std::string& command) const {
+    const auto help = phynness(command + " --help");
+    EXPECT_EQ(help.exit_status, 0) << command;
+    return offered_options(help.out);
+  }
+
+  /// All subcommands that --help lists, with those below them.
+  std::vector<std::string> commands(const std::string& above = "") const {
+    std::vector<std::string> all;
+    for (const auto& word : offered(above).subcommands) {
+      const auto name = above.empty() ? word : above + " " + word;
+      const auto below = commands(name);
+      if (below.empty()) all.push_back(name);
+      all.insert(all.end(), below.begin(), below.end());
+    }
+    return all;
+  }
+
+  /// What INPUT options and other required ones are given; one entry for each kind of input.
+  std::vector<std::pair<std::string, std::vector<std::string>>> values(const std::string& option) const {
+    const std::vector<std::string> scene{"scenes/scene.toml", "parts/body.msh"}, database{"d.h5"},
+        model{"model/model.txt", "model/mesh.txt", "model"},
+        shards{"s.shard-0-of-2.h5", "s.shard-1-of-2.h5", "s.shard-1-of-2.h5.log",
+               "s.shard-0-of-2.h5.log/rank-0000"};
+    if (option == "SCENE") return {{"scenes/scene.toml", scene}};
+    if (option == "SCENE or database") return {{"scenes/scene.toml", scene}, {"d.h5", database}};
+    if (option == "DATABASE") return {{"d.h5", database}};
+    if (option == "MODEL_DIR") return {{"model", model}};
+    if (option == "SHARD") return {{"s.shard-0-of-2.h5 s.shard-1-of-2.h5", shards}};
+    if (option == "--scenes")
+      return {{"--scenes paper", {"paper/liver_case1.toml", "paper/liver_case3.toml"}}};
+    if (option == "FILE_OR_DIR")
+      return {{"scenes/scene.toml", scene},
+              {"d.h5", database},
+              {"model", model},
+              {"parts/body.msh", {"parts/body.msh"}},
+              {"s.shard-0-of-2.h5", {"s.shard-0-of-2.h5", "s.shard-0-of-2.h5.log/rank-0000"}}};
+    if (option == "--node") return {{"--node " + node, {}}};
+    if (option == "--displacement") return {{"--node " + node + " --displacement 0,0,-0.001", {}}};
+    if (option == "--direction") return {{"--direction 0", {}}};
+    ADD_FAILURE() << "this test does not know what to give to " << option;
+    return {};
+  }
+
+  std::vector<Use> uses(const std::string& command) const {
+    const auto all = offered(command);
+    std::vector<Use> found{{command, "", {}, all.of_type("OUTPUT")}};
+    for (const auto& option : all.options) {
+      if (option.type == "OUTPUT" || !(option.required || option.type == "INPUT")) continue;
+      const bool either = option.name == "SCENE" && (command == "plan" || command == "solve");
+      std::vector<Use> longer;
+      for (const auto& use : found)
+        for (const auto& [words, read] : values(either ? "SCENE or database" : option.name)) {
+          longer.push_back(use);
+          longer.back().inputs += " " + words;
+          longer.back().read.insert(longer.back().read.end(), read.begin(), read.end());
+        }
+      found = longer;
+    }
+    return found;
+  }
+
+  /// The command line with the option `name` at `place`, the other required outputs at places of their own.
+  static std::string line(const Use& use, const std::map<std::string, std::string>& places) {
+    auto words = use.command + use.inputs;
+    int n = 0;
+    for (const auto& option : use.outputs) {
+      const auto place = places.find(option.name);
+      if (place != places.end())
+        words += " " + option.name + " '" + place->second + "'";
+      else if (option.required)
+        words += " " + option.name + " fresh/other" + std::to_string(n++);
+    }
+    return words;
+  }
+
+  void expect_refused(const std::string& words, const std::string& option) {
+    const auto before = files();
+    const auto outcome = phynness(words);
+    EXPECT_EQ(outcome.exit_status, 2) << words << "\n" << outcome.err;
+    // A plot is refused earlier by a name that does not end in .svg or .png.
+    const bool by_name = outcome.err.find("a plot is .svg or .png") != std::string::npos;
+    for (const auto& part :
+         {std::string(by_name ? "error: " : "would overwrite"), std::string("\n  remedy: "), option})
+      EXPECT_NE(outcome.err.find(part), std::string::npos) << words << "\n" << part << "\n" << outcome.err;
+    EXPECT_EQ(outcome.out, "") << words;
+    ASSERT_TRUE(files() == before) << words << ": files are not as they were";
+  }
+
+  /// Other names of what `path` is; links are made where they are needed.
+  std::vector<std::string> spellings(const std::string& path) {
+    std::vector<std::string> all{path, "./fresh/.././" + path, (folder / path).string(),
+                                 "fresh/there/../../" + path};
+    const auto link = [&](const char* name) {
+      return "fresh/" + std::string(name) + std::to_string(links++);
+    };
+    all.push_back(link("symbolic"));
+    fs::create_symlink(fs::path("..") / path, folder / all.back());
+    const auto around = link("folder");
+    fs::create_directory_symlink(folder, folder / around);
+    all.push_back(around + "/" + path);
+    if (fs::is_regular_file(folder / path)) {
+      all.push_back(link("hard"));
+      fs::create_hard_link(folder / path, folder / all.back());
+    } else if (fs::is_directory(folder / path)) {
+      all.insert(all.end(), {path + "/", path + "/.", path + "/new"});
+    }
+    return all;
+  }
+
+  std::string node;
+  int links = 0;
+};
+
+TEST_F(Overwriting, OfInputsIsRefusedByEveryCommand) {
+  std::set<std::string> tried;
+  for (const auto& command : commands())
+    for (const auto& use : uses(command))
+      for (const auto& output : use.outputs)
+        for (const auto& path : use.read) {
+          const auto names = spellings(path);
+          for (std::size_t i = 0; i < names.size(); ++i) {
+            // All spellings for one command; for the others, which share the rule, they take turns.
+            if (command != "info" && i != tried.size() % names.size()) continue;
+            expect_refused(line(use, {{output.name, names[i]}}), output.name);
+            if (HasFatalFailure()) return;
+          }
+          tried.insert(command + output.name + path);
+        }
+  EXPECT_GT(tried.size(), 60u);
+}
+
+TEST_F(Overwriting, OfAnotherOutputIsRefusedByEveryCommand) {
+  int pairs = 0;
+  for (const auto& command : commands())
+    for (const auto& use : uses(command))
+      for (const auto& a : use.outputs)
+        for (const auto& b : use.outputs) {
+          if (!(a.name < b.name)) continue;
+          expect_refused(line(use, {{a.name, "fresh/one"}, {b.name, "fresh/none/../one"}}), "--");
+          if (HasFatalFailure()) return;
+          ++pairs;
+        }
+  EXPECT_GE(pairs, 15);
+  // Two names of a file that is not there yet.
+  fs::create_symlink("later.json", folder / "fresh/link");
+  const auto eval = "eval model --node " + node + " --displacement 0,0,-0.001 ";
+  expect_refused(eval + "--json fresh/link --deformation fresh/later.json", "--json");
+  expect_refused("train scenes/scene.toml d.h5 -o fresh/m --json fresh/m/model.txt", "--json");
+  expect_refused("precompute scenes/scene.toml -o fresh/d.h5 --json fresh/d.h5.log/j.json", "--json");
+  expect_refused("precompute scenes/scene.toml -o f.h5 --shard 0/2 --json f.shard-0-of-2.h5", "--json");
+  expect_refused("export model -o fresh/c --name n --json fresh/c/n.bin", "--json");
+  expect_refused("run scenes/scene.toml -o fresh/o --json fresh/o/model/mesh.txt", "--json");
+  EXPECT_EQ(phynness("mesh scenes/scene.toml -o ''").exit_status, 2);
+}
+
+TEST_F(Overwriting, EveryWrittenFileIsRefusedAsInput) {
+  // The word @ is the input that is then replaced by each file that the command has written.
+  const std::pair<const char*, const char*> cases[] = {
+      {"run @ -o new", "scenes/scene.toml"},
+      {"export @ -o new --golden 2", "model"},
+      {"train @ d.h5 -o new", "scenes/scene.toml"},
+      {"precompute @ -o new.h5", "scenes/scene.toml"},
+      {"merge @ s.shard-1-of-2.h5 -o new.h5", "s.shard-0-of-2.h5"},
+      {"mesh @ -o new.msh --json new.json", "scenes/scene.toml"},
+      {"validate @ model --probes 2 --json new.json", "scenes/scene.toml"}};
+  for (const auto& [words, input] : cases) {
+    const auto with = [&](const std::string& given) {
+      auto full = std::string(words);
+      return full.replace(full.find('@'), 1, given);
+    };
+    const auto before = files();
+    const auto made = phynness(with(input));
+    ASSERT_EQ(made.exit_status, 0) << words << "\n" << made.err;
+    int written = 0;
+    const auto after = files();
+    for (const auto& [name, bytes] : after) {
+      if (before.contains(name)) continue;
+      ++written;
+      expect_refused(with(name), "--");
+      if (HasFatalFailure()) return;
+    }
+    EXPECT_GT(written, 0) << words;
+    for (const auto& name : {"new", "new.h5", "new.msh", "new.json"}) fs::remove_all(folder / name);
+  }
+}
+
+TEST_F(Overwriting, OfFilesThatAreNamedLaterIsRefused) {
+  // Files beside a .pvd are numbered like the increments.
+  fs::create_hard_link(folder / "d.h5", folder / "fresh/p-0001.vtu");
+  expect_refused("show d.h5 --node " + node + " --direction 0 -o fresh/p.pvd", "--output");
+  // The mesh of a scene where `run` writes its own.
+  auto text = read_file(folder / "scenes/scene.toml");
+  text.replace(text.find("../parts/body.msh"), 17, "../out/mesh.msh");
+  write_file(folder / "scenes/other.toml", text);
+  fs::create_directory(folder / "out");
+  fs::copy_file(folder / "parts/body.msh", folder / "out/mesh.msh");
+  expect_refused("run scenes/other.toml -o scenes/../out", "--output");
+  // A model in the folder of a database's logs.
+  expect_refused("train scenes/scene.toml s.shard-0-of-2.h5 -o s.shard-0-of-2.h5.log", "--output");
+  // Names under which files are written before they are renamed.
+  for (const char* suffix : {".part", ".tmp", ".packing"}) {
+    const auto scene = std::string("x") + suffix;
+    fs::copy_file(folder / "block.toml", folder / scene);
+    const bool is_text = scene == "x.part";
+    expect_refused((is_text ? "mesh " : "precompute ") + scene + " -o x", "--output");
+  }
+}
+
+TEST_F(Overwriting, IsNotSeenWhereThereIsNone) {
+  const auto eval = "eval model --node " + node + " --displacement 0,0,-0.001 ";
+  for (const auto& words : {eval + "--json /dev/null --deformation /dev/null",
+                            eval + "--json fresh/a.json --deformation fresh/a.csv",
+                            std::string("mesh scenes/scene.toml -o scenes/scene.msh --json parts/body.json"),
+                            std::string("train scenes/scene.toml d.h5 -o . --json train.json"),
+                            std::string("export model -o . --json sizes.json"),
+                            std::string("run block.toml -o . --json run.json")}) {
+    const auto outcome = phynness(words);
+    EXPECT_EQ(outcome.exit_status, 0) << words << "\n" << outcome.err;
+  }
+}
+
+TEST_F(Overwriting, CannotBeDoneByAnOptionThatIsNotDeclared) {
+  int n = 0;
+  for (const auto& command : commands())
+    for (const auto& use : uses(command))
+      for (const auto& option : offered(command).of_type("TEXT")) {
+        ++n;
+        EXPECT_TRUE(texts.contains(option.name))
+            << command << " " << option.name
+            << ": declare it with add_path(), or list it here as a plain text";
+        // Whatever the command makes of such a value, it does not write there.
+        const auto before = files();
+        phynness(line(use, {}) + " " + option.name + " scenes/scene.toml");
+        for (const auto& [name, bytes] : before)
+          ASSERT_EQ(read_file(folder / name), bytes) << command << " " << option.name << ": " << name;
+      }
+  EXPECT_GT(n, 15);
+}
+
+}  // namespace
+}  // namespace phynness::test
