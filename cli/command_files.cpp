@@ -144,7 +144,8 @@ void claim_output(const std::string& option, const fs::path& path, OutputKind ki
     case OutputKind::file:
       return claim_text(path);
     case OutputKind::database:
-      for (const char* suffix : {"", ".tmp", ".packing"}) claims().add(claim(with_suffix(path, suffix)));
+      for (const char* suffix : {"", ".tmp", ".packing", ".solver.log"})
+        claims().add(claim(with_suffix(path, suffix)));
       return claims().add_tree(claim(with_suffix(path, ".log")));
     case OutputKind::model:
       claims().add(claim(path));

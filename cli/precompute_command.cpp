@@ -124,8 +124,8 @@ void run(const Options& options) {
         session, loaded.scene, loaded.mesh, loaded.sets, target,
         [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested,
         [&](const std::string& text) {
-          fmt::print(stderr, "warning: {}{}\n", text,
-                     session.size() > 1 ? "\n  the other ranks end the nodes they work on" : "");
+          message("warning: {}{}\n", text,
+                  session.size() > 1 ? "\n  the other ranks end the nodes they work on" : "");
         });
   }
   if (report.interrupted)
@@ -155,8 +155,8 @@ void run(const Options& options) {
                                      " says why; a smaller displacement, more increments or another element "
                                      "may help");
   if (report.library_errors > 0)
-    fmt::print(stderr, "warning: {} rays ended because a library call failed; its messages are in {}\n",
-               report.library_errors, target.file.string() + ".solver.log");
+    message("warning: {} rays ended because a library call failed; its messages are in {}\n",
+            report.library_errors, target.file.string() + ".solver.log");
   if (report.failed > report.increments / 100)
     message("warning: {} increments failed and will not be trained on{}\n", report.failed,
             target.shard ? "" : "; phynness info " + target.file.string() + " says why");

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <phynness/precompute/probe_solver.hpp>
 
@@ -11,9 +12,20 @@ namespace {
 
 std::unique_ptr<phynness::SolverSession> session;
 
+bool has_avx512() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl");
+#else
+  return false;
+#endif
+}
+
 /// An environment and not a main(), so that listing the tests starts no MPI.
 class SolverEnvironment : public ::testing::Environment {
   void SetUp() override {
+    const char* kernels = std::getenv("OPENBLAS_CORETYPE");
+    if (kernels && std::strcmp(kernels, "SkylakeX") == 0 && !has_avx512())
+      GTEST_SKIP() << "this processor has no AVX-512, which OpenBLAS's kernels for SkylakeX need";
     // One process that talks to nobody: Open MPI need not look for networks, which takes longer than most
     // tests.
     ::setenv("OMPI_MCA_pml", "ob1", 0);

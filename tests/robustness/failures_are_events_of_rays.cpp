@@ -16,6 +16,8 @@
 #include <random>
 #include <set>
 
+#include "discretization.hpp"
+#include "equilibrium.hpp"
 #include "fault_injection.hpp"
 #include "probe_block.hpp"
 #include "solver_log.hpp"
@@ -138,7 +140,7 @@ TEST_P(Failures, OfLibrariesEndOnlyTheRaysThatMeetThem) {
   std::set<std::string> faulty;
   PrecomputeReport report;
   {
-    RandomFaults faults(7, 1e-3);
+    RandomFaults faults(7, 6e-3);
     report = run("faulty.h5");
     faulty = faults.where();
     std::set<Fault> kinds;
@@ -172,6 +174,27 @@ TEST_P(Failures, OfLibrariesEndOnlyTheRaysThatMeetThem) {
   std::ifstream log(_folder / "faulty.h5.solver.log");
   const std::string text((std::istreambuf_iterator<char>(log)), {});
   EXPECT_NE(text.find("injected by a test"), std::string::npos) << "PETSc's message is not in the log";
+}
+
+TEST_P(Failures, OfMumpsAreItsOwnAndLeaveNoTrace) {
+  // The two kinds of failure that MUMPS itself reports, each followed by a factorization that must not know
+  // of it.
+  Discretization body(_block.mesh, form_set(unit_material(Law::neo_hookean, 50), GetParam(), 1));
+  std::vector<std::int32_t> fixed;
+  for (const auto node : _block.sets.fixed)
+    for (const auto dof : body.dofs(node)) fixed.push_back(dof);
+  Equilibrium equilibrium(body, fixed, SolverSpec{});
+  const std::vector<double> rest(body.n_dofs(), 0.0);
+  const auto linearize = [&] { return equilibrium.linearize(rest, Eigen::MatrixXd(0, 0)); };
+  ASSERT_EQ(linearize().status, Status::converged);
+  for (const auto fault : {Fault::singular, Fault::out_of_memory}) {
+    fault_hook = [&](FaultSite site) { return site == FaultSite::factorization ? fault : Fault::none; };
+    EXPECT_EQ(linearize().status, Status::factorization);
+    EXPECT_EQ(linearize().status, Status::factorization) << "again";
+    fault_hook = {};
+    EXPECT_EQ(linearize().status, Status::converged);
+    EXPECT_EQ(linearize().negative_pivots, 0);
+  }
 }
 
 TEST_P(Failures, DoNotComeBackWithResume) {
