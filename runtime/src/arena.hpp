@@ -32,6 +32,8 @@ class Arena {
   bool counting() const { return _base == nullptr; }
   /// Whether the memory was used up, or when counting: more than any memory has.
   bool overflow() const { return _overflow; }
+  /// Bytes of what was taken, from the first of it on.
+  std::size_t used() const { return _used; }
   /// Bytes to ask for, whatever the alignment of the memory will be.
   std::size_t needed() const { return _used + alignment - 1; }
 
