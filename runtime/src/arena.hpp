@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "strict_arithmetic.hpp"
+
 namespace phynness::runtime {
 
 /// Arrays of at least this many bytes start at a cache line; smaller ones, of which a model has thousands,

@@ -4,6 +4,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "strict_arithmetic.hpp"
+
 namespace phynness::runtime {
 
 /// Null and empty pieces overlap nothing.
