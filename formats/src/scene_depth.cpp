@@ -85,10 +85,11 @@ class DepthScan {
     if (closed.header) _header += closed.parts;
   }
 
-  /// How many stand in a row at _at.
+  /// How many stand in a row at _at, up to what ends a string: three and two of its own. Not all of them are
+  /// counted, or a text of quotes would be read once for each of them.
   std::size_t quotes(char quote) const {
-    const std::size_t end = std::min(_text.find_first_not_of(quote, _at), _text.size());
-    return end - _at;
+    const std::string_view ahead = _text.substr(_at, 5);
+    return std::min(ahead.find_first_not_of(quote), ahead.size());
   }
 
   void skip_string(char quote) {
@@ -110,7 +111,7 @@ class DepthScan {
       if (_text[_at] == '\\' && quote == '"') {
         if (++_at < _text.size() && _text[_at] == '\n') ++_line;
       } else if (_text[_at] == quote && quotes(quote) >= 3) {
-        _at += std::min<std::size_t>(quotes(quote), 5);
+        _at += quotes(quote);
         return;
       }
     }

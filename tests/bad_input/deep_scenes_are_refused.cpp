@@ -73,6 +73,13 @@ TEST(DeepScenes, AddUp) {
   EXPECT_EQ(refusal("[" + half + "]\nb = 1\n[" + half + "b]\nc = 1\n").find("nested"), std::string::npos);
 }
 
+// A text is read once, however many strings it opens: four million quotes take no longer than as many
+// letters.
+TEST(DeepScenes, AreFoundInOnePass) {
+  for (const char* quote : {"\"", "'", "\"\"\"\n", "[", "a.b\n"})
+    refusal(good_scene + repeated(quote, 4000000));
+}
+
 // Strings and comments are text: a title of dots, a comment of brackets, quotes of the other kind.
 TEST(DeepScenes, AreNotMadeByStringsAndComments) {
   const std::string dots = repeated("[{.", 5000), title = "title = \"test\"";
