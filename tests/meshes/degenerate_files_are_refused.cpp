@@ -33,7 +33,7 @@ const std::vector<Degenerate> files = {
     {"PointsOnALine", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, closed},
     {"PointsOnAPlane", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, closed},
     {"RepeatedTriangle", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 1, 2}, {0, 1, 2}}},
-    {"FarAway", {{0, 0, 0}, {1e300, 0, 0}, {0, 1e300, 0}, {0, 0, 1e300}}, closed},
+    {"FarAway", {{0, 0, 0}, {1e300, 0, 0}, {0, 1e300, 0}, {0, 0, 1}}, closed},
     {"AsFarAsFloats", {{3e38, 3e38, 3e38}, {-3e38, 0, 0}, {0, -3e38, 0}, {0, 0, -3e38}}, closed},
     {"Infinite", {{0, 0, 0}, {INFINITY, 0, 0}, {0, 1, 0}, {0, 0, 1}}, closed},
     {"Tiny", {{0, 0, 0}, {1e-310, 0, 0}, {0, 1e-310, 0}, {0, 0, 1e-310}}, closed},
