@@ -4,6 +4,7 @@
 #include <phynness/formats/scene.hpp>
 #include <sstream>
 
+#include "scene_depth.hpp"
 #include "scene_sections.hpp"
 
 namespace phynness {
@@ -24,6 +25,10 @@ Scene read_scene(const std::filesystem::path& file) {
 
 Scene parse_scene(const std::string& text, const std::string& source_name,
                   const std::filesystem::path& folder, MeshFile mesh_file) {
+  if (const auto line = sd::too_deep_at(text))
+    sd::refuse({source_name, *line}, "keys, tables or arrays are nested too deeply",
+               "more than " + std::to_string(sd::largest_depth) + " levels",
+               "shorten the dotted key or close the brackets; no key of a scene lies deeper than five levels");
   toml::table root;
   try {
     root = toml::parse(std::string_view(text), source_name);

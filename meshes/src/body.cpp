@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "coincident_nodes.hpp"
+#include "coordinates.hpp"
 #include "topology.hpp"
 
 namespace phynness::meshes {
@@ -75,10 +76,8 @@ void orient_cells(Body& body) {
     const Eigen::RowVector3d a = mesh.nodes.row(cell(0)), u = mesh.nodes.row(cell(1)) - a,
                              v = mesh.nodes.row(cell(2)) - a, w = mesh.nodes.row(cell(3)) - a;
     for (int k = 0; k < 4; ++k)
-      if (!mesh.nodes.row(cell(k)).allFinite())
-        throw input_error(
-            body.source + ": cell " + std::to_string(c) + " has a node whose coordinates are not finite",
-            "node " + std::to_string(body.file_number[cell(k)]), "export the mesh again");
+      require_coordinates(mesh.nodes.row(cell(k)), body.source + ": a node of cell " + std::to_string(c),
+                          body.file_number[cell(k)]);
     const double longest2 = std::max({u.squaredNorm(), v.squaredNorm(), w.squaredNorm(),
                                       (u - v).squaredNorm(), (v - w).squaredNorm(), (w - u).squaredNorm()});
     const double six_volumes = u.dot(v.cross(w));
@@ -100,6 +99,18 @@ void orient_cells(Body& body) {
               std::to_string(mesh.n_cells()) + " that ran the other way round: " + first_few(negative));
 }
 
+/// After nodes were merged, a cell smaller than what counts as one place has none of its own.
+void require_corners(const Body& body) {
+  const Cells& cells = body.result.mesh.cells;
+  for (Eigen::Index c = 0; c < cells.rows(); ++c)
+    for (int i = 0; i < 4; ++i)
+      for (int k = 0; k < i; ++k)
+        if (cells(c, i) == cells(c, k))
+          throw input_error(
+              body.source + ": a cell is so small that merging coincident nodes makes it a point or a line",
+              "cell " + std::to_string(c), "remove the cell, or merge the nodes and export again");
+}
+
 void require_one_component(Body& body, bool repair) {
   Mesh& mesh = body.mesh();
   CellTopology topology = cell_topology(mesh.cells, mesh.nodes.rows());
@@ -115,6 +126,7 @@ void require_one_component(Body& body, bool repair) {
       std::sort(nodes.begin(), nodes.end());
       nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     }
+    require_corners(body);
     body.reduce([](Eigen::Index) { return true; });
     body.note("repair: merged coincident nodes: " + twins_text);
     topology = cell_topology(mesh.cells, mesh.nodes.rows());
@@ -159,6 +171,9 @@ MeshResult checked_body(const RawMesh& raw, double scale_to_m, bool repair, cons
   for (std::size_t c = 0; c < raw.tetrahedra.size(); ++c)
     for (int k = 0; k < 4; ++k) mesh.cells(static_cast<Eigen::Index>(c), k) = raw.tetrahedra[c][k];
   mesh.groups = raw.groups;
+  if (raw.tetrahedra.empty())
+    throw input_error(source + ": holds no tetrahedra", counted(raw.nodes.size(), "node", "nodes"),
+                      "mesh the body and export it again");
 
   if (const auto dropped = body.reduce([](Eigen::Index) { return true; }); !dropped.empty())
     body.note("dropped " + counted(dropped.size(), "unreferenced node", "unreferenced nodes") +

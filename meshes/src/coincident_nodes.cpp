@@ -13,6 +13,7 @@ constexpr double coincident = 1e-9;
 }  // namespace
 
 std::vector<std::int32_t> coincident_nodes(const Points& nodes) {
+  if (nodes.rows() == 0) return {};
   const double tolerance = coincident * (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).norm();
   std::vector<std::int32_t> by_x(static_cast<std::size_t>(nodes.rows())), first(by_x.size());
   std::iota(by_x.begin(), by_x.end(), 0);

@@ -29,13 +29,18 @@ std::string metres(double value) {
 /// Nodes by the box of a regular grid that they lie in.
 class Grid {
  public:
-  Grid(const Points& nodes, double box) : _nodes(nodes), _box(box) {
+  /// @param tolerance  within which a node is found; boxes are no smaller than what numbers of their indices
+  /// can hold
+  Grid(const Points& nodes, double tolerance)
+      : _nodes(nodes),
+        _tolerance(tolerance),
+        _box(std::max(tolerance, least_box * nodes.cwiseAbs().maxCoeff())) {
     for (std::int32_t i = 0; i < nodes.rows(); ++i) _boxes[key(index(nodes.row(i)))].push_back(i);
   }
-  /// The node nearest to x, or -1 if there is none within one box size.
+  /// The node nearest to x, or -1 if there is none within the tolerance.
   std::int32_t nearest(const Vector& x) const {
     std::int32_t best = -1;
-    double distance = _box;
+    double distance = _tolerance;
     const auto at = index(x);
     for (std::int64_t i = -1; i <= 1; ++i)
       for (std::int64_t j = -1; j <= 1; ++j)
@@ -53,7 +58,8 @@ class Grid {
   Index index(const Vector& x) const {
     Index at{};
     for (int k = 0; k < 3; ++k)
-      at[static_cast<std::size_t>(k)] = static_cast<std::int64_t>(std::floor(x[k] / _box));
+      at[static_cast<std::size_t>(k)] =
+          static_cast<std::int64_t>(std::fmax(-far, std::fmin(far, std::floor(x[k] / _box))));
     return at;
   }
   /// Boxes that share a key only cost a comparison of distances.
@@ -63,8 +69,11 @@ class Grid {
     return key;
   }
 
+  /// Of the largest coordinate; indices of boxes are cut at `far`, beyond which there are no nodes.
+  static constexpr double least_box = 1e-15, far = 1e18;
+
   const Points& _nodes;
-  double _box;
+  double _tolerance, _box;
   std::unordered_map<std::uint64_t, std::vector<std::int32_t>> _boxes;
 };
 

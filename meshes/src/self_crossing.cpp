@@ -41,6 +41,7 @@ bool cross(const Surface& s, std::int32_t first, std::int32_t second) {
 
 std::vector<std::array<std::int32_t, 2>> crossing_triangles(const Surface& surface) {
   const Eigen::Index n = surface.triangles.rows();
+  if (n == 0) return {};
   Points low(n, 3), high(n, 3);
   for (Eigen::Index t = 0; t < n; ++t) {
     const Vector a = surface.nodes.row(surface.triangles(t, 0)),

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "coincident_nodes.hpp"
+#include "coordinates.hpp"
 #include "surface.hpp"
 #include "topology.hpp"
 
@@ -69,12 +70,7 @@ void drop_useless(RawMesh& raw, std::vector<std::string>& notes) {
 }
 
 /// A seam whose nodes are there twice is a slit: named, or with `repair` closed.
-void look_at_twins(RawMesh& raw, bool repair, const std::string& source, MeshResult& result) {
-  Points nodes(static_cast<Eigen::Index>(raw.nodes.size()), 3);
-  for (std::size_t i = 0; i < raw.nodes.size(); ++i)
-    for (int k = 0; k < 3; ++k) nodes(static_cast<Eigen::Index>(i), k) = raw.nodes[i][k];
-  if (!nodes.allFinite())
-    throw input_error(source + ": a node has coordinates that are not finite", "", "export the surface again");
+void look_at_twins(RawMesh& raw, const Points& nodes, bool repair, MeshResult& result) {
   const auto first = coincident_nodes(nodes);
   const auto twins = repeated(first);
   if (twins.empty()) return;
@@ -101,6 +97,23 @@ Triangles to_matrix(const std::vector<Triangle>& list) {
   for (std::size_t t = 0; t < list.size(); ++t)
     for (int k = 0; k < 3; ++k) triangles(static_cast<Eigen::Index>(t), k) = list[t][k];
   return triangles;
+}
+
+/// The nodes of the file in metres.
+Points scaled_nodes(const RawMesh& raw, double scale_to_m, const std::string& source) {
+  Points nodes(static_cast<Eigen::Index>(raw.nodes.size()), 3);
+  for (Eigen::Index i = 0; i < nodes.rows(); ++i) {
+    for (int k = 0; k < 3; ++k)
+      nodes(i, k) = raw.nodes[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] * scale_to_m;
+    require_coordinates(nodes.row(i), source + ": a node", i);
+  }
+  return nodes;
+}
+
+void require_triangles(const RawMesh& raw, const std::string& source) {
+  if (raw.triangles.empty())
+    throw input_error(source + ": holds no triangle with three different corners", "",
+                      "give the middle surface of a shell");
 }
 
 void require_sound_edges(SurfaceTopology topology, const std::string& source) {
@@ -160,9 +173,9 @@ MeshResult checked_shell(const RawMesh& given, double scale_to_m, bool repair, c
   RawMesh raw = given;
   result.notes = std::move(raw.notes);
   drop_useless(raw, result.notes);
-  if (raw.triangles.empty())
-    throw input_error(source + ": holds no triangles", "", "give the middle surface of a shell");
-  look_at_twins(raw, repair, source, result);
+  require_triangles(raw, source);
+  look_at_twins(raw, scaled_nodes(raw, scale_to_m, source), repair, result);
+  require_triangles(raw, source);
   auto topology = surface_topology(to_matrix(raw.triangles));
   if (repair && topology.component_sizes.size() > 1) {
     const auto largest = std::max_element(topology.component_sizes.begin(), topology.component_sizes.end());
@@ -177,15 +190,7 @@ MeshResult checked_shell(const RawMesh& given, double scale_to_m, bool repair, c
   require_sound_edges(topology, source);
 
   Mesh& mesh = result.mesh;
-  mesh.nodes.resize(static_cast<Eigen::Index>(raw.nodes.size()), 3);
-  for (std::size_t i = 0; i < raw.nodes.size(); ++i)
-    for (int k = 0; k < 3; ++k) {
-      auto& x = mesh.nodes(static_cast<Eigen::Index>(i), k);
-      x = raw.nodes[i][k] * scale_to_m;
-      if (!std::isfinite(x))
-        throw input_error(source + ": a node has coordinates that are not finite", "node " + std::to_string(i),
-                          "export the surface again");
-    }
+  mesh.nodes = scaled_nodes(raw, scale_to_m, source);
   mesh.surface = to_matrix(raw.triangles);
   const std::int32_t turned = orient_consistently(mesh.surface, topology);
   if (turned < 0)

@@ -6,6 +6,7 @@
 #include <phynness/formats/error.hpp>
 #include <set>
 
+#include "coordinates.hpp"
 #include "topology.hpp"
 
 namespace phynness::meshes {
@@ -114,15 +115,18 @@ double mean_edge(const Points& nodes, const Triangles& triangles) {
 Surface checked_surface(const RawMesh& raw, double scale_to_m, bool repair, const std::string& source,
                         std::vector<std::string>& notes) {
   Points nodes(static_cast<Eigen::Index>(raw.nodes.size()), 3);
-  for (std::size_t i = 0; i < raw.nodes.size(); ++i)
-    for (int k = 0; k < 3; ++k) {
-      nodes(static_cast<Eigen::Index>(i), k) = raw.nodes[i][k] * scale_to_m;
-      if (!std::isfinite(nodes(static_cast<Eigen::Index>(i), k)))
-        throw input_error(source + ": a vertex has coordinates that are not finite",
-                          "vertex " + std::to_string(i), "export the surface again");
-    }
+  for (std::size_t i = 0; i < raw.nodes.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    for (int k = 0; k < 3; ++k) nodes(row, k) = raw.nodes[i][k] * scale_to_m;
+    require_coordinates(nodes.row(row), source + ": a vertex", row);
+  }
   Triangles triangles = to_matrix(raw.triangles);
   drop_useless(triangles, repair, notes);
+  if (triangles.rows() == 0)
+    throw input_error(source + ": the surface has no triangle with three different corners",
+                      counted(raw.triangles.size(), "triangle", "triangles") + ", " +
+                          counted(raw.nodes.size(), "vertex", "vertices"),
+                      "export a closed surface");
   SurfaceTopology topology = surface_topology(triangles);
 
   if (repair && topology.component_sizes.size() > 1) {

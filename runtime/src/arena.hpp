@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "strict_arithmetic.hpp"
+
 namespace phynness::runtime {
 
 /// Arrays of at least this many bytes start at a cache line; smaller ones, of which a model has thousands,
@@ -32,6 +34,8 @@ class Arena {
   bool counting() const { return _base == nullptr; }
   /// Whether the memory was used up, or when counting: more than any memory has.
   bool overflow() const { return _overflow; }
+  /// Bytes of what was taken, from the first of it on.
+  std::size_t used() const { return _used; }
   /// Bytes to ask for, whatever the alignment of the memory will be.
   std::size_t needed() const { return _used + alignment - 1; }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "evaluate.hpp"
+#include "overlap.hpp"
 
 namespace phynness::runtime {
 
@@ -14,6 +15,12 @@ inline bool finite(const double* d) {
 inline void zero(double* values, std::int32_t n) {
   if (values == nullptr) return;
   for (std::int32_t i = 0; i < n; ++i) values[i] = 0;
+}
+
+/// The outputs of a refused call hold zeros. They are written last: they may be the memory of an input.
+inline int refuse(int status, double* outputs, std::int32_t n) {
+  zero(outputs, n);
+  return status;
 }
 
 inline int warnings(const phn_model& model, const ActiveNode& node, const double* d) {

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "square_root.hpp"
+#include "strict_arithmetic.hpp"
 
 namespace phynness::runtime {
 

@@ -64,6 +64,38 @@ void write_state(const phn_contact& contact, const ToolContact& tool, phn_contac
   state.in_contact = 1;
 }
 
+/// What a step does to the contact; its outputs are not yet written. @return a status of phynness.h
+int step(phn_contact* contact, phn_data* data, std::int32_t n_tools, const phn_contact_tool* tools,
+         const phn_contact_state* states, const phn_coupled* place, phn_coupled& result) {
+  if (contact == nullptr || data == nullptr || data->model != contact->model || n_tools < 0)
+    return PHN_ERROR_ARGUMENT;
+  if (n_tools > 0 && (tools == nullptr || states == nullptr)) return PHN_ERROR_ARGUMENT;
+  if (overlap(states, sizeof *states * static_cast<std::size_t>(n_tools), place, sizeof *place))
+    return PHN_ERROR_OVERLAP;
+  if (n_tools > contact->max_tools || n_tools > data->coupling.max_tools) return PHN_ERROR_TOOLS;
+  ToolInput inputs[most_coupled];
+  for (std::int32_t t = 0; t < n_tools; ++t) {
+    const int refused = read_tool(contact->surface, tools[t], inputs[t]);
+    if (refused != PHN_OK) return refused;
+  }
+  for (std::int32_t t = n_tools; t < contact->max_tools; ++t) contact->tool[t] = {};
+  for (std::int32_t t = 0; t < n_tools; ++t) approach(*contact, inputs[t], contact->tool[t]);
+  return balance(*contact, *data, n_tools, inputs, &result);
+}
+
+/// @param x  finite
+void find_nearest(const phn_contact& contact, const double* x, phn_tool& tool, double* point) {
+  const ContactSurface& surface = contact.surface;
+  const double far = 1e3 * largest_distance * surface.size;
+  ToolContact found = {};
+  double near[3];
+  for (int k = 0; k < 3; ++k)
+    near[k] = surface.middle[k] + std::fmax(-far, std::fmin(far, x[k] - surface.middle[k]));
+  nearest(surface, contact.volumes, 0, near, found.at);
+  tool = held_by(contact, found);
+  point_at(surface, surface.placed, found.at, 0, point);
+}
+
 }  // namespace
 
 extern "C" {
@@ -88,6 +120,8 @@ int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t
   if (memory == nullptr) return PHN_ERROR_ARGUMENT;
   const int refused = refuse_init(model, max_tools);
   if (refused != PHN_OK) return refused;
+  if (overlap(memory, bytes, model, model->bytes) || overlap(memory, bytes, contact, sizeof *contact))
+    return PHN_ERROR_OVERLAP;
   const std::int32_t n = count_touchable(*model);
   if (n == 0) return PHN_ERROR_UNDEFINED;
   Arena arena(memory, bytes);
@@ -103,21 +137,15 @@ int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t
 
 int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, const phn_contact_tool* tools,
                      phn_contact_state* states, phn_coupled* result) {
-  if (result != nullptr) *result = {0, 0};
-  for (std::int32_t t = 0; t < n_tools && states != nullptr; ++t) states[t] = nothing;
-  if (contact == nullptr || data == nullptr || data->model != contact->model || n_tools < 0) return PHN_ERROR_ARGUMENT;
-  if (n_tools > 0 && (tools == nullptr || states == nullptr)) return PHN_ERROR_ARGUMENT;
-  if (n_tools > contact->max_tools || n_tools > data->coupling.max_tools) return PHN_ERROR_TOOLS;
-  ToolInput inputs[most_coupled];
-  for (std::int32_t t = 0; t < n_tools; ++t) {
-    const int refused = read_tool(contact->surface, tools[t], inputs[t]);
-    if (refused != PHN_OK) return refused;
+  const std::size_t n = n_tools > 0 ? static_cast<std::size_t>(n_tools) : 0;
+  phn_coupled coupled = {0, 0};
+  const int status = step(contact, data, n_tools, tools, states, result, coupled);
+  // Tools may lie in the same memory: they are read.
+  for (std::size_t t = 0; states != nullptr && t < n; ++t) {
+    states[t] = nothing;
+    if (status >= 0) write_state(*contact, contact->tool[t], states[t]);
   }
-  for (std::int32_t t = n_tools; t < contact->max_tools; ++t) contact->tool[t] = {};
-  for (std::int32_t t = 0; t < n_tools; ++t) approach(*contact, inputs[t], contact->tool[t]);
-  const int status = balance(*contact, *data, n_tools, inputs, result);
-  if (status < 0) return status;
-  for (std::int32_t t = 0; t < n_tools; ++t) write_state(*contact, contact->tool[t], states[t]);
+  if (result != nullptr) *result = coupled;
   return status;
 }
 
@@ -165,19 +193,18 @@ int32_t phn_contact_held(const phn_contact* contact, phn_tool* tools) {
 }
 
 int phn_contact_nearest(const phn_contact* contact, const double x[3], phn_tool* tool, double point[3]) {
-  if (tool != nullptr) *tool = nothing.held;
-  zero(point, 3);
-  if (contact == nullptr || x == nullptr || tool == nullptr) return PHN_ERROR_ARGUMENT;
-  if (!finite(x)) return PHN_ERROR_NOT_FINITE;
-  const ContactSurface& surface = contact->surface;
-  const double far = 1e3 * largest_distance * surface.size;
-  ToolContact found = {};
-  double near[3];
-  for (int k = 0; k < 3; ++k) near[k] = surface.middle[k] + std::fmax(-far, std::fmin(far, x[k] - surface.middle[k]));
-  nearest(surface, contact->volumes, 0, near, found.at);
-  *tool = held_by(*contact, found);
-  if (point != nullptr) point_at(surface, surface.placed, found.at, 0, point);
-  return PHN_OK;
+  phn_tool held = nothing.held;
+  double place[3] = {0, 0, 0};
+  int status = PHN_ERROR_ARGUMENT;
+  if (contact != nullptr && x != nullptr && tool != nullptr) {
+    status = overlap(tool, sizeof *tool, point, sizeof place) ? PHN_ERROR_OVERLAP
+             : finite(x)                                      ? PHN_OK
+                                                              : PHN_ERROR_NOT_FINITE;
+    if (status == PHN_OK) find_nearest(*contact, x, held, place);
+  }
+  if (tool != nullptr) *tool = held;
+  for (int k = 0; k < 3 && point != nullptr; ++k) point[k] = place[k];
+  return status;
 }
 
 }  // extern "C"

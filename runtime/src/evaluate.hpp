@@ -14,6 +14,8 @@ struct phn_data {
   double* field;       ///< n_output x 3: the field of one tool
   double* nearest;     ///< n_output: distance to the nearest tool [m]
   double* weight_sum;  ///< n_output: sum of nearest / distance over the tools
+  std::int32_t* asked_nodes;  ///< max_tools: of the deformation that is asked for,
+  double* asked;              ///< and max_tools x 3 displacements, copied: its output may be their memory
   phynness::runtime::Coupling coupling;
   phynness::runtime::PreparedNodes prepared;
 };

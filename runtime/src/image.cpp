@@ -1,5 +1,6 @@
 // The C interface to images: checks of arguments and statuses, once for doubles and once for floats.
 #include "image_deform.hpp"
+#include "overlap.hpp"
 
 using namespace phynness::runtime;
 
@@ -12,6 +13,14 @@ struct Query {
   Real d[3] = {0, 0, 0};  ///< cut
   bool whole = true;      ///< whether nothing was cut
 };
+
+/// The outputs of a refused call hold zeros. They are written last: they may be the memory of the
+/// displacement.
+template <class Real>
+int refuse(int status, Real* out, size_t n) {
+  if (out != nullptr) clear(out, n);
+  return status;
+}
 
 template <class Real>
 int ask(const ImageHeader<Real>* image, int32_t node, const Real* d, const Real* out, Query<Real>& query) {
@@ -30,42 +39,38 @@ int answered(const ImageHeader<Real>& image, const Query<Real>& query) {
 
 template <class Real>
 int force(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out) {
-  if (out != nullptr) clear(out, 3);
   Query<Real> query;
   const int refused = ask(image, node, d, out, query);
-  if (refused != PHN_OK) return refused;
+  if (refused != PHN_OK) return refuse(refused, out, 3);
   image_force_at(*image, *query.node, query.d, out);
   return answered(*image, query);
 }
 
 template <class Real>
 int energy(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out) {
-  if (out != nullptr) clear(out, 1);
   Query<Real> query;
   const int refused = ask(image, node, d, out, query);
-  if (refused != PHN_OK) return refused;
-  if (image->family == phynness::image::Family::rbfn) return PHN_ERROR_UNDEFINED;
+  if (refused != PHN_OK) return refuse(refused, out, 1);
+  if (image->family == phynness::image::Family::rbfn) return refuse(PHN_ERROR_UNDEFINED, out, 1);
   *out = image_energy_at(*image, *query.node, query.d);
   return answered(*image, query);
 }
 
 template <class Real>
 int stiffness(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out) {
-  if (out != nullptr) clear(out, 9);
   Query<Real> query;
   const int refused = ask(image, node, d, out, query);
-  if (refused != PHN_OK) return refused;
-  if (image->family == phynness::image::Family::rbfn) return PHN_ERROR_UNDEFINED;
+  if (refused != PHN_OK) return refuse(refused, out, 9);
+  if (image->family == phynness::image::Family::rbfn) return refuse(PHN_ERROR_UNDEFINED, out, 9);
   image_stiffness_at(*image, *query.node, query.d, out);
   return answered(*image, query);
 }
 
 template <class Real>
 int depth(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out) {
-  if (out != nullptr) clear(out, 1);
   Query<Real> query;
   const int refused = ask(image, node, d, out, query);
-  if (refused != PHN_OK) return refused;
+  if (refused != PHN_OK) return refuse(refused, out, 1);
   *out = trained_depth(*image, *query.node, query.d);
   return answered(*image, query) & PHN_WARNING_OUTSIDE;
 }
@@ -73,12 +78,14 @@ int depth(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out
 template <class Real>
 int deform(const ImageHeader<Real>* image, Real* scratch, int32_t node, const Real* d, Real* out) {
   if (image == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
-  clear(out, 3 * static_cast<size_t>(image->output_nodes.n));
-  if (scratch == nullptr && image->n_scratch > 0) return PHN_ERROR_ARGUMENT;
+  const size_t n = 3 * static_cast<size_t>(image->output_nodes.n);
+  if (scratch == nullptr && image->n_scratch > 0) return refuse(PHN_ERROR_ARGUMENT, out, n);
+  if (overlap(scratch, image->n_scratch * sizeof(Real), out, n * sizeof(Real)))
+    return refuse(PHN_ERROR_OVERLAP, out, n);
   Query<Real> query;
   const int refused = ask(image, node, d, out, query);
-  if (refused != PHN_OK) return refused;
-  if (!image_has_deformation(*image, *query.node)) return PHN_ERROR_UNDEFINED;
+  if (refused != PHN_OK) return refuse(refused, out, n);
+  if (!image_has_deformation(*image, *query.node)) return refuse(PHN_ERROR_UNDEFINED, out, n);
   image_field_at(*image, *query.node, query.d, scratch, out);
   return answered(*image, query);
 }

@@ -1,5 +1,6 @@
 // The C interface to images that runs once. Apart from the rest so that it can be compiled for size.
 #include "image_check.hpp"
+#include "overlap.hpp"
 
 using namespace phynness::runtime;
 
@@ -9,7 +10,8 @@ template <class Real, class Image>
 int open(const void* memory, size_t bytes, const Image** image) {
   if (image == nullptr) return PHN_ERROR_ARGUMENT;
   const ImageHeader<Real>* opened = nullptr;
-  const int status = open_image(memory, bytes, opened);
+  const int status =
+      overlap(memory, bytes, image, sizeof *image) ? PHN_ERROR_OVERLAP : open_image(memory, bytes, opened);
   *image = reinterpret_cast<const Image*>(opened);
   return status;
 }

@@ -99,42 +99,9 @@ void displacement(const phn_model& model, std::int32_t call, double* d) {
   for (int k = 0; k < 3; ++k) d[k] = model.max_displacement * 0.01 * static_cast<double>(call % 64 * (k + 3) % 50);
 }
 
-}  // namespace
-
-extern "C" {
-
-int32_t phn_n_levels(const phn_model* model) { return model ? model->n_levels : 0; }
-
-int phn_level_info(const phn_model* model, int32_t level, phn_level* info) {
-  if (info == nullptr) return PHN_ERROR_ARGUMENT;
-  *info = {};
-  if (model == nullptr || level < 0 || level >= model->n_levels) return PHN_ERROR_ARGUMENT;
-  const phn_model& of_level = level_of(*model, level);
-  info->force_centers = most_centers(of_level);
-  info->deformation_centers = model->family == Family::rbfn ? most_neurons(of_level) : of_level.shared.n_centers;
-  info->modes = most_modes(of_level);
-  info->error_force = of_level.errors.force;
-  info->error_displacement = of_level.errors.displacement;
-  return PHN_OK;
-}
-
-int phn_set_level(const phn_model* model, phn_data* data, int32_t level) {
-  if (model == nullptr || data == nullptr || data->model != model || level < 0 || level >= model->n_levels)
-    return PHN_ERROR_ARGUMENT;
-  data->level = &level_of(*model, level);
-  return PHN_OK;
-}
-
-int32_t phn_level_of(const phn_data* data) {
-  if (data == nullptr) return 0;
-  const phn_model& model = *data->model;
-  return data->level == &model ? model.n_levels - 1 : static_cast<int32_t>(data->level - model.smaller);
-}
-
-int phn_calibrate(const phn_model* model, phn_data* data, double (*clock_us)(void* user), void* user,
-                  phn_level_time* times) {
-  if (model == nullptr || times == nullptr) return PHN_ERROR_ARGUMENT;
-  for (int32_t l = 0; l < model->n_levels; ++l) times[l] = {0, 0};
+/// Times of all levels. @return a status of phynness.h
+int measure_levels(const phn_model* model, phn_data* data, double (*clock_us)(void*), void* user,
+                   phn_level_time* times) {
   if (data == nullptr || data->model != model || clock_us == nullptr) return PHN_ERROR_ARGUMENT;
   if (model->n_active == 0) return PHN_ERROR_UNDEFINED;
   const int32_t before = phn_level_of(data);
@@ -167,14 +134,12 @@ int phn_calibrate(const phn_model* model, phn_data* data, double (*clock_us)(voi
                                     &times[l].deformation_us));
   }
   phn_set_level(model, data, before);
-  for (int32_t l = 0; l < model->n_levels && !good; ++l) times[l] = {0, 0};
   return good ? PHN_OK : PHN_ERROR_CLOCK;
 }
 
-int phn_budget(const phn_model* model, const phn_level_time* times, double n_forces, double n_deformations,
-               double budget_us, int32_t* level) {
-  if (level == nullptr) return PHN_ERROR_ARGUMENT;
-  *level = 0;
+/// @return a level, or a status of phynness.h
+int32_t best_level(const phn_model* model, const phn_level_time* times, double n_forces,
+                   double n_deformations, double budget_us) {
   if (model == nullptr || times == nullptr || !(n_forces >= 0) || !(n_deformations >= 0) || !std::isfinite(n_forces) ||
       !std::isfinite(n_deformations) || !(budget_us >= 0))
     return PHN_ERROR_ARGUMENT;
@@ -191,25 +156,86 @@ int phn_budget(const phn_model* model, const phn_level_time* times, double n_for
       least = error;
     }
   }
-  if (best < 0) return PHN_ERROR_BUDGET;
-  *level = best;
+  return best < 0 ? PHN_ERROR_BUDGET : best;
+}
+
+/// @param found  distance and relative, of a call that is not refused. @return a status of phynness.h
+int distance_from_trained(const phn_model& model, std::int32_t node, const double* d, double* found) {
+  const std::int32_t at = phynness::runtime::find_active(model, node);
+  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
+  if (!phynness::runtime::finite(d)) return PHN_ERROR_NOT_FINITE;
+  const ActiveNode& active = model.active[at];
+  if (model.family != Family::linear) {
+    const double x = phynness::runtime::trained_distance(model, active, d);
+    found[0] = std::fmin(1e300, model.max_displacement * x);
+    found[1] = std::fmin(1e300, x / active.fill_distance);
+  }
+  return phynness::runtime::warnings(model, active, d) & PHN_WARNING_OUTSIDE;
+}
+
+}  // namespace
+
+extern "C" {
+
+int32_t phn_n_levels(const phn_model* model) { return model ? model->n_levels : 0; }
+
+int phn_level_info(const phn_model* model, int32_t level, phn_level* info) {
+  if (info == nullptr) return PHN_ERROR_ARGUMENT;
+  *info = {};
+  if (model == nullptr || level < 0 || level >= model->n_levels) return PHN_ERROR_ARGUMENT;
+  const phn_model& of_level = level_of(*model, level);
+  info->force_centers = most_centers(of_level);
+  info->deformation_centers =
+      model->family == Family::rbfn ? most_neurons(of_level) : of_level.shared.n_centers;
+  info->modes = most_modes(of_level);
+  info->error_force = of_level.errors.force;
+  info->error_displacement = of_level.errors.displacement;
   return PHN_OK;
 }
 
-int phn_trained_distance(const phn_model* model, int32_t node, const double d[3], double* distance, double* relative) {
-  phynness::runtime::zero(distance, 1);
-  phynness::runtime::zero(relative, 1);
-  if (model == nullptr || d == nullptr || distance == nullptr || relative == nullptr) return PHN_ERROR_ARGUMENT;
-  const int32_t at = phynness::runtime::find_active(*model, node);
-  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
-  if (!phynness::runtime::finite(d)) return PHN_ERROR_NOT_FINITE;
-  const ActiveNode& active = model->active[at];
-  if (model->family != Family::linear) {
-    const double x = phynness::runtime::trained_distance(*model, active, d);
-    *distance = std::fmin(1e300, model->max_displacement * x);
-    *relative = std::fmin(1e300, x / active.fill_distance);
+int phn_set_level(const phn_model* model, phn_data* data, int32_t level) {
+  if (model == nullptr || data == nullptr || data->model != model || level < 0 || level >= model->n_levels)
+    return PHN_ERROR_ARGUMENT;
+  data->level = &level_of(*model, level);
+  return PHN_OK;
+}
+
+int32_t phn_level_of(const phn_data* data) {
+  if (data == nullptr) return 0;
+  const phn_model& model = *data->model;
+  return data->level == &model ? model.n_levels - 1 : static_cast<int32_t>(data->level - model.smaller);
+}
+
+int phn_calibrate(const phn_model* model, phn_data* data, double (*clock_us)(void* user), void* user,
+                  phn_level_time* times) {
+  if (model == nullptr || times == nullptr) return PHN_ERROR_ARGUMENT;
+  phn_level_time measured[phynness::runtime::largest_level_count] = {};
+  const int status = measure_levels(model, data, clock_us, user, measured);
+  for (int32_t l = 0; l < model->n_levels; ++l)
+    times[l] = status == PHN_OK ? measured[l] : phn_level_time{0, 0};
+  return status;
+}
+
+int phn_budget(const phn_model* model, const phn_level_time* times, double n_forces, double n_deformations,
+               double budget_us, int32_t* level) {
+  if (level == nullptr) return PHN_ERROR_ARGUMENT;
+  const int32_t best = best_level(model, times, n_forces, n_deformations, budget_us);
+  *level = best < 0 ? 0 : best;
+  return best < 0 ? best : PHN_OK;
+}
+
+int phn_trained_distance(const phn_model* model, int32_t node, const double d[3], double* distance,
+                         double* relative) {
+  double found[2] = {0, 0};
+  int status = PHN_ERROR_ARGUMENT;
+  if (model != nullptr && d != nullptr && distance != nullptr && relative != nullptr) {
+    status = phynness::runtime::overlap(distance, sizeof *distance, relative, sizeof *relative)
+                 ? PHN_ERROR_OVERLAP
+                 : distance_from_trained(*model, node, d, found);
   }
-  return phynness::runtime::warnings(*model, active, d) & PHN_WARNING_OUTSIDE;
+  if (distance != nullptr) *distance = found[0];
+  if (relative != nullptr) *relative = found[1];
+  return status;
 }
 
 }  // extern "C"

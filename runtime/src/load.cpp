@@ -416,6 +416,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   if (placed) {
     model.full = placed;
     model.smaller = smaller;
+    model.bytes = arena.used();
     place_levels(model, levels, smaller);
     *placed = model;
     *result = placed;

@@ -150,6 +150,7 @@ struct LevelErrors {
 struct phn_model {
   const phn_model* full;     ///< the last level
   const phn_model* smaller;  ///< the other levels, n_levels - 1
+  std::size_t bytes;         ///< of the memory behind this that the model takes
   std::int32_t n_levels;
   phynness::runtime::LevelErrors errors;
   phynness::runtime::Family family;

@@ -12,21 +12,28 @@
 using phynness::runtime::ActiveNode;
 using phynness::runtime::Arena;
 using phynness::runtime::finite;
+using phynness::runtime::overlap;
+using phynness::runtime::refuse;
 using phynness::runtime::warnings;
-using phynness::runtime::zero;
 
 namespace {
 
-/// Checks the arguments of a response of one node and finds the node at the level of the data.
+/// A node at the level of the data, and a copy of its displacement: an output may be the memory of that.
+struct Asked {
+  const ActiveNode* node;
+  double d[3];
+};
+
+/// Checks the arguments of a response of one node.
 int find_node(const phn_model* model, const phn_data* data, std::int32_t node, const double* d,
-              const double* out, const ActiveNode*& found) {
+              const double* out, Asked& asked) {
   if (model == nullptr || data == nullptr || data->model != model || d == nullptr || out == nullptr) {
     return PHN_ERROR_ARGUMENT;
   }
   const std::int32_t at = phynness::runtime::find_active(*model, node);
   if (at < 0) return PHN_ERROR_NOT_ACTIVE;
   if (!finite(d)) return PHN_ERROR_NOT_FINITE;
-  found = &data->level->active[at];
+  asked = {&data->level->active[at], {d[0], d[1], d[2]}};
   return PHN_OK;
 }
 
@@ -45,9 +52,33 @@ DataParts lay_out(Arena& arena, const phn_model& model, std::int32_t max_tools) 
   parts.value.field = arena.take<double>(3 * n_output);
   parts.value.nearest = arena.take<double>(n_output);
   parts.value.weight_sum = arena.take<double>(n_output);
+  parts.value.asked_nodes = arena.take<std::int32_t>(static_cast<std::size_t>(max_tools));
+  parts.value.asked = arena.take<double>(static_cast<std::size_t>(max_tools), 3);
   parts.value.coupling = phynness::runtime::lay_out_coupling(arena, model, max_tools);
   parts.value.prepared = phynness::runtime::lay_out_prepared(arena, model, max_tools);
   return parts;
+}
+
+/// Copies the tools of a deformation into the data and checks them. @return a status of phynness.h
+int read_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,
+               const double* displacements) {
+  if (nodes == nullptr || displacements == nullptr) return PHN_ERROR_ARGUMENT;
+  if (n_tools > data.max_tools) return PHN_ERROR_TOOLS;
+  int status = PHN_OK;
+  for (std::int32_t t = 0; t < n_tools; ++t) {
+    double* d = data.asked + 3 * static_cast<std::size_t>(t);
+    data.asked_nodes[t] = nodes[t];
+    for (int k = 0; k < 3; ++k) d[k] = displacements[3 * static_cast<std::size_t>(t) + k];
+    const std::int32_t at = phynness::runtime::find_active(model, data.asked_nodes[t]);
+    if (at < 0) return PHN_ERROR_NOT_ACTIVE;
+    if (!finite(d)) return PHN_ERROR_NOT_FINITE;
+    for (std::int32_t s = 0; s < t; ++s) {
+      if (data.asked_nodes[s] == data.asked_nodes[t]) return PHN_ERROR_SAME_NODE;
+    }
+    if (!phynness::runtime::has_deformation(model, model.active[at])) return PHN_ERROR_UNDEFINED;
+    status |= warnings(model, model.active[at], d);
+  }
+  return status;
 }
 
 }  // namespace
@@ -106,6 +137,8 @@ const char* phn_status_message(int status) {
       return "a count, index or value of the model text is out of range";
     case PHN_ERROR_FAMILY:
       return "the model text holds a family that this version does not know";
+    case PHN_ERROR_OVERLAP:
+      return "an output lies in the memory of another output, or of an input too large to be copied first";
     default:
       return "unknown status";
   }
@@ -113,22 +146,27 @@ const char* phn_status_message(int status) {
 
 int phn_model_size(const char* text, size_t length, size_t* bytes) {
   if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
-  *bytes = 0;
-  if (text == nullptr) return PHN_ERROR_ARGUMENT;
   Arena arena;
   const phn_model* none = nullptr;
-  const int status = phynness::runtime::load_model(text, length, arena, &none);
-  if (arena.overflow()) return PHN_ERROR_RANGE;
-  if (status == PHN_OK) *bytes = arena.needed();
+  int status =
+      text == nullptr ? PHN_ERROR_ARGUMENT : phynness::runtime::load_model(text, length, arena, &none);
+  if (arena.overflow()) status = PHN_ERROR_RANGE;
+  *bytes = status == PHN_OK ? arena.needed() : 0;
   return status;
 }
 
 int phn_model_init(void* memory, size_t bytes, const char* text, size_t length, const phn_model** model) {
   if (model == nullptr) return PHN_ERROR_ARGUMENT;
-  *model = nullptr;
-  if (memory == nullptr || text == nullptr) return PHN_ERROR_ARGUMENT;
-  Arena arena(memory, bytes);
-  return phynness::runtime::load_model(text, length, arena, model);
+  const phn_model* loaded = nullptr;
+  int status = PHN_ERROR_ARGUMENT;
+  if (overlap(memory, bytes, text, length) || overlap(memory, bytes, model, sizeof *model)) {
+    status = PHN_ERROR_OVERLAP;
+  } else if (memory != nullptr && text != nullptr) {
+    Arena arena(memory, bytes);
+    status = phynness::runtime::load_model(text, length, arena, &loaded);
+  }
+  *model = loaded;
+  return status;
 }
 
 int phn_data_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
@@ -146,6 +184,8 @@ int phn_data_init(void* memory, size_t bytes, const phn_model* model, int32_t ma
   if (data == nullptr) return PHN_ERROR_ARGUMENT;
   *data = nullptr;
   if (memory == nullptr || model == nullptr || max_tools < 1) return PHN_ERROR_ARGUMENT;
+  if (overlap(memory, bytes, model, model->bytes) || overlap(memory, bytes, data, sizeof *data))
+    return PHN_ERROR_OVERLAP;
   Arena arena(memory, bytes);
   const DataParts parts = lay_out(arena, *model, max_tools);
   if (arena.overflow()) return PHN_ERROR_BUFFER;
@@ -167,59 +207,47 @@ const int32_t* phn_fixed_nodes(const phn_model* model) { return model ? model->f
 const double* phn_fixed_points(const phn_model* model) { return model ? model->fixed_points : nullptr; }
 
 int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3]) {
-  zero(force, 3);
-  const ActiveNode* at = nullptr;
-  const int refused = find_node(model, data, node, d, force, at);
-  if (refused != PHN_OK) return refused;
-  phynness::runtime::evaluate_force(*data->level, *at, d, force);
-  return warnings(*model, *at, d);
+  Asked asked;
+  const int refused = find_node(model, data, node, d, force, asked);
+  if (refused != PHN_OK) return refuse(refused, force, 3);
+  phynness::runtime::evaluate_force(*data->level, *asked.node, asked.d, force);
+  return warnings(*model, *asked.node, asked.d);
 }
 
 int phn_energy(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* energy) {
-  zero(energy, 1);
-  const ActiveNode* at = nullptr;
-  const int refused = find_node(model, data, node, d, energy, at);
-  if (refused != PHN_OK) return refused;
-  if (!phynness::runtime::has_energy(*model)) return PHN_ERROR_UNDEFINED;
-  *energy = phynness::runtime::evaluate_energy(*data->level, *at, d);
-  return warnings(*model, *at, d);
+  Asked asked;
+  const int refused = find_node(model, data, node, d, energy, asked);
+  if (refused != PHN_OK) return refuse(refused, energy, 1);
+  if (!phynness::runtime::has_energy(*model)) return refuse(PHN_ERROR_UNDEFINED, energy, 1);
+  *energy = phynness::runtime::evaluate_energy(*data->level, *asked.node, asked.d);
+  return warnings(*model, *asked.node, asked.d);
 }
 
 int phn_stiffness(const phn_model* model, phn_data* data, int32_t node, const double d[3],
                   double stiffness[9]) {
-  zero(stiffness, 9);
-  const ActiveNode* at = nullptr;
-  const int refused = find_node(model, data, node, d, stiffness, at);
-  if (refused != PHN_OK) return refused;
-  if (!phynness::runtime::has_energy(*model)) return PHN_ERROR_UNDEFINED;
-  phynness::runtime::evaluate_stiffness(*data->level, *at, d, stiffness);
-  return warnings(*model, *at, d);
+  Asked asked;
+  const int refused = find_node(model, data, node, d, stiffness, asked);
+  if (refused != PHN_OK) return refuse(refused, stiffness, 9);
+  if (!phynness::runtime::has_energy(*model)) return refuse(PHN_ERROR_UNDEFINED, stiffness, 9);
+  phynness::runtime::evaluate_stiffness(*data->level, *asked.node, asked.d, stiffness);
+  return warnings(*model, *asked.node, asked.d);
 }
 
 int phn_deform(const phn_model* model, phn_data* data, int32_t n_tools, const int32_t* nodes,
                const double* displacements, double* out) {
   if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
-  zero(out, 3 * model->n_output);
-  if (data == nullptr || data->model != model || n_tools < 0) return PHN_ERROR_ARGUMENT;
-  if (n_tools == 0) return PHN_OK;
-  if (nodes == nullptr || displacements == nullptr) return PHN_ERROR_ARGUMENT;
-  if (n_tools > data->max_tools) return PHN_ERROR_TOOLS;
   int status = PHN_OK;
-  for (int32_t t = 0; t < n_tools; ++t) {
-    const int32_t at = phynness::runtime::find_active(*model, nodes[t]);
-    if (at < 0) return PHN_ERROR_NOT_ACTIVE;
-    if (!finite(&displacements[3 * t])) return PHN_ERROR_NOT_FINITE;
-    for (int32_t s = 0; s < t; ++s) {
-      if (nodes[s] == nodes[t]) return PHN_ERROR_SAME_NODE;
-    }
-    if (!phynness::runtime::has_deformation(*model, model->active[at])) return PHN_ERROR_UNDEFINED;
-    status |= warnings(*model, model->active[at], &displacements[3 * t]);
+  if (data == nullptr || data->model != model || n_tools < 0) {
+    status = PHN_ERROR_ARGUMENT;
+  } else if (n_tools > 0) {
+    status = read_tools(*model, *data, n_tools, nodes, displacements);
   }
+  if (status < 0 || n_tools == 0) return refuse(status, out, 3 * model->n_output);
   if (n_tools == 1) {
-    const int32_t at = phynness::runtime::find_active(*model, nodes[0]);
-    phynness::runtime::evaluate_deformation(*data->level, *data, at, displacements, out);
+    const int32_t at = phynness::runtime::find_active(*model, data->asked_nodes[0]);
+    phynness::runtime::evaluate_deformation(*data->level, *data, at, data->asked, out);
   } else {
-    phynness::runtime::blend_tools(*data->level, *data, n_tools, nodes, displacements, out);
+    phynness::runtime::blend_tools(*data->level, *data, n_tools, data->asked_nodes, data->asked, out);
   }
   return status;
 }
@@ -243,24 +271,23 @@ const char* phn_field_unit(const phn_model* model, int32_t field) {
 int phn_field(const phn_model* model, phn_data* data, int32_t node, const double d[3], int32_t field,
               double* out) {
   if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
-  zero(out, model->n_output);
-  if (field < 0 || field >= model->n_fields) return PHN_ERROR_ARGUMENT;
-  const ActiveNode* at = nullptr;
-  const int refused = find_node(model, data, node, d, out, at);
-  if (refused != PHN_OK) return refused;
-  if (at->modal->fields[field].n_modes == 0) return PHN_ERROR_UNDEFINED;
-  phynness::runtime::modal_field(*data->level, *at->modal, field, d, data->scratch, out);
-  return warnings(*model, *at, d);
+  if (field < 0 || field >= model->n_fields) return refuse(PHN_ERROR_ARGUMENT, out, model->n_output);
+  Asked asked;
+  int refused = find_node(model, data, node, d, out, asked);
+  if (refused == PHN_OK && asked.node->modal->fields[field].n_modes == 0) refused = PHN_ERROR_UNDEFINED;
+  if (refused != PHN_OK) return refuse(refused, out, model->n_output);
+  phynness::runtime::modal_field(*data->level, *asked.node->modal, field, asked.d, data->scratch, out);
+  return warnings(*model, *asked.node, asked.d);
 }
 
 int phn_trained_depth(const phn_model* model, int32_t node, const double d[3], double* depth) {
-  zero(depth, 1);
-  if (model == nullptr || d == nullptr || depth == nullptr) return PHN_ERROR_ARGUMENT;
+  if (model == nullptr || d == nullptr || depth == nullptr) return refuse(PHN_ERROR_ARGUMENT, depth, 1);
   const int32_t at = phynness::runtime::find_active(*model, node);
-  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
-  if (!finite(d)) return PHN_ERROR_NOT_FINITE;
+  if (at < 0) return refuse(PHN_ERROR_NOT_ACTIVE, depth, 1);
+  if (!finite(d)) return refuse(PHN_ERROR_NOT_FINITE, depth, 1);
+  const int status = warnings(*model, model->active[at], d) & PHN_WARNING_OUTSIDE;
   *depth = phynness::runtime::trained_depth(*model, model->active[at], d);
-  return warnings(*model, model->active[at], d) & PHN_WARNING_OUTSIDE;
+  return status;
 }
 
 }  // extern "C"

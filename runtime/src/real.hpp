@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "instruction_sets.hpp"
+#include "strict_arithmetic.hpp"
 
 namespace phynness::runtime {
 

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "strict_arithmetic.hpp"
+
 namespace phynness::runtime {
 
 /// y = a x

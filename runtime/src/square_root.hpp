@@ -3,6 +3,8 @@
 
 #ifndef __GNUC__
 #include <math.h>
+
+#include "strict_arithmetic.hpp"
 #endif
 
 namespace phynness::runtime {

@@ -6,6 +6,7 @@
 
 #include "arena.hpp"
 #include "model.hpp"
+#include "strict_arithmetic.hpp"
 
 namespace phynness::runtime {
 

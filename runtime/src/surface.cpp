@@ -74,6 +74,27 @@ void put_rows(const double* from, std::int32_t n, int stride, float* to) {
   }
 }
 
+std::size_t out_bytes(const phn_surface& surface) {
+  return 3 * static_cast<std::size_t>(surface.n_vertices) * sizeof(float);
+}
+
+/// Checks the arguments of a deformation: memory first, numbers second. @return a status of phynness.h
+int check_field(const phn_surface& surface, const float* scratch, const double* field, const float* out) {
+  const bool complete =
+      (scratch != nullptr || surface.n_scratch == 0) && (field != nullptr || surface.n_output == 0);
+  if (!complete) return PHN_ERROR_ARGUMENT;
+  const std::size_t n = 3 * static_cast<std::size_t>(surface.n_output);
+  const std::size_t field_bytes = n * sizeof *field, scratch_bytes = surface.n_scratch * sizeof *scratch;
+  if (overlap(field, field_bytes, out, out_bytes(surface)) ||
+      overlap(scratch, scratch_bytes, field, field_bytes) ||
+      overlap(scratch, scratch_bytes, out, out_bytes(surface)))
+    return PHN_ERROR_OVERLAP;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!std::isfinite(field[i])) return PHN_ERROR_NOT_FINITE;
+  }
+  return PHN_OK;
+}
+
 }  // namespace
 
 extern "C" {
@@ -96,6 +117,8 @@ int phn_surface_init(void* memory, size_t bytes, const phn_model* model, int32_t
   if (surface == nullptr) return PHN_ERROR_ARGUMENT;
   *surface = nullptr;
   if (memory == nullptr || model == nullptr || levels < 0 || levels > most_levels) return PHN_ERROR_ARGUMENT;
+  if (overlap(memory, bytes, model, model->bytes) || overlap(memory, bytes, surface, sizeof *surface))
+    return PHN_ERROR_OVERLAP;
   SurfaceCounts counts[most_levels + 1];
   const int refused = count_surface(*model, levels, counts);
   if (refused != PHN_OK) return refused;
@@ -136,12 +159,10 @@ size_t phn_surface_scratch(const phn_surface* surface) { return surface ? surfac
 
 int phn_surface_deform(const phn_surface* surface, float* scratch, const double* field, float* out) {
   if (surface == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
-  const bool complete = (scratch != nullptr || surface->n_scratch == 0) && (field != nullptr || surface->n_output == 0);
-  bool good = complete;
-  for (std::int32_t i = 0; i < 3 * surface->n_output && good; ++i) good = std::isfinite(field[i]);
-  if (!good) {
-    std::memset(out, 0, 3 * static_cast<std::size_t>(surface->n_vertices) * sizeof *out);
-    return complete ? PHN_ERROR_NOT_FINITE : PHN_ERROR_ARGUMENT;
+  const int status = check_field(*surface, scratch, field, out);
+  if (status != PHN_OK) {
+    std::memset(out, 0, out_bytes(*surface));
+    return status;
   }
   const int stride = surface->n_levels > 0 ? 4 : 3;
   float* rows = surface->n_levels > 0 ? scratch : out;

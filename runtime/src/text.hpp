@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "strict_arithmetic.hpp"
+
 namespace phynness::runtime {
 
 /// Magic, version, completeness, checksum; on success `length` is shortened to the text before the checksum

@@ -12,6 +12,7 @@ using phynness::runtime::HeldPoint;
 using phynness::runtime::largest_coupled;
 using phynness::runtime::largest_linear;
 using phynness::runtime::most_coupled;
+using phynness::runtime::overlap;
 using phynness::runtime::warnings;
 using phynness::runtime::zero;
 
@@ -85,42 +86,35 @@ int warnings_of(const phn_model& model, const Coupling& c) {
   return status;
 }
 
-}  // namespace
-
-extern "C" {
-
-int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, double point[3]) {
-  if (tool != nullptr) *tool = {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
-  zero(point, 3);
-  if (model == nullptr || x == nullptr || tool == nullptr) return PHN_ERROR_ARGUMENT;
-  if (!finite(x)) return PHN_ERROR_NOT_FINITE;
+/// @param x  finite. @return a status of phynness.h
+int find_nearest(const phn_model& model, const double* x, phn_tool& tool, double* point) {
   double from[3];
   cut(x, 1, largest_place, from);
   double least = -1;
-  for (std::int32_t t = 0; t < model->n_triangles; ++t) {
-    const std::int32_t* vertex = model->triangles + 3 * static_cast<std::size_t>(t);
+  for (std::int32_t t = 0; t < model.n_triangles; ++t) {
+    const std::int32_t* vertex = model.triangles + 3 * static_cast<std::size_t>(t);
     const double* corner[3];
-    for (int k = 0; k < 3; ++k) corner[k] = phynness::runtime::vertex_point(*model, vertex[k]);
+    for (int k = 0; k < 3; ++k) corner[k] = phynness::runtime::vertex_point(model, vertex[k]);
     double weight[3], nearest[3], distance = 0;
     phynness::runtime::nearest_on_triangle(corner, from, weight, nearest, distance);
     if (!(least < 0 || distance < least)) continue;
     least = distance;
     for (int k = 0; k < 3; ++k) {
-      tool->nodes[k] = phynness::runtime::vertex_node(*model, vertex[k]);
-      tool->weights[k] = weight[k];
-      if (point != nullptr) point[k] = nearest[k];
+      tool.nodes[k] = phynness::runtime::vertex_node(model, vertex[k]);
+      tool.weights[k] = weight[k];
+      point[k] = nearest[k];
     }
   }
   return least < 0 ? PHN_ERROR_UNDEFINED : PHN_OK;
 }
 
-int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
-               phn_coupled* result) {
-  if (result != nullptr) *result = {0, 0};
-  if (n_tools < 0) return PHN_ERROR_ARGUMENT;
-  for (std::size_t i = 0; forces != nullptr && i < 3 * static_cast<std::size_t>(n_tools); ++i) forces[i] = 0;
-  if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
+/// Forces stay in the data, whose caller writes them. @return a status of phynness.h
+int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const phn_tool* tools,
+           const double* forces, const phn_coupled* place, phn_coupled& result) {
+  if (n_tools < 0 || model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
   if (n_tools > 0 && (tools == nullptr || forces == nullptr)) return PHN_ERROR_ARGUMENT;
+  if (overlap(forces, 3 * sizeof *forces * static_cast<std::size_t>(n_tools), place, sizeof *place))
+    return PHN_ERROR_OVERLAP;
   Coupling& c = data->coupling;
   if (n_tools > c.max_tools) return PHN_ERROR_TOOLS;
   c.n_tools = 0;
@@ -146,13 +140,37 @@ int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const ph
   c.n_tools = n_tools;
   const auto solved = alone ? single(*c.model, c, targets) : phynness::runtime::solve_coupled(*c.model, c, targets);
   const int status = (solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | warnings_of(*model, c);
-  for (std::int32_t t = 0; t < n_tools; ++t) {
-    for (int k = 0; k < 3; ++k) forces[3 * t + k] = c.point[t].force[k];
+  result = {solved.residual, std::isfinite(solved.energy) ? solved.energy : 0};
+  return status;
+}
+
+}  // namespace
+
+extern "C" {
+
+int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, double point[3]) {
+  phn_tool found = {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
+  double place[3] = {0, 0, 0};
+  int status = PHN_ERROR_ARGUMENT;
+  if (model != nullptr && x != nullptr && tool != nullptr) {
+    status = overlap(tool, sizeof *tool, point, sizeof place) ? PHN_ERROR_OVERLAP
+             : finite(x)                                      ? find_nearest(*model, x, found, place)
+                                                              : PHN_ERROR_NOT_FINITE;
   }
-  if (result != nullptr) {
-    const double energy = std::isfinite(solved.energy) ? solved.energy : 0;
-    *result = {solved.residual, energy};
-  }
+  if (tool != nullptr) *tool = found;
+  for (int k = 0; k < 3 && point != nullptr; ++k) point[k] = place[k];
+  return status;
+}
+
+int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
+               phn_coupled* result) {
+  const std::size_t n = n_tools > 0 ? 3 * static_cast<std::size_t>(n_tools) : 0;
+  phn_coupled coupled = {0, 0};
+  const int status = couple(model, data, n_tools, tools, forces, result, coupled);
+  // Tools may lie in the same memory: they are read.
+  for (std::size_t i = 0; forces != nullptr && i < n; ++i)
+    forces[i] = status < 0 ? 0 : data->coupling.point[i / 3].force[i % 3];
+  if (result != nullptr) *result = coupled;
   return status;
 }
 

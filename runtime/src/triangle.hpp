@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "evaluate.hpp"
+#include "strict_arithmetic.hpp"
 
 namespace phynness::runtime {
 

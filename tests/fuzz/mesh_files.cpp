@@ -1,10 +1,18 @@
 // Any bytes as a mesh: mesh.txt, .msh, .vtk, .stl, .obj. Read, or an Error in words. Input: a byte (which
-// reader; bit 3: put the right checksum, of mesh.txt), the file.
+// reader; bit 3: put the right checksum, of mesh.txt; bits 4 to 6: repair, millimetres, half a body), the
+// file. What a reader gives is checked as a body, as a surface and as a shell: a sound mesh, or an Error in
+// words.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mesh.hpp>
 
 #include "../meshes/small_files.hpp"
+#include "body.hpp"
+#include "mirror.hpp"
+#include "peel.hpp"
 #include "raw_mesh.hpp"
+#include "self_crossing.hpp"
+#include "shell.hpp"
+#include "surface.hpp"
 #include "texts.hpp"
 
 namespace phynness::fuzz {
@@ -82,6 +90,41 @@ Mesh small_mesh() {
   return mesh;
 }
 
+void require_sound(const Mesh& mesh) {
+  require(mesh.nodes.allFinite() && mesh.n_cells() > 0 && mesh.surface.rows() > 0, "a mesh of finite cells");
+  require(mesh.cells.minCoeff() >= 0 && mesh.cells.maxCoeff() < mesh.n_nodes(), "corners are nodes");
+}
+
+/// Everything that is done to a file's mesh before gmsh or the solver sees it.
+void check_mesh(meshes::RawMesh raw, std::uint8_t how) {
+  const bool repair = (how & 16) != 0;
+  const double scale_to_m = (how & 32) != 0 ? 0.001 : 1;
+  const auto refused_or = [](const auto& work) {
+    try {
+      work();
+    } catch (const Error& error) {
+      require(std::string_view(error.what()).size() > 10, "an error in words");
+    }
+  };
+  if ((how & 64) != 0) raw = meshes::with_mirror_image(std::move(raw), {0, 0, 0}, {1, 0, 0}, 1e-9, "file");
+  refused_or([&] {
+    MeshResult body = meshes::checked_body(raw, scale_to_m, repair, "file");
+    require_sound(body.mesh);
+    meshes::peel_slivers(raw);
+  });
+  refused_or([&] {
+    std::vector<std::string> notes;
+    meshes::Surface surface = meshes::checked_surface(raw, scale_to_m, repair, "file", notes);
+    require(surface.nodes.allFinite() && surface.triangles.rows() > 0, "a surface of finite triangles");
+    if (surface.triangles.rows() < 100) meshes::untangle(surface, notes);
+  });
+  refused_or([&] {
+    MeshResult shell = meshes::checked_shell(raw, scale_to_m, repair, "file");
+    require_sound(shell.mesh);
+    meshes::check_wall(shell, 0.001, "file");
+  });
+}
+
 }  // namespace
 
 std::vector<Input> seeds() {
@@ -109,6 +152,19 @@ std::vector<Input> seeds() {
   }
   add(3, binary);
   add(4, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1/1 2/2 4/3\nf 2//1 3//1 4//1\nf -4 -1 -2\n");
+  // Triangles and cells that are points or lines, repeated, far away, or of nodes that lie on one another.
+  for (const int how : {0, 16, 32, 64, 112}) {
+    add(4 + how, "v 0 0 0\nf 1 1 1\n");
+    add(4 + how, "v 0 0 0\nv 1 0 0\nf 1 2 1\nf 2 2 1\n");
+    add(4 + how, "v 0 0 0\nv 0 0 0\nv 0 0 0\nv 9 9 9\nf 1 2 3\nf 1 2 3\n");
+    add(4 + how, "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    add(4 + how, "v 0 0 0\nv 1e300 0 0\nv 0 1e300 0\nv 0 0 1e300\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    add(3 + how,
+        "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0 0 0\nvertex 0 0 0\nendloop\n"
+        "endfacet\nendsolid s\n");
+    add(2 + how, small_vtk_4);
+    add(1 + how, small_msh_2);
+  }
   return all;
 }
 
@@ -149,6 +205,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       for (const std::int32_t node : triangle) require(node >= 0 && node < n, "corners are nodes");
     for (const auto& [name, nodes] : raw.groups)
       for (const std::int32_t node : nodes) require(node >= 0 && node < n, "groups are of nodes");
+    check_mesh(raw, how);
   } catch (const Error& error) {
     require(std::string_view(error.what()).size() > 10, "an error in words");
   }

@@ -1,4 +1,5 @@
-// Any bytes as a scene: read, or an Error in words; the physics of what was read has one hash.
+// Any bytes as a scene: read, or an Error in words; the physics of what was read has one hash. Changed texts
+// repeat pieces of themselves, so that keys, headers and brackets are nested as deep as the input is long.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/scene.hpp>
 
@@ -93,9 +94,34 @@ const std::vector<std::string_view> words = {"0",
                                              "target_size_m",
                                              "size_m",
                                              "seed",
+                                             "a.a.a",
+                                             "[a.a]",
+                                             "[[a.a]]",
+                                             "{a.a=",
+                                             "\"a.\".",
                                              "#",
                                              "'''",
                                              "\"\"\""};
+
+/// `head`, a piece n times, `tail`, behind a scene.
+void append_deep(std::vector<Input>& all, std::size_t n, std::string_view head, std::string_view piece,
+                 std::string_view tail) {
+  Input& input = all.emplace_back();
+  append_text(input, phynness::test::good_scene);
+  append_text(input, head);
+  for (std::size_t i = 0; i < n; ++i) append_text(input, piece);
+  append_text(input, tail);
+}
+
+/// A piece of the text, doubled as often as a random number says: what is nested in it is nested deeper.
+std::string with_repeated_piece(std::string text, Random& random, std::size_t max_size) {
+  if (text.empty()) return text;
+  const std::size_t at = random.below(text.size()), n = std::min(text.size() - at, random.below(12) + 1);
+  std::string piece = text.substr(at, n);
+  for (std::size_t k = random.below(15); k > 0 && 2 * piece.size() + text.size() < max_size; --k)
+    piece += piece;
+  return text.insert(at, piece);
+}
 
 }  // namespace
 
@@ -135,6 +161,16 @@ seed = 3
 [validation]
 probes = 10
 )");
+  for (const std::size_t n : {std::size_t{5}, std::size_t{60}, std::size_t{20000}}) {
+    append_deep(all, n, "[x]\n", "a.", "a = 1\n");
+    append_deep(all, n, "[", "a.", "a]\nb = 1\n");
+    append_deep(all, n, "[[", "a.", "a]]\nb = 1\n");
+    append_deep(all, n, "['b.\"'.", "a.", "a]\n");
+    append_deep(all, n, "x = { ", "a.", "a = 1 }\n");
+    append_deep(all, n, "x = ", "[", "1\n");
+    append_deep(all, n / 4, "x = ", "{a.b=[", "1\n");
+    append_deep(all, n, "title = \"\"\"\"", "a.[{", "\"\"\"\"\"\n# ...\n");
+  }
   return all;
 }
 
@@ -145,6 +181,13 @@ using namespace phynness::fuzz;
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
                                                unsigned seed) {
+  Random random(seed);
+  if (random.below(6) == 0) {
+    const std::string text = with_repeated_piece(std::string(data, data + size), random, max_size);
+    size = std::min(text.size(), max_size);
+    std::copy_n(text.begin(), size, data);
+    return size;
+  }
   return change_text(data, size, max_size, seed, 0, words);
 }
 

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <phynness/formats/error.hpp>
 #include <phynness/meshes/meshes.hpp>
+#include <stdexcept>
 #include <string>
 
 #define SKIP_WITHOUT_GMSH() \
@@ -20,10 +22,13 @@ class TemporaryFile {
   TemporaryFile(const std::string& bytes, const std::string& extension) {
     static int counter = 0;
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    path =
-        std::filesystem::temp_directory_path() / ("phynness-" + std::string(info->test_suite_name()) + "-" +
-                                                  info->name() + "-" + std::to_string(counter++) + extension);
-    std::ofstream(path, std::ios::binary) << bytes;
+    std::string name = std::string(info->test_suite_name()) + "-" + info->name();
+    std::replace(name.begin(), name.end(), '/', '-');  // of tests with parameters
+    path = std::filesystem::temp_directory_path() /
+           ("phynness-" + name + "-" + std::to_string(counter++) + extension);
+    std::ofstream file(path, std::ios::binary);
+    file << bytes;
+    if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
   }
   ~TemporaryFile() {
     std::error_code ignored;

@@ -4,7 +4,8 @@
  * surface at rest that it touches; phn_couple says what it costs to hold that point where the tool is. The touched
  * point follows the tool exactly.
  *
- * Memory, statuses, units, frames and sign of the force: as in phynness.h. One phn_contact for each thread that moves
+ * Memory, statuses, units, frames and sign of the force: as in phynness.h, also what may overlap: states may lie in the
+ * memory of the tools that they answer. One phn_contact for each thread that moves
  * tools, with a phn_data of the same thread; nothing is shared between them but the model.
  *
  * The surface that a sphere of radius r meets is the triangles of phn_triangles with each vertex moved out by r, along

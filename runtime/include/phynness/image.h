@@ -10,7 +10,7 @@
  * Units, signs, frames and statuses are those of phynness.h: status < 0 refused, outputs hold zeros; > 0 a sum of
  * PHN_WARNING_*; no output of an image that opens is ever NaN or infinite. Components of displacements are cut at 1e6 times
  * the largest trained displacement R. Tools between nodes, several tools, surfaces and fields are the business of
- * phynness.h.
+ * phynness.h. Inputs are read before outputs are written: a force may lie in the memory of its displacement.
  */
 #ifndef PHYNNESS_IMAGE_H
 #define PHYNNESS_IMAGE_H
@@ -28,7 +28,8 @@ typedef struct phn_imagef phn_imagef;
  * It reads them once: some ten instructions for each four bytes. Memory must stay as it is as long as the image is used.
  * PHN_ERROR_NOT_A_MODEL: not an image, or one for the other order of bytes. PHN_ERROR_VERSION: of another version, or of
  * the other kind of number. PHN_ERROR_TRUNCATED, PHN_ERROR_CHECKSUM: damaged. PHN_ERROR_FAMILY, PHN_ERROR_RANGE: its
- * parts do not fit each other, or a number is NaN, infinite or too large. PHN_ERROR_ARGUMENT: null, or not aligned. On failure *image is null. */
+ * parts do not fit each other, or a number is NaN, infinite or too large. PHN_ERROR_ARGUMENT: null, or not aligned.
+ * PHN_ERROR_OVERLAP: `image` itself lies in the bytes. On failure *image is null. */
 int phn_image_open(const void *memory, size_t bytes, const phn_image **image);
 int phn_imagef_open(const void *memory, size_t bytes, const phn_imagef **image);
 
@@ -68,7 +69,7 @@ size_t phn_image_scratch(const phn_image *image);
 size_t phn_imagef_scratch(const phn_imagef *image);
 
 /* Displacements [m] of all output nodes, n_output x 3, with one tool at `node` displaced by d [m], as phn_deform.
- * `scratch`: one for each thread; overlaps nothing else. Modal models multiply their 16-bit tables as they lie in the
+ * `scratch`: one for each thread, not inside the image. PHN_ERROR_OVERLAP: `scratch` and `out` overlap. Modal models multiply their 16-bit tables as they lie in the
  * image: 3 n_output x shared modes products. PHN_ERROR_UNDEFINED: the image or the node has forces only. */
 int phn_image_deform(const phn_image *image, double *scratch, int32_t node, const double d[3], double *out);
 int phn_imagef_deform(const phn_imagef *image, float *scratch, int32_t node, const float d[3], float *out);

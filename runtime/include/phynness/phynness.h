@@ -7,6 +7,12 @@
  * Status of every function that returns int: 0 good; < 0 refused, outputs hold zeros; > 0 outputs are defined, but look:
  * a sum of PHN_WARNING_*. phn_status_message says it in words. No output is ever NaN or infinite.
  *
+ * Memory given twice: every function reads its inputs before it writes its outputs, so an output may be the memory of an
+ * input, or overlap it anywhere: phn_force(model, data, node, v, v) replaces a displacement by its force. Refused with
+ * PHN_ERROR_OVERLAP are outputs that overlap each other; memory for an object that overlaps the text or model from which
+ * it is made, or the pointer to it; and field, scratch and output of phn_surface_deform, which are too large to be copied
+ * first. The memory of an object must overlap nothing else while the object is used; this is not checked.
+ *
  * Units are SI: m, N, J. Vectors are x, y, z in the frame of the mesh. Node numbers are those of the mesh (0-based).
  * Force is what must be applied to the object to hold a displacement: a push into it has force . displacement > 0.
  * A haptic device renders its negative. Equation numbers are those of the paper (doc: formats/model.md).
@@ -44,7 +50,8 @@ enum {
   PHN_ERROR_CHECKSUM = -13,     /* model.txt was damaged */
   PHN_ERROR_SYNTAX = -14,       /* a number or word of model.txt is malformed */
   PHN_ERROR_RANGE = -15,        /* a count, index or value of model.txt is out of range */
-  PHN_ERROR_FAMILY = -16        /* model.txt holds a family that this version does not know */
+  PHN_ERROR_FAMILY = -16,       /* model.txt holds a family that this version does not know */
+  PHN_ERROR_OVERLAP = -17       /* an output lies in the memory of another output, or of a large input */
 };
 
 /* Version of this library, "major.minor.patch". */
@@ -65,7 +72,7 @@ const char *phn_status_message(int status);
 int phn_model_size(const char *text, size_t length, size_t *bytes);
 
 /* Builds the model in `memory` (any alignment). `text` may be released afterwards, `memory` not.
- * On failure *model is null. */
+ * On failure *model is null. PHN_ERROR_OVERLAP: `memory` overlaps the text or `model` itself. */
 int phn_model_init(void *memory, size_t bytes, const char *text, size_t length, const phn_model **model);
 
 /* Scratch for up to `max_tools` tools (>= 1) at once. The model must outlive it. Sizes beyond what addresses of this
@@ -197,7 +204,8 @@ const float *phn_surface_points(const phn_surface *surface);
 size_t phn_surface_scratch(const phn_surface *surface);
 
 /* Displacements [m] of the fine surface, out: n_vertices x 3 row by row. `field`: n_output x 3 [m], from phn_deform or
- * phn_coupled_deform. `scratch`: one for each thread; overlaps nothing else. Components are cut at 1e25 m. Cost: about
+ * phn_coupled_deform. `scratch`: one for each thread. PHN_ERROR_OVERLAP: two of `field`, `scratch` and `out` overlap.
+ * Components are cut at 1e25 m. Cost: about
  * seven multiplications per vertex and component, none of them depending on family or size of the model. */
 int phn_surface_deform(const phn_surface *surface, float *scratch, const double *field, float *out);
 

@@ -1,6 +1,6 @@
 // phynness for C++17: the functions of phynness.h as members of objects that own their memory, or lie in yours. Nothing
 // throws; a function that can be refused returns a Status, which the compiler does not let you overlook. After
-// construction nothing allocates. What a call means, costs and refuses is said in phynness.h. Without exceptions and RTTI,
+// construction nothing allocates. Arguments may overlap as they may there. What a call means, costs and refuses is said in phynness.h. Without exceptions and RTTI,
 // too: a failed construction leaves an object that is false and has a status.
 #ifndef PHYNNESS_HPP
 #define PHYNNESS_HPP

@@ -1,0 +1,18 @@
+// Whether pieces of the caller's memory share bytes. No header of a C++ library: images need it, too.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "strict_arithmetic.hpp"
+
+namespace phynness::runtime {
+
+/// Null and empty pieces overlap nothing.
+inline bool overlap(const void* a, size_t a_bytes, const void* b, size_t b_bytes) {
+  if (a == nullptr || b == nullptr || a_bytes == 0 || b_bytes == 0) return false;
+  const auto at_a = reinterpret_cast<uintptr_t>(a), at_b = reinterpret_cast<uintptr_t>(b);
+  return at_a < at_b ? at_b - at_a < a_bytes : at_a - at_b < b_bytes;
+}
+
+}  // namespace phynness::runtime

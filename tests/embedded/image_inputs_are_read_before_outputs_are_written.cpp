@@ -1,0 +1,75 @@
+// Claim: every function of image.h gives the same bits and status when an output lies in the memory of an
+// input, at any offset, as when it does not. Scratch over the output, and a pointer to an image inside of its
+// bytes, are refused and zeros. A function of the header that has no row here fails the test.
+#include "../runtime/overlapping_memory.hpp"
+#include "../runtime/small_model.hpp"
+#include "opened_image.hpp"
+
+namespace phynness::test {
+namespace {
+
+class ImageOverlap : public ::testing::TestWithParam<Family> {
+ protected:
+  template <class Real>
+  void add_rows(const std::string& prefix, const OpenedImage<Real>& opened) {
+    using Type = typename Image<Real>::Type;
+    using Places = std::vector<char*>;
+    const Type* image = opened.image;
+    const std::size_t bytes = 8 * opened.words.size(),
+                      n_field = 3 * static_cast<std::size_t>(opened.n_output());
+    const std::vector<Real> d = {Real(0.002), Real(-0.001), Real(0.003)};
+    // An image has the address of its bytes: told is how far it is from these.
+    rows.push_back({prefix + "_open",
+                    {input("memory", opened.words), output<const Type*>("image")},
+                    [=](const Places& at) {
+                      const int status = Image<Real>::open(at[0], bytes, as<const Type*>(at[1]));
+                      if (status == PHN_OK)
+                        *as<std::uintptr_t>(at[1]) -= reinterpret_cast<std::uintptr_t>(at[0]);
+                      return status;
+                    },
+                    true});
+    const auto row = [&](const char* function, const char* result, std::size_t n, auto call) {
+      rows.push_back({prefix + function, {input("d", d), output<Real>(result, n)}, [=](const Places& at) {
+                        return call(image, 8, as<Real>(at[0]), as<Real>(at[1]));
+                      }});
+    };
+    row("_force", "force", 3, Image<Real>::force);
+    row("_energy", "energy", 1, Image<Real>::energy);
+    row("_stiffness", "stiffness", 9, Image<Real>::stiffness);
+    row("_trained_depth", "depth", 1, Image<Real>::trained_depth);
+    rows.push_back(
+        {prefix + "_deform",
+         {scratch<Real>("scratch", Image<Real>::scratch(image)), input("d", d), output<Real>("out", n_field)},
+         [=](const Places& at) {
+           return Image<Real>::deform(image, as<Real>(at[0]), 8, as<Real>(at[1]), as<Real>(at[2]));
+         }});
+  }
+
+  const Model model = small_model_of(GetParam());
+  const OpenedImage<double> doubles{model_image(model, {false, false})};
+  const OpenedImage<float> floats{model_image(model, {false, true})};
+  std::vector<Row> rows;
+
+  void SetUp() override {
+    add_rows("phn_image", doubles);
+    add_rows("phn_imagef", floats);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Families, ImageOverlap,
+                         ::testing::Values(Family::rbfn, Family::linear, Family::modal),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+TEST_P(ImageOverlap, TableHoldsEveryFunctionOfTheHeader) {
+  expect_rows_of_all_functions(rows, std::string(PHYNNESS_SOURCE_DIR) + "/runtime/include/phynness/image.h");
+}
+
+TEST_P(ImageOverlap, GivesTheSameBitsOrIsRefused) {
+  for (const Row& row : rows) {
+    Overlaps overlaps(row);
+    EXPECT_GE(overlaps.status(), GetParam() == Family::rbfn ? PHN_ERROR_UNDEFINED : PHN_OK) << row.function;
+    overlaps.check();
+  }
+}
+
+}  // namespace
+}  // namespace phynness::test
