@@ -138,7 +138,7 @@ class HeaderChecks {
     for (std::size_t d = 0; d < _header.directions.size(); ++d) {
       const double length = Eigen::Vector3d::Map(_header.directions[d].data()).norm();
       if (!(std::abs(length - 1) < direction_rounding))
-        refuse(path::directions, "must have the length 1",
+        refuse(path::directions, "must hold vectors of length 1",
                "that of entry [" + std::to_string(d) + "] is " + text(length));
     }
     double before = 0;
@@ -146,8 +146,10 @@ class HeaderChecks {
     for (std::size_t i = 0; i < _header.magnitudes_m.size(); ++i) {
       const double magnitude = _header.magnitudes_m[i];
       if (!(magnitude > before) || !(magnitude <= most))
-        refuse_entry(path::magnitudes, "must be positive, ascending, and at most " + text(most) + " m",
-                     std::to_string(i), text(magnitude));
+        refuse_entry(
+            path::magnitudes,
+            "must be positive, ascending, and at most 100 diagonals of the body, " + text(most) + " m",
+            std::to_string(i), text(magnitude));
       before = magnitude;
     }
   }

@@ -83,17 +83,17 @@ Handle open_own_object(hid_t file, const std::string& path, std::string& defect)
   Handle object(H5Oopen(file, "/", H5P_DEFAULT), H5Oclose);
   for (const auto& step : steps_of(path)) {
     if (object.id() >= 0 && H5Iget_type(object.id()) != H5I_GROUP) {
-      defect = "a group is expected in its path, not a dataset or a type";
+      defect = "has something in its path that is no group";
       return {};
     }
     H5L_info_t link;
     if (H5Lexists(file, step.c_str(), H5P_DEFAULT) <= 0 ||
         H5Lget_info(file, step.c_str(), &link, H5P_DEFAULT) < 0) {
-      defect = step == path ? "is missing" : "is missing, with " + step;
+      defect = step == path ? "is missing" : "is missing: there is no " + step;
       return {};
     }
     if (link.type != H5L_TYPE_HARD) {
-      defect = step + " is a link to another place";
+      defect = (step == path ? "is" : "is behind " + step + ",") + std::string(" a link to another place");
       return {};
     }
     Handle next(H5Oopen(file, step.c_str(), H5P_DEFAULT), H5Oclose);
@@ -112,7 +112,7 @@ bool has_own_object(hid_t file, const std::string& path, std::string& defect) {
     H5L_info_t link;
     if (H5Lexists(file, step.c_str(), H5P_DEFAULT) <= 0) return false;
     if (H5Lget_info(file, step.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD) {
-      defect = step + " is a link to another place";
+      defect = (step == path ? "is" : "is behind " + step + ",") + std::string(" a link to another place");
       return false;
     }
   }

@@ -70,7 +70,7 @@ bool File::exists(const std::string& name) const {
   const Quiet quiet;
   std::string defect;
   const bool found = has_own_object(_file.id(), name, defect);
-  if (!defect.empty()) refuse(name, defect);
+  if (!defect.empty()) refuse(name + " " + defect, "");
   return found;
 }
 
@@ -79,8 +79,8 @@ const File::Dataset& File::dataset(const std::string& name) const {
   std::string defect;
   Dataset found;
   found.id = open_own_object(_file.id(), name, defect);
-  if (found.id.id() < 0) refuse(defect == "is missing" ? name + " is missing" : name, defect);
-  if (H5Iget_type(found.id.id()) != H5I_DATASET) refuse(name, "it is a group, not a dataset");
+  if (found.id.id() < 0) refuse(name + " " + defect, "");
+  if (H5Iget_type(found.id.id()) != H5I_DATASET) refuse(name + " is a group, not a dataset", "");
   const Handle space(H5Dget_space(found.id.id()), H5Sclose);
   found.type = Handle(H5Dget_type(found.id.id()), H5Tclose);
   check(space.id(), name);
@@ -148,7 +148,7 @@ bool File::has_attribute(const std::string& object, const std::string& name) con
 Handle File::open_attribute(const std::string& object, const std::string& name) const {
   std::string defect;
   const Handle holder = open_own_object(_file.id(), object, defect);
-  if (holder.id() < 0) refuse(object, defect);
+  if (holder.id() < 0) refuse(object + " " + defect, "");
   if (H5Aexists(holder.id(), name.c_str()) <= 0)
     refuse("attribute " + name + " of " + object + " is missing", "");
   Handle attribute(H5Aopen(holder.id(), name.c_str(), H5P_DEFAULT), H5Aclose);
