@@ -200,6 +200,9 @@ void change_attribute(hid_t file, Script& script) {
     H5Awrite(attribute, type, how == 1 ? static_cast<const void*>(&value) : value);
   } else {  // anything
     const Id type(any_type(script)), space(any_space(script));
+    // HDF5 makes room for all values of an attribute at once, without asking whether there is that much.
+    constexpr hssize_t most = 4096;
+    if (H5Sget_simple_extent_npoints(space) > most) return;
     const Id attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
     if (attribute >= 0) write_zeros(type, space, [&](const void* v) { H5Awrite(attribute, type, v); });
   }
