@@ -242,7 +242,8 @@ void replace_dataset(hid_t file, Script& script) {
     H5Pset_virtual(properties, space, ".", "/mesh/nodes", space);
   }
   const Id set(H5Dcreate2(file, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT));
-  if (set < 0 || storage > 2) return;
+  // Nothing through the filter scaleoffset, whose code in HDF5 1.10 reads beyond what it was given.
+  if (set < 0 || storage > 1) return;
   write_zeros(type, space, [&](const void* v) { H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, v); });
 }
 
