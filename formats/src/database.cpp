@@ -3,10 +3,14 @@
 #include <limits>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/mirrored_rays.hpp>
 
+#include "database_checks.hpp"
 #include "database_layout.hpp"
 #include "database_log.hpp"
 #include "database_scan.hpp"
+#include "hdf5_damaged.hpp"
+#include "ray_checks.hpp"
 
 namespace phynness {
 namespace layout = database_layout;
@@ -39,6 +43,7 @@ const char* name(Status status) {
 struct Database::Impl {
   hdf5::File file;
   DatabaseHeader header;
+  double farthest_m = largest_displacement(header.mesh);
 
   std::size_t states_per_node() const { return header.directions.size() * header.magnitudes_m.size(); }
   template <class T>
@@ -53,16 +58,19 @@ struct Database::Impl {
                         {header.sets.active.size(), header.directions.size(), header.magnitudes_m.size()});
   }
   void check_shapes() const;
+  void check_mirror() const;
+  /// Of all increments, [active][direction][increment] flattened. @throws Error if one cannot be
+  StateFigures figures() const;
+  /// @throws Error unless `defect` is empty
+  void refuse_damaged(const std::string& defect, const std::string& whose) const;
 };
 
 void Database::Impl::check_shapes() const {
   const hdf5::Shape states{header.sets.active.size(), header.directions.size(), header.magnitudes_m.size()};
-  const auto check = [&](const char* name, const hdf5::Shape& tail) {
+  const auto check = [&](const std::string& name, const hdf5::Shape& tail) {
     hdf5::Shape expected = states;
     expected.insert(expected.end(), tail.begin(), tail.end());
-    if (file.shape(name) != expected)
-      throw input_error(file.path().string() + ": " + name + " has a shape that does not match the sets", "",
-                        "the file is damaged: restore it from a copy, or compute it again");
+    file.require_shape(name, expected);
   };
   for (const char* name : {path::status, path::energy, path::negative_pivots, path::iterations,
                            path::cutbacks, path::min_jacobian, path::seconds})
@@ -70,7 +78,37 @@ void Database::Impl::check_shapes() const {
   check(path::force, {3});
   if (header.tangents) check(path::tangent, {3, 3});
   check(path::displacement, {header.sets.output.size(), 3});
-  for (const auto field : header.fields) check(layout::path_of(field).c_str(), {header.sets.output.size()});
+  for (const auto field : header.fields) check(layout::path_of(field), {header.sets.output.size()});
+}
+
+void Database::Impl::check_mirror() const {
+  if (!header.sets.mirror) return;
+  const MirroredRays mirrored(header);  // refuses sets that the mirror does not map onto themselves
+  const auto solved_as =
+      file.read<std::int32_t>(path::solved_as, {header.sets.active.size(), header.directions.size()});
+  const auto n = static_cast<std::int64_t>(solved_as.size());
+  for (std::int64_t ray = 0; ray < n; ++ray) {
+    const std::int64_t source = solved_as[static_cast<std::size_t>(ray)];
+    if (source < 0 || source >= n || solved_as[static_cast<std::size_t>(source)] != source)
+      throw input_error("the database " + file.path().string() + ": " + path::solved_as +
+                            " must name rays that were solved",
+                        "that of ray " + std::to_string(ray) + " is " + std::to_string(source),
+                        hdf5::damaged);
+  }
+}
+
+void Database::Impl::refuse_damaged(const std::string& defect, const std::string& whose) const {
+  if (!defect.empty())
+    throw input_error("the database " + file.path().string() + " holds a number that cannot be, of " + whose,
+                      defect, hdf5::damaged);
+}
+
+StateFigures Database::Impl::figures() const {
+  StateFigures all{of_all<std::int8_t>(path::status),      of_all<std::int32_t>(path::negative_pivots),
+                   of_all<std::int32_t>(path::iterations), of_all<std::int32_t>(path::cutbacks),
+                   of_all<double>(path::min_jacobian),     of_all<double>(path::seconds)};
+  refuse_damaged(figures_defect(all), "all increments one after the other");
+  return all;
 }
 
 Database::Database(std::unique_ptr<Impl> impl) : _impl(std::move(impl)) {}
@@ -99,13 +137,14 @@ Database Database::open(const std::filesystem::path& file) {
   auto header = layout::read_header(opened);
   auto impl = std::make_unique<Impl>(Impl{std::move(opened), std::move(header)});
   impl->check_shapes();
+  impl->check_mirror();
   return Database(std::move(impl));
 }
 
 const DatabaseHeader& Database::header() const { return _impl->header; }
 
 std::vector<Status> Database::statuses() const {
-  const auto codes = _impl->of_all<std::int8_t>(path::status);
+  const auto codes = _impl->figures().status;
   std::vector<Status> result(codes.size());
   std::transform(codes.begin(), codes.end(), result.begin(),
                  [](std::int8_t code) { return static_cast<Status>(code); });
@@ -156,32 +195,32 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
     ray.seconds = part(seconds, 1);
     ray.displacement = part(displacement, output);
     for (const auto& values : fields) ray.fields.push_back(part(values, header.sets.output.size()));
+    _impl->refuse_damaged(ray_defect(ray, header.fields, _impl->farthest_m),
+                          "node " + std::to_string(header.sets.active[static_cast<std::size_t>(active)]) +
+                              ", direction " + std::to_string(d));
   }
   return rays;
 }
 
 DatabaseSummary summarize(const Database& database) {
   const auto& impl = *database._impl;
-  const auto statuses = database.statuses();
-  const auto pivots = impl.of_all<std::int32_t>(path::negative_pivots);
-  const auto iterations = impl.of_all<std::int32_t>(path::iterations);
-  const auto jacobians = impl.of_all<double>(path::min_jacobian);
-  const auto seconds = impl.of_all<double>(path::seconds);
+  const auto figures = impl.figures();
 
   DatabaseSummary summary;
   double smallest = std::numeric_limits<double>::infinity();
   const std::size_t n = impl.header.magnitudes_m.size();
-  for (std::size_t ray = 0; ray < statuses.size(); ray += n) {
+  for (std::size_t ray = 0; ray < figures.status.size(); ray += n) {
     bool requested = false, failed = false;
     for (std::size_t i = ray; i < ray + n; ++i) {
-      ++summary.states[statuses[i]];
-      requested |= statuses[i] != Status::not_requested;
-      failed |= static_cast<std::int8_t>(statuses[i]) < 0;
-      summary.newton_iterations += iterations[i];
-      summary.seconds += seconds[i];
-      if (statuses[i] != Status::converged) continue;
-      summary.unstable_states += pivots[i] > 0;
-      smallest = std::min(smallest, jacobians[i]);
+      const auto status = static_cast<Status>(figures.status[i]);
+      ++summary.states[status];
+      requested |= status != Status::not_requested;
+      failed |= figures.status[i] < 0;
+      summary.newton_iterations += figures.iterations[i];
+      summary.seconds += figures.seconds[i];
+      if (status != Status::converged) continue;
+      summary.unstable_states += figures.negative_pivots[i] > 0;
+      smallest = std::min(smallest, figures.min_jacobian[i]);
     }
     summary.rays += requested;
     summary.failed_rays += failed;

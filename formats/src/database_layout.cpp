@@ -1,10 +1,13 @@
 #include "database_layout.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 #include <sstream>
+
+#include "database_checks.hpp"
+#include "hdf5_damaged.hpp"
 
 namespace phynness::database_layout {
 namespace {
@@ -25,11 +28,20 @@ void write_set(hdf5::File& file, const char* name, const std::vector<std::int32_
   write_array(file, name, {nodes.size()}, nodes.data(), "1", description);
 }
 
+/// Nodes, cells and so on are counted by 32-bit numbers.
+void check_rows(const hdf5::File& file, const std::string& name, hsize_t rows) {
+  if (rows > static_cast<hsize_t>(std::numeric_limits<std::int32_t>::max()))
+    throw input_error(
+        "cannot read the database " + file.path().string() + ": " + name + " has too many entries",
+        std::to_string(rows), hdf5::damaged);
+}
+
 template <class T>
 std::vector<T> read_list(const hdf5::File& file, const std::string& name) {
   auto shape = file.shape(name);
   shape.resize(1);
-  return shape[0] == 0 ? std::vector<T>{} : file.read<T>(name, shape);
+  check_rows(file, name, shape[0]);
+  return file.read<T>(name, shape);
 }
 
 /// Rows of `columns` entries; the number of rows is the file's.
@@ -37,30 +49,26 @@ template <class T>
 std::vector<T> read_rows(const hdf5::File& file, const char* name, hsize_t columns, hsize_t& rows) {
   const auto shape = file.shape(name);
   rows = shape.empty() ? 0 : shape[0];
-  return rows == 0 ? std::vector<T>{} : file.read<T>(name, {rows, columns});
+  check_rows(file, name, rows);
+  return file.read<T>(name, {rows, columns});
 }
 
-void check_nodes(const std::vector<std::int32_t>& nodes, std::int32_t n_nodes, const std::string& what) {
-  const bool ascending =
-      std::adjacent_find(nodes.begin(), nodes.end(), std::greater_equal<>()) == nodes.end();
-  if (!ascending || (!nodes.empty() && (nodes.front() < 0 || nodes.back() >= n_nodes)))
-    throw input_error("the " + what + " nodes of a database must be ascending node numbers of its mesh",
-                      std::to_string(nodes.size()) + " nodes of " + std::to_string(n_nodes),
-                      "the file is damaged, or was written by a defective program");
+bool read_flag(const hdf5::File& file, const char* object, const char* name) {
+  const auto value = file.read_int_attribute(object, name);
+  if (value != 0 && value != 1)
+    throw input_error("cannot read the database " + file.path().string() + ": attribute " + name + " of " +
+                          object + " is neither 0 nor 1",
+                      std::to_string(value), hdf5::damaged);
+  return value == 1;
 }
 
-/// Pairs of nodes, or nodes on the plane, and a unit normal.
-void check_mirror(const MirrorSymmetry& mirror, std::int32_t n_nodes) {
-  bool paired = mirror.image.size() == static_cast<std::size_t>(n_nodes);
-  for (std::int32_t i = 0; paired && i < n_nodes; ++i)
-    paired = mirror.image[i] >= 0 && mirror.image[i] < n_nodes && mirror.image[mirror.image[i]] == i;
-  const double norm2 = Eigen::Vector3d::Map(mirror.normal.data()).squaredNorm();
-  constexpr double rounding = 1e-12;
-  if (!paired || !(std::abs(norm2 - 1) < rounding))
-    throw input_error(
-        "the mirror plane of a database must have a unit normal and pair the nodes of its mesh",
-        std::to_string(mirror.image.size()) + " images of " + std::to_string(n_nodes) + " nodes",
-        "the file is damaged, or was written by a defective program");
+std::string read_precision(const hdf5::File& file) {
+  const auto word = file.read_text_attribute("/", "displacement_precision");
+  if (word != "float32" && word != "float64")
+    throw input_error("cannot read the database " + file.path().string() +
+                          ": attribute displacement_precision is neither float32 nor float64",
+                      word, hdf5::damaged);
+  return word;
 }
 
 /// "von-mises-stress energy-density"
@@ -90,23 +98,6 @@ std::vector<Field> fields_of(const std::string& text) {
 }  // namespace
 
 std::string path_of(Field field) { return std::string(path::fields) + "/" + name(field); }
-
-void check_header(const DatabaseHeader& header) {
-  const auto require = [](bool good, const char* what) {
-    if (!good)
-      throw input_error(std::string("a database needs ") + what, "none",
-                        "check the selections and the probe of the scene");
-  };
-  require(header.mesh.n_nodes() > 0 && header.mesh.n_cells() > 0, "a mesh");
-  require(!header.sets.active.empty(), "an active node");
-  require(!header.sets.output.empty(), "an output node");
-  require(!header.directions.empty(), "a direction");
-  require(!header.magnitudes_m.empty(), "an increment");
-  check_nodes(header.sets.fixed, header.mesh.n_nodes(), "fixed");
-  check_nodes(header.sets.active, header.mesh.n_nodes(), "active");
-  check_nodes(header.sets.output, header.mesh.n_nodes(), "output");
-  if (header.sets.mirror) check_mirror(*header.sets.mirror, header.mesh.n_nodes());
-}
 
 void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete) {
   file.write_attribute("/", "format", std::string(format_name));
@@ -176,7 +167,7 @@ bool read_complete(const hdf5::File& file) {
         "the database " + file.path().string() + " has a format version that this program does not read",
         std::to_string(version) + " instead of " + std::to_string(format_version),
         version > format_version ? "use a newer phynness" : "compute it again with this phynness");
-  return file.read_int_attribute("/", "complete") != 0;
+  return read_flag(file, "/", "complete");
 }
 
 DatabaseHeader read_header(const hdf5::File& file) {
@@ -185,8 +176,8 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.software_version = file.read_text_attribute("/", "software_version");
   header.physics_hash = file.read_text_attribute("/", "physics_hash");
   header.mesh_hash = file.read_text_attribute("/", "mesh_hash");
-  header.tangents = file.read_int_attribute("/", "tangents") != 0;
-  header.float64 = file.read_text_attribute("/", "displacement_precision") == "float64";
+  header.tangents = read_flag(file, "/", "tangents");
+  header.float64 = read_precision(file) == "float64";
   if (file.has_attribute("/", "fields")) header.fields = fields_of(file.read_text_attribute("/", "fields"));
   header.scene_name = file.read_text_attribute("/", "scene_name");
   header.scene_folder = file.read_text_attribute("/", "scene_folder");
@@ -208,7 +199,10 @@ DatabaseHeader read_header(const hdf5::File& file) {
   for (int number = 0;; ++number) {
     const std::string name = std::string(path::groups) + "/" + std::to_string(number);
     if (!file.exists(name)) break;
-    header.mesh.groups[file.read_text_attribute(name, "name")] = read_list<std::int32_t>(file, name);
+    const auto group = file.read_text_attribute(name, "name");
+    if (!header.mesh.groups.emplace(group, read_list<std::int32_t>(file, name)).second)
+      throw input_error("cannot read the database " + file.path().string() + ": two groups have one name",
+                        group, hdf5::damaged);
   }
 
   header.sets.fixed = read_list<std::int32_t>(file, path::fixed);
@@ -216,7 +210,7 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.sets.output = read_list<std::int32_t>(file, path::output);
   if (file.exists(path::symmetry)) {
     MirrorSymmetry mirror;
-    mirror.odd = file.read_int_attribute(path::symmetry, "odd") != 0;
+    mirror.odd = read_flag(file, path::symmetry, "odd");
     mirror.image = read_list<std::int32_t>(file, path::mirror_image);
     const auto normal = file.read<double>(path::mirror_normal, {3});
     std::copy(normal.begin(), normal.end(), mirror.normal.begin());
@@ -227,13 +221,11 @@ DatabaseHeader read_header(const hdf5::File& file) {
     header.directions.push_back({directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]});
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
 
-  check_header(header);
-  if (header.shard) parse_shard(header.shard->str());
   if (const auto hash = mesh_hash(header.mesh); hash != header.mesh_hash)
     throw input_error(
         "the mesh inside the database " + file.path().string() + " is not the one it was computed on",
-        "hash " + hash + " instead of " + header.mesh_hash,
-        "the file is damaged: restore it from a copy, or compute it again");
+        "hash " + hash + " instead of " + header.mesh_hash, hdf5::damaged);
+  check_header(header, "the database " + file.path().string());
   return header;
 }
 

@@ -48,10 +48,6 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
 DatabaseHeader read_header(const hdf5::File& file);
 bool read_complete(const hdf5::File& file);
 
-/// Sizes the header must have for a database to make sense.
-/// @throws Error (input) naming the first defect
-void check_header(const DatabaseHeader& header);
-
 /// The datasets under /responses, and how many active nodes share a chunk of the small ones.
 void create_responses(hdf5::File& file, const DatabaseHeader& header);
 hsize_t nodes_per_chunk(const DatabaseHeader& header);

@@ -5,6 +5,9 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/hash.hpp>
 
+#include "database_checks.hpp"
+#include "ray_checks.hpp"
+
 namespace phynness::database_log {
 namespace {
 
@@ -19,11 +22,12 @@ T value_at(const unsigned char* bytes) {
 class LogScan {
  public:
   LogScan(std::filesystem::path path, std::int32_t number, const std::vector<unsigned char>& opening,
-          const Layout& layout, Index& index)
+          const Layout& layout, double farthest_m, Index& index)
       : _path(std::move(path)),
         _number(number),
         _opening(opening),
         _layout(layout),
+        _farthest_m(farthest_m),
         _index(index),
         _file(open_for_reading(_path)),
         _size(static_cast<std::int64_t>(std::filesystem::file_size(_path))),
@@ -84,6 +88,8 @@ class LogScan {
     const auto direction = value_at<std::int32_t>(_record.data() + prefix_bytes + sizeof(std::int32_t));
     if (active < 0 || active >= _layout.n_active || direction < 0 || direction >= _layout.n_directions)
       return "record of a ray that the database does not have";
+    if (!ray_defect(decode(_record.data() + prefix_bytes, _layout), _layout.fields, _farthest_m).empty())
+      return "record with numbers that cannot be";
     _index.entries.push_back({active, direction, _number, at + static_cast<std::int64_t>(prefix_bytes)});
     return nullptr;
   }
@@ -117,6 +123,7 @@ class LogScan {
   std::int32_t _number;
   const std::vector<unsigned char>& _opening;
   const Layout& _layout;
+  double _farthest_m;
   Index& _index;
   Descriptor _file;
   std::int64_t _size;
@@ -140,10 +147,11 @@ std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file) {
 void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index& index) {
   const auto opening = encode_opening(header);
   const Layout layout(header);
+  const double farthest_m = largest_displacement(header.mesh);
   for (const auto& log : logs_of(file)) {
     const auto number = static_cast<std::int32_t>(index.logs.size());
     index.logs.push_back(log);
-    LogScan(log, number, opening, layout, index).run();
+    LogScan(log, number, opening, layout, farthest_m, index).run();
   }
 }
 

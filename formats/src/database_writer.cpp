@@ -4,6 +4,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 
+#include "database_checks.hpp"
 #include "database_folder.hpp"
 #include "database_layout.hpp"
 #include "database_pack.hpp"
@@ -30,7 +31,7 @@ DatabaseHeader with_hashes(DatabaseHeader header) {
 
 void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, bool resume) {
   const DatabaseHeader header = with_hashes(given);
-  layout::check_header(header);
+  check_header(header, "the database");
   check_folder_of(file);
   std::error_code code;
   const bool exists = fs::exists(file, code);

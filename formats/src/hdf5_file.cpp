@@ -5,12 +5,12 @@
 #include <phynness/formats/error.hpp>
 #include <system_error>
 
+#include "hdf5_damaged.hpp"
 #include "hdf5_steady_driver.hpp"
 
 namespace phynness::hdf5 {
 namespace {
 
-const char* const damaged = "the file is damaged: restore it from a copy, or compute it again";
 const char* const not_written =
     "check free space (df) and permissions, then run again with --resume: logged rays are kept";
 
@@ -29,13 +29,6 @@ Handle without_times(hid_t kind) {
 }
 
 Handle scalar_space() { return {H5Screate(H5S_SCALAR), H5Sclose}; }
-
-/// Takes over a string that HDF5 allocated.
-std::string taken(char* text) {
-  std::string result = text ? text : "";
-  if (text) H5free_memory(text);
-  return result;
-}
 
 }  // namespace
 
@@ -86,37 +79,16 @@ File File::create(const std::filesystem::path& path) {
   return file;
 }
 
-File File::open(const std::filesystem::path& path) {
-  const Quiet quiet;
-  std::error_code code;
-  if (!std::filesystem::exists(path, code))
-    throw input_error("the database does not exist", path.string(),
-                      "correct the path, or make it with: phynness precompute SCENE -o " + path.string());
-  if (!std::filesystem::is_regular_file(path, code))
-    throw input_error("the database is not a file", path.string(), "give the path of the .h5 file");
-  if (H5Fis_hdf5(path.c_str()) <= 0)
-    throw input_error("the file is no HDF5 file", path.string(),
-                      "give a database written by phynness precompute");
-  File file({}, path, false);
-  file._file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (file._file.id() < 0) {
-    const auto said = last_message();
-    if (said.find("truncated") != std::string::npos)
-      throw input_error("the database is truncated: " + path.string(), said,
-                        "copy it again in full, or compute it again");
-    throw input_error("cannot open the database " + path.string(), said, damaged);
-  }
-  return file;
-}
-
 File::~File() {
   const Quiet quiet;
+  _datasets.clear();
   _file.reset();
 }
 
 void File::close() {
   const Quiet quiet;
   if (_file.id() < 0) return;
+  _datasets.clear();
   if (_writing) check(H5Fflush(_file.id(), H5F_SCOPE_GLOBAL), "flushing the file");
   check(_file.close(), "closing the file");
 }
@@ -126,11 +98,6 @@ void File::create_group(const std::string& name) {
   const Handle properties = without_times(H5P_GROUP_CREATE);
   Handle group(H5Gcreate2(_file.id(), name.c_str(), H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Gclose);
   check(group.id(), name);
-}
-
-bool File::exists(const std::string& name) const {
-  const Quiet quiet;
-  return H5Lexists(_file.id(), name.c_str(), H5P_DEFAULT) > 0;
 }
 
 void File::create_dataset(const std::string& name, hid_t stored_type, const Shape& shape, const Shape& chunk,
@@ -156,61 +123,28 @@ void File::create_dataset(const std::string& name, hid_t stored_type, const Shap
   write_attribute(name, "description", description);
 }
 
-Handle File::open_dataset(const std::string& name) const {
-  Handle dataset(H5Dopen2(_file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
-  check(dataset.id(), name + " is missing");
-  return dataset;
-}
-
-Shape File::shape(const std::string& name) const {
-  const Quiet quiet;
-  const Handle dataset = open_dataset(name);
-  const Handle space(H5Dget_space(dataset.id()), H5Sclose);
-  const int rank = check(H5Sget_simple_extent_ndims(space.id()), name);
-  Shape result(static_cast<std::size_t>(rank));
-  check(H5Sget_simple_extent_dims(space.id(), result.data(), nullptr), name);
-  return result;
-}
-
-std::size_t File::check_shape(const std::string& name, const Shape& expected) const {
-  const auto text = [](const Shape& s) {
-    std::string t = "[";
-    for (std::size_t i = 0; i < s.size(); ++i) t += (i ? ", " : "") + std::to_string(s[i]);
-    return t + "]";
-  };
-  const Shape found = shape(name);
-  if (found != expected)
-    throw input_error(_path.string() + ": " + name + " has the wrong shape",
-                      text(found) + " instead of " + text(expected), damaged);
-  std::size_t size = 1;
-  for (auto n : expected) size *= n;
-  return size;
-}
-
 void File::write_raw(const std::string& name, hid_t type, const void* values) {
   const Quiet quiet;
-  Handle dataset = open_dataset(name);
+  Handle dataset(H5Dopen2(_file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
+  check(dataset.id(), name);
   check(H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name);
   check(dataset.close(), name);
 }
 
-void File::read_raw(const std::string& name, hid_t type, void* values) const {
+void File::write_slab_raw(const std::string& name, hsize_t first, hsize_t count, hid_t type,
+                          const void* values) {
   const Quiet quiet;
-  check(H5Dread(open_dataset(name).id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name);
-}
-
-void File::slab(const std::string& name, hsize_t first, hsize_t count, hid_t type, void* values,
-                bool write) const {
-  const Quiet quiet;
-  Handle dataset = open_dataset(name);
-  Shape extent = shape(name), start(extent.size(), 0);
+  Handle dataset(H5Dopen2(_file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
+  check(dataset.id(), name);
+  const Handle space(H5Dget_space(dataset.id()), H5Sclose);
+  Shape extent(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space.id()), name)));
+  check(H5Sget_simple_extent_dims(space.id(), extent.data(), nullptr), name);
+  Shape start(extent.size(), 0);
   extent[0] = count;
   start[0] = first;
-  const Handle space(H5Dget_space(dataset.id()), H5Sclose);
   check(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr), name);
   const Handle memory(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
-  check(write ? H5Dwrite(dataset.id(), type, memory.id(), space.id(), H5P_DEFAULT, values)
-              : H5Dread(dataset.id(), type, memory.id(), space.id(), H5P_DEFAULT, values),
+  check(H5Dwrite(dataset.id(), type, memory.id(), space.id(), H5P_DEFAULT, values),
         name + ", entry " + std::to_string(first));
   check(dataset.close(), name);
 }
@@ -248,31 +182,6 @@ void File::write_attribute(const std::string& object, const std::string& name, s
   check(H5Awrite(attribute.id(), H5T_NATIVE_INT32, &value), name);
 }
 
-bool File::has_attribute(const std::string& object, const std::string& name) const {
-  const Quiet quiet;
-  return H5Aexists_by_name(_file.id(), object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
-}
-
-std::string File::read_text_attribute(const std::string& object, const std::string& name) const {
-  const Quiet quiet;
-  const Handle attribute(H5Aopen_by_name(_file.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
-                         H5Aclose);
-  check(attribute.id(), "attribute " + name + " is missing");
-  char* text = nullptr;
-  check(H5Aread(attribute.id(), text_type().id(), &text), "attribute " + name);
-  return taken(text);
-}
-
-std::int32_t File::read_int_attribute(const std::string& object, const std::string& name) const {
-  const Quiet quiet;
-  const Handle attribute(H5Aopen_by_name(_file.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
-                         H5Aclose);
-  check(attribute.id(), "attribute " + name + " is missing");
-  std::int32_t value = 0;
-  check(H5Aread(attribute.id(), H5T_NATIVE_INT32, &value), "attribute " + name);
-  return value;
-}
-
 void File::write_text(const std::string& name, const std::string& text, const std::string& description) {
   const Quiet quiet;
   const Handle type = text_type(), space = scalar_space(), properties = without_times(H5P_DATASET_CREATE);
@@ -285,14 +194,6 @@ void File::write_text(const std::string& name, const std::string& text, const st
   check(dataset.close(), name);
   write_attribute(name, "unit", "1");
   write_attribute(name, "description", description);
-}
-
-std::string File::read_text(const std::string& name) const {
-  const Quiet quiet;
-  const Handle dataset = open_dataset(name);
-  char* text = nullptr;
-  check(H5Dread(dataset.id(), text_type().id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, &text), name);
-  return taken(text);
 }
 
 }  // namespace phynness::hdf5

@@ -1,38 +1,9 @@
 // Claim: each way in which a database cannot be read or begun has a message of its own, with the file and a
 // remedy.
-#include <hdf5.h>
-
-#include "../formats/database_under_test.hpp"
+#include "bad_database.hpp"
 
 namespace phynness::test {
 namespace {
-
-class BadDatabase : public DatabaseTest {
- protected:
-  void write_packed() {
-    const auto header = small_header(true);
-    write_logs(header);
-    DatabaseWriter::pack(file, header);
-  }
-  /// Opens the file with HDF5 itself, to break what our own code cannot.
-  template <class Work>
-  void tamper(Work&& work) {
-    const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-    ASSERT_GE(id, 0);
-    work(id);
-    H5Fclose(id);
-  }
-  void set_attribute(const char* name, std::int32_t value) {
-    tamper([&](hid_t id) {
-      const hid_t attribute = H5Aopen(id, name, H5P_DEFAULT);
-      ASSERT_GE(H5Awrite(attribute, H5T_NATIVE_INT32, &value), 0);
-      H5Aclose(attribute);
-    });
-  }
-  std::string open_error() {
-    return refusal([&] { Database::open(file); });
-  }
-};
 
 TEST_F(BadDatabase, that_does_not_exist) {
   expect_contains(open_error(), {"does not exist", file.c_str(), "precompute"});

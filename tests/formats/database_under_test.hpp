@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -77,6 +78,7 @@ inline Ray random_ray(const DatabaseHeader& h, int active, int direction) {
   r.cutbacks.assign(n, direction);
   r.min_jacobian = numbers(n);
   r.seconds = numbers(n);
+  for (double& s : r.seconds) s = std::abs(s);
   r.displacement = numbers(3 * n * h.sets.output.size());
   for (std::size_t f = 0; f < h.fields.size(); ++f) r.fields.push_back(numbers(n * h.sets.output.size()));
   return r;

@@ -322,7 +322,7 @@ ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& ch
     solution.segment<3>(3 * j) = network.coefficients.row(j);
   }
   const auto k = [&](Index i) {
-    return static_cast<double>(static_cast<float>(solution[3 * m + i] / max_displacement_m));
+    return static_cast<double>(static_cast<float>(solution[3 * m + i] / problem.max_displacement_m));
   };
   network.stiffness << k(0), k(1), k(2), k(1), k(3), k(4), k(2), k(4), k(5);
   const double largest = largest_force(states);

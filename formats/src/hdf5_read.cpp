@@ -1,0 +1,223 @@
+// Reading: every object is checked before its values are (hdf5_checks.hpp).
+#include <limits>
+#include <phynness/formats/error.hpp>
+#include <system_error>
+
+#include "hdf5_checks.hpp"
+#include "hdf5_damaged.hpp"
+#include "hdf5_file.hpp"
+#include "hdf5_heapless_driver.hpp"
+#include "hdf5_text.hpp"
+
+namespace phynness::hdf5 {
+namespace {
+
+/// Addresses and lengths of 8 bytes from the start of the file on: what our reading of texts goes by.
+bool has_usual_addresses(hid_t file) {
+  const Handle properties(H5Fget_create_plist(file), H5Pclose);
+  std::size_t address = 0, length = 0;
+  hsize_t user_block = 1;
+  return H5Pget_sizes(properties.id(), &address, &length) >= 0 &&
+         H5Pget_userblock(properties.id(), &user_block) >= 0 && address == 8 && length == 8 &&
+         user_block == 0;
+}
+
+/// A text of fixed length ends at the first NUL, or at the blanks that pad it.
+std::string without_padding(std::string text, H5T_str_t padding) {
+  text.resize(std::min(text.size(), text.find('\0')));
+  if (padding == H5T_STR_SPACEPAD) text.resize(text.find_last_not_of(' ') + 1);
+  return text;
+}
+
+}  // namespace
+
+File File::open(const std::filesystem::path& path) {
+  const Quiet quiet;
+  std::error_code code;
+  if (!std::filesystem::exists(path, code))
+    throw input_error("the database does not exist", path.string(),
+                      "correct the path, or make it with: phynness precompute SCENE -o " + path.string());
+  if (!std::filesystem::is_regular_file(path, code))
+    throw input_error("the database is not a file", path.string(), "give the path of the .h5 file");
+  if (H5Fis_hdf5(path.c_str()) <= 0)
+    throw input_error("the file is no HDF5 file", path.string(),
+                      "give a database written by phynness precompute");
+  File file({}, path, false);
+  file._bytes = open_for_reading(path);
+  file._size = std::filesystem::file_size(path, code);
+  // Closed last: closing anything makes HDF5 forget what it had to say.
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  file.check(use_heapless_driver(access.id(), path.c_str()), "choosing the file driver");
+  file._file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
+  if (file._file.id() < 0) {
+    const auto said = last_message();
+    if (said.find("truncated") != std::string::npos)
+      throw input_error("the database is truncated: " + path.string(), said,
+                        "copy it again in full, or compute it again");
+    throw input_error("cannot open the database " + path.string(), said, damaged);
+  }
+  if (!has_usual_addresses(file._file.id()))
+    throw input_error("the HDF5 file is no phynness database", path.string() + " has unusual addresses",
+                      "give a file written by phynness precompute");
+  return file;
+}
+
+void File::refuse(const std::string& what, const std::string& value) const {
+  throw input_error("cannot read the database " + _path.string() + ": " + what, value, damaged);
+}
+
+bool File::exists(const std::string& name) const {
+  const Quiet quiet;
+  std::string defect;
+  const bool found = has_own_object(_file.id(), name, defect);
+  if (!defect.empty()) refuse(name + " " + defect, "");
+  return found;
+}
+
+const File::Dataset& File::dataset(const std::string& name) const {
+  if (const auto known = _datasets.find(name); known != _datasets.end()) return known->second;
+  std::string defect;
+  Dataset found;
+  found.id = open_own_object(_file.id(), name, defect);
+  if (found.id.id() < 0) refuse(name + " " + defect, "");
+  if (H5Iget_type(found.id.id()) != H5I_DATASET) refuse(name + " is a group, not a dataset", "");
+  const Handle space(H5Dget_space(found.id.id()), H5Sclose);
+  found.type = Handle(H5Dget_type(found.id.id()), H5Tclose);
+  check(space.id(), name);
+  check(found.type.id(), name);
+  if (!read_shape(space.id(), found.shape)) refuse(name, "it has no values");
+  // In memory, HDF5 holds a pointer to a text of variable length.
+  const std::size_t stored =
+      H5Tis_variable_str(found.type.id()) > 0 ? text_place_bytes : H5Tget_size(found.type.id());
+  defect = storage_defect(found.id.id(), found.shape, stored, _size);
+  if (!defect.empty()) refuse(name, defect);
+  return _datasets.emplace(name, std::move(found)).first->second;
+}
+
+const File::Dataset& File::dataset(const std::string& name, const WantedType& type) const {
+  const Dataset& found = dataset(name);
+  if (H5Tequal(found.type.id(), type.stored) <= 0 && H5Tequal(found.type.id(), type.narrow) <= 0)
+    refuse(name + " has the wrong type", name_of_type(found.type.id()) + " instead of " + type.name);
+  return found;
+}
+
+Shape File::shape(const std::string& name) const {
+  const Quiet quiet;
+  return dataset(name).shape;
+}
+
+std::size_t File::check_shape(const std::string& name, const Shape& expected) const {
+  const Shape found = shape(name);
+  if (found != expected) refuse(name + " has the wrong shape", text(found) + " instead of " + text(expected));
+  return number_of_values(found);
+}
+
+void File::read_raw(const std::string& name, const WantedType& type, void* values) const {
+  const Quiet quiet;
+  if (values == nullptr) {  // no values: the type is checked all the same
+    dataset(name, type);
+    return;
+  }
+  check(H5Dread(dataset(name, type).id.id(), type.memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name);
+}
+
+void File::read_slab_raw(const std::string& name, hsize_t first, hsize_t count, const WantedType& type,
+                         void* values) const {
+  const Quiet quiet;
+  const Dataset& from = dataset(name, type);
+  Shape extent = from.shape, start(extent.size(), 0);
+  if (extent.empty() || first > extent[0] || count > extent[0] - first)
+    refuse(name + " has too few entries",
+           text(extent) + ", entry " + std::to_string(first) + " is asked for");
+  extent[0] = count;
+  start[0] = first;
+  const Handle space(H5Dget_space(from.id.id()), H5Sclose);
+  check(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr), name);
+  const Handle memory(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr), H5Sclose);
+  check(H5Dread(from.id.id(), type.memory, memory.id(), space.id(), H5P_DEFAULT, values),
+        name + ", entry " + std::to_string(first));
+}
+
+bool File::has_attribute(const std::string& object, const std::string& name) const {
+  const Quiet quiet;
+  std::string defect;
+  const Handle holder = open_own_object(_file.id(), object, defect);
+  return holder.id() >= 0 && H5Aexists(holder.id(), name.c_str()) > 0;
+}
+
+Handle File::open_attribute(const std::string& object, const std::string& name) const {
+  std::string defect;
+  const Handle holder = open_own_object(_file.id(), object, defect);
+  if (holder.id() < 0) refuse(object + " " + defect, "");
+  if (H5Aexists(holder.id(), name.c_str()) <= 0)
+    refuse("attribute " + name + " of " + object + " is missing", "");
+  Handle attribute(H5Aopen(holder.id(), name.c_str(), H5P_DEFAULT), H5Aclose);
+  check(attribute.id(), "attribute " + name + " of " + object);
+  return attribute;
+}
+
+std::int32_t File::read_int_attribute(const std::string& object, const std::string& name) const {
+  const Quiet quiet;
+  const Handle attribute = open_attribute(object, name);
+  const std::string what = "attribute " + name + " of " + object;
+  const Handle space(H5Aget_space(attribute.id()), H5Sclose), type(H5Aget_type(attribute.id()), H5Tclose);
+  check(space.id(), what);
+  check(type.id(), what);
+  Shape shape;
+  if (!read_shape(space.id(), shape) || !shape.empty())
+    refuse(what + " is not one number", shape.empty() ? "it has no value" : text(shape));
+  if (!is_plain_integer(type.id())) refuse(what + " is not a whole number", name_of_type(type.id()));
+  std::int64_t value = 0;
+  check(H5Aread(attribute.id(), H5T_NATIVE_INT64, &value), what);
+  if (value < std::numeric_limits<std::int32_t>::min() || value > std::numeric_limits<std::int32_t>::max())
+    refuse(what + " is too large", std::to_string(value));
+  return static_cast<std::int32_t>(value);
+}
+
+/// @param read  reads what a memory type stands for into a buffer that has room for it
+template <class Read>
+std::string File::text_of(const std::string& what, hid_t type, const Shape& shape, const Read& read) const {
+  if (!shape.empty()) refuse(what + " is not one text", text(shape));
+  if (H5Tget_class(type) != H5T_STRING) refuse(what + " is not a text", name_of_type(type));
+  std::string result;
+  if (H5Tis_variable_str(type) > 0) {
+    const Handle place_type = text_place_type();
+    check(place_type.id(), what);
+    unsigned char place[text_place_bytes] = {};
+    check(read(place_type.id(), place), what);
+    std::string defect;
+    if (!read_text_at(_bytes, _path, _size, text_place(place), result, defect)) refuse(what, defect);
+  } else {
+    const std::size_t size = H5Tget_size(type);
+    if (size > _size) refuse(what + " is longer than the file", std::to_string(size) + " bytes");
+    result.resize(size);
+    check(read(type, result.data()), what);
+    result = without_padding(std::move(result), H5Tget_strpad(type));
+  }
+  if (const auto at = result.find('\0'); at != std::string::npos)
+    refuse(what + " holds zeros instead of letters", "from letter " + std::to_string(at) + " on");
+  return result;
+}
+
+std::string File::read_text_attribute(const std::string& object, const std::string& name) const {
+  const Quiet quiet;
+  const Handle attribute = open_attribute(object, name);
+  const std::string what = "attribute " + name + " of " + object;
+  const Handle space(H5Aget_space(attribute.id()), H5Sclose), type(H5Aget_type(attribute.id()), H5Tclose);
+  check(space.id(), what);
+  check(type.id(), what);
+  Shape shape;
+  if (!read_shape(space.id(), shape)) refuse(what + " has no value", "");
+  return text_of(what, type.id(), shape,
+                 [&](hid_t memory, void* to) { return H5Aread(attribute.id(), memory, to); });
+}
+
+std::string File::read_text(const std::string& name) const {
+  const Quiet quiet;
+  const Dataset& from = dataset(name);
+  return text_of(name, from.type.id(), from.shape, [&](hid_t memory, void* to) {
+    return H5Dread(from.id.id(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, to);
+  });
+}
+
+}  // namespace phynness::hdf5

@@ -1,0 +1,85 @@
+#include "ray_checks.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "database_layout.hpp"
+
+namespace phynness {
+namespace {
+
+namespace path = database_layout::path;
+
+bool is_status(std::int8_t code) {
+  return code >= static_cast<std::int8_t>(Status::after_failure) &&
+         code <= static_cast<std::int8_t>(Status::not_solved);
+}
+
+template <class Value>
+std::string tell(const std::string& dataset, std::size_t increment, Value value) {
+  char buffer[32];
+  return dataset + ", increment " + std::to_string(increment) + ", is " +
+         std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+}
+
+/// The first of the values of converged increments that is not within +-`most`.
+template <class IsConverged>
+std::string first_beyond(const std::string& dataset, const std::vector<double>& values,
+                         std::size_t increments, const IsConverged& is_converged, double most) {
+  const std::size_t per_increment = values.size() / increments;
+  for (std::size_t i = 0; i < increments; ++i) {
+    if (!is_converged(i)) continue;
+    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(i * per_increment);
+    const auto end = begin + static_cast<std::ptrdiff_t>(per_increment);
+    const auto found = std::find_if_not(begin, end, [&](double v) { return std::abs(v) <= most; });
+    if (found != end) return tell(dataset, i, *found);
+  }
+  return "";
+}
+
+constexpr double finite = std::numeric_limits<double>::max();
+
+}  // namespace
+
+std::string figures_defect(const StateFigures& figures) {
+  for (std::size_t i = 0; i < figures.status.size(); ++i)
+    if (!is_status(figures.status[i])) return tell(path::status, i, static_cast<int>(figures.status[i]));
+  const auto negative = [](const char* dataset, const auto& values) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (!(values[i] >= 0) || !(static_cast<double>(values[i]) <= finite))
+        return tell(dataset, i, values[i]);
+    return std::string();
+  };
+  for (const auto& defect :
+       {negative(path::negative_pivots, figures.negative_pivots),
+        negative(path::iterations, figures.iterations), negative(path::cutbacks, figures.cutbacks),
+        negative(path::seconds, figures.seconds)})
+    if (!defect.empty()) return defect;
+  if (figures.status.empty()) return "";
+  return first_beyond(
+      path::min_jacobian, figures.min_jacobian, figures.status.size(),
+      [&](std::size_t i) { return figures.status[i] == static_cast<std::int8_t>(Status::converged); },
+      finite);
+}
+
+std::string ray_defect(const Ray& ray, const std::vector<Field>& fields, double farthest_m) {
+  StateFigures figures{{}, ray.negative_pivots, ray.iterations, ray.cutbacks, ray.min_jacobian, ray.seconds};
+  for (const auto status : ray.status) figures.status.push_back(static_cast<std::int8_t>(status));
+  if (auto defect = figures_defect(figures); !defect.empty()) return defect;
+  const auto check = [&](const std::string& dataset, const std::vector<double>& values, double most) {
+    return first_beyond(
+        dataset, values, ray.status.size(), [&](std::size_t i) { return ray.status[i] == Status::converged; },
+        most);
+  };
+  auto defect = check(path::force, ray.force, finite);
+  if (defect.empty()) defect = check(path::energy, ray.energy, finite);
+  if (defect.empty()) defect = check(path::tangent, ray.tangent, finite);
+  if (defect.empty()) defect = check(path::displacement, ray.displacement, farthest_m);
+  for (std::size_t f = 0; f < fields.size() && defect.empty(); ++f)
+    defect = check(database_layout::path_of(fields[f]), ray.fields[f], finite);
+  return defect;
+}
+
+}  // namespace phynness
