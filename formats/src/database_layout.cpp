@@ -273,12 +273,9 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
         "active * D + direction of the ray that was solved, of which this one is the mirror image or itself");
   }
 
-  const std::vector<Status> all = {Status::converged,  Status::not_requested, Status::not_solved,
-                                   Status::inverted,   Status::diverged,      Status::factorization,
-                                   Status::not_finite, Status::after_failure,     Status::library_error};
   std::vector<std::int8_t> values;
   std::string meanings;
-  for (auto status : all) {
+  for (auto status : every_status) {
     values.push_back(static_cast<std::int8_t>(status));
     if (!meanings.empty()) meanings += ' ';
     meanings += phynness::name(status);

@@ -13,8 +13,8 @@ namespace {
 namespace path = database_layout::path;
 
 bool is_status(std::int8_t code) {
-  return code >= static_cast<std::int8_t>(Status::after_failure) &&
-         code <= static_cast<std::int8_t>(Status::not_solved);
+  return std::any_of(std::begin(every_status), std::end(every_status),
+                     [&](Status status) { return static_cast<std::int8_t>(status) == code; });
 }
 
 template <class Value>
