@@ -148,15 +148,15 @@ void run(const Options& options) {
                session.size(), session.size() == 1 ? "" : "s",
                1e3 * report.core_seconds / static_cast<double>(solved));
   print_ranks(report);
+  if (report.library_errors > 0)
+    message("warning: {} rays ended because a library call failed; its messages are in {}\n",
+            report.library_errors, target.file.string() + ".solver.log");
   if (report.failed == report.increments && report.increments > 0)
     throw failure("no increment converged", std::to_string(report.increments) + " increments",
                   target.shard ? "a smaller displacement, more increments or another element may help"
                                : "phynness info " + target.file.string() +
                                      " says why; a smaller displacement, more increments or another element "
                                      "may help");
-  if (report.library_errors > 0)
-    message("warning: {} rays ended because a library call failed; its messages are in {}\n",
-            report.library_errors, target.file.string() + ".solver.log");
   if (report.failed > report.increments / 100)
     message("warning: {} increments failed and will not be trained on{}\n", report.failed,
             target.shard ? "" : "; phynness info " + target.file.string() + " says why");

@@ -53,7 +53,7 @@ def compare(reference, other, name, tolerance):
     force = (gap > tolerance).any(axis=2)
     print(f"\n{name}: of {outcome.size} rays {int(outcome.sum())} end otherwise, "
           f"{int((force & ~outcome).sum())} others come to another force; "
-          f"all remaining forces agree to {gap[~(outcome | force)].max():.1e}")
+          f"all remaining forces agree to {gap[~(outcome | force)].max(initial=0):.1e}")
     for a, d in np.argwhere(outcome | force):
         differs = (reference["status"][a, d] != other["status"][a, d]) | (gap[a, d] > tolerance)
         i = int(np.argmax(differs))

@@ -88,6 +88,7 @@ void Equilibrium::Impl::set_up_solver() {
   PHYNNESS_PETSC(PCShellSetSetUp(pc, set_up_factors));
   PHYNNESS_PETSC(PCShellSetApply(pc, apply_factors));
   PHYNNESS_PETSC(SNESSetFromOptions(snes));
+  PHYNNESS_PETSC(SNESGetTolerances(snes, nullptr, nullptr, nullptr, &most_iterations, nullptr));
 }
 
 /// F = I + grad u is rounded to the last bit of 1, as if every point were off by that part of the body's
@@ -233,6 +234,7 @@ void Equilibrium::prescribe(Constraint constraint) {
 
 void Equilibrium::recover() {
   auto& s = *_impl;
+  s.usable = false;
   s.snes = {};
   s.x = {};
   s.r = {};
@@ -240,7 +242,10 @@ void Equilibrium::recover() {
   s.pressures = PressureBlock(unknowns_of(s.tangent, s.body.pressure_dofs()));
   s.linear->reset();
   s.set_up_solver();
+  s.usable = true;
 }
+
+bool Equilibrium::is_usable() const { return _impl->usable; }
 
 SolverCounts Equilibrium::counts() const { return _impl->counts; }
 const Constraint& Equilibrium::constraint() const { return _impl->constraint; }
@@ -272,17 +277,21 @@ SNESConvergedReason Equilibrium::Impl::iterate(bool from_convex, int most_iterat
   return linear_failed && reason < 0 ? SNES_DIVERGED_LINEAR_SOLVE : reason;
 }
 
-bool Equilibrium::Impl::stays_at_saddle(SNESConvergedReason reason, bool check) {
-  // Near a saddle a line search fails on rounding, where Newton's method would converge to it.
-  if (reason < 0) return reason == SNES_DIVERGED_LINE_SEARCH && factors_are_convex;
-  // The factors may be those of a state some steps before.
-  if (!check) return false;
+bool Equilibrium::Impl::factorize_exact() {
   tangent.assemble(body, state, constraint, prescribed);
   ++counts.tangents;
   factors_are_convex = false;
   quasi_newton.clear();
-  if (!factorize()) return false;
-  return negative_pivots() > 0 && (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
+  return factorize();
+}
+
+bool Equilibrium::Impl::stays_at_saddle(SNESConvergedReason reason, bool check) {
+  // Near a saddle a line search fails on rounding, where Newton's method would converge to it.
+  const bool search_failed = reason == SNES_DIVERGED_LINE_SEARCH || reason == SNES_DIVERGED_LOCAL_MIN;
+  if (reason < 0 ? !search_failed || !factors_are_convex : !check) return false;
+  // The factors may be those of a state some steps before.
+  return factorize_exact() && negative_pivots() > 0 &&
+         (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
 }
 
 Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stability) {
@@ -290,21 +299,28 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stab
   auto& s = *_impl;
   Outcome outcome;
   s.met_instability = false;
+  const int most = static_cast<int>(s.most_iterations);
   SNESConvergedReason reason = SNES_DIVERGED_LINEAR_SOLVE;
   // Element tangents made positive semidefinite have factors where the true tangent has none.
   for (const bool convex : {false, true}) {
     if (reason != SNES_DIVERGED_LINEAR_SOLVE) break;
     s.state.assign(state.begin(), state.end());
     s.pressures.forget();
-    reason = s.iterate(convex, s.options.max_iterations, outcome.iterations);
+    reason = s.iterate(convex, most, outcome.iterations);
   }
-  for (int i = 0; i < most_saddles && s.stays_at_saddle(reason, check_stability || s.met_instability) &&
-                  s.leave_saddle();
-       ++i) {
+  for (int i = 0; i < most_saddles; ++i) {
+    if (!s.stays_at_saddle(reason, check_stability || s.met_instability)) break;
+    const auto saddle = s.state;
+    if (!s.leave_saddle()) {  // kept as it is, with its own factors
+      s.state = saddle;
+      s.evaluate_residual();
+      s.factorize_exact();
+      break;
+    }
     outcome.left_saddle = true;
-    reason = s.iterate(false, 5 * s.options.max_iterations, outcome.iterations);
+    reason = s.iterate(false, 5 * most, outcome.iterations);
   }
-  outcome.met_instability = s.met_instability;
+  outcome.met_instability = s.met_instability || outcome.left_saddle;
   if (reason > 0) {
     std::copy(s.state.begin(), s.state.end(), state.begin());
     const double scale = s.reaction_norm + s.load_norm;
@@ -400,12 +416,13 @@ Eigen::VectorXd Equilibrium::velocity(std::span<const double> state, const Eigen
   return guess;
 }
 
-int Equilibrium::negative_pivots(std::span<const double> state) {
+std::optional<int> Equilibrium::negative_pivots(std::span<const double> state) {
   auto& s = *_impl;
   // A tangent made convex has none, whatever the state.
-  if (s.factors_are_convex)
-    return linearize(state, Eigen::MatrixXd(s.constraint.n_parameters(), 0)).negative_pivots;
-  return s.negative_pivots();
+  if (!s.factors_are_convex) return s.negative_pivots();
+  const auto exact = linearize(state, Eigen::MatrixXd(s.constraint.n_parameters(), 0));
+  if (exact.status != Status::converged) return std::nullopt;
+  return exact.negative_pivots;
 }
 
 Eigen::VectorXd Equilibrium::force(std::span<const double> state) {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <phynness/formats/database.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <span>
@@ -42,10 +43,11 @@ class Equilibrium {
   };
   /// Newton from `state`, whose prescribed dofs hold their values already. On failure `state` is left as it
   /// was. Where Newton's method comes to an unstable equilibrium, it goes on downhill from there along the
-  /// direction of most negative curvature. A tangent that cannot be factorized is tried once more, made convex. Converged: |free rows of r - load| <= relative_tolerance * (|reactions| + |load|), Euclidean norms,
-  /// or not to be told from zero in double precision (which tiny displacements meet).
-  /// @param check_stability  look whether the equilibrium is stable even if no tangent on the way had negative
-  /// pivots: another factorization
+  /// direction of most negative curvature. A tangent that cannot be factorized is tried once more, made
+  /// convex. Converged: |free rows of r - load| <= relative_tolerance * (|reactions| + |load|), Euclidean
+  /// norms, or not to be told from zero in double precision (which tiny displacements meet).
+  /// @param check_stability  look whether the equilibrium is stable even if no tangent on the way had
+  /// negative pivots: another factorization
   Outcome solve(std::span<double> state, bool check_stability = false);
 
   /// The tangent at an equilibrium state, factorized.
@@ -68,14 +70,17 @@ class Equilibrium {
                            Eigen::VectorXd guess);
 
   /// At the state that solve() has just converged to, as the latest tangent has it that was factorized on the
-  /// way there; factorizes another if that one was made convex. Beyond those of the pressure block.
-  int negative_pivots(std::span<const double> state);
+  /// way there; factorizes another if that one was made convex. Beyond those of the pressure block. Nothing
+  /// if it has no factors.
+  std::optional<int> negative_pivots(std::span<const double> state);
 
   /// G^T r_c: what must be applied to hold the prescribed displacement; n_parameters.
   Eigen::VectorXd force(std::span<const double> state);
 
   /// After an exception: begins anew with all that libraries keep between calls, whose state is then unknown.
   void recover();
+  /// False after a recover() that threw: it has to be called again before anything else.
+  bool is_usable() const;
 
   SolverCounts counts() const;
 

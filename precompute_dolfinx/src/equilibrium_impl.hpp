@@ -35,6 +35,8 @@ struct Equilibrium::Impl {
   bool convex = false;              ///< factorize element tangents made positive semidefinite
   bool strictly = false;            ///< in this solve, nearly convex ones were not enough
   bool factors_are_convex = false;  ///< what the latest factorization was of
+  bool usable = true;               ///< false while recover() is at work
+  PetscInt most_iterations = 0;     ///< of Newton's method, after PETSC_OPTIONS had their say
   bool met_instability = false;     ///< a tangent with negative pivots, in the latest solve
   bool linear_failed = false;       ///< no factors, or no finite answer by them, in the latest solve
   std::exception_ptr trouble;       ///< what a callback met: no exception may pass through PETSc
@@ -62,6 +64,8 @@ struct Equilibrium::Impl {
   /// Moves `state` along the direction of most negative curvature, as far as the energy falls
   /// (leave_saddle.cpp). @return false if it falls nowhere
   bool leave_saddle();
+  /// Factorizes the true tangent at `state`. @return false if it has no factors
+  bool factorize_exact();
   /// Adds to a step so little that it matters only where rounding would decide which way a body buckles.
   /// @return false if the factors have no finite answer
   bool break_symmetry(Vec step);

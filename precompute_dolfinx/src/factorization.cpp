@@ -1,6 +1,7 @@
 #include "factorization.hpp"
 
 #include <cmath>
+#include <string>
 
 #include "fault_injection.hpp"
 
@@ -50,7 +51,14 @@ bool Factorization::refactorize(Mat matrix) {
   PHYNNESS_PETSC(MatFactorInfoInitialize(&info));
   PHYNNESS_PETSC(MatCholeskyFactorNumeric(_factors, matrix, &info));
   PHYNNESS_PETSC(MatFactorGetError(_factors, &error));
-  return error == MAT_FACTOR_NOERROR;
+  if (error == MAT_FACTOR_NOERROR) return true;
+  PetscInt reason = 0;
+  PHYNNESS_PETSC(MatMumpsGetInfog(_factors, 1, &reason));
+  constexpr PetscInt numerically_singular = -10;
+  if (reason == numerically_singular) return false;
+  throw failure(
+      "MUMPS could not factorize a tangent", "INFOG(1) = " + std::to_string(reason),
+      "mostly this is memory (-8, -9, -13, -19): give each rank more, or use fewer ranks on each machine");
 }
 
 bool Factorization::factorize(Mat matrix) {
@@ -77,7 +85,7 @@ bool Factorization::solve(Vec b, Vec x) {
   }
   if (injected_fault(FaultSite::substitution) == Fault::not_finite) PHYNNESS_PETSC(VecSet(x, std::nan("")));
   PetscReal norm = 0;
-  PHYNNESS_PETSC(VecNorm(x, NORM_INFINITY, &norm));
+  PHYNNESS_PETSC(VecNorm(x, NORM_1, &norm));
   return std::isfinite(norm);
 }
 

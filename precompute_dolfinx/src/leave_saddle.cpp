@@ -19,10 +19,11 @@ Eigen::VectorXd generic_force(const Discretization& body, const std::vector<std:
                               const std::vector<char>& is_free, int n_unknowns) {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(n_unknowns);
   const Eigen::RowVector3d wave = Eigen::RowVector3d(3.1, 1.7, 2.3) / size_of(body);
+  const Eigen::RowVector3d corner = body.points().colwise().minCoeff();
   for (int p = 0; p < body.n_points(); ++p)
     for (int k = 0; k < 3; ++k)
       if (const auto dof = body.dofs(p)[k]; dof >= 0 && is_free[dof])
-        force[unknown_of[dof]] = std::sin(wave.dot(body.points().row(p)) + 1 + 0.7 * k);
+        force[unknown_of[dof]] = std::sin(wave.dot(body.points().row(p) - corner) + 1 + 0.7 * k);
   return force;
 }
 
@@ -55,7 +56,7 @@ bool Equilibrium::Impl::leave_saddle() {
   factors_are_convex = true;
   quasi_newton.clear();
   pressures.set(tangent.matrix());
-  if (!factorize()) return false;
+  if (!factorize() || (!pressures.empty() && !pressures.is_definite())) return false;
   const auto found = most_negative_curvature(
       *linear, tangent.exact(), generic_force(body, tangent.unknown_of(), is_free, tangent.n_unknowns()));
   if (found.direction.size() == 0) return false;
@@ -65,6 +66,7 @@ bool Equilibrium::Impl::leave_saddle() {
     for (const auto dof : body.dofs(p))
       if (dof >= 0 && is_free[dof])
         largest = std::max(largest, std::abs(found.direction[tangent.unknown_of()[dof]]));
+  if (!(largest > 0)) return false;
   const auto merit_at = [&](double length) {
     state = saddle;
     for (int i = 0; i < tangent.n_unknowns(); ++i)
@@ -78,6 +80,7 @@ bool Equilibrium::Impl::leave_saddle() {
   constexpr double shortest = 1e-5, longest = 0.1;
   const double at_saddle = merit_at(0);
   double best = 0, lowest = at_saddle;
+  if (!std::isfinite(at_saddle)) return false;
   for (const double sign : {1.0, -1.0}) {
     double here = 0, before = at_saddle;
     for (double length = shortest * size; length <= longest * size; length *= 2) {
@@ -97,7 +100,8 @@ bool Equilibrium::Impl::leave_saddle() {
     }
   }
   merit_at(best);
-  return best != 0;
+  // A thousand times what rounding makes of the energy.
+  return at_saddle - lowest > 1e-13 * std::abs(at_saddle);
 }
 
 }  // namespace phynness

@@ -52,7 +52,7 @@ class Operators {
 }  // namespace
 
 NegativeCurvature most_negative_curvature(LinearSolver& preconditioner, Mat K, const Eigen::VectorXd& start) {
-  constexpr int most_steps = 300;
+  constexpr int most_steps = 120;
   // Of the residual, relative to the eigenvalue: enough for the same direction whatever the rounding.
   constexpr double tolerance = 1e-6;
   Operators operators(preconditioner, K);
@@ -82,11 +82,7 @@ NegativeCurvature most_negative_curvature(LinearSolver& preconditioner, Mat K, c
     const Eigen::VectorXd weights = ritz.eigenvectors().col(0);
     const bool settled = length * std::abs(weights[n - 1]) < tolerance * std::abs(lowest);
     const bool last = step + 1 == most_steps || !(length > 0);
-    if (!settled && !last) continue;
-    if (!(lowest < 0)) {
-      if (last) break;
-      continue;
-    }
+    if (!(lowest < 0) || !(settled || last)) continue;
     found.curvature = lowest;
     found.direction = Eigen::VectorXd::Zero(start.size());
     for (Eigen::Index i = 0; i < n; ++i) found.direction += weights[i] * z[static_cast<std::size_t>(i)];

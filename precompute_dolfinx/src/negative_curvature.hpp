@@ -17,6 +17,7 @@ struct NegativeCurvature {
 /// that are not positive semidefinite only, so that most eigenvalues are near 1 and few steps suffice. With
 /// pressures, start and all that follows lie where the pressures are in balance, in which both matrices are
 /// those of the displacements with pressures condensed out.
+/// @pre K has a negative eigenvalue: without one, all steps are spent before it is told so
 /// @param preconditioner  has factors of P
 /// @param start  n; zero where displacements are prescribed, and for pressures. It decides the sign: start . v
 /// is positive; and which one of several directions with the same curvature is found

@@ -103,6 +103,7 @@ class RaysOfNodes {
       const auto* known = dynamic_cast<const Error*>(&error);
       if (known && known->kind() == Error::Kind::input) throw;
       SolverLog::instance().write(error.what());
+      recover(_solver);
       return false;
     }
     _touched = active;
@@ -114,6 +115,37 @@ class RaysOfNodes {
   std::int32_t _touched = -1;
 };
 
+/// Logs rays in the order in which they were solved. Rays that could not even begin are held back until a
+/// later one begins: a rank that can begin none (its machine is out of memory, say) must not use up the rays
+/// that others could solve, and what it held back is solved on --resume.
+class RayLog {
+ public:
+  explicit RayLog(DatabaseWriter& log) : _log(log) {}
+
+  /// @throws Error if one ray after the other cannot begin
+  void append(Ray ray, Share& share) {
+    constexpr std::size_t most_held_back = 20;
+    const bool began = ray.status.empty() || ray.status.front() != Status::library_error;
+    _held_back.push_back(std::move(ray));
+    if (began) return flush(share);
+    if (_held_back.size() >= most_held_back)
+      throw failure(std::to_string(most_held_back) + " rays, one after the other, could not be begun",
+                    SolverLog::instance().last(),
+                    "these rays are not recorded; remove the cause and go on with --resume");
+  }
+  void flush(Share& share) {
+    for (const auto& ray : _held_back) {
+      _log.append(ray);
+      share.count(ray);
+    }
+    _held_back.clear();
+  }
+
+ private:
+  DatabaseWriter& _log;
+  std::vector<Ray> _held_back;
+};
+
 /// Takes tasks until none is left, or `stop`.
 /// @param done  told after every ray
 void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
@@ -123,13 +155,12 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
   const auto tasks = ray_tasks(rays, n_teams);
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
   RaysOfNodes nodes(solver, header);
+  RayLog ray_log(log);
   for (auto task = counter.next(); task < n_tasks; task = counter.next()) {
     const auto start = Clock::now();
     for (auto i = tasks[static_cast<std::size_t>(task)]; i < tasks[static_cast<std::size_t>(task) + 1]; ++i) {
       const auto ray = rays[static_cast<std::size_t>(i)];
-      const Ray result = requested(ray) ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction);
-      log.append(result);
-      share.count(result);
+      ray_log.append(requested(ray) ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction), share);
       share.interrupted = stop && stop();
       done();
       if (share.interrupted) break;
@@ -137,6 +168,8 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
     share.busy_seconds += seconds_since(start);
     if (share.interrupted) break;
   }
+  SolverLog::instance().set_context("");
+  if (!share.interrupted) ray_log.flush(share);
 }
 
 std::string what(const std::exception_ptr& trouble) {

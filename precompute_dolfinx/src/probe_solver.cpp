@@ -26,7 +26,8 @@ struct ProbeSolver::Impl {
       : scene(s),
         scaling(Scaling::of(mesh, s.material)),
         body(without_dimension(mesh, scaling.length_m),
-             form_set(s.material, s.solver.element, scaling.modulus_Pa, s.mesh.thickness_m / scaling.length_m)),
+             form_set(s.material, s.solver.element, scaling.modulus_Pa,
+                      s.mesh.thickness_m / scaling.length_m)),
         fixed(fixed_points(body, sets.fixed)),
         equilibrium(body, fixed_dofs(body, fixed), s.solver, team && team->size() > 1 ? team : nullptr),
         rays(body, equilibrium, s.solver),
@@ -106,12 +107,7 @@ void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
                           "nodes " + std::to_string(nodes[t]) + " and " + std::to_string(nodes[other]),
                           "keep tools at least a tool radius apart");
   s.equilibrium.prescribe(tool_constraint(s.body, s.weights));
-  try {
-    s.rest = s.rays.rest();
-  } catch (...) {
-    s.equilibrium.recover();
-    throw;
-  }
+  s.rest = s.rays.rest();
 
   s.rest_SI.stiffness_N_per_m = s.rest.tangent * s.scaling.stiffness_N_per_m();
   s.rest_SI.sensitivity.resize(3 * s.body.n_nodes(), s.rest.sensitivity.cols());

@@ -10,6 +10,7 @@
 namespace phynness {
 
 RaySolver::Rest RaySolver::rest() {
+  if (!_equilibrium.is_usable()) _equilibrium.recover();
   const int n_parameters = _equilibrium.constraint().n_parameters();
   const std::vector<double> zero(_body.n_dofs(), 0.0);
   auto linear = _equilibrium.linearize(zero, Eigen::MatrixXd::Identity(n_parameters, n_parameters));
@@ -77,11 +78,12 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
     to.velocity = _equilibrium.velocity(to.state, direction,
                                         predicted.velocity + predicted.growth * (state - predicted.state));
     to.tangent.resize(0, 0);
-    to.negative_pivots = _equilibrium.negative_pivots(to.state);
-    if (!to.velocity.allFinite()) {
+    const auto pivots = to.velocity.allFinite() ? _equilibrium.negative_pivots(to.state) : std::nullopt;
+    if (!pivots) {
       step.status = Status::factorization;
       return step;
     }
+    to.negative_pivots = *pivots;
   }
   // Fewer than the pressures have: where J exceeds e, a pressure that multiplies J meets its volume from the
   // wrong side, and the equilibrium is one of the element alone. Without tangents the count may be that of
@@ -106,6 +108,7 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
 PathStep RaySolver::attempt(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
                             PathPoint& to) {
   try {
+    if (!_equilibrium.is_usable()) _equilibrium.recover();
     return advance(path, direction, s, all_tangents, to);
   } catch (const std::exception& error) {
     SolverLog::instance().write(error.what());

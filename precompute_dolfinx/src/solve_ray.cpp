@@ -76,6 +76,14 @@ Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t di
   return ray;
 }
 
+void recover(ProbeSolver& solver) {
+  try {
+    solver.recover();
+  } catch (const std::exception& error) {
+    SolverLog::instance().write(error.what());
+  }
+}
+
 Ray failed_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction) {
   Ray ray = empty_ray(header, active, direction);
   end_ray(ray, 0);
@@ -91,7 +99,7 @@ Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t ac
   } catch (const std::exception& error) {
     SolverLog::instance().write(error.what());
     end_ray(ray, n_stored);
-    solver.recover();
+    recover(solver);
   }
   return ray;
 }

@@ -15,7 +15,11 @@ Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t di
 /// A ray of which nothing could be solved.
 Ray failed_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction);
 
-/// What the solver cannot handle ends the ray with Status::library_error, and the solver's log has the reason.
+/// ProbeSolver::recover(), and again before the next solve if that fails for want of memory.
+void recover(ProbeSolver& solver);
+
+/// What the solver cannot handle ends the ray with Status::library_error, and the solver's log has the
+/// reason.
 /// @pre the solver touches the active node. The result depends on nothing that it solved before.
 Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t active, std::int32_t direction);
 

@@ -14,7 +14,7 @@ constexpr std::size_t most_bytes = 1 << 20;
 
 /// PETSc calls this once for each function that an error passes on its way up; the first has the message.
 PetscErrorCode on_petsc_error(MPI_Comm, int line, const char* function, const char* file, PetscErrorCode code,
-                              PetscErrorType type, const char* message, void*) {
+                              PetscErrorType type, const char* message, void*) try {
   std::string text;
   if (type == PETSC_ERROR_INITIAL) {
     const char* general = nullptr;
@@ -25,6 +25,8 @@ PetscErrorCode on_petsc_error(MPI_Comm, int line, const char* function, const ch
   text += std::string("  in ") + (function ? function : "?") + ", " + (file ? file : "?") + ":" +
           std::to_string(line);
   SolverLog::instance().write(text);
+  return code;
+} catch (...) {  // no memory for the text
   return code;
 }
 
@@ -46,17 +48,20 @@ void SolverLog::open(std::filesystem::path file, int rank) {
   _rank = rank;
 }
 
-void SolverLog::write(const std::string& text) {
+void SolverLog::write(const std::string& text) noexcept try {
+  _last = text;
   if (_bytes >= most_bytes) return;
   std::string entry = "rank " + std::to_string(_rank);
   if (!_context.empty()) entry += ", " + _context;
   entry += ": " + text + "\n";
   const bool full = _bytes + entry.size() > most_bytes;
   if (full) entry = "the log is full: later entries are left out\n";
-  const int fd = ::open(_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  // Not through a link that somebody put where the name could be guessed.
+  const int fd = ::open(_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (fd < 0) return;
   if (::write(fd, entry.data(), entry.size()) > 0) _bytes = full ? most_bytes : _bytes + entry.size();
   ::close(fd);
+} catch (...) {  // no memory for an entry
 }
 
 std::string solver_log_file() { return SolverLog::instance().file().string(); }

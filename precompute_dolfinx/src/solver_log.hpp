@@ -19,14 +19,16 @@ class SolverLog {
   /// What is solved from now on, for the entries.
   void set_context(std::string context) { _context = std::move(context); }
   const std::string& context() const { return _context; }
-  void write(const std::string& text);
+  void write(const std::string& text) noexcept;
+  /// The latest entry.
+  const std::string& last() const { return _last; }
   bool is_written() const { return _bytes > 0; }
 
  private:
   SolverLog();
 
   std::filesystem::path _file;
-  std::string _context;
+  std::string _context, _last;
   int _rank = 0;
   std::size_t _bytes = 0;  ///< written by this process
 };

@@ -2,17 +2,35 @@
 
 #include <array>
 #include <chrono>
+#include <cstdio>
 #include <string>
 #include <thread>
 
 #include "factorization.hpp"
 #include "petsc_check.hpp"
 #include "solve_ray.hpp"
+#include "solver_log.hpp"
 
 namespace phynness {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// Where this member alone met an error, the others are inside a collective call that will never end.
+void wait_for_the_others(MPI_Request& request, const std::string& trouble) {
+  constexpr auto longest = std::chrono::minutes(10);  // far longer than a factorization
+  const auto start = Clock::now();
+  for (int arrived = 0; !arrived;) {
+    MPI_Test(&request, &arrived, MPI_STATUS_IGNORE);
+    if (!arrived && Clock::now() - start > longest) {
+      std::fprintf(stderr,
+                   "error: a team cannot go on: %s\n  remedy: finished rays are kept: go on with --resume\n",
+                   trouble.c_str());
+      MPI_Abort(MPI_COMM_WORLD, 1);
+    }
+    if (!arrived) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
 
 }  // namespace
 
@@ -194,10 +212,17 @@ std::int64_t Team::obey(Order order, std::int64_t n, Mat matrix, Vec b, Vec x) {
   } catch (const std::exception& error) {
     trouble = error.what();
   }
-  // What MUMPS cannot do, no member can: all of them get here. All of them must also agree on it, or the next
-  // order would find some with factors and some without.
+  // What MUMPS cannot do, no member can, and all of them get here. All must agree on it, or the next order
+  // would find some with factors and some without.
   std::array<std::int64_t, 2> agreed{trouble.empty() ? 1 : 0, result};
-  MPI_Allreduce(MPI_IN_PLACE, agreed.data(), 2, MPI_INT64_T, MPI_MIN, _comm);
+  MPI_Request request;
+  MPI_Iallreduce(MPI_IN_PLACE, agreed.data(), 2, MPI_INT64_T, MPI_MIN, _comm, &request);
+  if (trouble.empty()) {
+    MPI_Wait(&request, MPI_STATUS_IGNORE);
+  } else {
+    SolverLog::instance().write(trouble);
+    wait_for_the_others(request, trouble);
+  }
   if (agreed[0] != 0) return agreed[1];
   if (order == Order::create)
     _share.reset();

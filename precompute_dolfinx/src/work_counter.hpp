@@ -30,7 +30,7 @@ class WorkCounter {
   /// The next task nobody has taken.
   std::int64_t next() { return add(0, 1); }
   /// From now on there is no task for anybody: a rank cannot go on, and the others need not go on without it.
-  void abandon() { add(0, std::int64_t{1} << 60); }
+  void abandon() { add(0, std::int64_t{1} << 40); }
   /// Adds finished work, without waiting for rank 0 to know of it.
   void add_done(std::int64_t n) {
     MPI_Accumulate(&n, 1, MPI_INT64_T, 0, 1, 1, MPI_INT64_T, MPI_SUM, _window);

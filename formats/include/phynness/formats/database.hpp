@@ -22,7 +22,7 @@ enum class Status : std::int8_t {
   inverted = -1,       ///< J <= 0 at a quadrature point
   diverged = -2,       ///< line search or iteration limit, or an equilibrium of a mixed element alone
   factorization = -3,  ///< singular or failed factorization
-  not_finite = -4,     ///< NaN or infinity in the residual
+  not_finite = -4,     ///< NaN or infinity in the residual, the energy or a field
   after_failure = -5,  ///< an earlier increment of the ray failed
   library_error = -6,  ///< a library call failed or memory ran out; the solver's log has the message
 };
