@@ -1,4 +1,5 @@
-// Where tests make calls fail that libraries make fail once in a million. Nothing in the product sets the hook.
+// Where tests make calls fail that libraries make fail once in a million. Nothing in the product sets the
+// hook.
 #pragma once
 
 #include <functional>

@@ -19,8 +19,8 @@ struct NegativeCurvature {
 /// those of the displacements with pressures condensed out.
 /// @pre K has a negative eigenvalue: without one, all steps are spent before it is told so
 /// @param preconditioner  has factors of P
-/// @param start  n; zero where displacements are prescribed, and for pressures. It decides the sign: start . v
-/// is positive; and which one of several directions with the same curvature is found
+/// @param start  n; zero where displacements are prescribed, and for pressures. It decides the sign: start .
+/// v is positive; and which one of several directions with the same curvature is found
 NegativeCurvature most_negative_curvature(LinearSolver& preconditioner, Mat K, const Eigen::VectorXd& start);
 
 }  // namespace phynness

@@ -17,7 +17,7 @@ struct PathPoint {
   double energy = 0, min_jacobian = 1;
   int negative_pivots = 0;
   bool met_instability = false;  ///< here or before
-  bool jumped = false;  ///< no neighbour of the points before it: the body buckled
+  bool jumped = false;           ///< no neighbour of the points before it: the body buckled
 };
 
 /// The polynomial through states and velocities of a few points, continued to s.

@@ -52,8 +52,8 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// A ray that cannot be solved is recorded as failed, with its reason, whatever the reason; messages of
 /// libraries go to `<target.file>.solver.log`.
 /// @param stop  polled between rays on every rank; true ends the run early with what is finished kept
-/// @param warn  told at once on the rank that cannot go on (its file system is full, say); the other ranks end
-/// the nodes they work on before this throws
+/// @param warn  told at once on the rank that cannot go on (its file system is full, say); the other ranks
+/// end the nodes they work on before this throws
 /// @throws Error
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh,
                             const NodeSets& sets, const PrecomputeTarget& target,

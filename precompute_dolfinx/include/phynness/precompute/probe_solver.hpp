@@ -78,8 +78,8 @@ class ProbeSolver {
   /// One displacement, reached in `increments` equal steps.
   Response solve(const std::vector<Vec3>& displacement_m, int increments, bool tangents = false);
 
-  /// After an exception of follow() or solve(), before the next call: what libraries keep between calls begins
-  /// anew.
+  /// After an exception of follow() or solve(), before the next call: what libraries keep between calls
+  /// begins anew.
   void recover();
 
   int n_dofs() const;
