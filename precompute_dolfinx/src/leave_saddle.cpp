@@ -100,7 +100,7 @@ bool Equilibrium::Impl::leave_saddle() {
     }
   }
   merit_at(best);
-  // A thousand times what rounding makes of the energy.
+  // Some hundred times the rounding of the energy.
   return at_saddle - lowest > 1e-13 * std::abs(at_saddle);
 }
 
