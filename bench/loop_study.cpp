@@ -151,7 +151,7 @@ class Paths {
     phn_coupled result{};
     if (phn_couple(_model.handle(), _model.data(), 1, &tool, force.data(), &result) < 0)
       throw phynness::failure("the runtime refuses a tool", "", "this is a defect");
-    if (_model.model().family == phynness::Family::rbfn)
+    if (!phynness::schema::traits(_model.model().family).has_energy)
       result.energy = force.dot(Vector(tool.displacement[0], tool.displacement[1], tool.displacement[2])) / 2;
     return result.energy;
   }

@@ -119,7 +119,7 @@ void bench_modes(Table& table, Loaded& loaded) {
 /// Forces of every node beside the same sums in double, at random displacements to the trained depth.
 void rounding_of_forces(Table& table, const Loaded& loaded) {
   const phn_model& model = *loaded.model;
-  if (model.family != runtime::Family::modal) return;
+  if (model.family != Family::modal) return;
   bench::Arbitrary arbitrary;
   double worst = 0, sum = 0;
   for (std::int32_t a = 0; a < model.n_active; ++a) {

@@ -8,6 +8,7 @@
 #include <phynness/embedding/embedding.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/image_layout.hpp>
+#include <phynness/schema/model_grammar.hpp>
 
 namespace phynness {
 namespace {
@@ -47,13 +48,13 @@ class ImageWriter {
     _header.magic = image::magic;
     _header.version = image::version;
     _header.real_bytes = sizeof(Real);
-    _header.family = family();
+    _header.family = _model.family;
     const double R = _model.max_displacement_m;
     constexpr Real largest = image::Bounds<Real>::max_displacement;
     const auto rounded = static_cast<Real>(R);
     if (!(rounded >= 1 / largest && rounded <= largest)) throw too_large("the largest displacement [m]", R);
     _header.max_displacement = rounded;
-    if (_model.family == Family::modal) _header.amplitude_shape = real(_model.shared.shape);
+    if (_has_modes) _header.amplitude_shape = real(_model.shared.shape);
     std::vector<std::int32_t> active;
     std::vector<Real> points;
     for (const auto& node : _model.nodes) {
@@ -70,37 +71,25 @@ class ImageWriter {
     for (const auto& e : _model.directions)
       for (const double component : e) directions.push_back(real(component));
     _header.directions = put(directions);
-    const double unit = _model.family == Family::modal ? R : 1;
+    const double unit = _has_modes ? R : 1;
     _displacements = reals(_model.displacements, [&](double value) {
-      const bool modal = _model.family == Family::modal;
-      if (modal && !(std::fabs(value / unit) <= image::largest_displacement))
+      if (_has_modes && !(std::fabs(value / unit) <= image::largest_displacement))
         throw too_large("a displacement over the largest one", value / unit);
       return value / unit;
     });
     _header.displacements = put(_displacements);
-    if (deforms && _model.family == Family::modal) put_shared();
+    if (deforms && _has_modes) put_shared();
 
     std::vector<image::ActiveNode<Real>> nodes;
     for (const auto& node : _model.nodes) nodes.push_back(active_node(node));
     _header.active = put(nodes);
     _header.n_scratch = static_cast<std::uint32_t>(_n_scratch);
-    if (_model.family == Family::modal) set_rest(nodes);
+    if (_has_modes) set_rest(nodes);
     seal();
     return {_bytes, _options, _model.nodes.size(), deforms ? _model.output.size() : 0, _n_scratch};
   }
 
  private:
-  image::Family family() const {
-    switch (_model.family) {
-      case Family::linear:
-        return image::Family::linear;
-      case Family::modal:
-        return image::Family::modal;
-      default:
-        return image::Family::rbfn;
-    }
-  }
-
   Error too_large(const std::string& what, double value) const {
     char text[32];
     std::snprintf(text, sizeof text, "%g", value);
@@ -196,16 +185,7 @@ class ImageWriter {
     }
     out.trained_depth = _depth_table;
     out.incomplete = node.n_incomplete > 0 ? 1 : 0;
-    switch (_model.family) {
-      case Family::linear:
-        out.response = response(node.linear);
-        break;
-      case Family::modal:
-        out.response = modal_response(node);
-        break;
-      default:
-        out.response = rbfn_response(node);
-    }
+    schema::with_grammar(_model.family, [&](auto family) { out.response = response(family, node); });
     return out;
   }
 
@@ -223,7 +203,7 @@ class ImageWriter {
       net.constant[k] = real(from.output_center[k] + from.output_half_range[k] * from.bias[k]);
     return net;
   }
-  std::uint32_t rbfn_response(const ActiveNodeModel& node) {
+  std::uint32_t response(schema::RbfnGrammar, const ActiveNodeModel& node) {
     image::RbfnResponse<Real> out{};
     out.force = network<3>(node.force);
     if (!_options.force_only) {
@@ -237,14 +217,15 @@ class ImageWriter {
     for (int i = 0; i < 3; ++i)
       for (int j = i; j < 3; ++j) *k++ = real(from(i, j));
   }
-  std::uint32_t response(const LinearResponse& from) {
+  std::uint32_t response(schema::LinearGrammar, const ActiveNodeModel& node) {
+    const LinearResponse& from = node.linear;
     image::LinearResponse<Real> out{};
     stiffness(from.stiffness, out.stiffness);
     if (!_options.force_only) out.unit_responses = put(reals(from.unit_responses));
     return put_bytes(&out, sizeof out);
   }
 
-  std::uint32_t modal_response(const ActiveNodeModel& node) {
+  std::uint32_t response(schema::ModalGrammar, const ActiveNodeModel& node) {
     image::ModalResponse<Real> out{};
     const auto& force = node.conservative;
     out.center = put_indices(force.centers);
@@ -312,6 +293,7 @@ class ImageWriter {
   }
 
   const Model& _model;
+  const bool _has_modes = schema::traits(_model.family).has_modes;
   const ImageOptions& _options;
   std::vector<std::byte> _bytes;
   image::Header<Real> _header{};

@@ -201,16 +201,6 @@ const char* name(Directions directions) {
   }
   return "?";
 }
-const char* name(Family family) {
-  switch (family) {
-    case Family::rbfn:
-      return "rbfn";
-    case Family::modal:
-      return "modal";
-    case Family::linear:
-      return "linear";
-  }
-  return "?";
-}
+const char* name(Family family) { return schema::traits(family).word; }
 
 }  // namespace phynness

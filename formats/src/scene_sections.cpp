@@ -197,14 +197,18 @@ DatabaseSpec parse_database(const SceneTable& table) {
   return spec;
 }
 
+/// Families by their word.
+std::vector<std::pair<std::string_view, Family>> every_family() {
+  std::vector<std::pair<std::string_view, Family>> all;
+  for (std::uint32_t f = 0; f < schema::n_families; ++f)
+    all.emplace_back(schema::families[f].word, static_cast<Family>(f));
+  return all;
+}
+
 TrainingSpec parse_training(const SceneTable& table, const Material& material) {
   TrainingSpec spec;
-  spec.family =
-      table
-          .choice<Family>("family",
-                          {{"rbfn", Family::rbfn}, {"modal", Family::modal}, {"linear", Family::linear}})
-          .value_or(spec.family);
-  if (spec.family == Family::linear && material.law != Law::linear)
+  spec.family = table.choice("family", every_family()).value_or(spec.family);
+  if (schema::traits(spec.family).proportional && material.law != Law::linear)
     table.reject(
         "family",
         std::string("needs the linear law, but [material] law is \"") + phynness::name(material.law) + "\"",

@@ -5,7 +5,7 @@
 #include "trained.hpp"
 
 using phynness::runtime::ActiveNode;
-using phynness::runtime::Family;
+using phynness::Family;
 
 namespace {
 

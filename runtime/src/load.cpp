@@ -1,9 +1,9 @@
-// model.txt -> phn_model. Follows formats/model.md section by section.
-#include <initializer_list>
+// model.txt -> phn_model, by the grammar of models (phynness/schema/model_grammar.hpp).
+#include <cfloat>
+#include <new>
 
 #include "evaluate.hpp"
-#include "load_parts.hpp"
-#include "trained.hpp"
+#include "load_stores.hpp"
 
 namespace phynness::runtime {
 namespace {
@@ -11,300 +11,414 @@ namespace {
 // Sums of outputs stay this far from the largest double, so that no addition of a few of them overflows.
 constexpr double largest_output = 1e300;
 
-struct Tables {
-  std::int32_t n_displacements = 0;
-  const double *displacements = nullptr, *output_points = nullptr;
+struct NodeStore {
+  std::int32_t node = -1, n_incomplete = 0;
+  Row<3> point;
+  Prescribed prescribed;
+  PrescribedWeight prescribed_weight;
+  Depths trained_depth_m;
+  NetworkStore force, deformation;  // rbfn
+  LinearStore linear;
+  ForceStore conservative;  // modal, as what follows
+  ModesStore modal;
+  Parts<ModesStore, largest_field_count> fields;
+  Parts<NodeLevelStore, largest_level_count - 1> levels;
+
+  explicit NodeStore(Depths::Known& known) {
+    prescribed_weight.of = &prescribed;
+    trained_depth_m.known = &known;
+    for (std::int32_t l = 0; l + 1 < largest_level_count; ++l) {
+      levels.part[l].force.full = &force;
+      levels.part[l].deformation.full = &deformation;
+    }
+  }
 };
 
-std::int32_t ascending_node(TextReader& in, std::int32_t n_nodes, std::int32_t& previous) {
-  const std::int32_t node = in.integer(0, n_nodes - 1);
-  if (node <= previous) in.fail(PHN_ERROR_RANGE);
-  return previous = node;
-}
+/// The active nodes, of which one at a time is in the making.
+struct Nodes {
+  Depths::Known known;
+  alignas(NodeStore) unsigned char memory[sizeof(NodeStore)];
+  std::int32_t* numbers = nullptr;
+  ActiveNode* active = nullptr;
+  ActiveNode* at_level[largest_level_count - 1] = {};  ///< smaller levels
+  std::int64_t n = 0, in_work = -1;
 
-/// Table of n rows of 3 numbers over a divisor, read to an array.
-const double* vector_table(TextReader& in, Arena& arena, std::int32_t n, double divisor) {
-  Column<double> rows(arena, 3 * n);
-  for (std::int32_t i = 0; i < n && in.good(); ++i) {
-    for (int k = 0; k < 3; ++k) rows.set(3 * i + k, in.real() / divisor);
-    in.end_line();
+  std::int64_t rows() const { return n; }
+  NodeStore& item(std::int64_t i) {
+    in_work = i;
+    return *new (memory) NodeStore(known);
   }
-  return rows.get();
-}
-
-/// The displacement, and of 6 inputs the output node, where neuron i is centered. @param center  to be set, or null
-void read_center(TextReader& in, const Network& net, const Tables& tables, std::int32_t n_output, std::int32_t i,
-                 Real* const* center) {
-  const std::int32_t displacement = in.integer(0, tables.n_displacements - 1);
-  const std::int32_t output = net.n_inputs == 6 ? in.integer(0, n_output - 1) : 0;
-  for (int k = 0; k < net.n_inputs && center != nullptr && in.good(); ++k) {
-    const double value = k < 3 ? tables.displacements[3 * displacement + k] : tables.output_points[3 * output + k - 3];
-    const double scaled = (value - net.input_center[k]) / net.input_half_range[k];
-    if (!(std::fabs(scaled) <= largest_input)) in.fail(PHN_ERROR_RANGE);
-    center[k][i] = static_cast<Real>(scaled);
-  }
-}
-
-/// The lines of a network's neurons. @param tables  null: lines hold weights alone. @param center  see read_center
-void read_neurons(TextReader& in, Arena& arena, Network& net, const Tables* tables, std::int32_t n_output,
-                  Real* const* center) {
-  Real* weight[3];
-  double largest[3];
-  const std::int32_t n_whole = whole_blocks(net.n_neurons);
-  for (int k = 0; k < 3; ++k) {
-    net.weight[k] = weight[k] = arena.take<Real>(static_cast<std::size_t>(n_whole));
-    largest[k] = std::fabs(net.bias[k]);
-  }
-  const bool fill = has_memory(arena);
-  for (int k = 0; k < 3; ++k) {
-    for (std::int32_t i = net.n_neurons; fill && i < n_whole; ++i) weight[k][i] = 0;
-  }
-  for (std::int32_t i = 0; i < net.n_neurons && in.good(); ++i) {
-    if (tables != nullptr) read_center(in, net, *tables, n_output, i, center);
-    for (int k = 0; k < 3; ++k) {
-      const double value = in.real();
-      largest[k] += std::fabs(value);
-      if (!(std::fabs(value) <= largest_weight)) in.fail(PHN_ERROR_RANGE);
-      if (fill) weight[k][i] = static_cast<Real>(value);
-    }
-    in.end_line();
-  }
-  for (int k = 0; k < 3; ++k) {
-    const double bound = std::fabs(net.output_center[k]) + net.output_half_range[k] * largest[k];
-    if (in.good() && !(bound < largest_output)) in.fail(PHN_ERROR_RANGE);
-    // Forces are scaled in double after they were summed, displacements before.
-    if (in.good() && net.n_inputs == 6 && !(bound <= largest_displacement_sum)) in.fail(PHN_ERROR_RANGE);
-  }
-}
-
-void network(TextReader& in, Arena& arena, const char* keyword, int n_inputs, const Tables& tables,
-             std::int32_t n_output, Network& net) {
-  net.n_neurons = net.n_prepared = count_line(in, keyword, 0);
-  net.n_inputs = n_inputs;
-  real_line(in, "input_center", net.input_center, n_inputs, false);
-  real_line(in, "input_half_range", net.input_half_range, n_inputs, true);
-  for (int k = 0; k < n_inputs; ++k) net.inverse_half_range[k] = std::fmin(1 / net.input_half_range[k], DBL_MAX);
-  real_line(in, "output_center", net.output_center, 3, false);
-  real_line(in, "output_half_range", net.output_half_range, 3, true);
-  const double spread = width_line(in, "spread");
-  net.inverse_square_spread = 1 / (spread * spread);
-  real_line(in, "bias", net.bias, 3, false);
-
-  Real* center[6];
-  const std::int32_t n_whole = whole_blocks(net.n_neurons);
-  for (int k = 0; k < n_inputs; ++k) net.center[k] = center[k] = arena.take<Real>(static_cast<std::size_t>(n_whole));
-  const bool fill = has_memory(arena);
-  for (int k = 0; k < n_inputs; ++k) {
-    for (std::int32_t i = net.n_neurons; fill && i < n_whole; ++i) center[k][i] = 0;
-  }
-  read_neurons(in, arena, net, &tables, n_output, fill ? center : nullptr);
-}
-
-/// What the first neurons of a network do alone.
-void network_level(TextReader& in, Arena& arena, const char* keyword, Network& net) {
-  const std::int32_t n_full = net.n_neurons;
-  net.n_neurons = count_line(in, keyword, 0);
-  if (net.n_neurons > n_full) in.fail(PHN_ERROR_RANGE);
-  real_line(in, "bias", net.bias, 3, false);
-  read_neurons(in, arena, net, nullptr, 0, nullptr);
-}
-
-Networks networks_level(TextReader& in, Arena& arena, const Networks& full) {
-  Networks nets = full;
-  network_level(in, arena, "force", nets.force);
-  network_level(in, arena, "deformation", nets.deformation);
-  return nets;
-}
-
-Networks networks(TextReader& in, Arena& arena, const Tables& tables, std::int32_t n_output, std::size_t& n_basis) {
-  Networks nets = {};
-  network(in, arena, "force", 3, tables, n_output, nets.force);
-  network(in, arena, "deformation", 6, tables, n_output, nets.deformation);
-  const auto needed = static_cast<std::size_t>(nets.deformation.n_neurons);
-  n_basis = n_basis > needed ? n_basis : needed;
-  return nets;
-}
-
-const LinearResponse* linear_response(TextReader& in, Arena& arena, std::int32_t n_output) {
-  LinearResponse linear = {};
-  stiffness_line(in, linear.stiffness);
-  in.keyword("unit_responses");
-  in.end_line();
-  double* unit[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    linear.unit_response[axis] = unit[axis] = arena.take<double>(3 * static_cast<std::size_t>(n_output));
-  }
-  const bool fill = has_memory(arena);
-  for (std::int32_t o = 0; o < n_output && in.good(); ++o) {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (int k = 0; k < 3; ++k) {
-        const double value = linear_entry(in);
-        if (fill) unit[axis][3 * static_cast<std::size_t>(o) + static_cast<std::size_t>(k)] = value;
-      }
-    }
-    in.end_line();
-  }
-  return place(arena, linear);
-}
-
-void prescribed(TextReader& in, Arena& arena, std::int32_t n_nodes, const phn_model& model,
-                ActiveNode& node) {
-  const std::int32_t n = count_line(in, "prescribed", 1);
-  Column<std::int32_t> positions(arena, n);
-  Column<double> weights(arena, n);
-  std::int32_t previous = -1, kept = 0;
-  for (std::int32_t i = 0; i < n && in.good(); ++i) {
-    const std::int32_t number = ascending_node(in, n_nodes, previous);
-    const double weight = in.real();
-    if (!(std::fabs(weight) <= 1)) in.fail(PHN_ERROR_RANGE);
-    in.end_line();
-    // Only output nodes are ever asked for.
-    const std::int32_t at = model.output_nodes ? find_sorted(model.output_nodes, model.n_output, number) : -1;
-    if (at < 0) continue;
-    positions.set(kept, at);
-    weights.set(kept++, weight);
-  }
-  node.n_prescribed = kept;
-  node.prescribed = positions.get();
-  node.prescribed_weight = weights.get();
-}
-
-/// The depths of the node before, which most nodes have, too: stored once.
-struct Depths {
-  TextReader text;  ///< where they begin
-  const double* values;
-  double least, fill_distance;
-  bool known;
 };
 
-bool same_depths(TextReader a, TextReader b, std::int32_t n) {
-  for (std::int32_t i = 0; i < n; ++i) {
-    if (a.real() != b.real()) return false;
-    a.end_line();
-    b.end_line();
-    if (!a.good() || !b.good()) return false;
+struct ModelStore {
+  Family family = Family::rbfn;
+  Text title, mesh_hash;
+  SkippedText software_version, physics_hash;
+  double max_displacement_m = 1;
+  std::int32_t n_mesh_nodes = 0;
+  Table<double> directions, fixed_points, output_points;
+  Displacements displacements;
+  Table<std::int32_t> fixed, output;
+  Corners surface;
+  SharedStore shared;
+  Parts<FieldStore, largest_field_count> fields;
+  Parts<LevelStore, largest_level_count> levels;
+  Nodes nodes;
+};
+
+/// What the grammar asks of a reader, and what evaluation wants of each part that was read.
+class ModelLoader {
+ public:
+  ModelLoader(TextReader& in, Arena& arena, phn_model& model, ModelStore& store)
+      : _load{in, arena, model}, _in(in), _arena(arena), _model(model), _store(store) {}
+
+  void keyword(const char* word) { _in.keyword(word); }
+  void end() { _in.end_line(); }
+  template <class Line>
+  void text(Line& line) {
+    line.set(_load, _in.rest_of_line());
+    end();
   }
-  return true;
-}
-
-void trained_depths(TextReader& in, Arena& arena, const phn_model& model, Depths& depths) {
-  const std::int32_t n = model.n_directions;
-  const bool same = depths.known && same_depths(in, depths.text, n);
-  depths.text = in;
-  Column<double> depth(arena, same ? 0 : n);
-  for (std::int32_t i = 0; i < n && in.good(); ++i) {
-    const double value = in.real();
-    if (!(value >= 0)) in.fail(PHN_ERROR_RANGE);
-    depths.least = i == 0 ? value : std::fmin(value, depths.least);
-    if (!same) depth.set(i, value);
-    in.end_line();
+  void word(const char*, Text& word) { word.set(_load, _in.word(static_cast<std::size_t>(schema::longest_word))); }
+  void family(Family& family);
+  void real(const char*, double& value, const schema::Bound& bound) {
+    const double read = _in.real();
+    require(read >= bound.low && read <= bound.high, nullptr);
+    if (good()) value = read;
   }
-  if (!same) depths.values = depth.get();
-  if (!same && in.good() && has_memory(arena)) depths.fill_distance = fill_distance(model, depths.values);
-  depths.known = true;
-}
-
-/// Reads the response of a node at every level. @param at  which node it is
-void responses(TextReader& in, Arena& arena, const Tables& tables, phn_model& model, const Levels& levels,
-               std::int32_t at, ActiveNode& node) {
-  const auto keep = [&](std::int32_t l, const ActiveNode& of_level) {
-    if (levels.active[l]) levels.active[l][at] = of_level;
-  };
-  ActiveNode of_level = node;
-  switch (model.family) {
-    case Family::rbfn: {
-      const Networks full = networks(in, arena, tables, model.n_output, model.n_basis);
-      node.networks = place(arena, full);
-      for (std::int32_t l = 0; l < levels.n_smaller && in.good(); ++l) {
-        of_level.networks = place(arena, networks_level(in, arena, full));
-        keep(l, of_level);
-      }
-      break;
-    }
-    case Family::linear:
-      node.linear = linear_response(in, arena, model.n_output);
-      break;
-    case Family::modal: {
-      const LoadedModal full = load_modal(in, arena, tables.n_displacements, model);
-      node.modal = place<ModalResponse>(arena, full);
-      for (std::int32_t l = 0; l < levels.n_smaller && in.good(); ++l) {
-        of_level.modal =
-            place(arena, load_modal_level(in, arena, tables.n_displacements, levels.level[l], full));
-        keep(l, of_level);
-      }
-      break;
-    }
+  void integer(const char*, std::int32_t& value, std::int32_t low, std::int32_t high) {
+    const std::int32_t read = _in.integer(low, high);
+    if (good()) value = read;
   }
-}
+  void count(const char*, std::int32_t& n, std::int32_t low) { n = _in.count(low); }
+  void room(const char*, std::uint64_t n) { _in.require_room(n); }
+  bool optional(const char* word, bool) { return good() && _in.next_is(word); }
+  void require(bool condition, const char*) { _load.require(condition); }
+  bool good() const { return _in.good(); }
+  /// Corners look for their vertices themselves.
+  static bool has_place(const ModelStore&, std::int32_t) { return true; }
 
-void active_node(TextReader& in, Arena& arena, const Tables& tables, phn_model& model, const Levels& levels,
-                 std::int32_t at, std::int32_t number, Depths& depths, ActiveNode& node) {
-  in.keyword("point");
-  for (double& x : node.point) x = coordinate(in);
-  in.end_line();
-  node.output = model.output_nodes ? find_sorted(model.output_nodes, model.n_output, number) : -1;
-  prescribed(in, arena, model.n_nodes, model, node);
-  in.keyword("incomplete");
-  node.incomplete = in.integer(0, model.n_directions) > 0;
-  in.end_line();
-  in.keyword("trained_depth");
-  in.end_line();
-  trained_depths(in, arena, model, depths);
-  node.trained_depth = depths.values;
-  node.least_depth = depths.least;
-  node.fill_distance = depths.fill_distance;
-  responses(in, arena, tables, model, levels, at, node);
-}
-
-/// Ascending node numbers with reference coordinates. @return their number
-std::int32_t nodes_and_points(TextReader& in, Arena& arena, const char* keyword, std::int32_t n_nodes,
-                              const std::int32_t*& nodes, const double*& points) {
-  const std::int32_t n = count_line(in, keyword, 0);
-  Column<std::int32_t> numbers(arena, n);
-  Column<double> coordinates(arena, 3 * static_cast<std::size_t>(n));
-  std::int32_t previous = -1;
-  for (std::int32_t i = 0; i < n && in.good(); ++i) {
-    numbers.set(i, ascending_node(in, n_nodes, previous));
-    for (int k = 0; k < 3; ++k) coordinates.set(3 * static_cast<std::size_t>(i) + k, coordinate(in));
-    in.end_line();
+  template <class Store>
+  static std::int64_t rows(const Store& store) { return store.rows(); }
+  template <class Store>
+  static std::int64_t cols(const Store& store) { return store.cols(); }
+  template <class Store>
+  static auto& item(Store& store, std::int64_t i) { return store.item(i); }
+  template <class Store>
+  static double get(const Store&, std::int64_t, std::int64_t) { return 0; }
+  template <class Store, class Value>
+  void set(Store& store, std::int64_t i, std::int64_t k, Value value) { store.set(_load, i, k, value); }
+  template <class Store>
+  void shape(const char*, Store& store, std::int64_t rows, std::int64_t cols) {
+    const bool sound = good();
+    store.shape(_load, sound ? rows : 0, sound ? cols : 0);
   }
-  nodes = numbers.get();
-  points = coordinates.get();
-  return n;
-}
+  void shape(const char*, Displacements& store, std::int64_t rows, std::int64_t cols);
+  void shape(const char*, Nodes& nodes, std::int64_t rows, std::int64_t);
 
-/// Triangles, their corners turned from node numbers to vertices. Without memory there is nothing to look up.
-void surface(TextReader& in, Arena& arena, phn_model& model) {
-  model.n_triangles = count_line(in, "surface", 0);
-  Column<std::int32_t> corners(arena, 3 * static_cast<std::size_t>(model.n_triangles));
-  for (std::int32_t t = 0; t < model.n_triangles && in.good(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t node = in.integer(0, model.n_nodes - 1);
-      if (!has_memory(arena)) continue;
-      const std::int32_t vertex = find_vertex(model, node);
-      if (vertex < 0) in.fail(PHN_ERROR_RANGE);
-      corners.set(3 * static_cast<std::size_t>(t) + k, vertex);
-    }
-    in.end_line();
+  /// What is looked up while the rest is read.
+  template <class T>
+  void done(Table<T>&) {
+    _model.directions = _store.directions.at;
+    _model.n_directions = static_cast<std::int32_t>(_store.directions.n);
+    _model.displacements = _store.displacements.at;
+    _model.n_displacements = static_cast<std::int32_t>(_store.displacements.n);
+    _model.fixed_nodes = _store.fixed.at;
+    _model.n_fixed = static_cast<std::int32_t>(_store.fixed.n);
+    _model.fixed_points = _store.fixed_points.at;
+    _model.output_nodes = _store.output.at;
+    _model.n_output = static_cast<std::int32_t>(_store.output.n);
+    _model.output_points = _store.output_points.at;
   }
-  model.triangles = corners.get();
+  void done(NetworkStore& net);
+  void done(FirstNeurons& first);
+  void done(LinearStore& linear);
+  void done(SharedStore& shared);
+  void done(FieldStore& field);
+  void done(ForceStore& force);
+  void done(LevelStore&) {}
+  void done(NodeLevelStore&) {}
+  void done(NodeStore& node);
+
+  /// The model, once all of the text is read. @param placed  null: without memory
+  int finish(phn_model* placed);
+
+ private:
+  void within(const Row<3>& center, const Row<3>& half_range, const Row<3>& bias, const Weights& weights, bool deforms);
+  void respond(NodeStore& node, ActiveNode& made, ActiveNode* smaller);
+  void respond_modal(NodeStore& node, ActiveNode& made, ActiveNode* smaller);
+  bool modal() const { return schema::traits(_store.family).has_modes; }
+  std::int64_t n_smaller() const { return _store.levels.n > 0 ? _store.levels.n - 1 : 0; }
+
+  Load _load;
+  TextReader& _in;
+  Arena& _arena;
+  phn_model& _model;
+  ModelStore& _store;
+};
+
+template <class T>
+void raise(T& largest, T value) {
+  if (largest < value) largest = value;
 }
 
-/// The word after `family`, or false.
-bool family_word(TextReader& in, Family& family) {
-  constexpr struct {
-    const char* word;
-    Family family;
-  } known[] = {{"rbfn", Family::rbfn}, {"linear", Family::linear}, {"modal", Family::modal}};
-  for (const auto& each : known) {
-    TextReader attempt = in;
-    attempt.keyword(each.word);
+void ModelLoader::family(Family& family) {
+  for (std::uint32_t f = 0; f < schema::n_families; ++f) {
+    TextReader attempt = _in;
+    attempt.keyword(schema::families[f].word);
     if (!attempt.good()) continue;
-    in = attempt;
-    family = each.family;
-    return true;
+    _in = attempt;
+    _model.family = family = static_cast<Family>(f);
+    return;
   }
-  return false;
+  _in.fail(PHN_ERROR_FAMILY);
+}
+
+void ModelLoader::shape(const char*, Displacements& store, std::int64_t rows, std::int64_t cols) {
+  _model.max_displacement = _store.max_displacement_m;
+  if (modal()) {
+    store.divisor = _model.max_displacement;
+    require(store.divisor >= 1 / largest_max_displacement && store.divisor <= largest_max_displacement, nullptr);
+  }
+  store.shape(_load, good() ? rows : 0, cols);
+}
+
+void ModelLoader::shape(const char*, Nodes& nodes, std::int64_t rows, std::int64_t) {
+  nodes.n = good() ? rows : 0;
+  const auto n = static_cast<std::size_t>(nodes.n);
+  nodes.numbers = _arena.take<std::int32_t>(n);
+  nodes.active = _arena.take<ActiveNode>(n);
+  for (std::int64_t l = 0; l < n_smaller(); ++l) nodes.at_level[l] = _arena.take<ActiveNode>(n);
+}
+
+/// Outputs of a network must not come near the largest number.
+void ModelLoader::within(const Row<3>& center, const Row<3>& half_range, const Row<3>& bias, const Weights& weights,
+                         bool deforms) {
+  for (int k = 0; k < 3; ++k) {
+    const double largest = std::fabs(bias.at[k]) + weights.size[k];
+    const double bound = std::fabs(center.at[k]) + half_range.at[k] * largest;
+    require(bound < largest_output, nullptr);
+    // Forces are scaled in double after they were summed, displacements before.
+    if (deforms) require(bound <= largest_displacement_sum, nullptr);
+  }
+}
+
+void ModelLoader::done(NetworkStore& net) {
+  const bool deforms = net.input_center.n == 6;
+  within(net.output_center, net.output_half_range, net.bias, net.weights, deforms);
+  Network& made = net.made;
+  made.n_neurons = made.n_prepared = static_cast<std::int32_t>(net.weights.n);
+  made.n_inputs = deforms ? 6 : 3;
+  for (int k = 0; k < made.n_inputs; ++k) {
+    made.input_center[k] = net.input_center.at[k];
+    made.input_half_range[k] = net.input_half_range.at[k];
+    made.inverse_half_range[k] = std::fmin(1 / net.input_half_range.at[k], DBL_MAX);
+    made.center[k] = net.center[k];
+  }
+  for (int k = 0; k < 3; ++k) {
+    made.output_center[k] = net.output_center.at[k];
+    made.output_half_range[k] = net.output_half_range.at[k];
+    made.bias[k] = net.bias.at[k];
+    made.weight[k] = net.weights.at[k];
+  }
+  made.inverse_square_spread = 1 / (net.spread * net.spread);
+  if (deforms) raise(_model.n_basis, static_cast<std::size_t>(made.n_neurons));
+}
+
+void ModelLoader::done(FirstNeurons& first) {
+  const NetworkStore& full = *first.full;
+  within(full.output_center, full.output_half_range, first.bias, first.weights, full.made.n_inputs == 6);
+  first.made = full.made;
+  first.made.n_neurons = static_cast<std::int32_t>(first.weights.n);
+  for (int k = 0; k < 3; ++k) {
+    first.made.bias[k] = first.bias.at[k];
+    first.made.weight[k] = first.weights.at[k];
+  }
+}
+
+void ModelLoader::done(LinearStore& linear) {
+  LinearResponse made = {};
+  memcpy(made.stiffness, linear.stiffness.at, sizeof made.stiffness);
+  for (int k = 0; k < 3; ++k) made.unit_response[k] = linear.unit_responses.at[k];
+  linear.made = place(_arena, made);
+}
+
+void ModelLoader::done(SharedStore& shared) {
+  shared.modes.make(_model.shared, 3, _model.n_output);
+  _model.shared.shape = shared.shape;
+  shared.centers.make(_load, _model.shared);
+}
+
+void ModelLoader::done(FieldStore& field) {
+  SharedField& made = _model.fields[_model.n_fields++];
+  made.name = field.name.at;
+  made.unit = field.unit.at;
+  made.degree = field.degree;
+  made.scale = field.scale;
+  field.modes.make(made, 1, _model.n_output);
+}
+
+/// Centers and coefficients once more as the force reads them, and what makes forces at rest 0.
+void ModelLoader::done(ForceStore& store) {
+  Conservative<double>& net = store.made;
+  ForceTable& table = store.table;
+  net.n_centers = static_cast<std::int32_t>(store.centers.n);
+  net.max_displacement = _model.max_displacement;
+  net.displacements = _model.displacements;
+  net.shape = store.shape;
+  memcpy(net.stiffness, store.stiffness.at, sizeof net.stiffness);
+  net.center = store.centers.at;
+  net.short_coefficient = store.coefficients.short_values;
+  net.coefficient = store.coefficients.values;
+  const bool in_table = net.n_centers > most_gathered;
+  auto* centers = _arena.take<Real>(in_table ? 6 * static_cast<std::size_t>(whole_blocks(net.n_centers + 1)) : 0);
+  table.centers = in_table ? centers : nullptr;
+  if (!_load.has_memory() || !good()) return;
+  // The function that adds these values computes them: zeros at rest are exact.
+  const auto by_kernel = [&](const Conservative<double>& unit, const double* at, double* force) {
+    for (double& f : table.at_rest) f = 0;
+    if (in_table) fill_force_table(unit, centers);
+    best_modal_kernels().force(unit, table, at, force);
+  };
+#ifdef PHYNNESS_FLOAT
+  const double rest[3] = {0, 0, 0};
+  double force[3];
+  set_rest(net);
+  by_kernel(net, rest, force);
+  for (int k = 0; k < 3; ++k) table.at_rest[k] = -force[k];
+#else
+  set_rest(net, by_kernel);
+  for (int k = 0; k < 3; ++k) table.at_rest[k] = net.force_at_rest[k];
+#endif
+}
+
+ModalTables with_weights(ModalTables tables, const ScaledTable& weights) {
+  tables.n_modes = static_cast<std::int32_t>(weights.entries.cols());
+  tables.weight_scale = weights.scale.at;
+  tables.weight = weights.entries.at;
+  return tables;
+}
+
+void ModelLoader::respond_modal(NodeStore& node, ActiveNode& made, ActiveNode* smaller) {
+  const auto n_fields = static_cast<std::size_t>(_model.n_fields);
+  ModalTables of_field[largest_field_count];
+  ModalResponse full = {};
+  static_cast<ModalTables&>(full) = node.modal.made();
+  const auto n_modes = static_cast<std::size_t>(full.n_modes);
+  raise(_model.n_basis, n_modes);
+  if (worth_preparing(_model.shared, full)) {
+    raise(_model.prepared_modes, full.n_modes);
+    raise(_model.prepared_near, 3 * static_cast<std::size_t>(full.n_near) * n_modes);
+  }
+  for (std::size_t f = 0; f < n_fields; ++f) {
+    of_field[f] = node.fields.part[f].made();
+    raise(_model.n_field_scratch, static_cast<std::size_t>(_model.shared.n_centers + schema::n_field_terms +
+                                                           of_field[f].n_modes + _model.fields[f].n_modes));
+  }
+  const auto place_at = [&](ModalResponse response, const ForceStore& force, const auto& field) {
+    response.force = force.made;
+    response.force_table = force.table;
+    auto* fields = _arena.take<ModalTables>(n_fields);
+    for (std::size_t f = 0; fields && f < n_fields; ++f) fields[f] = field(f);
+    response.fields = fields;
+    return place(_arena, response);
+  };
+  made.modal = place_at(full, node.conservative, [&](std::size_t f) { return of_field[f]; });
+  for (std::int64_t l = 0; l < n_smaller(); ++l) {
+    const NodeLevelStore& level = node.levels.part[l];
+    ModalResponse response = full;
+    static_cast<ModalTables&>(response) = with_weights(full, level.weights);
+    smaller[l].modal = place_at(response, level.conservative, [&](std::size_t f) {
+      return with_weights(of_field[f], level.field_weights.part[f]);
+    });
+  }
+}
+
+void ModelLoader::respond(NodeStore& node, ActiveNode& made, ActiveNode* smaller) {
+  switch (_store.family) {
+    case Family::rbfn:
+      made.networks = place(_arena, Networks{node.force.made, node.deformation.made});
+      for (std::int64_t l = 0; l < n_smaller(); ++l) {
+        const NodeLevelStore& level = node.levels.part[l];
+        smaller[l].networks = place(_arena, Networks{level.force.made, level.deformation.made});
+      }
+      break;
+    case Family::linear:
+      made.linear = node.linear.made;
+      break;
+    case Family::modal:
+      respond_modal(node, made, smaller);
+  }
+}
+
+void ModelLoader::done(NodeStore& node) {
+  if (!good()) return;
+  Nodes& nodes = _store.nodes;
+  ActiveNode made = {}, smaller[largest_level_count - 1];
+  memcpy(made.point, node.point.at, sizeof made.point);
+  made.output = _model.output_nodes ? find_sorted(_model.output_nodes, _model.n_output, node.node) : -1;
+  made.n_prescribed = node.prescribed.n_kept;
+  made.prescribed = node.prescribed.position;
+  made.prescribed_weight = node.prescribed_weight.weight;
+  made.trained_depth = nodes.known.values;
+  made.least_depth = nodes.known.least;
+  made.fill_distance = nodes.known.fill_distance;
+  made.incomplete = node.n_incomplete > 0;
+  for (auto& level : smaller) level = made;
+  respond(node, made, smaller);
+  if (!_load.has_memory()) return;
+  nodes.numbers[nodes.in_work] = node.node;
+  nodes.active[nodes.in_work] = made;
+  for (std::int64_t l = 0; l < n_smaller(); ++l) nodes.at_level[l][nodes.in_work] = smaller[l];
+}
+
+int ModelLoader::finish(phn_model* placed) {
+  phn_model& model = _model;
+  model.title = _store.title.at;
+  model.mesh_hash = _store.mesh_hash.at;
+  model.n_nodes = _store.n_mesh_nodes;
+  model.n_triangles = static_cast<std::int32_t>(_store.surface.n);
+  model.triangles = _store.surface.at;
+  model.n_active = static_cast<std::int32_t>(_store.nodes.n);
+  model.active_nodes = _store.nodes.numbers;
+  model.active = _store.nodes.active;
+  model.n_levels = static_cast<std::int32_t>(n_smaller()) + 1;
+  if (_store.levels.n > 0) {
+    const LevelStore& last = _store.levels.part[_store.levels.n - 1];
+    model.errors = {last.error_force, last.error_displacement};
+  }
+  const auto n_kernels = static_cast<std::size_t>(model.shared.n_centers) + 3;
+  const auto n_shared = static_cast<std::size_t>(model.shared.n_modes);
+  model.n_scratch = n_kernels > n_shared ? n_kernels : n_shared;
+  if (model.family == Family::rbfn) model.n_scratch = 3 * model.n_basis;
+  model.n_scratch += model.n_basis;
+  raise(model.n_scratch, model.n_field_scratch);
+  auto* smaller = _arena.take<phn_model>(static_cast<std::size_t>(n_smaller()));
+  // Smaller levels have centers of amplitudes of their own.
+  SharedModes of_level[largest_level_count];
+  for (std::int64_t l = 0; l < n_smaller(); ++l) {
+    of_level[l] = model.shared;
+    if (modal()) _store.levels.part[l].centers.make(_load, of_level[l]);
+  }
+  if (good() && !_in.at_end()) _in.fail(PHN_ERROR_SYNTAX);
+  if (!good()) return _in.status();
+  if (_arena.overflow()) return PHN_ERROR_BUFFER;
+  if (placed == nullptr) return PHN_OK;
+  const double unit = modal() ? model.max_displacement : 1;
+  const double first = phynness::runtime::length(model.displacements) * unit;
+  model.first_increment = model.max_displacement / 10;
+  if (first > 1e-6 * model.max_displacement && first < 1e3 * model.max_displacement) model.first_increment = first;
+  model.full = placed;
+  model.smaller = smaller;
+  model.bytes = _arena.used();
+  for (std::int64_t l = 0; l < n_smaller(); ++l) {
+    smaller[l] = model;
+    smaller[l].shared = of_level[l];
+    smaller[l].errors = {_store.levels.part[l].error_force, _store.levels.part[l].error_displacement};
+    smaller[l].active = _store.nodes.at_level[l];
+  }
+  *placed = model;
+  return PHN_OK;
 }
 
 }  // namespace
@@ -333,95 +447,21 @@ std::int32_t find_active(const phn_model& model, std::int32_t node) {
 
 int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** result) {
   *result = nullptr;
-  const int envelope = check_envelope(text, length);
+  const int envelope = schema::check_envelope(text, length);
   if (envelope != PHN_OK) return envelope;
   TextReader in(text, length);
+  in.rest_of_line();  // identity and version, which were checked
+  in.end_line();
   phn_model model = {};
   model.n_basis = 3;
   model.n_levels = 1;
   auto* placed = arena.take<phn_model>(1);
-
-  in.rest_of_line();
-  in.end_line();
-  in.keyword("family");
-  if (!in.good()) return in.status();
-  if (!family_word(in, model.family)) return PHN_ERROR_FAMILY;
-  in.end_line();
-  for (const char* key : {"title", "software", "mesh_hash", "physics_hash"}) {
-    in.keyword(key);
-    in.rest_of_line();
-    in.end_line();
-  }
-  real_line(in, "max_displacement_m", &model.max_displacement, 1, true);
-  const bool modal = model.family == Family::modal;
-  if (modal && !(model.max_displacement >= 1 / largest_max_displacement &&
-                 model.max_displacement <= largest_max_displacement)) {
-    in.fail(PHN_ERROR_RANGE);
-  }
-  in.keyword("mesh_nodes");
-  model.n_nodes = in.integer(1, INT32_MAX);
-  in.end_line();
-  model.n_directions = count_line(in, "directions", 1);
-  model.directions = vector_table(in, arena, model.n_directions, 1);
-  Tables tables;
-  tables.n_displacements = count_line(in, "displacements", 1);
-  if (in.good() && tables.n_displacements % model.n_directions != 0) in.fail(PHN_ERROR_RANGE);
-  model.n_displacements = tables.n_displacements;
-  model.displacements = tables.displacements =
-      vector_table(in, arena, tables.n_displacements, modal ? model.max_displacement : 1);
-  model.first_increment = model.max_displacement / 10;
-  if (has_memory(arena) && in.good()) {
-    const double first = phynness::runtime::length(model.displacements) * (modal ? model.max_displacement : 1);
-    if (first > 1e-6 * model.max_displacement && first < 1e3 * model.max_displacement) model.first_increment = first;
-  }
-
-  model.n_fixed = nodes_and_points(in, arena, "fixed", model.n_nodes, model.fixed_nodes, model.fixed_points);
-  model.n_output = nodes_and_points(in, arena, "output", model.n_nodes, model.output_nodes, model.output_points);
-  tables.output_points = model.output_points;
-  surface(in, arena, model);
-  if (modal) load_shared(in, arena, tables.n_displacements, model);
-  if (modal) load_fields(in, arena, model);
-  Levels levels = {};
-  load_levels(in, arena, tables.n_displacements, model, levels);
-  auto* smaller = arena.take<phn_model>(static_cast<std::size_t>(levels.n_smaller));
-
-  model.n_active = count_line(in, "active", 0);
-  Column<std::int32_t> active_nodes(arena, model.n_active);
-  Column<ActiveNode> active(arena, model.n_active);
-  for (std::int32_t l = 0; l < levels.n_smaller; ++l)
-    levels.active[l] = arena.take<ActiveNode>(static_cast<std::size_t>(model.n_active));
-  Depths depths{in, nullptr, 0, 0, false};
-  std::int32_t previous = -1;
-  for (std::int32_t i = 0; i < model.n_active && in.good(); ++i) {
-    in.keyword("node");
-    const std::int32_t number = ascending_node(in, model.n_nodes, previous);
-    in.end_line();
-    active_nodes.set(i, number);
-    ActiveNode node = {};
-    active_node(in, arena, tables, model, levels, i, number, depths, node);
-    active.set(i, node);
-    if (arena.overflow()) return PHN_ERROR_BUFFER;
-  }
-  const auto n_kernels = static_cast<std::size_t>(model.shared.n_centers) + 3;
-  const auto n_shared = static_cast<std::size_t>(model.shared.n_modes);
-  model.n_scratch = n_kernels > n_shared ? n_kernels : n_shared;
-  if (model.family == Family::rbfn) model.n_scratch = 3 * model.n_basis;
-  model.n_scratch += model.n_basis;
-  if (model.n_scratch < model.n_field_scratch) model.n_scratch = model.n_field_scratch;
-  model.active_nodes = active_nodes.get();
-  model.active = active.get();
-  if (in.good() && !in.at_end()) in.fail(PHN_ERROR_SYNTAX);
-  if (!in.good()) return in.status();
-  if (arena.overflow()) return PHN_ERROR_BUFFER;
-  if (placed) {
-    model.full = placed;
-    model.smaller = smaller;
-    model.bytes = arena.used();
-    place_levels(model, levels, smaller);
-    *placed = model;
-    *result = placed;
-  }
-  return PHN_OK;
+  ModelStore store;
+  ModelLoader loader(in, arena, model, store);
+  schema::model(loader, store);
+  const int status = loader.finish(placed);
+  if (status == PHN_OK) *result = placed;
+  return status;
 }
 
 }  // namespace phynness::runtime

@@ -3,6 +3,9 @@
 
 #include <phynness/phynness.h>
 
+#include <phynness/schema/bounds.hpp>
+#include <phynness/schema/family.hpp>
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +14,9 @@
 #include "real.hpp"
 
 namespace phynness::runtime {
+
+using schema::largest_field_count;
+using schema::largest_level_count;
 
 /// Gaussian network on scaled inputs and outputs, (11)-(12).
 struct Network {
@@ -25,8 +31,6 @@ struct Network {
   const Real* weight[3];         ///< per output: n_neurons, filled up with 0 to whole blocks
 };
 
-enum class Family : std::uint8_t { rbfn, linear, modal };
-
 /// at = d / unit, components beyond `largest` cut there. @param d, at  3
 inline void cut(const double* d, double unit, double largest, double* at) {
   for (int k = 0; k < 3; ++k) at[k] = std::fmax(-largest, std::fmin(largest, d[k] / unit));
@@ -34,10 +38,7 @@ inline void cut(const double* d, double unit, double largest, double* at) {
 
 /// Displacements of a linear model are cut to this size per component [m], and no coefficient of one is
 /// larger: their products and sums stay finite.
-inline constexpr double largest_linear = 1e100;
-/// Coordinates [m] that models hold: products of four lengths stay finite, and so do those of floats at the surface.
-inline constexpr double largest_coordinate = 1e30;
-
+inline constexpr double largest_linear = schema::largest_linear_displacement;
 /// Force = stiffness d; u = d_x U_x + d_y U_y + d_z U_z.
 struct LinearResponse {
   double stiffness[6];             ///< xx xy xz yy yz zz [N/m]
@@ -47,7 +48,7 @@ struct LinearResponse {
 /// Displacements of a modal model are cut to this size per component, in max_displacement_m. With the bounds
 /// below and those of formats/model.md (coefficients 1e100, tables 1e6, 1024 modes) forces and energies stay
 /// below 1e300, and sums of shared modes below 1e37: no float overflows.
-inline constexpr double largest_modal = 1e6;
+inline constexpr double largest_modal = schema::largest_modal_displacement;
 inline constexpr double largest_center = 1e3;  ///< per component of a center, in max_displacement_m
 inline constexpr double largest_max_displacement = 1e90;  ///< of a modal model, and one over its least [m]
 
@@ -94,8 +95,6 @@ struct SharedTable {
   const float* modes;       ///< for every rows_per_block of the rows: those rows of each mode in turn
 };
 
-inline constexpr std::int32_t largest_field_count = 8;
-
 /// What the nodes of a modal model share of a field.
 struct SharedField : SharedTable {
   const char *name, *unit;  ///< end with 0
@@ -136,8 +135,6 @@ struct ActiveNode {
   const ModalResponse* modal;
 };
 
-inline constexpr std::int32_t largest_level_count = 8;
-
 /// As fractions; 0: not estimated.
 struct LevelErrors {
   double force, displacement;
@@ -153,7 +150,8 @@ struct phn_model {
   std::size_t bytes;         ///< of the memory behind this that the model takes
   std::int32_t n_levels;
   phynness::runtime::LevelErrors errors;
-  phynness::runtime::Family family;
+  phynness::Family family;
+  const char *title, *mesh_hash;  ///< end with 0
   std::int32_t n_nodes, n_active, n_output, n_fixed, n_triangles, n_directions;
   std::size_t n_scratch;  ///< doubles that a deformation needs besides its result, its basis at the end
   std::size_t n_field_scratch;  ///< doubles that a field needs

@@ -6,7 +6,7 @@
 using phynness::runtime::ActiveNode;
 using phynness::runtime::Coupling;
 using phynness::runtime::cut;
-using phynness::runtime::Family;
+using phynness::Family;
 using phynness::runtime::finite;
 using phynness::runtime::HeldPoint;
 using phynness::runtime::largest_coupled;

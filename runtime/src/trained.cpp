@@ -29,7 +29,7 @@ void cube_direction(int i, double* e) {
 
 /// Row of the displacements, over max_displacement.
 void row_of(const phn_model& model, std::int32_t row, double* x) {
-  const double unit = model.family == Family::modal ? 1 : model.max_displacement;
+  const double unit = schema::traits(model.family).has_modes ? 1 : model.max_displacement;
   for (int k = 0; k < 3; ++k) x[k] = model.displacements[3 * static_cast<std::size_t>(row) + k] / unit;
 }
 

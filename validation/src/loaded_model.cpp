@@ -143,7 +143,7 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
   check(status, n_tools == 0 ? -1 : tools[0].nodes[0]);
   for (std::size_t t = 0; t < n_tools; ++t)
     response.force_N.emplace_back(Vec3{forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]});
-  if (_dir.model.family != Family::rbfn) response.energy_J = response.coupled.energy;
+  if (schema::traits(_dir.model.family).has_energy) response.energy_J = response.coupled.energy;
   response.displacement_m.resize(phn_n_output(_model), 3);
   const int deformed = phn_coupled_deform(_model, _data, response.displacement_m.data());
   if (deformed == PHN_ERROR_UNDEFINED) response.displacement_m.resize(0, 3);

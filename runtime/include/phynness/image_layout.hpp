@@ -5,20 +5,23 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include <phynness/schema/bounds.hpp>
+#include <phynness/schema/family.hpp>
+
 namespace phynness::image {
 
 inline constexpr uint32_t magic = 0x494e4850;  ///< "PHNI"
 inline constexpr uint32_t version = 1;
 inline constexpr uint32_t largest_table = 0x7fffffff;  ///< bytes of an image
 
-enum class Family : uint32_t { rbfn, linear, modal };
+using phynness::Family;
 
 /// Displacements are cut to this size per component, in max_displacement.
-inline constexpr double largest_displacement = 1e6;
+inline constexpr double largest_displacement = schema::largest_modal_displacement;
 
 /// Bounds of what an image holds: within them no sum of an evaluation leaves the range of its numbers.
 inline constexpr uint32_t largest_count = 1u << 20;  ///< neurons or centers of one response
-inline constexpr uint32_t largest_mode_count = 1024;
+inline constexpr uint32_t largest_mode_count = schema::largest_mode_count;
 template <class Real>
 struct Bounds;
 template <>

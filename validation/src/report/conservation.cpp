@@ -11,7 +11,7 @@ namespace phynness::report {
 Conservation closed_paths(const LoadedModel& model, int n_paths, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   Conservation found;
-  found.has_energy = model.model().family != Family::rbfn;
+  found.has_energy = schema::traits(model.model().family).has_energy;
   std::vector<double> ratios;
   const auto& nodes = model.model().nodes;
   for (int path = 0; path < n_paths && !nodes.empty(); ++path) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
+#include <phynness/schema/bounds.hpp>
 #include <string>
 #include <vector>
 
@@ -108,19 +109,12 @@ struct ModelLevel {
   double error_force = 0, error_displacement = 0;
   std::vector<std::int32_t> centers;  ///< modal, smaller levels: of the amplitudes, as SharedModes::centers
 };
-inline constexpr int largest_level_count = 8;
+using schema::largest_level_count;
 
-/// Bounds of what a modal model holds: with displacements cut at 1e6 times max_displacement_m no output
-/// leaves the range of a float.
-inline constexpr double largest_table_value = 1e6;
-inline constexpr int largest_mode_count = 1024;
-inline constexpr int largest_field_count = 8;
-
-/// Largest size of an entry of a LinearResponse or ConservativeNetwork that model.txt holds. Together with the largest displacement
-/// component that the runtime multiplies, the same number in m, it keeps every output finite.
-inline constexpr double largest_linear_entry = 1e100;
-/// Largest size of a reference coordinate [m]: distances and products of four of them stay finite.
-inline constexpr double largest_coordinate = 1e30;
+using schema::largest_coordinate;
+using schema::largest_field_count;
+using schema::largest_linear_entry;
+using schema::largest_mode_count;
 
 /// One active node. Of the responses, those of the model's family are filled in, the others are empty.
 struct ActiveNodeModel {

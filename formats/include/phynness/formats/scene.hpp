@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <phynness/formats/fields.hpp>
+#include <phynness/schema/family.hpp>
 
 namespace phynness {
 
@@ -103,8 +104,6 @@ struct DatabaseSpec {
   bool float64 = false;          ///< displacements as float64 instead of float32
   std::vector<Field> fields;     ///< stored beside the displacement, each once, in the order of the enum
 };
-
-enum class Family { rbfn, modal, linear };
 
 struct TrainingSpec {
   Family family = Family::rbfn;

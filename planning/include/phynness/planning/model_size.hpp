@@ -10,9 +10,8 @@ struct ModelSize {
   double model_text_bytes = 0, mesh_text_bytes = 0;
 };
 
-/// Writes a model of two active nodes with random numbers and continues the line. An upper bound where
+/// Counts the bytes of a model of one and of two active nodes and continues the line. An upper bound where
 /// networks may stop growing early ([training] target_mse).
-/// @throws Error as write_model_text
 ModelSize predict_model_size(const Scene& scene, const DatabaseHeader& header);
 
 }  // namespace phynness

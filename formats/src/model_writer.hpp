@@ -1,0 +1,84 @@
+// Writes a model.txt by the grammar of models: exact, locale-free, nothing that a reader would refuse.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/model_stores.hpp>
+#include <phynness/schema/model_grammar.hpp>
+#include <string_view>
+
+namespace phynness {
+
+class ModelWriter : public ModelStores {
+ public:
+  std::string& out() { return _out; }
+
+  void keyword(std::string_view word) { put(word); }
+  void end() {
+    _out += '\n';
+    _line_start = true;
+  }
+  /// Control characters would break the lines and become spaces.
+  void text(const std::string& line) {
+    if (!line.empty()) put("");
+    for (const char c : line) _out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+    end();
+  }
+  void word(const char* what, const std::string& word) {
+    bool visible = !word.empty() && word.size() <= static_cast<std::size_t>(schema::longest_word);
+    for (const char c : word) visible = visible && c > 0x20 && c < 0x7f;
+    require(visible, what);
+    put(word);
+  }
+  void family(Family family) { put(name(family)); }
+  void real(const char* what, double value, const schema::Bound& bound) {
+    if (!std::isfinite(value))
+      throw failure("model holds a number that is not finite", what, "train again; if it stays, report it");
+    if (!(value >= bound.low && value <= bound.high)) refuse(std::string(what) + " " + bound.outside);
+    char buffer[40];
+    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::hex).ptr;
+    put({buffer, static_cast<std::size_t>(end - buffer)});
+  }
+  void integer(const char* what, std::int32_t value, std::int32_t low, std::int32_t high) {
+    if (value < low || value > high)
+      refuse(std::string(what) + " is out of range " + std::to_string(low) + " ... " + std::to_string(high));
+    put(std::to_string(value));
+  }
+  void count(const char* what, std::int32_t n, std::int32_t low) { integer(what, n, low, schema::largest_integer); }
+  void room(const char*, std::uint64_t) {}
+  bool optional(const char*, bool present) { return present; }
+  void require(bool condition, const char* what) {
+    if (!condition) refuse(what);
+  }
+  static constexpr bool good() { return true; }
+
+  template <class Store>
+  void shape(const char* what, const Store& store, std::int64_t n_rows, std::int64_t n_cols) {
+    if (rows(store) != n_rows || (n_rows > 0 && cols(store) != n_cols))
+      refuse("number of " + std::string(what) + ": " + std::to_string(rows(store)) + " x " +
+             std::to_string(cols(store)) + " instead of " + std::to_string(n_rows) + " x " + std::to_string(n_cols));
+  }
+  template <class Store>
+  auto get(const Store& store, std::int64_t i, std::int64_t k) const { return cell(store, i, k); }
+  template <class Store, class T>
+  void set(const Store&, std::int64_t, std::int64_t, T) {}
+  template <class T>
+  void done(const T&) {}
+  static bool has_place(const Model& model, std::int32_t node);
+
+  [[noreturn]] static void refuse(const std::string& what) {
+    throw failure("model cannot be written: " + what, "", "this is a defect of the program that made it");
+  }
+
+ private:
+  void put(std::string_view text) {
+    if (!_line_start) _out += ' ';
+    _line_start = false;
+    _out += text;
+  }
+  std::string _out;
+  bool _line_start = true;
+};
+
+}  // namespace phynness
