@@ -5,6 +5,7 @@
 #include <phynness/embedding/embedding.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
+#include <phynness/training/families.hpp>
 #include <phynness/validation/loaded_model.hpp>
 
 #include "command_files.hpp"
@@ -45,15 +46,6 @@ void check_output(const Options& options) {
                       "name a directory where you may write");
 }
 
-/// A model trained for forces only has no deformation to leave out.
-bool has_deformation(const Model& model) {
-  if (model.output.empty()) return false;
-  if (model.family != Family::modal) return true;
-  for (const auto& node : model.nodes)
-    if (node.modal.weights.cols() > 0) return true;
-  return false;
-}
-
 json golden_json(const GoldenQueries& queries, std::size_t n) {
   json all = json::array();
   for (std::size_t i = 0; i < n; ++i) {
@@ -82,7 +74,7 @@ void run(const Options& options) {
   }
   const LoadedModel loaded(options.model);
   const Model& model = loaded.model();
-  const bool deforms = !options.force_only && has_deformation(model);
+  const bool deforms = !options.force_only && operations(model.family).has_deformation(model);
   const ModelImage image = model_image(model, {!deforms, options.floats});
   auto queries = golden_queries(loaded, image, std::max(options.golden, least_queries));
   const double force_deviation = queries.force_deviation,

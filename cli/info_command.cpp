@@ -5,6 +5,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/meshes/meshes.hpp>
+#include <phynness/training/families.hpp>
 #include <phynness/validation/loaded_model.hpp>
 
 #include "command_files.hpp"
@@ -125,18 +126,7 @@ json about_model(const std::filesystem::path& dir) {
   print_result("model     {}: family {}, {} \n", dir.string(), name(m.family), m.software_version);
   print_result("scene     {}, physics {}\n", m.title, m.physics_hash);
   print_mesh(model.mesh(), {m.fixed, active, m.output});
-  if (m.family == Family::linear)
-    print_result(
-        "responses a 3 x 3 stiffness and three unit responses each; trained to {:.4g} m, exact beyond\n",
-        m.max_displacement_m);
-  else if (m.family == Family::modal)
-    print_result(
-        "responses {} force centers and {} modes each, {} shared modes, {} amplitude centers; trained to "
-        "{:.4g} m\n",
-        centers, modes, m.shared.modes.cols(), m.shared.centers.size(), m.max_displacement_m);
-  else
-    print_result("networks  {} neurons for deformation, {} for force; trained to {:.4g} m\n", neurons,
-                 force_neurons, m.max_displacement_m);
+  print_result("{}\n", operations(m.family).describe(m));
   json fields = json::array();
   for (const auto& field : m.fields) {
     print_result("field     {} [{}], {} shared modes, up to {:.4g} in training\n", field.name, field.unit,

@@ -2,7 +2,7 @@
 
 #include <map>
 #include <phynness/formats/error.hpp>
-#include <phynness/training/training.hpp>
+#include <phynness/training/families.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -29,29 +29,6 @@ void check_spread(const std::optional<double>& spread, const char* option) {
                       "inputs are scaled to [-1, 1]; the paper uses 0.75");
 }
 
-void print_modal(const Model& model, const TrainingReport& report) {
-  std::size_t centers = 0, modes = 0;
-  for (const auto& node : model.nodes) {
-    centers = std::max(centers, node.conservative.centers.size());
-    modes = std::max(modes, static_cast<std::size_t>(node.modal.weights.cols()));
-  }
-  const auto& q = report.modal;
-  print_result(
-      "{} nodes, up to {} force centers and {} modes each; {} shared modes, {} amplitude centers; {}\n",
-      report.n_networks, centers, modes, model.shared.modes.cols(), model.shared.centers.size(),
-      duration(report.seconds));
-  print_result(
-      "mean error, eq. (17), on the training states: force {:.3f} %; displacement {:.3f} % by truncation, "
-      "{:.3f} % by regression\n",
-      100 * q.force_training, 100 * q.truncation, 100 * q.regression);
-  print_result(
-      "with a direction left out: force {:.3f} %, amplitudes {:.3f} %; terms cancel by {:.0f} at most; "
-      "shapes "
-      "{:.2g} to {:.2g} and {:.2g}\n",
-      100 * q.force_left_out, 100 * q.amplitude_left_out, q.worst_cancellation, q.smallest_force_shape,
-      q.largest_force_shape, q.amplitude_shape);
-}
-
 void print_levels(const Model& model) {
   for (std::size_t l = 0; l < model.levels.size(); ++l)
     print_result("level {}: with a state left out force {:.3f} %, displacement {:.3f} %, the median node\n",
@@ -68,7 +45,7 @@ void print_fields(const Model& model, const TrainingReport& report, const std::v
   std::string names;
   for (const auto field : stored) names += (names.empty() ? "" : ", ") + std::string(name(field));
   message("note: the database's fields ({}) are not modelled: {}\n", names,
-          model.family == Family::modal ? "a model without modes has forces only"
+          model.shared.modes.rows() > 0 ? "a model without modes has forces only"
                                         : "only family modal does, --family modal");
 }
 
@@ -86,18 +63,16 @@ void run(const Options& options) {
   check_mesh(scene, header.mesh_hash, options.database.string());
 
   TrainingSpec spec = scene.training;
-  if (options.family)
-    spec.family = *options.family == "modal"    ? Family::modal
-                  : *options.family == "linear" ? Family::linear
-                                                : Family::rbfn;
-  if (spec.family != Family::rbfn &&
-      (options.neurons || options.force_neurons || options.spread || options.force_spread))
-    message("note: family {} has no neurons; options of neurons and spreads do nothing\n", name(spec.family));
-  if (spec.family != Family::modal && (options.modes || options.shared_modes || options.near_nodes ||
-                                       options.force_centers || options.amplitude_centers))
-    message("note: options of modes and centers do nothing in family {}\n", name(spec.family));
-  if (spec.family == Family::linear && options.levels.value_or(1) > 1)
-    message("note: family linear has one level; --levels does nothing\n");
+  for (const auto* family : every_family())
+    if (options.family == name(family->family)) spec.family = family->family;
+  const bool of_networks = options.neurons || options.force_neurons || options.spread || options.force_spread;
+  const bool of_modes = options.modes || options.shared_modes || options.near_nodes || options.force_centers ||
+                        options.amplitude_centers;
+  for (const auto& [given, words] : {std::pair{of_networks, "neurons and spreads"}, std::pair{of_modes, "modes and centers"}})
+    if (given && std::string_view(words) != operations(spec.family).option_words)
+      message("note: options of {} do nothing in family {}\n", words, name(spec.family));
+  if (!schema::traits(spec.family).has_levels && options.levels.value_or(1) > 1)
+    message("note: family {} has one level; --levels does nothing\n", name(spec.family));
   spec.levels = options.levels.value_or(spec.levels);
   spec.modes = options.modes.value_or(spec.modes);
   spec.shared_modes = options.shared_modes.value_or(spec.shared_modes);
@@ -129,21 +104,10 @@ void run(const Options& options) {
   }
   const auto model_bytes = std::filesystem::file_size(options.output / "model.txt");
   const auto mesh_bytes = std::filesystem::file_size(options.output / "mesh.txt");
-  const auto& linear = report.linear;
-  if (model.family == Family::linear) {
-    print_result("{} nodes, a 3 x 3 stiffness and three unit responses of {} output nodes each, {}\n",
-                 report.n_networks, model.output.size(), duration(report.seconds));
-    print_result(
-        "linear to {:.1e} (displacements), {:.1e} (forces), {:.1e} (energies); stiffness symmetric to "
-        "{:.1e}\n",
-        linear.displacement_residual, linear.force_residual, linear.energy_residual, linear.asymmetry);
-  } else if (model.family == Family::modal) {
-    print_modal(model, report);
-  } else {
-    print_result("{} nodes, up to {} deformation and {} force neurons each, spread {:.3g} and {:.3g}, {}\n",
-                 report.n_networks, neurons, force_neurons, report.deformation_spread, report.force_spread,
-                 duration(report.seconds));
-  }
+  const auto& family = operations(model.family);
+  const auto lines = family.summary(model, report);
+  print_result("{} nodes, {}, {}\n", report.n_networks, lines.front(), duration(report.seconds));
+  for (std::size_t i = 1; i < lines.size(); ++i) print_result("{}\n", lines[i]);
   print_levels(model);
   print_fields(model, report, header.fields);
   if (report.n_skipped > 0)
@@ -162,23 +126,12 @@ void run(const Options& options) {
            {"seconds", report.seconds},
            {"model_bytes", model_bytes},
            {"mesh_bytes", mesh_bytes}};
-  if (model.family == Family::linear)
-    out["linear"] = {{"displacement_residual", linear.displacement_residual},
-                     {"force_residual", linear.force_residual},
-                     {"energy_residual", linear.energy_residual},
-                     {"asymmetry", linear.asymmetry}};
-  if (model.family == Family::modal)
-    out["modal"] = {{"force_training_error", report.modal.force_training},
-                    {"force_left_out_error", report.modal.force_left_out},
-                    {"truncation_error", report.modal.truncation},
-                    {"regression_error", report.modal.regression},
-                    {"amplitude_left_out_error", report.modal.amplitude_left_out},
-                    {"worst_cancellation", report.modal.worst_cancellation}};
+  for (const auto& [key, value] : family.figures(report)) out[name(model.family)][key] = value;
   for (const auto& level : model.levels)
     out["levels"].push_back(
         {{"error_force", level.error_force}, {"error_displacement", level.error_displacement}});
   for (std::size_t f = 0; f < model.fields.size(); ++f)
-    out["modal"]["fields"][model.fields[f].name] = {{"truncation_error", report.modal.fields[f].truncation},
+    out[name(model.family)]["fields"][model.fields[f].name] = {{"truncation_error", report.modal.fields[f].truncation},
                                                     {"regression_error", report.modal.fields[f].regression}};
   write_json(options.json_file, out);
 }
@@ -196,12 +149,13 @@ void add_train_command(CLI::App& app) {
   add_path(*command, "-o,--output", options->output, OutputKind::model,
            "model directory to write (formats/model.md)")
       ->required();
-  command
-      ->add_option(
-          "--family", options->family,
-          "rbfn: the paper's networks; modal: conservative forces and modes; linear: unit responses, for the "
-          "linear law")
-      ->check(CLI::IsMember({"rbfn", "modal", "linear"}));
+  std::string about;
+  std::vector<std::string> words;
+  for (const auto* family : every_family()) {
+    words.emplace_back(name(family->family));
+    about += fmt::format("{}{}: {}", about.empty() ? "" : "; ", words.back(), family->about);
+  }
+  command->add_option("--family", options->family, about)->check(CLI::IsMember(words));
   command
       ->add_option("--neurons", options->neurons,
                    "neurons of a deformation network; also caps the force network")

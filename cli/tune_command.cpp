@@ -6,6 +6,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
+#include <phynness/training/families.hpp>
 #include <phynness/tuning/tuning.hpp>
 
 #include "command_files.hpp"
@@ -97,12 +98,13 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
     script += fmt::format("${} << END\n{}END\n", label, rows);
   };
   std::string series;
-  for (const auto family : {Family::rbfn, Family::modal, Family::linear}) {
-    const auto& rows = families[static_cast<std::size_t>(family)];
+  for (const auto* each : every_family()) {
+    const auto& rows = families[static_cast<std::size_t>(each->family)];
     if (rows.empty()) continue;
-    block(name(family), rows);
-    series += fmt::format("{}${} using COLUMN:3 with points pt 7 ps 0.8 title '{}'",
-                          series.empty() ? "" : ", ", name(family), name(family));
+    const char* word = name(each->family);
+    block(word, rows);
+    series += fmt::format("{}${} using COLUMN:3 with points pt 7 ps 0.8 title '{}'", series.empty() ? "" : ", ", word,
+                          word);
   }
   block("front", front);
   series += ", $front using COLUMN:3 with points pt 6 ps 1.5 lc 'black' title 'on the front'";
@@ -121,13 +123,9 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
 }
 
 json sizes(const TrainingSpec& spec) {
-  if (spec.family == Family::rbfn)
-    return {{"deformation_neurons", spec.deformation_neurons}, {"force_neurons", spec.force_neurons}};
-  return {{"modes", spec.modes},
-          {"shared_modes", spec.shared_modes},
-          {"near_nodes", spec.near_nodes},
-          {"amplitude_centers", spec.amplitude_centers},
-          {"force_centers", spec.force_centers}};
+  json found;
+  for (const auto& [key, n] : operations(spec.family).sizes(spec)) found[key] = n;
+  return found;
 }
 
 void run(const Options& options) {
@@ -190,7 +188,7 @@ void run(const Options& options) {
                {"memory_bytes", m.memory_bytes},     {"model_text_bytes", m.text_bytes},
                {"training_s", m.training_s},         {"on_front", m.on_front}};
     // Linear models have no sizes.
-    if (m.trained.family != Family::linear) {
+    if (!operations(m.trained.family).sizes(m.trained).empty()) {
       entry["training"] = sizes(m.trained);
       entry["asked"] = sizes(m.candidate.spec);
     }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "multiquadric.hpp"
+#include "modal/multiquadric.hpp"
 
 namespace phynness::study {
 namespace {

@@ -2,11 +2,10 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
-#include <phynness/training/training.hpp>
+#include <phynness/training/families.hpp>
 #include <phynness/tuning/tuning.hpp>
 #include <phynness/validation/probed_states.hpp>
 
-#include "model_name.hpp"
 
 namespace phynness {
 namespace {
@@ -68,7 +67,7 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
       continue;
     }
     measured.trained = sizes_of(measured.model);
-    measured.candidate.name = model_name(measured.trained);
+    measured.candidate.name = operations(measured.trained.family).model_name(measured.trained);
     measured.model.title = scene.title;
     measured.training_s = training.seconds;
     const auto model = loaded(measured.model, mesh, candidate.name);

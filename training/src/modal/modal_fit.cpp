@@ -9,7 +9,7 @@
 
 #include "fixed_shapes.hpp"
 #include "left_out.hpp"
-#include "multiquadric.hpp"
+#include "modal/multiquadric.hpp"
 #include "sampling.hpp"
 
 namespace phynness {

@@ -7,7 +7,7 @@
 #include "fixed_shapes.hpp"
 #include "left_out.hpp"
 #include "levels.hpp"
-#include "multiquadric.hpp"
+#include "modal/multiquadric.hpp"
 
 namespace phynness {
 namespace {

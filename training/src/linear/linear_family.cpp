@@ -1,0 +1,79 @@
+// Family linear: unit responses, exact for bodies of the linear law.
+#include <fmt/core.h>
+
+#include "family_training.hpp"
+
+namespace phynness {
+namespace {
+
+class LinearFamilyTraining : public FamilyTraining {
+ public:
+  explicit LinearFamilyTraining(const TrainingTables& tables) : _tables(tables) {}
+
+  void train(const SearchNode& read, const Vec3& point, bool, NodeOutcome& outcome) const override {
+    LinearTraining training = train_linear_node(_tables, read.node, point, read.prescribed, read.rays);
+    outcome.trained = training.trained;
+    outcome.model = std::move(training.model);
+    outcome.linear = training.quality;
+  }
+
+  void add(TrainingReport& report, const NodeOutcome& outcome) const override {
+    LinearQuality& worst = report.linear;
+    const LinearQuality& q = outcome.linear;
+    worst.displacement_residual = std::max(worst.displacement_residual, q.displacement_residual);
+    worst.force_residual = std::max(worst.force_residual, q.force_residual);
+    worst.energy_residual = std::max(worst.energy_residual, q.energy_residual);
+    worst.asymmetry = std::max(worst.asymmetry, q.asymmetry);
+  }
+
+  void finish(Model&, TrainingReport&) const override {}
+
+ private:
+  const TrainingTables& _tables;
+};
+
+std::string describe(const Model& model) {
+  return fmt::format(
+      "responses a 3 x 3 stiffness and three unit responses each; trained to {:.4g} m, exact beyond",
+      model.max_displacement_m);
+}
+
+std::vector<std::string> summary(const Model& model, const TrainingReport& report) {
+  const LinearQuality& q = report.linear;
+  return {fmt::format("a 3 x 3 stiffness and three unit responses of {} output nodes each", model.output.size()),
+          fmt::format("linear to {:.1e} (displacements), {:.1e} (forces), {:.1e} (energies); stiffness symmetric to "
+                      "{:.1e}",
+                      q.displacement_residual, q.force_residual, q.energy_residual, q.asymmetry)};
+}
+
+std::vector<std::pair<std::string, double>> figures(const TrainingReport& report) {
+  const LinearQuality& q = report.linear;
+  return {{"displacement_residual", q.displacement_residual},
+          {"force_residual", q.force_residual},
+          {"energy_residual", q.energy_residual},
+          {"asymmetry", q.asymmetry}};
+}
+
+}  // namespace
+
+const FamilyOperations linear_operations = {
+    Family::linear,
+    "unit responses, for the linear law",
+    "",
+    [](const TrainingSpec&) {},
+    [](const DatabaseHeader&, const TrainingTables& tables, const TrainingSpec&) -> std::unique_ptr<FamilyTraining> {
+      return std::make_unique<LinearFamilyTraining>(tables);
+    },
+    [](const TrainingSpec& given) {
+      TrainingSpec spec = given;
+      spec.family = Family::linear;
+      return std::vector<TrainingSpec>{spec};
+    },
+    [](const TrainingSpec&) { return std::string("linear"); },
+    [](const TrainingSpec&) { return std::vector<std::pair<std::string, int>>{}; },
+    [](const Model& model) { return !model.output.empty(); },
+    describe,
+    summary,
+    figures};
+
+}  // namespace phynness

@@ -1,0 +1,261 @@
+// Family modal: conservative forces, modes of the deformation, scalar fields.
+#include <fmt/core.h>
+
+#include <phynness/formats/error.hpp>
+
+#include "family_training.hpp"
+#include "levels.hpp"
+#include "threads.hpp"
+
+namespace phynness {
+namespace {
+
+/// Nodes whose modes the shared ones are made of; and the memory that they may take.
+constexpr std::int32_t max_basis_nodes = 500, min_basis_nodes = 20;
+constexpr double max_basis_bytes = 1e9;
+
+/// Nodes whose amplitudes choose the centers.
+constexpr std::int32_t n_center_nodes = 12;
+
+struct Size {
+  int modes, shared_modes, near_nodes, amplitude_centers, force_centers;
+};
+
+// From small to large: on the liver of docs/howto/own-organ.md memory and time of a deformation grow by
+// factors of 1.1 to 1.7 from one to the next. Training takes no more force centers than half of a database's
+// states, 78 with 26 directions in 6 increments; what is beyond is for more increments.
+constexpr Size candidate_sizes[] = {{3, 12, 8, 20, 20},   {4, 24, 16, 26, 24},    {4, 40, 20, 30, 30},
+                                    {6, 40, 20, 52, 40},  {8, 64, 24, 52, 60},    {12, 64, 24, 80, 80},
+                                    {16, 64, 40, 80, 80}, {20, 96, 60, 104, 100}, {24, 120, 80, 156, 120}};
+
+void check(const TrainingSpec& spec) {
+  if (spec.force_centers < 1 || spec.amplitude_centers < 0 || spec.modes < 0 || spec.shared_modes < 0 ||
+      spec.near_nodes < 0 || spec.modes > largest_mode_count || spec.shared_modes > largest_mode_count) {
+    throw input_error("impossible number of centers, modes or near nodes", "",
+                      "force_centers is at least 1, modes and shared_modes at most " +
+                          std::to_string(largest_mode_count) + ", none negative");
+  }
+}
+
+class ModalTraining : public FamilyTraining {
+ public:
+  ModalTraining(const DatabaseHeader& header, const TrainingTables& tables, const TrainingSpec& spec)
+      : _header(header), _tables(tables), _spec(spec) {}
+
+  void prepare(const NodeReader& read, int threads) override {
+    _levels.resize(_spec.levels > 1 ? static_cast<std::size_t>(_spec.levels) : 0);
+    if (_spec.modes == 0) {
+      _shared.modes = scaled_table(Eigen::MatrixXd(3 * static_cast<Eigen::Index>(_tables.output.size()), 0));
+      return;
+    }
+    const auto n_active = static_cast<std::int32_t>(_header.sets.active.size());
+    const auto components = static_cast<double>(3 + _header.fields.size());
+    const double bytes_per_node = 8.0 * components * static_cast<double>(_tables.output.size()) * _spec.modes;
+    const auto affordable =
+        static_cast<std::int32_t>(std::min<double>(max_basis_nodes, max_basis_bytes / (bytes_per_node + 1)));
+    const std::int32_t n = std::min(n_active, std::max(min_basis_nodes, affordable));
+    std::vector<NodeModes> nodes(static_cast<std::size_t>(n));
+    std::vector<std::vector<NodeModes>> of_field(_header.fields.size(), nodes);
+    for_each_index(n, threads, [&](std::int32_t i) {
+      const SearchNode read_node = read((2 * i + 1) * static_cast<std::int64_t>(n_active) / (2 * n));
+      nodes[static_cast<std::size_t>(i)] =
+          node_modes(_tables, read_node.prescribed, read_node.rays, _spec.modes);
+      for (std::size_t f = 0; f < of_field.size(); ++f)
+        of_field[f][static_cast<std::size_t>(i)] = field_modes(_tables, read_node.rays, f, 1, _spec.modes);
+    });
+    _shared.modes = scaled_table(shared_basis(nodes, _spec.shared_modes, _spec.seed));
+    std::vector<NodeModes> some;
+    const std::int32_t n_some = std::min(n, n_center_nodes);
+    for (std::int32_t i = 0; i < n_some; ++i)
+      some.push_back(std::move(nodes[static_cast<std::size_t>((2 * i + 1) * n / (2 * n_some))]));
+    const auto chosen = choose_amplitude_centers(_tables, some, _spec.amplitude_centers);
+    _shared.centers = chosen.row;
+    _shared.shape = chosen.shape;
+    _amplitude_left_out = chosen.left_out_error;
+    const int n_centers = static_cast<int>(chosen.order.size());
+    for (int l = 0; l < static_cast<int>(_levels.size()); ++l) {
+      const int below = _spec.levels - 1 - l;
+      _levels[static_cast<std::size_t>(l)] = {
+          first_sorted(chosen.order, level_size(n_centers, below, least_amplitude_centers)),
+          level_size(_spec.modes, below, least_modes)};
+    }
+    for (std::size_t f = 0; f < of_field.size(); ++f) share_field(_header.fields[f], of_field[f]);
+  }
+
+  void train(const SearchNode& read, const Vec3& point, bool, NodeOutcome& outcome) const override {
+    const ForceStates forces = force_states(_tables, read.rays);
+    if (forces.row.empty()) return;
+    outcome.trained = true;
+    outcome.conservative =
+        fit_conservative(forces, _tables.magnitudes_m.back(), _spec.force_centers, _spec.levels);
+    outcome.model = describe_node(_tables, read.node, point, read.prescribed, read.rays);
+    outcome.model.conservative = std::move(outcome.conservative.network);
+    auto& levels = outcome.model.levels;
+    levels.resize(_levels.empty() ? 0 : _levels.size() - 1);
+    for (auto& level : outcome.conservative.levels) outcome.force_errors.push_back(level.left_out_error);
+    for (std::size_t l = 0; l < levels.size(); ++l)
+      levels[l].conservative = std::move(outcome.conservative.levels[l].network);
+    if (_spec.modes == 0) {
+      outcome.model.modal.weights = scaled_table(Eigen::MatrixXd(3, 0));
+      for (auto& level : levels) level.weights = outcome.model.modal.weights;
+      return;
+    }
+    const NodeModes modes = node_modes(_tables, read.prescribed, read.rays, _spec.modes);
+    outcome.modal = fit_modal(_tables, _shared, modes, _spec.near_nodes, 0, _levels);
+    outcome.model.modal = std::move(outcome.modal.deformation);
+    for (const auto& level : outcome.modal.levels)
+      outcome.displacement_errors.push_back(level.left_out_error);
+    for (std::size_t l = 0; l < levels.size(); ++l)
+      levels[l].weights = std::move(outcome.modal.levels[l].weights);
+    for (std::size_t f = 0; f < _fields.size(); ++f) {
+      const auto& field = _fields[f];
+      const NodeModes values = field_modes(_tables, read.rays, f, field.scale, _spec.modes);
+      outcome.fields.push_back(
+          fit_modal(_tables, _shared_of_field[f], values, _spec.near_nodes, field.degree, _levels));
+      for (std::size_t l = 0; l < levels.size(); ++l)
+        levels[l].field_weights.push_back(std::move(outcome.fields.back().levels[l].weights));
+      outcome.model.fields.push_back(std::move(outcome.fields.back().deformation));
+    }
+  }
+
+  void add(TrainingReport& report, const NodeOutcome& outcome) const override {
+    ModalQuality& sum = report.modal;
+    sum.force_training += outcome.conservative.training_error;
+    sum.force_left_out += outcome.conservative.left_out_error;
+    sum.truncation += outcome.modal.truncation_error;
+    sum.regression += outcome.modal.regression_error;
+    sum.fields.resize(outcome.fields.size());
+    for (std::size_t f = 0; f < outcome.fields.size(); ++f) {
+      sum.fields[f].truncation += outcome.fields[f].truncation_error;
+      sum.fields[f].regression += outcome.fields[f].regression_error;
+    }
+    sum.worst_cancellation = std::max(sum.worst_cancellation, outcome.conservative.cancellation);
+    const double shape = outcome.model.conservative.shape;
+    sum.largest_force_shape = std::max(sum.largest_force_shape, shape);
+    if (sum.smallest_force_shape == 0 || shape < sum.smallest_force_shape) sum.smallest_force_shape = shape;
+  }
+
+  void finish(Model& model, TrainingReport& report) const override {
+    for (std::size_t l = 0; l + 1 < _levels.size(); ++l) model.levels[l].centers = _levels[l].centers;
+    for (double* mean : {&report.modal.force_training, &report.modal.force_left_out, &report.modal.truncation,
+                         &report.modal.regression})
+      *mean /= report.n_networks;
+    report.modal.amplitude_left_out = _amplitude_left_out;
+    report.modal.amplitude_shape = _shared.shape;
+    model.shared = _shared;
+    for (std::size_t f = 0; f < _fields.size(); ++f) {
+      for (auto* mean : {&report.modal.fields[f].truncation, &report.modal.fields[f].regression})
+        *mean /= report.n_networks;
+      model.fields.push_back(_fields[f]);
+      model.fields.back().modes = _shared_of_field[f].modes;
+    }
+  }
+
+ private:
+  /// Modes of a field that all nodes mix from; centers and kernel are those of the displacement.
+  void share_field(Field field, const std::vector<NodeModes>& nodes) {
+    FieldModes modes{name(field), unit(field), degree(field), 0, {}};
+    for (const auto& node : nodes) modes.scale = std::max(modes.scale, node.largest);
+    if (!(modes.scale > 0)) modes.scale = 1;
+    _fields.push_back(std::move(modes));
+    _shared_of_field.push_back(
+        {scaled_table(shared_basis(nodes, _spec.shared_modes, _spec.seed)), _shared.centers, _shared.shape});
+  }
+
+  const DatabaseHeader& _header;
+  const TrainingTables& _tables;
+  const TrainingSpec _spec;
+  SharedModes _shared;
+  std::vector<FieldModes> _fields;  ///< their modes are in _shared_of_field
+  std::vector<SharedModes> _shared_of_field;
+  std::vector<AmplitudeLevel> _levels;  ///< none if there is one
+  double _amplitude_left_out = 0;
+};
+
+std::vector<TrainingSpec> candidates(const TrainingSpec& given) {
+  std::vector<TrainingSpec> all;
+  for (const auto& size : candidate_sizes) {
+    TrainingSpec& spec = all.emplace_back(given);
+    spec.family = Family::modal;
+    spec.modes = size.modes;
+    spec.shared_modes = size.shared_modes;
+    spec.near_nodes = size.near_nodes;
+    spec.amplitude_centers = size.amplitude_centers;
+    spec.force_centers = size.force_centers;
+  }
+  return all;
+}
+
+std::string model_name(const TrainingSpec& spec) {
+  return fmt::format("modal {} of {} modes, {} centers", spec.modes, spec.shared_modes, spec.force_centers);
+}
+
+std::vector<std::pair<std::string, int>> sizes(const TrainingSpec& spec) {
+  return {{"modes", spec.modes},
+          {"shared_modes", spec.shared_modes},
+          {"near_nodes", spec.near_nodes},
+          {"amplitude_centers", spec.amplitude_centers},
+          {"force_centers", spec.force_centers}};
+}
+
+/// The largest of all nodes.
+struct Largest {
+  std::size_t centers = 0, modes = 0;
+};
+Largest largest(const Model& model) {
+  Largest found;
+  for (const auto& node : model.nodes) {
+    found.centers = std::max(found.centers, node.conservative.centers.size());
+    found.modes = std::max(found.modes, static_cast<std::size_t>(node.modal.weights.cols()));
+  }
+  return found;
+}
+
+std::string describe(const Model& model) {
+  const auto [centers, modes] = largest(model);
+  return fmt::format(
+      "responses {} force centers and {} modes each, {} shared modes, {} amplitude centers; trained to {:.4g} m",
+      centers, modes, model.shared.modes.cols(), model.shared.centers.size(), model.max_displacement_m);
+}
+
+std::vector<std::string> summary(const Model& model, const TrainingReport& report) {
+  const auto [centers, modes] = largest(model);
+  const auto& q = report.modal;
+  return {fmt::format("up to {} force centers and {} modes each; {} shared modes, {} amplitude centers", centers, modes,
+                      model.shared.modes.cols(), model.shared.centers.size()),
+          fmt::format("mean error, eq. (17), on the training states: force {:.3f} %; displacement {:.3f} % by "
+                      "truncation, {:.3f} % by regression",
+                      100 * q.force_training, 100 * q.truncation, 100 * q.regression),
+          fmt::format("with a direction left out: force {:.3f} %, amplitudes {:.3f} %; terms cancel by {:.0f} at most; "
+                      "shapes {:.2g} to {:.2g} and {:.2g}",
+                      100 * q.force_left_out, 100 * q.amplitude_left_out, q.worst_cancellation, q.smallest_force_shape,
+                      q.largest_force_shape, q.amplitude_shape)};
+}
+
+std::vector<std::pair<std::string, double>> figures(const TrainingReport& report) {
+  const auto& q = report.modal;
+  return {{"force_training_error", q.force_training},          {"force_left_out_error", q.force_left_out},
+          {"truncation_error", q.truncation},                  {"regression_error", q.regression},
+          {"amplitude_left_out_error", q.amplitude_left_out}, {"worst_cancellation", q.worst_cancellation}};
+}
+
+}  // namespace
+
+const FamilyOperations modal_operations = {
+    Family::modal,
+    "conservative forces and modes",
+    "modes and centers",
+    check,
+    [](const DatabaseHeader& header, const TrainingTables& tables,
+       const TrainingSpec& spec) -> std::unique_ptr<FamilyTraining> {
+      return std::make_unique<ModalTraining>(header, tables, spec);
+    },
+    candidates,
+    model_name,
+    sizes,
+    [](const Model& model) { return !model.output.empty() && largest(model).modes > 0; },
+    describe,
+    summary,
+    figures};
+
+}  // namespace phynness

@@ -1,0 +1,140 @@
+// Family rbfn: the paper's networks, section 2.2.
+#include <fmt/core.h>
+
+#include <phynness/formats/error.hpp>
+
+#include "family_training.hpp"
+
+namespace phynness {
+namespace {
+
+/// Nodes that take part in a spread search, spread evenly over the list of active nodes.
+constexpr std::int32_t n_search_nodes = 5;
+
+/// Used where no node has enough points for a search.
+constexpr double fallback_spread = 1.0;
+
+// The paper's sizes, and half and twice as many.
+constexpr int neuron_counts[] = {25, 50, 100, 200, 300, 400};
+
+void check(const TrainingSpec& spec) {
+  if (spec.samples < 1)
+    throw input_error("samples must be at least 1", std::to_string(spec.samples), "the paper uses 5000");
+  if (spec.deformation_neurons < 1 || spec.force_neurons < 1) {
+    throw input_error("a network needs at least one neuron", "",
+                      "the paper uses 200 for deformation and about 60 for force");
+  }
+  if (!(spec.target_mse >= 0))
+    throw input_error("target_mse must not be negative", std::to_string(spec.target_mse), "use 0");
+}
+
+class RbfnTraining : public FamilyTraining {
+ public:
+  RbfnTraining(const DatabaseHeader& header, const TrainingTables& tables, const TrainingSpec& spec)
+      : _header(header), _tables(tables), _spec(spec) {}
+
+  /// Chooses the spreads that are not given.
+  void prepare(const NodeReader& read, int) override {
+    if (_spec.deformation_spread > 0 && _spec.force_spread > 0) return;
+    const auto n_active = static_cast<std::int32_t>(_header.sets.active.size());
+    const std::int32_t n = std::min(n_active, n_search_nodes);
+    std::vector<SearchNode> nodes;
+    for (std::int32_t i = 0; i < n; ++i) nodes.push_back(read((2 * i + 1) * n_active / (2 * n)));
+    if (!(_spec.force_spread > 0)) _spec.force_spread = search_force_spread(_tables, nodes, _spec);
+    if (!(_spec.deformation_spread > 0)) _spec.deformation_spread = search_deformation_spread(_tables, nodes, _spec);
+    if (!(_spec.force_spread > 0)) _spec.force_spread = fallback_spread;
+    if (!(_spec.deformation_spread > 0)) _spec.deformation_spread = fallback_spread;
+  }
+
+  void train(const SearchNode& read, const Vec3& point, bool estimate_errors, NodeOutcome& outcome) const override {
+    NodeTraining training = train_node(_tables, read.node, point, read.prescribed, read.rays, _spec, estimate_errors);
+    if (!training.trained) return;
+    outcome.trained = true;
+    outcome.force_mse = training.force.mse.back();
+    outcome.deformation_mse = training.deformation.mse.back();
+    outcome.diagonal_ratio = std::max(training.force.diagonal_ratio, training.deformation.diagonal_ratio);
+    for (const auto& level : training.force.levels)
+      if (estimate_errors) outcome.force_errors.push_back(level.left_out_error);
+    for (const auto& level : training.deformation.levels)
+      if (estimate_errors) outcome.displacement_errors.push_back(level.left_out_error);
+    outcome.model = std::move(training.model);
+  }
+
+  void add(TrainingReport& report, const NodeOutcome& outcome) const override {
+    report.mean_force_mse += outcome.force_mse;
+    report.mean_deformation_mse += outcome.deformation_mse;
+    report.largest_diagonal_ratio = std::max(report.largest_diagonal_ratio, outcome.diagonal_ratio);
+  }
+
+  void finish(Model&, TrainingReport& report) const override {
+    report.mean_force_mse /= report.n_networks;
+    report.mean_deformation_mse /= report.n_networks;
+    report.force_spread = _spec.force_spread;
+    report.deformation_spread = _spec.deformation_spread;
+  }
+
+ private:
+  const DatabaseHeader& _header;
+  const TrainingTables& _tables;
+  TrainingSpec _spec;
+};
+
+std::vector<TrainingSpec> candidates(const TrainingSpec& given) {
+  std::vector<TrainingSpec> all;
+  for (const int n : neuron_counts) {
+    TrainingSpec& spec = all.emplace_back(given);
+    spec.family = Family::rbfn;
+    spec.deformation_neurons = n;
+    spec.force_neurons = std::min(n, 100);
+  }
+  return all;
+}
+
+std::string model_name(const TrainingSpec& spec) {
+  return fmt::format("rbfn {} neurons, {} for force", spec.deformation_neurons, spec.force_neurons);
+}
+
+std::vector<std::pair<std::string, int>> sizes(const TrainingSpec& spec) {
+  return {{"deformation_neurons", spec.deformation_neurons}, {"force_neurons", spec.force_neurons}};
+}
+
+std::string describe(const Model& model) {
+  std::int64_t neurons = 0, force_neurons = 0;
+  for (const auto& node : model.nodes) {
+    neurons = std::max<std::int64_t>(neurons, node.deformation.weights.rows());
+    force_neurons = std::max<std::int64_t>(force_neurons, node.force.weights.rows());
+  }
+  return fmt::format("networks  {} neurons for deformation, {} for force; trained to {:.4g} m", neurons, force_neurons,
+                     model.max_displacement_m);
+}
+
+std::vector<std::string> summary(const Model& model, const TrainingReport& report) {
+  std::int64_t neurons = 0, force_neurons = 0;
+  for (const auto& node : model.nodes) {
+    neurons = std::max<std::int64_t>(neurons, node.deformation.weights.rows());
+    force_neurons = std::max<std::int64_t>(force_neurons, node.force.weights.rows());
+  }
+  return {fmt::format("up to {} deformation and {} force neurons each, spread {:.3g} and {:.3g}", neurons,
+                      force_neurons, report.deformation_spread, report.force_spread)};
+}
+
+}  // namespace
+
+const FamilyOperations rbfn_operations = {
+    Family::rbfn,
+    "the paper's networks",
+    "neurons and spreads",
+    check,
+    [](const DatabaseHeader& header, const TrainingTables& tables,
+       const TrainingSpec& spec) -> std::unique_ptr<FamilyTraining> {
+      return std::make_unique<RbfnTraining>(header, tables, spec);
+    },
+    candidates,
+    model_name,
+    sizes,
+    [](const Model& model) { return !model.output.empty(); },
+    describe,
+    summary,
+    [](const TrainingReport&) { return std::vector<std::pair<std::string, double>>{}; }};
+
+}  // namespace phynness
