@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <phynness/formats/error.hpp>
@@ -62,6 +63,10 @@ class ModelLexer {
 
   std::int32_t integer(std::string_view what, std::int64_t low, std::int64_t high) {
     const std::string_view found = token(what);
+    const std::size_t n_digits = found.size() - (found.starts_with('-') ? 1 : 0);
+    // One spelling for all readers: a sign only where numbers may be negative.
+    if (n_digits > 10 || (found.starts_with('-') && low >= 0))
+      refuse(std::string(what) + " is out of range", found);
     std::int64_t value = 0;
     const auto [end, error] = std::from_chars(found.data(), found.data() + found.size(), value);
     if (error == std::errc::result_out_of_range) refuse(std::string(what) + " is out of range", found);
@@ -97,6 +102,8 @@ class ModelLexer {
     const auto [end, error] =
         std::from_chars(found.data(), found.data() + found.size(), value, std::chars_format::hex);
     if (error != std::errc{} || end != found.data() + found.size()) malformed(found);
+    const bool subnormal = value != 0 && std::abs(value) < std::numeric_limits<double>::min();
+    if (subnormal && found.substr(found.find_first_of("01"), 1) == "1") malformed(found);
     return value;
   }
 
