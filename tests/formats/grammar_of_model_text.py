@@ -1,0 +1,347 @@
+"""Claim: the grammar in formats/model.md is that of the program, neither wider nor narrower.
+
+The page's blocks become a program (model_grammar.py). It accepts every text that the writer makes and refuses each of
+several hundred damaged ones; of these, of texts that it makes up itself, of texts with one number at a bound or just
+outside, and of other spellings of numbers it says what both readers of the program say. The checksum is always right.
+What the page says in words and not in blocks is beyond_words and scaled_centers_overflow below.
+
+Usage: grammar_of_model_text.py MODEL_MD MODEL_TEXTS
+"""
+import math
+import pathlib
+import random
+import re
+import subprocess
+import sys
+import tempfile
+
+from model_grammar import Grammar, Reader, Refused
+from model_text_maker import Maker
+
+MUTATIONS_PER_MODEL = 150  # of each of two kinds
+MADE_UP = 150  # enough for each condition to be met
+MUTATED = ("linear", "modal", "modal-fields", "modal-fields-levels", "modal-forces-only", "modal-levels", "rbfn",
+           "rbfn-levels")
+CHECKSUM_LINE = len("checksum 0123456789abcdef\n")
+
+
+def fnv(data):
+    state = 0xCBF29CE484222325
+    for byte in data:
+        state = ((state ^ byte) * 0x100000001B3) & 0xFFFFFFFFFFFFFFFF
+    return "%016x" % state
+
+
+def with_checksum(body):
+    return body + "checksum " + fnv(body.encode()) + "\n"
+
+
+def accepts(grammar, text, without=None):
+    try:
+        return Reader(grammar, text, without)
+    except Refused:
+        return None
+
+
+def is_number(shape):
+    return shape.split(":")[0] in ("int", "signed", "float")
+
+
+class Damage:
+    """Ways to damage a text that no grammar of counted lines can allow. Each returns lines, or None."""
+
+    def __init__(self, grammar, lines, shapes, rng):
+        self.counts, self.lines, self.shapes, self.rng = grammar.counts, lines, shapes, rng
+        self.plain = [at for at, shape in enumerate(shapes) if "text" not in shape]
+
+    def line(self, at, *put):
+        return self.lines[:at] + list(put) + self.lines[at + 1 :]
+
+    def any_line(self):
+        return self.rng.randrange(len(self.lines))
+
+    def kinds(self, at):
+        return [shape.split(":")[0] for shape in self.shapes[at]]
+
+    def drop_line(self):
+        return self.line(self.any_line())
+
+    def double_line(self):
+        at = self.any_line()
+        return self.line(at, self.lines[at], self.lines[at])
+
+    def cut(self):
+        return self.lines[: self.any_line()]
+
+    def swap_lines(self, other=None):
+        a = self.rng.randrange(len(self.lines) - 1)
+        b = a + 1 if other is None else other
+        if self.kinds(a) == self.kinds(b):
+            return None
+        lines = list(self.lines)
+        lines[a], lines[b] = lines[b], lines[a]
+        return lines
+
+    def swap_distant_lines(self):
+        return self.swap_lines(self.any_line())
+
+    def change_fields(self, change):
+        at = self.rng.choice(self.plain)
+        fields = change(self.lines[at].split(" "), self.shapes[at])
+        return fields and self.line(at, " ".join(fields))
+
+    def add_number(self):
+        return self.change_fields(lambda fields, _: fields + [self.rng.choice(["1", "1p+0"])])
+
+    def remove_field(self):
+        return self.change_fields(lambda fields, _: len(fields) > 1 and fields[:-1])
+
+    def other_kind(self):
+        def change(fields, shapes):
+            at = self.rng.randrange(len(fields))
+            put = "1" if shapes[at].startswith("float") else "1p+0"
+            return is_number(shapes[at]) and fields[:at] + [put] + fields[at + 1 :]
+        return self.change_fields(change)
+
+    def misspell(self):
+        def change(fields, shapes):
+            other = self.rng.choice([fields[0] + "s", fields[0][:-1] or "s"])
+            return shapes[0].startswith("'") and [other] + fields[1:]
+        return self.change_fields(change)
+
+    def change_count(self):
+        def change(fields, shapes):
+            at = len(fields) - 1
+            if shapes[at].split(":")[-1] not in self.counts or not shapes[at].startswith("int"):
+                return None
+            put = int(fields[at]) + self.rng.choice([-1, 1])
+            return put >= 0 and fields[:at] + [str(put)]
+        return self.change_fields(change)
+
+    def separate_otherwise(self):
+        at = self.rng.choice(self.plain)
+        line = self.lines[at]
+        wrong = [line + " ", " " + line, line + "\r", line + "\t", line + "\n"]
+        return self.line(at, self.rng.choice(wrong + ([line.replace(" ", "  ", 1)] if " " in line else [])))
+
+    ways = (drop_line, double_line, cut, swap_lines, swap_distant_lines, add_number, remove_field, other_kind, misspell,
+            change_count, separate_otherwise)
+
+
+def damaged(grammar, text, rng):
+    lines = text[: -CHECKSUM_LINE - 1].split("\n")
+    damage = Damage(grammar, lines, Reader(grammar, text).shapes[:-1], rng)
+    for turn in range(MUTATIONS_PER_MODEL):
+        way, found = Damage.ways[turn % len(Damage.ways)], None
+        while found is None or found is False or found == lines:
+            found = way(damage)
+        yield way.__name__, with_checksum("".join(line + "\n" for line in found))
+
+
+INTS = ("0", "1", "2", "3", "00", "-0", "-00", "-1", "7", "12", "0000000003", "00000000003", "2147483647", "2147483648",
+        "9999999999", "+1", "1.0", "0x1", "-32767", "-32768", "32768", "1,0", "")
+FLOATS = ("0p+0", "-0p+0", "1p+0", "-1p+0", "1.8p-7", "1p-1022", "1p-1023", "0.8p-1022", "0.0000000000001p-1022",
+          "0.8p-1021", "0.0p+0", "0p-0", "0p+0000", "0p+1", "0.0p-1022", "1.p+0", "1.80p+1", "1.00000000000000p+0",
+          "2p+0", "0x1p+0", "1P+0", "1.Ap+0", "1p0", "1p+", "1p+0001", "1p+00001", "1p+1024", "1,8p+0", "nan", "inf",
+          "-inf", "+1p+0", "--1p+0", "", "1", "1.5")
+WORDS = ("a", "a" * 40, "a" * 41, "\x7f", "\u00e9", "!~")
+
+
+def changed(grammar, text, rng):
+    """One field replaced by another; what comes of it the grammar has to say."""
+    lines = text[: -CHECKSUM_LINE - 1].split("\n")
+    shapes = Reader(grammar, text).shapes[:-1]
+    for _ in range(MUTATIONS_PER_MODEL):
+        fields = []
+        while not fields:
+            at = rng.randrange(len(lines))
+            fields = [i for i, shape in enumerate(shapes[at]) if is_number(shape) or shape.startswith("word")]
+        column, tokens = rng.choice(fields), lines[at].split(" ")
+        kind = shapes[at][column].split(":")[0]
+        tokens[column] = rng.choice({"float": FLOATS, "word": WORDS}.get(kind, INTS))
+        yield "'%s' -> %r" % (lines[at], tokens[column]), with_checksum("".join(
+            line + "\n" for line in lines[:at] + [" ".join(tokens)] + lines[at + 1 :]))
+
+
+def probes_of(condition):
+    """(what, whether the value is inside, choose(kind, names)) for the bounds of a condition."""
+    def at_bound(sense, strict, sign, bound, inside):
+        def choose(kind, names):
+            limit = bound(names)
+            if kind == "float":
+                if strict != inside:
+                    return sign * float(limit)
+                return None if inside else sign * math.nextafter(limit, sense * math.inf)
+            return limit - sense * strict + (0 if inside else sense)
+        return choose
+
+    def not_in(kind, names):
+        return "tree" if kind == "word" else next(i for i in range(10**6) if i not in condition.choices(names))
+
+    def breaks(kind, names):
+        for value in range(2, 9):
+            names.bind(condition.subject, value)
+            if not condition(names, value):
+                return value
+        return None
+
+    def ascending(step):
+        def choose(kind, names):
+            before = names.frames[-1].get(condition.subject)
+            return None if before is None else before + step
+        return choose
+
+    if condition.kind == "ascending":
+        return [(condition.text + " by 0", False, ascending(0)), (condition.text + " by 1", True, ascending(1))]
+    if condition.kind == "in":
+        return [(condition.text + " by another", False, not_in)]
+    found = [("%s at bound %d" % (condition.text, number), inside, at_bound(sense, strict, sign, bound, inside))
+             for number, (sense, strict, size, bound) in enumerate(condition.bounds)
+             for sign in ((1, -1) if size else (1,)) for inside in (False, True)]
+    return found or [(condition.text + " broken", False, breaks)]
+
+
+def probe(grammar, seeds, condition, inside, choose):
+    """A text with the number that `choose` gives, as right as can be: inside a model, outside one but for that number.
+    Where nothing right can follow the number (no directions: no multiple of them), what follows is wrong, too."""
+    second = None
+    for seed in seeds:
+        try:
+            maker = Maker(grammar, random.Random(seed), condition, choose)
+        except Refused:
+            continue
+        if not maker.hit:
+            continue
+        try:
+            Reader(grammar, maker.text)
+            if inside:
+                return maker.text
+        except Refused as refusal:
+            if inside or refusal.condition is not condition:
+                continue
+            if accepts(grammar, maker.text, condition):
+                return maker.text
+            second = maker.text
+    return second
+
+
+def probed(grammar, makers, failures):
+    """@param makers  by seed"""
+    for line, condition in grammar.conditions:
+        seeds = [seed for seed, maker in makers.items() if condition in maker.met]
+        for what, inside, choose in probes_of(condition):
+            if condition.bounds and inside and strict_float(line, condition, what):
+                continue
+            name = "%s with %s, %s" % (line.pattern, what, "inside" if inside else "outside")
+            text = probe(grammar, seeds, condition, inside, choose)
+            if text is None:
+                failures.append("no text found for " + name)
+            else:
+                yield name, with_checksum(text[:-CHECKSUM_LINE])
+
+
+def strict_float(line, condition, what):
+    """A strict bound of a float has no last number inside."""
+    kind = next(kind for _, _, kind, name, _ in line.fields if name == condition.subject)
+    return kind == "float" and condition.bounds[int(what.split()[-1])][1]
+
+
+def made_up(grammar, count):
+    """By seed, the shortest first: what a number at a bound is put into."""
+    made = {}
+    for seed in range(20 * count):
+        try:
+            made[seed] = Maker(grammar, random.Random(seed))
+        except Refused:
+            continue
+        if len(made) == count:
+            break
+    return dict(sorted(made.items(), key=lambda item: len(item[1].text)))
+
+
+def block(text, keyword, end):
+    return [[float.fromhex(field) for field in line.split(" ") if "p" in field] for line in
+            text.split("\n%s " % keyword)[1].split("\n%s " % end)[0].split("\n")[1:]]
+
+
+def scaled_centers_overflow(text):
+    """In words: "scaled centers are finite". Numbers of size 1e-290 or 1e290 may break that."""
+    sizes = [abs(float.fromhex(field)) for field in re.findall(r"-?[01](?:\.[0-9a-f]+)?p[+-]\d+", text)]
+    return "\nfamily rbfn\n" in text and any(size > 1e290 or 0 < size < 1e-290 for size in sizes)
+
+
+def beyond_words(text):
+    """In words: what the C interface refuses besides."""
+    if "\nfamily modal\n" not in text:
+        return scaled_centers_overflow(text)
+    reach = float.fromhex(text.split("\nmax_displacement_m ")[1].split("\n")[0])
+    far = any(abs(x) > 1e3 * reach for row in block(text, "displacements", "fixed") for x in row)
+    return far or not 1e-90 <= reach <= 1e90
+
+
+def judge(program, texts):
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "texts"
+        file.write_bytes(b"".join(b"%d\n%s" % (len(text.encode()), text.encode()) for _, text in texts))
+        judged = subprocess.run([program, "judge", file], check=True, capture_output=True, text=True)
+    said = judged.stdout.split("\n")[:-1]
+    if len(said) != len(texts):
+        sys.exit("%d texts, %d verdicts" % (len(texts), len(said)))
+    return [tuple(word == "yes" for word in line.split(" ")) for line in said]
+
+
+def texts_of_writer(program):
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([program, "write", folder], check=True)
+        return {file.name: file.read_bytes().decode() for file in sorted(pathlib.Path(folder).iterdir())}
+
+
+TITLES = ("title", "title ", "title  two spaces ", "title \u00e9", "titles x", " title x", "title\tx", "title ; 1p+0")
+
+
+def titled(grammar, text):
+    for title in TITLES:
+        yield "title %r" % title, with_checksum(re.sub("\ntitle[^\n]*", "\n" + title, text[:-CHECKSUM_LINE], count=1))
+
+
+def from_writer(grammar, program, failures):
+    """The writer's texts damaged and changed, after the page has accepted them as they are."""
+    for name, text in texts_of_writer(program).items():
+        try:
+            Reader(grammar, text)
+        except Refused as refusal:
+            failures.append("the page refuses what the writer makes: %s: %s" % (name, refusal))
+            continue
+        if with_checksum(text[:-CHECKSUM_LINE]) != text:
+            failures.append("checksum of " + name)
+        if name not in MUTATED:
+            continue
+        rng = random.Random(name)
+        for what, broken in damaged(grammar, text, rng):
+            if accepts(grammar, broken):
+                failures.append("the page accepts a damaged text: %s, %s" % (name, what))
+            yield "%s, %s" % (name, what), broken
+        for what, other in [*changed(grammar, text, rng), *titled(grammar, text)]:
+            yield "%s, %s" % (name, what), other
+
+
+def main():
+    grammar = Grammar(pathlib.Path(sys.argv[1]).read_text(encoding="utf-8"))
+    program, failures, accepted = sys.argv[2], [], 0
+    makers = made_up(grammar, MADE_UP)
+    texts = [("made up with seed %d" % seed, with_checksum(m.text[:-CHECKSUM_LINE])) for seed, m in makers.items()]
+    texts += [*from_writer(grammar, program, failures), *probed(grammar, makers, failures)]
+    for (what, text), (host, runtime) in zip(texts, judge(program, texts)):
+        page = bool(accepts(grammar, text))
+        accepted += page
+        says = "accepts" if page else "refuses"
+        for reader, said, in_words in (("host", host, scaled_centers_overflow), ("runtime", runtime, beyond_words)):
+            if said != page and not (page and in_words(text)):
+                failures.append("%s: the page %s it, the %s does not" % (what, says, reader))
+    print("%d conditions, %d texts, %d of them models" % (len(grammar.conditions), len(texts), accepted))
+    for failure in failures[:40]:
+        print("FAILED: " + failure)
+    sys.exit(bool(failures))
+
+
+main()

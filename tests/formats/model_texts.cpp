@@ -1,0 +1,93 @@
+// Model texts for a test in another language, and what the program says of its texts.
+// Usage: model_texts write FOLDER    a small model of every family, with and without levels and fields, and
+// other sizes
+//        model_texts judge FILE      FILE: texts, each after a line with its number of bytes. Prints a line
+//        for each:
+//                                    what the host's reader says and what the runtime says, `yes` or `no`
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/model.hpp>
+
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+/// Two active nodes, the second with a patch.
+Model of_two_nodes(Model model) {
+  model.nodes = {model.nodes[0], model.nodes[2]};
+  return model;
+}
+
+Model fewer_field_modes() {
+  Model model = of_two_nodes(small_field_model());
+  ModalDeformation& bare = model.nodes[1].fields[0];
+  for (ScaledTable* table : {&bare.weights, &bare.mixing, &bare.near_modes})
+    *table = scaled_table(Eigen::MatrixXd(table->rows(), 0));
+  return model;
+}
+
+void write_all(const std::filesystem::path& folder) {
+  const auto write = [&](const char* name, const Model& model) {
+    std::ofstream(folder / name, std::ios::binary) << write_model_text(model);
+  };
+  const Model networks = of_two_nodes(small_model(3, 2)), modes = of_two_nodes(small_modal_model(2, 2, 2, 2));
+  write("rbfn", networks);
+  write("rbfn-levels", with_levels(networks));
+  write("linear", of_two_nodes(small_linear_model()));
+  write("modal", modes);
+  write("modal-levels", with_levels(modes));
+  write("modal-fields", fewer_field_modes());
+  write("modal-fields-levels", with_levels(fewer_field_modes(), 2));
+  write("modal-forces-only", of_two_nodes(small_modal_model(0, 2, 0, 0)));
+  write("rbfn-empty", small_model(0, 0));
+  write("rbfn-eight-levels", with_levels(small_model(), 8));
+  write("modal-empty", small_modal_model(0, 0, 0, 0));
+  write("modal-large", with_levels(small_field_model(), 8));
+  Model untouched = small_linear_model();
+  untouched.nodes.clear();
+  untouched.title = "";
+  write("linear-untouched", untouched);
+}
+
+const char* said_by_host(const std::string& text) {
+  try {
+    read_model_text(text, "model.txt");
+  } catch (const Error&) {
+    return "no";
+  }
+  return "yes";
+}
+
+const char* said_by_runtime(const std::string& text) {
+  try {
+    const LoadedModel loaded(text);
+  } catch (const std::runtime_error&) {
+    return "no";
+  }
+  return "yes";
+}
+
+int judge_all(const char* file) {
+  std::ifstream texts(file, std::ios::binary);
+  for (std::string length; std::getline(texts, length);) {
+    std::string text(std::stoul(length), '\0');
+    if (!texts.read(text.data(), static_cast<std::streamsize>(text.size()))) return 2;
+    std::cout << said_by_host(text) << ' ' << said_by_runtime(text) << '\n';
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 2;
+  if (std::strcmp(argv[1], "judge") == 0) return judge_all(argv[2]);
+  write_all(argv[2]);
+}
