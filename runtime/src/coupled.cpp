@@ -6,7 +6,7 @@
 #include "small_matrices.hpp"
 #include "tool_responses.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 /// In parts of each tool's own compliance: how much is left of two tools' compliances once they oppose each
@@ -456,4 +456,4 @@ void coupled_field(const phn_model& model, const Coupling& c, PreparedNodes& pre
   }
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -5,7 +5,7 @@
 #include "modal.hpp"
 #include "modal_kernels.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 /// Products of two components of x, beside its three components.
@@ -20,18 +20,10 @@ void even_basis(const double* x, std::int32_t degree, double* e) {
   }
 }
 
-const char* word(TextReader& in, Arena& arena) {
-  const TextReader::Word found = in.word();
-  Column<char> letters(arena, found.length + 1);
-  for (std::size_t i = 0; i < found.length; ++i) letters.set(i, found.begin[i]);
-  letters.set(found.length, 0);
-  return letters.get();
-}
-
 void field_lines(TextReader& in, Arena& arena, std::int32_t n_output, SharedField& field) {
   in.keyword("field");
-  field.name = word(in, arena);
-  field.unit = word(in, arena);
+  field.name = place_word(arena, in.word());
+  field.unit = place_word(arena, in.word());
   in.end_line();
   in.keyword("degree");
   field.degree = in.integer(1, 2);
@@ -93,4 +85,4 @@ void modal_field(const phn_model& model, const ModalResponse& node, std::int32_t
   for (std::int32_t o = 0; o < model.n_output; ++o) out[o] = std::fmax(0.0, shared.scale * out[o]);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -5,7 +5,7 @@
 #include "load_parts.hpp"
 #include "trained.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 // Sums of outputs stay this far from the largest double, so that no addition of a few of them overflows.
@@ -292,16 +292,12 @@ void surface(TextReader& in, Arena& arena, phn_model& model) {
 
 /// The word after `family`, or false.
 bool family_word(TextReader& in, Family& family) {
-  constexpr struct {
-    const char* word;
-    Family family;
-  } known[] = {{"rbfn", Family::rbfn}, {"linear", Family::linear}, {"modal", Family::modal}};
-  for (const auto& each : known) {
+  for (const Family known : {Family::rbfn, Family::linear, Family::modal}) {
     TextReader attempt = in;
-    attempt.keyword(each.word);
+    attempt.keyword(name(known));
     if (!attempt.good()) continue;
     in = attempt;
-    family = each.family;
+    family = known;
     return true;
   }
   return false;
@@ -331,11 +327,9 @@ std::int32_t find_active(const phn_model& model, std::int32_t node) {
   return find_sorted(model.active_nodes, model.n_active, node);
 }
 
-int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** result) {
-  *result = nullptr;
-  const int envelope = check_envelope(text, length);
-  if (envelope != PHN_OK) return envelope;
-  TextReader in(text, length);
+namespace {
+
+int load_parts(TextReader& in, Arena& arena, const phn_model** result) {
   phn_model model = {};
   model.n_basis = 3;
   model.n_levels = 1;
@@ -345,13 +339,18 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   in.end_line();
   in.keyword("family");
   if (!in.good()) return in.status();
-  if (!family_word(in, model.family)) return PHN_ERROR_FAMILY;
+  if (!family_word(in, model.family)) in.fail_next(PHN_ERROR_FAMILY);
   in.end_line();
-  for (const char* key : {"title", "software", "mesh_hash", "physics_hash"}) {
+  const auto line = [&](const char* key) {
     in.keyword(key);
-    in.rest_of_line();
+    const TextReader::Word words = in.rest_of_line();
     in.end_line();
-  }
+    return words;
+  };
+  model.title = place_word(arena, line("title"));
+  line("software");
+  model.mesh_hash = place_word(arena, line("mesh_hash"));
+  line("physics_hash");
   real_line(in, "max_displacement_m", &model.max_displacement, 1, true);
   const bool modal = model.family == Family::modal;
   if (modal && !(model.max_displacement >= 1 / largest_max_displacement &&
@@ -371,7 +370,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
       vector_table(in, arena, tables.n_displacements, modal ? model.max_displacement : 1);
   model.first_increment = model.max_displacement / 10;
   if (has_memory(arena) && in.good()) {
-    const double first = phynness::runtime::length(model.displacements) * (modal ? model.max_displacement : 1);
+    const double first = length(model.displacements) * (modal ? model.max_displacement : 1);
     if (first > 1e-6 * model.max_displacement && first < 1e3 * model.max_displacement) model.first_increment = first;
   }
 
@@ -424,4 +423,16 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   return PHN_OK;
 }
 
-}  // namespace phynness::runtime
+}  // namespace
+
+int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** result, std::size_t& wrong_byte) {
+  *result = nullptr;
+  const int envelope = check_envelope(text, length, wrong_byte);
+  if (envelope != PHN_OK) return envelope;
+  TextReader in(text, length);
+  const int status = load_parts(in, arena, result);
+  wrong_byte = in.wrong_byte();
+  return status;
+}
+
+}  // namespace PHN_RUNTIME

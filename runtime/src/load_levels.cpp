@@ -1,7 +1,7 @@
 // The levels of a model: formats/model.md, LEVEL.
 #include "load_parts.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 double error(TextReader& in) {
@@ -53,4 +53,4 @@ void place_levels(const phn_model& model, const Levels& levels, phn_model* memor
   }
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

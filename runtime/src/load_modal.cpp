@@ -4,7 +4,7 @@
 #include "load_parts.hpp"
 #include "modal_kernels.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 constexpr std::int32_t largest_mode_count = 1024, largest_entry = 32767;
@@ -240,4 +240,4 @@ ModalResponse load_modal_level(TextReader& in, Arena& arena, std::int32_t n_disp
   return node;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

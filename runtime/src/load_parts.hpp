@@ -7,7 +7,7 @@
 #include "model.hpp"
 #include "text.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// An array that is filled if there is memory and merely read past if not.
 template <class T>
@@ -29,6 +29,14 @@ const T* place(Arena& arena, const T& value) {
   T* at = arena.take<T>(1);
   if (at) *at = value;
   return at;
+}
+
+/// Letters of the text in the model's memory, if there is any, with 0 at the end.
+inline const char* place_word(Arena& arena, TextReader::Word word) {
+  Column<char> letters(arena, word.length + 1);
+  for (std::size_t i = 0; i < word.length; ++i) letters.set(i, word.begin[i]);
+  letters.set(word.length, 0);
+  return letters.get();
 }
 
 inline bool has_memory(const Arena& arena) { return !arena.counting() && !arena.overflow(); }
@@ -115,4 +123,4 @@ ModalResponse load_modal_level(TextReader& in, Arena& arena, std::int32_t n_disp
 /// @param model  complete; @param memory n_smaller of them, or null
 void place_levels(const phn_model& model, const Levels& levels, phn_model* memory);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -10,7 +10,7 @@
 #include "conservative.hpp"
 #include "real.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// Gaussian network on scaled inputs and outputs, (11)-(12).
 struct Network {
@@ -26,6 +26,8 @@ struct Network {
 };
 
 enum class Family : std::uint8_t { rbfn, linear, modal };
+inline constexpr const char* family_names[] = {"rbfn", "linear", "modal"};
+inline const char* name(Family family) { return family_names[static_cast<int>(family)]; }
 
 /// at = d / unit, components beyond `largest` cut there. @param d, at  3
 inline void cut(const double* d, double unit, double largest, double* at) {
@@ -94,7 +96,7 @@ struct SharedTable {
   const float* modes;       ///< for every rows_per_block of the rows: those rows of each mode in turn
 };
 
-inline constexpr std::int32_t largest_field_count = 8;
+inline constexpr std::int32_t largest_field_count = PHN_MOST_FIELDS;
 
 /// What the nodes of a modal model share of a field.
 struct SharedField : SharedTable {
@@ -143,7 +145,7 @@ struct LevelErrors {
   double force, displacement;
 };
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME
 
 /// A level of a model is a phn_model of its own, made of the same arrays but for what the level has itself: centers of
 /// amplitudes and the responses of the active nodes. The last level is the model that the others belong to.
@@ -152,8 +154,9 @@ struct phn_model {
   const phn_model* smaller;  ///< the other levels, n_levels - 1
   std::size_t bytes;         ///< of the memory behind this that the model takes
   std::int32_t n_levels;
-  phynness::runtime::LevelErrors errors;
-  phynness::runtime::Family family;
+  PHN_RUNTIME::LevelErrors errors;
+  PHN_RUNTIME::Family family;
+  const char *title, *mesh_hash;  ///< end with 0
   std::int32_t n_nodes, n_active, n_output, n_fixed, n_triangles, n_directions;
   std::size_t n_scratch;  ///< doubles that a deformation needs besides its result, its basis at the end
   std::size_t n_field_scratch;  ///< doubles that a field needs
@@ -170,20 +173,21 @@ struct phn_model {
   double first_increment;  ///< [m]: length of the first row of displacements
   std::int32_t n_displacements;
   const double* displacements;  ///< rows of 3; in family modal over max_displacement
-  phynness::runtime::SharedModes shared;
+  PHN_RUNTIME::SharedModes shared;
   std::int32_t n_fields;
-  phynness::runtime::SharedField fields[phynness::runtime::largest_field_count];
-  const phynness::runtime::ActiveNode* active;
+  PHN_RUNTIME::SharedField fields[PHN_RUNTIME::largest_field_count];
+  const PHN_RUNTIME::ActiveNode* active;
 };
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 class Arena;
 
 /// Walks the whole text; fills the model if the arena has memory, otherwise only counts.
 /// @param model  set to the model inside the arena, or null
+/// @param wrong_byte  where a refused text is wrong, counted from 1; 0 for a good one
 /// @return a status of phynness.h
-int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** model);
+int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** model, std::size_t& wrong_byte);
 
 /// Position of `node` among the active nodes, or -1.
 std::int32_t find_active(const phn_model& model, std::int32_t node);
@@ -192,4 +196,4 @@ std::int32_t find_vertex(const phn_model& model, std::int32_t node);
 /// Position of `node` in an ascending list of n, or -1.
 std::int32_t find_sorted(const std::int32_t* list, std::int32_t n, std::int32_t node);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

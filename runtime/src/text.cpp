@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 constexpr char magic[] = "phynness-model ";
@@ -11,14 +11,18 @@ constexpr std::size_t checksum_line_length = sizeof("checksum 0123456789abcdef\n
 
 }  // namespace
 
-int check_envelope(const char* text, std::size_t& length) {
+int check_envelope(const char* text, std::size_t& length, std::size_t& wrong_byte) {
   const std::size_t first = sizeof first_line - 1, magic_length = sizeof magic - 1;
+  wrong_byte = 1;
   if (length < first) {
     const bool start_of_one = length > 0 && std::memcmp(text, first_line, length) == 0;
+    if (start_of_one) wrong_byte = length + 1;
     return start_of_one ? PHN_ERROR_TRUNCATED : PHN_ERROR_NOT_A_MODEL;
   }
   if (std::memcmp(text, magic, magic_length) != 0) return PHN_ERROR_NOT_A_MODEL;
+  wrong_byte = magic_length + 1;
   if (std::memcmp(text, first_line, first) != 0) return PHN_ERROR_VERSION;
+  wrong_byte = length + 1;
   if (length < first + checksum_line_length || text[length - 1] != '\n') return PHN_ERROR_TRUNCATED;
   const std::size_t end = length - checksum_line_length;
   if (std::memcmp(text + end, "checksum ", 9) != 0) return PHN_ERROR_TRUNCATED;
@@ -26,8 +30,10 @@ int check_envelope(const char* text, std::size_t& length) {
   for (std::size_t i = 0; i < end; ++i)
     hash = (hash ^ static_cast<unsigned char>(text[i])) * 0x100000001b3ULL;
   for (int i = 0; i < 16; ++i) {
+    wrong_byte = end + 10;
     if (text[end + 9 + i] != "0123456789abcdef"[hash >> (60 - 4 * i) & 15]) return PHN_ERROR_CHECKSUM;
   }
+  wrong_byte = 0;
   length = end;
   return PHN_OK;
 }
@@ -37,11 +43,12 @@ TextReader::Token TextReader::token() {
   if (!good()) return none;
   if (!_line_start) {
     if (_at == _end || *_at != ' ') {
-      fail(PHN_ERROR_SYNTAX);
+      fail_next(PHN_ERROR_SYNTAX);
       return none;
     }
     ++_at;
   }
+  _token = _at;
   Token found{_at, _at};
   while (found.end != _end && *found.end != ' ' && *found.end != '\n') ++found.end;
   if (found.begin == found.end) fail(PHN_ERROR_SYNTAX);
@@ -59,8 +66,11 @@ void TextReader::keyword(const char* word) {
   }
 }
 
-void TextReader::rest_of_line() {
+TextReader::Word TextReader::rest_of_line() {
+  if (good() && _at != _end && *_at == ' ') ++_at;
+  const char* begin = _at;
   while (good() && _at != _end && *_at != '\n') ++_at;
+  return {begin, static_cast<std::size_t>(_at - begin)};
 }
 
 TextReader::Word TextReader::word() {
@@ -75,7 +85,7 @@ TextReader::Word TextReader::word() {
 
 void TextReader::end_line() {
   if (!good()) return;
-  if (_at == _end || *_at != '\n') return fail(PHN_ERROR_SYNTAX);
+  if (_at == _end || *_at != '\n') return fail_next(PHN_ERROR_SYNTAX);
   ++_at;
   _line_start = true;
 }
@@ -168,4 +178,4 @@ double TextReader::positive_real() {
   return good() ? value : 1;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

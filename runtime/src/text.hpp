@@ -9,32 +9,36 @@
 
 #include "strict_arithmetic.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// Magic, version, completeness, checksum; on success `length` is shortened to the text before the checksum
 /// line.
+/// @param wrong_byte  where a refused text is wrong, counted from 1; 0 for a good one
 /// @return a status of phynness.h
-int check_envelope(const char* text, std::size_t& length);
+int check_envelope(const char* text, std::size_t& length, std::size_t& wrong_byte);
 
 /// The first defect sticks in status(); from then on every read returns 0 and consumes nothing.
 class TextReader {
  public:
-  TextReader(const char* text, std::size_t length) : _at(text), _end(text + length) {}
+  TextReader(const char* text, std::size_t length) : _begin(text), _at(text), _end(text + length) {}
 
   int status() const { return _status; }
   bool good() const { return _status == PHN_OK; }
-  void fail(int status) {
-    if (good()) _status = status;
-  }
+  void fail(int status) { fail_at(status, _token); }
+  /// The same of what comes next.
+  void fail_next(int status) { fail_at(status, _at == _end || *_at != ' ' ? _at : _at + 1); }
+  /// The first defect, counted from 1 at the begin of the text; 0: none.
+  std::size_t wrong_byte() const { return good() ? 0 : static_cast<std::size_t>(_wrong - _begin) + 1; }
 
   void keyword(const char* word);
-  void rest_of_line();
   /// A token of 1 to 40 visible ASCII characters; it lies in the text. Length 0 if there is none.
   struct Word {
     const char* begin;
     std::size_t length;
   };
   Word word();
+  /// What stands between a keyword and the end of its line, without the blank.
+  Word rest_of_line();
   void end_line();
   bool at_end() const { return _at == _end; }
 
@@ -53,10 +57,15 @@ class TextReader {
     const char *begin, *end;
   };
   Token token();
+  void fail_at(int status, const char* where) {
+    if (good()) _wrong = where;
+    if (good()) _status = status;
+  }
 
-  const char *_at, *_end;
+  const char *_begin, *_at, *_end;
+  const char *_token = _begin, *_wrong = _begin;  ///< where the last token begins, and the first defect
   int _status = PHN_OK;
   bool _line_start = true;
 };
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME
