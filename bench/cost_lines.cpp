@@ -23,7 +23,7 @@ class Timed : public bench::TimedModel {
   explicit Timed(const Model& model) : TimedModel(write_model_text(model)) {}
   double force_ns() { return 1e3 * force_us(); }
   double prepared_us() {
-    bench::check(phn_prepare(model, data, node(0)));
+    bench::check(data.prepare(node(0)));
     return deformation_us(node(0));
   }
 };
@@ -137,8 +137,8 @@ nlohmann::json compare_with_limits() {
   Timed modal(bench::modal_model(n_centers, n_shared, n_own, n_centers, n_near, 1));
   // A Gaussian: distance 8, its exponential 37, in float, where it is a power of two, 18; three sums 6. A
   // center of a force: distance 9, root and division 2, the rest 18.
-  const bool single = phn_precision() == 32;
-  const double gaussian = single ? 26 : 45, bytes = phn_precision() / 8;
+  const bool single = modal.model.info().precision_bits == 32;
+  const double gaussian = single ? 26 : 45, bytes = single ? 4 : 8;
   constexpr double sums = 6, center = 29;
   constexpr double nodes = bench::n_output;
   const std::vector<Work> works = {

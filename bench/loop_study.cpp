@@ -149,7 +149,7 @@ class Paths {
 
   double coupled(const phn_tool& tool, Vector& force) {
     phn_coupled result{};
-    if (phn_couple(_model.handle(), _model.data(), 1, &tool, force.data(), &result) < 0)
+    if (!_model.data().couple(tool, force, &result).ok())
       throw phynness::failure("the runtime refuses a tool", "", "this is a defect");
     if (!phynness::schema::traits(_model.model().family).has_energy)
       result.energy = force.dot(Vector(tool.displacement[0], tool.displacement[1], tool.displacement[2])) / 2;
@@ -191,8 +191,8 @@ class Paths {
     State state;
     Vector force;
     state.energy = coupled(tool, force);
-    state.u.resize(3 * static_cast<std::size_t>(phn_n_output(_model.handle())));
-    phn_coupled_deform(_model.handle(), _model.data(), state.u.data());
+    state.u.resize(3 * static_cast<std::size_t>(_model.runtime().n_output()));
+    _model.data().coupled_deform({state.u.data(), static_cast<std::size_t>(state.u.size())}).ignore();
     const auto& output = _model.model().output;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto at = std::lower_bound(output.begin(), output.end(), nodes[k]) - output.begin();

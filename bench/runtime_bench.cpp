@@ -1,7 +1,5 @@
 // Times of the runtime on one core beside plain loops, at the sizes of the paper's liver.
 // Usage: phynness_runtime_bench [--json FILE] [--model MODEL_DIR]
-#include <phynness/contact.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,8 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <phynness/phynness_contact.hpp>
+#include <phynness/phynness_surface.hpp>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -27,20 +27,18 @@ using bench::sink;
 
 constexpr int n_neurons_force = 100, n_neurons_deformation = 200, n_levels = 3;
 
-struct Loaded : bench::TimedModel {
-  explicit Loaded(const std::string& text) : TimedModel(text) {
-    std::size_t bytes = 0;
-    check(phn_surface_size(model, n_levels, &bytes));
-    surface_memory.resize(bytes);
-    check(phn_surface_init(surface_memory.data(), bytes, model, n_levels, &surface));
-    scratch.resize(phn_surface_scratch(surface));
-    fine.resize(3 * static_cast<std::size_t>(phn_surface_n_vertices(surface)));
-  }
-  void refine() { phn_surface_deform(surface, scratch.data(), field.data(), fine.data()); }
+bool in_float() { return rt::Model().info().precision_bits == 32; }
 
-  std::vector<char> surface_memory;
+struct Loaded : bench::TimedModel {
+  explicit Loaded(const std::string& text) : TimedModel(text), surface(model, n_levels) {
+    check(surface.status());
+    scratch.resize(surface.n_scratch());
+    fine.resize(surface.points().size());
+  }
+  void refine() { surface.deform(scratch, field, fine).ignore(); }
+
+  rt::Surface surface;
   std::vector<float> scratch, fine;
-  const phn_surface* surface = nullptr;
 };
 
 class Table {
@@ -48,7 +46,7 @@ class Table {
   void add(const std::string& key, double value, const std::string& words) {
     std::printf("  %-34s %12.*f   %s\n", key.c_str(), value < 0.005 ? 8 : 2, value, words.c_str());
     std::fflush(stdout);
-    _json += (_json.empty() ? "{\"" : ", \"") + std::string(phn_precision() == 32 ? "float_" : "") + key +
+    _json += (_json.empty() ? "{\"" : ", \"") + std::string(in_float() ? "float_" : "") + key +
              "\": " + std::to_string(value);
   }
   bool write(const std::string& file) const {
@@ -73,7 +71,7 @@ double frames_per_s(Loaded& loaded, std::int32_t touched) {
 
 void bench_networks(Table& table) {
   Loaded loaded(write_model_text(bench::networks_model(n_neurons_force, n_neurons_deformation, 20)));
-  const double plain_force_us = phn_precision() == 32 ? bench::plain_force_us<float>(n_neurons_force)
+  const double plain_force_us = in_float() ? bench::plain_force_us<float>(n_neurons_force)
                                                       : bench::plain_force_us<double>(n_neurons_force);
   const auto plain_us = [](std::size_t n_points) {
     return bench::plain_deformation_us(n_neurons_deformation, n_points);
@@ -95,7 +93,7 @@ void bench_modes(Table& table, Loaded& loaded) {
   std::int32_t next = 0;
   const double prepare = median_us([&](int) {
     // Every fourth node again: none of the three that are kept.
-    check(phn_prepare(loaded.model, loaded.data, loaded.node(next = (next + 1) % 4)));
+    check(loaded.data.prepare(loaded.node(next = (next + 1) % 4)));
   });
   const double unprepared = median_us([&](int i) {
     double d[3];
@@ -103,7 +101,7 @@ void bench_modes(Table& table, Loaded& loaded) {
     loaded.deform(loaded.node(next = (next + 1) % 4), d);
     sink = loaded.field[0];
   });
-  check(phn_prepare(loaded.model, loaded.data, loaded.node(7)));
+  check(loaded.data.prepare(loaded.node(7)));
   const double modal = loaded.deformation_us(loaded.node(7));
   table.add("deformation_us_486_modal", modal, "a node that is prepared [us]");
   table.add("deformation_us_486_modal_first", unprepared, "the first of a node, which prepares it [us]");
@@ -117,8 +115,8 @@ void bench_modes(Table& table, Loaded& loaded) {
 }
 
 /// Forces of every node beside the same sums in double, at random displacements to the trained depth.
-void rounding_of_forces(Table& table, const Loaded& loaded) {
-  const phn_model& model = *loaded.model;
+void rounding_of_forces(Table& table, Loaded& loaded) {
+  const phn_model& model = *loaded.model.get();
   if (model.family != Family::modal) return;
   bench::Arbitrary arbitrary;
   double worst = 0, sum = 0;
@@ -128,7 +126,7 @@ void rounding_of_forces(Table& table, const Loaded& loaded) {
       double x[3], d[3], f[3], in_double[3], size = 0, off = 0;
       for (int k = 0; k < 3; ++k)
         d[k] = model.max_displacement * (x[k] = arbitrary.number() / std::sqrt(3.0));
-      check(phn_force(loaded.model, loaded.data, model.active_nodes[a], d, f));
+      check(loaded.data.force(model.active_nodes[a], d, f));
       runtime::conservative_force(model.active[a].modal->force, x, in_double);
       for (int k = 0; k < 3; ++k) {
         size += in_double[k] * in_double[k];
@@ -146,25 +144,20 @@ void rounding_of_forces(Table& table, const Loaded& loaded) {
 }
 
 struct Contact {
-  explicit Contact(Loaded& l) : loaded(l) {
-    std::size_t bytes = 0;
-    check(phn_contact_size(loaded.model, 1, &bytes));
-    memory.resize(bytes);
-    check(phn_contact_init(memory.data(), bytes, loaded.model, 1, &contact));
-  }
+  explicit Contact(Loaded& l) : loaded(l), contact(l.model, 1) { check(contact.status()); }
   phn_contact_state step(const phn_contact_tool& tool) {
     phn_contact_state state;
-    check(phn_contact_step(contact, loaded.data, 1, &tool, &state, nullptr));
+    check(contact.step(loaded.data, tool, state));
     return state;
   }
   /// A tool of 4 mm on a circle of 1 cm over the middle of the body, in steps of 0.1 mm, `depth` below where
   /// it touches.
   std::vector<phn_contact_tool> circle(double depth, double friction) {
-    const double* x = phn_output_points(loaded.model);
+    const double* x = loaded.model.output_points().data();
     double low[3], high[3];
     for (int k = 0; k < 3; ++k) {
       low[k] = high[k] = x[k];
-      for (int o = 0; o < phn_n_output(loaded.model); ++o) {
+      for (int o = 0; o < loaded.model.n_output(); ++o) {
         low[k] = std::min(low[k], x[3 * o + k]);
         high[k] = std::max(high[k], x[3 * o + k]);
       }
@@ -177,7 +170,7 @@ struct Contact {
                                friction,
                                PHN_TOOL_GRASP,
                                0};  // holds what it touches, whatever the force
-      check(phn_contact_reset(contact));
+      check(contact.reset());
       step(tool);
       tool.center[2] = (low[2] + high[2]) / 2;
       tool.center[2] = step(tool).proxy[2] - depth;
@@ -190,15 +183,14 @@ struct Contact {
     const std::vector<phn_contact_tool> path = circle(depth, friction);
     phn_contact_tool above = path[0];
     above.center[2] += depth + 0.001;
-    check(phn_contact_reset(contact));
+    check(contact.reset());
     step(above);
     std::size_t next = 0;
     return median_us([&](int) { sink = step(path[moves ? ++next % path.size() : 0]).force[0]; });
   }
 
   Loaded& loaded;
-  std::vector<char> memory;
-  phn_contact* contact = nullptr;
+  rt::Contact contact;
 };
 
 /// Queries of the hierarchy beside the loop over all triangles. Of trained models, cycles of a tool beside
@@ -210,9 +202,8 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
     return median_us([&](int i) {
       phn_tool found;
       double point[3];
-      const double* x = path[static_cast<std::size_t>(i) % path.size()].center;
-      check(plain ? phn_nearest(loaded.model, x, &found, point)
-                  : phn_contact_nearest(contact.contact, x, &found, point));
+      const auto& x = path[static_cast<std::size_t>(i) % path.size()].center;
+      check(plain ? loaded.model.nearest(x, found, point) : contact.contact.nearest(x, found, point));
       sink = point[0];
     });
   };
@@ -223,19 +214,19 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
   table.add("contact_us_free", contact.cycle_us(-0.001, 0, true),
             "a cycle of a tool 1 mm above the surface [us]");
   table.add("contact_us_refit",
-            median_us([&](int) { check(phn_contact_refit(contact.contact, loaded.field.data())); }),
+            median_us([&](int) { check(contact.contact.refit(loaded.field)); }),
             "phn_contact_refit [us]");
   if (!trained) return;
   phn_tool held;
-  check(phn_nearest(loaded.model, path[0].center, &held, nullptr));
+  check(loaded.model.nearest(path[0].center, held));
   held.displacement[2] = -0.005;
   table.add("couple_us", median_us([&](int) {
               double force[3];
-              check(phn_couple(loaded.model, loaded.data, 1, &held, force, nullptr));
+              check(loaded.data.couple(held, force));
               sink = force[0];
             }),
             "phn_couple of one tool [us]");
-  check(phn_contact_refit(contact.contact, nullptr));
+  check(contact.contact.refit());
   table.add("contact_us_sticking", contact.cycle_us(0.005, 1e3, false),
             "a cycle that presses and sticks [us]");
   table.add("contact_us_sliding", contact.cycle_us(0.005, 0.3, true), "that slides with friction [us]");
@@ -245,18 +236,15 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
 /// Several tools, spread over the body and moved at every call: at nodes, and in the middles of triangles.
 void bench_several_tools(Table& table, const Loaded& loaded) {
   constexpr std::size_t most = 8;
-  std::size_t bytes = 0;
-  check(phn_data_size(loaded.model, int{most}, &bytes));
-  std::vector<char> memory(bytes);
-  phn_data* data = nullptr;
-  check(phn_data_init(memory.data(), bytes, loaded.model, int{most}, &data));
+  rt::Data data(loaded.model, int{most});
+  check(data.status());
 
   std::vector<phn_tool> at_nodes, between;
-  const std::int32_t* active = phn_active_nodes(loaded.model);
-  const std::set<std::int32_t> touchable(active, active + phn_n_active(loaded.model));
+  const auto active = loaded.model.active_nodes();
+  const std::set<std::int32_t> touchable(active.begin(), active.end());
   for (const std::int32_t node : touchable) at_nodes.push_back({{node, -1, -1}, {1, 0, 0}, {}});
-  const std::int32_t* triangles = phn_triangles(loaded.model);
-  for (int t = 0; t < phn_n_triangles(loaded.model); ++t) {
+  const std::int32_t* triangles = loaded.model.triangles().data();
+  for (int t = 0; t < loaded.model.info().n_triangles; ++t) {
     const std::int32_t* nodes = triangles + 3 * t;
     if (!std::all_of(nodes, nodes + 3, [&](std::int32_t node) { return touchable.count(node) == 1; }))
       continue;
@@ -270,8 +258,7 @@ void bench_several_tools(Table& table, const Loaded& loaded) {
       for (std::size_t k = 0; k < n_tools; ++k)
         displacement(i + 7 * static_cast<int>(k), tools[k].displacement);
       double forces[3 * most];
-      check(
-          phn_couple(loaded.model, data, static_cast<std::int32_t>(n_tools), tools.data(), forces, nullptr));
+      check(data.couple({tools.data(), n_tools}, forces));
       sink = forces[0];
     });
   };
@@ -297,20 +284,20 @@ int run(int argc, char** argv) {
   std::printf(
       "runtime, forces in %s, one core, medians; models of arbitrary coefficients, 486 output nodes, 596 "
       "vertices\n",
-      phn_precision() == 32 ? "float (keys of the JSON file: float_...)" : "double");
+      in_float() ? "float (keys of the JSON file: float_...)" : "double");
   bench_networks(table);
   std::printf(
       "family modal: 64 shared and 16 own modes, 78 centers of amplitudes, 30 near nodes, 78 of forces\n");
   {
     Loaded loaded(write_model_text(bench::modal_model(78, 64, 16, 78, 30, bench::n_output)));
-    if (phn_surface_n_vertices(loaded.surface) != 38018) throw std::runtime_error("not 38018 vertices");
+    if (loaded.surface.n_vertices() != 38018) throw std::runtime_error("not 38018 vertices");
     bench_modes(table, loaded);
     bench_contact(table, loaded, false);
   }
   if (!model_dir.empty()) {
     Loaded loaded(read_model_dir(model_dir).model_text);
     std::printf("%s: %d output nodes, %d fine vertices (not in the JSON file)\n", model_dir.c_str(),
-                phn_n_output(loaded.model), phn_surface_n_vertices(loaded.surface));
+                loaded.model.n_output(), loaded.surface.n_vertices());
     Table other;
     bench_modes(other, loaded);
     rounding_of_forces(other, loaded);

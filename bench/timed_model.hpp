@@ -1,9 +1,8 @@
 // A model in the runtime's hands and the times of its calls, beside those of plain loops.
 #pragma once
 
-#include <phynness/phynness.h>
-
 #include <array>
+#include <phynness/phynness.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,8 +13,8 @@
 
 namespace phynness::bench {
 
-inline void check(int status) {
-  if (status < 0) throw std::runtime_error(phn_status_message(status));
+inline void check(rt::Status status) {
+  if (!status.ok()) throw std::runtime_error(status.message());
 }
 
 /// Results go here, so that somebody reads them.
@@ -27,27 +26,23 @@ inline void displacement(int i, double* d) {
 }
 
 struct TimedModel {
-  explicit TimedModel(const std::string& text) {
-    std::size_t bytes = 0;
-    check(phn_model_size(text.data(), text.size(), &bytes));
-    model_memory.resize(bytes);
-    check(phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model));
-    check(phn_data_size(model, 1, &bytes));
-    data_memory.resize(bytes);
-    check(phn_data_init(data_memory.data(), bytes, model, 1, &data));
-    field.resize(3 * static_cast<std::size_t>(phn_n_output(model)));
+  explicit TimedModel(const std::string& text) : model(text), data(model, 1) {
+    check(model.status());
+    check(data.status());
+    field.resize(3 * static_cast<std::size_t>(model.n_output()));
   }
 
-  std::int32_t node(int i) const { return phn_active_nodes(model)[i % phn_n_active(model)]; }
-  void deform(std::int32_t touched, const double* d) {
-    phn_deform(model, data, 1, &touched, d, field.data());
+  std::int32_t node(int i) const {
+    const auto nodes = model.active_nodes();
+    return nodes[static_cast<std::size_t>(i) % nodes.size()];
   }
+  void deform(std::int32_t touched, rt::In3 d) { data.deform(touched, d, field).ignore(); }
   /// All active nodes in turn.
   double force_us() {
     return median_us([&](int i) {
       double d[3], f[3];
       displacement(i, d);
-      phn_force(model, data, node(i), d, f);
+      data.force(node(i), d, f).ignore();
       sink = f[0];
     });
   }
@@ -60,10 +55,9 @@ struct TimedModel {
     });
   }
 
-  std::vector<char> model_memory, data_memory;
+  rt::Model model;
+  rt::Data data;
   std::vector<double> field;
-  const phn_model* model = nullptr;
-  phn_data* data = nullptr;
 };
 
 template <int N, class Real = double>

@@ -34,9 +34,9 @@ void run(const Options& options) {
   json levels = json::array();
   print_result("{:<6} {:>13} {:>19} {:>6} {:>10} {:>14} {:>9} {:>15}\n", "level", "force centers",
                "deformation centers", "modes", "force us", "deformation us", "force %", "displacement %");
-  for (std::int32_t l = 0; l < phn_n_levels(model.handle()); ++l) {
+  for (std::int32_t l = 0; l < model.runtime().n_levels(); ++l) {
     phn_level info;
-    phn_level_info(model.handle(), l, &info);
+    model.runtime().level_info(l, info).ignore();
     const auto& time = times[static_cast<std::size_t>(l)];
     print_result("{:<6} {:>13} {:>19} {:>6} {:>10.3f} {:>14.3f} {:>9} {:>15}\n", l, info.force_centers,
                  info.deformation_centers, info.modes, time.force_us, time.deformation_us,
@@ -56,11 +56,10 @@ void run(const Options& options) {
   else
     print_result("one level, whose errors were not estimated; [training] levels makes more, with theirs\n");
   json out{{"levels", levels}};
-  int status = PHN_OK;
+  rt::Status status;
   if (options.budget_us) {
     std::int32_t level = 0;
-    status = phn_budget(model.handle(), times.data(), options.forces, options.deformations,
-                        *options.budget_us, &level);
+    status = model.runtime().budget(times, options.forces, options.deformations, *options.budget_us, level);
     out["budget_us"] = *options.budget_us;
     out["level"] = nullptr;
     if (status == PHN_OK) {
@@ -71,7 +70,7 @@ void run(const Options& options) {
   }
   write_json(options.json_file, out);
   if (status != PHN_OK)
-    throw failure(phn_status_message(status), fmt::format("{:g} us", *options.budget_us),
+    throw failure(status.message(), fmt::format("{:g} us", *options.budget_us),
                   "train more levels, or a smaller model");
 }
 

@@ -63,7 +63,7 @@ void run(const Options& options) {
   if (response.status > 0) message("warning: {}\n", phn_status_message(response.status));
   json extra{{"status", response.status},
              {"family", name(model.model().family)},
-             {"level", phn_level_of(model.data())}};
+             {"level", model.data().level()}};
   if (!coupled && places.size() == 1)
     extra["trained_distance"] = model.trained_distance(options.tool.nodes.front(), displacements.front());
   if (coupled) {

@@ -130,7 +130,7 @@ void add_export_command(CLI::App& app) {
   auto* command = app.add_subcommand(
       "export",
       "Write a model as C source (NAME.h, NAME.c) and as a file (NAME.bin) that a device evaluates\n"
-      "in place, in flash, with the functions of phynness/image.h; sizes are constants in NAME.h");
+      "in place, in flash, with the functions of phynness/phynness_image.h; sizes are constants in NAME.h");
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
   add_path(*command, "-o,--output", options->output, OutputKind::folder,

@@ -5,6 +5,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/vtk.hpp>
+#include <phynness/phynness_surface.hpp>
 
 namespace phynness::cli {
 namespace {
@@ -31,31 +32,26 @@ void check_surface_name(const std::filesystem::path& file) {
 
 std::int32_t write_fine_surface(const LoadedModel& model, const Points& displacement_m, int levels,
                                 const std::filesystem::path& file, const std::string& title) {
-  const phn_model* handle = model.handle();
-  std::size_t bytes = 0;
-  const int status = phn_surface_size(handle, levels, &bytes);
-  if (status == PHN_ERROR_UNDEFINED)
+  const rt::Surface surface(model.runtime(), levels);
+  if (surface.status() == PHN_ERROR_UNDEFINED)
     throw input_error("the model has no surface", file.string(),
                       "its triangles join output and fixed nodes: select the surface as nodes.output");
-  if (status < 0)
+  if (!surface)
     throw input_error("the surface cannot be subdivided", fmt::format("--subdivide {}", levels),
-                      std::string("fewer levels; the runtime says: ") + phn_status_message(status));
-  std::vector<std::byte> memory(bytes);
-  const phn_surface* surface = nullptr;
-  const auto require = [](int code) {
-    if (code < 0) throw failure("the runtime refuses a surface", phn_status_message(code), "report this");
-  };
-  require(phn_surface_init(memory.data(), bytes, handle, levels, &surface));
-  const auto n = phn_surface_n_vertices(surface);
-  std::vector<float> scratch(phn_surface_scratch(surface));
+                      std::string("fewer levels; the runtime says: ") + surface.status().message());
+  const auto n = surface.n_vertices();
+  std::vector<float> scratch(surface.n_scratch());
   using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
   FloatRows fine(n, 3);
-  require(phn_surface_deform(surface, scratch.data(), displacement_m.data(), fine.data()));
+  const rt::Status status =
+      surface.deform(scratch, {displacement_m.data(), static_cast<std::size_t>(displacement_m.size())},
+                     {fine.data(), static_cast<std::size_t>(fine.size())});
+  if (!status.ok()) throw failure("the runtime refuses a surface", status.message(), "report this");
 
   VtkGrid grid;
-  grid.points = Eigen::Map<const FloatRows>(phn_surface_points(surface), n, 3).cast<double>();
+  grid.points = Eigen::Map<const FloatRows>(surface.points().data(), n, 3).cast<double>();
   grid.cells = Eigen::Map<const Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-      phn_surface_triangles(surface), phn_surface_n_triangles(surface), 3);
+      surface.triangles().data(), static_cast<Eigen::Index>(surface.triangles().size() / 3), 3);
   const Model& parts = model.model();
   grid.node_numbers = parts.output;
   grid.node_numbers.insert(grid.node_numbers.end(), parts.fixed.begin(), parts.fixed.end());

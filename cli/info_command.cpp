@@ -134,9 +134,9 @@ json about_model(const std::filesystem::path& dir) {
     fields.push_back(field.name);
   }
   json levels = json::array();
-  for (std::int32_t l = 0; l < phn_n_levels(model.handle()); ++l) {
+  for (std::int32_t l = 0; l < model.runtime().n_levels(); ++l) {
     phn_level info;
-    phn_level_info(model.handle(), l, &info);
+    model.runtime().level_info(l, info).ignore();
     levels.push_back({{"force_centers", info.force_centers},
                       {"deformation_centers", info.deformation_centers},
                       {"modes", info.modes},

@@ -206,7 +206,7 @@ CaseResult read_case(const StudyRun& run, const PaperCase& of) {
   }
   if (of.linear) return result;
   const LoadedModel networks(folder / "networks"), ours(folder / "ours");
-  if (phn_n_triangles(networks.handle()) == 0) return result;
+  if (networks.runtime().triangles().empty()) return result;
   result.times = measure_runtime(networks, ours, n_surface_levels);
   for (int level = 0; level < n_surface_levels; ++level)
     result.surfaces.push_back(surface_at(networks, level));

@@ -134,7 +134,7 @@ void run(const Options& options) {
              {"max_displacement_m", scene.probe.max_displacement_m},
              {"outside_factor", report.outside_factor},
              {"nodes", report.nodes},
-             {"level", phn_level_of(model.data())},
+             {"level", model.data().level()},
              {"seed", seed}}},
            {"distance_correlation",
             {{"inside", or_null(report.distance_correlation_inside)},

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <phynness/phynness_surface.hpp>
 #include <phynness/validation/probe_plan.hpp>
 #include <random>
 
@@ -24,19 +25,13 @@ study::StudyData moved(study::StudyData data, const RowVector3d& by) {
 
 /// Once subdivided, at rest.
 struct FineSurface {
-  explicit FineSurface(const LoadedModel& model) {
-    std::size_t bytes = 0;
-    phn_surface_size(model.handle(), 1, &bytes);
-    memory.resize(bytes);
-    phn_surface_init(memory.data(), bytes, model.handle(), 1, &surface);
-  }
+  explicit FineSurface(const LoadedModel& model) : surface(model.runtime(), 1) {}
   Eigen::MatrixXd points() const {
     return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-               phn_surface_points(surface), phn_surface_n_vertices(surface), 3)
+               surface.points().data(), surface.n_vertices(), 3)
         .cast<double>();
   }
-  std::vector<std::byte> memory;
-  const phn_surface* surface = nullptr;
+  rt::Surface surface;
 };
 
 double largest_difference(const LoadedModel& here, const LoadedModel& there, bool force) {

@@ -122,8 +122,8 @@ void extrapolation(const SolverSession&) {
         if (r.status != Status::converged) return false;
         ++solved[i];
         const Vec3 d{depths[i] * e[0], depths[i] * e[1], depths[i] * e[2]};
-        double deep = 0;
-        warned[i] += phn_trained_depth(modal.handle(), node, d.data(), &deep) == PHN_WARNING_OUTSIDE;
+        phn_trusted trusted;
+        warned[i] += modal.runtime().trust(node, d, trusted).outside();
         const Points u = at_output(r.displacement_m, output);
         Compared zero;
         zero.u = Points::Zero(u.rows(), 3);
@@ -187,7 +187,7 @@ void missing(const SolverSession& session) {
     double f[3];
     const double d[3] = {0, 0, 0.001};
     fmt::print("        at that node: {}\n",
-               phn_status_message(phn_force(model.handle(), model.data(), lost, d, f)));
+               model.data().force(lost, d, f).message());
   }
 }
 

@@ -61,14 +61,14 @@ bool place(const LoadedModel& model, std::mt19937_64& random, double apart_m, ph
   at[1] = at[0] + apart_m * (std::cos(angle) * along + std::sin(angle) * across);
   for (int i = 0; i < 2; ++i) {
     double point[3];
-    if (phn_nearest(model.handle(), at[i].data(), &pair[i], point) < 0) return false;
+    if (!model.runtime().nearest(at[i], pair[i], point).ok()) return false;
     for (int k = 0; k < 3; ++k)
       if (pair[i].weights[k] > 0 && !active(pair[i].nodes[k])) return false;
     // Off the rim of a triangle the nearest point of the surface is elsewhere.
     if (i == 1) {
       double first[3];
       phn_tool again;
-      phn_nearest(model.handle(), at[0].data(), &again, first);
+      model.runtime().nearest(at[0], again, first).ignore();
       const double d = (Vector3d::Map(point) - Vector3d::Map(first)).norm();
       if (apart_m > 0 && std::abs(d / apart_m - 1) > 0.3) return false;
     }

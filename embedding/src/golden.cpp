@@ -1,5 +1,5 @@
 // Questions whose answers a device compares with its own.
-#include <phynness/image.h>
+#include <phynness/phynness_image.h>
 
 #include <algorithm>
 #include <cmath>
@@ -128,12 +128,12 @@ GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, 
     query.node = nodes[(i * 7919) % nodes.size()].node;
     query.displacement_m = device.held(displacement(model, query.node, i, numbers));
     const Vec3& d = query.displacement_m;
-    phn_force(model.handle(), model.data(), query.node, d.data(), query.force_N.data());
+    model.data().force(query.node, d, query.force_N).ignore();
     query.status = device.force(query.node, d, query.image_force_N);
     force.add(query.force_N, query.image_force_N);
     if (image.n_output > 0) {
       query.output = static_cast<std::int32_t>((i * 104729) % image.n_output);
-      phn_deform(model.handle(), model.data(), 1, &query.node, d.data(), field.data());
+      model.data().deform(query.node, d, field).ignore();
       std::copy_n(&field[3 * static_cast<std::size_t>(query.output)], 3, query.deformation_m.begin());
       device.deformation(query.node, d, query.output, query.image_deformation_m);
       deformation.add(query.deformation_m, query.image_deformation_m);

@@ -1,5 +1,5 @@
 // Model -> image. Follows runtime/include/phynness/image_layout.hpp.
-#include <phynness/image.h>
+#include <phynness/phynness_image.h>
 
 #include <algorithm>
 #include <cmath>

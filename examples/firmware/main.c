@@ -4,7 +4,7 @@
  * A device's loop is the one line phn_imagef_force (or phn_image_force): no set-up but open, no memory but
  * its stack.
  */
-#include <phynness/image.h>
+#include <phynness/phynness_image.h>
 #include <stdint.h>
 
 #include "board.h"

@@ -19,13 +19,16 @@ Vector3 solve(const double* K, double k, Vector3 b) {
 ForceThread::ForceThread(const LoopSettings& settings, const phn_model* model, phn_data* data, int32_t node)
     : _settings(settings), _model(model), _data(data), _node(node) {
   const double h = settings.largest_displacement_m > 0 ? settings.largest_displacement_m / 10 : 1e-3;
+  phn_info info;
+  phn_model_info(model, &info);
+  _has_stiffness = info.has_energy != 0;
   double slope[9];
   for (int k = 0; k < 3; ++k) {
     double to[3] = {}, from[3] = {}, f[3] = {}, g[3] = {};
     to[k] = h;
     from[k] = -h;
-    phn_force(model, data, node, to, f);
-    phn_force(model, data, node, from, g);
+    phn_force(model, data, node, to, f, nullptr, nullptr);
+    phn_force(model, data, node, from, g, nullptr, nullptr);
     for (int i = 0; i < 3; ++i) slope[3 * i + k] = (f[i] - g[i]) / (2 * h);
   }
   for (int i = 0; i < 3; ++i)
@@ -43,13 +46,11 @@ void ForceThread::follow_touching(Vector3 position) {
 void ForceThread::follow(Vector3 position) {
   const double d[3] = {_tool.x, _tool.y, _tool.z};
   double force[3] = {}, stiffness[9] = {};
-  const int status = phn_force(_model, _data, _node, d, force);
+  const int status = phn_force(_model, _data, _node, d, force, nullptr, _has_stiffness ? stiffness : nullptr);
   _warnings += status > 0;
-  if (phn_stiffness(_model, _data, _node, d, stiffness) < 0) {
-    // Networks have none. With that at rest the balance is found as long as the tissue, where it is touched, is not
-    // more than twice as stiff as it and the coupling together.
-    std::copy(_rest_stiffness, _rest_stiffness + 9, stiffness);
-  }
+  // Networks have no stiffness. With that at rest the balance is found as long as the tissue, where it is touched, is not
+  // more than twice as stiff as it and the coupling together.
+  if (!_has_stiffness || status < 0) std::copy(_rest_stiffness, _rest_stiffness + 9, stiffness);
   const double k = _settings.coupling_stiffness_N_per_m;
   const Vector3 unbalanced = k * (position - _tool) - Vector3{force[0], force[1], force[2]};
   // Where tissue softens faster than the coupling is stiff, a step of the coupling alone.

@@ -55,6 +55,7 @@ class ForceThread {
   phn_data* _data = nullptr;
   int32_t _node = -1;
   TouchingTool* _touching = nullptr;
+  bool _has_stiffness = false;
   double _rest_stiffness[9] = {};  ///< where the family has none
   Latest<Touch> _touch;
   Vector3 _tool, _last_position, _last_force;

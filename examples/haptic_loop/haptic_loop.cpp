@@ -116,9 +116,9 @@ class Model {
     if (!in) throw std::runtime_error(file + " cannot be read: name the folder that `phynness train -o` wrote");
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     std::size_t bytes = 0;
-    check(phn_model_size(text.data(), text.size(), &bytes), file);
+    check(phn_model_size(text.data(), text.size(), &bytes, nullptr), file);
     _model_memory.reset(new char[bytes]);
-    check(phn_model_init(_model_memory.get(), bytes, text.data(), text.size(), &_model), file);
+    check(phn_model_init(_model_memory.get(), bytes, text.data(), text.size(), &_model, nullptr), file);
     for (int i = 0; i < 2; ++i) {
       check(phn_data_size(_model, 1, &bytes), file);
       _data_memory[i].reset(new char[bytes]);
@@ -204,10 +204,12 @@ void run(const Options& o) {
   Model model(o.model_dir);
   const auto node = static_cast<int32_t>(o.node);
   const double rest[3] = {0, 0, 0};
-  double force[3], depth = 0;
-  const int status = phn_force(model.model(), model.data(0), node, rest, force);
+  double force[3];
+  phn_trusted trusted;
+  const int status = phn_force(model.model(), model.data(0), node, rest, force, nullptr, nullptr);
   if (status < 0) throw std::runtime_error("node " + std::to_string(o.node) + ": " + phn_status_message(status));
-  phn_trained_depth(model.model(), node, rest, &depth);
+  phn_trust(model.model(), node, rest, &trusted);
+  const double depth = trusted.trained_depth;
 
   LoopSettings settings;
   settings.coupling_stiffness_N_per_m = o.coupling;

@@ -3,12 +3,22 @@
 #include <algorithm>
 #include <chrono>
 
+namespace {
+
+int32_t n_output(const phn_model* model) {
+  phn_info info;
+  phn_model_info(model, &info);
+  return info.n_output;
+}
+
+}  // namespace
+
 PictureThread::PictureThread(Latest<Touch>& touch, const phn_model* model, phn_data* data, int32_t node,
                              double frames_per_s)
     : _touch(touch),
       _model(model),
       _data(data),
-      _field(3 * static_cast<std::size_t>(phn_n_output(model))),
+      _field(3 * static_cast<std::size_t>(n_output(model))),
       _thread([this, node, frames_per_s] { run(node, frames_per_s); }) {}
 
 void PictureThread::stop() {
@@ -28,7 +38,7 @@ void PictureThread::run(int32_t node, double frames_per_s) {
     const double d[3] = {touch.displacement.x, touch.displacement.y, touch.displacement.z};
     double force[3];
     const int32_t n_held = touch.held.nodes[0] >= 0 ? 1 : 0;
-    const int status = !touch.anywhere ? phn_deform(_model, _data, 1, &node, d, _field.data())
+    const int status = !touch.anywhere ? phn_deform(_model, _data, node, d, _field.data())
                        : phn_couple(_model, _data, n_held, &touch.held, force, nullptr) < 0
                            ? PHN_ERROR_ARGUMENT
                            : phn_coupled_deform(_model, _data, _field.data());

@@ -11,27 +11,29 @@ Vector3 cross(Vector3 a, Vector3 b) {
 }
 
 /// Of the surface's vertices: output nodes, then fixed ones.
-Vector3 point_of(const phn_model* model, int32_t vertex) {
-  const int32_t n = phn_n_output(model);
-  const double* x = vertex < n ? phn_output_points(model) + 3 * vertex : phn_fixed_points(model) + 3 * (vertex - n);
+Vector3 point_of(const phn_info& model, int32_t vertex) {
+  const int32_t n = model.n_output;
+  const double* x = vertex < n ? model.output_points + 3 * vertex : model.fixed_points + 3 * (vertex - n);
   return {x[0], x[1], x[2]};
 }
 
 }  // namespace
 
-TouchingTool::TouchingTool(const TouchingSettings& settings, const phn_model* model, phn_data* data,
-                           phn_contact* contact, int32_t node)
+TouchingTool::TouchingTool(const TouchingSettings& settings, const phn_model* of, phn_data* data, phn_contact* contact,
+                           int32_t node)
     : _settings(settings), _data(data), _contact(contact) {
+  phn_info model;
+  phn_model_info(of, &model);
   int32_t vertex = 0;
-  while (vertex < phn_n_output(model) && phn_output_nodes(model)[vertex] != node) ++vertex;
+  while (vertex < model.n_output && model.output_nodes[vertex] != node) ++vertex;
   Vector3 normal;
-  const int32_t* corner = phn_triangles(model);
-  for (int32_t t = 0; t < phn_n_triangles(model); ++t, corner += 3) {
+  const int32_t* corner = model.triangles;
+  for (int32_t t = 0; t < model.n_triangles; ++t, corner += 3) {
     if (corner[0] != vertex && corner[1] != vertex && corner[2] != vertex) continue;
     const Vector3 a = point_of(model, corner[0]);
     normal = normal + cross(point_of(model, corner[1]) - a, point_of(model, corner[2]) - a);
   }
-  if (vertex == phn_n_output(model) || !(length(normal) > 0))
+  if (vertex == model.n_output || !(length(normal) > 0))
     throw std::invalid_argument("node " + std::to_string(node) + " is no corner of the surface: --contact begins above one");
   _axis[2] = (1 / length(normal)) * normal;
   const Vector3 aside = std::abs(_axis[2].x) < 0.7 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};

@@ -1,7 +1,7 @@
-// A sphere that the coupling moves: through the air, onto the surface, over it and off again (phynness/contact.h).
+// A sphere that the coupling moves: through the air, onto the surface, over it and off again (phynness_contact.h).
 #pragma once
 
-#include <phynness/contact.h>
+#include <phynness/phynness_contact.h>
 
 #include "vector3.hpp"
 

@@ -33,7 +33,8 @@ static char* read_file(const char* name, size_t* length) {
 int main(int argc, char** argv) {
   const phn_model* model = NULL;
   phn_data* data = NULL;
-  size_t length = 0, model_bytes = 0, data_bytes = 0;
+  phn_info info;
+  size_t length = 0, model_bytes = 0, data_bytes = 0, wrong_byte = 0;
   int status;
 
   if (argc != 6) {
@@ -47,17 +48,19 @@ int main(int argc, char** argv) {
   }
 
   /* Start-up: ask for the size, bring the memory, build. A device would use static arrays here. */
-  status = phn_model_size(text, length, &model_bytes);
+  status = phn_model_size(text, length, &model_bytes, &wrong_byte);
+  if (wrong_byte > 0) fprintf(stderr, "byte %lu of ", (unsigned long)wrong_byte);
   if (status < 0) return stop(argv[1], status);
   void* model_memory = malloc(model_bytes);
-  status = phn_model_init(model_memory, model_bytes, text, length, &model);
+  status = phn_model_init(model_memory, model_bytes, text, length, &model, NULL);
   if (status < 0) return stop(argv[1], status);
   free(text); /* the model keeps nothing of it */
 
   /* Scratch: one per thread, here for one tool at a time. */
+  phn_model_info(model, &info);
   phn_data_size(model, 1, &data_bytes);
   void* data_memory = malloc(data_bytes);
-  double* u = malloc((size_t)phn_n_output(model) * 3 * sizeof *u);
+  double* u = malloc((size_t)info.n_output * 3 * sizeof *u);
   status = phn_data_init(data_memory, data_bytes, model, 1, &data);
   if (status < 0 || u == NULL) return stop("scratch", status);
 
@@ -65,20 +68,20 @@ int main(int argc, char** argv) {
   const int32_t node = (int32_t)strtol(argv[2], NULL, 10);
   const double d[3] = {strtod(argv[3], NULL), strtod(argv[4], NULL), strtod(argv[5], NULL)};
   double force[3];
-  status = phn_force(model, data, node, d, force);
+  status = phn_force(model, data, node, d, force, NULL, NULL);
   if (status < 0) return stop("force", status);
-  status = phn_deform(model, data, 1, &node, d, u);
+  status = phn_deform(model, data, node, d, u);
   if (status < 0) return stop("deformation", status);
   if (status > 0) printf("warning: %s\n", phn_status_message(status));
 
   double largest = 0;
-  for (int32_t i = 0; i < phn_n_output(model); ++i) {
+  for (int32_t i = 0; i < info.n_output; ++i) {
     largest =
         fmax(largest, sqrt(u[3 * i] * u[3 * i] + u[3 * i + 1] * u[3 * i + 1] + u[3 * i + 2] * u[3 * i + 2]));
   }
   printf("to hold it:      %9.5f %9.5f %9.5f N\n", force[0], force[1], force[2]);
   printf("to be rendered:  %9.5f %9.5f %9.5f N\n", -force[0], -force[1], -force[2]);
-  printf("of %d output nodes the farthest moves by %.6f m\n", (int)phn_n_output(model), largest);
+  printf("of %d output nodes the farthest moves by %.6f m\n", (int)info.n_output, largest);
 
   free(u);
   free(data_memory);

@@ -29,31 +29,36 @@ export function check(status, what) {
   return status;
 }
 
+// phn_info in memory of 32 bits: words before its numbers (three texts and a gap, a double of two words, six lists and
+// twice eight texts of fields), then nine numbers: nodes, active, output ... and a gap.
+const infoNumbers = 3 + 1 + 2 + 6 + 2 * 8, infoBytes = 4 * (infoNumbers + 9 + 1);
+
 // The whole runtime with a model.txt.
 export function loadModel(wasm, text) {
   const { f, take, view, put } = wasm;
   const at = put(text), size = take(4), handle = take(4);
   const number = (address) => view(Uint32Array, address, 1)[0];
-  check(f.phn_model_size(at, text.byteLength, size), 'phn_model_size');
+  check(f.phn_model_size(at, text.byteLength, size, 0), 'phn_model_size');
   const modelBytes = number(size);
-  check(f.phn_model_init(take(modelBytes), modelBytes, at, text.byteLength, handle), 'phn_model_init');
+  check(f.phn_model_init(take(modelBytes), modelBytes, at, text.byteLength, handle, 0), 'phn_model_init');
   const model = number(handle);
   check(f.phn_data_size(model, 1, size), 'phn_data_size');
   const dataBytes = number(size);
   check(f.phn_data_init(take(dataBytes), dataBytes, model, 1, handle), 'phn_data_init');
-  const data = number(handle), nOutput = f.phn_n_output(model);
-  const node = take(4), d = take(24), force = take(24), field = take(24 * nOutput);
+  const data = number(handle), info = take(infoBytes);
+  check(f.phn_model_info(model, info), 'phn_model_info');
+  const nOutput = view(Int32Array, info, infoBytes / 4)[infoNumbers + 2];
+  const d = take(24), force = take(24), field = take(24 * nOutput);
   return {
     nOutput,
     force(number_, displacement) {
       view(Float64Array, d, 3).set(displacement);
-      const status = check(f.phn_force(model, data, number_, d, force), 'phn_force');
+      const status = check(f.phn_force(model, data, number_, d, force, 0, 0), 'phn_force');
       return { status, force: view(Float64Array, force, 3) };
     },
     deform(number_, displacement) {
-      view(Int32Array, node, 1)[0] = number_;
       view(Float64Array, d, 3).set(displacement);
-      check(f.phn_deform(model, data, 1, node, d, field), 'phn_deform');
+      check(f.phn_deform(model, data, number_, d, field), 'phn_deform');
       return view(Float64Array, field, 3 * nOutput);
     },
   };
@@ -65,7 +70,7 @@ export function loadImage(wasm, bytes) {
   const at = put(bytes), handle = take(4);
   check(f.phn_imagef_open(at, bytes.byteLength, handle), 'phn_imagef_open');
   const image = view(Uint32Array, handle, 1)[0], nOutput = f.phn_imagef_n_output(image);
-  const d = take(12), force = take(12), scratch = take(4 * f.phn_imagef_scratch(image)), field = take(12 * nOutput);
+  const d = take(12), force = take(12), scratch = take(f.phn_imagef_scratch_size(image)), field = take(12 * nOutput);
   return {
     nOutput,
     force(node, displacement) {

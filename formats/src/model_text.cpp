@@ -12,8 +12,8 @@ namespace {
 
 /// The text between first and last line.
 std::string_view checked_body(std::string_view text, const std::string& source) {
-  std::size_t length = text.size();
-  const int status = schema::check_envelope(text.data(), length);
+  std::size_t length = text.size(), wrong_byte = 0;
+  const int status = schema::check_envelope(text.data(), length, wrong_byte);
   if (status == PHN_OK) return text.substr(0, length);
   const auto refuse = [&](const char* what, std::string value, const char* remedy) {
     throw input_error(source + ": " + what, std::move(value), remedy);

@@ -1,6 +1,6 @@
 #include "arena.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 void* Arena::take(std::size_t n, std::size_t per, std::size_t size, std::size_t align) {
   if (_overflow) return nullptr;
@@ -16,4 +16,4 @@ void* Arena::take(std::size_t n, std::size_t per, std::size_t size, std::size_t 
   return _base == nullptr ? nullptr : _base + at;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -7,7 +7,7 @@
 
 #include "strict_arithmetic.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// Arrays of at least this many bytes start at a cache line; smaller ones, of which a model has thousands,
 /// are packed.
@@ -51,4 +51,4 @@ class Arena {
   bool _overflow = false;
 };
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

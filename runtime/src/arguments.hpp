@@ -6,7 +6,7 @@
 #include "evaluate.hpp"
 #include "overlap.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 inline bool finite(const double* d) {
   return std::isfinite(d[0]) && std::isfinite(d[1]) && std::isfinite(d[2]);
@@ -27,4 +27,4 @@ inline int warnings(const phn_model& model, const ActiveNode& node, const double
   return (outside(model, node, d) ? PHN_WARNING_OUTSIDE : 0) | (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

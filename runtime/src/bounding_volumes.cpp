@@ -4,7 +4,7 @@
 
 #include "triangle.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 constexpr std::int32_t largest_leaf = 4;
@@ -220,4 +220,4 @@ double nearest(const ContactSurface& s, const BoundingVolumes& v, double radius,
   return least;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -4,7 +4,7 @@
 
 #include "contact_surface.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 struct BoundingVolume {
   double low[3], high[3], offset_low[3], offset_high[3];
@@ -35,4 +35,4 @@ double sweep(const ContactSurface& surface, const BoundingVolumes& volumes, doub
 double nearest(const ContactSurface& surface, const BoundingVolumes& volumes, double radius, const double* x,
                SurfacePoint& at);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

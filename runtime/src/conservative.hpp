@@ -9,7 +9,7 @@
 #include "square_root.hpp"
 #include "strict_arithmetic.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// With x = d / R, q(y) = sqrt(|y|^2 + shape^2) and b_i the coefficients:
 ///   force = K d + sum_i [Phi(x - c_i) - Phi(x) - Phi(c_i) + Phi(0)] b_i,  Phi(y) = q I + y y^T / q
@@ -137,4 +137,4 @@ void set_rest(Conservative<Real>& net) {
   set_rest(net, conservative_force<Conservative<Real>, Real>);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -3,7 +3,7 @@
 
 #include "arguments.hpp"
 
-using namespace phynness::runtime;
+using namespace PHN_RUNTIME;
 
 namespace {
 
@@ -27,7 +27,7 @@ ContactParts lay_out_contact(Arena& arena, const phn_model& model, std::int32_t 
 
 int refuse_init(const phn_model* model, std::int32_t max_tools) {
   if (model == nullptr || max_tools < 1) return PHN_ERROR_ARGUMENT;
-  return max_tools > most_coupled ? PHN_ERROR_TOOLS : PHN_OK;
+  return max_tools > most_coupled ? PHN_ERROR_TOO_MANY_TOOLS : PHN_OK;
 }
 
 constexpr phn_contact_state nothing = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}}, 0};
@@ -109,7 +109,7 @@ int phn_contact_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
   if (n == 0) return PHN_ERROR_UNDEFINED;
   Arena arena;
   lay_out_contact(arena, *model, n);
-  if (arena.overflow()) return PHN_ERROR_RANGE;
+  if (arena.overflow()) return PHN_ERROR_TOO_LARGE;
   *bytes = arena.needed();
   return PHN_OK;
 }

@@ -1,12 +1,12 @@
 // Tools in contact: where each touches, and what the balance of a step needs.
 #pragma once
 
-#include <phynness/contact.h>
+#include <phynness/phynness_contact.h>
 
 #include "bounding_volumes.hpp"
 #include "coupled.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// What a tool does in this step, cut to what numbers can bear.
 struct ToolInput {
@@ -38,17 +38,17 @@ struct ToolContact {
   std::int32_t n_shortened, n_pulling;
 };
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME
 
 struct phn_contact {
   const phn_model* model;
   std::int32_t max_tools;
-  phynness::runtime::ContactSurface surface;
-  phynness::runtime::BoundingVolumes volumes;
-  phynness::runtime::ToolContact tool[phynness::runtime::most_coupled];
+  PHN_RUNTIME::ContactSurface surface;
+  PHN_RUNTIME::BoundingVolumes volumes;
+  PHN_RUNTIME::ToolContact tool[PHN_RUNTIME::most_coupled];
 };
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// How far inside a start of a sweep may be and still be outside, in sizes of the body: far above rounding.
 inline constexpr double sweep_slack = 1e-9;
@@ -65,4 +65,4 @@ phn_tool held_by(const phn_contact& contact, const ToolContact& tool);
 /// Forces of all anchored tools: slides, and lets go what would pull. @return a status of phynness.h
 int balance(phn_contact& contact, phn_data& data, std::int32_t n_tools, const ToolInput* inputs, phn_coupled* result);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -1,7 +1,7 @@
 // The geometry of touching: sweeps of free tools, changes of mode.
 #include "contact.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 double slack_of(const phn_contact& contact) { return sweep_slack * contact.surface.size; }
@@ -90,4 +90,4 @@ void carry(const phn_contact& contact, const SurfacePoint& at, const double* fro
   for (int k = 0; k < 3; ++k) tool.place[k] = blocked ? y[k] : to[k];
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -2,7 +2,7 @@
 #include "contact.hpp"
 #include "evaluate.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 constexpr int most_slides = 8, fewest_slides = 2;  // of one tool; of many, which cost more each
@@ -306,4 +306,4 @@ int balance(phn_contact& contact, phn_data& data, std::int32_t n_tools, const To
   return Balance(contact, data, n_tools, inputs).run(result);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

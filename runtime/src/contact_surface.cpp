@@ -5,7 +5,7 @@
 #include "evaluate.hpp"
 #include "triangle.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 /// Position among the active nodes; -1: fixed; -2: can neither be touched nor is fixed.
@@ -137,7 +137,7 @@ int build_contact_surface(const phn_model& model, TouchableEdge* scratch, Contac
   for (std::int32_t v = 0; v < s.n_vertices; ++v) {
     const double* x = vertex_point(model, v);
     for (int k = 0; k < 3; ++k) {
-      if (!(std::fabs(x[k]) <= largest_coordinate_m)) return PHN_ERROR_RANGE;
+      if (!(std::fabs(x[k]) <= largest_coordinate_m)) return PHN_ERROR_GEOMETRY;
       row(s.rest, v)[k] = x[k];
       low[k] = v == 0 ? x[k] : std::fmin(low[k], x[k]);
       high[k] = v == 0 ? x[k] : std::fmax(high[k], x[k]);
@@ -235,4 +235,4 @@ double movable(const ContactSurface& s, const SurfacePoint& at) {
   return sum;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

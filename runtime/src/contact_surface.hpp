@@ -6,7 +6,7 @@
 #include "arena.hpp"
 #include "triangle.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// Corners that move have at least this part of a touched point: the stiffness of a point beside a fixed edge has no
 /// bound.
@@ -70,4 +70,4 @@ inline void corners_of(const ContactSurface& s, const double* points, std::int32
   for (int k = 0; k < 3; ++k) corner[k] = row(points, s.triangle[3 * triangle + k]);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -1,6 +1,6 @@
 #include "contact_surface.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 constexpr int most_crossings = 32;
@@ -86,4 +86,4 @@ void walk(const ContactSurface& s, SurfacePoint& at, const double* step) {
   tidy(s, at);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

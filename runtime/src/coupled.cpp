@@ -6,7 +6,7 @@
 #include "small_matrices.hpp"
 #include "tool_responses.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 /// In parts of each tool's own compliance: how much is left of two tools' compliances once they oppose each
@@ -41,7 +41,7 @@ class Solver : private ToolResponses {
   CoupledResult run() {
     const std::int32_t n = _c.n_tools;
     double far = 0;
-    _c.n_sets = n > 1 && _model.family != Family::linear ? 1 + n : 1;
+    _c.n_sets = n > 1 && !schema::traits(_model.family).proportional ? 1 + n : 1;
     for (std::int32_t s = 0; s < n; ++s) {
       prepare(s);
       far = std::fmax(far, length(_targets + 3 * s));
@@ -83,7 +83,7 @@ class Solver : private ToolResponses {
   /// @return energy
   double combine_orders() {
     const std::int32_t n = _c.n_tools;
-    const bool linear = _model.family == Family::linear;
+    const bool linear = schema::traits(_model.family).proportional;
     for (std::int32_t i = 0; i < n; ++i) {
       _c.energy[i] = respond(i, _targets + 3 * i);
       for (int k = 0; k < 3; ++k) _c.alone[3 * i + k] = _c.point[i].force[k];
@@ -456,4 +456,4 @@ void coupled_field(const phn_model& model, const Coupling& c, PreparedNodes& pre
   }
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

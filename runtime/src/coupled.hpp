@@ -6,7 +6,7 @@
 #include "local_response.hpp"
 #include "surface_turn.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// More tools than this are not coupled: memory and time grow with the square.
 inline constexpr std::int32_t most_coupled = 8;
@@ -82,4 +82,4 @@ CoupledResult solve_coupled(const phn_model& model, Coupling& coupling, const do
 void coupled_field(const phn_model& model, const Coupling& coupling, PreparedNodes& prepared, double* scratch,
                    double* one, double* field);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

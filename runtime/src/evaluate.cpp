@@ -6,16 +6,7 @@
 #include "modal.hpp"
 #include "network_kernels.hpp"
 
-namespace phynness::runtime {
-namespace {
-
-double distance_between(const double* a, const double* b) {
-  const double t[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-  return length(t);
-}
-
-}  // namespace
-
+namespace PHN_RUNTIME {
 double length(const double* d) {
   double largest = 0;
   for (int k = 0; k < 3; ++k) largest = std::fmax(largest, std::fabs(d[k]));
@@ -68,7 +59,7 @@ void evaluate_stiffness(const phn_model& model, const ActiveNode& node, const do
   }
 }
 
-bool has_energy(const phn_model& model) { return model.family != Family::rbfn; }
+bool has_energy(const phn_model& model) { return schema::traits(model.family).has_energy; }
 
 bool has_deformation(const phn_model& model, const ActiveNode& node) {
   return model.family != Family::modal || node.modal->n_modes > 0;
@@ -82,43 +73,8 @@ void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t a
   field_of_basis(model, node, prepare(model, data.prepared, active), 1, d, basis, data.scratch, field);
 }
 
-void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,
-                 const double* displacements, double* out) {
-  const auto tool = [&](std::int32_t t) -> const ActiveNode& {
-    return model.active[find_active(model, nodes[t])];
-  };
-  for (std::int32_t o = 0; o < model.n_output; ++o) {
-    const double* point = &model.output_points[3 * o];
-    double nearest = distance_between(point, tool(0).point);
-    for (std::int32_t t = 1; t < n_tools; ++t)
-      nearest = std::fmin(nearest, distance_between(point, tool(t).point));
-    // (16) with numerator and denominator multiplied by the smallest distance: every term lies in [0, 1].
-    double sum = 0;
-    for (std::int32_t t = 0; t < n_tools; ++t) {
-      const double distance = distance_between(point, tool(t).point);
-      sum += distance > 0 ? nearest / distance : 1;
-    }
-    data.nearest[o] = nearest;
-    data.weight_sum[o] = sum;
-    for (int k = 0; k < 3; ++k) out[3 * o + k] = 0;
-  }
-  for (std::int32_t t = 0; t < n_tools; ++t) {
-    evaluate_deformation(model, data, find_active(model, nodes[t]), &displacements[3 * t], data.field);
-    for (std::int32_t o = 0; o < model.n_output; ++o) {
-      const double distance = distance_between(&model.output_points[3 * o], tool(t).point);
-      const double weight = (distance > 0 ? data.nearest[o] / distance : 1) / data.weight_sum[o];
-      for (int k = 0; k < 3; ++k) out[3 * o + k] += weight * data.field[3 * o + k];
-    }
-  }
-  // At a touched node the weights are singular; their limit is the node's own displacement.
-  for (std::int32_t t = 0; t < n_tools; ++t) {
-    if (tool(t).output < 0) continue;
-    for (int k = 0; k < 3; ++k) out[3 * tool(t).output + k] = displacements[3 * t + k];
-  }
-}
-
 bool outside(const phn_model& model, const ActiveNode& node, const double* d) {
-  if (model.family == Family::linear) return length(d) > largest_linear;
+  if (schema::traits(model.family).proportional) return length(d) > largest_linear;
   // No root for most: squares that overflow or underflow go on below.
   if (dot(d, d) < node.least_depth * node.least_depth) return false;
   // The deepest increment itself is inside, however its direction was rounded.
@@ -148,4 +104,4 @@ double trained_depth(const phn_model& model, const ActiveNode& node, const doubl
   return depth;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -1,5 +1,4 @@
-// Evaluation of the networks (11)-(12), of linear responses, and of the blending of several tools (15)-(16);
-// modal responses are in modal.hpp.
+// Evaluation of the networks (11)-(12) and of linear responses; modal responses are in modal.hpp.
 #pragma once
 
 #include "coupled.hpp"
@@ -16,11 +15,11 @@ struct phn_data {
   double* weight_sum;  ///< n_output: sum of nearest / distance over the tools
   std::int32_t* asked_nodes;  ///< max_tools: of the deformation that is asked for,
   double* asked;              ///< and max_tools x 3 displacements, copied: its output may be their memory
-  phynness::runtime::Coupling coupling;
-  phynness::runtime::PreparedNodes prepared;
+  PHN_RUNTIME::Coupling coupling;
+  PHN_RUNTIME::PreparedNodes prepared;
 };
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// Below, `model` is that of a level.
 /// @param d  3 [m], finite; @param force 3 [N]
@@ -47,10 +46,6 @@ void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t a
 /// Field of a basis (local_response.hpp), nodes moved by the probe itself not yet set. @param field n_output x 3 [m]
 void linear_field(const phn_model& model, const LinearResponse& linear, const double* d, double* field);
 
-/// Several tools by (15)-(16). @param active positions of the tools among the active nodes, all different
-void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,
-                 const double* displacements, double* out);
-
 /// Whether d is beyond what was trained; a linear model is exact at any depth, until components are cut.
 bool outside(const phn_model& model, const ActiveNode& node, const double* d);
 
@@ -60,4 +55,4 @@ double trained_depth(const phn_model& model, const ActiveNode& node, const doubl
 /// |d| without overflow or underflow; infinite only where the value itself is beyond the largest double.
 double length(const double* d);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

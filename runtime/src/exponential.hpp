@@ -6,7 +6,7 @@
 
 #include "instruction_sets.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// exp(x) for x <= 0, -infinity included; where x < -300, exp(-300) = 5e-131: nothing beside any constant, and two of
 /// them times a weight are still a normal number. Others take processors many times as long.
@@ -50,4 +50,4 @@ PHN_INLINE float power_of_half(float t) {
   return (high * f4 + low) * power;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

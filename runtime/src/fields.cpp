@@ -4,7 +4,7 @@
 #include "modal.hpp"
 #include "modal_kernels.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 /// e_jk = x_j x_k |x|^(degree - 2), zero at x = 0.
@@ -33,4 +33,4 @@ void modal_field(const phn_model& model, const ModalResponse& node, std::int32_t
   for (std::int32_t o = 0; o < model.n_output; ++o) out[o] = std::fmax(0.0, shared.scale * out[o]);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

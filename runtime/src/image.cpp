@@ -2,7 +2,7 @@
 #include "image_deform.hpp"
 #include "overlap.hpp"
 
-using namespace phynness::runtime;
+using namespace PHN_RUNTIME;
 
 namespace {
 
@@ -128,7 +128,9 @@ int deform(const ImageHeader<Real>* image, Real* scratch, int32_t node, const Re
   int NAME##_trained_depth(const NAME* image, int32_t node, const Real d[3], Real* depth_m) {                       \
     return depth(header(image), node, d, depth_m);                                                                  \
   }                                                                                                                 \
-  size_t NAME##_scratch(const NAME* image) { return image ? header(image)->n_scratch : 0; }                         \
+  size_t NAME##_scratch_size(const NAME* image) {                                                                   \
+    return image ? header(image)->n_scratch * sizeof(Real) : 0;                                                     \
+  }                                                                                                                 \
   int NAME##_deform(const NAME* image, Real* scratch, int32_t node, const Real d[3], Real* out) {                   \
     return deform(header(image), scratch, node, d, out);                                                            \
   }                                                                                                                 \

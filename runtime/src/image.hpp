@@ -1,13 +1,13 @@
 // Evaluation of images (image_layout.hpp): no header of a C++ library, no function of anybody else's.
 #pragma once
 
-#include <phynness/image.h>
+#include <phynness/phynness_image.h>
 
 #include <phynness/image_layout.hpp>
 
 #include "conservative.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 template <class Real>
 using ImageHeader = image::Header<Real>;
@@ -226,4 +226,4 @@ void image_stiffness_at(const ImageHeader<Real>& image, const image::ActiveNode<
   conservative_stiffness(image_force(image, *at<image::ModalResponse<Real>>(image, node.response)), x, stiffness);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

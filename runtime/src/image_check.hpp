@@ -4,7 +4,7 @@
 
 #include "image.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 template <class Real>
 class ImageCheck {
@@ -169,4 +169,4 @@ int open_image(const void* memory, size_t bytes, const ImageHeader<Real>*& opene
   return status;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -3,7 +3,7 @@
 
 #include "image.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 template <class Real>
 bool image_has_deformation(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node) {
@@ -124,4 +124,4 @@ void image_field_at(const ImageHeader<Real>& image, const image::ActiveNode<Real
   }
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -2,7 +2,7 @@
 #include "image_check.hpp"
 #include "overlap.hpp"
 
-using namespace phynness::runtime;
+using namespace PHN_RUNTIME;
 
 namespace {
 

@@ -2,6 +2,8 @@
 // registers, the same operations in the same order, nothing fused: the same bits everywhere.
 #pragma once
 
+#include "precision.hpp"
+
 #if defined(__x86_64__) && defined(__GNUC__)
 #define PHN_X86_64
 #endif
@@ -19,9 +21,9 @@
 #define PHN_KEEP_IN_MEMORY(array)
 #endif
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// 0: any processor; 1: AVX2; 2: AVX-512.
 inline constexpr int n_instruction_sets = 3;
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -1,11 +1,11 @@
 // The C interface to levels: choosing one, and what each costs on this machine.
+#include <phynness/phynness_levels.h>
+
 #include <cmath>
 
 #include "arguments.hpp"
-#include "trained.hpp"
 
-using phynness::runtime::ActiveNode;
-using phynness::Family;
+using namespace PHN_RUNTIME;
 
 namespace {
 
@@ -111,9 +111,9 @@ int measure_levels(const phn_model* model, phn_data* data, double (*clock_us)(vo
   };
   // A node that has a deformation, if there is one.
   int32_t touched = node(n / 2);
-  for (int32_t i = 0; i < model->n_active && !phynness::runtime::has_deformation(*model, model->active[touched]); ++i)
+  for (int32_t i = 0; i < model->n_active && !has_deformation(*model, model->active[touched]); ++i)
     touched = i;
-  const bool deforms = phynness::runtime::has_deformation(*model, model->active[touched]);
+  const bool deforms = has_deformation(*model, model->active[touched]);
   Stopwatch watch(clock_us, user);
   bool good = true;
   for (int32_t l = 0; l < model->n_levels && good; ++l) {
@@ -123,13 +123,13 @@ int measure_levels(const phn_model* model, phn_data* data, double (*clock_us)(vo
     good = watch.measure(
         [&](int32_t i) {
           displacement(*model, i, d);
-          phn_force(model, data, model->active_nodes[node(i)], d, force);
+          phn_force(model, data, model->active_nodes[node(i)], d, force, nullptr, nullptr);
         },
         &times[l].force_us);
     good = good && (!deforms || watch.measure(
                                     [&](int32_t i) {
                                       displacement(*model, i, d);
-                                      phn_deform(model, data, 1, model->active_nodes + touched, d, data->field);
+                                      phn_deform(model, data, model->active_nodes[touched], d, data->field);
                                     },
                                     &times[l].deformation_us));
   }
@@ -159,25 +159,9 @@ int32_t best_level(const phn_model* model, const phn_level_time* times, double n
   return best < 0 ? PHN_ERROR_BUDGET : best;
 }
 
-/// @param found  distance and relative, of a call that is not refused. @return a status of phynness.h
-int distance_from_trained(const phn_model& model, std::int32_t node, const double* d, double* found) {
-  const std::int32_t at = phynness::runtime::find_active(model, node);
-  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
-  if (!phynness::runtime::finite(d)) return PHN_ERROR_NOT_FINITE;
-  const ActiveNode& active = model.active[at];
-  if (model.family != Family::linear) {
-    const double x = phynness::runtime::trained_distance(model, active, d);
-    found[0] = std::fmin(1e300, model.max_displacement * x);
-    found[1] = std::fmin(1e300, x / active.fill_distance);
-  }
-  return phynness::runtime::warnings(model, active, d) & PHN_WARNING_OUTSIDE;
-}
-
 }  // namespace
 
 extern "C" {
-
-int32_t phn_n_levels(const phn_model* model) { return model ? model->n_levels : 0; }
 
 int phn_level_info(const phn_model* model, int32_t level, phn_level* info) {
   if (info == nullptr) return PHN_ERROR_ARGUMENT;
@@ -186,7 +170,7 @@ int phn_level_info(const phn_model* model, int32_t level, phn_level* info) {
   const phn_model& of_level = level_of(*model, level);
   info->force_centers = most_centers(of_level);
   info->deformation_centers =
-      model->family == Family::rbfn ? most_neurons(of_level) : of_level.shared.n_centers;
+      model->family == phynness::Family::rbfn ? most_neurons(of_level) : of_level.shared.n_centers;
   info->modes = most_modes(of_level);
   info->error_force = of_level.errors.force;
   info->error_displacement = of_level.errors.displacement;
@@ -209,7 +193,7 @@ int32_t phn_level_of(const phn_data* data) {
 int phn_calibrate(const phn_model* model, phn_data* data, double (*clock_us)(void* user), void* user,
                   phn_level_time* times) {
   if (model == nullptr || times == nullptr) return PHN_ERROR_ARGUMENT;
-  phn_level_time measured[phynness::runtime::largest_level_count] = {};
+  phn_level_time measured[largest_level_count] = {};
   const int status = measure_levels(model, data, clock_us, user, measured);
   for (int32_t l = 0; l < model->n_levels; ++l)
     times[l] = status == PHN_OK ? measured[l] : phn_level_time{0, 0};
@@ -222,20 +206,6 @@ int phn_budget(const phn_model* model, const phn_level_time* times, double n_for
   const int32_t best = best_level(model, times, n_forces, n_deformations, budget_us);
   *level = best < 0 ? 0 : best;
   return best < 0 ? best : PHN_OK;
-}
-
-int phn_trained_distance(const phn_model* model, int32_t node, const double d[3], double* distance,
-                         double* relative) {
-  double found[2] = {0, 0};
-  int status = PHN_ERROR_ARGUMENT;
-  if (model != nullptr && d != nullptr && distance != nullptr && relative != nullptr) {
-    status = phynness::runtime::overlap(distance, sizeof *distance, relative, sizeof *relative)
-                 ? PHN_ERROR_OVERLAP
-                 : distance_from_trained(*model, node, d, found);
-  }
-  if (distance != nullptr) *distance = found[0];
-  if (relative != nullptr) *relative = found[1];
-  return status;
 }
 
 }  // extern "C"

@@ -5,7 +5,7 @@
 #include "evaluate.hpp"
 #include "load_stores.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 // Sums of outputs stay this far from the largest double, so that no addition of a few of them overflows.
@@ -171,7 +171,7 @@ void ModelLoader::family(Family& family) {
     _model.family = family = static_cast<Family>(f);
     return;
   }
-  _in.fail(PHN_ERROR_FAMILY);
+  _in.fail_next(PHN_ERROR_FAMILY);
 }
 
 void ModelLoader::shape(const char*, Displacements& store, std::int64_t rows, std::int64_t cols) {
@@ -400,12 +400,12 @@ int ModelLoader::finish(phn_model* placed) {
     of_level[l] = model.shared;
     if (modal()) _store.levels.part[l].centers.make(_load, of_level[l]);
   }
-  if (good() && !_in.at_end()) _in.fail(PHN_ERROR_SYNTAX);
+  if (!_in.at_end()) _in.fail_next(PHN_ERROR_SYNTAX);
   if (!good()) return _in.status();
   if (_arena.overflow()) return PHN_ERROR_BUFFER;
   if (placed == nullptr) return PHN_OK;
   const double unit = modal() ? model.max_displacement : 1;
-  const double first = phynness::runtime::length(model.displacements) * unit;
+  const double first = length(model.displacements) * unit;
   model.first_increment = model.max_displacement / 10;
   if (first > 1e-6 * model.max_displacement && first < 1e3 * model.max_displacement) model.first_increment = first;
   model.full = placed;
@@ -445,9 +445,9 @@ std::int32_t find_active(const phn_model& model, std::int32_t node) {
   return find_sorted(model.active_nodes, model.n_active, node);
 }
 
-int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** result) {
+int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** result, std::size_t& wrong_byte) {
   *result = nullptr;
-  const int envelope = schema::check_envelope(text, length);
+  const int envelope = schema::check_envelope(text, length, wrong_byte);
   if (envelope != PHN_OK) return envelope;
   TextReader in(text, length);
   in.rest_of_line();  // identity and version, which were checked
@@ -460,8 +460,9 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   ModelLoader loader(in, arena, model, store);
   schema::model(loader, store);
   const int status = loader.finish(placed);
+  wrong_byte = in.wrong_byte();
   if (status == PHN_OK) *result = placed;
   return status;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -4,7 +4,7 @@
 
 #include "trained.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 /// Zeros from entry n on to whole blocks.
@@ -154,4 +154,4 @@ ModalTables ModesStore::made() const {
   return tables;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -10,7 +10,7 @@
 #include "modal_kernels.hpp"
 #include "model.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 using schema::TextReader;
 
@@ -29,7 +29,7 @@ struct Load {
   TextReader& in;
   Arena& arena;
   phn_model& model;
-  bool has_memory() const { return runtime::has_memory(arena); }
+  bool has_memory() const { return PHN_RUNTIME::has_memory(arena); }
   void fail() { in.fail(PHN_ERROR_RANGE); }
   void require(bool condition) {
     if (!condition) fail();
@@ -317,4 +317,4 @@ struct NodeLevelStore {
   Parts<ScaledTable, largest_field_count> field_weights;
 };
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -7,7 +7,7 @@
 #include "network_kernels.hpp"
 #include "small_matrices.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 std::int32_t position_of(const std::int32_t* list, std::int32_t n, std::int32_t value) {
@@ -275,4 +275,4 @@ void stiffness_at_rest(const phn_model& model, const ActiveNode& node, double* s
   stiffen(stiffness);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

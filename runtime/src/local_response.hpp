@@ -4,7 +4,7 @@
 
 #include "prepared.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// A sum of maps times displacements of a few vertices under one active node displaced by d: constant +
 /// direct d + rows . basis(d).
@@ -61,4 +61,4 @@ double curvature(const phn_model& model, const ActiveNode& node, const double* s
 /// x 3 [N/m]
 void stiffness_at_rest(const phn_model& model, const ActiveNode& node, double* stiffness);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -2,7 +2,7 @@
 
 #include "modal_kernels.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 void modal_force(const ModalResponse& node, const double* d, double* force) {
   double x[3];
@@ -22,4 +22,4 @@ void modal_stiffness(const ModalResponse& node, const double* d, double* stiffne
   conservative_stiffness(node.force, x, stiffness);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

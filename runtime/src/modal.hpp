@@ -4,7 +4,7 @@
 
 #include "model.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// @param force  3 [N]
 void modal_force(const ModalResponse& node, const double* d, double* force);
@@ -18,4 +18,4 @@ void modal_stiffness(const ModalResponse& node, const double* d, double* stiffne
 void modal_field(const phn_model& model, const ModalResponse& node, std::int32_t field, const double* d,
                  double* scratch, double* out);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

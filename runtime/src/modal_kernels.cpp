@@ -1,6 +1,6 @@
 #include "modal_kernels.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 /// The first n entries of row r of a table times a vector.
@@ -255,4 +255,4 @@ const ModalKernels& best_modal_kernels() {
   return any::kernels;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -6,7 +6,7 @@
 #include "instruction_sets.hpp"
 #include "prepared.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 struct ModalKernels {
   const char* name;
@@ -44,4 +44,4 @@ PHN_INLINE double amplitude_kernel(const SharedModes& shared, const double* x, d
   return std::sqrt(dot(y, y) + shared.shape * shared.shape) - q;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

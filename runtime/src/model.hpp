@@ -13,9 +13,10 @@
 #include "conservative.hpp"
 #include "real.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 using schema::largest_field_count;
+static_assert(largest_field_count == PHN_MOST_FIELDS);
 using schema::largest_level_count;
 
 /// Gaussian network on scaled inputs and outputs, (11)-(12).
@@ -140,7 +141,7 @@ struct LevelErrors {
   double force, displacement;
 };
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME
 
 /// A level of a model is a phn_model of its own, made of the same arrays but for what the level has itself: centers of
 /// amplitudes and the responses of the active nodes. The last level is the model that the others belong to.
@@ -149,7 +150,7 @@ struct phn_model {
   const phn_model* smaller;  ///< the other levels, n_levels - 1
   std::size_t bytes;         ///< of the memory behind this that the model takes
   std::int32_t n_levels;
-  phynness::runtime::LevelErrors errors;
+  PHN_RUNTIME::LevelErrors errors;
   phynness::Family family;
   const char *title, *mesh_hash;  ///< end with 0
   std::int32_t n_nodes, n_active, n_output, n_fixed, n_triangles, n_directions;
@@ -168,20 +169,21 @@ struct phn_model {
   double first_increment;  ///< [m]: length of the first row of displacements
   std::int32_t n_displacements;
   const double* displacements;  ///< rows of 3; in family modal over max_displacement
-  phynness::runtime::SharedModes shared;
+  PHN_RUNTIME::SharedModes shared;
   std::int32_t n_fields;
-  phynness::runtime::SharedField fields[phynness::runtime::largest_field_count];
-  const phynness::runtime::ActiveNode* active;
+  PHN_RUNTIME::SharedField fields[PHN_RUNTIME::largest_field_count];
+  const PHN_RUNTIME::ActiveNode* active;
 };
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 class Arena;
 
 /// Walks the whole text; fills the model if the arena has memory, otherwise only counts.
 /// @param model  set to the model inside the arena, or null
+/// @param wrong_byte  where a refused text is wrong, counted from 1; 0 for a good one
 /// @return a status of phynness.h
-int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** model);
+int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** model, std::size_t& wrong_byte);
 
 /// Position of `node` among the active nodes, or -1.
 std::int32_t find_active(const phn_model& model, std::int32_t node);
@@ -190,4 +192,4 @@ std::int32_t find_vertex(const phn_model& model, std::int32_t node);
 /// Position of `node` in an ascending list of n, or -1.
 std::int32_t find_sorted(const std::int32_t* list, std::int32_t n, std::int32_t node);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -2,7 +2,7 @@
 
 #include "exponential.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 PHN_INLINE std::int32_t smaller(std::int32_t a, std::int32_t b) { return a < b ? a : b; }
@@ -160,4 +160,4 @@ const NetworkKernels& best_network_kernels() {
   return any::kernels;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

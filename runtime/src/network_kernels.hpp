@@ -4,7 +4,7 @@
 #include "instruction_sets.hpp"
 #include "model.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// A Gaussian of displacement and coordinates is the product of one of each, exp(-|d - c_d|^2 / r^2) exp(-|X - c_X|^2 /
 /// r^2): what belongs to the coordinates is computed once for a touched node.
@@ -30,4 +30,4 @@ inline constexpr std::int32_t nodes_per_block = 16;
 const NetworkKernels* network_kernels(int set);
 const NetworkKernels& best_network_kernels();
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

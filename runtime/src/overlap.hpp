@@ -6,7 +6,7 @@
 
 #include "strict_arithmetic.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// Null and empty pieces overlap nothing.
 inline bool overlap(const void* a, size_t a_bytes, const void* b, size_t b_bytes) {
@@ -15,4 +15,4 @@ inline bool overlap(const void* a, size_t a_bytes, const void* b, size_t b_bytes
   return at_a < at_b ? at_b - at_a < a_bytes : at_a - at_b < b_bytes;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

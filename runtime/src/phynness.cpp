@@ -5,16 +5,10 @@
 
 #include "arena.hpp"
 #include "arguments.hpp"
-#include "evaluate.hpp"
 #include "modal.hpp"
-#include "model.hpp"
+#include "trained.hpp"
 
-using phynness::runtime::ActiveNode;
-using phynness::runtime::Arena;
-using phynness::runtime::finite;
-using phynness::runtime::overlap;
-using phynness::runtime::refuse;
-using phynness::runtime::warnings;
+using namespace PHN_RUNTIME;
 
 namespace {
 
@@ -25,12 +19,9 @@ struct Asked {
 };
 
 /// Checks the arguments of a response of one node.
-int find_node(const phn_model* model, const phn_data* data, std::int32_t node, const double* d,
-              const double* out, Asked& asked) {
-  if (model == nullptr || data == nullptr || data->model != model || d == nullptr || out == nullptr) {
-    return PHN_ERROR_ARGUMENT;
-  }
-  const std::int32_t at = phynness::runtime::find_active(*model, node);
+int find_node(const phn_model* model, const phn_data* data, std::int32_t node, const double* d, Asked& asked) {
+  if (model == nullptr || data == nullptr || data->model != model || d == nullptr) return PHN_ERROR_ARGUMENT;
+  const std::int32_t at = find_active(*model, node);
   if (at < 0) return PHN_ERROR_NOT_ACTIVE;
   if (!finite(d)) return PHN_ERROR_NOT_FINITE;
   asked = {&data->level->active[at], {d[0], d[1], d[2]}};
@@ -54,31 +45,28 @@ DataParts lay_out(Arena& arena, const phn_model& model, std::int32_t max_tools) 
   parts.value.weight_sum = arena.take<double>(n_output);
   parts.value.asked_nodes = arena.take<std::int32_t>(static_cast<std::size_t>(max_tools));
   parts.value.asked = arena.take<double>(static_cast<std::size_t>(max_tools), 3);
-  parts.value.coupling = phynness::runtime::lay_out_coupling(arena, model, max_tools);
-  parts.value.prepared = phynness::runtime::lay_out_prepared(arena, model, max_tools);
+  parts.value.coupling = lay_out_coupling(arena, model, max_tools);
+  parts.value.prepared = lay_out_prepared(arena, model, max_tools);
   return parts;
 }
 
-/// Copies the tools of a deformation into the data and checks them. @return a status of phynness.h
-int read_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,
-               const double* displacements) {
-  if (nodes == nullptr || displacements == nullptr) return PHN_ERROR_ARGUMENT;
-  if (n_tools > data.max_tools) return PHN_ERROR_TOOLS;
-  int status = PHN_OK;
-  for (std::int32_t t = 0; t < n_tools; ++t) {
-    double* d = data.asked + 3 * static_cast<std::size_t>(t);
-    data.asked_nodes[t] = nodes[t];
-    for (int k = 0; k < 3; ++k) d[k] = displacements[3 * static_cast<std::size_t>(t) + k];
-    const std::int32_t at = phynness::runtime::find_active(model, data.asked_nodes[t]);
-    if (at < 0) return PHN_ERROR_NOT_ACTIVE;
-    if (!finite(d)) return PHN_ERROR_NOT_FINITE;
-    for (std::int32_t s = 0; s < t; ++s) {
-      if (data.asked_nodes[s] == data.asked_nodes[t]) return PHN_ERROR_SAME_NODE;
-    }
-    if (!phynness::runtime::has_deformation(model, model.active[at])) return PHN_ERROR_UNDEFINED;
-    status |= warnings(model, model.active[at], d);
-  }
-  return status;
+constexpr std::size_t vector_bytes = 3 * sizeof(double), matrix_bytes = 9 * sizeof(double);
+
+/// Checks what is asked beside a force. @return a status of phynness.h
+int check_derivatives(const phn_model& model, const double* force, const double* energy, const double* stiffness) {
+  if (overlap(force, vector_bytes, energy, sizeof *energy) || overlap(force, vector_bytes, stiffness, matrix_bytes) ||
+      overlap(energy, sizeof *energy, stiffness, matrix_bytes))
+    return PHN_ERROR_OVERLAP;
+  return has_energy(model) ? PHN_OK : PHN_ERROR_UNDEFINED;
+}
+
+/// Where a model is exact, nothing is far from what it was trained on.
+void measure_trust(const phn_model& model, const ActiveNode& node, const double* d, phn_trusted& trusted) {
+  trusted.trained_depth = trained_depth(model, node, d);
+  if (model.family == Family::linear) return;
+  const double x = trained_distance(model, node, d);
+  trusted.distance = std::fmin(1e300, model.max_displacement * x);
+  trusted.relative = std::fmin(1e300, x / node.fill_distance);
 }
 
 }  // namespace
@@ -86,7 +74,6 @@ int read_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, con
 extern "C" {
 
 const char* phn_version(void) { return PHYNNESS_VERSION; }
-int32_t phn_precision(void) { return 8 * static_cast<int32_t>(sizeof(phynness::runtime::Real)); }
 
 const char* phn_status_message(int status) {
   switch (status) {
@@ -114,7 +101,7 @@ const char* phn_status_message(int status) {
     case PHN_ERROR_BUFFER:
       return "memory is smaller than the size function asked for";
     case PHN_ERROR_TOOLS:
-      return "more tools than the data was made for";
+      return "more tools than the scratch was made for";
     case PHN_ERROR_SAME_NODE:
       return "two tools at the same node";
     case PHN_ERROR_UNDEFINED:
@@ -124,49 +111,94 @@ const char* phn_status_message(int status) {
     case PHN_ERROR_CLOCK:
       return "the clock gives NaN, runs backwards or stands still";
     case PHN_ERROR_NOT_A_MODEL:
-      return "the text is not a phynness model";
+      return "this is not a phynness model";
     case PHN_ERROR_VERSION:
-      return "the model text has another version";
+      return "the model has another version";
     case PHN_ERROR_TRUNCATED:
-      return "the model text ends early";
+      return "the model ends early";
     case PHN_ERROR_CHECKSUM:
-      return "the model text is damaged: its checksum differs";
+      return "the model is damaged: its checksum differs";
     case PHN_ERROR_SYNTAX:
-      return "a word or number of the model text is malformed";
+      return "a word or number of the model is malformed";
     case PHN_ERROR_RANGE:
-      return "a count, index or value of the model text is out of range";
+      return "a count, index or value of the model is out of range";
     case PHN_ERROR_FAMILY:
-      return "the model text holds a family that this version does not know";
+      return "the model is of a family that this version does not know";
     case PHN_ERROR_OVERLAP:
       return "an output lies in the memory of another output, or of an input too large to be copied first";
+    case PHN_ERROR_TOO_LARGE:
+      return "this needs more bytes or numbers than this machine can count";
+    case PHN_ERROR_GEOMETRY:
+      return "the surface has a triangle with equal corners, or coordinates too large for contact";
+    case PHN_ERROR_TOO_MANY_TOOLS:
+      return "more tools than can be coupled at once";
     default:
       return "unknown status";
   }
 }
 
-int phn_model_size(const char* text, size_t length, size_t* bytes) {
-  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
+int phn_model_size(const char* text, size_t length, size_t* bytes, size_t* wrong_byte) {
   Arena arena;
   const phn_model* none = nullptr;
-  int status =
-      text == nullptr ? PHN_ERROR_ARGUMENT : phynness::runtime::load_model(text, length, arena, &none);
-  if (arena.overflow()) status = PHN_ERROR_RANGE;
-  *bytes = status == PHN_OK ? arena.needed() : 0;
+  std::size_t wrong = 0;
+  int status = PHN_ERROR_ARGUMENT;
+  if (overlap(bytes, sizeof *bytes, wrong_byte, sizeof *wrong_byte)) {
+    status = PHN_ERROR_OVERLAP;
+  } else if (text != nullptr && bytes != nullptr) {
+    status = load_model(text, length, arena, &none, wrong);
+    if (arena.overflow()) status = PHN_ERROR_TOO_LARGE;
+  }
+  if (bytes != nullptr) *bytes = status == PHN_OK ? arena.needed() : 0;
+  if (wrong_byte != nullptr) *wrong_byte = wrong;
   return status;
 }
 
-int phn_model_init(void* memory, size_t bytes, const char* text, size_t length, const phn_model** model) {
-  if (model == nullptr) return PHN_ERROR_ARGUMENT;
+int phn_model_init(void* memory, size_t bytes, const char* text, size_t length, const phn_model** model,
+                   size_t* wrong_byte) {
   const phn_model* loaded = nullptr;
+  std::size_t wrong = 0;
   int status = PHN_ERROR_ARGUMENT;
-  if (overlap(memory, bytes, text, length) || overlap(memory, bytes, model, sizeof *model)) {
+  if (overlap(memory, bytes, text, length) || overlap(memory, bytes, model, sizeof *model) ||
+      overlap(memory, bytes, wrong_byte, sizeof *wrong_byte) ||
+      overlap(model, sizeof *model, wrong_byte, sizeof *wrong_byte)) {
     status = PHN_ERROR_OVERLAP;
-  } else if (memory != nullptr && text != nullptr) {
+  } else if (memory != nullptr && text != nullptr && model != nullptr) {
     Arena arena(memory, bytes);
-    status = phynness::runtime::load_model(text, length, arena, &loaded);
+    status = load_model(text, length, arena, &loaded, wrong);
   }
-  *model = loaded;
+  if (model != nullptr) *model = loaded;
+  if (wrong_byte != nullptr) *wrong_byte = wrong;
   return status;
+}
+
+int phn_model_info(const phn_model* model, phn_info* info) {
+  if (info == nullptr) return PHN_ERROR_ARGUMENT;
+  *info = {};
+  info->precision_bits = 8 * static_cast<int32_t>(sizeof(Real));
+  if (model == nullptr) return PHN_ERROR_ARGUMENT;
+  info->family = phynness::schema::traits(model->family).word;
+  info->title = model->title;
+  info->mesh_hash = model->mesh_hash;
+  info->max_displacement_m = model->max_displacement;
+  info->active_nodes = model->active_nodes;
+  info->output_nodes = model->output_nodes;
+  info->fixed_nodes = model->fixed_nodes;
+  info->output_points = model->output_points;
+  info->fixed_points = model->fixed_points;
+  info->triangles = model->triangles;
+  for (std::int32_t f = 0; f < model->n_fields; ++f) {
+    info->field_names[f] = model->fields[f].name;
+    info->field_units[f] = model->fields[f].unit;
+  }
+  info->n_nodes = model->n_nodes;
+  info->n_active = model->n_active;
+  info->n_output = model->n_output;
+  info->n_fixed = model->n_fixed;
+  info->n_triangles = model->n_triangles;
+  info->n_fields = model->n_fields;
+  info->n_levels = model->n_levels;
+  info->has_energy = has_energy(*model) ? 1 : 0;
+  return PHN_OK;
 }
 
 int phn_data_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
@@ -175,7 +207,7 @@ int phn_data_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
   if (model == nullptr || max_tools < 1) return PHN_ERROR_ARGUMENT;
   Arena arena;
   lay_out(arena, *model, max_tools);
-  if (arena.overflow()) return PHN_ERROR_RANGE;
+  if (arena.overflow()) return PHN_ERROR_TOO_LARGE;
   *bytes = arena.needed();
   return PHN_OK;
 }
@@ -194,78 +226,41 @@ int phn_data_init(void* memory, size_t bytes, const phn_model* model, int32_t ma
   return PHN_OK;
 }
 
-int32_t phn_n_nodes(const phn_model* model) { return model ? model->n_nodes : 0; }
-int32_t phn_n_active(const phn_model* model) { return model ? model->n_active : 0; }
-int32_t phn_n_output(const phn_model* model) { return model ? model->n_output : 0; }
-const int32_t* phn_active_nodes(const phn_model* model) { return model ? model->active_nodes : nullptr; }
-const int32_t* phn_output_nodes(const phn_model* model) { return model ? model->output_nodes : nullptr; }
-const double* phn_output_points(const phn_model* model) { return model ? model->output_points : nullptr; }
-int32_t phn_n_triangles(const phn_model* model) { return model ? model->n_triangles : 0; }
-const int32_t* phn_triangles(const phn_model* model) { return model ? model->triangles : nullptr; }
-int32_t phn_n_fixed(const phn_model* model) { return model ? model->n_fixed : 0; }
-const int32_t* phn_fixed_nodes(const phn_model* model) { return model ? model->fixed_nodes : nullptr; }
-const double* phn_fixed_points(const phn_model* model) { return model ? model->fixed_points : nullptr; }
-
-int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3]) {
+int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3], double* energy,
+              double stiffness[9]) {
   Asked asked;
-  const int refused = find_node(model, data, node, d, force, asked);
-  if (refused != PHN_OK) return refuse(refused, force, 3);
-  phynness::runtime::evaluate_force(*data->level, *asked.node, asked.d, force);
+  int status = find_node(model, data, node, d, asked);
+  const bool derivatives = energy != nullptr || stiffness != nullptr;
+  if (force == nullptr && !derivatives) status = PHN_ERROR_ARGUMENT;
+  if (status == PHN_OK && derivatives) status = check_derivatives(*model, force, energy, stiffness);
+  if (status != PHN_OK) {
+    zero(force, 3);
+    zero(energy, 1);
+    return refuse(status, stiffness, 9);
+  }
+  if (force != nullptr) evaluate_force(*data->level, *asked.node, asked.d, force);
+  if (energy != nullptr) *energy = evaluate_energy(*data->level, *asked.node, asked.d);
+  if (stiffness != nullptr) evaluate_stiffness(*data->level, *asked.node, asked.d, stiffness);
   return warnings(*model, *asked.node, asked.d);
 }
 
-int phn_energy(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* energy) {
-  Asked asked;
-  const int refused = find_node(model, data, node, d, energy, asked);
-  if (refused != PHN_OK) return refuse(refused, energy, 1);
-  if (!phynness::runtime::has_energy(*model)) return refuse(PHN_ERROR_UNDEFINED, energy, 1);
-  *energy = phynness::runtime::evaluate_energy(*data->level, *asked.node, asked.d);
-  return warnings(*model, *asked.node, asked.d);
-}
-
-int phn_stiffness(const phn_model* model, phn_data* data, int32_t node, const double d[3],
-                  double stiffness[9]) {
-  Asked asked;
-  const int refused = find_node(model, data, node, d, stiffness, asked);
-  if (refused != PHN_OK) return refuse(refused, stiffness, 9);
-  if (!phynness::runtime::has_energy(*model)) return refuse(PHN_ERROR_UNDEFINED, stiffness, 9);
-  phynness::runtime::evaluate_stiffness(*data->level, *asked.node, asked.d, stiffness);
-  return warnings(*model, *asked.node, asked.d);
-}
-
-int phn_deform(const phn_model* model, phn_data* data, int32_t n_tools, const int32_t* nodes,
-               const double* displacements, double* out) {
+int phn_deform(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* out) {
   if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
-  int status = PHN_OK;
-  if (data == nullptr || data->model != model || n_tools < 0) {
-    status = PHN_ERROR_ARGUMENT;
-  } else if (n_tools > 0) {
-    status = read_tools(*model, *data, n_tools, nodes, displacements);
-  }
-  if (status < 0 || n_tools == 0) return refuse(status, out, 3 * model->n_output);
-  if (n_tools == 1) {
-    const int32_t at = phynness::runtime::find_active(*model, data->asked_nodes[0]);
-    phynness::runtime::evaluate_deformation(*data->level, *data, at, data->asked, out);
-  } else {
-    phynness::runtime::blend_tools(*data->level, *data, n_tools, data->asked_nodes, data->asked, out);
-  }
-  return status;
+  Asked asked;
+  int refused = find_node(model, data, node, d, asked);
+  if (refused == PHN_OK && !has_deformation(*model, *asked.node)) refused = PHN_ERROR_UNDEFINED;
+  if (refused != PHN_OK) return refuse(refused, out, 3 * model->n_output);
+  const auto at = static_cast<std::int32_t>(asked.node - data->level->active);
+  evaluate_deformation(*data->level, *data, at, asked.d, out);
+  return warnings(*model, *asked.node, asked.d);
 }
 
 int phn_prepare(const phn_model* model, phn_data* data, int32_t node) {
   if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
-  const int32_t at = phynness::runtime::find_active(*model, node);
+  const int32_t at = find_active(*model, node);
   if (at < 0) return PHN_ERROR_NOT_ACTIVE;
-  phynness::runtime::prepare(*model, data->prepared, at);
+  prepare(*model, data->prepared, at);
   return PHN_OK;
-}
-
-int32_t phn_n_fields(const phn_model* model) { return model ? model->n_fields : 0; }
-const char* phn_field_name(const phn_model* model, int32_t field) {
-  return model && field >= 0 && field < model->n_fields ? model->fields[field].name : nullptr;
-}
-const char* phn_field_unit(const phn_model* model, int32_t field) {
-  return model && field >= 0 && field < model->n_fields ? model->fields[field].unit : nullptr;
 }
 
 int phn_field(const phn_model* model, phn_data* data, int32_t node, const double d[3], int32_t field,
@@ -273,20 +268,26 @@ int phn_field(const phn_model* model, phn_data* data, int32_t node, const double
   if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
   if (field < 0 || field >= model->n_fields) return refuse(PHN_ERROR_ARGUMENT, out, model->n_output);
   Asked asked;
-  int refused = find_node(model, data, node, d, out, asked);
+  int refused = find_node(model, data, node, d, asked);
   if (refused == PHN_OK && asked.node->modal->fields[field].n_modes == 0) refused = PHN_ERROR_UNDEFINED;
   if (refused != PHN_OK) return refuse(refused, out, model->n_output);
-  phynness::runtime::modal_field(*data->level, *asked.node->modal, field, asked.d, data->scratch, out);
+  modal_field(*data->level, *asked.node->modal, field, asked.d, data->scratch, out);
   return warnings(*model, *asked.node, asked.d);
 }
 
-int phn_trained_depth(const phn_model* model, int32_t node, const double d[3], double* depth) {
-  if (model == nullptr || d == nullptr || depth == nullptr) return refuse(PHN_ERROR_ARGUMENT, depth, 1);
-  const int32_t at = phynness::runtime::find_active(*model, node);
-  if (at < 0) return refuse(PHN_ERROR_NOT_ACTIVE, depth, 1);
-  if (!finite(d)) return refuse(PHN_ERROR_NOT_FINITE, depth, 1);
-  const int status = warnings(*model, model->active[at], d) & PHN_WARNING_OUTSIDE;
-  *depth = phynness::runtime::trained_depth(*model, model->active[at], d);
+int phn_trust(const phn_model* model, int32_t node, const double d[3], phn_trusted* trusted) {
+  if (trusted == nullptr) return PHN_ERROR_ARGUMENT;
+  phn_trusted found = {};
+  int status = PHN_ERROR_ARGUMENT;
+  if (model != nullptr && d != nullptr) {
+    const std::int32_t at = find_active(*model, node);
+    status = at < 0 ? PHN_ERROR_NOT_ACTIVE : finite(d) ? PHN_OK : PHN_ERROR_NOT_FINITE;
+    if (status == PHN_OK) {
+      measure_trust(*model, model->active[at], d, found);
+      status = warnings(*model, model->active[at], d) & PHN_WARNING_OUTSIDE;
+    }
+  }
+  *trusted = found;
   return status;
 }
 

@@ -4,7 +4,7 @@
 #include "modal_kernels.hpp"
 #include "network_kernels.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 /// Rows of all modes, whole blocks.
@@ -81,4 +81,4 @@ const PreparedNode* prepare(const phn_model& of_level, PreparedNodes& prepared, 
   return found;
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -7,7 +7,7 @@
 #include "arena.hpp"
 #include "model.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 struct PreparedNode {
   std::int32_t active;    ///< position among the active nodes; -1: none
@@ -32,4 +32,4 @@ PreparedNodes lay_out_prepared(Arena& arena, const phn_model& model, std::int32_
 /// first of their columns.
 const PreparedNode* prepare(const phn_model& model, PreparedNodes& prepared, std::int32_t active);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

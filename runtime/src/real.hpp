@@ -9,7 +9,7 @@
 #include "instruction_sets.hpp"
 #include "strict_arithmetic.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 #ifdef PHYNNESS_FLOAT
 using Real = float;
@@ -46,4 +46,4 @@ PHN_INLINE void add_up(const Real (&sums)[3][at_once], double* total) {
   }
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 void multiply_matrices(const double* a, const double* b, double* c) {
   for (int i = 0; i < 3; ++i) {
@@ -123,4 +123,4 @@ void invert_stiffness(const double* stiffness, double least, double* inverse) {
   }
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -6,7 +6,7 @@
 
 #include "strict_arithmetic.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// y = a x
 inline void multiply(const double* a, const double* x, double* y) {
@@ -50,4 +50,4 @@ void invert_stiffness(const double* stiffness, double least, double* inverse);
 /// @param a  n x n, destroyed. @return false if a is singular
 bool solve_dense(double* a, std::int32_t n, double* right);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -3,11 +3,11 @@
 
 #ifndef __GNUC__
 #include <math.h>
-
-#include "strict_arithmetic.hpp"
 #endif
 
-namespace phynness::runtime {
+#include "strict_arithmetic.hpp"
+
+namespace PHN_RUNTIME {
 
 #ifdef __GNUC__
 inline float square_root(float value) { return __builtin_sqrtf(value); }
@@ -17,4 +17,4 @@ inline float square_root(float value) { return ::sqrtf(value); }
 inline double square_root(double value) { return ::sqrt(value); }
 #endif
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

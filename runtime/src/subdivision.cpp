@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 constexpr std::int32_t none = -1, more_than_two = -2;
@@ -93,7 +93,7 @@ int count_surface(const phn_model& model, std::int32_t levels, SurfaceCounts* co
   if (model.n_triangles == 0) return PHN_ERROR_UNDEFINED;
   for (std::int32_t t = 0; t < model.n_triangles; ++t) {
     const std::int32_t* v = model.triangles + 3 * static_cast<std::size_t>(t);
-    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) return PHN_ERROR_RANGE;
+    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) return PHN_ERROR_GEOMETRY;
   }
   const std::int64_t n = static_cast<std::int64_t>(model.n_output) + model.n_fixed, t = model.n_triangles;
   counts[0] = {n, 3 * t, t};
@@ -104,7 +104,7 @@ int count_surface(const phn_model& model, std::int32_t levels, SurfaceCounts* co
   // Places of components are 32-bit numbers, too.
   const std::int64_t largest = INT32_MAX / 4;
   const SurfaceCounts& last = counts[levels];
-  return last.vertices > largest || last.edges > largest || last.triangles > largest ? PHN_ERROR_RANGE : PHN_OK;
+  return last.vertices > largest || last.edges > largest || last.triangles > largest ? PHN_ERROR_TOO_LARGE : PHN_OK;
 }
 
 SurfaceLevel subdivide(std::int32_t n_vertices, std::int32_t n_triangles, std::int32_t* triangles, SurfaceEdge* edges,
@@ -160,4 +160,4 @@ void refine(const SurfaceLevel& level, const float* coarse, float* fine, int str
   }
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -1,6 +1,8 @@
 // Loop's subdivision of a triangulated surface as sparse maps from one level's vertices to the next's.
 #pragma once
 
+#include <phynness/phynness_surface.h>
+
 #include <cstddef>
 #include <cstdint>
 
@@ -8,7 +10,7 @@
 #include "model.hpp"
 #include "strict_arithmetic.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 inline constexpr std::int32_t most_levels = 6;
 
@@ -39,8 +41,8 @@ struct SurfaceCounts {
 };
 
 /// @param counts  filled for levels 0 ... levels; edges as if no two triangles of level 0 shared one
-/// @return PHN_OK; PHN_ERROR_UNDEFINED without triangles, PHN_ERROR_RANGE if a triangle has equal corners or a count
-///     leaves 32 bits
+/// @return PHN_OK; PHN_ERROR_UNDEFINED without triangles, PHN_ERROR_GEOMETRY if a triangle has equal corners,
+///     PHN_ERROR_TOO_LARGE if a count leaves 32 bits
 int count_surface(const phn_model& model, std::int32_t levels, SurfaceCounts* counts);
 
 /// One level: edges in the order in which the triangles meet them, so that neighbours in space are neighbours in
@@ -56,12 +58,12 @@ SurfaceLevel subdivide(std::int32_t n_vertices, std::int32_t n_triangles, std::i
 /// @param fine    (n_vertices + n_edges) x stride, stride 3 or 4; does not overlap coarse
 void refine(const SurfaceLevel& level, const float* coarse, float* fine, int stride);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME
 
 /// Knows nothing of the model any more.
 struct phn_surface {
   std::int32_t n_output, n_coarse, n_vertices, n_triangles, n_levels;
-  phynness::runtime::SurfaceLevel level[phynness::runtime::most_levels];
+  PHN_RUNTIME::SurfaceLevel level[PHN_RUNTIME::most_levels];
   std::size_t n_scratch;          ///< floats: 4 for each vertex of each level but the last
   const std::int32_t* triangles;  ///< n_triangles x 3
   const float* points;            ///< n_vertices x 3

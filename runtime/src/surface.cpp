@@ -6,7 +6,7 @@
 #include "subdivision.hpp"
 #include "triangle.hpp"
 
-using namespace phynness::runtime;
+using namespace PHN_RUNTIME;
 
 namespace {
 
@@ -108,7 +108,7 @@ int phn_surface_size(const phn_model* model, int32_t levels, size_t* bytes) {
   if (refused != PHN_OK) return refused;
   Arena arena;
   lay_out_surface(arena, counts, levels);
-  if (arena.overflow()) return PHN_ERROR_RANGE;
+  if (arena.overflow()) return PHN_ERROR_TOO_LARGE;
   *bytes = arena.needed();
   return PHN_OK;
 }
@@ -155,7 +155,9 @@ int32_t phn_surface_n_vertices(const phn_surface* surface) { return surface ? su
 int32_t phn_surface_n_triangles(const phn_surface* surface) { return surface ? surface->n_triangles : 0; }
 const int32_t* phn_surface_triangles(const phn_surface* surface) { return surface ? surface->triangles : nullptr; }
 const float* phn_surface_points(const phn_surface* surface) { return surface ? surface->points : nullptr; }
-size_t phn_surface_scratch(const phn_surface* surface) { return surface ? surface->n_scratch : 0; }
+size_t phn_surface_scratch_size(const phn_surface* surface) {
+  return surface ? surface->n_scratch * sizeof(float) : 0;
+}
 
 int phn_surface_deform(const phn_surface* surface, float* scratch, const double* field, float* out) {
   if (surface == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;

@@ -3,7 +3,7 @@
 #include "small_matrices.hpp"
 #include "triangle.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 /// One triangle's part of the rotation, times its area.
@@ -75,4 +75,4 @@ void rotation_gradient(const double* v, const double* g, const double* x, double
         2 * (dot(v, x) * g[k] + dot(g, v) * x[k] - dot(g, x) * v[k] - sideways[k] - value * v[k]) / (1 + square);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

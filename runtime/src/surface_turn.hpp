@@ -3,7 +3,7 @@
 
 #include "model.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// Vertices and 3 x 3 maps: the sum of map times displacement is a rotation vector times an area.
 struct SurfaceTurn {
@@ -31,4 +31,4 @@ void rotate(const double* v, bool backward, const double* x, double* turned);
 /// Gradient of g . R^T x by v.
 void rotation_gradient(const double* v, const double* g, const double* x, double* gradient);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -5,7 +5,7 @@
 #include "evaluate.hpp"
 #include "small_matrices.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 /// Gauss-Legendre on 0 ... 1: exact for the first six powers of the depth.
@@ -315,4 +315,4 @@ double ToolResponses::pull_of_coupling(std::int32_t s, std::int32_t i, const dou
   return w * point.share[i] * dot(linear, z);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

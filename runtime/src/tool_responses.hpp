@@ -3,7 +3,7 @@
 
 #include "coupled.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// Tools as the model knows them: one at a time, from the responses of the nodes that its point lies between.
 class ToolResponses {
@@ -73,4 +73,4 @@ class ToolResponses {
   double pull_of_coupling(std::int32_t s, std::int32_t i, const double* e, const double* linear, double x, double w);
 };
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

@@ -3,18 +3,7 @@
 #include "coupled.hpp"
 #include "triangle.hpp"
 
-using phynness::runtime::ActiveNode;
-using phynness::runtime::Coupling;
-using phynness::runtime::cut;
-using phynness::Family;
-using phynness::runtime::finite;
-using phynness::runtime::HeldPoint;
-using phynness::runtime::largest_coupled;
-using phynness::runtime::largest_linear;
-using phynness::runtime::most_coupled;
-using phynness::runtime::overlap;
-using phynness::runtime::warnings;
-using phynness::runtime::zero;
+using namespace PHN_RUNTIME;
 
 namespace {
 
@@ -33,8 +22,8 @@ int find_point(const phn_model& model, const phn_tool& tool, HeldPoint& point) {
     if (!(w >= 0 && w <= 1 + weight_slack)) return PHN_ERROR_ARGUMENT;
     sum += w;
     if (w == 0) continue;
-    const std::int32_t active = phynness::runtime::find_active(model, tool.nodes[k]);
-    if (active < 0 && phynness::runtime::find_vertex(model, tool.nodes[k]) < model.n_output) return PHN_ERROR_NOT_ACTIVE;
+    const std::int32_t active = find_active(model, tool.nodes[k]);
+    if (active < 0 && find_vertex(model, tool.nodes[k]) < model.n_output) return PHN_ERROR_NOT_ACTIVE;
     if (active < 0) continue;  // fixed
     movable += w;
     std::int32_t i = 0;
@@ -53,8 +42,7 @@ bool same_node(const HeldPoint& a, const HeldPoint& b) {
 }
 
 /// One tool at one node: what that node says, and nothing to solve.
-phynness::runtime::CoupledResult single(const phn_model& model, Coupling& c, const double* target) {
-  using namespace phynness::runtime;
+CoupledResult single(const phn_model& model, Coupling& c, const double* target) {
   HeldPoint& point = c.point[0];
   const ActiveNode& node = model.active[point.active[0]];
   c.n_sets = 1;
@@ -94,13 +82,13 @@ int find_nearest(const phn_model& model, const double* x, phn_tool& tool, double
   for (std::int32_t t = 0; t < model.n_triangles; ++t) {
     const std::int32_t* vertex = model.triangles + 3 * static_cast<std::size_t>(t);
     const double* corner[3];
-    for (int k = 0; k < 3; ++k) corner[k] = phynness::runtime::vertex_point(model, vertex[k]);
+    for (int k = 0; k < 3; ++k) corner[k] = vertex_point(model, vertex[k]);
     double weight[3], nearest[3], distance = 0;
-    phynness::runtime::nearest_on_triangle(corner, from, weight, nearest, distance);
+    nearest_on_triangle(corner, from, weight, nearest, distance);
     if (!(least < 0 || distance < least)) continue;
     least = distance;
     for (int k = 0; k < 3; ++k) {
-      tool.nodes[k] = phynness::runtime::vertex_node(model, vertex[k]);
+      tool.nodes[k] = vertex_node(model, vertex[k]);
       tool.weights[k] = weight[k];
       point[k] = nearest[k];
     }
@@ -116,9 +104,10 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   if (overlap(forces, 3 * sizeof *forces * static_cast<std::size_t>(n_tools), place, sizeof *place))
     return PHN_ERROR_OVERLAP;
   Coupling& c = data->coupling;
+  if (n_tools > most_coupled) return PHN_ERROR_TOO_MANY_TOOLS;
   if (n_tools > c.max_tools) return PHN_ERROR_TOOLS;
   c.n_tools = 0;
-  const double largest = model->family == Family::linear ? largest_linear : largest_coupled * model->max_displacement;
+  const double largest = phynness::schema::traits(model->family).proportional ? largest_linear : largest_coupled * model->max_displacement;
   double targets[3 * most_coupled];
   for (std::int32_t t = 0; t < n_tools; ++t) {
     const int refused = find_point(*model, tools[t], c.point[t]);
@@ -133,12 +122,12 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   for (std::int32_t t = 0; t < n_tools && !alone; ++t) {
     for (std::int32_t i = 0; i < c.point[t].n_nodes; ++i) {
       const ActiveNode& node = c.model->active[c.point[t].active[i]];
-      if (node.output < 0 || !phynness::runtime::has_deformation(*c.model, node)) return PHN_ERROR_UNDEFINED;
+      if (node.output < 0 || !has_deformation(*c.model, node)) return PHN_ERROR_UNDEFINED;
     }
   }
   if (n_tools == 0) return PHN_OK;
   c.n_tools = n_tools;
-  const auto solved = alone ? single(*c.model, c, targets) : phynness::runtime::solve_coupled(*c.model, c, targets);
+  const auto solved = alone ? single(*c.model, c, targets) : solve_coupled(*c.model, c, targets);
   const int status = (solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | warnings_of(*model, c);
   result = {solved.residual, std::isfinite(solved.energy) ? solved.energy : 0};
   return status;
@@ -181,7 +170,7 @@ int phn_coupled_deform(const phn_model* model, phn_data* data, double* out) {
   const Coupling& c = data->coupling;
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
     for (std::int32_t i = 0; i < c.point[t].n_nodes; ++i) {
-      if (!phynness::runtime::has_deformation(*model, model->active[c.point[t].active[i]])) return PHN_ERROR_UNDEFINED;
+      if (!has_deformation(*model, model->active[c.point[t].active[i]])) return PHN_ERROR_UNDEFINED;
     }
   }
   coupled_field(*c.model, c, data->prepared, data->scratch, data->field, out);

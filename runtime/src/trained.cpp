@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 namespace {
 
 /// Squares of components up to this size stay in range.
@@ -88,4 +88,4 @@ double trained_distance(const phn_model& model, const ActiveNode& node, const do
   return std::sqrt(square);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

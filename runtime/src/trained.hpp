@@ -3,7 +3,7 @@
 
 #include "model.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 /// The largest distance from a place inside the trained range to the nearest trained displacement, over
 /// max_displacement: that of a few hundred directions at four depths, or 1 where nothing was trained.
@@ -13,4 +13,4 @@ double fill_distance(const phn_model& model, const double* depths);
 /// Distance from d to the nearest trained displacement, over max_displacement; finite for every finite d.
 double trained_distance(const phn_model& model, const ActiveNode& node, const double* d);
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

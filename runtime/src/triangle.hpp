@@ -6,7 +6,7 @@
 #include "evaluate.hpp"
 #include "strict_arithmetic.hpp"
 
-namespace phynness::runtime {
+namespace PHN_RUNTIME {
 
 inline const double* vertex_point(const phn_model& model, std::int32_t vertex) {
   return vertex < model.n_output ? model.output_points + 3 * static_cast<std::size_t>(vertex)
@@ -96,4 +96,4 @@ inline void nearest_on_triangle(const double* const corner[3], const double* x, 
   distance = length(apart);
 }
 
-}  // namespace phynness::runtime
+}  // namespace PHN_RUNTIME

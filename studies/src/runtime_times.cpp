@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <ctime>
 #include <phynness/formats/error.hpp>
+#include <phynness/phynness_surface.hpp>
 #include <phynness/studies/measure.hpp>
 #include <phynness/training/network_fit.hpp>
 
@@ -44,29 +45,22 @@ Vec3 displacement(const Model& model, int i) {
 
 class Surface {
  public:
-  Surface(const LoadedModel& model, int levels) {
-    std::size_t bytes = 0;
-    const auto require = [](int status) {
-      if (status < 0)
-        throw input_error("the surface cannot be subdivided", phn_status_message(status),
-                          "study a scene whose output nodes are its surface");
-    };
-    require(phn_surface_size(model.handle(), levels, &bytes));
-    _memory.resize(bytes);
-    require(phn_surface_init(_memory.data(), bytes, model.handle(), levels, &_surface));
-    _scratch.resize(phn_surface_scratch(_surface));
-    _fine.resize(3 * static_cast<std::size_t>(vertices()));
+  Surface(const LoadedModel& model, int levels) : _surface(model.runtime(), levels) {
+    if (!_surface)
+      throw input_error("the surface cannot be subdivided", _surface.status().message(),
+                        "study a scene whose output nodes are its surface");
+    _scratch.resize(_surface.n_scratch());
+    _fine.resize(_surface.points().size());
   }
-  std::int32_t vertices() const { return phn_surface_n_vertices(_surface); }
-  std::int32_t triangles() const { return phn_surface_n_triangles(_surface); }
-  const std::int32_t* corners() const { return phn_surface_triangles(_surface); }
-  const float* points() const { return phn_surface_points(_surface); }
-  void deform(const double* field) { phn_surface_deform(_surface, _scratch.data(), field, _fine.data()); }
+  std::int32_t vertices() const { return _surface.n_vertices(); }
+  std::int32_t triangles() const { return static_cast<std::int32_t>(_surface.triangles().size() / 3); }
+  const std::int32_t* corners() const { return _surface.triangles().data(); }
+  const float* points() const { return _surface.points().data(); }
+  void deform(const std::vector<double>& field) { _surface.deform(_scratch, field, _fine).ignore(); }
 
  private:
-  std::vector<std::byte> _memory;
+  rt::Surface _surface;
   std::vector<float> _scratch, _fine;
-  const phn_surface* _surface = nullptr;
 };
 
 /// One deformation of a node that is ready.
@@ -75,11 +69,11 @@ class Deformation {
   explicit Deformation(const LoadedModel& model)
       : _model(model), _node(model.model().nodes[model.model().nodes.size() / 2].node) {
     field.resize(3 * model.model().output.size());
-    phn_prepare(model.handle(), model.data(), _node);
+    model.data().prepare(_node).ignore();
   }
   void at(int i) {
     const Vec3 d = displacement(_model.model(), i);
-    phn_deform(_model.handle(), _model.data(), 1, &_node, d.data(), field.data());
+    _model.data().deform(_node, d, field).ignore();
   }
   std::vector<double> field;
 
@@ -93,8 +87,7 @@ double force_us(const LoadedModel& model) {
   Vec3 f{};
   return median_us([&](int i) {
     const Vec3 d = displacement(model.model(), i);
-    phn_force(model.handle(), model.data(), nodes[static_cast<std::size_t>(i) % nodes.size()].node, d.data(),
-              f.data());
+    model.data().force(nodes[static_cast<std::size_t>(i) % nodes.size()].node, d, f).ignore();
   });
 }
 
@@ -134,11 +127,11 @@ RuntimeTimes measure_runtime(const LoadedModel& networks, const LoadedModel& our
     SurfaceLevel row{surface.vertices(), surface.triangles(), 0, 0, 0};
     row.network_us = median_us([&](int i) {
       of_networks.at(i);
-      surface.deform(of_networks.field.data());
+      surface.deform(of_networks.field);
     });
     row.ours_us = median_us([&](int i) {
       of_ours.at(i);
-      surface.deform(of_ours.field.data());
+      surface.deform(of_ours.field);
     });
     row.every_vertex_us = every_vertex_us(node.deformation, model, surface.points(), surface.vertices());
     times.levels.push_back(row);

@@ -37,7 +37,7 @@ TEST_P(EveryFamily, AnswersAreFinite) {
     return i % 7 == 0 ? odd[static_cast<std::size_t>(i / 7) % std::size(odd)] : common * numbers.next();
   };
   int n_contacts = 0, n_refused = 0;
-  Points field(phn_n_output(loaded.model), 3);
+  Points field(info_of(loaded.model).n_output, 3);
   for (int i = 0; i < 20000; ++i) {
     std::vector<phn_contact_tool> tools(static_cast<std::size_t>(i % 5));
     bool good = true;
@@ -120,10 +120,10 @@ TEST(Contact, MisuseIsNamed) {
   std::vector<char> memory(1 << 20);
   EXPECT_EQ(phn_contact_size(model, 0, &bytes), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(bytes, 0u);
-  EXPECT_EQ(phn_contact_size(model, 10000, &bytes), PHN_ERROR_TOOLS);
+  EXPECT_EQ(phn_contact_size(model, 10000, &bytes), PHN_ERROR_TOO_MANY_TOOLS);
   EXPECT_EQ(phn_contact_size(nullptr, 1, &bytes), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_contact_size(model, 1, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_contact_init(memory.data(), memory.size(), model, 9, &contact), PHN_ERROR_TOOLS);
+  EXPECT_EQ(phn_contact_init(memory.data(), memory.size(), model, 9, &contact), PHN_ERROR_TOO_MANY_TOOLS);
   EXPECT_EQ(phn_contact_init(nullptr, 1, model, 1, &contact), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_contact_init(memory.data(), 100, model, 1, &contact), PHN_ERROR_BUFFER);
   EXPECT_EQ(phn_contact_init(memory.data(), 100, model, 1, nullptr), PHN_ERROR_ARGUMENT);
@@ -207,7 +207,7 @@ TEST(Contact, FixedEdgesAreWalls) {
     if (!state.in_contact) continue;
     double moves = 0;
     for (int k = 0; k < 3; ++k)
-      moves += state.held.nodes[k] < phn_n_output(loaded.model) ? state.held.weights[k] : 0;
+      moves += state.held.nodes[k] < info_of(loaded.model).n_output ? state.held.weights[k] : 0;
     ASSERT_GE(moves, 0.05 - 1e-12);
     n_near += moves < 0.5;
   }

@@ -53,7 +53,7 @@ TEST_P(Hierarchy, AgreesWithTheLoopOverAllTriangles) {
   Touch touch(loaded);
   const runtime::ContactSurface& surface = touch.contact->surface;
   Numbers numbers;
-  Points field(phn_n_output(loaded.model), 3);
+  Points field(info_of(loaded.model).n_output, 3);
   int n_hits = 0, n_grazing = 0;
   for (int i = 0; i < 10000; ++i) {
     if (i % 1000 == 500) {

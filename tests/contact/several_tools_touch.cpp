@@ -92,7 +92,7 @@ TEST(SeveralTools, MeetTheSurfaceThatOthersMoved) {
       touch.step({tool_at({0, 0, 0.056}, 0.004, mode), other(0.08)});
       touch.step({tool_at({0, 0, 0.053}, 0.004, mode), other(0.08)});
       for (int i = 0; i < 3; ++i) states = touch.step({tool_at(first, 0.004, mode), other(0.08)});
-      Points field(phn_n_output(loaded.model), 3);
+      Points field(info_of(loaded.model).n_output, 3);
       ASSERT_GE(phn_coupled_deform(loaded.model, loaded.data, field.data()), 0);
       if (refitted) {
         ASSERT_EQ(phn_contact_refit(touch.contact, field.data()), PHN_OK);
@@ -125,7 +125,7 @@ TEST(SeveralTools, AreCaughtByASurfaceThatComesBack) {
     Touch touch(loaded);
     const auto pusher = [&](double z) { return tool_at({0, 0, z}, 0.004); };
     const auto hover = [&](double z) { return tool_at({0.008, 0, z}, 0.002); };
-    Points field(phn_n_output(loaded.model), 3);
+    Points field(info_of(loaded.model).n_output, 3);
     const auto step = [&](double z, double y) {
       const auto states = touch.step({pusher(z), hover(y)});
       EXPECT_GE(phn_coupled_deform(loaded.model, loaded.data, field.data()), 0);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <phynness/contact.h>
+#include <phynness/phynness_contact.h>
 
 #include "../runtime/loaded_model.hpp"
 #include "bodies.hpp"
@@ -32,7 +32,7 @@ struct Touch {
   }
   /// What the held point of the surface does in the field of the last step.
   Vector3d moved(const phn_tool& held) {
-    Points field(phn_n_output(loaded.model), 3);
+    Points field(info_of(loaded.model).n_output, 3);
     EXPECT_GE(phn_coupled_deform(loaded.model, loaded.data, field.data()), 0);
     Vector3d u(0, 0, 0);
     for (int k = 0; k < 3; ++k) {

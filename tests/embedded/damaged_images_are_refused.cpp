@@ -2,7 +2,7 @@
 // version or at an odd address is refused with its own status; one whose tables do not fit is refused though
 // its checksum is right.
 #include <gtest/gtest.h>
-#include <phynness/image.h>
+#include <phynness/phynness_image.h>
 
 #include <cmath>
 #include <limits>

@@ -20,7 +20,7 @@ for family in rbfn linear modal; do
     "$phynness" export "$work/models/$family" -o "$exported" --name liver_2 --golden 40 $options \
       --json "$work/sizes.json" > "$work/log.txt"
     cat > "$work/main.c" <<'END'
-#include <phynness/image.h>
+#include <phynness/phynness_image.h>
 #include <stdio.h>
 #include <string.h>
 #include "liver_2.h"

@@ -1,4 +1,4 @@
-// Claim: every function of image.h gives the same bits and status when an output lies in the memory of an
+// Claim: every function of phynness_image.h gives the same bits and status when an output lies in the memory of an
 // input, at any offset, as when it does not. Scratch over the output, and a pointer to an image inside of its
 // bytes, are refused and zeros. A function of the header that has no row here fails the test.
 #include "../runtime/overlapping_memory.hpp"
@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(Families, ImageOverlap,
                          [](const auto& info) { return std::string(name(info.param)); });
 
 TEST_P(ImageOverlap, TableHoldsEveryFunctionOfTheHeader) {
-  expect_rows_of_all_functions(rows, std::string(PHYNNESS_SOURCE_DIR) + "/runtime/include/phynness/image.h");
+  expect_rows_of_all_functions(rows, std::string(PHYNNESS_SOURCE_DIR) + "/runtime/include/phynness/phynness_image.h");
 }
 
 TEST_P(ImageOverlap, GivesTheSameBitsOrIsRefused) {

@@ -3,7 +3,7 @@
 // one of floats to 1e-6 of the largest (weights of these models cancel by up to a hundred, a float's half
 // unit is 6e-8). Rest is exactly 0.
 #include <gtest/gtest.h>
-#include <phynness/image.h>
+#include <phynness/phynness_image.h>
 
 #include <algorithm>
 #include <cmath>
@@ -69,8 +69,8 @@ void answers_are_the_runtimes(const std::vector<Vec3>& displacements) {
     const LoadedModel loaded(write_model_text(model));
     const OpenedImage<Real> opened(model_image(model, {false, sizeof(Real) == 4}));
     const auto* image = opened.image;
-    ASSERT_EQ(opened.n_active(), phn_n_active(loaded.model));
-    ASSERT_EQ(opened.n_output(), phn_n_output(loaded.model));
+    ASSERT_EQ(opened.n_active(), info_of(loaded.model).n_active);
+    ASSERT_EQ(opened.n_output(), info_of(loaded.model).n_output);
     const auto n_field = 3 * static_cast<std::size_t>(opened.n_output());
     Difference force, energy, stiffness, depth, field;
     for (const auto& node : model.nodes) {
@@ -79,26 +79,26 @@ void answers_are_the_runtimes(const std::vector<Vec3>& displacements) {
         const double rounded[3] = {at[0], at[1], at[2]};
         double expected[9];
         Real got[9];
-        const int status = phn_force(loaded.model, loaded.data, node.node, rounded, expected);
+        const int status = phn_force(loaded.model, loaded.data, node.node, rounded, expected, nullptr, nullptr);
         ASSERT_EQ(Image<Real>::force(image, node.node, at, got), status) << name(family);
         force.add(expected, got, 3);
         if (family != Family::rbfn) {
-          phn_energy(loaded.model, loaded.data, node.node, rounded, expected);
+          phn_force(loaded.model, loaded.data, node.node, rounded, nullptr, expected, nullptr);
           ASSERT_EQ(Image<Real>::energy(image, node.node, at, got), status);
           energy.add(expected, got, 1);
-          phn_stiffness(loaded.model, loaded.data, node.node, rounded, expected);
+          phn_force(loaded.model, loaded.data, node.node, rounded, nullptr, nullptr, expected);
           ASSERT_EQ(Image<Real>::stiffness(image, node.node, at, got), status);
           stiffness.add(expected, got, 9);
         } else {
           ASSERT_EQ(Image<Real>::energy(image, node.node, at, got), PHN_ERROR_UNDEFINED);
           ASSERT_EQ(Image<Real>::stiffness(image, node.node, at, got), PHN_ERROR_UNDEFINED);
         }
-        const int deep = phn_trained_depth(loaded.model, node.node, rounded, expected);
-        ASSERT_EQ(Image<Real>::trained_depth(image, node.node, at, got), deep);
-        depth.add(expected, got, 1);
+        const Trust trust(loaded.model, node.node, rounded);
+        ASSERT_EQ(Image<Real>::trained_depth(image, node.node, at, got), trust.status);
+        depth.add(&trust.trained_depth, got, 1);
         std::vector<double> u(n_field);
         std::vector<Real> v(n_field), scratch(Image<Real>::scratch(image));
-        phn_deform(loaded.model, loaded.data, 1, &node.node, rounded, u.data());
+        phn_deform(loaded.model, loaded.data, node.node, rounded, u.data());
         ASSERT_EQ(Image<Real>::deform(image, scratch.data(), node.node, at, v.data()), status);
         field.add(u.data(), v.data(), n_field);
       }

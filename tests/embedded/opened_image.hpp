@@ -1,7 +1,7 @@
 // An image in aligned memory, and its functions by the type of its numbers.
 #pragma once
 
-#include <phynness/image.h>
+#include <phynness/phynness_image.h>
 
 #include <cstdint>
 #include <cstring>
@@ -21,7 +21,7 @@ struct Image<double> {
   static constexpr auto energy = phn_image_energy;
   static constexpr auto stiffness = phn_image_stiffness;
   static constexpr auto trained_depth = phn_image_trained_depth;
-  static constexpr auto scratch = phn_image_scratch;
+  static std::size_t scratch(const Type* image) { return phn_image_scratch_size(image) / sizeof(double); }
   static constexpr auto deform = phn_image_deform;
   static constexpr auto n_active = phn_image_n_active;
   static constexpr auto active_nodes = phn_image_active_nodes;
@@ -35,7 +35,7 @@ struct Image<float> {
   static constexpr auto energy = phn_imagef_energy;
   static constexpr auto stiffness = phn_imagef_stiffness;
   static constexpr auto trained_depth = phn_imagef_trained_depth;
-  static constexpr auto scratch = phn_imagef_scratch;
+  static std::size_t scratch(const Type* image) { return phn_imagef_scratch_size(image) / sizeof(float); }
   static constexpr auto deform = phn_imagef_deform;
   static constexpr auto n_active = phn_imagef_n_active;
   static constexpr auto active_nodes = phn_imagef_active_nodes;

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <phynness/phynness_levels.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -49,16 +50,16 @@ void expect_agreement(const Model& model, std::int32_t level) {
   for (const ActiveNodeModel& node : model.nodes) {
     for (const Eigen::Vector3d& d : probes) {
       std::vector<double> force(3), u(3 * model.output.size()), energy(1), stiffness(9);
-      ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data()), 0);
-      ASSERT_GE(phn_deform(loaded.model, loaded.data, 1, &node.node, d.data(), u.data()), 0);
+      ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr), 0);
+      ASSERT_GE(phn_deform(loaded.model, loaded.data, node.node, d.data(), u.data()), 0);
       struct Kind {
         const std::vector<double>* values;
         double tolerance, unit = 1;
       };
       std::vector<Kind> mine = {{&force, 1e-12}, {&u, model.family == Family::modal ? 1e-5 : 1e-12}};
       if (model.family != Family::rbfn) {
-        ASSERT_GE(phn_energy(loaded.model, loaded.data, node.node, d.data(), energy.data()), 0);
-        ASSERT_GE(phn_stiffness(loaded.model, loaded.data, node.node, d.data(), stiffness.data()), 0);
+        ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), nullptr, energy.data(), nullptr), 0);
+        ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), nullptr, nullptr, stiffness.data()), 0);
         mine.insert(mine.end(), {Kind{&energy, 1e-12}, Kind{&stiffness, 1e-12}});
       }
       std::vector<std::vector<double>> fields(model.fields.size(), std::vector<double>(model.output.size()));

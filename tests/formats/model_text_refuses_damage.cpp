@@ -184,7 +184,7 @@ TEST_P(ModelTextOf, HostAndRuntimeRefuseTheSame) {
       }
       std::vector<char> memory(1 << 18);
       const phn_model* model = nullptr;
-      const int status = phn_model_init(memory.data(), memory.size(), damaged.data(), damaged.size(), &model);
+      const int status = phn_model_init(memory.data(), memory.size(), damaged.data(), damaged.size(), &model, nullptr);
       ASSERT_EQ(host, status == PHN_OK) << "byte " << at << " -> " << c << "\n" << damaged.substr(at - 5, 20);
     }
   }

@@ -1,3 +1,7 @@
+#include <phynness/phynness_levels.h>
+#include <phynness/phynness_paper.h>
+#include <phynness/phynness_surface.h>
+
 #include "ask_model.hpp"
 
 #include <algorithm>
@@ -25,7 +29,7 @@ class Asker {
         _max_tools(1 + script.below(script.below(4) == 0 ? 9 : 3)),
         _used(data_bytes(), script.below(16)),
         _fresh(data_bytes(), script.below(16)),
-        _n_output(static_cast<std::size_t>(phn_n_output(model))) {
+        _n_output(static_cast<std::size_t>(info_of(model).n_output)) {
     require(phn_data_init(_used.data(), _used.size(), _model, _max_tools, &_data) == PHN_OK,
             "data of the size asked for");
     phn_data* none = _data;
@@ -57,15 +61,13 @@ class Asker {
       case 11:
         return field();
       case 12:
-        return depth();
+        return trust();
       case 13:
         return surface();
       case 14:
         return nulls();
       case 15:
         return level();
-      case 16:
-        return distance();
       default:
         return sizes();
     }
@@ -84,16 +86,16 @@ class Asker {
       return n > 0 ? list[_script.raw<std::uint16_t>() % n] : -1;
     };
     if (kind == 0) return _script.raw<std::int32_t>();
-    if (kind == 1) return pick(phn_output_nodes(_model), phn_n_output(_model));
-    if (kind == 2) return pick(phn_fixed_nodes(_model), phn_n_fixed(_model));
-    return pick(phn_active_nodes(_model), phn_n_active(_model));
+    if (kind == 1) return pick(info_of(_model).output_nodes, info_of(_model).n_output);
+    if (kind == 2) return pick(info_of(_model).fixed_nodes, info_of(_model).n_fixed);
+    return pick(info_of(_model).active_nodes, info_of(_model).n_active);
   }
   void displacement(double* d) {
     for (int k = 0; k < 3; ++k) d[k] = _script.number();
   }
   bool active(std::int32_t node) const {
-    const std::int32_t* list = phn_active_nodes(_model);
-    return std::binary_search(list, list + phn_n_active(_model), node);
+    const std::int32_t* list = info_of(_model).active_nodes;
+    return std::binary_search(list, list + info_of(_model).n_active, node);
   }
 
   /// call(data, out) -> status, of used and of fresh scratch.
@@ -131,18 +133,18 @@ class Asker {
     double d[3];
     displacement(d);
     const int status = answer(3, _out, warnings, [&](phn_data* data, double* out) {
-      return phn_force(_model, data, node, d, out);
+      return phn_force(_model, data, node, d, out, nullptr, nullptr);
     });
     if (!right(status, node, d, false) || !zero(d, 3)) return;
     double energy;
-    if (phn_energy(_model, _data, node, d, &energy) >= 0) require(zero(_out.data(), 3), "no force at rest");
+    if (phn_force(_model, _data, node, d, nullptr, &energy, nullptr) >= 0) require(zero(_out.data(), 3), "no force at rest");
   }
   void energy() {
     const std::int32_t node = any_node();
     double d[3];
     displacement(d);
     const int status = answer(1, _out, warnings, [&](phn_data* data, double* out) {
-      return phn_energy(_model, data, node, d, out);
+      return phn_force(_model, data, node, d, nullptr, out, nullptr);
     });
     if (right(status, node, d, true) && zero(d, 3)) require(_out[0] == 0, "no energy at rest");
   }
@@ -151,7 +153,7 @@ class Asker {
     double d[3];
     displacement(d);
     const int status = answer(9, _out, warnings, [&](phn_data* data, double* out) {
-      return phn_stiffness(_model, data, node, d, out);
+      return phn_force(_model, data, node, d, nullptr, nullptr, out);
     });
     right(status, node, d, true);
     for (int i = 0; i < 3; ++i) {
@@ -170,14 +172,14 @@ class Asker {
       displacement(&d[3 * t]);
     }
     const int status = answer(3 * _n_output, _out, warnings, [&](phn_data* data, double* out) {
-      return phn_deform(_model, data, n, nodes.data(), d.data(), out);
+      return phn_blend_paper(_model, data, n, nodes.data(), d.data(), out);
     });
     if (n < 0) require(status == PHN_ERROR_ARGUMENT, "a negative number of tools");
     if (n == 0) require(status == PHN_OK && zero(_out.data(), _out.size()), "no tools, no displacement");
     if (n > _max_tools) require(status == PHN_ERROR_TOOLS, "too many tools");
     if (n == 1) right(status, nodes[0], d.data(), true);
     if (n <= 0 || status < 0) return;
-    const std::int32_t* output = phn_output_nodes(_model);
+    const std::int32_t* output = info_of(_model).output_nodes;
     for (std::size_t t = 0; t < size; ++t) {
       const auto at = std::lower_bound(output, output + _n_output, nodes[t]) - output;
       if (static_cast<std::size_t>(at) == _n_output || output[at] != nodes[t]) continue;
@@ -199,7 +201,7 @@ class Asker {
     const int status = phn_nearest(_model, x, &tool, point);
     require(finite(point, 3) && finite(tool.weights, 3) && zero(tool.displacement, 3), "a finite point");
     if (!finite(x, 3)) return require(status == PHN_ERROR_NOT_FINITE, "not finite");
-    if (phn_n_triangles(_model) == 0) return require(status == PHN_ERROR_UNDEFINED, "no surface");
+    if (info_of(_model).n_triangles == 0) return require(status == PHN_ERROR_UNDEFINED, "no surface");
     require(status == PHN_OK, "a nearest point");
     double sum = 0;
     for (const double w : tool.weights) {
@@ -256,7 +258,8 @@ class Asker {
                });
     if (n < 0) require(status == PHN_ERROR_ARGUMENT, "a negative number of tools");
     if (n == 0) require(status == PHN_OK, "no tools");
-    if (n > std::min(_max_tools, 8)) require(status == PHN_ERROR_TOOLS, "too many tools");
+    if (n > std::min(_max_tools, 8))
+      require(status == (n > 8 ? PHN_ERROR_TOO_MANY_TOOLS : PHN_ERROR_TOOLS), "too many tools");
     if (status >= 0) require(_out[n_forces] >= 0, "a distance");
   }
   void field() {
@@ -267,26 +270,16 @@ class Asker {
     const int status = answer(_n_output, _out, warnings, [&](phn_data* data, double* out) {
       return phn_field(_model, data, node, d, number, out);
     });
-    if (number < 0 || number >= phn_n_fields(_model)) {
-      require(status == PHN_ERROR_ARGUMENT && phn_field_name(_model, number) == nullptr, "no such field");
+    if (number < 0 || number >= info_of(_model).n_fields) {
+      require(status == PHN_ERROR_ARGUMENT, "no such field");
     } else {
       right(status, node, d, true);
     }
     for (const double x : _out)
       require(x >= 0 && (x == 0 || !zero(d, 3)), "fields are not negative, and 0 at rest");
   }
-  void depth() {
-    const std::int32_t node = any_node();
-    double d[3];
-    displacement(d);
-    const int status = answer(1, _out, PHN_WARNING_OUTSIDE, [&](phn_data*, double* out) {
-      return phn_trained_depth(_model, node, d, out);
-    });
-    right(status, node, d, false);
-    require(_out[0] >= 0, "a depth");
-  }
   void level() {
-    const std::int32_t n = phn_n_levels(_model), before = phn_level_of(_data),
+    const std::int32_t n = info_of(_model).n_levels, before = phn_level_of(_data),
                        wanted = _script.below(8) == 0 ? _script.raw<std::int32_t>() : _script.below(n + 1);
     const bool there = wanted >= 0 && wanted < n;
     require(phn_set_level(_model, _data, wanted) == (there ? PHN_OK : PHN_ERROR_ARGUMENT), "set or refused");
@@ -303,15 +296,20 @@ class Asker {
     require(best >= 0 && best < n && (status == PHN_OK || best == 0), "a level, the smallest where refused");
     require(status == PHN_OK || status == PHN_ERROR_ARGUMENT || status == PHN_ERROR_BUDGET, "a budget");
   }
-  void distance() {
+  void trust() {
     const std::int32_t node = any_node();
     double d[3];
     displacement(d);
-    const int status = answer(2, _out, PHN_WARNING_OUTSIDE, [&](phn_data*, double* out) {
-      return phn_trained_distance(_model, node, d, out, out + 1);
+    const int status = answer(3, _out, PHN_WARNING_OUTSIDE, [&](phn_data*, double* out) {
+      phn_trusted trusted;
+      const int told = phn_trust(_model, node, d, &trusted);
+      out[0] = trusted.trained_depth;
+      out[1] = trusted.distance;
+      out[2] = trusted.relative;
+      return told;
     });
     right(status, node, d, false);
-    require(_out[0] >= 0 && _out[1] >= 0, "distances");
+    require(_out[0] >= 0 && _out[1] >= 0 && _out[2] >= 0, "a depth and distances");
   }
   void surface() {
     const std::int32_t levels = _script.below(16) < 14 ? _script.below(4) - 1 : _script.below(8);
@@ -319,7 +317,8 @@ class Asker {
     const int status = phn_surface_size(_model, levels, &bytes);
     if (status < 0) {
       require(bytes == 0, "no size where refused");
-      require(status == PHN_ERROR_ARGUMENT || status == PHN_ERROR_UNDEFINED || status == PHN_ERROR_RANGE,
+      require(status == PHN_ERROR_ARGUMENT || status == PHN_ERROR_UNDEFINED ||
+                  status == PHN_ERROR_GEOMETRY || status == PHN_ERROR_TOO_LARGE,
               "refused");
       return;
     }
@@ -335,7 +334,7 @@ class Asker {
       require(corner[i] >= 0 && 3 * static_cast<std::size_t>(corner[i]) < n, "corners are vertices");
     std::vector<double> field(3 * _n_output);
     for (std::size_t i = 0; i < field.size(); ++i) field[i] = i < 12 ? _script.number() : field[i % 12];
-    std::vector<float> scratch(phn_surface_scratch(fine)), out(n, 1);
+    std::vector<float> scratch(phn_surface_scratch_size(fine) / sizeof(float)), out(n, 1);
     const int deformed = phn_surface_deform(fine, scratch.data(), field.data(), out.data());
     const bool good = finite(field.data(), field.size());
     if (_n_output > 0) require(deformed == (good ? PHN_OK : PHN_ERROR_NOT_FINITE), "a fine field");
@@ -350,22 +349,22 @@ class Asker {
     int status = 0;
     switch (_script.below(12)) {
       case 0:
-        status = phn_force(nullptr, _data, node, d, out);
+        status = phn_force(nullptr, _data, node, d, out, nullptr, nullptr);
         break;
       case 1:
-        status = phn_force(_model, nullptr, node, d, out);
+        status = phn_force(_model, nullptr, node, d, out, nullptr, nullptr);
         break;
       case 2:
-        status = phn_force(_model, _data, node, nullptr, out);
+        status = phn_force(_model, _data, node, nullptr, out, nullptr, nullptr);
         break;
       case 3:
-        status = phn_force(_model, _data, node, d, nullptr);
+        status = phn_force(_model, _data, node, d, nullptr, nullptr, nullptr);
         break;
       case 4:
-        status = phn_deform(_model, _data, 1, nullptr, d, std::vector<double>(3 * _n_output + 1).data());
+        status = phn_deform(_model, _data, *nullptr, d, std::vector<double>(3 * _n_output + 1).data());
         break;
       case 5:
-        status = phn_deform(_model, _data, 1, &node, d, nullptr);
+        status = phn_deform(_model, _data, node, d, nullptr);
         break;
       case 6:
         status = phn_couple(_model, _data, 1, nullptr, out, nullptr);
@@ -382,7 +381,7 @@ class Asker {
         status = phn_data_size(nullptr, 1, &bytes);
         break;
       case 10:
-        status = phn_trained_depth(_model, node, d, nullptr);
+        status = phn_trust(_model, node, d, nullptr);
         break;
       default:
         status = phn_nearest(_model, nullptr, nullptr, out);
@@ -414,24 +413,24 @@ bool refusal_of_loader(int status) { return status <= PHN_ERROR_NOT_A_MODEL && s
 
 LoadedText::LoadedText(const char* text, std::size_t length, std::size_t shift) {
   std::size_t bytes = 1;
-  status = phn_model_size(text, length, &bytes);
+  status = phn_model_size(text, length, &bytes, nullptr);
   if (status != PHN_OK) {
     require(refusal_of_loader(status) && bytes == 0, "a documented refusal");
     std::vector<char> some(4096);
-    const int again = phn_model_init(some.data(), some.size(), text, length, &model);
+    const int again = phn_model_init(some.data(), some.size(), text, length, &model, nullptr);
     require((refusal_of_loader(again) || again == PHN_ERROR_BUFFER) && model == nullptr, "init refuses, too");
     return;
   }
   if (bytes > largest_memory) return;
   memory = std::make_unique<Memory>(bytes, shift);
-  status = phn_model_init(memory->data(), bytes, text, length, &model);
+  status = phn_model_init(memory->data(), bytes, text, length, &model, nullptr);
   require(status == PHN_OK || status == PHN_ERROR_RANGE,
           "what size accepts, init accepts or finds out of range");
   require((model != nullptr) == (status == PHN_OK), "a model or none");
   if (status != PHN_OK) return;
   const Memory less(bytes / 2, 0);
   const phn_model* none = nullptr;
-  require(phn_model_init(less.data(), bytes / 2, text, length, &none) == PHN_ERROR_BUFFER && none == nullptr,
+  require(phn_model_init(less.data(), bytes / 2, text, length, &none, nullptr) == PHN_ERROR_BUFFER && none == nullptr,
           "half the memory is refused");
 }
 
@@ -444,20 +443,20 @@ std::uint64_t LoadedText::hash() const {
 void look_at(const phn_model* model) {
   const auto ascending = [&](const std::int32_t* list, std::int32_t n) {
     for (std::int32_t i = 0; i < n; ++i)
-      require(list[i] >= 0 && list[i] < phn_n_nodes(model) && (i == 0 || list[i] > list[i - 1]),
+      require(list[i] >= 0 && list[i] < info_of(model).n_nodes && (i == 0 || list[i] > list[i - 1]),
               "nodes ascend");
   };
-  const std::int32_t n_output = phn_n_output(model), n_fixed = phn_n_fixed(model);
-  ascending(phn_active_nodes(model), phn_n_active(model));
-  ascending(phn_output_nodes(model), n_output);
-  ascending(phn_fixed_nodes(model), n_fixed);
-  require(finite(phn_output_points(model), 3 * static_cast<std::size_t>(n_output)), "finite points");
-  require(finite(phn_fixed_points(model), 3 * static_cast<std::size_t>(n_fixed)), "finite fixed points");
-  const std::int32_t* corner = phn_triangles(model);
-  for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(phn_n_triangles(model)); ++i)
+  const std::int32_t n_output = info_of(model).n_output, n_fixed = info_of(model).n_fixed;
+  ascending(info_of(model).active_nodes, info_of(model).n_active);
+  ascending(info_of(model).output_nodes, n_output);
+  ascending(info_of(model).fixed_nodes, n_fixed);
+  require(finite(info_of(model).output_points, 3 * static_cast<std::size_t>(n_output)), "finite points");
+  require(finite(info_of(model).fixed_points, 3 * static_cast<std::size_t>(n_fixed)), "finite fixed points");
+  const std::int32_t* corner = info_of(model).triangles;
+  for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(info_of(model).n_triangles); ++i)
     require(corner[i] >= 0 && corner[i] < n_output + n_fixed, "corners are vertices");
-  for (std::int32_t f = 0; f < phn_n_fields(model); ++f) {
-    const std::size_t n = std::strlen(phn_field_name(model, f)), m = std::strlen(phn_field_unit(model, f));
+  for (std::int32_t f = 0; f < info_of(model).n_fields; ++f) {
+    const std::size_t n = std::strlen(info_of(model).field_names[f]), m = std::strlen(info_of(model).field_units[f]);
     require(n >= 1 && n <= 40 && m >= 1 && m <= 40, "names of fields");
   }
 }

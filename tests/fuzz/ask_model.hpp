@@ -26,6 +26,12 @@ class Memory {
 
 inline constexpr std::size_t largest_memory = std::size_t(1) << 26;
 
+inline phn_info info_of(const phn_model* model) {
+  phn_info info;
+  phn_model_info(model, &info);
+  return info;
+}
+
 /// Whether phynness.h names this status for a loader.
 bool refusal_of_loader(int status);
 

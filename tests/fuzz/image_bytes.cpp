@@ -1,6 +1,6 @@
 // Any bytes as an image: refused with a documented status, or every answer is defined. Input: a byte (bit 0:
 // put the right checksum and size, bit 1: floats), 8 bytes that decide the questions, 7 that stay, the image.
-#include <phynness/image.h>
+#include <phynness/phynness_image.h>
 
 #include <phynness/embedding/embedding.hpp>
 #include <phynness/image_layout.hpp>

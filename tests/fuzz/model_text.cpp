@@ -104,8 +104,8 @@ void host_agrees(const std::string& text) {
   try {
     const std::string written = write_model_text(read_model_text(text, "input"));
     std::size_t here = 0, there = 0;
-    require(phn_model_size(text.data(), text.size(), &here) == PHN_OK, "accepted before");
-    require(phn_model_size(written.data(), written.size(), &there) == PHN_OK && here == there,
+    require(phn_model_size(text.data(), text.size(), &here, nullptr) == PHN_OK, "accepted before");
+    require(phn_model_size(written.data(), written.size(), &there, nullptr) == PHN_OK && here == there,
             "what the host writes is the same model");
     require(write_model_text(read_model_text(written, "input")) == written, "a round trip");
   } catch (const Error& error) {

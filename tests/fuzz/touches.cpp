@@ -1,7 +1,9 @@
 // Any sequence of tools that come, touch, slide and go, at any places and of any sizes. Every step is taken
 // twice: by a contact with scratch in use, and by its twin with fresh scratch. Input: which model, how many
 // tools, steps.
-#include <phynness/contact.h>
+#include <phynness/phynness_levels.h>
+
+#include <phynness/phynness_contact.h>
 
 #include <algorithm>
 #include <phynness/formats/model.hpp>
@@ -69,7 +71,7 @@ class Hand {
                 "all tools are new");
         return;
       case 3:
-        require(phn_set_level(_model, _data, _script.below(phn_n_levels(_model))) == PHN_OK, "a level");
+        require(phn_set_level(_model, _data, _script.below(info_of(_model).n_levels)) == PHN_OK, "a level");
         return;
       default:
         return step();
@@ -150,7 +152,7 @@ class Hand {
             "documented warnings");
     phn_tool held[8];
     require(phn_contact_held(_contact, held) == n_held, "as many are held as touch");
-    std::vector<double> field(3 * static_cast<std::size_t>(phn_n_output(_model)));
+    std::vector<double> field(3 * static_cast<std::size_t>(info_of(_model).n_output));
     require(phn_coupled_deform(_model, _data, field.data()) >= 0 && finite(field.data(), field.size()),
             "the field of this step");
   }
@@ -197,7 +199,7 @@ class Hand {
   }
 
   void refit() {
-    std::vector<double> field(3 * static_cast<std::size_t>(phn_n_output(_model)));
+    std::vector<double> field(3 * static_cast<std::size_t>(info_of(_model).n_output));
     const int kind = _script.below(4);
     for (std::size_t i = 0; i < field.size(); ++i)
       field[i] = i >= 12 ? field[i % 12] : kind == 0 ? _script.number() : 0.1 * near();

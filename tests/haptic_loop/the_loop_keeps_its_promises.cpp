@@ -122,7 +122,7 @@ TEST(HapticLoop, SettlesOnNetworksStifferThanTheCoupling) {
   loop.touch().read(touch);
   const double at[] = {touch.displacement.x, touch.displacement.y, touch.displacement.z};
   double f[3];
-  ASSERT_GE(phn_force(loaded.model, loaded.data, 3, at, f), 0);
+  ASSERT_GE(phn_force(loaded.model, loaded.data, 3, at, f, nullptr, nullptr), 0);
   const double expected[] = {-f[0], -f[1], -f[2]}, said[] = {force.x, force.y, force.z};
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(said[k], expected[k], 1e-9);
   EXPECT_GT(f[0], 1);  // N, of 1.6 that 4 mm of the coupling are: stiff tissue
@@ -245,7 +245,7 @@ TEST(TouchingLoop, SettlesWhereCouplingAndTissueBalance) {
       ASSERT_EQ(touch.held.nodes[heaviest], 4);
       ASSERT_NEAR(touch.held.weights[heaviest], 1, 1e-9);  // the way down is straight, to rounding
       double of_node[3];
-      ASSERT_GE(phn_force(loop.loaded.model, loop.loaded.data, 4, touch.held.displacement, of_node), 0);
+      ASSERT_GE(phn_force(loop.loaded.model, loop.loaded.data, 4, touch.held.displacement, of_node, nullptr, nullptr), 0);
       // The device's z is the body's z; its x and y are turned about it.
       // The contact's guard counts work by trapezoids, which are exact in a linear body, and cuts what they
       // miss.

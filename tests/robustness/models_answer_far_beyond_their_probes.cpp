@@ -159,9 +159,9 @@ TEST_F(Models, WithHalfTheRaysFailedAreStillBetterThanLinearTheory) {
   const auto model = trained(Family::modal);
   double f[3] = {1, 1, 1};
   const double d[3] = {0, 0, -0.001};
-  EXPECT_EQ(phn_force(model.handle(), model.data(), lost, d, f), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(model.data().force(lost, d, f), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(f[2], 0);
-  EXPECT_EQ(phn_force(model.handle(), model.data(), block.top, d, f) & ~PHN_WARNING_INCOMPLETE, PHN_OK);
+  EXPECT_EQ(model.data().force(block.top, d, f) & ~PHN_WARNING_INCOMPLETE, PHN_OK);
   EXPECT_LT(f[2], 0);
 }
 

@@ -1,7 +1,8 @@
 #!/bin/bash
 # Claim: the runtime builds from its own folder, installs, in double and in float, and external programs in C and C++17, the latter without
-# exceptions, find and use it, by CMake and by pkg-config, also after the installation was moved. A program that links
-# both does not configure, a status of the C++ wrapper that is overlooked does not compile.
+# exceptions, find and use it, static and shared, by CMake and by pkg-config, also after the installation was moved. A program may hold both; one
+# that is compiled for float does not link with the library in double, nor the other way round. A status of the C++ wrapper
+# that is overlooked does not compile.
 # Usage: builds_alone_and_installs.sh CMAKE RUNTIME_SOURCE CONSUMER_SOURCE WORK_DIR
 set -euo pipefail
 cmake=$1
@@ -18,11 +19,20 @@ rm -rf "$work"
 "$work/consumer/c_consumer"
 "$work/consumer/cpp_consumer"
 "$work/consumer/float_consumer"
-if "$cmake" -S "$consumer" -B "$work/both" -DCMAKE_PREFIX_PATH="$work/prefix" -DBOTH_RUNTIMES=ON > "$work/both.log" 2>&1; then
-  echo "a program that links both runtimes configures"
-  exit 1
-fi
-grep -q PHYNNESS_REAL "$work/both.log"
+"$work/consumer/shared_consumer"
+"$work/consumer/shared_float_consumer"
+"$work/consumer/both_consumer"
+# Headers of one precision, library of the other.
+lib=$(dirname "$(find "$work/prefix" -name libphynness_runtime.a)")
+for mixed in "-DPHYNNESS_FLOAT runtime phnf_" "-UPHYNNESS_FLOAT runtime_float phn_"; do
+  read -r flag library prefix <<< "$mixed"
+  if "${CC:-cc}" $flag -I"$work/prefix/include" "$consumer/c_consumer.c" -L"$lib" -lphynness_$library -lphynness_image -lm \
+      -o "$work/mixed" 2> "$work/mixed.log"; then
+    echo "a program with $flag links with phynness_$library"
+    exit 1
+  fi
+  grep -q "undefined.*${prefix}model_info" "$work/mixed.log"
+done
 
 mv "$work/prefix" "$work/moved"
 folder=$(dirname "$(find "$work/moved" -name phynness.pc)")
@@ -36,7 +46,7 @@ read -ra flags <<< "$(pkg-config --cflags --libs phynness phynness-image)"
 "${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$consumer/c_consumer.c" "${flags[@]}" -o "$work/by_pkg_config"
 "$work/by_pkg_config"
 read -ra float_flags <<< "$(pkg-config --cflags --libs phynness-float phynness-image)"
-"${CC:-cc}" -std=c99 -DPRECISION=32 -Wall -Wextra -Wpedantic -Werror "$consumer/c_consumer.c" "${float_flags[@]}" \
+"${CC:-cc}" -std=c99 -Wall -Wextra -Wpedantic -Werror "$consumer/c_consumer.c" "${float_flags[@]}" \
   -o "$work/by_pkg_config"
 "$work/by_pkg_config"
 for standard in c++17 c++20; do

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <phynness/eigen.hpp>
-#include <phynness/phynness.hpp>
+#include <phynness/phynness_contact.hpp>
+#include <phynness/phynness_surface.hpp>
 
 #include "loaded_model.hpp"
 #include "small_model.hpp"
@@ -41,7 +42,7 @@ TEST_P(Wrapper, GivesTheSameBits) {
   ASSERT_TRUE(model && model.status() == PHN_OK);
   rt::Data data(model, 4);
   ASSERT_TRUE(data);
-  EXPECT_EQ(model.n_output(), phn_n_output(c.model));
+  EXPECT_EQ(model.n_output(), info_of(c.model).n_output);
   EXPECT_EQ(model.active_nodes().size(), 4u);
   EXPECT_EQ(model.triangles().size(), 12u);
   using Array = std::array<double, 3>;
@@ -51,26 +52,35 @@ TEST_P(Wrapper, GivesTheSameBits) {
       const double* d = at.data();
       double expected[9], got[9];
       Array force;
-      EXPECT_EQ(data.force(node, at, force), phn_force(c.model, c.data, node, d, expected));
+      EXPECT_EQ(data.force(node, at, force), phn_force(c.model, c.data, node, d, expected, nullptr, nullptr));
       EXPECT_EQ(std::memcmp(force.data(), expected, 24), 0);
-      EXPECT_EQ(data.energy(node, at, *got), phn_energy(c.model, c.data, node, d, expected));
+      EXPECT_EQ(data.energy(node, at, *got), phn_force(c.model, c.data, node, d, nullptr, expected, nullptr));
       EXPECT_EQ(std::memcmp(got, expected, 8), 0);
-      EXPECT_EQ(data.stiffness(node, at, got), phn_stiffness(c.model, c.data, node, d, expected));
+      EXPECT_EQ(data.stiffness(node, at, got), phn_force(c.model, c.data, node, d, nullptr, nullptr, expected));
       EXPECT_EQ(std::memcmp(got, expected, 72), 0);
-      EXPECT_EQ(model.trained_depth(node, at, *got), phn_trained_depth(c.model, node, d, expected));
-      EXPECT_EQ(std::memcmp(got, expected, 8), 0);
+      double energy = 1;
+      double at_once[3] = {}, energy_at_once = 1;
+      EXPECT_EQ(data.force(node, at, force, energy, got),
+                phn_force(c.model, c.data, node, d, at_once, &energy_at_once, expected));
+      EXPECT_EQ(std::memcmp(force.data(), at_once, 24), 0);
+      EXPECT_EQ(energy, energy_at_once);
+      EXPECT_EQ(std::memcmp(got, expected, 72), 0);
+      const Trust expected_trust(c.model, node, d);
+      phn_trusted trusted;
+      EXPECT_EQ(model.trust(node, at, trusted), expected_trust.status);
+      EXPECT_EQ(std::memcmp(&trusted, &expected_trust, sizeof trusted), 0);
       EXPECT_EQ(data.prepare(node), phn_prepare(c.model, c.data, node));
       std::vector<double> field(36, 1), expected_field(36, 2);
       EXPECT_EQ(data.deform(node, at, field),
-                phn_deform(c.model, c.data, 1, &node, d, expected_field.data()));
+                phn_deform(c.model, c.data, node, d, expected_field.data()));
       EXPECT_EQ(field, expected_field);
     }
   }
   const std::vector<std::int32_t> nodes{3, 8};
   const std::vector<double> d{0.001, 0, 0, 0, 0.002, 0};
   std::vector<double> field(36), expected(36);
-  EXPECT_EQ(data.deform(nodes, d, field),
-            phn_deform(c.model, c.data, 2, nodes.data(), d.data(), expected.data()));
+  EXPECT_EQ(data.blend_paper(nodes, d, field),
+            phn_blend_paper(c.model, c.data, 2, nodes.data(), d.data(), expected.data()));
   EXPECT_EQ(field, expected);
 
   phn_tool tools[2];
@@ -89,11 +99,24 @@ TEST_P(Wrapper, GivesTheSameBits) {
   EXPECT_EQ(data.couple(tools[0], point), phn_couple(c.model, c.data, 1, tools, expected_forces, nullptr));
   EXPECT_EQ(std::memcmp(point, expected_forces, sizeof point), 0);
 
+  std::size_t n_bytes = 0;
   const rt::Surface surface(model, 2);
   ASSERT_TRUE(surface);
   std::vector<float> scratch(surface.n_scratch()), fine(3 * static_cast<std::size_t>(surface.n_vertices()));
   EXPECT_EQ(surface.deform(scratch, field, fine), PHN_OK);
   EXPECT_EQ(surface.points().size(), fine.size());
+
+  rt::Contact contact(model, 1);
+  ASSERT_EQ(contact.status(), phn_contact_size(c.model, 1, &n_bytes));
+  std::vector<char> memory(n_bytes);
+  phn_contact* expected_contact = nullptr;
+  ASSERT_EQ(phn_contact_init(memory.data(), n_bytes, c.model, 1, &expected_contact), PHN_OK);
+  for (const double z : {2.0, 1.0, 0.5, 0.4}) {
+    const phn_contact_tool sphere{{0.3, 0.2, z}, 0.1, 0, PHN_TOOL_PRESS, 0};
+    phn_contact_state state, expected_state;
+    EXPECT_EQ(contact.step(data, sphere, state), phn_contact_step(expected_contact, c.data, 1, &sphere, &expected_state, nullptr));
+    EXPECT_EQ(std::memcmp(&state, &expected_state, sizeof state), 0);
+  }
 }
 
 TEST_P(Wrapper, WritesThroughMapsInPlace) {
@@ -102,12 +125,12 @@ TEST_P(Wrapper, WritesThroughMapsInPlace) {
   const Eigen::Vector3d d(0.001, -0.002, 0.003);
   double expected[9], memory[9] = {};
   Eigen::Map<Eigen::Vector3d> force(memory + 3);
-  EXPECT_EQ(data.force(3, d, force), phn_force(c.model, c.data, 3, d.data(), expected));
+  EXPECT_EQ(data.force(3, d, force), phn_force(c.model, c.data, 3, d.data(), expected, nullptr, nullptr));
   EXPECT_EQ(std::memcmp(memory + 3, expected, 24), 0);
   EXPECT_EQ(memory[2], 0);
   EXPECT_EQ(memory[6], 0);
   Eigen::Matrix3d stiffness;
-  EXPECT_EQ(data.stiffness(3, d, stiffness), phn_stiffness(c.model, c.data, 3, d.data(), expected));
+  EXPECT_EQ(data.stiffness(3, d, stiffness), phn_force(c.model, c.data, 3, d.data(), nullptr, nullptr, expected));
   EXPECT_EQ(std::memcmp(stiffness.data(), expected, 72), 0);
   rt::Rows<double> u(model.n_output(), 3);
   EXPECT_TRUE(data.deform(3, d, rt::span(u)).ok());
@@ -162,8 +185,8 @@ TEST_P(Wrapper, MisuseHasAStatus) {
   EXPECT_EQ(shorter, std::vector<double>(35, 7));
   std::vector<double> field(36);
   const std::vector<std::int32_t> two{3, 5};
-  EXPECT_EQ(data.deform(two, rt::Span<const double>(d, 3), field), PHN_ERROR_BUFFER);
-  EXPECT_EQ(data.deform(two, field, field), PHN_ERROR_TOOLS);
+  EXPECT_EQ(data.blend_paper(two, rt::Span<const double>(d, 3), field), PHN_ERROR_BUFFER);
+  EXPECT_EQ(data.blend_paper(two, field, field), PHN_ERROR_TOOLS);
   const phn_tool tools[2] = {};
   EXPECT_EQ(data.couple(tools, rt::Span<double>(field.data(), 5)), PHN_ERROR_BUFFER);
   rt::Status status(PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE);

@@ -1,4 +1,6 @@
 #include <gtest/gtest.h>
+#include <phynness/phynness_levels.h>
+#include <phynness/phynness_paper.h>
 
 #include <phynness/formats/hash.hpp>
 
@@ -13,7 +15,7 @@ using namespace phynness::test;
 
 int size_status(const std::string& text) {
   std::size_t bytes = 0;
-  return phn_model_size(text.data(), text.size(), &bytes);
+  return phn_model_size(text.data(), text.size(), &bytes, nullptr);
 }
 
 std::string with_checksum(const std::string& body) {
@@ -60,11 +62,11 @@ TEST_P(DamagedText, EveryTruncationIsRefused) {
   for (std::size_t n = 0; n < text.size(); ++n) {
     const std::vector<char> part(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(n));
     std::size_t bytes = 1;
-    const int status = phn_model_size(part.empty() ? "" : part.data(), n, &bytes);
+    const int status = phn_model_size(part.empty() ? "" : part.data(), n, &bytes, nullptr);
     ASSERT_EQ(status, n == 0 ? PHN_ERROR_NOT_A_MODEL : PHN_ERROR_TRUNCATED) << "length " << n;
     EXPECT_EQ(bytes, 0u);
     const phn_model* model = nullptr;
-    ASSERT_EQ(phn_model_init(memory.data(), memory.size(), part.empty() ? "" : part.data(), n, &model),
+    ASSERT_EQ(phn_model_init(memory.data(), memory.size(), part.empty() ? "" : part.data(), n, &model, nullptr),
               status);
   }
 }
@@ -95,28 +97,58 @@ TEST_P(DamagedText, ParserSurvivesAnythingWithAGoodChecksum) {
       damaged[at] = c;
       damaged = with_checksum(damaged);
       std::size_t bytes = 0;
-      if (phn_model_size(damaged.data(), damaged.size(), &bytes) != PHN_OK) continue;
+      if (phn_model_size(damaged.data(), damaged.size(), &bytes, nullptr) != PHN_OK) continue;
       ASSERT_LT(bytes, 1u << 20);
       std::vector<char> memory(bytes);
       const phn_model* model = nullptr;
-      if (phn_model_init(memory.data(), bytes, damaged.data(), damaged.size(), &model) != PHN_OK) continue;
+      if (phn_model_init(memory.data(), bytes, damaged.data(), damaged.size(), &model, nullptr) != PHN_OK) continue;
       ASSERT_EQ(phn_data_size(model, 1, &bytes), PHN_OK);
       std::vector<char> data_memory(bytes);
       phn_data* data = nullptr;
       ASSERT_EQ(phn_data_init(data_memory.data(), bytes, model, 1, &data), PHN_OK);
       const double d[] = {0.001, 0.002, -0.003};
-      std::vector<double> u(3 * phn_n_output(model));
-      for (int i = 0; i < phn_n_levels(model) * phn_n_active(model); ++i) {
-        ASSERT_EQ(phn_set_level(model, data, i / phn_n_active(model)), PHN_OK);
-        const std::int32_t* touched = phn_active_nodes(model) + i % phn_n_active(model);
-        ASSERT_GE(phn_deform(model, data, 1, touched, d, u.data()), 0);
+      std::vector<double> u(3 * info_of(model).n_output);
+      for (int i = 0; i < info_of(model).n_levels * info_of(model).n_active; ++i) {
+        ASSERT_EQ(phn_set_level(model, data, i / info_of(model).n_active), PHN_OK);
+        const std::int32_t* touched = info_of(model).active_nodes + i % info_of(model).n_active;
+        ASSERT_GE(phn_deform(model, data, *touched, d, u.data()), 0);
         for (const double x : u) ASSERT_TRUE(std::isfinite(x));
         double force[3];
-        ASSERT_GE(phn_force(model, data, *touched, d, force), 0);
+        ASSERT_GE(phn_force(model, data, *touched, d, force, nullptr, nullptr), 0);
         for (const double x : force) ASSERT_TRUE(std::isfinite(x));
       }
     }
   }
+}
+
+// Claim: a refused text tells where the wrong word begins, counted from 1, a damaged one where its checksum is; a good one
+// tells 0.
+TEST(DefectsOfText, TellTheByteWhereTheyAre) {
+  const std::string text = write_model_text(small_model());
+  const auto wrong_byte = [](const std::string& of) {
+    std::size_t bytes = 0, of_size = 99, of_init = 99;
+    const phn_model* model = nullptr;
+    std::vector<char> memory(1 << 18);
+    const int status = phn_model_size(of.data(), of.size(), &bytes, &of_size);
+    EXPECT_EQ(phn_model_init(memory.data(), memory.size(), of.data(), of.size(), &model, &of_init), status);
+    EXPECT_EQ(of_init, of_size);
+    return of_size;
+  };
+  EXPECT_EQ(wrong_byte(text), 0u);
+  const struct {
+    const char *from, *to, *wrong;
+  } cases[] = {{"family rbfn", "family spline", "spline"},    {"spread 1.", "spread 1,", "1,"},
+               {"mesh_nodes 20", "mesh_nodes 2x", "2x"},      {"force 5", "force 2000000000", "2000000000"},
+               {"\nsurface ", "\nsurfaces ", "surfaces "}};
+  for (const auto& c : cases) {
+    const std::string damaged = replaced(text, c.from, c.to);
+    EXPECT_EQ(wrong_byte(damaged), damaged.find(c.wrong, damaged.find(c.to)) + 1) << c.to;
+  }
+  std::string changed = text;
+  changed[text.find("mesh_nodes")] = 'n';
+  EXPECT_EQ(wrong_byte(changed), text.rfind("checksum ") + 10);
+  EXPECT_EQ(wrong_byte(text.substr(0, 5)), 6u);
+  EXPECT_EQ(wrong_byte("solid liver and more\n"), 1u);
 }
 
 // Claim: each kind of defect has its own status.
@@ -142,7 +174,7 @@ TEST(DefectsOfText, AreTold) {
   EXPECT_EQ(size_status(replaced(linear, "stiffness ", "stiffness 1p+400 ")), PHN_ERROR_RANGE);
   EXPECT_EQ(size_status(replaced(linear, "unit_responses\n", "unit_responses\n1p+0 ")), PHN_ERROR_SYNTAX);
   EXPECT_EQ(size_status(replaced(linear, "unit_responses\n", "")), PHN_ERROR_SYNTAX);
-  EXPECT_EQ(phn_model_size(nullptr, 10, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_model_size(nullptr, 10, nullptr, nullptr), PHN_ERROR_ARGUMENT);
 }
 
 /// Another first number in the first line that begins with the word.
@@ -288,7 +320,7 @@ TEST(DefectsOfText, CoordinatesAreBounded) {
     const std::int32_t nodes[] = {3, 5};
     const double d[] = {0.001, 0, 0, 0, 0.001, 0};
     Points u(12, 3);
-    ASSERT_GE(phn_deform(loaded.model, loaded.data, 2, nodes, d, u.data()), 0);
+    ASSERT_GE(phn_blend_paper(loaded.model, loaded.data, 2, nodes, d, u.data()), 0);
     EXPECT_TRUE(u.allFinite());
     for (const double far : {0.0, 1e30, 1e200, -1.7e308}) {
       const double x[] = {far, 0.01, -far};
@@ -314,7 +346,7 @@ TEST(DefectsOfText, ModalModelsThatCouldOverflowAreRefused) {
     const std::string text = write_model_text(m);
     std::vector<char> memory(1 << 18);
     const phn_model* built = nullptr;
-    return phn_model_init(memory.data(), memory.size(), text.data(), text.size(), &built);
+    return phn_model_init(memory.data(), memory.size(), text.data(), text.size(), &built, nullptr);
   };
   model.displacements *= 900;
   EXPECT_EQ(init_status(model), PHN_OK);

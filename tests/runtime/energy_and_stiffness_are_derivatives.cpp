@@ -23,9 +23,9 @@ struct Response {
 
 Response response(const LoadedModel& loaded, std::int32_t node, const Vector3d& d) {
   Response r;
-  EXPECT_GE(phn_energy(loaded.model, loaded.data, node, d.data(), &r.energy), 0);
-  EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), r.force.data()), 0);
-  EXPECT_GE(phn_stiffness(loaded.model, loaded.data, node, d.data(), r.stiffness.data()), 0);
+  EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), nullptr, &r.energy, nullptr), 0);
+  EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), r.force.data(), nullptr, nullptr), 0);
+  EXPECT_GE(phn_force(loaded.model, loaded.data, node, d.data(), nullptr, nullptr, r.stiffness.data()), 0);
   return r;
 }
 

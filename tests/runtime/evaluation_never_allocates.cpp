@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
-#include <phynness/contact.h>
+#include <phynness/phynness_levels.h>
+#include <phynness/phynness_paper.h>
+#include <phynness/phynness_surface.h>
+#include <phynness/phynness_contact.h>
 
 #include <cstdlib>
 #include <new>
@@ -46,7 +49,9 @@ TEST_P(Memory, NothingIsAllocated) {
   phn_data* data = nullptr;
   const std::int32_t tools[] = {3, 5, 8};
   const double d[] = {0.001, 0.002, 0.003, -0.001, 0, 0, 0.02, 0, 0};
-  double out[36], depth = 0, energy = 0, stiffness[9];
+  double out[36], energy = 0, stiffness[9];
+  phn_trusted trusted;
+  phn_info info;
   std::vector<char> surface_memory(1 << 20), contact_memory(1 << 20);
   phn_tool several[2];
   std::vector<float> scratch(10000), fine(10000);
@@ -54,15 +59,16 @@ TEST_P(Memory, NothingIsAllocated) {
   const int derivatives = GetParam() == Family::rbfn ? PHN_ERROR_UNDEFINED : PHN_OK;
 
   const long before = n_allocations;
-  int worst = phn_model_size(text.data(), text.size(), &bytes);
-  worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model));
+  int worst = phn_model_size(text.data(), text.size(), &bytes, nullptr);
+  worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model, nullptr));
   worst = std::min(worst, phn_data_size(model, 3, &bytes));
   worst = std::min(worst, phn_data_init(data_memory.data(), bytes, model, 3, &data));
-  worst = std::min(worst, phn_force(model, data, 3, d, out));
-  worst = std::min(worst, phn_deform(model, data, 1, tools, d, out));
-  worst = std::min(worst, phn_deform(model, data, 3, tools, d, out));
+  worst = std::min(worst, phn_force(model, data, 3, d, out, nullptr, nullptr));
+  worst = std::min(worst, phn_deform(model, data, *tools, d, out));
+  worst = std::min(worst, phn_blend_paper(model, data, 3, tools, d, out));
   worst = std::min(worst, phn_prepare(model, data, 8));
-  worst = std::min(worst, phn_trained_depth(model, 3, d, &depth));
+  worst = std::min(worst, phn_model_info(model, &info));
+  worst = std::min(worst, phn_trust(model, 3, d, &trusted));
   const phn_tool held[] = {{{3, 5, 8}, {0.5, 0.25, 0.25}, {0.001, 0, 0}},
                            {{5, 3, 0}, {0.5, 0.25, 0.25}, {0, 0.001, 0}}};
   const double x[] = {0.01, 0, 0};
@@ -84,13 +90,13 @@ TEST_P(Memory, NothingIsAllocated) {
   worst = std::min(worst, phn_contact_step(contact, data, 2, touching, states, nullptr));
   worst = std::min(worst, phn_contact_nearest(contact, x, &nearest, nullptr));
   const std::int32_t n_touching = phn_contact_held(contact, several);
-  const int energy_status = phn_energy(model, data, 3, d, &energy);
-  const int stiffness_status = phn_stiffness(model, data, 3, d, stiffness);
+  const int energy_status = phn_force(model, data, 3, d, nullptr, &energy, nullptr);
+  const int stiffness_status = phn_force(model, data, 3, d, nullptr, nullptr, stiffness);
   const long after = n_allocations;
 
   EXPECT_EQ(worst, 0);
   EXPECT_GE(n_touching, 1);
-  EXPECT_LE(phn_surface_scratch(surface), scratch.size());
+  EXPECT_LE(phn_surface_scratch_size(surface) / sizeof(float), scratch.size());
   EXPECT_LE(3 * phn_surface_n_vertices(surface), static_cast<std::int32_t>(fine.size()));
   EXPECT_EQ(energy_status, derivatives);
   EXPECT_EQ(stiffness_status, derivatives);
@@ -106,28 +112,31 @@ TEST(Memory, LevelsAllocateNothing) {
     phn_data* data = nullptr;
     const double d[] = {0.001, 0.002, 0.003};
     const std::int32_t node = 3;
-    double out[36], now = 0, distance = 0, relative = 0;
+    double out[36], now = 0;
+    phn_trusted trusted;
     phn_level info;
+    phn_info of_model;
     phn_level_time times[3];
     std::int32_t best = -1;
     const auto clock = [](void* user) { return *static_cast<double*>(user) += 100; };
     const long before = n_allocations;
-    int worst = phn_model_size(text.data(), text.size(), &bytes);
-    worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model));
+    int worst = phn_model_size(text.data(), text.size(), &bytes, nullptr);
+    worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model, nullptr));
     worst = std::min(worst, phn_data_size(model, 1, &bytes));
     worst = std::min(worst, phn_data_init(data_memory.data(), bytes, model, 1, &data));
     for (const std::int32_t level : {0, 2, 1}) {
       worst = std::min(worst, phn_set_level(model, data, level));
       worst = std::min(worst, phn_level_info(model, level, &info));
-      worst = std::min(worst, phn_force(model, data, node, d, out));
-      worst = std::min(worst, phn_deform(model, data, 1, &node, d, out));
+      worst = std::min(worst, phn_force(model, data, node, d, out, nullptr, nullptr));
+      worst = std::min(worst, phn_deform(model, data, node, d, out));
     }
     worst = std::min(worst, phn_calibrate(model, data, clock, &now, times));
     worst = std::min(worst, phn_budget(model, times, 1, 1, 1000, &best));
-    worst = std::min(worst, phn_trained_distance(model, node, d, &distance, &relative));
+    worst = std::min(worst, phn_trust(model, node, d, &trusted));
+    worst = std::min(worst, phn_model_info(model, &of_model));
     const long after = n_allocations;
     EXPECT_EQ(worst, 0);
-    EXPECT_EQ(phn_n_levels(model), 3);
+    EXPECT_EQ(of_model.n_levels, 3);
     EXPECT_EQ(after, before);
   }
 }
@@ -141,14 +150,14 @@ TEST(Memory, FieldsAllocateNothing) {
   const double d[] = {0.001, 0.002, 0.003};
   double out[12];
   const long before = n_allocations;
-  int worst = phn_model_size(text.data(), text.size(), &bytes);
-  worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model));
+  int worst = phn_model_size(text.data(), text.size(), &bytes, nullptr);
+  worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model, nullptr));
   worst = std::min(worst, phn_data_size(model, 1, &bytes));
   worst = std::min(worst, phn_data_init(data_memory.data(), bytes, model, 1, &data));
   for (const std::int32_t field : {0, 1}) worst = std::min(worst, phn_field(model, data, 3, d, field, out));
   const long after = n_allocations;
   EXPECT_EQ(worst, 0);
-  EXPECT_EQ(phn_n_fields(model), 2);
+  EXPECT_EQ(info_of(model).n_fields, 2);
   EXPECT_EQ(after, before);
 }
 

@@ -32,7 +32,7 @@ if ! "$compiler" --version | grep -q clang; then
   done
 fi
 
-for header in phynness/phynness.h phynness/contact.h phynness/image.h phynness/phynness.hpp; do
+for header in phynness/phynness.h phynness/phynness_contact.h phynness/phynness_image.h phynness/phynness.hpp; do
   echo "#include <$header>" > "$work/user.cpp"
   "$compiler" -std=c++17 -fsyntax-only -ffast-math "-I$runtime/include" "$work/user.cpp" || fail "$header is refused"
 done

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <phynness/phynness_surface.h>
 
 #include <algorithm>
 #include <array>
@@ -55,7 +56,7 @@ struct FineSurface {
     LoadedModel::check(phn_surface_size(loaded.model, levels, &bytes));
     memory.resize(bytes);
     LoadedModel::check(phn_surface_init(memory.data(), bytes, loaded.model, levels, &surface));
-    scratch.resize(phn_surface_scratch(surface));
+    scratch.resize(phn_surface_scratch_size(surface) / sizeof(float));
     n_vertices = phn_surface_n_vertices(surface);
     n_triangles = phn_surface_n_triangles(surface);
   }

@@ -1,4 +1,6 @@
 #include <gtest/gtest.h>
+#include <phynness/phynness_levels.h>
+#include <phynness/phynness_paper.h>
 
 #include <cmath>
 #include <limits>
@@ -20,24 +22,24 @@ std::vector<double> answers(const LoadedModel& loaded) {
   Numbers numbers;
   const auto* model = loaded.model;
   auto* data = loaded.data;
-  const auto n_output = static_cast<std::size_t>(phn_n_output(model));
+  const auto n_output = static_cast<std::size_t>(info_of(model).n_output);
   for (int i = 0; i < 20; ++i) {
     const std::int32_t node = touched[i % 3];
     double d[6], f[6] = {}, k[9];
     for (double& x : d) x = 0.012 * numbers.next();
-    EXPECT_GE(phn_force(model, data, node, d, f), 0);
+    EXPECT_GE(phn_force(model, data, node, d, f, nullptr, nullptr), 0);
     all.insert(all.end(), f, f + 3);
-    phn_energy(model, data, node, d, f);
+    phn_force(model, data, node, d, nullptr, f, nullptr);
     all.push_back(f[0]);
-    phn_stiffness(model, data, node, d, k);
+    phn_force(model, data, node, d, nullptr, nullptr, k);
     all.insert(all.end(), k, k + 9);
     std::vector<double> u(3 * n_output);
-    EXPECT_GE(phn_deform(model, data, 1, &node, d, u.data()), 0);
+    EXPECT_GE(phn_deform(model, data, node, d, u.data()), 0);
     all.insert(all.end(), u.begin(), u.end());
     const std::int32_t two[] = {node, 15};
-    EXPECT_GE(phn_deform(model, data, 2, two, d, u.data()), 0);
+    EXPECT_GE(phn_blend_paper(model, data, 2, two, d, u.data()), 0);
     all.insert(all.end(), u.begin(), u.end());
-    for (std::int32_t field = 0; field < phn_n_fields(model); ++field) {
+    for (std::int32_t field = 0; field < info_of(model).n_fields; ++field) {
       EXPECT_GE(phn_field(model, data, node, d, field, u.data()), 0);
       all.insert(all.end(), u.begin(), u.begin() + static_cast<std::ptrdiff_t>(n_output));
     }
@@ -64,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(Families, Levels, testing::Values(Family::rbfn, Family:
 TEST_P(Levels, AnswerAsModelsOfTheirOwn) {
   const Model model = with_levels(model_of(GetParam()));
   const LoadedModel loaded(write_model_text(model));
-  ASSERT_EQ(phn_n_levels(loaded.model), 3);
+  ASSERT_EQ(info_of(loaded.model).n_levels, 3);
   EXPECT_EQ(phn_level_of(loaded.data), 2);
   EXPECT_EQ(answers(loaded), answers(LoadedModel(write_model_text(model_of(GetParam())))));
   std::vector<double> before;
@@ -91,10 +93,10 @@ TEST_P(Levels, AreThoseOfTheData) {
   ASSERT_EQ(phn_set_level(loaded.model, loaded.data, 0), PHN_OK);
   const double d[] = {0.001, 0.004, -0.002};
   double small[3], full[3], plain[3];
-  ASSERT_GE(phn_force(loaded.model, loaded.data, 3, d, small), 0);
-  ASSERT_GE(phn_force(loaded.model, other, 3, d, full), 0);
+  ASSERT_GE(phn_force(loaded.model, loaded.data, 3, d, small, nullptr, nullptr), 0);
+  ASSERT_GE(phn_force(loaded.model, other, 3, d, full, nullptr, nullptr), 0);
   const LoadedModel without(write_model_text(model_of(GetParam())));
-  ASSERT_GE(phn_force(without.model, without.data, 3, d, plain), 0);
+  ASSERT_GE(phn_force(without.model, without.data, 3, d, plain, nullptr, nullptr), 0);
   EXPECT_NE(small[0], full[0]);
   for (int k = 0; k < 3; ++k) EXPECT_EQ(full[k], plain[k]);
 }
@@ -104,7 +106,7 @@ TEST_P(Levels, AreKeptByCoupledTools) {
   const LoadedModel loaded(write_model_text(with_levels(model_of(GetParam()))));
   const phn_tool tool = {{3, 5, 8}, {0.25, 0.5, 0.25}, {0.001, -0.002, 0.003}};
   double force[3];
-  Points kept(phn_n_output(loaded.model), 3), u = kept;
+  Points kept(info_of(loaded.model).n_output, 3), u = kept;
   for (const std::int32_t level : {0, 2}) {
     ASSERT_EQ(phn_set_level(loaded.model, loaded.data, level), PHN_OK);
     ASSERT_GE(phn_couple(loaded.model, loaded.data, 1, &tool, force, nullptr), 0);
@@ -139,12 +141,12 @@ TEST(LevelsOfModalModels, DoNoWorkOverClosedPaths) {
             const double s = (p + (1 + at[g]) / 2) / pieces;
             double d[3], f[3];
             for (int k = 0; k < 3; ++k) d[k] = from[k] + s * (to[k] - from[k]);
-            ASSERT_GE(phn_force(loaded.model, loaded.data, node, d, f), 0);
+            ASSERT_GE(phn_force(loaded.model, loaded.data, node, d, f, nullptr, nullptr), 0);
             for (int k = 0; k < 3; ++k) work += weight[g] / 2 / pieces * f[k] * (to[k] - from[k]);
           }
         }
-        ASSERT_GE(phn_energy(loaded.model, loaded.data, node, from, &e_from), 0);
-        ASSERT_GE(phn_energy(loaded.model, loaded.data, node, to, &e_to), 0);
+        ASSERT_GE(phn_force(loaded.model, loaded.data, node, from, nullptr, &e_from, nullptr), 0);
+        ASSERT_GE(phn_force(loaded.model, loaded.data, node, to, nullptr, &e_to, nullptr), 0);
         largest = std::fmax(largest, std::fabs(e_from));
         EXPECT_NEAR(work, e_to - e_from, tolerance * std::fabs(e_from) + tolerance * std::fabs(e_to))
             << level;
@@ -174,7 +176,7 @@ TEST(LevelInfo, TellsWhatTheFileSays) {
   EXPECT_EQ(info.force_centers, 4);
   EXPECT_EQ(info.deformation_centers, 6);
   EXPECT_EQ(info.modes, 0);
-  EXPECT_EQ(phn_n_levels(one.model), 1);
+  EXPECT_EQ(info_of(one.model).n_levels, 1);
   ASSERT_EQ(phn_level_info(one.model, 0, &info), PHN_OK);
   EXPECT_EQ(info.force_centers, 5);
   EXPECT_EQ(info.error_force, 0);
@@ -188,7 +190,7 @@ TEST(LevelInfo, TellsWhatTheFileSays) {
   EXPECT_EQ(phn_set_level(nullptr, one.data, 0), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_level_info(nullptr, 0, &info), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_level_info(modal.model, 0, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_n_levels(nullptr), 0);
+  EXPECT_EQ(info_of(nullptr).n_levels, 0);
   EXPECT_EQ(phn_level_of(nullptr), 0);
 }
 

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <phynness/phynness_paper.h>
 
 #include "loaded_model.hpp"
 #include "small_model.hpp"
@@ -16,9 +17,9 @@ struct Answer {
 };
 
 Answer answer(const LoadedModel& loaded, std::int32_t node, const Eigen::Vector3d& d) {
-  Answer a{{}, Points(phn_n_output(loaded.model), 3), 0, 0};
-  a.force_status = phn_force(loaded.model, loaded.data, node, d.data(), a.force.data());
-  a.deform_status = phn_deform(loaded.model, loaded.data, 1, &node, d.data(), a.u.data());
+  Answer a{{}, Points(info_of(loaded.model).n_output, 3), 0, 0};
+  a.force_status = phn_force(loaded.model, loaded.data, node, d.data(), a.force.data(), nullptr, nullptr);
+  a.deform_status = phn_deform(loaded.model, loaded.data, node, d.data(), a.u.data());
   return a;
 }
 
@@ -74,9 +75,9 @@ TEST(LinearRuntime, HasNoOutside) {
   EXPECT_EQ(answer(loaded, 3, far).force_status, PHN_OK);
   EXPECT_EQ(answer(loaded, 3, far).deform_status, PHN_OK);
   EXPECT_EQ(answer(loaded, 5, far).force_status, PHN_WARNING_INCOMPLETE);
-  double depth = 0;
-  EXPECT_EQ(phn_trained_depth(loaded.model, 5, far.data(), &depth), PHN_OK);
-  EXPECT_EQ(depth, 0.005);
+  const Trust trust(loaded.model, 5, far.data());
+  EXPECT_EQ(trust.status, PHN_OK);
+  EXPECT_EQ(trust.trained_depth, 0.005);
 }
 
 // Claim: several tools are blended by (15)-(16) as in the other family: the touched output nodes follow
@@ -88,8 +89,8 @@ TEST(LinearRuntime, SeveralToolsAreBlended) {
   double twice[6];
   for (int i = 0; i < 6; ++i) twice[i] = 2 * d[i];
   Points u(12, 3), u_twice(12, 3);
-  ASSERT_EQ(phn_deform(loaded.model, loaded.data, 2, tools, d, u.data()), PHN_OK);
-  ASSERT_EQ(phn_deform(loaded.model, loaded.data, 2, tools, twice, u_twice.data()), PHN_OK);
+  ASSERT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, tools, d, u.data()), PHN_OK);
+  ASSERT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, tools, twice, u_twice.data()), PHN_OK);
   for (int k = 0; k < 3; ++k) {
     EXPECT_EQ(u(3 - 2, k), d[k]);
     EXPECT_EQ(u(8 - 2, k), d[3 + k]);

@@ -9,12 +9,25 @@
 
 namespace phynness::test {
 
+/// Zeros for null, but for the precision.
+inline phn_info info_of(const phn_model* model) {
+  phn_info info;
+  phn_model_info(model, &info);
+  return info;
+}
+
+/// For tests of one of the two.
+struct Trust : phn_trusted {
+  Trust(const phn_model* model, std::int32_t node, const double* d) { status = phn_trust(model, node, d, this); }
+  int status;
+};
+
 struct LoadedModel {
   explicit LoadedModel(const std::string& text, std::int32_t max_tools = 4) {
     std::size_t bytes = 0;
-    check(phn_model_size(text.data(), text.size(), &bytes));
+    check(phn_model_size(text.data(), text.size(), &bytes, nullptr));
     model_memory.resize(bytes);
-    check(phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model));
+    check(phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model, nullptr));
     check(phn_data_size(model, max_tools, &bytes));
     data_memory.resize(bytes);
     check(phn_data_init(data_memory.data(), bytes, model, max_tools, &data));

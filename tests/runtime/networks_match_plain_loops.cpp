@@ -27,7 +27,7 @@ TEST(Runtime, ForceIsTheNetwork) {
   for (const ActiveNodeModel& node : model.nodes) {
     for (const Eigen::Vector3d& d : probes) {
       Eigen::Vector3d force;
-      ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data()), 0);
+      ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr), 0);
       EXPECT_LT((force - evaluate(node.force, d)).norm(), rounded(1e-14) * scale_of(node.force));
     }
   }
@@ -42,7 +42,7 @@ TEST(Runtime, DeformationIsTheNetwork) {
   for (const ActiveNodeModel& node : model.nodes) {
     for (const Eigen::Vector3d& d : probes) {
       Points u(model.output_points.rows(), 3);
-      ASSERT_GE(phn_deform(loaded.model, loaded.data, 1, &node.node, d.data(), u.data()), 0);
+      ASSERT_GE(phn_deform(loaded.model, loaded.data, node.node, d.data(), u.data()), 0);
       for (std::size_t o = 0; o < model.output.size(); ++o) {
         const auto row = static_cast<Eigen::Index>(o);
         Eigen::VectorXd inputs(6);
@@ -64,14 +64,14 @@ TEST(Runtime, DeformationIsTheNetwork) {
 TEST(Runtime, ListsAreTheModels) {
   const Model model = small_model();
   const LoadedModel loaded(write_model_text(model));
-  EXPECT_EQ(phn_n_nodes(loaded.model), 20);
-  ASSERT_EQ(phn_n_active(loaded.model), 4);
-  ASSERT_EQ(phn_n_output(loaded.model), 12);
-  for (int i = 0; i < 4; ++i) EXPECT_EQ(phn_active_nodes(loaded.model)[i], model.nodes[i].node);
+  EXPECT_EQ(info_of(loaded.model).n_nodes, 20);
+  ASSERT_EQ(info_of(loaded.model).n_active, 4);
+  ASSERT_EQ(info_of(loaded.model).n_output, 12);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(info_of(loaded.model).active_nodes[i], model.nodes[i].node);
   for (int i = 0; i < 12; ++i) {
-    EXPECT_EQ(phn_output_nodes(loaded.model)[i], model.output[i]);
+    EXPECT_EQ(info_of(loaded.model).output_nodes[i], model.output[i]);
     for (int k = 0; k < 3; ++k)
-      EXPECT_EQ(phn_output_points(loaded.model)[3 * i + k], model.output_points(i, k));
+      EXPECT_EQ(info_of(loaded.model).output_points[3 * i + k], model.output_points(i, k));
   }
 }
 
@@ -79,21 +79,22 @@ TEST(Runtime, ListsAreTheModels) {
 // stopped short says so. Outputs are defined all the same.
 TEST(Runtime, WarnsBeyondTheTrainedDepth) {
   const LoadedModel loaded(write_model_text(small_model()));
-  double depth = 0;
   Eigen::Vector3d d(0.002, 0.0049, 0), force;
-  EXPECT_EQ(phn_trained_depth(loaded.model, 5, d.data(), &depth), PHN_WARNING_OUTSIDE);
-  EXPECT_EQ(depth, 0.005);
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 5, d.data(), force.data()),
+  const Trust beyond(loaded.model, 5, d.data());
+  EXPECT_EQ(beyond.status, PHN_WARNING_OUTSIDE);
+  EXPECT_EQ(beyond.trained_depth, 0.005);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 5, d.data(), force.data(), nullptr, nullptr),
             PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE);
   EXPECT_GT(force.norm(), 0);
   d = {0.0099, 0, 0};
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 5, d.data(), force.data()), PHN_WARNING_INCOMPLETE);
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d.data(), force.data()), PHN_OK);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 5, d.data(), force.data(), nullptr, nullptr), PHN_WARNING_INCOMPLETE);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d.data(), force.data(), nullptr, nullptr), PHN_OK);
   d = {0.011, 0, 0};
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d.data(), force.data()), PHN_WARNING_OUTSIDE);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d.data(), force.data(), nullptr, nullptr), PHN_WARNING_OUTSIDE);
   d.setZero();
-  EXPECT_EQ(phn_trained_depth(loaded.model, 5, d.data(), &depth), PHN_OK);
-  EXPECT_EQ(depth, 0.005);
+  const Trust at_rest(loaded.model, 5, d.data());
+  EXPECT_EQ(at_rest.status, PHN_OK);
+  EXPECT_EQ(at_rest.trained_depth, 0.005);
 }
 
 // Claim: every displacement that was trained counts as inside, in spite of the rounding of directions.
@@ -101,8 +102,7 @@ TEST(Runtime, TrainedDisplacementsAreInside) {
   const Model model = small_model();
   const LoadedModel loaded(write_model_text(model));
   for (Eigen::Index i = 0; i < model.displacements.rows(); ++i) {
-    double depth = 0;
-    EXPECT_EQ(phn_trained_depth(loaded.model, 3, model.displacements.row(i).data(), &depth), PHN_OK);
+    EXPECT_EQ(Trust(loaded.model, 3, model.displacements.row(i).data()).status, PHN_OK);
   }
 }
 

@@ -1,4 +1,6 @@
 #include <gtest/gtest.h>
+#include <phynness/phynness_levels.h>
+#include <phynness/phynness_paper.h>
 
 #include <cmath>
 #include <limits>
@@ -31,22 +33,23 @@ TEST_P(EveryInputOf, NeverNaNOut) {
       for (const double z : values) {
         const double d[] = {x, y, z, z, x, y};
         const bool finite = std::isfinite(x) && std::isfinite(y) && std::isfinite(z);
-        double force[3] = {nan, nan, nan}, depth = nan;
-        const int status = phn_force(loaded.model, loaded.data, 5, d, force);
+        double force[3] = {nan, nan, nan};
+        const int status = phn_force(loaded.model, loaded.data, 5, d, force, nullptr, nullptr);
         EXPECT_EQ(status < 0, !finite);
         for (const double f : force) EXPECT_TRUE(finite ? std::isfinite(f) : f == 0);
         double energy = nan, stiffness[9] = {nan, nan, nan, nan, nan, nan, nan, nan, nan};
         const bool derivatives = finite && GetParam() != Family::rbfn;
-        EXPECT_EQ(phn_energy(loaded.model, loaded.data, 5, d, &energy) < 0, !derivatives);
+        EXPECT_EQ(phn_force(loaded.model, loaded.data, 5, d, nullptr, &energy, nullptr) < 0, !derivatives);
         EXPECT_TRUE(derivatives ? std::isfinite(energy) : energy == 0);
-        EXPECT_EQ(phn_stiffness(loaded.model, loaded.data, 5, d, stiffness) < 0, !derivatives);
+        EXPECT_EQ(phn_force(loaded.model, loaded.data, 5, d, nullptr, nullptr, stiffness) < 0, !derivatives);
         for (const double k : stiffness) EXPECT_TRUE(derivatives ? std::isfinite(k) : k == 0);
-        EXPECT_EQ(phn_trained_depth(loaded.model, 5, d, &depth) < 0, !finite);
-        EXPECT_TRUE(std::isfinite(depth));
+        const Trust trust(loaded.model, 5, d);
+        EXPECT_EQ(trust.status < 0, !finite);
+        EXPECT_TRUE(std::isfinite(trust.trained_depth) && std::isfinite(trust.distance) && std::isfinite(trust.relative));
         const std::int32_t tools[] = {5, 8};
         for (const int n_tools : {1, 2}) {
           Points u = Points::Constant(12, 3, nan);
-          EXPECT_EQ(phn_deform(loaded.model, loaded.data, n_tools, tools, d, u.data()) < 0, !finite);
+          EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, n_tools, tools, d, u.data()) < 0, !finite);
           EXPECT_TRUE(u.allFinite());
           if (!finite) {
             EXPECT_EQ(u.norm(), 0);
@@ -86,10 +89,10 @@ TEST(EveryInput, TheLargestModalModelStaysFinite) {
         const double d[] = {sign * length, length, sign * length};
         double force[3] = {nan, nan, nan}, energy = nan, stiffness[9] = {nan};
         Points u = Points::Constant(12, 3, nan);
-        EXPECT_GE(phn_force(loaded.model, loaded.data, 3, d, force), 0);
-        EXPECT_GE(phn_energy(loaded.model, loaded.data, 3, d, &energy), 0);
-        EXPECT_GE(phn_stiffness(loaded.model, loaded.data, 3, d, stiffness), 0);
-        EXPECT_GE(phn_deform(loaded.model, loaded.data, 1, &node.node, d, u.data()), 0);
+        EXPECT_GE(phn_force(loaded.model, loaded.data, 3, d, force, nullptr, nullptr), 0);
+        EXPECT_GE(phn_force(loaded.model, loaded.data, 3, d, nullptr, &energy, nullptr), 0);
+        EXPECT_GE(phn_force(loaded.model, loaded.data, 3, d, nullptr, nullptr, stiffness), 0);
+        EXPECT_GE(phn_deform(loaded.model, loaded.data, node.node, d, u.data()), 0);
         for (const double f : force) EXPECT_LT(std::abs(f), 1e300);
         EXPECT_LT(std::abs(energy), 1e300);
         for (const double k : stiffness) EXPECT_LT(std::abs(k), 1e300);
@@ -117,7 +120,7 @@ TEST(EveryInput, NetworksStayInTheRangeOfTheirNumbers) {
       const std::string text = write_model_text(model);
       std::size_t bytes = 0;
       if (in_float && reach > 1e37) {
-        EXPECT_EQ(phn_model_size(text.data(), text.size(), &bytes), PHN_ERROR_RANGE);
+        EXPECT_EQ(phn_model_size(text.data(), text.size(), &bytes, nullptr), PHN_ERROR_RANGE);
         continue;
       }
       const LoadedModel loaded(text);
@@ -126,9 +129,9 @@ TEST(EveryInput, NetworksStayInTheRangeOfTheirNumbers) {
         ASSERT_EQ(phn_set_level(loaded.model, loaded.data, level), PHN_OK);
         double force[3];
         Points u(12, 3);
-        EXPECT_GE(phn_force(loaded.model, loaded.data, node.node, d, force), 0);
+        EXPECT_GE(phn_force(loaded.model, loaded.data, node.node, d, force, nullptr, nullptr), 0);
         EXPECT_TRUE(Eigen::Vector3d(force[0], force[1], force[2]).allFinite());
-        EXPECT_GE(phn_deform(loaded.model, loaded.data, 1, &node.node, d, u.data()), 0);
+        EXPECT_GE(phn_deform(loaded.model, loaded.data, node.node, d, u.data()), 0);
         EXPECT_TRUE(u.allFinite());
         if ((level == 0) == smaller_level) {
           EXPECT_GT(u.cwiseAbs().maxCoeff(), 0.01 * reach);
@@ -178,9 +181,9 @@ TEST(EveryInput, WhatIsUndefinedIsNamed) {
   const double d[6] = {0.001, 0.002, 0, 0, 0.001, 0};
   const LoadedModel networks(write_model_text(small_model()));
   double energy = 1, stiffness[9] = {1, 1, 1, 1, 1, 1, 1, 1, 1}, force[3];
-  EXPECT_EQ(phn_energy(networks.model, networks.data, 3, d, &energy), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(phn_force(networks.model, networks.data, 3, d, nullptr, &energy, nullptr), PHN_ERROR_UNDEFINED);
   EXPECT_EQ(energy, 0);
-  EXPECT_EQ(phn_stiffness(networks.model, networks.data, 3, d, stiffness), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(phn_force(networks.model, networks.data, 3, d, nullptr, nullptr, stiffness), PHN_ERROR_UNDEFINED);
   for (const double k : stiffness) EXPECT_EQ(k, 0);
 
   Model model = small_modal_model();
@@ -190,14 +193,14 @@ TEST(EveryInput, WhatIsUndefinedIsNamed) {
   const LoadedModel loaded(write_model_text(model));
   const std::int32_t tools[] = {5, 3};
   Points u = Points::Ones(12, 3);
-  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 1, &tools[1], d, u.data()), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, tools[1], d, u.data()), PHN_ERROR_UNDEFINED);
   EXPECT_EQ(u.norm(), 0);
   u.setOnes();
-  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 2, tools, d, u.data()), PHN_ERROR_UNDEFINED);
+  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, tools, d, u.data()), PHN_ERROR_UNDEFINED);
   EXPECT_EQ(u.norm(), 0);
-  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 1, tools, d, u.data()), PHN_WARNING_INCOMPLETE);
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, force), PHN_OK);
-  EXPECT_EQ(phn_energy(loaded.model, loaded.data, 3, d, &energy), PHN_OK);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, *tools, d, u.data()), PHN_WARNING_INCOMPLETE);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, force, nullptr, nullptr), PHN_OK);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, nullptr, &energy, nullptr), PHN_OK);
   EXPECT_GT(energy, 0);
 }
 
@@ -207,31 +210,31 @@ TEST(EveryInput, MisuseIsNamed) {
   const LoadedModel loaded(text, 2), other(text, 2);
   const double d[9] = {0.001, 0, 0, 0.001, 0, 0, 0.001, 0, 0};
   double force[3] = {1, 1, 1};
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 4, d, force), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 4, d, force, nullptr, nullptr), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(force[0], 0);
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, -1, d, force), PHN_ERROR_NOT_ACTIVE);
-  EXPECT_EQ(phn_force(nullptr, loaded.data, 3, d, force), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_force(loaded.model, nullptr, 3, d, force), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_force(loaded.model, other.data, 3, d, force), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, nullptr, force), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, -1, d, force, nullptr, nullptr), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_force(nullptr, loaded.data, 3, d, force, nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, nullptr, 3, d, force, nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, other.data, 3, d, force, nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, nullptr, force, nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, nullptr, nullptr, nullptr), PHN_ERROR_ARGUMENT);
   double stiffness[9] = {1};
-  EXPECT_EQ(phn_energy(loaded.model, loaded.data, 4, d, force), PHN_ERROR_NOT_ACTIVE);
-  EXPECT_EQ(phn_energy(loaded.model, other.data, 3, d, force), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_energy(loaded.model, loaded.data, 3, d, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_stiffness(loaded.model, loaded.data, 4, d, stiffness), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 4, d, nullptr, force, nullptr), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_force(loaded.model, other.data, 3, d, nullptr, force, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, nullptr, nullptr, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 4, d, nullptr, nullptr, stiffness), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(stiffness[0], 0);
-  EXPECT_EQ(phn_stiffness(loaded.model, loaded.data, 3, nullptr, stiffness), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_stiffness(loaded.model, loaded.data, 3, d, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, nullptr, nullptr, nullptr, stiffness), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, 3, d, nullptr, nullptr, nullptr), PHN_ERROR_ARGUMENT);
   const std::int32_t three[] = {3, 5, 8}, twice[] = {3, 3}, stranger[] = {3, 4};
   Points u = Points::Ones(12, 3);
-  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 3, three, d, u.data()), PHN_ERROR_TOOLS);
+  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 3, three, d, u.data()), PHN_ERROR_TOOLS);
   EXPECT_EQ(u.norm(), 0);
-  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 2, twice, d, u.data()), PHN_ERROR_SAME_NODE);
-  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 2, stranger, d, u.data()), PHN_ERROR_NOT_ACTIVE);
-  EXPECT_EQ(phn_deform(loaded.model, loaded.data, -1, three, d, u.data()), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 1, nullptr, d, u.data()), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_n_nodes(nullptr), 0);
+  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, twice, d, u.data()), PHN_ERROR_SAME_NODE);
+  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, stranger, d, u.data()), PHN_ERROR_NOT_ACTIVE);
+  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, -1, three, d, u.data()), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, *nullptr, d, u.data()), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(info_of(nullptr).n_nodes, 0);
 }
 
 // Claim: memory one byte too small is refused, at any alignment; memory of the stated size suffices at any
@@ -239,11 +242,11 @@ TEST(EveryInput, MisuseIsNamed) {
 TEST_P(EveryInputOf, SizesSufficeAtAnyAlignment) {
   const std::string text = write_model_text(small_model_of(GetParam()));
   std::size_t bytes = 0;
-  ASSERT_EQ(phn_model_size(text.data(), text.size(), &bytes), PHN_OK);
+  ASSERT_EQ(phn_model_size(text.data(), text.size(), &bytes, nullptr), PHN_OK);
   std::vector<char> memory(bytes + 64);
   for (int shift = 0; shift < 64; ++shift) {
     const phn_model* model = nullptr;
-    ASSERT_EQ(phn_model_init(memory.data() + shift, bytes, text.data(), text.size(), &model), PHN_OK);
+    ASSERT_EQ(phn_model_init(memory.data() + shift, bytes, text.data(), text.size(), &model, nullptr), PHN_OK);
     std::size_t data_bytes = 0;
     ASSERT_EQ(phn_data_size(model, 1, &data_bytes), PHN_OK);
     std::vector<char> data_memory(data_bytes + 1);
@@ -254,7 +257,7 @@ TEST_P(EveryInputOf, SizesSufficeAtAnyAlignment) {
   }
   for (std::size_t less = 64; less <= bytes; less += 97) {
     const phn_model* model = nullptr;
-    EXPECT_EQ(phn_model_init(memory.data(), bytes - less, text.data(), text.size(), &model),
+    EXPECT_EQ(phn_model_init(memory.data(), bytes - less, text.data(), text.size(), &model, nullptr),
               PHN_ERROR_BUFFER);
     EXPECT_EQ(model, nullptr);
   }

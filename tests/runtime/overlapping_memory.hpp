@@ -103,7 +103,7 @@ inline std::map<std::string, std::set<std::string>> pointers_of(const std::strin
 /// that.
 inline void expect_rows_of_all_functions(const std::vector<Row>& rows, const std::string& header) {
   const auto functions = pointers_of(header);
-  ASSERT_GT(functions.size(), 5u) << header;
+  ASSERT_FALSE(functions.empty()) << header;
   for (const auto& [function, pointers] : functions) {
     const bool writes = std::any_of(pointers.begin(), pointers.end(),
                                     [](const auto& p) { return p[0] != 'c' || p.find("const ") != 0; });

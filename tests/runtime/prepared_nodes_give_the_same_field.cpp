@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <phynness/phynness_paper.h>
 
 #include "evaluate.hpp"
 #include "loaded_model.hpp"
@@ -37,8 +38,8 @@ Points fresh_field(const phn_model* model, std::int32_t max_tools, std::int32_t 
   std::vector<char> memory(bytes);
   phn_data* data = nullptr;
   EXPECT_EQ(phn_data_init(memory.data(), bytes, model, max_tools, &data), PHN_OK);
-  Points u(phn_n_output(model), 3);
-  EXPECT_GE(phn_deform(model, data, n_tools, nodes, d, u.data()), 0);
+  Points u(info_of(model).n_output, 3);
+  EXPECT_GE(phn_blend_paper(model, data, n_tools, nodes, d, u.data()), 0);
   return u;
 }
 
@@ -62,8 +63,8 @@ TEST(PreparedNodes, GiveTheSameFieldInAnyOrder) {
         if (call % 7 == 0) {
           ASSERT_EQ(phn_prepare(loaded.model, loaded.data, active[choose(4)]), PHN_OK);
         }
-        Points u(phn_n_output(loaded.model), 3);
-        ASSERT_GE(phn_deform(loaded.model, loaded.data, n_tools, nodes, d, u.data()), 0);
+        Points u(info_of(loaded.model).n_output, 3);
+        ASSERT_GE(phn_blend_paper(loaded.model, loaded.data, n_tools, nodes, d, u.data()), 0);
         ASSERT_EQ(u, fresh_field(loaded.model, max_tools, n_tools, nodes, d));
       }
     }
@@ -76,8 +77,8 @@ TEST(PreparedNodes, RestAtRest) {
   const LoadedModel loaded(write_model_text(model));
   for (const ActiveNodeModel& node : model.nodes) {
     const double rest[] = {0, 0, 0};
-    Points u = Points::Ones(phn_n_output(loaded.model), 3);
-    ASSERT_GE(phn_deform(loaded.model, loaded.data, 1, &node.node, rest, u.data()), 0);
+    Points u = Points::Ones(info_of(loaded.model).n_output, 3);
+    ASSERT_GE(phn_deform(loaded.model, loaded.data, node.node, rest, u.data()), 0);
     EXPECT_EQ(u.cwiseAbs().maxCoeff(), 0);
   }
 }

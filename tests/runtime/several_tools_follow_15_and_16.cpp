@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <phynness/phynness_paper.h>
 
 #include "loaded_model.hpp"
 #include "rounding.hpp"
@@ -13,8 +14,8 @@ const std::vector<std::int32_t> tools = {3, 8, 15};
 const double displacements[] = {0.004, 0.001, 0, 0, -0.006, 0.002, 0.003, 0.003, -0.001};
 
 Points deform(const LoadedModel& loaded, int n_tools, const std::int32_t* nodes, const double* d) {
-  Points u(phn_n_output(loaded.model), 3);
-  EXPECT_GE(phn_deform(loaded.model, loaded.data, n_tools, nodes, d, u.data()), 0);
+  Points u(info_of(loaded.model).n_output, 3);
+  EXPECT_GE(phn_blend_paper(loaded.model, loaded.data, n_tools, nodes, d, u.data()), 0);
   return u;
 }
 

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <phynness/phynness_surface.h>
 
 #include <cmath>
 #include <limits>
@@ -51,10 +52,10 @@ TEST(Surfaces, MisuseIsNamed) {
   EXPECT_EQ(phn_surface_init(memory.data(), 100, nullptr, 1, &surface), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_surface_init(memory.data(), 100, model, 1, nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_surface_n_vertices(nullptr), 0);
-  EXPECT_EQ(phn_surface_scratch(nullptr), 0u);
+  EXPECT_EQ(phn_surface_scratch_size(nullptr) / sizeof(float), 0u);
 
   std::vector<float> out(3 * static_cast<std::size_t>(good.n_vertices), 1),
-      scratch(phn_surface_scratch(good.surface));
+      scratch(phn_surface_scratch_size(good.surface) / sizeof(float));
   const Points field = Points::Ones(4, 3);
   EXPECT_EQ(phn_surface_deform(nullptr, scratch.data(), field.data(), out.data()), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_surface_deform(good.surface, nullptr, field.data(), out.data()), PHN_ERROR_ARGUMENT);
@@ -67,10 +68,10 @@ TEST(Surfaces, MisuseIsNamed) {
   bare.triangles.clear();
   vast.triangles.assign(200000, {0, 1, 2});  // 8e8 triangles after six levels
   const LoadedModel with_equal(text_of(equal)), without(text_of(bare)), too_many(text_of(vast));
-  EXPECT_EQ(phn_surface_size(with_equal.model, 1, &bytes), PHN_ERROR_RANGE);
+  EXPECT_EQ(phn_surface_size(with_equal.model, 1, &bytes), PHN_ERROR_GEOMETRY);
   EXPECT_EQ(phn_surface_size(without.model, 1, &bytes), PHN_ERROR_UNDEFINED);
-  EXPECT_EQ(phn_surface_size(too_many.model, 6, &bytes), PHN_ERROR_RANGE);
-  EXPECT_EQ(phn_surface_init(memory.data(), 100, with_equal.model, 1, &surface), PHN_ERROR_RANGE);
+  EXPECT_EQ(phn_surface_size(too_many.model, 6, &bytes), PHN_ERROR_TOO_LARGE);
+  EXPECT_EQ(phn_surface_init(memory.data(), 100, with_equal.model, 1, &surface), PHN_ERROR_GEOMETRY);
 }
 
 // Claim: the stated size suffices at any alignment, on surfaces where no two triangles share an edge, too;

@@ -1,4 +1,4 @@
-// Claim: phn_trained_distance is 0 where the model was told the answer, about 1 in the widest gap inside the
+// Claim: the distance of phn_trust is 0 where the model was told the answer, about 1 in the widest gap inside the
 // trained range, and grows outward without bound; finite and continuous for every input.
 #include <gtest/gtest.h>
 
@@ -38,16 +38,9 @@ Model dense_model(Family family) {
   return model;
 }
 
-struct Said {
-  double distance, relative;
-  int status;
-};
-
-Said ask(const LoadedModel& loaded, std::int32_t node, double x, double y, double z) {
+Trust ask(const LoadedModel& loaded, std::int32_t node, double x, double y, double z) {
   const double d[] = {x, y, z};
-  Said said{-1, -1, 0};
-  said.status = phn_trained_distance(loaded.model, node, d, &said.distance, &said.relative);
-  return said;
+  return Trust(loaded.model, node, d);
 }
 
 class TrainedDistance : public testing::TestWithParam<Family> {};
@@ -81,9 +74,9 @@ TEST_P(TrainedDistance, IsOneInTheWidestGap) {
     Numbers numbers;
     double most = 0;
     for (int i = 0; i < 20000; ++i) {
-      double d[3], depth = 0;
+      double d[3];
       for (double& x : d) x = 0.01 * numbers.next();
-      if (phn_trained_depth(loaded.model, node, d, &depth) != PHN_OK) continue;
+      if (Trust(loaded.model, node, d).status != PHN_OK) continue;
       most = std::fmax(most, ask(loaded, node, d[0], d[1], d[2]).relative);
     }
     EXPECT_GT(most, 0.9) << node;
@@ -162,11 +155,9 @@ TEST_P(TrainedDistance, IsDefinedForEveryInput) {
   }
   EXPECT_EQ(ask(loaded, 4, 0, 0, 0).status, PHN_ERROR_NOT_ACTIVE);
   const double d[] = {0, 0, 0};
-  double one = 1;
-  EXPECT_EQ(phn_trained_distance(nullptr, 3, d, &one, &one), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_trained_distance(loaded.model, 3, nullptr, &one, &one), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_trained_distance(loaded.model, 3, d, nullptr, &one), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_trained_distance(loaded.model, 3, d, &one, nullptr), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(Trust(nullptr, 3, d).status, PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(Trust(loaded.model, 3, nullptr).status, PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_trust(loaded.model, 3, d, nullptr), PHN_ERROR_ARGUMENT);
 }
 
 // A node that was asked nothing: the distance is that from rest.

@@ -2,6 +2,8 @@
 // that one thread gets alone, to the last bit; what the force thread of the haptic loop hands to the picture
 // thread is whole. Run by the sanitizer of threads, too, which sees races that answers do not show.
 #include <gtest/gtest.h>
+#include <phynness/phynness_paper.h>
+#include <phynness/phynness_surface.h>
 
 #include <atomic>
 #include <thread>
@@ -26,26 +28,26 @@ std::vector<double> answers(const phn_model* model, const phn_surface* surface, 
   std::vector<char> memory(bytes);
   phn_data* data = nullptr;
   LoadedModel::check(phn_data_init(memory.data(), bytes, model, 2, &data));
-  const int n_active = phn_n_active(model), n_output = phn_n_output(model);
+  const int n_active = info_of(model).n_active, n_output = info_of(model).n_output;
   std::vector<double> all, out(3 * static_cast<std::size_t>(n_output) + 9);
-  std::vector<float> scratch(phn_surface_scratch(surface)),
+  std::vector<float> scratch(phn_surface_scratch_size(surface) / sizeof(float)),
       fine(3 * static_cast<std::size_t>(phn_surface_n_vertices(surface)));
   std::vector<std::vector<double>> of_node(static_cast<std::size_t>(n_active));
   for (int i = 0; i < n_active; ++i) {
     const auto at = static_cast<std::size_t>((i + first) % n_active);
-    const std::int32_t node = phn_active_nodes(model)[at],
-                       other = phn_active_nodes(model)[(at + 1) % n_active];
+    const std::int32_t node = info_of(model).active_nodes[at],
+                       other = info_of(model).active_nodes[(at + 1) % n_active];
     const double d[] = {0.002, -0.001, 0.003, 0.001, 0.002, -0.001};
     auto& kept = of_node[at];
     const auto keep = [&](int status, std::size_t n) {
       kept.push_back(status);
       kept.insert(kept.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(n));
     };
-    keep(phn_force(model, data, node, d, out.data()), 3);
-    keep(phn_energy(model, data, node, d, out.data()), 1);
-    keep(phn_stiffness(model, data, node, d, out.data()), 9);
+    keep(phn_force(model, data, node, d, out.data(), nullptr, nullptr), 3);
+    keep(phn_force(model, data, node, d, nullptr, out.data(), nullptr), 1);
+    keep(phn_force(model, data, node, d, nullptr, nullptr, out.data()), 9);
     const std::int32_t nodes[] = {node, other};
-    keep(phn_deform(model, data, 2, nodes, d, out.data()), 3 * static_cast<std::size_t>(n_output));
+    keep(phn_blend_paper(model, data, 2, nodes, d, out.data()), 3 * static_cast<std::size_t>(n_output));
     keep(phn_surface_deform(surface, scratch.data(), out.data(), fine.data()), 0);
     kept.insert(kept.end(), fine.begin(), fine.end());
     phn_tool tool;
@@ -95,7 +97,7 @@ TEST_P(Shared, ModelsAnswerAsToOneThread) {
 TEST_P(Shared, ImagesAnswerAsToOneThread) {
   const OpenedImage<float> opened(model_image(small_model_of(GetParam()), {false, true}));
   const auto ask = [&] {
-    std::vector<float> scratch(phn_imagef_scratch(opened.image)),
+    std::vector<float> scratch(phn_imagef_scratch_size(opened.image) / sizeof(float)),
         out(3 * static_cast<std::size_t>(opened.n_output()) + 3);
     const float d[] = {0.002F, -0.001F, 0.003F};
     phn_imagef_force(opened.image, 3, d, out.data());

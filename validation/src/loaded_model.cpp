@@ -4,25 +4,26 @@
 #include <phynness/validation/loaded_model.hpp>
 
 namespace phynness {
+namespace {
+
+rt::Span<double> span(Points& points) { return {points.data(), static_cast<std::size_t>(points.size())}; }
+
+}  // namespace
 
 LoadedModel::LoadedModel(const std::filesystem::path& dir, std::int32_t max_tools)
     : LoadedModel(read_model_dir(dir), (dir / "model.txt").string(), max_tools) {}
 
 LoadedModel::LoadedModel(ModelDir dir, const std::string& name, std::int32_t max_tools)
     : _dir(std::move(dir)), _max_tools(max_tools) {
-  const auto require = [&](int status) {
-    if (status < 0)
-      throw input_error("the runtime refuses " + name, phn_status_message(status),
-                        "train the model again with this version");
-  };
-  std::size_t bytes = 0;
-  require(phn_model_size(_dir.model_text.data(), _dir.model_text.size(), &bytes));
-  _model_memory.resize(bytes);
-  require(
-      phn_model_init(_model_memory.data(), bytes, _dir.model_text.data(), _dir.model_text.size(), &_model));
-  require(phn_data_size(_model, max_tools, &bytes));
-  _data_memory.resize(bytes);
-  require(phn_data_init(_data_memory.data(), bytes, _model, max_tools, &_data));
+  _runtime = rt::Model(_dir.model_text);
+  if (_runtime) _data = rt::Data(_runtime, max_tools);
+  const rt::Status status = _runtime ? _data.status() : _runtime.status();
+  if (!status.ok()) {
+    const std::size_t at = _runtime.wrong_byte();
+    throw input_error("the runtime refuses " + name,
+                      status.message() + (at > 0 ? " (byte " + std::to_string(at) + ")" : std::string()),
+                      "train the model again with this version");
+  }
 }
 
 void LoadedModel::check(int status, std::int32_t node) const {
@@ -48,8 +49,8 @@ void LoadedModel::check(int status, std::int32_t node) const {
 }
 
 void LoadedModel::set_level(std::int32_t level) {
-  const auto n = phn_n_levels(_model);
-  if (phn_set_level(_model, _data, level) != PHN_OK)
+  const auto n = _runtime.n_levels();
+  if (_data.set_level(level) != PHN_OK)
     throw input_error("the model has no such level", std::to_string(level),
                       n == 1 ? "train it with [training] levels, or leave the level away"
                              : "levels are numbered 0 to " + std::to_string(n - 1) + ", the full one");
@@ -57,20 +58,20 @@ void LoadedModel::set_level(std::int32_t level) {
 
 Vec3 LoadedModel::force(std::int32_t node, const Vec3& displacement_m) const {
   Vec3 f{};
-  check(phn_force(_model, _data, node, displacement_m.data(), f.data()), node);
+  check(_data.force(node, displacement_m, f), node);
   return f;
 }
 
 double LoadedModel::trained_distance(std::int32_t node, const Vec3& displacement_m) const {
-  double distance = 0, relative = 0;
-  check(phn_trained_distance(_model, node, displacement_m.data(), &distance, &relative), node);
-  return relative;
+  phn_trusted trusted;
+  check(_runtime.trust(node, displacement_m, trusted), node);
+  return trusted.relative;
 }
 
 double LoadedModel::trained_depth(std::int32_t node, const Vec3& displacement_m) const {
-  double depth = 0;
-  check(phn_trained_depth(_model, node, displacement_m.data(), &depth), node);
-  return depth;
+  phn_trusted trusted;
+  check(_runtime.trust(node, displacement_m, trusted), node);
+  return trusted.trained_depth;
 }
 
 ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
@@ -79,12 +80,11 @@ ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
   if (n_tools > static_cast<std::size_t>(_max_tools))
     throw input_error("too many tools", std::to_string(n_tools), "at most " + std::to_string(_max_tools));
   ModelResponse response;
-  response.displacement_m.resize(phn_n_output(_model), 3);
+  response.displacement_m.resize(_runtime.n_output(), 3);
   std::vector<double> d;
   for (const auto& v : displacement_m) d.insert(d.end(), v.begin(), v.end());
   for (const auto node : nodes) force(node, {0, 0, 0});  // refuses inactive nodes by number
-  response.status = phn_deform(_model, _data, static_cast<std::int32_t>(n_tools), nodes.data(), d.data(),
-                               response.displacement_m.data());
+  response.status = _data.blend_paper(nodes, d, span(response.displacement_m));
   if (response.status == PHN_ERROR_UNDEFINED) {
     response.status = PHN_OK;
     response.displacement_m.resize(0, 3);
@@ -94,16 +94,17 @@ ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
   if (n_tools == 1) {
     const Vec3& v = displacement_m[0];
     Vec3 f{};
-    const int status = phn_force(_model, _data, nodes[0], v.data(), f.data());
+    double energy = 0;
+    const bool has_energy = _runtime.info().has_energy != 0;
+    const int status = has_energy ? _data.force(nodes[0], v, f, energy) : _data.force(nodes[0], v, f);
     check(status, nodes[0]);
     response.status |= status;
     response.force_N[0] = f;
-    const std::int32_t n_fields = response.displacement_m.rows() > 0 ? phn_n_fields(_model) : 0;
-    if (n_fields > 0) response.fields.resize(phn_n_output(_model), n_fields);
+    const std::int32_t n_fields = response.displacement_m.rows() > 0 ? _runtime.n_fields() : 0;
+    if (n_fields > 0) response.fields.resize(_runtime.n_output(), n_fields);
     for (std::int32_t field = 0; field < n_fields; ++field)
-      check(phn_field(_model, _data, nodes[0], v.data(), field, response.fields.col(field).data()), nodes[0]);
-    double energy = 0;
-    if (phn_energy(_model, _data, nodes[0], v.data(), &energy) >= 0) {
+      check(_data.field(nodes[0], v, field, {response.fields.col(field).data(), static_cast<std::size_t>(_runtime.n_output())}), nodes[0]);
+    if (has_energy) {
       response.energy_J = energy;
       return response;
     }
@@ -124,10 +125,10 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
   const std::size_t n_tools = tools.size();
   ModelResponse response;
   std::vector<double> forces(3 * n_tools);
-  int status = phn_couple(_model, _data, static_cast<std::int32_t>(n_tools), tools.data(), forces.data(),
-                          &response.coupled);
-  if (status == PHN_ERROR_TOOLS)
-    throw input_error("too many tools to couple", std::to_string(n_tools), "at most 8");
+  int status = _data.couple(tools, forces, &response.coupled);
+  if (status == PHN_ERROR_TOOLS || status == PHN_ERROR_TOO_MANY_TOOLS)
+    throw input_error("too many tools to couple", std::to_string(n_tools),
+                      "at most " + std::to_string(PHN_MOST_COUPLED));
   if (status == PHN_ERROR_UNDEFINED)
     throw input_error(
         "this model has forces only, or a touched node is no output node", "coupled tools",
@@ -144,8 +145,8 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
   for (std::size_t t = 0; t < n_tools; ++t)
     response.force_N.emplace_back(Vec3{forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]});
   if (schema::traits(_dir.model.family).has_energy) response.energy_J = response.coupled.energy;
-  response.displacement_m.resize(phn_n_output(_model), 3);
-  const int deformed = phn_coupled_deform(_model, _data, response.displacement_m.data());
+  response.displacement_m.resize(_runtime.n_output(), 3);
+  const int deformed = _data.coupled_deform(span(response.displacement_m));
   if (deformed == PHN_ERROR_UNDEFINED) response.displacement_m.resize(0, 3);
   response.status = status;
   return response;

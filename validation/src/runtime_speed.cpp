@@ -23,14 +23,14 @@ double median_us(int batches, int calls, const Call& call) {
 }  // namespace
 
 std::vector<phn_level_time> measure_levels(const LoadedModel& model) {
-  std::vector<phn_level_time> times(static_cast<std::size_t>(phn_n_levels(model.handle())));
+  std::vector<phn_level_time> times(static_cast<std::size_t>(model.runtime().n_levels()));
   const auto clock_us = [](void*) {
     return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch())
         .count();
   };
-  const int status = phn_calibrate(model.handle(), model.data(), clock_us, nullptr, times.data());
+  const rt::Status status = model.data().calibrate(clock_us, nullptr, times);
   if (status != PHN_OK)
-    throw failure("the levels of the model cannot be timed", phn_status_message(status),
+    throw failure("the levels of the model cannot be timed", status.message(),
                   "run it on a machine that does nothing else");
   return times;
 }
@@ -39,7 +39,7 @@ RuntimeSpeed measure_speed(const LoadedModel& model) {
   const auto& nodes = model.model().nodes;
   if (nodes.empty()) return {};
   const double depth = model.model().max_displacement_m;
-  std::vector<double> u(3 * static_cast<std::size_t>(phn_n_output(model.handle())));
+  std::vector<double> u(3 * static_cast<std::size_t>(model.runtime().n_output()));
   double f[3], sink = 0;
   // The displacement changes from call to call, as a hand's does.
   const auto displacement = [&](int i, double* d) {
@@ -49,29 +49,29 @@ RuntimeSpeed measure_speed(const LoadedModel& model) {
   speed.force_us = median_us(15, 200, [&](int i) {
     double d[3];
     displacement(i, d);
-    phn_force(model.handle(), model.data(), nodes[static_cast<std::size_t>(i) % nodes.size()].node, d, f);
+    model.data().force(nodes[static_cast<std::size_t>(i) % nodes.size()].node, d, f).ignore();
     sink += f[0];
   });
   // A hand stays at a node for many frames: getting it ready does not count.
   std::vector<double> times;
   for (std::size_t b = 0; b < 7; ++b) {
     const auto node = nodes[b * nodes.size() / 7].node;
-    phn_prepare(model.handle(), model.data(), node);
+    model.data().prepare(node).ignore();
     times.push_back(median_us(1, 5, [&](int i) {
       double d[3];
       displacement(i, d);
-      phn_deform(model.handle(), model.data(), 1, &node, d, u.data());
+      model.data().deform(node, d, u).ignore();
       sink += u[0];
     }));
   }
   std::nth_element(times.begin(), times.begin() + 3, times.end());
   speed.deformation_us = times[3];
-  if (phn_n_fields(model.handle()) > 0)
+  if (model.runtime().n_fields() > 0)
     speed.field_us = median_us(7, 5, [&](int i) {
       double d[3];
       displacement(i, d);
       const auto node = nodes[static_cast<std::size_t>(i) % nodes.size()].node;
-      phn_field(model.handle(), model.data(), node, d, 0, u.data());
+      model.data().field(node, d, 0, u).ignore();
       sink += u[0];
     });
   volatile double keep = sink;  // the calls have a result that somebody reads

@@ -1,11 +1,13 @@
-// phynness for C++17: the functions of phynness.h as members of objects that own their memory, or lie in yours. Nothing
-// throws; a function that can be refused returns a Status, which the compiler does not let you overlook. After
-// construction nothing allocates. Arguments may overlap as they may there. What a call means, costs and refuses is said in phynness.h. Without exceptions and RTTI,
-// too: a failed construction leaves an object that is false and has a status.
+// phynness for C++17: the functions of phynness.h, phynness_levels.h and phynness_paper.h as members of objects that own
+// their memory, or lie in yours. Nothing throws. A function that can be refused returns a Status, which the compiler does not
+// let you overlook. After construction nothing allocates. What a call means, costs and refuses is said in those headers. It
+// works without exceptions and RTTI: a failed construction leaves an object that is false and has a status.
 #ifndef PHYNNESS_HPP
 #define PHYNNESS_HPP
 
 #include <phynness/phynness.h>
+#include <phynness/phynness_levels.h>
+#include <phynness/phynness_paper.h>
 
 #include <array>
 #include <cstddef>
@@ -19,6 +21,12 @@
 #endif
 
 namespace phynness::rt {
+// A program may hold both libraries, in different files.
+#ifdef PHYNNESS_FLOAT
+inline namespace in_float {
+#else
+inline namespace in_double {
+#endif
 
 /// What a function of phynness.h returns: 0 good, > 0 look, < 0 refused and zeros.
 class [[nodiscard]] Status {
@@ -111,10 +119,12 @@ class Model {
   /// @param own   memory of at least bytes_for(text) that outlives the model; none: the model owns some
   explicit Model(std::string_view text, Span<std::byte> own = {}) {
     std::size_t bytes = 0;
-    _status = phn_model_size(text.data(), text.size(), &bytes);
+    _status = phn_model_size(text.data(), text.size(), &bytes, &_wrong_byte);
     if (!_status.ok()) return;
     void* place = _memory.place(own, bytes);
-    _status = phn_model_init(place, own.data() ? own.size() : bytes, text.data(), text.size(), &_model);
+    _status = phn_model_init(place, own.data() ? own.size() : bytes, text.data(), text.size(), &_model, &_wrong_byte);
+    if (_status.ok()) phn_model_info(_model, &_info);
+    if (_status.ok()) _bytes = bytes;
   }
   Model(Model&& other) noexcept { swap(other); }
   Model& operator=(Model&& other) noexcept {
@@ -139,30 +149,43 @@ class Model {
   /// Bytes that a text's model takes; 0 if it is refused.
   static std::size_t bytes_for(std::string_view text) noexcept {
     std::size_t bytes = 0;
-    return phn_model_size(text.data(), text.size(), &bytes) == PHN_OK ? bytes : 0;
+    return phn_model_size(text.data(), text.size(), &bytes, nullptr) == PHN_OK ? bytes : 0;
   }
 
   explicit operator bool() const noexcept { return _model != nullptr; }
   Status status() const noexcept { return _status; }
   const phn_model* get() const noexcept { return _model; }
 
-  std::int32_t n_nodes() const noexcept { return phn_n_nodes(_model); }
-  std::int32_t n_output() const noexcept { return phn_n_output(_model); }
-  Span<const std::int32_t> active_nodes() const noexcept { return view(phn_active_nodes(_model), phn_n_active(_model)); }
-  Span<const std::int32_t> output_nodes() const noexcept { return view(phn_output_nodes(_model), n_output()); }
-  Span<const std::int32_t> fixed_nodes() const noexcept { return view(phn_fixed_nodes(_model), phn_n_fixed(_model)); }
-  /// n x 3, row by row
-  Span<const double> output_points() const noexcept { return view(phn_output_points(_model), 3 * n_output()); }
-  Span<const double> fixed_points() const noexcept { return view(phn_fixed_points(_model), 3 * phn_n_fixed(_model)); }
-  Span<const std::int32_t> triangles() const noexcept {
-    return view(phn_triangles(_model), 3 * phn_n_triangles(_model));
-  }
-  std::int32_t n_fields() const noexcept { return phn_n_fields(_model); }
-  const char* field_name(std::int32_t field) const noexcept { return phn_field_name(_model, field); }
-  const char* field_unit(std::int32_t field) const noexcept { return phn_field_unit(_model, field); }
+  /// Where a refused text is wrong, counted from 1; 0 for a good one.
+  std::size_t wrong_byte() const noexcept { return _wrong_byte; }
+  /// Of memory that the model takes.
+  std::size_t bytes() const noexcept { return _bytes; }
 
-  Status trained_depth(std::int32_t node, In3 d, double& depth) const noexcept {
-    return phn_trained_depth(_model, node, d.data(), &depth);
+  /// All that the model tells of itself; zeros for none, but for the precision.
+  const phn_info& info() const noexcept { return _info; }
+  std::int32_t n_nodes() const noexcept { return _info.n_nodes; }
+  std::int32_t n_output() const noexcept { return _info.n_output; }
+  Span<const std::int32_t> active_nodes() const noexcept { return view(_info.active_nodes, _info.n_active); }
+  Span<const std::int32_t> output_nodes() const noexcept { return view(_info.output_nodes, _info.n_output); }
+  Span<const std::int32_t> fixed_nodes() const noexcept { return view(_info.fixed_nodes, _info.n_fixed); }
+  /// n x 3, row by row
+  Span<const double> output_points() const noexcept { return view(_info.output_points, 3 * _info.n_output); }
+  Span<const double> fixed_points() const noexcept { return view(_info.fixed_points, 3 * _info.n_fixed); }
+  Span<const std::int32_t> triangles() const noexcept { return view(_info.triangles, 3 * _info.n_triangles); }
+  std::int32_t n_fields() const noexcept { return _info.n_fields; }
+  std::int32_t n_levels() const noexcept { return _info.n_levels; }
+  Status level_info(std::int32_t level, phn_level& info) const noexcept { return phn_level_info(_model, level, &info); }
+
+  /// @param times  of calibrate
+  Status budget(Span<const phn_level_time> times, double n_forces, double n_deformations, double budget_us,
+                std::int32_t& level) const noexcept {
+    return times.size() < static_cast<std::size_t>(_info.n_levels)
+               ? Status(PHN_ERROR_BUFFER)
+               : Status(phn_budget(_model, times.data(), n_forces, n_deformations, budget_us, &level));
+  }
+
+  Status trust(std::int32_t node, In3 d, phn_trusted& trusted) const noexcept {
+    return phn_trust(_model, node, d.data(), &trusted);
   }
   Status nearest(In3 x, phn_tool& tool) const noexcept { return phn_nearest(_model, x.data(), &tool, nullptr); }
   Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
@@ -170,6 +193,11 @@ class Model {
   }
 
  private:
+  static phn_info none() noexcept {
+    phn_info info;
+    phn_model_info(nullptr, &info);
+    return info;
+  }
   template <class T>
   static Span<const T> view(const T* data, std::int32_t n) noexcept {
     return {data, static_cast<std::size_t>(n)};
@@ -177,11 +205,16 @@ class Model {
   void swap(Model& other) noexcept {
     std::swap(_memory, other._memory);
     std::swap(_model, other._model);
+    std::swap(_info, other._info);
+    std::swap(_bytes, other._bytes);
+    std::swap(_wrong_byte, other._wrong_byte);
     std::swap(_status, other._status);
   }
 
   detail::Memory _memory;
   const phn_model* _model = nullptr;
+  phn_info _info = none();
+  std::size_t _bytes = 0, _wrong_byte = 0;
   Status _status = PHN_ERROR_ARGUMENT;
 };
 
@@ -197,6 +230,7 @@ class Data {
     void* place = _memory.place(own, bytes);
     _status = phn_data_init(place, own.data() ? own.size() : bytes, _model, max_tools, &_data);
     _n_field = 3 * static_cast<std::size_t>(model.n_output());
+    _n_levels = static_cast<std::size_t>(model.n_levels());
   }
   Data(Data&& other) noexcept { swap(other); }
   Data& operator=(Data&& other) noexcept {
@@ -213,32 +247,39 @@ class Data {
   phn_data* get() const noexcept { return _data; }
 
   Status force(std::int32_t node, In3 d, Out3 force_N) noexcept {
-    return phn_force(_model, _data, node, d.data(), force_N.data());
+    return phn_force(_model, _data, node, d.data(), force_N.data(), nullptr, nullptr);
+  }
+  /// All in one call. @param stiffness_N_per_m  row by row; it is symmetric
+  Status force(std::int32_t node, In3 d, Out3 force_N, double& energy_J, Out9 stiffness_N_per_m) noexcept {
+    return phn_force(_model, _data, node, d.data(), force_N.data(), &energy_J, stiffness_N_per_m.data());
+  }
+  Status force(std::int32_t node, In3 d, Out3 force_N, double& energy_J) noexcept {
+    return phn_force(_model, _data, node, d.data(), force_N.data(), &energy_J, nullptr);
   }
   Status energy(std::int32_t node, In3 d, double& energy_J) noexcept {
-    return phn_energy(_model, _data, node, d.data(), &energy_J);
+    return phn_force(_model, _data, node, d.data(), nullptr, &energy_J, nullptr);
   }
   /// Row by row; it is symmetric.
   Status stiffness(std::int32_t node, In3 d, Out9 stiffness_N_per_m) noexcept {
-    return phn_stiffness(_model, _data, node, d.data(), stiffness_N_per_m.data());
+    return phn_force(_model, _data, node, d.data(), nullptr, nullptr, stiffness_N_per_m.data());
   }
   /// @param out  n_output x 3
   Status deform(std::int32_t node, In3 d, Span<double> out) noexcept {
     return out.size() < _n_field ? Status(PHN_ERROR_BUFFER)
-                                 : Status(phn_deform(_model, _data, 1, &node, d.data(), out.data()));
+                                 : Status(phn_deform(_model, _data, node, d.data(), out.data()));
   }
-  /// @param displacements  3 for each node
-  Status deform(Span<const std::int32_t> nodes, Span<const double> displacements, Span<double> out) noexcept {
+  /// The paper's blending of several tools. @param displacements  3 for each node
+  Status blend_paper(Span<const std::int32_t> nodes, Span<const double> displacements, Span<double> out) noexcept {
     if (out.size() < _n_field || displacements.size() < 3 * nodes.size()) return PHN_ERROR_BUFFER;
     if (nodes.size() > INT32_MAX / 3) return PHN_ERROR_TOOLS;
-    return phn_deform(_model, _data, static_cast<std::int32_t>(nodes.size()), nodes.data(), displacements.data(),
-                      out.data());
+    return phn_blend_paper(_model, _data, static_cast<std::int32_t>(nodes.size()), nodes.data(), displacements.data(),
+                           out.data());
   }
   Status prepare(std::int32_t node) noexcept { return phn_prepare(_model, _data, node); }
   /// @param forces_N  3 for each tool
   Status couple(Span<const phn_tool> tools, Span<double> forces_N, phn_coupled* result = nullptr) noexcept {
     if (forces_N.size() / 3 < tools.size()) return PHN_ERROR_BUFFER;
-    if (tools.size() > INT32_MAX / 3) return PHN_ERROR_TOOLS;
+    if (tools.size() > PHN_MOST_COUPLED) return PHN_ERROR_TOO_MANY_TOOLS;
     return phn_couple(_model, _data, static_cast<std::int32_t>(tools.size()), tools.data(), forces_N.data(), result);
   }
   Status couple(const phn_tool& tool, Out3 force_N, phn_coupled* result = nullptr) noexcept {
@@ -253,75 +294,33 @@ class Data {
                                      : Status(phn_field(_model, _data, node, d.data(), number, out.data()));
   }
 
+  Status set_level(std::int32_t level) noexcept { return phn_set_level(_model, _data, level); }
+  std::int32_t level() const noexcept { return phn_level_of(_data); }
+  /// @param times  n_levels of the model
+  Status calibrate(double (*clock_us)(void*), void* user, Span<phn_level_time> times) noexcept {
+    return times.size() < _n_levels ? Status(PHN_ERROR_BUFFER)
+                                    : Status(phn_calibrate(_model, _data, clock_us, user, times.data()));
+  }
+
  private:
   void swap(Data& other) noexcept {
     std::swap(_memory, other._memory);
     std::swap(_model, other._model);
     std::swap(_data, other._data);
     std::swap(_n_field, other._n_field);
+    std::swap(_n_levels, other._n_levels);
     std::swap(_status, other._status);
   }
 
   detail::Memory _memory;
   const phn_model* _model = nullptr;
   phn_data* _data = nullptr;
-  std::size_t _n_field = 0;  ///< numbers of a deformation
+  std::size_t _n_field = 0;   ///< numbers of a deformation
+  std::size_t _n_levels = 0;  ///< of the model
   Status _status = PHN_ERROR_ARGUMENT;
 };
 
-/// The subdivided surface; never changes, and does not need its model any more.
-class Surface {
- public:
-  Surface() = default;
-  Surface(const Model& model, std::int32_t levels, Span<std::byte> own = {})
-      : _n_field(3 * static_cast<std::size_t>(model.n_output())) {
-    std::size_t bytes = 0;
-    _status = phn_surface_size(model.get(), levels, &bytes);
-    if (!_status.ok()) return;
-    void* place = _memory.place(own, bytes);
-    _status = phn_surface_init(place, own.data() ? own.size() : bytes, model.get(), levels, &_surface);
-  }
-  Surface(Surface&& other) noexcept { swap(other); }
-  Surface& operator=(Surface&& other) noexcept {
-    Surface(std::move(other)).swap(*this);
-    return *this;
-  }
-  static std::size_t bytes_for(const Model& model, std::int32_t levels) noexcept {
-    std::size_t bytes = 0;
-    return phn_surface_size(model.get(), levels, &bytes) == PHN_OK ? bytes : 0;
-  }
-
-  explicit operator bool() const noexcept { return _surface != nullptr; }
-  Status status() const noexcept { return _status; }
-  const phn_surface* get() const noexcept { return _surface; }
-  std::int32_t n_vertices() const noexcept { return phn_surface_n_vertices(_surface); }
-  Span<const std::int32_t> triangles() const noexcept {
-    return {phn_surface_triangles(_surface), 3 * static_cast<std::size_t>(phn_surface_n_triangles(_surface))};
-  }
-  Span<const float> points() const noexcept { return {phn_surface_points(_surface), n_numbers()}; }
-  std::size_t n_scratch() const noexcept { return phn_surface_scratch(_surface); }
-
-  /// @param scratch n_scratch(), one for each thread; @param field n_output x 3; @param out n_vertices x 3
-  Status deform(Span<float> scratch, Span<const double> field, Span<float> out) const noexcept {
-    if (scratch.size() < n_scratch() || field.size() < _n_field || out.size() < n_numbers()) return PHN_ERROR_BUFFER;
-    return phn_surface_deform(_surface, scratch.data(), field.data(), out.data());
-  }
-
- private:
-  std::size_t n_numbers() const noexcept { return 3 * static_cast<std::size_t>(n_vertices()); }
-  void swap(Surface& other) noexcept {
-    std::swap(_memory, other._memory);
-    std::swap(_surface, other._surface);
-    std::swap(_n_field, other._n_field);
-    std::swap(_status, other._status);
-  }
-
-  detail::Memory _memory;
-  const phn_surface* _surface = nullptr;
-  std::size_t _n_field = 0;
-  Status _status = PHN_ERROR_ARGUMENT;
-};
-
+}  // inline namespace
 }  // namespace phynness::rt
 
 #endif

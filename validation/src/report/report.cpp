@@ -307,7 +307,7 @@ std::string trust(const ReportInput& in) {
           ? "Forces are the gradient of a stored energy: a hand cannot draw work from the model."
           : "Networks of this family have no energy: a hand on a closed path may gain or lose this much.");
   out += fmt::format(
-      "<p>The distance to the nearest trained displacement (phn_trained_distance) and the error of the force "
+      "<p>The distance to the nearest trained displacement (phn_trust) and the error of the force "
       "have a rank "
       "correlation of {} inside and {} beyond.</p>\n",
       correlation(in.validation.distance_correlation_inside),
@@ -329,7 +329,7 @@ std::string cost(const ReportInput& in) {
       "text.</p>\n",
       speed.force_us, deformation, in.validation.solve_ms_per_increment, bytes(in.model.memory_bytes()),
       bytes(in.model.text_bytes()));
-  const std::int32_t n_levels = phn_n_levels(in.model.handle());
+  const std::int32_t n_levels = in.model.runtime().n_levels();
   if (n_levels > 1) {
     const auto times = measure_levels(in.model);
     std::vector<std::vector<std::string>> rows{{"level", "centers of a force", "of a deformation", "modes",
@@ -337,7 +337,7 @@ std::string cost(const ReportInput& in) {
                                                 "displacement, %"}};
     for (std::int32_t l = 0; l < n_levels; ++l) {
       phn_level level;
-      phn_level_info(in.model.handle(), l, &level);
+      in.model.runtime().level_info(l, level).ignore();
       const auto& time = times[static_cast<std::size_t>(l)];
       rows.push_back({std::to_string(l), std::to_string(level.force_centers),
                       std::to_string(level.deformation_centers), std::to_string(level.modes),

@@ -14,8 +14,9 @@ inline constexpr char model_magic[] = "phynness-model ", model_first_line[] = "p
 inline constexpr size_t checksum_line_length = sizeof("checksum 0123456789abcdef\n") - 1;
 
 /// Identity, version, completeness and checksum; on success `length` is shortened to the text before the checksum line.
+/// @param wrong_byte  where a refused text is wrong, counted from 1; 0 for a good one
 /// @return a status of phynness.h
-int check_envelope(const char* text, size_t& length);
+int check_envelope(const char* text, size_t& length, size_t& wrong_byte);
 
 /// The first defect sticks in status(); from then on every read returns 0 and consumes nothing.
 class TextReader {
@@ -27,6 +28,15 @@ class TextReader {
   void fail(int status) {
     if (good()) _status = status;
   }
+  /// The same of the token that comes next.
+  void fail_next(int status) {
+    if (!good()) return;
+    const char* next = _at == _end || *_at != ' ' ? _at : _at + 1;
+    _token = {next, next};
+    fail(status);
+  }
+  /// The first defect, counted from 1 at the begin of the text; 0: none.
+  size_t wrong_byte() const { return good() ? 0 : token_at() + 1; }
   /// Byte at which the last token begins: after a defect, the one that is wrong.
   size_t token_at() const { return static_cast<size_t>(_token.begin - _begin); }
 
@@ -70,23 +80,28 @@ class TextReader {
   bool _line_start = true;
 };
 
-inline int check_envelope(const char* text, size_t& length) {
+inline int check_envelope(const char* text, size_t& length, size_t& wrong_byte) {
   constexpr size_t first = sizeof model_first_line - 1, magic_length = sizeof model_magic - 1;
+  const auto refuse = [&](int status, size_t at) {
+    wrong_byte = at + 1;
+    return status;
+  };
   if (length < first) {
     const bool start_of_one = length > 0 && memcmp(text, model_first_line, length) == 0;
-    return start_of_one ? PHN_ERROR_TRUNCATED : PHN_ERROR_NOT_A_MODEL;
+    return start_of_one ? refuse(PHN_ERROR_TRUNCATED, length) : refuse(PHN_ERROR_NOT_A_MODEL, 0);
   }
-  if (memcmp(text, model_magic, magic_length) != 0) return PHN_ERROR_NOT_A_MODEL;
-  if (memcmp(text, model_first_line, first) != 0) return PHN_ERROR_VERSION;
-  if (length < first + checksum_line_length || text[length - 1] != '\n') return PHN_ERROR_TRUNCATED;
+  if (memcmp(text, model_magic, magic_length) != 0) return refuse(PHN_ERROR_NOT_A_MODEL, 0);
+  if (memcmp(text, model_first_line, first) != 0) return refuse(PHN_ERROR_VERSION, magic_length);
+  if (length < first + checksum_line_length || text[length - 1] != '\n') return refuse(PHN_ERROR_TRUNCATED, length);
   const size_t end = length - checksum_line_length;
-  if (memcmp(text + end, "checksum ", 9) != 0) return PHN_ERROR_TRUNCATED;
+  if (memcmp(text + end, "checksum ", 9) != 0) return refuse(PHN_ERROR_TRUNCATED, length);
   uint64_t hash = 0xcbf29ce484222325ULL;
   for (size_t i = 0; i < end; ++i) hash = (hash ^ static_cast<unsigned char>(text[i])) * 0x100000001b3ULL;
   for (int i = 0; i < 16; ++i) {
     if (text[end + 9 + static_cast<size_t>(i)] != "0123456789abcdef"[hash >> (60 - 4 * i) & 15])
-      return PHN_ERROR_CHECKSUM;
+      return refuse(PHN_ERROR_CHECKSUM, end + 9);
   }
+  wrong_byte = 0;
   length = end;
   return PHN_OK;
 }
@@ -96,7 +111,7 @@ inline TextReader::Token TextReader::token() {
   _token = {_at, _at};
   if (!_line_start) {
     if (_at == _end || *_at != ' ') {
-      fail(PHN_ERROR_SYNTAX);
+      fail_next(PHN_ERROR_SYNTAX);
       return _token;
     }
     ++_at;
@@ -136,10 +151,7 @@ inline TextReader::Token TextReader::word(size_t longest) {
 
 inline void TextReader::end_line() {
   if (!good()) return;
-  if (_at == _end || *_at != '\n') {
-    _token = {_at, _at};
-    return fail(PHN_ERROR_SYNTAX);
-  }
+  if (_at == _end || *_at != '\n') return fail_next(PHN_ERROR_SYNTAX);
   ++_at;
   _line_start = true;
 }

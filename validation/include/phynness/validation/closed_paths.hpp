@@ -39,9 +39,9 @@ Loop around_quadrilateral(const std::array<Eigen::Vector3d, 4>& corners, const R
 /// Force of a node, and its energy [J]; in families that have none, the work |f . d| / 2.
 inline double force_and_energy(const LoadedModel& model, std::int32_t node, const Eigen::Vector3d& d,
                                Eigen::Vector3d& force) {
-  if (phn_force(model.handle(), model.data(), node, d.data(), force.data()) < 0) return 0;
   double energy = 0;
-  return phn_energy(model.handle(), model.data(), node, d.data(), &energy) < 0 ? force.dot(d) / 2 : energy;
+  if (model.runtime().info().has_energy) return model.data().force(node, d, force, energy).ok() ? energy : 0;
+  return model.data().force(node, d, force).ok() ? force.dot(d) / 2 : 0;
 }
 
 }  // namespace phynness

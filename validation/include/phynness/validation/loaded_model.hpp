@@ -1,11 +1,10 @@
 // A model directory in the runtime's hands, with memory of its own: what eval, validate and bench call.
 #pragma once
 
-#include <phynness/phynness.h>
-
 #include <filesystem>
 #include <optional>
 #include <phynness/formats/model.hpp>
+#include <phynness/phynness.hpp>
 #include <vector>
 
 namespace phynness {
@@ -34,9 +33,9 @@ class LoadedModel {
   /// Bytes of model.txt, mesh.txt, and of the model in the runtime's memory.
   std::size_t text_bytes() const { return _dir.model_text.size(); }
   std::size_t mesh_text_bytes() const { return _dir.mesh_text.size(); }
-  std::size_t memory_bytes() const { return _model_memory.size(); }
-  const phn_model* handle() const { return _model; }
-  phn_data* data() const { return _data; }
+  std::size_t memory_bytes() const { return _runtime.bytes(); }
+  const rt::Model& runtime() const { return _runtime; }
+  rt::Data& data() const { return _data; }
 
   /// Sets the level of all that is asked from now on; the full one before.
   /// @throws Error (input) if the model has no such level
@@ -60,9 +59,8 @@ class LoadedModel {
   void check(int status, std::int32_t node) const;
 
   ModelDir _dir;
-  std::vector<std::byte> _model_memory, _data_memory;
-  const phn_model* _model = nullptr;
-  phn_data* _data = nullptr;
+  rt::Model _runtime;
+  mutable rt::Data _data;
   std::int32_t _max_tools = 0;
 };
 

@@ -1,0 +1,24 @@
+/* What every header of phynness includes: which symbols a shared library shows, and the names of the library in float.
+ *
+ * Programs that use the shared library on Windows define PHYNNESS_SHARED; its CMake target does. */
+#ifndef PHYNNESS_API_H
+#define PHYNNESS_API_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32) && defined(PHYNNESS_BUILDS_SHARED)
+#define PHN_API __declspec(dllexport)
+#elif defined(_WIN32) && defined(PHYNNESS_SHARED)
+#define PHN_API __declspec(dllimport)
+#elif defined(__GNUC__)
+#define PHN_API __attribute__((visibility("default")))
+#else
+#define PHN_API
+#endif
+
+#ifdef PHYNNESS_FLOAT
+#include <phynness/phynness_float.h>
+#endif
+
+#endif

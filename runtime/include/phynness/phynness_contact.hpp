@@ -1,0 +1,82 @@
+// phynness for C++17: the functions of phynness_contact.h, as phynness.hpp has those of phynness.h.
+#ifndef PHYNNESS_CONTACT_HPP
+#define PHYNNESS_CONTACT_HPP
+
+#include <phynness/phynness.hpp>
+#include <phynness/phynness_contact.h>
+
+namespace phynness::rt {
+#ifdef PHYNNESS_FLOAT
+inline namespace in_float {
+#else
+inline namespace in_double {
+#endif
+
+/// Tools that touch; one for each thread that moves tools. @pre the model outlives it
+class Contact {
+ public:
+  Contact() = default;
+  Contact(const Model& model, std::int32_t max_tools, Span<std::byte> own = {})
+      : _n_field(3 * static_cast<std::size_t>(model.n_output())) {
+    std::size_t bytes = 0;
+    _status = phn_contact_size(model.get(), max_tools, &bytes);
+    if (!_status.ok()) return;
+    void* place = _memory.place(own, bytes);
+    _status = phn_contact_init(place, own.data() ? own.size() : bytes, model.get(), max_tools, &_contact);
+  }
+  Contact(Contact&& other) noexcept { swap(other); }
+  Contact& operator=(Contact&& other) noexcept {
+    Contact(std::move(other)).swap(*this);
+    return *this;
+  }
+  static std::size_t bytes_for(const Model& model, std::int32_t max_tools) noexcept {
+    std::size_t bytes = 0;
+    return phn_contact_size(model.get(), max_tools, &bytes) == PHN_OK ? bytes : 0;
+  }
+
+  explicit operator bool() const noexcept { return _contact != nullptr; }
+  Status status() const noexcept { return _status; }
+  phn_contact* get() const noexcept { return _contact; }
+
+  /// @param data  of the same thread and model; @param states one for each tool
+  Status step(Data& data, Span<const phn_contact_tool> tools, Span<phn_contact_state> states,
+              phn_coupled* result = nullptr) noexcept {
+    if (states.size() < tools.size()) return PHN_ERROR_BUFFER;
+    if (tools.size() > PHN_MOST_COUPLED) return PHN_ERROR_TOO_MANY_TOOLS;
+    return phn_contact_step(_contact, data.get(), static_cast<std::int32_t>(tools.size()), tools.data(), states.data(),
+                            result);
+  }
+  Status step(Data& data, const phn_contact_tool& tool, phn_contact_state& state,
+              phn_coupled* result = nullptr) noexcept {
+    return phn_contact_step(_contact, data.get(), 1, &tool, &state, result);
+  }
+  Status reset() noexcept { return phn_contact_reset(_contact); }
+  /// @param field  n_output x 3 of the model; none: the surface at rest
+  Status refit(Span<const double> field = {}) noexcept {
+    if (field.data() != nullptr && field.size() < _n_field) return PHN_ERROR_BUFFER;
+    return phn_contact_refit(_contact, field.data());
+  }
+  /// @return number of tools in contact, written to the begin of `tools`
+  std::int32_t held(phn_tool (&tools)[PHN_MOST_COUPLED]) const noexcept { return phn_contact_held(_contact, tools); }
+  Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
+    return phn_contact_nearest(_contact, x.data(), &tool, point.data());
+  }
+
+ private:
+  void swap(Contact& other) noexcept {
+    std::swap(_memory, other._memory);
+    std::swap(_contact, other._contact);
+    std::swap(_n_field, other._n_field);
+    std::swap(_status, other._status);
+  }
+
+  detail::Memory _memory;
+  phn_contact* _contact = nullptr;
+  std::size_t _n_field = 0;
+  Status _status = PHN_ERROR_ARGUMENT;
+};
+
+}  // inline namespace
+}  // namespace phynness::rt
+
+#endif

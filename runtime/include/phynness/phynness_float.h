@@ -1,0 +1,62 @@
+/* phynness: the names of the library whose inner loops compute in float. Programs that are written with the names of the other
+ * headers use it where PHYNNESS_FLOAT is defined (the CMake target phynness::runtime_float does), or where this header comes
+ * before them. Symbols differ, phnf_force and phn_force: a program compiled for one library does not link with the other, and
+ * a program may hold both, in different files.
+ *
+ * In float, forces of families rbfn and modal and deformations of family rbfn have the rounding of floats, 1e-7 of their
+ * largest terms. A model.txt with weights beyond 1e25, or networks that could reach 1e37 m, is refused (PHN_ERROR_RANGE).
+ */
+#ifndef PHYNNESS_FLOAT_H
+#define PHYNNESS_FLOAT_H
+
+#if defined(PHYNNESS_API_H) && !defined(PHYNNESS_FLOAT)
+#error "phynness: include phynness_float.h before the other headers of phynness, or define PHYNNESS_FLOAT"
+#endif
+#ifndef PHYNNESS_FLOAT
+#define PHYNNESS_FLOAT
+#endif
+
+#define phn_blend_paper phnf_blend_paper
+#define phn_budget phnf_budget
+#define phn_calibrate phnf_calibrate
+#define phn_contact phnf_contact
+#define phn_contact_held phnf_contact_held
+#define phn_contact_init phnf_contact_init
+#define phn_contact_nearest phnf_contact_nearest
+#define phn_contact_refit phnf_contact_refit
+#define phn_contact_reset phnf_contact_reset
+#define phn_contact_size phnf_contact_size
+#define phn_contact_step phnf_contact_step
+#define phn_couple phnf_couple
+#define phn_coupled_deform phnf_coupled_deform
+#define phn_data phnf_data
+#define phn_data_init phnf_data_init
+#define phn_data_size phnf_data_size
+#define phn_deform phnf_deform
+#define phn_field phnf_field
+#define phn_force phnf_force
+#define phn_level_info phnf_level_info
+#define phn_level_of phnf_level_of
+#define phn_model phnf_model
+#define phn_model_info phnf_model_info
+#define phn_model_init phnf_model_init
+#define phn_model_size phnf_model_size
+#define phn_nearest phnf_nearest
+#define phn_prepare phnf_prepare
+#define phn_set_level phnf_set_level
+#define phn_status_message phnf_status_message
+#define phn_surface phnf_surface
+#define phn_surface_deform phnf_surface_deform
+#define phn_surface_init phnf_surface_init
+#define phn_surface_n_triangles phnf_surface_n_triangles
+#define phn_surface_n_vertices phnf_surface_n_vertices
+#define phn_surface_points phnf_surface_points
+#define phn_surface_scratch_size phnf_surface_scratch_size
+#define phn_surface_size phnf_surface_size
+#define phn_surface_triangles phnf_surface_triangles
+#define phn_trust phnf_trust
+#define phn_version phnf_version
+
+#include <phynness/phynness.h>
+
+#endif
