@@ -63,7 +63,7 @@ int check_derivatives(const phn_model& model, const double* force, const double*
 /// Where a model is exact, nothing is far from what it was trained on.
 void measure_trust(const phn_model& model, const ActiveNode& node, const double* d, phn_trusted& trusted) {
   trusted.trained_depth = trained_depth(model, node, d);
-  if (model.family == Family::linear) return;
+  if (phynness::schema::traits(model.family).proportional) return;
   const double x = trained_distance(model, node, d);
   trusted.distance = std::fmin(1e300, model.max_displacement * x);
   trusted.relative = std::fmin(1e300, x / node.fill_distance);
