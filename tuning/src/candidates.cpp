@@ -23,7 +23,7 @@ constexpr int neurons[] = {25, 50, 100, 200, 300, 400};
 
 std::vector<Candidate> tuning_candidates(const Scene& scene) {
   std::vector<Candidate> candidates;
-  if (scene.material.law == Law::linear) {
+  if (scene.material.law->linear) {
     TrainingSpec spec = scene.training;
     spec.family = Family::linear;
     candidates.push_back({model_name(spec), spec});
