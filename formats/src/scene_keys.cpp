@@ -15,13 +15,15 @@ struct Table {
   std::vector<std::string_view> keys;
 };
 
-/// Of every law, each once.
+/// Of every law, each once. Hooke's come first, so that a new law changes no message about the others.
 std::vector<std::string_view> material_keys() {
   std::vector<std::string_view> keys{"law"};
-  for (const auto& law : laws())
-    for (const auto& set : law.accepted)
-      for (const auto& quantity : set.given)
-        if (std::find(keys.begin(), keys.end(), quantity.key) == keys.end()) keys.push_back(quantity.key);
+  for (const bool linear : {true, false})
+    for (const auto& law : laws())
+      for (const auto& set : law.accepted)
+        for (const auto& quantity : set.given)
+          if (law.linear == linear && std::find(keys.begin(), keys.end(), quantity.key) == keys.end())
+            keys.push_back(quantity.key);
   return keys;
 }
 

@@ -28,7 +28,8 @@ def _range(quantity):
 
 def keys(laws):
     names = [f'`"{law.name}"`' for law in laws]
-    quantities = {q.key: q for law in laws for accepted in law.accepted for q in accepted.given}
+    hooke_first = sorted(laws, key=lambda law: law.finite)
+    quantities = {q.key: q for law in hooke_first for accepted in law.accepted for q in accepted.given}
     return [
         "| key | type | range, meaning |",
         "|---|---|---|",
