@@ -78,17 +78,9 @@ std::string key_of(std::string element) {
   return element;
 }
 
-Element element_of(const std::string& name) {
-  if (name == "P1") return Element::p1;
-  if (name == "p1-p1") return Element::p1_p1;
-  if (name == "P2") return Element::p2;
-  if (name == "taylor-hood") return Element::taylor_hood;
-  throw input_error("no such element", name, "P1, p1-p1, P2 or taylor-hood");
-}
-
 void measure(const Options& options, const std::string& element, Scene scene, const Mesh& mesh,
              const NodeSets& sets, nlohmann::ordered_json& json) {
-  scene.solver.element = element_of(element);
+  scene.solver.element = element_named(element);
   const auto header = database_header(scene, mesh, sets);
   const Sample sample = draw(options, sets, static_cast<int>(header.directions.size()));
   const int n = static_cast<int>(header.magnitudes_m.size());
@@ -234,8 +226,13 @@ int run(int argc, char** argv) {
   if (options.depth_m > 0) scene.probe.max_displacement_m = options.depth_m;
   if (options.bulk_over_shear > 0) {
     auto& m = scene.material;
-    m.bulk_modulus_Pa = options.bulk_over_shear * m.shear_modulus_Pa;
-    m.lame_lambda_Pa = m.bulk_modulus_Pa - 2 * m.shear_modulus_Pa / 3;
+    std::vector<std::pair<std::string_view, double>> given{
+        {"bulk_modulus_Pa", options.bulk_over_shear * m.shear_modulus_Pa}};
+    for (std::size_t i = 0; i < m.parameters.size(); ++i)
+      if (const std::string_view key = m.law->parameters[i].key;
+          key != "bulk_modulus_Pa" && key != "lame_lambda_Pa")
+        given.emplace_back(key, m.parameters[i]);
+    m = material_of(m.law, given);
   }
   const auto made = make_mesh(scene);
   const auto sets = resolve_selections(scene, made.mesh);

@@ -86,16 +86,16 @@ void run(const Options& options) {
   }
   if (session.rank() != 0) return;
   const double K_mu = scene.material.bulk_to_shear();
+  const Element element = scene.solver.element;
   std::string nodes;
   constexpr std::size_t most_named = 20;
   for (std::size_t i = 0; i < std::min(most_named, report.nodes.size()); ++i)
     nodes += (nodes.empty() ? "" : " ") + std::to_string(report.nodes[i]);
   if (report.nodes.size() > most_named) nodes += " ...";
   print_result("{} ({}), {}, K/mu = {:.4g}{}, {} probes, R = {:.4g} mm\n",
-               scene.title.empty() ? "scene" : scene.title, name(scene.material.law),
-               name(scene.solver.element), K_mu,
-               scene.solver.element == Element::p1 && K_mu > 20 ? " (locked)" : "", name(scene.probe.kind),
-               1e3 * scene.probe.max_displacement_m);
+               scene.title.empty() ? "scene" : scene.title, name(scene.material.law), name(element), K_mu,
+               element->locks_severely && K_mu > element->locks_above ? " (locked)" : "",
+               name(scene.probe.kind), 1e3 * scene.probe.max_displacement_m);
   print_result("{} probes at {} nodes ({} beside the fixed ones: {}); {} failed\n", report.probes,
                report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
   const auto& fields = model.model().fields;

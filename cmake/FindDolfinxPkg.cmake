@@ -61,20 +61,30 @@ if(PHYNNESS_NATIVE_KERNELS)
   set(PHYNNESS_KERNEL_OPTIONS -O3 -march=native -ffast-math -fno-finite-math-only)
 endif()
 
-# phynness_compile_forms(TARGET file.py ...): each UFL file becomes C by ffcx and joins TARGET; headers by file name.
+# phynness_compile_forms(TARGET file.py ...): each form file becomes C by ffcx and joins TARGET; headers by file name.
 function(phynness_compile_forms target)
   set(generated "${CMAKE_CURRENT_BINARY_DIR}/forms")
   file(MAKE_DIRECTORY "${generated}")
-  set(mechanics "${PROJECT_SOURCE_DIR}/precompute_dolfinx/forms")
+  set(forms "${PROJECT_SOURCE_DIR}/precompute_dolfinx/forms")
   foreach(form IN LISTS ARGN)
     get_filename_component(name "${form}" NAME_WE)
+    set(modules law hooke law_forms mechanics elements element_table)
+    if(name MATCHES "^shell_")
+      set(modules law hooke law_forms shell shell_elements)
+    endif()
+    list(TRANSFORM modules REPLACE "(.+)" "${forms}/\\1.py")
+    # Of a form file that tables.py made for a law.
+    string(REGEX REPLACE "^shell_" "" law "${name}")
+    set(law "${PROJECT_SOURCE_DIR}/precompute_dolfinx/laws/${law}.py")
+    if(EXISTS "${law}")
+      list(APPEND modules "${law}")
+    endif()
     add_custom_command(
       OUTPUT "${generated}/${name}.c" "${generated}/${name}.h"
-      COMMAND ${CMAKE_COMMAND} -E env "PYTHONPATH=${mechanics}" PYTHONDONTWRITEBYTECODE=1
+      COMMAND ${CMAKE_COMMAND} -E env "PYTHONPATH=${forms}" PYTHONDONTWRITEBYTECODE=1
               ${PHYNNESS_PYTHON} -m ffcx "${form}"
       WORKING_DIRECTORY "${generated}"  # ffcx 0.11 gave the option for this folder another name
-      DEPENDS "${form}" "${mechanics}/mechanics.py" "${mechanics}/elements.py" "${mechanics}/shell.py"
-              "${mechanics}/shell_elements.py" "${mechanics}/shell_st_venant_kirchhoff.py"
+      DEPENDS "${form}" ${modules}
       COMMENT "ffcx ${name}" VERBATIM)
     target_sources(${target} PRIVATE "${generated}/${name}.c")
     set_source_files_properties("${generated}/${name}.c" PROPERTIES COMPILE_OPTIONS "${PHYNNESS_KERNEL_OPTIONS};-w" SKIP_LINTING ON)

@@ -29,8 +29,6 @@
 #include <vector>
 
 #if PHYNNESS_DOLFINX == 5
-#include <linear.h>
-#include <shell_linear.h>
 #elif PHYNNESS_DOLFINX >= 9
 #include <basix/finite-element.h>
 #include <dolfinx/fem/FiniteElement.h>
@@ -179,19 +177,22 @@ inline std::shared_ptr<Space> shell_space(const std::shared_ptr<DolfinxMesh>& me
 #endif
 
 /// The space of an element: the one that forms/elements.py compiles its forms for.
-inline std::shared_ptr<Space> create_space(Element element, const std::shared_ptr<DolfinxMesh>& mesh) {
+/// @param residual  the element's, of any law
+inline std::shared_ptr<Space> create_space([[maybe_unused]] Element element, [[maybe_unused]] const ufcx_form& residual,
+                                           const std::shared_ptr<DolfinxMesh>& mesh) {
 #if PHYNNESS_DOLFINX == 5
-  // Here ffcx generates the spaces too, the same ones with every form. Its name for a test function is v_0.
-  const auto factory = element == Element::p1            ? functionspace_form_linear_p1_residual
-                       : element == Element::p2          ? functionspace_form_linear_p2_residual
-                       : element == Element::taylor_hood ? functionspace_form_linear_th_residual
-                       : element == Element::shell       ? functionspace_form_shell_linear_residual
-                                                         : functionspace_form_linear_p1p1_residual;
-  return std::make_shared<Space>(dolfinx::fem::create_functionspace(factory, "v_0", mesh));
+  // Here ffcx generates the space with the form: that of its first argument.
+  const auto chosen = std::make_shared<const dolfinx::fem::FiniteElement>(*residual.finite_elements[0]);
+  const auto layout =
+      dolfinx::fem::create_element_dof_layout(*residual.dofmaps[0], mesh->topology().cell_type());
+  return std::make_shared<Space>(
+      mesh, chosen,
+      std::make_shared<const dolfinx::fem::DofMap>(
+          dolfinx::fem::create_dofmap(mesh->comm(), layout, mesh->topology(), nullptr, *chosen)));
 #else
   using FiniteElement = dolfinx::fem::FiniteElement<double>;
-  if (element == Element::shell) return shell_space(mesh);
-  const int degree = element == Element::p2 || element == Element::taylor_hood ? 2 : 1;
+  if (element->is_shell) return shell_space(mesh);
+  const int degree = element->displacement_degree;
 #if PHYNNESS_DOLFINX == 9
   auto chosen = std::make_shared<const FiniteElement>(lagrange(degree), 3);
   const auto pressure = std::make_shared<const FiniteElement>(lagrange(1), 1);
@@ -199,7 +200,7 @@ inline std::shared_ptr<Space> create_space(Element element, const std::shared_pt
   auto chosen = std::make_shared<const FiniteElement>(lagrange(degree), std::vector<std::size_t>{3});
   const auto pressure = std::make_shared<const FiniteElement>(lagrange(1));
 #endif
-  if (is_mixed(element))
+  if (element->mixed)
     chosen = std::make_shared<const FiniteElement>(
         std::vector<std::shared_ptr<const FiniteElement>>{chosen, pressure});
   return space_of(mesh, chosen);

@@ -1,73 +1,49 @@
-// The four laws a second time, written out by hand: energy density, first Piola-Kirchhoff stress, mean
-// pressure. The solver's own stress is UFL's derivative of its energy, so these are independent of it.
+// Energy density, first Piola-Kirchhoff stress and mean pressure of each law, from the energy that its file
+// declares, in plain numbers: UFL, its derivatives and the compiled kernels have no part in them. That a law
+// declares the energy it is known for is the claim of its own test, tests/laws/NAME.cpp.
 #pragma once
 
 #include <Eigen/Dense>
-#include <cmath>
+#include <complex>
 #include <phynness/formats/scene.hpp>
+#include <vector>
 
 namespace phynness::test {
 
+struct DeclaredLaw {
+  double (*energy)(const Eigen::Matrix3d& F, const double* parameters);  ///< W(F), per reference volume
+  std::complex<double> (*complex_energy)(const Eigen::Matrix3cd& F, const double* parameters);
+  double (*pressure)(const Eigen::Matrix3d& F, const double* parameters);  ///< kappa g(F)
+  /// Positive where the energy is defined, in addition to det F > 0; null where nothing is added.
+  double (*inside)(const Eigen::Matrix3d& F, const double* parameters);
+  std::vector<double> (*example)(double K);  ///< parameters with mu = 1
+};
+/// The build makes them: declared_laws.cpp of precompute_dolfinx/forms/tables.py.
+const DeclaredLaw& declared(Law law);
+
 /// The pressure unknown of mixed elements in a homogeneous state: kappa g(F) of forms/mechanics.py.
 inline double pressure(const Material& m, const Eigen::Matrix3d& F) {
-  switch (m.law) {
-    case Law::linear:
-      return m.lame_lambda_Pa * (F.trace() - 3);
-    case Law::st_venant_kirchhoff:
-      return m.lame_lambda_Pa * (F.squaredNorm() - 3) / 2;
-    case Law::neo_hookean:
-      return m.lame_lambda_Pa * std::log(F.determinant());
-    case Law::mooney_rivlin:
-      break;
-  }
-  return m.bulk_modulus_Pa * (F.determinant() - 1);
+  return declared(m.law).pressure(F, m.parameters.data());
 }
 
 /// W(F), energy per reference volume.
 inline double energy_density(const Material& m, const Eigen::Matrix3d& F) {
-  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity(), C = F.transpose() * F;
-  const double mu = m.shear_modulus_Pa, lambda = m.lame_lambda_Pa, J = F.determinant();
-  switch (m.law) {
-    case Law::linear: {
-      const Eigen::Matrix3d e = (F + F.transpose()) / 2 - I;
-      return lambda / 2 * e.trace() * e.trace() + mu * e.squaredNorm();
-    }
-    case Law::st_venant_kirchhoff: {
-      const Eigen::Matrix3d E = (C - I) / 2;
-      return lambda / 2 * E.trace() * E.trace() + mu * E.squaredNorm();
-    }
-    case Law::neo_hookean:
-      return mu / 2 * (C.trace() - 3) - mu * std::log(J) + lambda / 2 * std::log(J) * std::log(J);
-    case Law::mooney_rivlin:
-      break;
-  }
-  const double first = C.trace(), second = (first * first - C.squaredNorm()) / 2;
-  return m.c10_Pa * (std::pow(J, -2.0 / 3) * first - 3) + m.c01_Pa * (std::pow(J, -4.0 / 3) * second - 3) +
-         m.bulk_modulus_Pa / 2 * (J - 1) * (J - 1);
+  return declared(m.law).energy(F, m.parameters.data());
 }
 
-/// P = dW/dF.
+/// P = dW/dF by complex steps, W(F + i h E) = W(F) + i h dW/dF : E + O(h^2): no difference of near numbers,
+/// so that h may be so small that the remainder vanishes and P is exact to rounding (Squire and Trapp 1998,
+/// doi 10.1137/S003614459631241X).
 inline Eigen::Matrix3d first_piola(const Material& m, const Eigen::Matrix3d& F) {
-  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity(), C = F.transpose() * F, F_T = F.inverse().transpose();
-  const double mu = m.shear_modulus_Pa, lambda = m.lame_lambda_Pa, J = F.determinant();
-  switch (m.law) {
-    case Law::linear: {
-      const Eigen::Matrix3d e = (F + F.transpose()) / 2 - I;
-      return lambda * e.trace() * I + 2 * mu * e;
+  constexpr double h = 1e-30;
+  Eigen::Matrix3d P;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      Eigen::Matrix3cd moved = F.cast<std::complex<double>>();
+      moved(i, j) += std::complex<double>(0, h);
+      P(i, j) = declared(m.law).complex_energy(moved, m.parameters.data()).imag() / h;
     }
-    case Law::st_venant_kirchhoff: {
-      const Eigen::Matrix3d E = (C - I) / 2;
-      return F * (lambda * E.trace() * I + 2 * mu * E);
-    }
-    case Law::neo_hookean:
-      return mu * (F - F_T) + lambda * std::log(J) * F_T;
-    case Law::mooney_rivlin:
-      break;
-  }
-  const double first = C.trace(), second = (first * first - C.squaredNorm()) / 2;
-  return 2 * m.c10_Pa * std::pow(J, -2.0 / 3) * (F - first / 3 * F_T) +
-         m.c01_Pa * std::pow(J, -4.0 / 3) * (2 * (first * F - F * C) - 4.0 / 3 * second * F_T) +
-         m.bulk_modulus_Pa * (J - 1) * J * F_T;
+  return P;
 }
 
 }  // namespace phynness::test

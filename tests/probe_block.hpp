@@ -38,11 +38,7 @@ inline constexpr Vec3 block_size_m{0.10, 0.08, 0.06};
 /// Shear modulus 500 Pa, as the liver of the paper. @param boxes  even in x and y
 inline ProbeBlock probe_block(const Case& c, double bulk_to_shear, const std::array<int, 3>& boxes) {
   ProbeBlock block;
-  auto& material = block.scene.material;
-  material = unit_material(c.law, bulk_to_shear);
-  for (auto* modulus : {&material.shear_modulus_Pa, &material.bulk_modulus_Pa, &material.lame_lambda_Pa,
-                        &material.c10_Pa, &material.c01_Pa})
-    *modulus *= 500;
+  block.scene.material = times(500, unit_material(c.law, bulk_to_shear));
   block.scene.solver.element = c.element;
   block.mesh = block_mesh(boxes, block_size_m);
   for (std::int32_t i = 0; i < block.mesh.n_nodes(); ++i)

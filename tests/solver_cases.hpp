@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <ostream>
 #include <phynness/formats/scene.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
+
+#include "closed_forms.hpp"
 
 namespace phynness::test {
 
@@ -26,44 +29,68 @@ inline std::ostream& operator<<(std::ostream& out, const Case& c) { return out <
 inline std::string case_name(const ::testing::TestParamInfo<Case>& info) { return str(info.param); }
 
 inline std::string element_name(const ::testing::TestParamInfo<Element>& info) {
-  return case_name({{Law::linear, info.param}, 0}).substr(std::string("linear_").size());
+  return case_name({{law_named("linear"), info.param}, 0}).substr(std::string("linear_").size());
 }
 
-inline constexpr Element every_element[] = {Element::p1, Element::p2, Element::taylor_hood, Element::p1_p1};
-inline constexpr Law nonlinear_laws[] = {Law::st_venant_kirchhoff, Law::neo_hookean, Law::mooney_rivlin};
-
-inline std::vector<Case> nonlinear_cases() {
-  std::vector<Case> cases;
-  for (const auto law : nonlinear_laws)
-    for (const auto element : every_element) cases.push_back({law, element});
-  return cases;
+/// Of tetrahedra.
+inline std::vector<Element> solids() {
+  std::vector<Element> result;
+  for (const auto& element : elements())
+    if (!element.is_shell) result.push_back(&element);
+  return result;
 }
+inline const std::vector<Element> every_element = solids();
 
 inline std::vector<Case> every_case() {
-  auto cases = nonlinear_cases();
-  for (const auto element : every_element) cases.push_back({Law::linear, element});
+  std::vector<Case> cases;
+  for (const auto& law : laws())
+    for (const auto element : every_element) cases.push_back({&law, element});
   return cases;
 }
 
-/// Shear modulus 1 Pa. C01 is a fifth of the sum, so that a test sees both invariants.
+inline std::vector<Case> nonlinear_cases() {
+  auto cases = every_case();
+  std::erase_if(cases, [](const Case& c) { return c.law->linear; });
+  return cases;
+}
+
+/// @param parameters  in the order of the law's row
+inline Material of_parameters(Law law, const std::vector<double>& parameters) {
+  std::vector<std::pair<std::string_view, double>> given;
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    given.emplace_back(law->parameters[i].key, parameters[i]);
+  return material_of(law, given);
+}
+
+/// Shear modulus 1 Pa, and the law's own example beside: a test sees every term of the energy.
 inline Material unit_material(Law law, double bulk_to_shear) {
-  Material material;
-  material.law = law;
-  material.shear_modulus_Pa = 1;
-  material.bulk_modulus_Pa = bulk_to_shear;
-  material.lame_lambda_Pa = bulk_to_shear - 2.0 / 3;
-  material.c10_Pa = 0.4;
-  material.c01_Pa = 0.1;
-  return material;
+  return of_parameters(law, declared(law).example(bulk_to_shear));
+}
+
+/// All moduli times a factor.
+inline Material times(double factor, const Material& material) {
+  auto parameters = material.parameters;
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    if (material.law->parameters[i].is_modulus) parameters[i] *= factor;
+  return of_parameters(material.law, parameters);
+}
+
+/// [material] of a scene.
+inline std::string scene_lines(const Material& material) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "[material]\nlaw = \"" << name(material.law) << "\"\n";
+  for (std::size_t i = 0; i < material.parameters.size(); ++i)
+    text << material.law->parameters[i].key << " = " << material.parameters[i] << "\n";
+  return text.str();
 }
 
 inline Material hookean(Law law, double youngs_modulus, double poissons_ratio) {
-  Material material;
-  material.law = law;
-  material.shear_modulus_Pa = youngs_modulus / (2 * (1 + poissons_ratio));
-  material.bulk_modulus_Pa = youngs_modulus / (3 * (1 - 2 * poissons_ratio));
-  material.lame_lambda_Pa = material.bulk_modulus_Pa - 2 * material.shear_modulus_Pa / 3;
-  return material;
+  return material_of(law, {{"youngs_modulus_Pa", youngs_modulus}, {"poisson_ratio", poissons_ratio}});
+}
+
+inline Material mooney_rivlin(double c10_Pa, double c01_Pa, double bulk_modulus_Pa) {
+  return of_parameters(law_named("mooney-rivlin"), {c10_Pa, c01_Pa, bulk_modulus_Pa});
 }
 
 }  // namespace phynness::test

@@ -6,7 +6,7 @@ function(phynness_solver_test name)
   cmake_parse_arguments(arg "EVERY_BLAS" "" "" ${ARGN})
   phynness_test(${name}
     SOURCES ${arg_UNPARSED_ARGUMENTS} ${PROJECT_SOURCE_DIR}/tests/solver_test_main.cpp
-    LIBRARIES phynness::precompute phynness_dolfinx)
+    LIBRARIES phynness::precompute phynness_dolfinx phynness_declared_laws)
   target_include_directories(test_${name} PRIVATE
     ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/precompute_dolfinx/src)
   if(arg_EVERY_BLAS)

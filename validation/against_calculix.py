@@ -20,6 +20,10 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "precompute_dolfinx" / "forms"))
+sys.dont_write_bytecode = True
+from law import Law, call, every_law  # noqa: E402
+
 # Millimetres, millinewtons and therefore kilopascals keep CalculiX's numbers near 1 for soft tissue.
 MM, MILLINEWTON, KPA = 1e-3, 1e-3, 1e3
 
@@ -32,40 +36,33 @@ FIXED = "{ box = { min_fraction = [0, 0, 0], max_fraction = [0.25, 1, 1] }, surf
 
 
 @dataclass(frozen=True)
-class Law:
-    """A material of shear modulus MU in the words of both programs."""
+class Case:
+    """A material of shear modulus MU in the words of both programs; the law's file has both."""
 
-    name: str
+    law: Law
     bulk_over_mu: float
-    c01_share: float = 0.0  # of C10 + C01 = MU / 2
+    changed: tuple = ()  # (symbol, value over MU) of the parameters that are not those of the law's example
+
+    @property
+    def _parameters(self):
+        values = {**self.law.example(self.bulk_over_mu), **dict(self.changed)}
+        return {p: values[p.symbol] * (MU if p.is_modulus else 1) for p in self.law.parameters}
 
     @property
     def scene(self):
-        bulk = f"bulk_modulus_Pa = {self.bulk_over_mu * MU!r}"
-        if self.name == "mooney-rivlin":
-            c10, c01 = self._constants()
-            return f'law = "mooney-rivlin"\nc10_Pa = {c10!r}\nc01_Pa = {c01!r}\n{bulk}'
-        return f'law = "{self.name}"\nshear_modulus_Pa = {MU!r}\n{bulk}'
+        lines = [f'law = "{self.law.name}"'] + [f"{p.key} = {value!r}" for p, value in self._parameters.items()]
+        return "\n".join(lines)
 
     @property
     def calculix(self):
-        bulk = self.bulk_over_mu * MU
-        if self.name == "mooney-rivlin":
-            c10, c01 = self._constants()
-            # CalculiX: C10 (I1bar - 3) + C01 (I2bar - 3) + (J - 1)^2 / D1, so that D1 = 2 / K.
-            numbers = (c10 / KPA, c01 / KPA, 2 * KPA / bulk)
-            return "*HYPERELASTIC, MOONEY-RIVLIN\n" + ", ".join(f"{x:.12e}" for x in numbers)
-        young = 9 * bulk * MU / (3 * bulk + MU)
-        poisson = (3 * bulk - 2 * MU) / (6 * bulk + 2 * MU)
-        # With NLGEOM: second Piola-Kirchhoff stress linear in Green-Lagrange strain, which is St. Venant-Kirchhoff.
-        return f"*ELASTIC\n{young / KPA:.12e}, {poisson:.15f}"
+        values = {p.symbol: value / (KPA if p.is_modulus else 1) for p, value in self._parameters.items()}
+        card, numbers = call(self.law.calculix, **values)
+        return card + "\n" + ", ".join(f"{x:.12e}" for x in numbers)
 
     @property
     def label(self):
-        return self.name + (f" C01={self.c01_share * MU / 2:g} Pa" if self.c01_share else "")
-
-    def _constants(self):
-        return (1 - self.c01_share) * MU / 2, self.c01_share * MU / 2
+        texts = {p.symbol: p.text for p in self.law.parameters}
+        return self.law.name + "".join(f" {texts[s]}={x * MU:g} Pa" for s, x in self.changed if x and texts[s] != "C10")
 
 
 # Where both integrate exactly (P1: constant gradient; linear law on P2: degree 2), CalculiX's seven printed digits are
@@ -76,14 +73,19 @@ EXACT_QUADRATURE = 2e-6
 OTHER_QUADRATURE = {1.0: 2e-3, 12.0: 6e-2}
 
 PUSHES = ((1.0, "push"), (12.0, "push"), (12.0, "side"))
+_LAWS = {law.name: law for law in every_law()}
+_MOONEY, _HOOKE, _GREEN = (_LAWS[name] for name in ("mooney-rivlin", "linear", "st-venant-kirchhoff"))
+_NO_C01, _MUCH_C01 = (("c10", 0.5), ("c01", 0.0)), (("c10", 0.3), ("c01", 0.2))
 SERIES = (
-    (Law("mooney-rivlin", 10), "P1", PUSHES),
-    (Law("mooney-rivlin", 200), "P1", PUSHES),
-    (Law("mooney-rivlin", 10, 0.4), "P1", PUSHES),
-    (Law("st-venant-kirchhoff", 10), "P1", PUSHES),
-    (Law("linear", 10), "P1", PUSHES[1:]),
-    (Law("linear", 10), "P2", PUSHES[1:]),
-    (Law("mooney-rivlin", 10), "P2", PUSHES),
+    (Case(_MOONEY, 10, _NO_C01), "P1", PUSHES),
+    (Case(_MOONEY, 200, _NO_C01), "P1", PUSHES),
+    (Case(_MOONEY, 10, _MUCH_C01), "P1", PUSHES),
+    (Case(_GREEN, 10), "P1", PUSHES),
+    (Case(_HOOKE, 10), "P1", PUSHES[1:]),
+    (Case(_HOOKE, 10), "P2", PUSHES[1:]),
+    (Case(_MOONEY, 10, _NO_C01), "P2", PUSHES),
+    # Every other law that CalculiX has.
+    *((Case(law, 10), "P1", PUSHES) for law in _LAWS.values() if law.calculix and law not in (_MOONEY, _HOOKE, _GREEN)),
 )
 
 
@@ -169,17 +171,17 @@ def points_and_weights(body, element, node):
     return points, cells, fixed, weights
 
 
-def calculix(ccx, folder, body, law, element, node, displacement):
+def calculix(ccx, folder, body, case, element, node, displacement):
     """Force [N] at the tool and displacement [m] of the body's nodes, from one ccx run."""
     points, cells, fixed, weights = points_and_weights(body, element, node)
-    linear = law.name == "linear"
+    linear = not case.law.finite
     deck = ["*NODE, NSET=all"]
     # CalculiX reads 20 characters of a number.
     deck += [f"{i + 1}, " + ", ".join(f"{x:.12e}" for x in p) for i, p in enumerate(points)]
     deck += [f"*ELEMENT, TYPE={'C3D4' if element == 'P1' else 'C3D10'}, ELSET=body"]
     deck += [f"{i + 1}, " + ", ".join(str(n + 1) for n in cell) for i, cell in enumerate(cells)]
     deck += ["*NSET, NSET=tool"] + [str(n + 1) for n in weights]
-    deck += ["*MATERIAL, NAME=tissue", law.calculix, "*SOLID SECTION, ELSET=body, MATERIAL=tissue"]
+    deck += ["*MATERIAL, NAME=tissue", case.calculix, "*SOLID SECTION, ELSET=body, MATERIAL=tissue"]
     deck += ["*BOUNDARY"] + [f"{n + 1}, 1, 3" for n in sorted(fixed)]
     deck += ["*STEP" if linear else "*STEP, NLGEOM, INC=1000", "*STATIC"]
     if not linear:
@@ -230,17 +232,17 @@ def solve(program, folder, node, displacement):
     return result["tools"][0]["force"], field, result["negative_pivots"] == 0
 
 
-def write_scene(folder, mesh, law, element):
+def write_scene(folder, mesh, case, element):
     (folder / "scene.toml").write_text(
-        f'[mesh]\n{mesh}\n[material]\n{law.scene}\n[solver]\nelement = "{element}"\nrelative_tolerance = 1e-11\n'
+        f'[mesh]\n{mesh}\n[material]\n{case.scene}\n[solver]\nelement = "{element}"\nrelative_tolerance = 1e-11\n'
         f'[nodes]\nfixed = {FIXED}\noutput = "free"\n[probe]\nmax_displacement_m = 0.02\n'
     )
 
 
-def compare(program, ccx, folder, body, law, element, node, displacement):
+def compare(program, ccx, folder, body, case, element, node, displacement):
     """Relative difference of the force and of the displacement field, both forces, stability."""
     force, field, stable = solve(program, folder, node, displacement)
-    other_force, other_field = calculix(ccx, folder, body, law, element, node, displacement)
+    other_force, other_field = calculix(ccx, folder, body, case, element, node, displacement)
     largest = max(math.hypot(*u) for u in field.values())
     field_difference = max(math.dist(u, other_field[n]) for n, u in field.items()) / largest
     return math.dist(force, other_force) / math.hypot(*other_force), field_difference, force, other_force, stable
@@ -268,19 +270,19 @@ def main():
             write_scene(folder, mesh, SERIES[0][0], "P1")
             phynness(program, "mesh", "scene.toml", "-o", "body.msh", folder=folder)
             body = Body((folder / "body.msh").read_text())
-            for law, element, moves in SERIES:
-                write_scene(folder, mesh, law, element)
+            for case, element, moves in SERIES:
+                write_scene(folder, mesh, case, element)
                 for node in body.probes():
                     for depth, move in moves:
-                        row = f"{name:9} {law.label:24} {law.bulk_over_mu:4} {element} {node:4} {move:4} {depth:3g}"
+                        row = f"{name:9} {case.label:24} {case.bulk_over_mu:4} {element} {node:4} {move:4} {depth:3g}"
                         if not all(w in row.split() for w in words):
                             continue
                         run += 1
                         d = [depth * MM * x for x in body.direction(node, move)]
-                        exact = element == "P1" or law.name == "linear"
+                        exact = element == "P1" or not case.law.finite
                         allowed = EXACT_QUADRATURE if exact else OTHER_QUADRATURE[depth]
                         try:
-                            df, du, ours, theirs, stable = compare(program, ccx, folder, body, law, element, node, d)
+                            df, du, ours, theirs, stable = compare(program, ccx, folder, body, case, element, node, d)
                         except RuntimeError as error:
                             print(f"{row}  {error}", flush=True)
                             bad += 1

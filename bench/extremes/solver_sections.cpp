@@ -17,7 +17,8 @@ namespace {
 using Eigen::Vector3d;
 using robustness::Body;
 
-constexpr Element elements[] = {Element::p1, Element::p2, Element::p1_p1, Element::taylor_hood};
+const Element elements[] = {element_named("P1"), element_named("P2"), element_named("p1-p1"),
+                            element_named("taylor-hood")};
 constexpr double edge_m = 0.1, h_m = edge_m / robustness::elements_along_edge;
 
 /// A round tool of twice the element size: a node alone has no limit under refinement.
@@ -66,12 +67,12 @@ void incompressibility(const SolverSession&) {
   fmt::print("\n");
   const auto row = [](Law law, double ratio) {
     const double reference =
-        stiffness_N_per_m(pressed(robustness::cube(law, Element::taylor_hood, ratio), h_m / 2));
+        stiffness_N_per_m(pressed(robustness::cube(law, element_named("taylor-hood"), ratio), h_m / 2));
     fmt::print("{:<16}{:>9.0f}{:>11.1f}", name(law), ratio, reference);
     for (const auto element : elements) {
       auto body = pressed(robustness::cube(law, element, ratio));
       const double felt = stiffness_N_per_m(body);
-      if (element == Element::p2 && ratio > 200) {  // minutes a ray
+      if (element == element_named("P2") && ratio > 200) {  // minutes a ray
         fmt::print("{:>14.2f}{:>6} %", felt / reference, "-");
       } else {
         body.scene.probe.max_displacement_m = h_m;
@@ -83,8 +84,8 @@ void incompressibility(const SolverSession&) {
     }
     fmt::print("\n");
   };
-  for (const double ratio : {10.0, 200.0, 1e3, 1e4, 1e5}) row(Law::neo_hookean, ratio);
-  row(Law::mooney_rivlin, 100e3 / 4.4);
+  for (const double ratio : {10.0, 200.0, 1e3, 1e4, 1e5}) row(law_named("neo-hookean"), ratio);
+  row(law_named("mooney-rivlin"), 100e3 / 4.4);
 }
 
 void displacements(const SolverSession&) {
@@ -95,8 +96,8 @@ void displacements(const SolverSession&) {
   fmt::print("{:<14}{:>12}", "element", "|d| / h");
   for (const char* way : {"push", "pull", "slide"}) fmt::print("{:>18}{:>12}", way, "iterations");
   fmt::print("\n");
-  for (const auto element : {Element::p1, Element::p1_p1, Element::taylor_hood}) {
-    const auto body = pressed(robustness::cube(Law::neo_hookean, element, 200));
+  for (const auto element : {element_named("P1"), element_named("p1-p1"), element_named("taylor-hood")}) {
+    const auto body = pressed(robustness::cube(law_named("neo-hookean"), element, 200));
     ProbeSolver solver(body.scene, body.mesh, body.sets);
     solver.touch({top(body.mesh)});
     const Eigen::Matrix3d K = solver.rest().stiffness_N_per_m;
@@ -128,7 +129,7 @@ void origin(const SolverSession&) {
   const auto file =
       std::filesystem::temp_directory_path() / fmt::format("phynness_extremes_{}.msh", getpid());
   const auto forces = [&](Element element, double away_m) {
-    auto body = pressed(robustness::cube(Law::neo_hookean, element, 200));
+    auto body = pressed(robustness::cube(law_named("neo-hookean"), element, 200));
     body.scene.solver.relative_tolerance = 1e-11;
     body.mesh.nodes.rowwise() += Eigen::RowVector3d(away_m, -away_m, away_m);
     write_msh(body.mesh, nullptr, file);
@@ -177,7 +178,7 @@ void slivers(const SolverSession&) {
   for (const double quality : {0.02, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11}) {
     fmt::print("{:<12g}", quality);
     for (std::size_t i = 0; i < std::size(elements); ++i) {
-      auto body = pressed(robustness::cube(Law::neo_hookean, elements[i], 200));
+      auto body = pressed(robustness::cube(law_named("neo-hookean"), elements[i], 200));
       const int n = robustness::add_slivers(body.mesh, 5, quality);
       if (i == 0) fmt::print("{:>8}", n);
       ProbeSolver solver(body.scene, body.mesh, body.sets);

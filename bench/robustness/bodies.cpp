@@ -47,14 +47,15 @@ Body cube(Law law, Element element, double bulk_to_shear, double edge_m, double 
   scene.mesh.shape = Shape::block;
   scene.mesh.size_m = {edge_m, edge_m, edge_m};
   scene.mesh.target_size_m = edge_m / elements_along_edge;
-  auto& m = scene.material;
-  m.law = law;
-  m.shear_modulus_Pa = shear_modulus_Pa;
-  m.bulk_modulus_Pa = bulk_to_shear * shear_modulus_Pa;
-  m.lame_lambda_Pa = m.bulk_modulus_Pa - 2 * shear_modulus_Pa / 3;
+  const double bulk_Pa = bulk_to_shear * shear_modulus_Pa;
   // The Penrose drain's share of the second invariant.
-  m.c01_Pa = shear_modulus_Pa / 22;
-  m.c10_Pa = shear_modulus_Pa / 2 - m.c01_Pa;
+  const double c01_Pa = shear_modulus_Pa / 22;
+  scene.material =
+      law == law_named("mooney-rivlin")
+          ? material_of(
+                law,
+                {{"c10_Pa", shear_modulus_Pa / 2 - c01_Pa}, {"c01_Pa", c01_Pa}, {"bulk_modulus_Pa", bulk_Pa}})
+          : material_of(law, {{"shear_modulus_Pa", shear_modulus_Pa}, {"bulk_modulus_Pa", bulk_Pa}});
   scene.solver.element = element;
   Selector bottom, free;
   bottom.kind = Selector::Kind::plane;

@@ -15,7 +15,8 @@ namespace {
 using namespace phynness;
 using namespace phynness::robustness;
 
-constexpr Element elements[] = {Element::p1, Element::p1_p1, Element::taylor_hood, Element::p2};
+const Element elements[] = {element_named("P1"), element_named("p1-p1"), element_named("taylor-hood"),
+                            element_named("P2")};
 constexpr unsigned seed = 1;
 
 struct Options {
@@ -44,17 +45,19 @@ void incompressibility(const Options& options) {
   print_header("neo-Hookean cube, 26 directions", element_size_names);
   for (const Element element : elements)
     for (const double ratio : {10.0, 200.0, 2000.0, 23000.0})
-      cube_row(text("K/mu %6.0f  ", ratio) + name(element), cube(Law::neo_hookean, element, ratio), options);
+      cube_row(text("K/mu %6.0f  ", ratio) + name(element), cube(law_named("neo-hookean"), element, ratio),
+               options);
   print_header("Mooney-Rivlin cube, 26 directions", element_size_names);
   for (const Element element : elements)
-    cube_row(text("K/mu %6.0f  ", 23000) + name(element), cube(Law::mooney_rivlin, element, 23000), options);
+    cube_row(text("K/mu %6.0f  ", 23000) + name(element), cube(law_named("mooney-rivlin"), element, 23000),
+             options);
 }
 
 void compression(const Options& options) {
   print_header("St. Venant-Kirchhoff cube, inward", element_size_names);
   for (const Element element : elements)
     for (const double ratio : {1.0, 10.0, 200.0}) {
-      auto body = cube(Law::st_venant_kirchhoff, element, ratio);
+      auto body = cube(law_named("st-venant-kirchhoff"), element, ratio);
       body.scene.probe.directions = Directions::hemisphere;
       cube_row(text("K/mu %6.0f  ", ratio) + name(element), body, options);
     }
@@ -64,7 +67,7 @@ void slivers(const Options& options) {
   print_header("neo-Hookean cube with slivers", element_size_names);
   constexpr double quality = 0.02;
   for (const Element element : elements) {
-    auto body = cube(Law::neo_hookean, element, 200);
+    auto body = cube(law_named("neo-hookean"), element, 200);
     const int n = add_slivers(body.mesh, 5, quality);
     cube_row(std::to_string(n) + " cells of " + text("%.3f  ", measure_quality(body.mesh).min_quality) +
                  name(element),
@@ -92,7 +95,8 @@ void units(const Options& options) {
     }
     return all;
   };
-  for (const Law law : {Law::neo_hookean, Law::st_venant_kirchhoff, Law::mooney_rivlin, Law::linear})
+  for (const Law law : {law_named("neo-hookean"), law_named("st-venant-kirchhoff"),
+                        law_named("mooney-rivlin"), law_named("linear")})
     for (const Element element : elements) {
       const double ratio = 200;
       std::printf("%-34s", (std::string(name(law)) + "  " + name(element)).c_str());
@@ -127,9 +131,9 @@ void paper(const Options& options) {
   };
   row("Case 1, linear", "liver_case1.toml", {}, 10 * options.paper_nodes);
   row("Case 3, neo-Hookean", "liver_case3.toml", {}, options.paper_nodes);
-  row("Case 3, neo-Hookean", "liver_case3.toml", Element::p1_p1, options.paper_nodes);
+  row("Case 3, neo-Hookean", "liver_case3.toml", element_named("p1-p1"), options.paper_nodes);
   row("Case 2, St. Venant-Kirchhoff", "liver_case2.toml", {}, options.paper_nodes);
-  row("Case 3, neo-Hookean", "liver_case3.toml", Element::taylor_hood, (options.paper_nodes + 5) / 6);
+  row("Case 3, neo-Hookean", "liver_case3.toml", element_named("taylor-hood"), (options.paper_nodes + 5) / 6);
 }
 
 void paths(const Options& options) {
@@ -157,13 +161,13 @@ void paths(const Options& options) {
   }
   for (const double share : {0.25, 0.5, 1.0}) {
     auto body = load(std::string(PHYNNESS_SCENES) + "/liver_case3.toml");
-    body.scene.solver.element = Element::p1_p1;
+    body.scene.solver.element = element_named("p1-p1");
     const double radius_m = share * body.scene.probe.max_displacement_m;
     row("Case 3  p1-p1  " + text("%.0f mm", 1e3 * radius_m), body, radius_m);
   }
-  for (const Element element : {Element::taylor_hood, Element::p2})
+  for (const Element element : {element_named("taylor-hood"), element_named("P2")})
     for (const double sizes : {1.0, 2.0}) {
-      const auto body = cube(Law::neo_hookean, element, 200);
+      const auto body = cube(law_named("neo-hookean"), element, 200);
       row(std::string("cube K/mu 200  ") + name(element) + text("  %.0f h", sizes), body,
           sizes * body.scene.probe.max_displacement_m / 3);
     }

@@ -5,10 +5,28 @@
 #include <sstream>
 
 #include "scene_depth.hpp"
+#include "scene_keys.hpp"
 #include "scene_sections.hpp"
 
 namespace phynness {
 namespace sd = scene_detail;
+namespace {
+
+/// Refuses a law that has no form, or here none that is good enough, whose stress across the wall vanishes.
+void require_shell(const Material& m, const sd::SceneTable& table) {
+  std::vector<std::string_view> always;
+  for (const auto& law : laws())
+    if (law.has_shell && law.shell_from == 0) always.push_back(law.name);
+  const std::string remedy = "use law = " + sd::listed(always) + ", or a solid without thickness_m";
+  if (!m.law->has_shell) table.reject("law", "is not condensed to the plane stress of a shell", remedy);
+  if (m.bulk_to_shear() < m.law->shell_from)
+    table.reject("law",
+                 "condenses the stress across a shell in a few steps of Newton's method, good enough from K/mu = " +
+                     sd::shortest(m.law->shell_from) + " on; here K/mu is " + sd::shortest(m.bulk_to_shear()),
+                 remedy);
+}
+
+}  // namespace
 
 Scene read_scene(const std::filesystem::path& file) {
   std::error_code code;
@@ -70,31 +88,21 @@ Scene parse_scene(const std::string& text, const std::string& source_name,
   if (scene.mesh.thickness_m > 0 && !scene.database.fields.empty())
     database.reject("fields", "are computed in solids, but [mesh] is the middle surface of a shell",
                     "remove fields");
-  const Material& m = scene.material;
-  const double least = m.law == Law::mooney_rivlin ? 2 : m.law == Law::neo_hookean ? 1 : 0;
-  if (scene.mesh.thickness_m > 0 && m.bulk_to_shear() < least)
-    material.reject(
-        "law",
-        "condenses the stress across a shell in a few steps of Newton's method, good enough from K/mu = " +
-            sd::shortest(least) + " on; here K/mu is " + sd::shortest(m.bulk_to_shear()),
-        "use law = \"st-venant-kirchhoff\", which has it in closed form, or a solid without thickness_m");
+  if (scene.mesh.thickness_m > 0) require_shell(scene.material, material);
   return scene;
 }
 
 std::vector<std::string> scene_warnings(const Scene& scene) {
   std::vector<std::string> warnings;
   const Material& m = scene.material;
-  // P2 locks later than P1, not never: at K/mu = 200 and few cells it is up to a few times too stiff.
-  constexpr double p1_locks = 20, p2_locks = 100;
-  const bool p1 = scene.solver.element == Element::p1 && m.bulk_to_shear() > p1_locks;
-  const bool p2 = scene.solver.element == Element::p2 && m.bulk_to_shear() > p2_locks;
-  if (p1 || p2)
-    warnings.push_back(
-        m.where.str() + ": K/mu = " + sd::shortest(m.bulk_to_shear()) + ": " + name(scene.solver.element) +
-        " tetrahedra lock at this ratio, so that the body feels " + (p1 ? "several times" : "noticeably") +
-        " too stiff; elements p1-p1 and taylor-hood do not");
+  const Element element = scene.solver.element;
+  if (m.bulk_to_shear() > element->locks_above)
+    warnings.push_back(m.where.str() + ": K/mu = " + sd::shortest(m.bulk_to_shear()) + ": " + name(element) +
+                       " tetrahedra lock at this ratio, so that the body feels " +
+                       (element->locks_severely ? "several times" : "noticeably") +
+                       " too stiff; elements p1-p1 and taylor-hood do not");
   const ProbeSpec& probe = scene.probe;
-  if (m.law == Law::linear && (probe.directions != Directions::three || probe.increments != 1)) {
+  if (m.law->linear && (probe.directions != Directions::three || probe.increments != 1)) {
     const auto asked =
         exploratory_directions(probe.directions).size() * static_cast<std::size_t>(probe.increments);
     warnings.push_back(

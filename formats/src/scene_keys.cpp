@@ -15,6 +15,18 @@ struct Table {
   std::vector<std::string_view> keys;
 };
 
+/// Of every law, each once. Hooke's come first, so that a new law changes no message about the others.
+std::vector<std::string_view> material_keys() {
+  std::vector<std::string_view> keys{"law"};
+  for (const bool linear : {true, false})
+    for (const auto& law : laws())
+      for (const auto& set : law.accepted)
+        for (const auto& quantity : set.given)
+          if (law.linear == linear && std::find(keys.begin(), keys.end(), quantity.key) == keys.end())
+            keys.push_back(quantity.key);
+  return keys;
+}
+
 const std::vector<Table>& tables() {
   static const std::vector<Table> all = {
       {"", {"title", "mesh", "material", "solver", "nodes", "probe", "database", "training", "validation"}},
@@ -22,9 +34,7 @@ const std::vector<Table>& tables() {
        {"shape", "file", "scale_to_m", "target_nodes", "target_size_m", "size_m", "radius_m",
         "inner_radius_m", "length_m", "slit_length_m", "slit_width_m", "thickness_m", "repair", "symmetry"}},
       {"mesh.symmetry", {"point_m", "point_fraction", "normal", "tolerance_m", "half"}},
-      {"material",
-       {"law", "youngs_modulus_Pa", "poisson_ratio", "shear_modulus_Pa", "lame_lambda_Pa", "bulk_modulus_Pa",
-        "c10_Pa", "c01_Pa", "d1_per_Pa"}},
+      {"material", material_keys()},
       {"solver", {"element", "relative_tolerance", "max_iterations", "max_cutbacks"}},
       {"nodes", {"fixed", "active", "output"}},
       {"probe", {"kind", "tool_radius_m", "directions", "increments", "max_displacement_m"}},

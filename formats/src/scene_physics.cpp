@@ -108,14 +108,8 @@ std::string physics_summary(const Scene& scene) {
 
   const Material& m = scene.material;
   add("material.law", name(m.law));
-  if (m.law == Law::mooney_rivlin) {
-    add("material.c10_Pa", shortest(m.c10_Pa));
-    add("material.c01_Pa", shortest(m.c01_Pa));
-    add("material.bulk_modulus_Pa", shortest(m.bulk_modulus_Pa));
-  } else {
-    add("material.shear_modulus_Pa", shortest(m.shear_modulus_Pa));
-    add("material.lame_lambda_Pa", shortest(m.lame_lambda_Pa));
-  }
+  for (std::size_t i = 0; i < m.parameters.size(); ++i)
+    add(std::string("material.") + m.law->parameters[i].key, shortest(m.parameters[i]));
 
   add("solver.element", name(scene.solver.element));
   add("solver.relative_tolerance", shortest(scene.solver.relative_tolerance));
@@ -154,34 +148,6 @@ const char* name(Shape shape) {
       return "tube";
     case Shape::drain:
       return "drain";
-  }
-  return "?";
-}
-const char* name(Law law) {
-  switch (law) {
-    case Law::linear:
-      return "linear";
-    case Law::st_venant_kirchhoff:
-      return "st-venant-kirchhoff";
-    case Law::neo_hookean:
-      return "neo-hookean";
-    case Law::mooney_rivlin:
-      return "mooney-rivlin";
-  }
-  return "?";
-}
-const char* name(Element element) {
-  switch (element) {
-    case Element::p1:
-      return "P1";
-    case Element::p2:
-      return "P2";
-    case Element::taylor_hood:
-      return "taylor-hood";
-    case Element::p1_p1:
-      return "p1-p1";
-    case Element::shell:
-      return "shell";
   }
   return "?";
 }

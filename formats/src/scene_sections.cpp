@@ -141,23 +141,17 @@ MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder
 SolverSpec parse_solver(const SceneTable& table, const Material& material, const MeshSpec& mesh) {
   SolverSpec spec;
   const bool shell = mesh.thickness_m > 0;
-  if (shell) spec.element = Element::shell;
-  spec.element = table
-                     .choice<Element>("element", {{"P1", Element::p1},
-                                                  {"P2", Element::p2},
-                                                  {"taylor-hood", Element::taylor_hood},
-                                                  {"p1-p1", Element::p1_p1},
-                                                  {"shell", Element::shell}})
-                     .value_or(spec.element);
-  if (shell && spec.element != Element::shell)
+  if (shell) spec.element = &elements().back();
+  spec.element = table.choice<Element>("element", choices(elements())).value_or(spec.element);
+  if (shell && !spec.element->is_shell)
     table.reject("element", "is made of tetrahedra, but [mesh] is the middle surface of a shell",
                  "write element = \"shell\", or remove mesh.thickness_m");
-  if (!shell && spec.element == Element::shell)
+  if (!shell && spec.element->is_shell)
     table.reject("element", "is a shell's, but [mesh] has no thickness", "add thickness_m to [mesh]");
   spec.relative_tolerance = table.number_or("relative_tolerance", spec.relative_tolerance, {1e-14, 1e-2});
   spec.max_iterations = static_cast<int>(table.integer_or("max_iterations", spec.max_iterations, 1, 1000));
   spec.max_cutbacks = static_cast<int>(table.integer_or("max_cutbacks", spec.max_cutbacks, 0, 30));
-  if (is_mixed(spec.element) && !(material.lame_lambda_Pa > 0))
+  if (spec.element->mixed && !(material.lame_lambda_Pa > 0))
     refuse(table.where("element"),
            std::string("element ") + phynness::name(spec.element) +
                " divides by the Lame parameter lambda, which must be positive",
@@ -208,7 +202,7 @@ std::vector<std::pair<std::string_view, Family>> every_family() {
 TrainingSpec parse_training(const SceneTable& table, const Material& material) {
   TrainingSpec spec;
   spec.family = table.choice("family", every_family()).value_or(spec.family);
-  if (schema::traits(spec.family).proportional && material.law != Law::linear)
+  if (schema::traits(spec.family).proportional && !material.law->linear)
     table.reject(
         "family",
         std::string("needs the linear law, but [material] law is \"") + phynness::name(material.law) + "\"",

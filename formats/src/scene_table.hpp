@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <phynness/formats/scene.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,6 +29,14 @@ std::string shown(const toml::node& node);
 /// [file:line: what: value, remedy]; the one way in which a scene is refused.
 [[noreturn]] void refuse(const SourceLocation& where, const std::string& what, const std::string& value,
                          const std::string& remedy);
+
+/// The names of a table's rows, each standing for its row.
+template <class Row>
+std::vector<std::pair<std::string_view, const Row*>> choices(std::span<const Row> rows) {
+  std::vector<std::pair<std::string_view, const Row*>> words;
+  for (const auto& row : rows) words.emplace_back(row.name, &row);
+  return words;
+}
 
 class SceneTable {
  public:

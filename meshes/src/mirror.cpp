@@ -208,7 +208,7 @@ MirrorSymmetry find_mirror(const Scene& scene, const Mesh& mesh, const NodeSets&
   check_set(sets.active, "active", plane, mirror.image);
   check_set(sets.output, "output", plane, mirror.image);
   // Of the hemisphere only the half that pushes in is solved, and opposites of that pull.
-  mirror.odd = scene.material.law == Law::linear && scene.probe.directions != Directions::hemisphere;
+  mirror.odd = scene.material.law->linear && scene.probe.directions != Directions::hemisphere;
   return mirror;
 }
 

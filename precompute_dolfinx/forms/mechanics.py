@@ -1,25 +1,25 @@
 """Kinematics of the paper, and the one way from a strain energy density to the forms of every element.
 
-A material file states two functions of the deformation gradient F = I + grad u (equation (3)):
+A law file (law.py) states two functions of the deformation gradient F = I + grad u (equation (3)):
 
     shape(F)        energy density without its volumetric part
     volumetric(F)   g(F), so that the energy density is  W = shape + kappa/2 g^2
 
-and the coefficient kappa. From these follow, for every element, in this order,
+and the coefficient kappa. From these follow, for every element of element_table.py, in this order,
 
     energy      Pi(w)                 stored energy; stationary at equilibrium without loads
     residual    dPi(w; v)             the weak form (5): assembled, it is the nodal force that holds the state
     tangent     d2Pi(w; v, dw)        its derivative, symmetric
     von_mises   int sigma_v           of the Cauchy stress sigma = P F^T / J, P = dW/dF at fixed p
     stored      int W                 the energy cell by cell (mixed elements: see mixed())
-    jacobian    J = det F             at the quadrature points of the forms
+    jacobian    J = det F             at the quadrature points of the forms; -1 where a law says that it ends
 
 Displacement elements: w = u, Pi = int W. Mixed elements: w = (u, p), perturbed Lagrangian
 
     Pi = int shape + p g - p^2 / (2 kappa)
 
 whose p is kappa g at the solution, where Pi has the value of int W with g weakly averaged; a law may give another
-coupling of F and p with the same stationary point and value (neo_hookean.py says why). Equal order (p1-p1) adds
+coupling of F and p with the same stationary point and value (laws/neo_hookean.py says why). Equal order (p1-p1) adds
 the stabilization of Klaas, Maniatty & Shephard (1999), doi 10.1016/S0045-7825(99)00059-6:
 
     - alpha h^2 / (2 mu) |F^-T grad p|^2,   h the cell diameter.
@@ -28,20 +28,21 @@ All lengths and moduli arrive without dimension (see scaling.hpp).
 """
 
 import basix
+from element_table import SOLIDS
 from elements import displacement_space, domain, mixed_space
 from ufl import (
-    CellDiameter, Coefficient, Constant, Identity, Jacobian, TestFunction, TrialFunction, cross, derivative, det, dev,
-    diff, dot, dx, exp, grad, inner, ln, split, sqrt, sym, tr, variable,
+    CellDiameter, Coefficient, Identity, Jacobian, TestFunction, TrialFunction, conditional, cross, derivative, det, dev, diff, dot,
+    dx, grad, gt, inner, split, sqrt, sym, variable,
 )
 
 I = Identity(3)
 
-# Quadrature: P1 has a constant gradient, and so has p1-p1 (see mixed()). The quadratic elements have non-polynomial
-# integrands; degree 4 integrates p (J - 1) of Taylor-Hood exactly.
-P1 = (displacement_space(1), 1)
-P2 = (displacement_space(2), 4)
-P1_P1 = (mixed_space(1, 1), 1)
-TAYLOR_HOOD = (mixed_space(2, 1), 4)
+
+def space_of(element):
+    """Of a tetrahedron's row in element_table.py."""
+    if element.pressure_degree is None:
+        return displacement_space(element.displacement_degree)
+    return mixed_space(element.displacement_degree, element.pressure_degree)
 
 
 def _points(degree):
@@ -61,9 +62,14 @@ def von_mises(density, F, finite):
     return sqrt(3 / 2 * inner(s, s))
 
 
-def displacement(discretization, shape, volumetric, kappa, finite=True):
+def _jacobian(F, inside):
+    return det(F) if inside is None else conditional(gt(inside(F), 0), det(F), -1)
+
+
+def displacement(element, shape, volumetric, kappa, finite=True, inside=None):
     """Forms of a displacement element: (energy, residual, tangent, von_mises, stored, (jacobian, points))."""
-    space, degree = discretization
+    degree = element.quadrature_degree
+    space = space_of(element)
     u = Coefficient(space)
     F = I + grad(u)
     density = lambda F: shape(F) + kappa / 2 * volumetric(F) ** 2
@@ -71,7 +77,7 @@ def displacement(discretization, shape, volumetric, kappa, finite=True):
     stress = von_mises(density, F, finite) * measure
     # Two objects: ffcx knows names by them.
     energy, stored = density(F) * measure, density(F) * measure
-    return (*_chain(energy, u, space), stress, stored, (det(F), _points(degree)))
+    return (*_chain(energy, u, space), stress, stored, (_jacobian(F, inside), _points(degree)))
 
 
 def quadratic(volumetric, kappa):
@@ -79,7 +85,7 @@ def quadratic(volumetric, kappa):
     return lambda F, p: p * volumetric(F) - p**2 / (2 * kappa)
 
 
-def mixed(discretization, shape, coupling, kappa, stabilization=None, finite=True):
+def mixed(element, shape, coupling, kappa, stabilization, finite=True, inside=None):
     """Forms of a displacement-pressure element. `coupling(F, p)` and `stabilization(F, p)` are energy densities.
 
     Equal order is linear: F is constant in a cell, and all but -p^2 / (2 kappa) is linear in p, or nearly so where p is
@@ -91,14 +97,15 @@ def mixed(discretization, shape, coupling, kappa, stabilization=None, finite=Tru
     every cell, it may well be negative. `stored` is e - p de/dp, for a quadratic coupling shape + p^2 / (2 kappa). As
     p de/dp integrates to nothing at equilibrium (it is the pressure equations times p), both have the same integral.
     """
-    space, degree = discretization
+    degree = element.quadrature_degree
+    space = space_of(element)
     w = Coefficient(space)
     u, p = split(w)
     F = I + grad(u)
     density = shape(F) + coupling(F, p)
     q = variable(p)
     stored = density - p * diff(coupling(F, q), q)
-    if stabilization is not None:
+    if element.stabilized:
         # Quadratic in p: p d/dp is twice the function.
         of_element = stabilization(F, p) + variance(p) / (2 * kappa)
         density -= of_element
@@ -106,7 +113,7 @@ def mixed(discretization, shape, coupling, kappa, stabilization=None, finite=Tru
     measure = dx(metadata={"quadrature_degree": degree})
     # The stabilization belongs to the element and not to the material: it is no part of the stress.
     stress = von_mises(lambda F: shape(F) + coupling(F, p), F, finite) * measure
-    return (*_chain(density * measure, w, space), stress, stored * measure, (det(F), _points(degree)))
+    return (*_chain(density * measure, w, space), stress, stored * measure, (_jacobian(F, inside), _points(degree)))
 
 
 def variance(p):
@@ -131,20 +138,21 @@ def klaas(alpha, mu, finite=True):
     return density
 
 
-def every_element(shape, volumetric, kappa, stabilization, coupling=None, finite=True):
-    """What ffcx compiles, by name: {p1,p2,th,p1p1}_{energy,residual,tangent,von_mises,stored,jacobian}, and lists of them.
+def every_element(shape, volumetric, kappa, stabilization, coupling=None, finite=True, inside=None):
+    """What ffcx compiles, by name: {p1,p2,...}_{energy,residual,tangent,von_mises,stored,jacobian}, and lists of them.
 
-    `finite` is False for the theory of small strains, whose stress knows one configuration only.
+    `finite` is False for the theory of small strains, whose stress knows one configuration only. `inside(F)` is positive
+    where the law is defined.
     """
     coupling = coupling or quadratic(volumetric, kappa)
-    built = {
-        "p1": displacement(P1, shape, volumetric, kappa, finite),
-        "p2": displacement(P2, shape, volumetric, kappa, finite),
-        "th": mixed(TAYLOR_HOOD, shape, coupling, kappa, finite=finite),
-        "p1p1": mixed(P1_P1, shape, coupling, kappa, stabilization, finite),
-    }
     quantities = ("energy", "residual", "tangent", "von_mises", "stored", "jacobian")
-    names = {f"{e}_{q}": value for e, values in built.items() for q, value in zip(quantities, values)}
+    names = {}
+    for element in SOLIDS:
+        if element.pressure_degree is None:
+            built = displacement(element, shape, volumetric, kappa, finite, inside)
+        else:
+            built = mixed(element, shape, coupling, kappa, stabilization, finite, inside)
+        names |= {f"{element.identifier}_{q}": value for q, value in zip(quantities, built)}
     names["forms"] = [v for n, v in names.items() if not n.endswith("_jacobian")]
     names["expressions"] = [v for n, v in names.items() if n.endswith("_jacobian")]
     return names

@@ -9,7 +9,7 @@ vector that becomes of it, D = c N + s^a G_a and d = c g_3 + s^a g_a:
     C = g_ij G^i x G^j,     I1 = G^ij g_ij,     I2 = G_ij cof(g)_ij / det G,     J^2 = det g / det G.
 
 g_33 = x is not what the director says but what makes the stress across the shell vanish, S^33 = 2 dW/dx = 0: the law
-condenses it (plane_stress of the files beside this one), so no thickness locking and any K/mu. The invariants are
+condenses it (plane_stress of the files in ../laws), so no thickness locking and any K/mu. The invariants are
 linear in it,
 
     I1 = A + x,     I2 = P + A x,     x = s + r J^2,
@@ -36,7 +36,7 @@ import numpy
 from shell_elements import domain, space
 from ufl import (
     CellDiameter, Coefficient, Constant, Jacobian, TestFunction, TrialFunction, as_vector, conditional, cross, derivative, diff,
-    dot, dx, exp, grad, gt, sinh, split, sqrt, variable,
+    dot, dx, grad, gt, split, sqrt, variable,
 )
 
 zeta, thickness = Constant(domain), Constant(domain)

@@ -58,9 +58,9 @@ Discretization::Discretization(const Mesh& mesh, const FormSet& forms)
   auto& d = *_dolfinx;
   d.forms = forms;
   d.mesh = api::create_mesh(mesh.nodes, mesh.cells);
-  d.space = api::create_space(forms.element, d.mesh);
+  d.space = api::create_space(forms.element, *forms.residual, d.mesh);
   d.w = std::make_shared<api::Function>(d.space);
-  d.rest = forms.element == Element::shell ? std::make_shared<api::Function>(d.space) : d.w;
+  d.rest = forms.element->is_shell ? std::make_shared<api::Function>(d.space) : d.w;
   for (const auto& of_pass : forms.passes)
     d.passes.push_back(d.create(*forms.energy, *forms.residual, *forms.tangent, of_pass));
   if (forms.gauge_energy)
@@ -75,7 +75,7 @@ Discretization::Discretization(const Mesh& mesh, const FormSet& forms)
       for (int k = 0; k < block; ++k) _element_dofs.push_back(block * b + k);
   _n_element_dofs = static_cast<int>(_element_dofs.size()) / _n_cells;
   number_points(mesh);
-  if (forms.element == Element::shell) {
+  if (forms.element->is_shell) {
     d.rest_values = at_rest(mesh);
     api::set_values(*d.rest, d.rest_values);
   }
@@ -86,7 +86,7 @@ Discretization::Discretization(Discretization&&) noexcept = default;
 
 void Discretization::number_points(const Mesh& mesh) {
   const auto& d = *_dolfinx;
-  const bool mixed = is_mixed(d.forms.element), shell = d.forms.element == Element::shell;
+  const bool mixed = d.forms.element->mixed, shell = d.forms.element->is_shell;
   std::vector<std::shared_ptr<const api::Space>> component;
   for (int k = 0; k < (shell ? 6 : mixed ? 4 : 0); ++k)
     component.push_back(api::mixed_component(*d.space, k, shell));

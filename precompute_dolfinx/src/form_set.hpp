@@ -13,21 +13,28 @@ namespace phynness {
 /// Constants by their names in the UFL file, without dimension.
 using FormConstants = std::map<std::string, double>;
 
-struct FormSet {
+/// What ffcx compiled; the build writes the table (forms/tables.py).
+struct CompiledForms {
   const ufcx_form* energy = nullptr;
   const ufcx_form* residual = nullptr;
   const ufcx_form* tangent = nullptr;
   const ufcx_form* von_mises = nullptr;       ///< functional: integral of the von Mises stress
   const ufcx_form* stored = nullptr;          ///< functional: the energy, not negative in any cell
   const ufcx_expression* jacobian = nullptr;  ///< J = det F at the quadrature points
-  /// Shells only, added to the three: what keeps directors at their length.
+  /// Shells only, added to the first three: what keeps directors at their length.
   const ufcx_form *gauge_energy = nullptr, *gauge_residual = nullptr, *gauge_tangent = nullptr;
-  Element element = Element::p1;
+};
+
+/// @pre the law has a shell if the element is one
+CompiledForms compiled_forms(Law law, Element element);
+
+struct FormSet : CompiledForms {
+  Element element = nullptr;
   FormConstants constants;
   /// Constants that change from pass to pass: energy, residual and tangent are sums over these, and min_jacobian()
   /// is the smallest. A solid has one pass, a shell one for every layer.
   std::vector<FormConstants> passes{{}}, jacobian_passes{{}};
-  bool checks_jacobian = true;              ///< false for the linear theory, which knows no J
+  bool checks_jacobian = true;  ///< false for the linear theory, which knows no J
 };
 
 /// Coefficient alpha of the p1-p1 stabilization; forms/mechanics.py has the formula.

@@ -61,7 +61,7 @@ CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, 
   if (physics_hash(scene) != database.header().physics_hash)
     throw input_error("the database was made from another scene", scene.source_name,
                       "remove it, or give the study another folder");
-  const bool linear = scene.material.law == Law::linear;
+  const bool linear = scene.material.law->linear;
   const NodeData data(database, linear, scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0);
   const auto say = [&](const char* what, std::int64_t done, std::int64_t total) {
     if (progress && session.rank() == 0) progress(what, done, total);

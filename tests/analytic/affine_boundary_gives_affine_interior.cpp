@@ -50,7 +50,7 @@ TEST_P(PatchTest, InteriorEnergyForceAndPressureMatchTheHomogeneousState) {
                 EXPECT_NEAR(point.energy, V * energy_density(material, F), tolerance);
                 const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> P = V * first_piola(material, F);
                 EXPECT_LT((point.force - Eigen::Map<const Eigen::VectorXd>(P.data(), 9)).norm(), tolerance);
-                if (GetParam().law != Law::linear) {
+                if (!GetParam().law->linear) {
                   EXPECT_NEAR(point.min_jacobian, F.determinant(), tolerance);
                 }
                 return true;
@@ -70,8 +70,7 @@ TEST_P(PatchTest, RestStiffnessIsHookesLaw) {
   equilibrium.prescribe(affine_boundary(body));
   RaySolver rays(body, equilibrium, spec);
 
-  auto hooke = material;
-  hooke.law = Law::linear;
+  const auto hooke = of_parameters(law_named("linear"), {material.shear_modulus_Pa, material.lame_lambda_Pa});
   Eigen::MatrixXd expected(9, 9);
   for (int c = 0; c < 9; ++c) {
     Eigen::Matrix3d F = Eigen::Matrix3d::Identity();

@@ -32,7 +32,7 @@ Eigen::Vector2d difference(ProbeSolver& solver, const Vec3& d) {
 class LinearFields : public ::testing::TestWithParam<Element> {};
 
 TEST_P(LinearFields, AreExactWhereTheLawIsLinear) {
-  const auto block = with_fields({Law::linear, GetParam()});
+  const auto block = with_fields({law_named("linear"), GetParam()});
   auto solver = block.touched();
   // The solver's tolerance, 1e-8 of forces, is what remains.
   for (const Vec3& d : {Vec3{0.004, 0.002, -0.008}, Vec3{0, 0.03, 0.02}})
@@ -40,7 +40,7 @@ TEST_P(LinearFields, AreExactWhereTheLawIsLinear) {
 }
 
 TEST_P(LinearFields, AreTheLimitOfSmallDisplacements) {
-  const auto block = with_fields({Law::neo_hookean, GetParam()});
+  const auto block = with_fields({law_named("neo-hookean"), GetParam()});
   auto solver = block.touched();
   const auto far = difference(solver, {0.002, 0, -0.004}), near = difference(solver, {0.0002, 0, -0.0004});
   for (int f = 0; f < 2; ++f) {

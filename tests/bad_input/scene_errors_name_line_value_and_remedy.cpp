@@ -43,7 +43,7 @@ TEST_P(SceneMistake, is_refused_with_line_value_and_remedy) {
 
 TEST(ShellScene, RefusesWhatShellsDoNotHave) {
   const auto shell = with(with(good_scene, shape, "shape = \"drain\""), "element = \"P1\"", "");
-  EXPECT_EQ(parsed(shell).solver.element, Element::shell);
+  EXPECT_EQ(parsed(shell).solver.element, element_named("shell"));
   const auto fields = refusal(shell + "[database]\nfields = [\"von-mises-stress\"]\n");
   EXPECT_NE(fields.find("fields are computed in solids"), std::string::npos) << fields;
   EXPECT_NE(fields.find("remove fields"), std::string::npos) << fields;

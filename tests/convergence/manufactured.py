@@ -4,8 +4,11 @@ The load is the weak form of the exact stress, L(v) = int P(I + grad u*) : grad 
 boundary that is the work of the body force -Div P, without having to write its divergence down.
 """
 
-from mechanics import *
-from ufl import SpatialCoordinate, TestFunctions, as_vector, cos, inv, sin
+from element_table import SOLIDS
+from mechanics import I, domain, space_of
+from ufl import (
+    Coefficient, Constant, SpatialCoordinate, TestFunction, TestFunctions, as_vector, cos, det, dx, grad, inner, inv, ln, sin, split,
+)
 
 mu, lmbda = Constant(domain), Constant(domain)
 
@@ -33,11 +36,12 @@ def load(v):
     return inner(P_exact, grad(v)) * measure
 
 
-p1_L2, p1_H1 = distance(Coefficient(P1[0]))
-p2_L2, p2_H1 = distance(Coefficient(P2[0]))
-th_L2, th_H1 = distance(split(Coefficient(TAYLOR_HOOD[0]))[0])
-p1p1_L2, p1p1_H1 = distance(split(Coefficient(P1_P1[0]))[0])
-p1_load, p2_load = load(TestFunction(P1[0])), load(TestFunction(P2[0]))
-th_load, p1p1_load = load(TestFunctions(TAYLOR_HOOD[0])[0]), load(TestFunctions(P1_P1[0])[0])
+P1, P2, TAYLOR_HOOD, P1_P1 = map(space_of, SOLIDS)
+p1_L2, p1_H1 = distance(Coefficient(P1))
+p2_L2, p2_H1 = distance(Coefficient(P2))
+th_L2, th_H1 = distance(split(Coefficient(TAYLOR_HOOD))[0])
+p1p1_L2, p1p1_H1 = distance(split(Coefficient(P1_P1))[0])
+p1_load, p2_load = load(TestFunction(P1)), load(TestFunction(P2))
+th_load, p1p1_load = load(TestFunctions(TAYLOR_HOOD)[0]), load(TestFunctions(P1_P1)[0])
 
 forms = [p1_L2, p1_H1, p1_load, p2_L2, p2_H1, p2_load, th_L2, th_H1, th_load, p1p1_L2, p1p1_H1, p1p1_load]

@@ -75,22 +75,23 @@ TEST_P(ForceOfProbe, IsTheDerivativeOfTheEnergyAlongARay) {
 std::string probe_name(const ::testing::TestParamInfo<std::tuple<Case, ProbeKind>>& info) {
   return str(std::get<0>(info.param)) + "_" + name(std::get<1>(info.param));
 }
-INSTANTIATE_TEST_SUITE_P(Elements, ForceOfProbe,
-                         ::testing::Combine(::testing::Values(Case{Law::neo_hookean, Element::p1},
-                                                              Case{Law::neo_hookean, Element::p2},
-                                                              Case{Law::neo_hookean, Element::taylor_hood},
-                                                              Case{Law::neo_hookean, Element::p1_p1},
-                                                              Case{Law::st_venant_kirchhoff, Element::p1},
-                                                              Case{Law::mooney_rivlin, Element::p1_p1},
-                                                              Case{Law::linear, Element::p2}),
-                                            ::testing::Values(ProbeKind::node, ProbeKind::patch)),
-                         probe_name);
+INSTANTIATE_TEST_SUITE_P(
+    Elements, ForceOfProbe,
+    ::testing::Combine(::testing::Values(Case{law_named("neo-hookean"), element_named("P1")},
+                                         Case{law_named("neo-hookean"), element_named("P2")},
+                                         Case{law_named("neo-hookean"), element_named("taylor-hood")},
+                                         Case{law_named("neo-hookean"), element_named("p1-p1")},
+                                         Case{law_named("st-venant-kirchhoff"), element_named("P1")},
+                                         Case{law_named("mooney-rivlin"), element_named("p1-p1")},
+                                         Case{law_named("linear"), element_named("P2")}),
+                       ::testing::Values(ProbeKind::node, ProbeKind::patch)),
+    probe_name);
 
 class ForceOfTwoTools : public ::testing::TestWithParam<ProbeKind> {};
 
 TEST_P(ForceOfTwoTools, SumsToTheDerivativeOfTheEnergy) {
   // The patches overlap, so the nodes between them are moved by both tools.
-  auto block = probe_block({Law::neo_hookean, Element::p2}, 10, {4, 4, 3});
+  auto block = probe_block({law_named("neo-hookean"), element_named("P2")}, 10, {4, 4, 3});
   block.scene.solver.relative_tolerance = 1e-10;
   block.scene.probe.kind = GetParam();
   // Wide enough for the patches to meet, too small for one to move the node that the other touches.

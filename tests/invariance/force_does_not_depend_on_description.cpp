@@ -56,9 +56,7 @@ TEST_P(SameScene, InMillimetresAndOtherModuliGivesTheSameDimensionlessForce) {
   auto scaled = _block;
   scaled.mesh.nodes *= 1e3;
   scaled.scene.probe.tool_radius_m *= 1e3;
-  auto& m = scaled.scene.material;
-  for (auto* modulus : {&m.shear_modulus_Pa, &m.bulk_modulus_Pa, &m.lame_lambda_Pa, &m.c10_Pa, &m.c01_Pa})
-    *modulus *= 1e6;
+  scaled.scene.material = times(1e6, scaled.scene.material);
   const auto f = force(scaled, {1e3 * displacement[0], 1e3 * displacement[1], 1e3 * displacement[2]});
   EXPECT_LT((f / 1e12 - _force).norm(), 1e-10 * _force.norm());
 }
@@ -93,13 +91,15 @@ TEST_P(SameScene, AThousandBodySizesAwayLosesThreeDigits) {
   EXPECT_LT((force(moved, displacement) - _force).norm(), tolerance * _force.norm());
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Laws, SameScene,
-    ::testing::Values(Case{Law::neo_hookean, Element::p1}, Case{Law::neo_hookean, Element::p2},
-                      Case{Law::neo_hookean, Element::taylor_hood}, Case{Law::neo_hookean, Element::p1_p1},
-                      Case{Law::st_venant_kirchhoff, Element::p1}, Case{Law::mooney_rivlin, Element::p1_p1},
-                      Case{Law::linear, Element::p1_p1}),
-    case_name);
+INSTANTIATE_TEST_SUITE_P(Laws, SameScene,
+                         ::testing::Values(Case{law_named("neo-hookean"), element_named("P1")},
+                                           Case{law_named("neo-hookean"), element_named("P2")},
+                                           Case{law_named("neo-hookean"), element_named("taylor-hood")},
+                                           Case{law_named("neo-hookean"), element_named("p1-p1")},
+                                           Case{law_named("st-venant-kirchhoff"), element_named("P1")},
+                                           Case{law_named("mooney-rivlin"), element_named("p1-p1")},
+                                           Case{law_named("linear"), element_named("p1-p1")}),
+                         case_name);
 
 }  // namespace
 }  // namespace phynness::test

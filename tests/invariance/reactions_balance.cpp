@@ -43,7 +43,7 @@ TEST_P(Balance, HeldPointsCarryNoNetForceAndNoNetMoment) {
                 double size = 0;
                 for (int p = 0; p < body.n_points(); ++p) {
                   const Vector3 X = body.points().row(p).transpose();
-                  const Vector3 x = GetParam().law == Law::linear ? X : X + value_at(body, point.state, p);
+                  const Vector3 x = GetParam().law->linear ? X : X + value_at(body, point.state, p);
                   const Vector3 f = value_at(body, r, p);
                   force += f;
                   moment += x.cross(f);

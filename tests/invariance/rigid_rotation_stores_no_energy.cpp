@@ -69,7 +69,7 @@ TEST_P(LinearLaw, TakesARotationForAStrain) {
   // e = sym(R) - I is (cos - 1) on the plane of rotation, so at 1.9 rad the energy is of the order of mu:
   // whoever turns a body that far needs another law. Translations are free.
   Random random(41);
-  auto body = irregular_cube({Law::linear, GetParam()}, random);
+  auto body = irregular_cube({law_named("linear"), GetParam()}, random);
   const auto turned = state_of(body, [](const Vector3& X) -> Vector3 { return rotation * X - X; });
   EXPECT_GT(body.energy(turned), 1);
   const auto shifted = state_of(body, [](const Vector3&) { return Vector3(0.3, -0.2, 0.7); });

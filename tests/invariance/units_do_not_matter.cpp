@@ -21,12 +21,9 @@ std::string scene_text(const Case& c, double edge_m, double modulus_Pa) {
   std::ostringstream text;
   text.precision(17);
   text << "[mesh]\nshape = \"block\"\nsize_m = [" << edge_m << ", " << 0.8 * edge_m << ", " << 0.6 * edge_m
-       << "]\ntarget_size_m = " << 0.35 * edge_m << "\n[material]\nlaw = \"" << name(c.law) << "\"\n";
-  if (c.law == Law::mooney_rivlin)
-    text << "c10_Pa = " << 0.4 * modulus_Pa << "\nc01_Pa = " << 0.1 * modulus_Pa << "\n";
-  else
-    text << "shear_modulus_Pa = " << modulus_Pa << "\n";
-  text << "bulk_modulus_Pa = " << 50 * modulus_Pa << "\n[solver]\nelement = \"" << name(c.element)
+       << "]\ntarget_size_m = " << 0.35 * edge_m << "\n"
+       << scene_lines(times(modulus_Pa, unit_material(c.law, 50))) << "[solver]\nelement = \""
+       << name(c.element)
        << "\"\n[nodes]\nfixed = { box = { min_fraction = [0, 0, 0], max_fraction = [1, 1, 0.01] } }\n"
        << "active = { nearest = { point_fraction = [0.4, 0.6, 1] }, surface_only = true }\n"
        << "[probe]\nkind = \"patch\"\ntool_radius_m = " << 0.4 * edge_m
@@ -86,11 +83,11 @@ TEST_P(Units, DoNotMatter) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Laws, Units,
-                         ::testing::Values(Case{Law::neo_hookean, Element::p1},
-                                           Case{Law::neo_hookean, Element::p1_p1},
-                                           Case{Law::mooney_rivlin, Element::taylor_hood},
-                                           Case{Law::st_venant_kirchhoff, Element::p2},
-                                           Case{Law::linear, Element::p1}),
+                         ::testing::Values(Case{law_named("neo-hookean"), element_named("P1")},
+                                           Case{law_named("neo-hookean"), element_named("p1-p1")},
+                                           Case{law_named("mooney-rivlin"), element_named("taylor-hood")},
+                                           Case{law_named("st-venant-kirchhoff"), element_named("P2")},
+                                           Case{law_named("linear"), element_named("P1")}),
                          case_name);
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 constexpr double depth_m = 0.006;
 
 /// A patch of two edges: the force at a node has no limit under refinement.
-ProbeBlock pressed(Element element, double bulk_to_shear, Law law = Law::neo_hookean) {
+ProbeBlock pressed(Element element, double bulk_to_shear, Law law = law_named("neo-hookean")) {
   auto block = probe_block({law, element}, bulk_to_shear, {6, 4, 4});
   block.scene.probe.kind = ProbeKind::patch;
   block.scene.probe.tool_radius_m = 0.03;
@@ -45,17 +45,17 @@ TEST_P(Incompressible, ForceHasALimit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Mixed, Incompressible,
-                         ::testing::Values(Case{Law::neo_hookean, Element::p1_p1},
-                                           Case{Law::neo_hookean, Element::taylor_hood},
-                                           Case{Law::mooney_rivlin, Element::p1_p1},
-                                           Case{Law::mooney_rivlin, Element::taylor_hood}),
+                         ::testing::Values(Case{law_named("neo-hookean"), element_named("p1-p1")},
+                                           Case{law_named("neo-hookean"), element_named("taylor-hood")},
+                                           Case{law_named("mooney-rivlin"), element_named("p1-p1")},
+                                           Case{law_named("mooney-rivlin"), element_named("taylor-hood")}),
                          case_name);
 
 TEST(LockedP1, FeelsTheBulkModulusInstead) {
   // Locked, the stiffness follows K: two decades apart it grows at least tenfold, in a body whose own grows
   // by 0.1 %. At rest, as the locked body does not even converge to this depth at 1e5.
   const auto stiffness = [](double ratio) {
-    const auto block = pressed(Element::p1, ratio);
+    const auto block = pressed(element_named("P1"), ratio);
     return block.touched().rest().stiffness_N_per_m(2, 2);
   };
   EXPECT_GT(stiffness(1e5), 10 * stiffness(1e3));
@@ -88,7 +88,7 @@ TEST_P(FlatCells, CostNoConvergence) {
   const double bad = flattened(1e-3), worse = flattened(1e-9);
   EXPECT_NEAR(worse, bad, 0.01 * bad);
   // The move itself changes the mesh under the tool: a tenth, where nothing locks.
-  if (GetParam() != Element::p1) {
+  if (GetParam() != element_named("P1")) {
     EXPECT_NEAR(worse, good, 0.1 * good);
   }
 }

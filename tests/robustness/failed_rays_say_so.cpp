@@ -26,7 +26,7 @@ std::vector<Response> ray(const ProbeBlock& block, const Vec3& displacement, int
 class DeepPush : public ::testing::TestWithParam<Element> {};
 
 TEST_P(DeepPush, OfStVenantKirchhoffEndsInvertedAndKeepsTheLastGoodIncrement) {
-  const auto block = probe_block({Law::st_venant_kirchhoff, GetParam()}, 10, {6, 4, 4});
+  const auto block = probe_block({law_named("st-venant-kirchhoff"), GetParam()}, 10, {6, 4, 4});
   const auto responses = ray(block, {0, 0, -0.028}, 12);
   ASSERT_EQ(responses.size(), 12u);  // every increment is reported
   const auto first_bad = std::find_if(responses.begin(), responses.end(),
@@ -52,13 +52,14 @@ TEST_P(DeepPush, OfStVenantKirchhoffEndsInvertedAndKeepsTheLastGoodIncrement) {
 
 // P1-P1 and Taylor-Hood may stop with a line search that fails before the first cell turns: see the next
 // test.
-INSTANTIATE_TEST_SUITE_P(Elements, DeepPush, ::testing::Values(Element::p1, Element::p2), element_name);
+INSTANTIATE_TEST_SUITE_P(Elements, DeepPush, ::testing::Values(element_named("P1"), element_named("P2")),
+                         element_name);
 
 class DeepPushOfMixed : public ::testing::TestWithParam<Element> {};
 
 TEST_P(DeepPushOfMixed, OfStVenantKirchhoffFailsWithAReason) {
   const auto responses =
-      ray(probe_block({Law::st_venant_kirchhoff, GetParam()}, 10, {6, 4, 4}), {0, 0, -0.028}, 6);
+      ray(probe_block({law_named("st-venant-kirchhoff"), GetParam()}, 10, {6, 4, 4}), {0, 0, -0.028}, 6);
   ASSERT_EQ(responses.size(), 6u);
   EXPECT_EQ(responses.front().status, Status::converged);
   EXPECT_EQ(responses.back().status, Status::after_failure);
@@ -74,19 +75,20 @@ TEST_P(DeepPushOfMixed, OfStVenantKirchhoffFailsWithAReason) {
   EXPECT_EQ(reasons, 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Elements, DeepPushOfMixed, ::testing::Values(Element::taylor_hood, Element::p1_p1),
+INSTANTIATE_TEST_SUITE_P(Elements, DeepPushOfMixed,
+                         ::testing::Values(element_named("taylor-hood"), element_named("p1-p1")),
                          element_name);
 
 TEST(FailedSolve, ReportsTheFailureInsteadOfTheLastGoodState) {
   // solve() asks for one displacement: a state short of it is not an answer.
-  const auto block = probe_block({Law::st_venant_kirchhoff, Element::p1}, 10, {6, 4, 4});
+  const auto block = probe_block({law_named("st-venant-kirchhoff"), element_named("P1")}, 10, {6, 4, 4});
   const auto response = block.touched().solve({{0, 0, -0.028}}, 12);
   EXPECT_EQ(response.status, Status::inverted);
   EXPECT_EQ(response.force_N[0], Vec3{});
 }
 
 TEST(RayAfterAFailedOne, IsNotDisturbed) {
-  const auto block = probe_block({Law::st_venant_kirchhoff, Element::p1}, 10, {6, 4, 4});
+  const auto block = probe_block({law_named("st-venant-kirchhoff"), element_named("P1")}, 10, {6, 4, 4});
   const Vec3 shallow{0.001, 0, -0.004};
   const auto expected = block.touched().solve({shallow}, 2);
   auto solver = block.touched();
@@ -98,7 +100,7 @@ TEST(RayAfterAFailedOne, IsNotDisturbed) {
 
 TEST(CallersWish, EndsARay) {
   int taken = 0;
-  probe_block({Law::neo_hookean, Element::p1}, 10, {4, 4, 3})
+  probe_block({law_named("neo-hookean"), element_named("P1")}, 10, {4, 4, 3})
       .touched()
       .follow({{0, 0, -0.01}}, {0.2, 0.4, 0.6}, false,
               [&](std::size_t, const Response&) { return ++taken < 2; });

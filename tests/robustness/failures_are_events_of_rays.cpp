@@ -70,7 +70,7 @@ class RandomFaults {
 class Failures : public ::testing::TestWithParam<Element> {
  protected:
   void SetUp() override {
-    _block = probe_block({Law::neo_hookean, GetParam()}, 50, {6, 4, 4});
+    _block = probe_block({law_named("neo-hookean"), GetParam()}, 50, {6, 4, 4});
     auto& scene = _block.scene;
     scene.probe.directions = Directions::twenty_six;
     scene.probe.increments = 3;
@@ -180,8 +180,8 @@ TEST_P(Failures, OfLibrariesEndOnlyTheRaysThatMeetThem) {
 TEST_P(Failures, OfMumpsAreItsOwnAndLeaveNoTrace) {
   // The two kinds of failure that MUMPS itself reports, each followed by a factorization that must not know
   // of it. The body is too large for the 1 MB.
-  _block = probe_block({Law::neo_hookean, GetParam()}, 50, {10, 8, 6});
-  Discretization body(_block.mesh, form_set(unit_material(Law::neo_hookean, 50), GetParam(), 1));
+  _block = probe_block({law_named("neo-hookean"), GetParam()}, 50, {10, 8, 6});
+  Discretization body(_block.mesh, form_set(unit_material(law_named("neo-hookean"), 50), GetParam(), 1));
   std::vector<std::int32_t> fixed;
   for (const auto node : _block.sets.fixed)
     for (const auto dof : body.dofs(node)) fixed.push_back(dof);
@@ -230,7 +230,8 @@ TEST_P(Failures, DoNotComeBackWithResume) {
   EXPECT_TRUE(Database::is_complete(_folder / "resumed.h5"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Elements, Failures, ::testing::Values(Element::p1, Element::p1_p1), element_name);
+INSTANTIATE_TEST_SUITE_P(Elements, Failures, ::testing::Values(element_named("P1"), element_named("p1-p1")),
+                         element_name);
 
 }  // namespace
 }  // namespace phynness::test

@@ -26,7 +26,7 @@ std::string message_of(Action&& action) {
 
 class Touch : public ::testing::Test {
  protected:
-  ProbeBlock _block = probe_block({Law::neo_hookean, Element::p1}, 10, {4, 4, 3});
+  ProbeBlock _block = probe_block({law_named("neo-hookean"), element_named("P1")}, 10, {4, 4, 3});
   ProbeSolver _solver = _block.solver();
 
   std::string refusal(const std::vector<std::int32_t>& nodes) {
@@ -59,7 +59,7 @@ TEST_F(Touch, IsPossibleAfterARefusal) {
 class Supports : public ::testing::TestWithParam<Element> {
  protected:
   static ProbeBlock fixed_at(const std::vector<std::int32_t>& nodes) {
-    auto block = probe_block({Law::neo_hookean, GetParam()}, 10, {4, 4, 3});
+    auto block = probe_block({law_named("neo-hookean"), GetParam()}, 10, {4, 4, 3});
     block.sets.fixed = nodes;
     return block;
   }

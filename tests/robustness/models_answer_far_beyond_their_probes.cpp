@@ -24,7 +24,7 @@ Vector3d vector(const Vec3& v) { return {v[0], v[1], v[2]}; }
 class Models : public ::testing::Test {
  protected:
   void solve(double depth_m) {
-    block = probe_block({Law::neo_hookean, Element::p1_p1}, 200, {6, 4, 4});
+    block = probe_block({law_named("neo-hookean"), element_named("p1-p1")}, 200, {6, 4, 4});
     block.scene.probe.max_displacement_m = depth_m;
     block.scene.probe.increments = 3;
     for (const auto node : surface_nodes(block.mesh.surface))

@@ -55,7 +55,7 @@ class LongPull : public ::testing::TestWithParam<Element> {};
 
 TEST_P(LongPull, ConvergesOnAStableBody) {
   // Mixed elements too: 20 mm outward at K/mu = 200 puts the patch under a tension of several mu.
-  auto block = probe_block({Law::neo_hookean, GetParam()}, 200, {6, 4, 4});
+  auto block = probe_block({law_named("neo-hookean"), GetParam()}, 200, {6, 4, 4});
   block.scene.probe.kind = ProbeKind::patch;
   block.scene.probe.tool_radius_m = 0.03;
   const auto response = block.touched().solve({{0, 0, 0.02}}, 6);
@@ -82,12 +82,14 @@ TEST_P(HugeStep, GivesTheForceOfTwelveSmallOnes) {
   EXPECT_LT((once.displacement_m - twelve.displacement_m).norm(), 1e-8 * twelve.displacement_m.norm());
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Laws, HugeStep,
-    ::testing::Values(Case{Law::neo_hookean, Element::p1}, Case{Law::neo_hookean, Element::p2},
-                      Case{Law::neo_hookean, Element::taylor_hood}, Case{Law::neo_hookean, Element::p1_p1},
-                      Case{Law::mooney_rivlin, Element::p1}, Case{Law::mooney_rivlin, Element::p1_p1}),
-    case_name);
+INSTANTIATE_TEST_SUITE_P(Laws, HugeStep,
+                         ::testing::Values(Case{law_named("neo-hookean"), element_named("P1")},
+                                           Case{law_named("neo-hookean"), element_named("P2")},
+                                           Case{law_named("neo-hookean"), element_named("taylor-hood")},
+                                           Case{law_named("neo-hookean"), element_named("p1-p1")},
+                                           Case{law_named("mooney-rivlin"), element_named("P1")},
+                                           Case{law_named("mooney-rivlin"), element_named("p1-p1")}),
+                         case_name);
 
 }  // namespace
 }  // namespace phynness::test

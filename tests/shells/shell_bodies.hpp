@@ -57,14 +57,14 @@ struct ThinShell {
   double youngs_modulus, poissons_ratio, thickness;
   double shear_modulus() const { return youngs_modulus / (2 * (1 + poissons_ratio)); }
   FormSet forms() const {
-    const auto material = hookean(Law::st_venant_kirchhoff, youngs_modulus, poissons_ratio);
-    return form_set(material, Element::shell, shear_modulus(), thickness);
+    const auto material = hookean(law_named("st-venant-kirchhoff"), youngs_modulus, poissons_ratio);
+    return form_set(material, element_named("shell"), shear_modulus(), thickness);
   }
 };
 
 inline SolverSpec shell_solver() {
   SolverSpec spec;
-  spec.element = Element::shell;
+  spec.element = element_named("shell");
   spec.max_iterations =
       300;  // thin shells under dead loads: what is stiff changes its direction at every step
   return spec;

@@ -101,14 +101,14 @@ TEST(Choice, IsNoneWhereNoErrorIsKnown) {
 
 TEST(Candidates, AreAllowedByTheLaw) {
   Scene scene;
-  scene.material.law = Law::neo_hookean;
+  scene.material.law = law_named("neo-hookean");
   bool modal = false;
   for (const auto& c : tuning_candidates(scene)) {
     EXPECT_NE(c.spec.family, Family::linear) << c.name;
     modal = modal || c.spec.family == Family::modal;
   }
   EXPECT_TRUE(modal);
-  scene.material.law = Law::linear;
+  scene.material.law = law_named("linear");
   EXPECT_EQ(tuning_candidates(scene).front().spec.family, Family::linear);
 }
 

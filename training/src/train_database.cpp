@@ -9,7 +9,7 @@ Model train(const Database& database, const TrainingSpec& spec, TrainingReport& 
   const DatabaseHeader& header = database.header();
   const Scene scene =
       parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent);
-  if (schema::traits(spec.family).proportional && scene.material.law != Law::linear) {
+  if (schema::traits(spec.family).proportional && !scene.material.law->linear) {
     throw input_error("family linear needs the linear law", std::string("law ") + name(scene.material.law),
                       "use family rbfn");
   }

@@ -20,7 +20,6 @@ using namespace report;
 
 /// A just noticeable difference of force is some 10 % of it (paper, section 5; Allin et al. 2002).
 constexpr double noticeable = 0.10;
-constexpr double locking_from = 20;  // K/mu beyond which plain linear tetrahedra are called locked
 constexpr std::size_t most_curves = 6, most_worst = 10;
 
 std::string percent(double fraction) {
@@ -71,7 +70,7 @@ std::string modelled(const ReportInput& in) {
   const double K_mu = scene.material.bulk_to_shear();
   const auto& family = model.family;
   std::string out;
-  if (scene.solver.element == Element::p1 && K_mu > locking_from)
+  if (scene.solver.element->locks_severely && K_mu > scene.solver.element->locks_above)
     out += fmt::format(
         "<p class=\"warning\">Plain linear tetrahedra lock at K/mu = {:.3g}: the body feels several times "
         "too stiff. The "

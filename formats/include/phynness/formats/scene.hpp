@@ -6,9 +6,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <phynness/formats/fields.hpp>
+#include <phynness/formats/law.hpp>
 #include <phynness/schema/family.hpp>
 
 namespace phynness {
@@ -50,24 +53,19 @@ struct MeshSpec {
   SourceLocation where;
 };
 
-enum class Law { linear, st_venant_kirchhoff, neo_hookean, mooney_rivlin };
-
-/// All moduli are filled in whatever pair the scene gave.
-/// linear, (7), (8): shear_modulus_Pa (mu), lame_lambda_Pa; (9): c10_Pa, c01_Pa, bulk_modulus_Pa, mu = 2 (C10 + C01).
-struct Material {
-  Law law = Law::neo_hookean;
-  double shear_modulus_Pa = 0, lame_lambda_Pa = 0, bulk_modulus_Pa = 0;
-  double c10_Pa = 0, c01_Pa = 0;
+/// Whatever set of numbers the scene gave: the law's parameters, in the order of its row, and the moduli at rest.
+struct Material : Moduli {
+  Law law = law_named("neo-hookean");
+  std::vector<double> parameters;
   SourceLocation where;
   double bulk_to_shear() const { return bulk_modulus_Pa / shear_modulus_Pa; }
 };
-
-enum class Element { p1, p2, taylor_hood, p1_p1, shell };
-/// Displacement and pressure.
-inline bool is_mixed(Element element) { return element == Element::taylor_hood || element == Element::p1_p1; }
+/// The material of one of the sets of keys that the law accepts.
+/// @throws Error (input) if the keys are none of these sets. Ranges are the parser's matter.
+Material material_of(Law law, const std::vector<std::pair<std::string_view, double>>& given);
 
 struct SolverSpec {
-  Element element = Element::p1;
+  Element element = element_named("P1");
   double relative_tolerance = 1e-8;  ///< |free residual| / |reactions|
   int max_iterations = 40;
   int max_cutbacks = 6;              ///< an increment is cut to at most 2^-max_cutbacks of its length
@@ -163,8 +161,6 @@ std::string physics_hash(const Scene& scene);
 std::string physics_summary(const Scene& scene);
 
 const char* name(Shape);
-const char* name(Law);
-const char* name(Element);
 const char* name(ProbeKind);
 const char* name(Directions);
 const char* name(Family);

@@ -1,0 +1,21 @@
+# Tables of laws and elements from precompute_dolfinx/laws/*.py, when CMake runs and whenever one of those files changes;
+# Python's standard library is enough. They are made and not kept: a kept table can be out of date, and Python is there
+# wherever CMake's own packages, tests or ffcx are. Sets
+#   PHYNNESS_LAWS_FOLDER   tables.cpp, compiled_forms.cpp, declared_laws.cpp, forms/*.py (forms/tables.py says what they are)
+#   PHYNNESS_LAWS          identifiers of the laws
+#   PHYNNESS_SHELL_LAWS    shell_IDENTIFIER of those that have a shell
+find_package(Python3 COMPONENTS Interpreter REQUIRED)
+set(forms "${PROJECT_SOURCE_DIR}/precompute_dolfinx/forms")
+file(GLOB law_files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/precompute_dolfinx/laws/*.py")
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
+  ${law_files} ${forms}/law.py ${forms}/hooke.py ${forms}/cpp.py ${forms}/tables.py ${forms}/element_table.py)
+set(PHYNNESS_LAWS_FOLDER "${PROJECT_BINARY_DIR}/laws")
+execute_process(
+  COMMAND ${CMAKE_COMMAND} -E env PYTHONDONTWRITEBYTECODE=1 ${Python3_EXECUTABLE} "${forms}/tables.py" "${PHYNNESS_LAWS_FOLDER}"
+  OUTPUT_VARIABLE written ERROR_VARIABLE laws_error RESULT_VARIABLE laws_result OUTPUT_STRIP_TRAILING_WHITESPACE)
+if(NOT laws_result EQUAL 0)
+  message(FATAL_ERROR "The tables of laws were not made: ${laws_error}")
+endif()
+string(REGEX MATCH "^([^\n]*)\n(.*)$" _ "${written}")
+set(PHYNNESS_LAWS ${CMAKE_MATCH_1})
+set(PHYNNESS_SHELL_LAWS ${CMAKE_MATCH_2})

@@ -1,0 +1,86 @@
+"""The tables of laws in the documentation, from the law files. Python's standard library is enough.
+
+Usage: doc_tables.py [--write]     from the root of the repository; called by tools/check-docs
+
+A table stands between <!-- laws: KIND --> and <!-- laws: end -->, KIND one of TABLES. Without --write: prints
+"file:line: what" for every table that is not the one of today, and exits with 1 if there is one.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+from law import D1, every_law
+
+FILES = ("formats/scene.md", "docs/theory.md")
+
+
+def _text_of(law, symbol):
+    return next(p.text for p in law.parameters if p.symbol == symbol)
+
+
+def _range(quantity):
+    if quantity.meaning:
+        return quantity.meaning
+    unit = "in Pa" if quantity.is_modulus else "no unit"
+    return f"{'>' if quantity.low_open else '>='} {quantity.low:g}; {quantity.text} {unit}"
+
+
+def keys(laws):
+    names = [f'`"{law.name}"`' for law in laws]
+    hooke_first = sorted(laws, key=lambda law: law.finite)
+    quantities = {q.key: q for law in hooke_first for accepted in law.accepted for q in accepted.given}
+    return [
+        "| key | type | range, meaning |",
+        "|---|---|---|",
+        f"| `law` | text | required: {', '.join(names[:-1])} or {names[-1]} |",
+        *(f"| `{key}` | number | {_range(q)} |" for key, q in quantities.items()),
+    ]
+
+
+def sets(laws):
+    rows = ["| law | energy density W | sets (K stands for `bulk_modulus_Pa` or `d1_per_Pa`) |", "|---|---|---|"]
+    for law in laws:
+        texts = [[q.text for q in a.given] for a in law.accepted if D1 not in a.given]
+        given = "; ".join(" and ".join(filter(None, (", ".join(t[:-1]), t[-1]))) for t in texts)
+        formula = f"{law.formulas['shape']} + {_text_of(law, law.kappa)}/2 ({law.formulas['volumetric']})^2"
+        rows.append(f"| {law.name} | {formula} | {given} |")
+    return rows
+
+
+def energies(laws):
+    rows = ["| `law` | shape(F) | g(F) | kappa | equation | file |", "|---|---|---|---|---|---|"]
+    for law in laws:
+        f = law.formulas
+        rows.append(f"| `{law.name}` | {f['shape']} | {f['volumetric']} | {_text_of(law, law.kappa)} | {f['equation']} | "
+                    f"`precompute_dolfinx/laws/{law.identifier}.py` |")  # fmt: skip
+    return rows
+
+
+TABLES = {"keys": keys, "sets": sets, "energies": energies}
+
+
+def main(write):
+    laws, stale = every_law(), 0
+    for file in map(Path, FILES):
+        text = file.read_text()
+
+        def renewed(match):
+            return f"{match[1]}\n\n" + "\n".join(TABLES[match[2]](laws)) + f"\n\n{match[4]}"
+
+        pattern = re.compile(r"(<!-- laws: (\w+) -->)\n(.*?)\n(<!-- laws: end -->)", re.S)
+        if not pattern.search(text):
+            stale += 1
+            print(f"{file}:1: no table of laws; put one between <!-- laws: KIND --> and <!-- laws: end -->")
+        for match in pattern.finditer(text):
+            if renewed(match) != match[0] and not write:
+                stale += 1
+                line = text[: match.start()].count("\n") + 1
+                print(f"{file}:{line}: the table of laws ({match[2]}) is not that of today; run tools/check-docs --write")
+        if write:
+            file.write_text(pattern.sub(renewed, text))
+    return 1 if stale and not write else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main("--write" in sys.argv[1:]))

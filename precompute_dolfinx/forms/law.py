@@ -1,0 +1,192 @@
+"""What the files of ../laws are written in, and how they are read. Python's standard library is enough.
+
+A law is one file, laws/IDENTIFIER.py. It says
+
+    name                a scene's word for it
+    parameters          constants of the energy (Quantity), in the order in which the physics hash prints them
+    kappa               which of them multiplies the volumetric energy
+    formulas            shape, volumetric and equation as docs/theory.md prints them
+    shape(F)            energy density without its volumetric part, F = I + grad u
+    volumetric(F)       g(F), so that the energy density is  W = shape + kappa/2 g^2
+    shear_modulus()     mu at rest: the solver's unit of moduli
+    bulk_modulus()      K at rest
+    example(K)          {symbol: value} of a material with mu = 1 in which every term has a part, for the tests
+
+and, where it has them,
+
+    finite = False      small strains: one configuration, force proportional to displacement, no J to check
+    accepted            sets of keys that a scene may give (Accepted); otherwise all parameters by their own keys
+    derived             functions of the parameters that become constants of the forms, without unit
+    coupling(F, p)      of displacement and pressure in mixed elements, in place of p g - p^2 / (2 kappa)
+    inside(F)           positive where the energy is defined, in addition to J > 0; elsewhere a state counts as J <= 0
+    plane_stress(metric)        energy density of a shell's layer, S^33 condensed (forms/shell.py)
+    squared_thickness(metric)   of laws that know no J = 0: positive where the wall is not turned inside out
+    calculix()          (card, numbers) of CalculiX's material; moduli in any one unit (validation/against_calculix.py)
+    shell_from = 2      smallest K/mu at which plane_stress is good enough, 0 if not given
+
+A function asks for constants by their symbols: shape(F, mu) gets F and mu. The functions below are UFL's for what UFL
+makes and C++'s for what tables.py makes; F.T is the transpose.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import inspect
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+LAWS = Path(__file__).resolve().parent.parent / "laws"
+
+
+def _function(name):
+    def apply(*arguments):
+        for argument in arguments:
+            if hasattr(type(argument), "apply_function"):
+                return argument.apply_function(name, arguments)
+        import ufl
+
+        return getattr(ufl, name)(*arguments)
+
+    apply.__name__ = name
+    return apply
+
+
+det, exp, inner, ln, sinh, sqrt, sym, tr = map(_function, ("det", "exp", "inner", "ln", "sinh", "sqrt", "sym", "tr"))
+
+
+def identity(tensor):
+    """The unit tensor, of the kind of `tensor`."""
+    if hasattr(type(tensor), "apply_function"):
+        return tensor.apply_function("identity", (tensor,))
+    import ufl
+
+    return ufl.Identity(3)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of [material]: allowed between low and high, the ends included unless open."""
+
+    symbol: str  # in functions, and the constant's name in the forms
+    key: str  # in a scene; ends in _Pa or _per_Pa where it has a unit
+    text: str  # in documentation
+    low: float = 0.0
+    high: float = 1e12
+    low_open: bool = False
+    high_open: bool = False
+    meaning: str = ""  # documentation of the range, where the numbers do not say it
+
+    @property
+    def is_modulus(self):
+        return self.key.endswith("_Pa") and not self.key.endswith("_per_Pa")
+
+
+def modulus(symbol, key, text, **rest):
+    """A positive modulus, unless said otherwise."""
+    return Quantity(symbol, key, text, **{"low_open": True, **rest})
+
+
+@dataclass(frozen=True)
+class Bound:
+    """What one given number must be in view of the others."""
+
+    symbol: str
+    greater: bool
+    value: object  # function of the given symbols
+    what: str  # continues "[material] KEY ..."
+    remedy: str  # before "it must be greater than ..."
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """Numbers that determine a material, and what they give: functions of them and of what was computed before."""
+
+    given: tuple
+    gives: dict = field(default_factory=dict)
+    bounds: tuple = ()
+
+
+BULK = modulus("K", "bulk_modulus_Pa", "K")
+D1 = Quantity("d1", "d1_per_Pa", "D1", low=1e-12, meaning="> 0; D1 in 1/Pa, in place of K: here K = 1/D1")
+
+
+def call(function, *leading, **symbols):
+    """Calls a law's function with those of the symbols for which it asks."""
+    wanted = list(inspect.signature(function).parameters)[len(leading) :]
+    return function(*leading, **{name: symbols[name] for name in wanted})
+
+
+class LawError(Exception):
+    pass
+
+
+class Law:
+    """A law file that was read, with what it left out."""
+
+    def __init__(self, path):
+        self.identifier = path.stem
+        spec = importlib.util.spec_from_file_location(f"law_{path.stem}", path)
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        self._path = path
+        for word in ("name", "parameters", "kappa", "formulas", "shape", "volumetric", "shear_modulus", "bulk_modulus", "example"):
+            if not hasattr(module, word):
+                raise self._error(f"a law must define {word}", "missing", "forms/law.py says what it is")
+            setattr(self, word, getattr(module, word))
+        self.finite = getattr(module, "finite", True)
+        self.derived = tuple(getattr(module, "derived", ()))
+        for word in ("coupling", "inside", "plane_stress", "squared_thickness", "calculix"):
+            setattr(self, word, getattr(module, word, None))
+        self.shell_from = getattr(module, "shell_from", 0)
+        given = tuple(getattr(module, "accepted", (Accepted(tuple(self.parameters)),)))
+        self.accepted = given + tuple(_by_d1(s) for s in given if BULK in s.given)
+        self._check()
+
+    def _error(self, what, value, remedy):
+        return LawError(f"{self._path}: {what}: {value}, {remedy}")
+
+    def _check(self):
+        symbols = [p.symbol for p in self.parameters]
+        if len(set(symbols)) < len(symbols) or self.kappa not in symbols:
+            raise self._error("parameters need symbols of their own, one of them kappa", symbols, "mend the list")
+        for p in self.parameters:
+            if p.key.endswith("_per_Pa"):
+                raise self._error("a parameter is a modulus or has no unit", p.key, "give it in Pa")
+        known = set(symbols) | {f.__name__ for f in self.derived}
+        fields = {"shape": 1, "volumetric": 1, "coupling": 2, "inside": 1, "plane_stress": 1, "squared_thickness": 1,
+                  "shear_modulus": 0, "bulk_modulus": 0, "calculix": 0}  # fmt: skip
+        for word, leading in fields.items():
+            if function := getattr(self, word):
+                strange = set(list(inspect.signature(function).parameters)[leading:]) - known
+                if strange:
+                    raise self._error(f"{word} asks for what is no parameter", sorted(strange), f"known are {sorted(known)}")
+        example = self.example(10.0)
+        if not any({q.symbol for q in s.given} == set(symbols) for s in self.accepted):
+            raise self._error("a scene may give all parameters by their own keys", symbols, "add them to accepted")
+        if set(example) != set(symbols):
+            raise self._error("example gives other symbols than the parameters", sorted(example), f"give {symbols}")
+        shear, bulk = call(self.shear_modulus, **example), call(self.bulk_modulus, **example)
+        if abs(shear - 1) > 1e-12 or abs(bulk - 10) > 1e-11:
+            raise self._error("example(10) must have mu = 1 and K = 10 at rest", f"mu = {shear}, K = {bulk}", "mend it")
+
+
+def _by_d1(accepted):
+    given = tuple(D1 if q is BULK else q for q in accepted.given)
+    return Accepted(given, {"K": lambda d1: 1 / d1, **accepted.gives}, accepted.bounds)
+
+
+def load(identifier):
+    return Law(LAWS / f"{identifier}.py")
+
+
+def every_law():
+    """In the order of their identifiers, which is the order of every table."""
+    sys.dont_write_bytecode = True
+    laws = [Law(path) for path in sorted(LAWS.glob("*.py"))]
+    keys = {}
+    for law in laws:
+        for quantity in (q for s in law.accepted for q in s.given):
+            if keys.setdefault(quantity.key, quantity) != quantity:
+                raise law._error("a key of [material] means the same in every law", quantity.key, "choose another key")
+    return laws

@@ -1,0 +1,59 @@
+"""Neo-Hookean, equation (8): W = mu/2 (I_c - 3) - mu ln J + lambda/2 (ln J)^2."""
+
+from hooke import accepted as accepted_of_hooke
+from hooke import bulk_modulus, example, lame_lambda, parameters, shear_modulus
+from law import BULK, Accepted, det, exp, inner, ln, modulus
+
+name = "neo-hookean"
+kappa = "lmbda"
+formulas = {"shape": "mu/2 (I1 - 3) - mu ln J", "volumetric": "ln J", "equation": "(8)"}
+
+C10 = modulus("c10", "c10_Pa", "C10")
+accepted = (*accepted_of_hooke, Accepted((C10, BULK), {"mu": lambda c10: 2 * c10, "lmbda": lame_lambda}))
+
+
+def couples_J(mu, lmbda):
+    """See coupling()."""
+    return lmbda >= 2 * mu
+
+
+derived = (couples_J,)
+
+
+def shape(F, mu):
+    return mu / 2 * (inner(F, F) - 3) - mu * ln(det(F))
+
+
+def volumetric(F):
+    return ln(det(F))
+
+
+def coupling(F, p, lmbda, couples_J):
+    """p e^(-p/lambda) J - p + p^2 / (2 lambda): stationary at p = lambda ln J, where it is lambda/2 (ln J)^2.
+
+    So is p ln J - p^2 / (2 lambda), but its second variation holds -p tr((F^-1 dF)^2), which under constant pressure
+    is -p (div)^2: from p = 2 mu on, a moderate pull, changes of volume that the pressure space cannot see outweigh
+    the shear stiffness, and Taylor-Hood and p1-p1 lose the stability that the body has. The second variation of J
+    under constant pressure integrates to nothing. Its own limit is J = e, where it stops being concave in p. Which of
+    the two comes later is a matter of lambda = 2 mu: below, ln J holds on to J = e^(2 mu / lambda).
+    """
+    with_J = p * exp(-p / lmbda) * det(F) - p + p**2 / (2 * lmbda)
+    with_ln_J = p * ln(det(F)) - p**2 / (2 * lmbda)
+    return couples_J * with_J + (1 - couples_J) * with_ln_J
+
+
+shell_from = 1
+
+
+def plane_stress(metric, mu, lmbda):
+    """W(q) = mu/2 (I1 - 3 - q) + lambda/8 q^2 at its stationary point, q = ln J^2; I1 = a + b e^q.
+
+    Newton's method from q = 0: two steps, and the third in the energy, W - W'^2 / (2 W'').
+    """
+    I1, b, _, _ = metric.invariants()
+    q = 0
+    for _ in range(2):
+        q = q - (mu / 2 * (b * exp(q) - 1) + lmbda / 4 * q) / (mu / 2 * b * exp(q) + lmbda / 4)
+    slope = mu / 2 * (b * exp(q) - 1) + lmbda / 4 * q
+    curvature = mu / 2 * b * exp(q) + lmbda / 4
+    return mu / 2 * (I1 + b * (exp(q) - 1) - 3 - q) + lmbda / 8 * q**2 - slope**2 / (2 * curvature)
