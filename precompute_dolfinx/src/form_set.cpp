@@ -19,8 +19,8 @@ namespace {
 #define PHYNNESS_FORMS(law, name, number, element)                                                           \
   FormSet {                                                                                                  \
     form_##law##_##name##_energy, form_##law##_##name##_residual, form_##law##_##name##_tangent,             \
-        form_##law##_##name##_von_mises, form_##law##_##name##_stored, expression_##law##_##number, nullptr, \
-        nullptr, nullptr, element, {}                                                                        \
+        {form_##law##_##name##_von_mises, form_##law##_##name##_stored}, expression_##law##_##number,        \
+        nullptr, nullptr, nullptr, element, {}                                                               \
   }
 #define PHYNNESS_LAW(law)                                                                              \
   std::array<FormSet, 4> {                                                                             \
@@ -44,7 +44,7 @@ std::array<FormSet, 4> forms_of(Law law) {
 
 #define PHYNNESS_SHELL(law)                                                                               \
   FormSet {                                                                                               \
-    form_shell_##law##_energy, form_shell_##law##_residual, form_shell_##law##_tangent, nullptr, nullptr, \
+    form_shell_##law##_energy, form_shell_##law##_residual, form_shell_##law##_tangent, {},               \
         expression_shell_##law##_orientation, form_shell_##law##_gauge_energy,                            \
         form_shell_##law##_gauge_residual, form_shell_##law##_gauge_tangent, Element::shell, {}           \
   }
