@@ -9,17 +9,9 @@
 #include <vector>
 
 #include <phynness/formats/fields.hpp>
+#include <phynness/formats/selector.hpp>
 
 namespace phynness {
-
-/// Where in a scene file a value stands, for messages: "file.toml:12".
-struct SourceLocation {
-  std::string file;
-  int line = 0;
-  std::string str() const { return file + ":" + std::to_string(line); }
-};
-
-using Vec3 = std::array<double, 3>;
 
 enum class Shape { none, liver, block, cylinder, tube, drain };
 
@@ -71,20 +63,6 @@ struct SolverSpec {
   int max_iterations = 40;
   int max_cutbacks = 6;              ///< an increment is cut to at most 2^-max_cutbacks of its length
 };
-
-/// One selector; a selection is the union of a list of them.
-struct Selector {
-  enum class Kind { box, sphere, plane, half_space, group, nodes, nearest, surface, free_surface, free_nodes, all };
-  Kind kind = Kind::surface;
-  Vec3 a{}, b{};              ///< box: min, max; sphere: center; plane/half_space: point, normal; nearest: point
-  double radius_m = 0;        ///< sphere: radius; plane: tolerance (distance from the plane)
-  bool fraction = false;      ///< a and b (positions, not normals) are fractions of the bounding box, not metres
-  bool surface_only = false;  ///< keep surface nodes only
-  std::string group;
-  std::vector<std::int32_t> nodes;
-  SourceLocation where;
-};
-using Selection = std::vector<Selector>;
 
 enum class ProbeKind { node, patch };
 enum class Directions { three, fourteen, twenty_six, ninety_eight, hemisphere };
