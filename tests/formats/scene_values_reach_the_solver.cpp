@@ -227,6 +227,26 @@ TEST(Locale, with_decimal_commas_changes_nothing) {
   EXPECT_NE(message.find("-1234.5"), std::string::npos) << message;
 }
 
+TEST(Defaults, are_what_is_recommended) {
+  const std::string plain = with(with(good_scene, "element = \"P1\"\n", ""), "family = \"rbfn\"\n", "");
+  const Scene solid = parsed(plain), shell = parsed(with(plain, "shape = \"block\"", "shape = \"drain\""));
+  EXPECT_EQ(solid.solver.element, Element::p1_p1);
+  EXPECT_EQ(shell.solver.element, Element::shell);
+  EXPECT_EQ(solid.training.family, Family::modal);
+  EXPECT_EQ(solid.probe.kind, ProbeKind::node);
+  EXPECT_TRUE(scene_warnings(parsed(with(plain, "bulk_modulus_Pa = 5000.0", "bulk_modulus_Pa = 100e3"))).empty());
+}
+
+TEST(Notes, tell_that_a_node_has_no_limit_unless_the_scene_asks_for_one) {
+  const auto notes = scene_notes(parsed(good_scene));
+  ASSERT_EQ(notes.size(), 1u);
+  for (const char* words : {"body.toml:13", "no limit under mesh refinement", "patch", "tool_radius_m"})
+    EXPECT_NE(notes[0].find(words), std::string::npos) << words << "\n" << notes[0];
+  const std::string key = "increments = 4";
+  EXPECT_TRUE(scene_notes(parsed(with(good_scene, key, key + "\nkind = \"node\""))).empty());
+  EXPECT_TRUE(scene_notes(parsed(with(good_scene, key, key + "\nkind = \"patch\"\ntool_radius_m = 0.01"))).empty());
+}
+
 TEST(Documentation, names_every_key_of_the_parser) {
   std::ifstream stream(PHYNNESS_SOURCE_DIR "/formats/scene.md");
   std::ostringstream text;

@@ -3,6 +3,7 @@
 // makes every database of such a scene unusable: change these numbers only together with a note in the
 // changelog.
 #include <filesystem>
+#include <phynness/formats/database.hpp>
 
 #include "../bad_input/scene_under_test.hpp"
 
@@ -56,6 +57,37 @@ TEST(ShippedScenes, keep_hash_element_and_family) {
     EXPECT_STREQ(name(scene.solver.element), element) << file;
     EXPECT_STREQ(name(scene.training.family), family) << file;
   }
+}
+
+// Databases made before p1-p1 became the default: such a scene still means the element that it was solved
+// with.
+TEST(StoredScene, means_the_element_that_it_was_solved_with) {
+  const std::string plain = with(with(good_scene, "element = \"P1\"\n", ""), "family = \"rbfn\"\n", "");
+  DatabaseHeader header;
+  header.scene_text = plain;
+  header.scene_name = "body.toml";
+  EXPECT_EQ(stored_scene(header).solver.element, Element::p1_p1) << "a database that is about to be made";
+  header.physics_hash = physics_hash(parsed(plain));
+  EXPECT_EQ(stored_scene(header).solver.element, Element::p1_p1);
+  header.physics_hash = physics_hash(parsed(with(plain, "[solver]", "[solver]\nelement = \"P1\"")));
+  EXPECT_EQ(stored_scene(header).solver.element, Element::p1);
+  EXPECT_EQ(physics_hash(stored_scene(header)), header.physics_hash);
+  // Written out, nothing is left to guess.
+  header.scene_text = with(good_scene, "family = \"rbfn\"\n", "");
+  header.physics_hash = physics_hash(parsed(header.scene_text));
+  EXPECT_EQ(stored_scene(header).solver.element, Element::p1);
+}
+
+// A material whose lambda is not positive cannot be solved with p1-p1, so that its old scene is refused
+// today.
+TEST(StoredScene, is_read_where_it_would_be_refused_today) {
+  const std::string plain =
+      with(with(good_scene, "element = \"P1\"\n", ""), "bulk_modulus_Pa = 5000.0", "bulk_modulus_Pa = 300.0");
+  EXPECT_THROW(parsed(plain), Error);
+  DatabaseHeader header;
+  header.scene_text = plain;
+  header.physics_hash = physics_hash(parsed(with(plain, "[solver]", "[solver]\nelement = \"P1\"")));
+  EXPECT_EQ(stored_scene(header).solver.element, Element::p1);
 }
 
 }  // namespace

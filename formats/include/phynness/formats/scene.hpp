@@ -58,7 +58,8 @@ enum class Element { p1, p2, taylor_hood, p1_p1, shell };
 inline bool is_mixed(Element element) { return element == Element::taylor_hood || element == Element::p1_p1; }
 
 struct SolverSpec {
-  Element element = Element::p1;
+  Element element = Element::p1_p1;  ///< of a scene that names none: `shell` where the mesh has a thickness
+  bool element_given = false;        ///< false: the scene does not name an element
   double relative_tolerance = 1e-8;  ///< |free residual| / |reactions|
   int max_iterations = 40;
   int max_cutbacks = 6;              ///< an increment is cut to at most 2^-max_cutbacks of its length
@@ -69,6 +70,7 @@ enum class Directions { three, fourteen, twenty_six, ninety_eight, hemisphere };
 
 struct ProbeSpec {
   ProbeKind kind = ProbeKind::node;
+  bool kind_given = false;   ///< false: the scene does not name a kind
   double tool_radius_m = 0;  ///< patch only
   Directions directions = Directions::twenty_six;
   int increments = 6;
@@ -85,7 +87,7 @@ struct DatabaseSpec {
 enum class Family { rbfn, modal, linear };
 
 struct TrainingSpec {
-  Family family = Family::rbfn;
+  Family family = Family::modal;
   int deformation_neurons = 200;
   int force_neurons = 60;
   double deformation_spread = 0.75;  ///< in scaled inputs; <= 0: search
@@ -125,12 +127,15 @@ struct Scene {
 Scene read_scene(const std::filesystem::path& file);
 /// Whether a mesh file that the scene names must be there. A scene kept in a database has its mesh beside it.
 enum class MeshFile { must_exist, may_be_absent };
-/// `folder`: where relative mesh paths start.
+/// @param folder         where relative mesh paths start
+/// @param solid_element  what a scene means that names no element and whose mesh has no thickness
 Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
-                  MeshFile mesh_file = MeshFile::must_exist);
+                  MeshFile mesh_file = MeshFile::must_exist, Element solid_element = SolverSpec{}.element);
 
 /// What is allowed but deserves a word before hours are spent on it, one sentence each with file and line.
 std::vector<std::string> scene_warnings(const Scene& scene);
+/// What a default means, where that is worth a word: one sentence each with file and line.
+std::vector<std::string> scene_notes(const Scene& scene);
 
 /// Every key the parser knows as "section.key"; the keys of selectors as "selector.key" and "selector.box.key".
 std::vector<std::string> scene_keys();
