@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <exception>
 #include <mutex>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/spread_search.hpp>
@@ -9,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "for_each_index.hpp"
 #include "levels.hpp"
 
 namespace phynness {
@@ -53,32 +52,6 @@ void check(const TrainingSpec& spec) {
   }
   if (!(spec.target_mse >= 0))
     throw input_error("target_mse must not be negative", std::to_string(spec.target_mse), "use 0");
-}
-
-/// Runs job(i) for i = 0 ... n - 1 on `threads` threads; the first exception stops all and is rethrown here.
-template <class Job>
-void for_each_index(std::int32_t n, int threads, const Job& job) {
-  std::atomic<std::int32_t> next{0};
-  std::atomic<bool> stop{false};
-  std::exception_ptr problem;
-  std::mutex problem_mutex;
-  const auto work = [&] {
-    for (std::int32_t i = next++; i < n && !stop; i = next++) {
-      try {
-        job(i);
-      } catch (...) {
-        const std::lock_guard lock(problem_mutex);
-        if (!problem) problem = std::current_exception();
-        stop = true;
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> helpers;
-    for (int t = 1; t < std::min(threads, n); ++t) helpers.emplace_back(work);
-    work();
-  }
-  if (problem) std::rethrow_exception(problem);
 }
 
 class Training {
