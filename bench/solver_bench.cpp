@@ -78,129 +78,171 @@ std::string key_of(std::string element) {
   return element;
 }
 
+/// What one solver did with the sample.
+struct Run {
+  Tally tally;
+  std::vector<Vec3> force;  ///< 0 where not converged
+  std::vector<double> ray_ms;
+  std::vector<char> full;   ///< rays to full depth
+};
+
+struct Task {
+  const Scene& scene;
+  const Mesh& mesh;
+  const NodeSets& sets;
+  DatabaseHeader header;
+  Sample sample;
+  int n_increments() const { return static_cast<int>(header.magnitudes_m.size()); }
+};
+
+Run run_plain(const Task& task) {
+  Run run;
+  const int n = task.n_increments();
+  bench::PlainLoop loop(task.scene, task.mesh, task.sets);
+  const double start = cpu_ms();
+  for (std::size_t a = 0; a < task.sample.node.size(); ++a)
+    for (const int d : task.sample.directions[a]) {
+      Vec3 depth = task.header.directions[d];
+      for (auto& x : depth) x *= task.header.magnitudes_m.back();
+      const double before = cpu_ms();
+      const auto states = loop.ray(task.sample.node[a], depth, n);
+      run.ray_ms.push_back(cpu_ms() - before);
+      for (const auto& state : states) run.tally.converged += state.converged;
+      for (int i = 0; i < n; ++i)
+        run.force.push_back(i < static_cast<int>(states.size()) ? states[i].force_N : Vec3{});
+      run.tally.tried += n;
+      ++run.tally.rays;
+      run.full.push_back(states.back().converged && static_cast<int>(states.size()) == n);
+      run.tally.full_rays += run.full.back();
+    }
+  run.tally.cpu_ms = cpu_ms() - start;
+  run.tally.counts = loop.counts();
+  return run;
+}
+
+void print_increment(std::int32_t node, int direction, std::size_t increment, const Response& response,
+                     const SolverCounts& before, const SolverCounts& after) {
+  std::printf(
+      "node %d direction %d increment %zu: status %d, %d iterations, %d cutbacks, J "
+      "%.3f, negative pivots %d, %lld factorizations, %lld residuals\n",
+      node, direction, increment, static_cast<int>(response.status), response.iterations, response.cutbacks,
+      response.min_jacobian, response.negative_pivots,
+      static_cast<long long>(after.factorizations - before.factorizations),
+      static_cast<long long>(after.residuals - before.residuals));
+}
+
+Run run_ours(const Task& task, bool verbose) {
+  Run run;
+  ProbeSolver solver(task.scene, task.mesh, task.sets);
+  const double start = cpu_ms();
+  double touching = 0;
+  for (std::size_t a = 0; a < task.sample.node.size(); ++a) {
+    // What a node costs once is shared by all of its rays, of which only some are drawn.
+    const double before = cpu_ms();
+    solver.touch({task.sample.node[a]});
+    touching += (cpu_ms() - before) * (1 - static_cast<double>(task.sample.directions[a].size()) /
+                                               static_cast<double>(task.header.directions.size()));
+    for (const int d : task.sample.directions[a]) {
+      bool all = true;
+      SolverCounts last = solver.counts();
+      const double ray_start = cpu_ms();
+      solver.follow({task.header.directions[d]}, task.header.magnitudes_m, false,
+                    [&](std::size_t i, const Response& response) {
+                      const bool good = response.status == Status::converged;
+                      run.tally.converged += good;
+                      run.tally.cutbacks += response.cutbacks;
+                      if (verbose) {
+                        print_increment(task.sample.node[a], d, i, response, last, solver.counts());
+                        last = solver.counts();
+                      }
+                      all = all && good;
+                      run.force.push_back(good ? response.force_N[0] : Vec3{});
+                      return true;
+                    });
+      run.ray_ms.push_back(cpu_ms() - ray_start);
+      run.tally.tried += task.n_increments();
+      ++run.tally.rays;
+      run.full.push_back(all);
+      run.tally.full_rays += all;
+    }
+  }
+  run.tally.cpu_ms = cpu_ms() - start - touching;
+  run.tally.counts = solver.counts();
+  return run;
+}
+
+struct Agreement {
+  double worst = 0;
+  int compared = 0, elsewhere = 0;
+};
+
+Agreement compare(const std::vector<Vec3>& plain, const std::vector<Vec3>& ours) {
+  Agreement found;
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    const Eigen::Map<const Eigen::Vector3d> a(plain[i].data()), b(ours[i].data());
+    if (a.norm() == 0 || b.norm() == 0) continue;
+    ++found.compared;
+    const double error = (a - b).norm() / a.norm();
+    if (error > 1e-4)
+      ++found.elsewhere;  // another equilibrium, not another rounding
+    else
+      found.worst = std::max(found.worst, error);
+  }
+  return found;
+}
+
+void report_ratio(const Run& plain, const Run& ours, int n, const std::string& key,
+                  nlohmann::ordered_json& json) {
+  const Agreement found = compare(plain.force, ours.force);
+  const double ratio = plain.tally.per_increment(plain.tally.cpu_ms) / ours.tally.per_increment(ours.tally.cpu_ms);
+  std::printf(
+      "  ratio %.2f; rays to full depth %d and %d of %d; forces of %d common states agree to %.1e, %d are "
+      "other equilibria\n",
+      ratio, plain.tally.full_rays, ours.tally.full_rays, ours.tally.rays, found.compared, found.worst,
+      found.elsewhere);
+  double plain_common = 0, our_common = 0;
+  for (std::size_t r = 0; r < plain.full.size(); ++r)
+    if (plain.full[r]) {
+      plain_common += plain.ray_ms[r];
+      our_common += ours.ray_ms[r];
+    }
+  const int increments = std::max(1, plain.tally.full_rays * n);
+  std::printf(
+      "  on the %d rays that the plain loop brings to full depth: %.2f and %.2f ms per increment, ratio "
+      "%.2f\n",
+      plain.tally.full_rays, plain_common / increments, our_common / increments,
+      our_common > 0 ? plain_common / our_common : 0.0);
+  if (our_common > 0) json["cpu_ratio_easy_rays_" + key] = plain_common / our_common;
+  json["cpu_ratio_" + key] = ratio;
+  json["cpu_ms_per_increment_" + key] = ours.tally.per_increment(ours.tally.cpu_ms);
+  json["cpu_ms_per_increment_" + key + "_plain"] = plain.tally.per_increment(plain.tally.cpu_ms);
+  json["factorizations_per_increment_" + key] =
+      ours.tally.per_increment(static_cast<double>(ours.tally.counts.factorizations));
+  json["factorizations_per_increment_" + key + "_plain"] =
+      plain.tally.per_increment(static_cast<double>(plain.tally.counts.factorizations));
+  json["largest_force_difference_" + key] = found.worst;
+  json["other_equilibria_" + key] = found.elsewhere;
+}
+
 void measure(const Options& options, const std::string& element, Scene scene, const Mesh& mesh,
              const NodeSets& sets, nlohmann::ordered_json& json) {
   scene.solver.element = element_named(element);
-  const auto header = database_header(scene, mesh, sets);
-  const Sample sample = draw(options, sets, static_cast<int>(header.directions.size()));
-  const int n = static_cast<int>(header.magnitudes_m.size());
-
-  Tally plain, ours;
-  std::vector<Vec3> plain_force, our_force;  // 0 where not converged
-  std::vector<double> plain_ray_ms, our_ray_ms;
-  std::vector<char> plain_full;
-  if (options.plain) {
-    bench::PlainLoop loop(scene, mesh, sets);
-    const double start = cpu_ms();
-    for (std::size_t a = 0; a < sample.node.size(); ++a)
-      for (const int d : sample.directions[a]) {
-        Vec3 depth = header.directions[d];
-        for (auto& x : depth) x *= header.magnitudes_m.back();
-        const double before = cpu_ms();
-        const auto states = loop.ray(sample.node[a], depth, n);
-        plain_ray_ms.push_back(cpu_ms() - before);
-        for (const auto& state : states) plain.converged += state.converged;
-        for (int i = 0; i < n; ++i)
-          plain_force.push_back(i < static_cast<int>(states.size()) ? states[i].force_N : Vec3{});
-        plain.tried += n;
-        ++plain.rays;
-        plain_full.push_back(states.back().converged && static_cast<int>(states.size()) == n);
-        plain.full_rays += plain_full.back();
-      }
-    plain.cpu_ms = cpu_ms() - start;
-    plain.counts = loop.counts();
-  }
-  {
-    ProbeSolver solver(scene, mesh, sets);
-    const double start = cpu_ms();
-    double touching = 0;
-    for (std::size_t a = 0; a < sample.node.size(); ++a) {
-      // What a node costs once is shared by all of its rays, of which only some are drawn.
-      const double before = cpu_ms();
-      solver.touch({sample.node[a]});
-      touching += (cpu_ms() - before) * (1 - static_cast<double>(sample.directions[a].size()) /
-                                                 static_cast<double>(header.directions.size()));
-      for (const int d : sample.directions[a]) {
-        bool all = true;
-        SolverCounts last = solver.counts();
-        const double ray_start = cpu_ms();
-        solver.follow({header.directions[d]}, header.magnitudes_m, false,
-                      [&](std::size_t i, const Response& response) {
-                        const bool good = response.status == Status::converged;
-                        ours.converged += good;
-                        ours.cutbacks += response.cutbacks;
-                        if (options.verbose)
-                          std::printf(
-                              "node %d direction %d increment %zu: status %d, %d iterations, %d cutbacks, J "
-                              "%.3f, negative pivots %d, %lld factorizations, %lld residuals\n",
-                              sample.node[a], d, i, static_cast<int>(response.status), response.iterations,
-                              response.cutbacks, response.min_jacobian, response.negative_pivots,
-                              static_cast<long long>(solver.counts().factorizations - last.factorizations),
-                              static_cast<long long>(solver.counts().residuals - last.residuals)),
-                              last = solver.counts();
-                        all = all && good;
-                        our_force.push_back(good ? response.force_N[0] : Vec3{});
-                        return true;
-                      });
-        our_ray_ms.push_back(cpu_ms() - ray_start);
-        ours.tried += n;
-        ++ours.rays;
-        ours.full_rays += all;
-      }
-    }
-    ours.cpu_ms = cpu_ms() - start - touching;
-    ours.counts = solver.counts();
-  }
-  double worst = 0;
-  int compared = 0, elsewhere = 0;
-  for (std::size_t i = 0; i < plain_force.size(); ++i) {
-    const Eigen::Map<const Eigen::Vector3d> a(plain_force[i].data()), b(our_force[i].data());
-    if (a.norm() == 0 || b.norm() == 0) continue;
-    ++compared;
-    const double error = (a - b).norm() / a.norm();
-    if (error > 1e-4)
-      ++elsewhere;  // another equilibrium, not another rounding
-    else
-      worst = std::max(worst, error);
-  }
-
+  Task task{scene, mesh, sets, database_header(scene, mesh, sets), {}};
+  task.sample = draw(options, sets, static_cast<int>(task.header.directions.size()));
+  const int n = task.n_increments();
+  Run plain;
+  if (options.plain) plain = run_plain(task);
+  const Run ours = run_ours(task, options.verbose);
   std::printf(
       "\n%s, K/mu = %.4g, %s, %d increments to %.3g mm, %d nodes x %d directions (seed %u), %d dofs\n",
       element.c_str(), scene.material.bulk_modulus_Pa / scene.material.shear_modulus_Pa,
       scene.probe.kind == ProbeKind::node ? "node probes" : "patch probes", n,
-      1e3 * header.magnitudes_m.back(), options.nodes, options.rays, options.seed,
+      1e3 * task.header.magnitudes_m.back(), options.nodes, options.rays, options.seed,
       ProbeSolver(scene, mesh, sets).n_dofs());
   std::printf("  per converged    increments  cutbacks residuals tangents factoriz. substit.  CPU\n");
-  if (options.plain) print("plain loop", plain);
-  print("phynness", ours);
-  if (!options.plain) return;
-  const double ratio = plain.per_increment(plain.cpu_ms) / ours.per_increment(ours.cpu_ms);
-  std::printf(
-      "  ratio %.2f; rays to full depth %d and %d of %d; forces of %d common states agree to %.1e, %d are "
-      "other equilibria\n",
-      ratio, plain.full_rays, ours.full_rays, ours.rays, compared, worst, elsewhere);
-  double plain_common = 0, our_common = 0;
-  for (std::size_t r = 0; r < plain_full.size(); ++r)
-    if (plain_full[r]) {
-      plain_common += plain_ray_ms[r];
-      our_common += our_ray_ms[r];
-    }
-  std::printf(
-      "  on the %d rays that the plain loop brings to full depth: %.2f and %.2f ms per increment, ratio "
-      "%.2f\n",
-      plain.full_rays, plain_common / std::max(1, plain.full_rays * n),
-      our_common / std::max(1, plain.full_rays * n), our_common > 0 ? plain_common / our_common : 0.0);
-  const auto key = key_of(element);
-  if (our_common > 0) json["cpu_ratio_easy_rays_" + key] = plain_common / our_common;
-  json["cpu_ratio_" + key] = ratio;
-  json["cpu_ms_per_increment_" + key] = ours.per_increment(ours.cpu_ms);
-  json["cpu_ms_per_increment_" + key + "_plain"] = plain.per_increment(plain.cpu_ms);
-  json["factorizations_per_increment_" + key] =
-      ours.per_increment(static_cast<double>(ours.counts.factorizations));
-  json["factorizations_per_increment_" + key + "_plain"] =
-      plain.per_increment(static_cast<double>(plain.counts.factorizations));
-  json["largest_force_difference_" + key] = worst;
-  json["other_equilibria_" + key] = elsewhere;
+  if (options.plain) print("plain loop", plain.tally);
+  print("phynness", ours.tally);
+  if (options.plain) report_ratio(plain, ours, n, key_of(element), json);
 }
 
 int run(int argc, char** argv) {

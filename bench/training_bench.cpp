@@ -74,6 +74,7 @@ int main(int argc, char** argv) {
   const auto all = static_cast<double>(bench::n_nodes);
   header.sets.active.resize(n_active);
   TrainingSpec spec;
+  spec.family = Family::rbfn;
   spec.force_spread = 1.4;
   const ResponseSource source{&header, [&](std::int32_t a) { return bench::rays(header, a); }, 0,
                               "generated"};

@@ -54,6 +54,7 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
   auto made = make_mesh(loaded.scene);
   if (!quiet) {
     for (const auto& note : made.notes) message("note: {}\n", note);
+    for (const auto& note : scene_notes(loaded.scene)) message("note: {}\n", note);
     for (const auto& warning : made.warnings) message("warning: {}\n", warning);
     for (const auto& warning : scene_warnings(loaded.scene)) message("warning: {}\n", warning);
   }

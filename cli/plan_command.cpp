@@ -62,9 +62,7 @@ PlanBasis basis_of_database(const PlanOptions& options) {
   basis.nodes_measured = static_cast<std::int64_t>(n_solving);
   basis.packing = try_packing(header, tried, std::filesystem::temp_directory_path());
   basis.work.bytes_per_ray = basis.packing.record_bytes;
-  basis.model = predict_model_size(
-      parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent),
-      header);
+  basis.model = predict_model_size(stored_scene(header), header);
   return basis;
 }
 

@@ -138,21 +138,28 @@ void print_states(const PlanBasis& basis) {
   if (failed > 0) message("warning: {} of {} increments failed: {}\n", failed, all, reasons);
 }
 
-}  // namespace
+/// The prediction in figures.
+struct Prediction {
+  MachineCosts machine;
+  Schedule run;
+  double core_hours = 0, database_bytes = 0, log_bytes = 0, longest_s = 0;
+};
 
-json report_plan(const PlanOptions& options, const PlanBasis& basis) {
-  const auto machine = machine_of(options, basis);
-  const auto run = simulate(basis.work, machine, ways().front().policy, options.ranks);
+Prediction predict(const PlanOptions& options, const PlanBasis& basis) {
+  Prediction p;
+  p.machine = machine_of(options, basis);
+  p.run = simulate(basis.work, p.machine, ways().front().policy, options.ranks);
   const auto n_rays = static_cast<double>(basis.work.n_rays());
-  const double core_hours = run.wall_s * options.ranks / 3600;
-  const double database_bytes =
-      basis.packing.header_bytes +
-      (n_rays + static_cast<double>(basis.rays_mirrored)) * basis.packing.packed_bytes_per_ray;
-  const double log_bytes = n_rays * basis.packing.record_bytes;
-  double longest_s = 0;
+  p.core_hours = p.run.wall_s * options.ranks / 3600;
+  p.database_bytes = basis.packing.header_bytes +
+                     (n_rays + static_cast<double>(basis.rays_mirrored)) * basis.packing.packed_bytes_per_ray;
+  p.log_bytes = n_rays * basis.packing.record_bytes;
   for (std::size_t ray = 0; ray < basis.work.n_rays(); ++ray)
-    longest_s = std::max(longest_s, basis.work.ray_seconds(ray));
+    p.longest_s = std::max(p.longest_s, basis.work.ray_seconds(ray));
+  return p;
+}
 
+void print(const PlanOptions& options, const PlanBasis& basis, const Prediction& p) {
   print_states(basis);
   print_result("measured      {} rays of {} at {} nodes: {:.4g} s each{}, {:.4g} s the longest\n",
                basis.rays_measured, basis.rays_requested, basis.nodes_measured,
@@ -160,67 +167,60 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
                basis.rays_measured < basis.rays_requested
                    ? fmt::format(" (standard error {:.1f} %)", 100 * basis.relative_error)
                    : "",
-               longest_s);
+               p.longest_s);
   if (basis.rays_mirrored > 0)
     print_result("mirrored      {} rays more, which cost nothing\n", basis.rays_mirrored);
   if (basis.relative_error > acceptable_error)
     message("note: costs differ much between rays; --rays {} would halve the standard error\n",
             4 * basis.rays_measured);
   print_result("on {} rank{}\n", options.ranks, options.ranks == 1 ? "" : "s");
-  print_result("  wall time   {}: {} to start, {} to pack\n", duration(run.wall_s),
-               duration(machine.launch_s + machine.start_s), duration(run.wall_s - run.solved_s));
-  print_result("  core-hours  {:.4g}, of which solving {:.4g}\n", core_hours,
-               (run.spent.solving + run.spent.node_setup) / 3600);
+  print_result("  wall time   {}: {} to start, {} to pack\n", duration(p.run.wall_s),
+               duration(p.machine.launch_s + p.machine.start_s), duration(p.run.wall_s - p.run.solved_s));
+  print_result("  core-hours  {:.4g}, of which solving {:.4g}\n", p.core_hours,
+               (p.run.spent.solving + p.run.spent.node_setup) / 3600);
   if (basis.memory_bytes) print_result("  memory      {} a rank\n", bytes(*basis.memory_bytes));
-  print_result("database      {}, and {} of logs until it is packed\n", bytes(database_bytes),
-               bytes(log_bytes));
+  print_result("database      {}, and {} of logs until it is packed\n", bytes(p.database_bytes),
+               bytes(p.log_bytes));
   print_result("model         {} and a mesh of {}\n", bytes(basis.model.model_text_bytes),
                bytes(basis.model.mesh_text_bytes));
+}
 
-  Scaling scale, solving;
-  {
-    Progress progress("simulate", "runs");
-    std::int64_t done = 0;
-    scale = scaling("efficiency in % (simulated; wall time of precompute on one rank over ranks x wall time)",
-                    options, basis.work, machine, progress, done);
-    solving = scaling("the same without start and packing", options, basis.work, solving_only(machine),
-                      progress, done);
-  }
-  print_result(
-      "\n{} ranks can be used at 90 % efficiency, beyond the limit is: {}; while solving alone {} ranks, "
-      "{}\n",
-      scale.ranks, scale.limit, solving.ranks, solving.limit);
+json measured_json(const PlanBasis& basis, const Prediction& p) {
   json states = json::object();
   for (const auto& [status, count] : basis.states) states[name(status)] = count;
+  return {{"rays", basis.rays_measured},
+          {"nodes", basis.nodes_measured},
+          {"seconds_per_ray", basis.work.total_seconds() / static_cast<double>(basis.rays_requested)},
+          {"seconds_longest_ray", p.longest_s},
+          {"relative_standard_error", basis.relative_error},
+          {"states", states},
+          {"start_seconds", p.machine.start_s},
+          {"node_setup_seconds", p.machine.node_setup_s},
+          {"append_seconds_per_ray", basis.packing.append_s_per_ray},
+          {"pack_seconds_per_ray", basis.packing.pack_s_per_ray},
+          {"record_bytes", basis.packing.record_bytes}};
+}
+
+json as_json(const PlanOptions& options, const PlanBasis& basis, const Prediction& p, const Scaling& scale,
+             const Scaling& solving) {
   return {{"rays", basis.work.n_rays()},
           {"rays_requested", basis.rays_requested},
           {"rays_mirrored", basis.rays_mirrored},
           {"increments", basis.work.increments},
-          {"measured",
-           {{"rays", basis.rays_measured},
-            {"nodes", basis.nodes_measured},
-            {"seconds_per_ray", basis.work.total_seconds() / static_cast<double>(basis.rays_requested)},
-            {"seconds_longest_ray", longest_s},
-            {"relative_standard_error", basis.relative_error},
-            {"states", states},
-            {"start_seconds", machine.start_s},
-            {"node_setup_seconds", machine.node_setup_s},
-            {"append_seconds_per_ray", basis.packing.append_s_per_ray},
-            {"pack_seconds_per_ray", basis.packing.pack_s_per_ray},
-            {"record_bytes", basis.packing.record_bytes}}},
+          {"measured", measured_json(basis, p)},
           {"assumed",
-           {{"launch_seconds", machine.launch_s},
-            {"bandwidth_bytes_per_second", machine.bandwidth_B_per_s},
-            {"seconds_per_file", machine.log_create_s},
-            {"fetch_seconds", machine.fetch_latency_s + machine.fetch_service_s}}},
+           {{"launch_seconds", p.machine.launch_s},
+            {"bandwidth_bytes_per_second", p.machine.bandwidth_B_per_s},
+            {"seconds_per_file", p.machine.log_create_s},
+            {"fetch_seconds", p.machine.fetch_latency_s + p.machine.fetch_service_s}}},
           {"ranks", options.ranks},
-          {"wall_seconds", run.wall_s},
-          {"core_hours", core_hours},
-          {"solving_core_seconds", run.spent.solving + run.spent.node_setup},
+          {"wall_seconds", p.run.wall_s},
+          {"core_hours", p.core_hours},
+          {"solving_core_seconds", p.run.spent.solving + p.run.spent.node_setup},
           {"efficiency", scale.efficiency},
           {"memory_bytes_per_rank", basis.memory_bytes ? json(*basis.memory_bytes) : json()},
-          {"database_bytes", database_bytes},
-          {"log_bytes", log_bytes},
+          {"database_bytes", p.database_bytes},
+          {"log_bytes", p.log_bytes},
           {"model_text_bytes", basis.model.model_text_bytes},
           {"mesh_text_bytes", basis.model.mesh_text_bytes},
           {"ranks_at_90_percent", scale.at_wanted},
@@ -230,6 +230,27 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
            {{"ranks_at_90_percent", solving.at_wanted},
             {"limited_by", solving.limit},
             {"curve", solving.curve}}}};
+}
+
+}  // namespace
+
+json report_plan(const PlanOptions& options, const PlanBasis& basis) {
+  const Prediction p = predict(options, basis);
+  print(options, basis, p);
+  Scaling scale, solving;
+  {
+    Progress progress("simulate", "runs");
+    std::int64_t done = 0;
+    scale = scaling("efficiency in % (simulated; wall time of precompute on one rank over ranks x wall time)",
+                    options, basis.work, p.machine, progress, done);
+    solving = scaling("the same without start and packing", options, basis.work, solving_only(p.machine),
+                      progress, done);
+  }
+  print_result(
+      "\n{} ranks can be used at 90 % efficiency, beyond the limit is: {}; while solving alone {} ranks, "
+      "{}\n",
+      scale.ranks, scale.limit, solving.ranks, solving.limit);
+  return as_json(options, basis, p, scale, solving);
 }
 
 }  // namespace phynness::cli

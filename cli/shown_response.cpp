@@ -34,8 +34,7 @@ void check_increment(const DatabaseHeader& header, const Ray& ray, std::optional
 }
 
 TouchedNodes tool_nodes(const DatabaseHeader& header, std::int32_t node) {
-  const auto scene =
-      parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent);
+  const auto scene = stored_scene(header);
   const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
   return touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, radius);
 }

@@ -23,8 +23,7 @@ LoadedScene load_source(const std::filesystem::path& source) {
   if (source.extension() != ".h5" && source.extension() != ".hdf5") return load_scene(source);
   const auto database = Database::open(source);
   const auto& header = database.header();
-  return {parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent),
-          header.mesh, header.sets};
+  return {stored_scene(header), header.mesh, header.sets};
 }
 
 /// @throws Error if a tool's nodes are all fixed

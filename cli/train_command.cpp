@@ -49,30 +49,23 @@ void print_fields(const Model& model, const TrainingReport& report, const std::v
                                         : "only family modal does, --family modal");
 }
 
-void run(const Options& options) {
-  check_spread(options.spread, "--spread");
-  check_spread(options.force_spread, "--force-spread");
-  install_stop_handler();
-  const Scene scene = open_scene(options.scene);
-  const auto database = Database::open(options.database);
-  const auto& header = database.header();
-  if (physics_hash(scene) != header.physics_hash)
-    throw input_error("the database was made from another scene",
-                      "physics " + header.physics_hash + ", this scene's " + physics_hash(scene),
-                      "train with the scene it was made from (phynness info prints it), or precompute again");
-  check_mesh(scene, header.mesh_hash, options.database.string());
-
-  TrainingSpec spec = scene.training;
-  for (const auto* family : every_family())
-    if (options.family == name(family->family)) spec.family = family->family;
+void note_idle_options(const Options& options, Family family) {
   const bool of_networks = options.neurons || options.force_neurons || options.spread || options.force_spread;
   const bool of_modes = options.modes || options.shared_modes || options.near_nodes || options.force_centers ||
                         options.amplitude_centers;
-  for (const auto& [given, words] : {std::pair{of_networks, "neurons and spreads"}, std::pair{of_modes, "modes and centers"}})
-    if (given && std::string_view(words) != operations(spec.family).option_words)
-      message("note: options of {} do nothing in family {}\n", words, name(spec.family));
-  if (!schema::traits(spec.family).has_levels && options.levels.value_or(1) > 1)
-    message("note: family {} has one level; --levels does nothing\n", name(spec.family));
+  for (const auto& [given, words] :
+       {std::pair{of_networks, "neurons and spreads"}, std::pair{of_modes, "modes and centers"}})
+    if (given && std::string_view(words) != operations(family).option_words)
+      message("note: options of {} do nothing in family {}\n", words, name(family));
+  if (!schema::traits(family).has_levels && options.levels.value_or(1) > 1)
+    message("note: family {} has one level; --levels does nothing\n", name(family));
+}
+
+/// The scene's [training] with what the options say instead.
+TrainingSpec chosen_spec(TrainingSpec spec, const Options& options) {
+  for (const auto* family : every_family())
+    if (options.family == name(family->family)) spec.family = family->family;
+  note_idle_options(options, spec.family);
   spec.levels = options.levels.value_or(spec.levels);
   spec.modes = options.modes.value_or(spec.modes);
   spec.shared_modes = options.shared_modes.value_or(spec.shared_modes);
@@ -84,56 +77,94 @@ void run(const Options& options) {
   if (options.force_neurons) spec.force_neurons = *options.force_neurons;
   if (options.spread) spec.deformation_spread = *options.spread;
   if (options.force_spread) spec.force_spread = *options.force_spread;
+  return spec;
+}
 
-  TrainingReport report;
+struct Trained {
   Model model;
+  TrainingReport report;
+  std::vector<Field> stored;  ///< fields of the database
+  std::uintmax_t model_bytes = 0, mesh_bytes = 0;
+  /// Most of a node: few responses make smaller networks than were asked for.
+  std::int64_t neurons = 0, force_neurons = 0;
+};
+
+Trained trained(const Options& options) {
+  const Scene scene = open_scene(options.scene);
+  const auto database = Database::open(options.database);
+  const auto& header = database.header();
+  if (physics_hash(scene) != header.physics_hash)
+    throw input_error("the database was made from another scene",
+                      "physics " + header.physics_hash + ", this scene's " + physics_hash(scene),
+                      "train with the scene it was made from (phynness info prints it), or precompute again");
+  check_mesh(scene, header.mesh_hash, options.database.string());
+  const TrainingSpec spec = chosen_spec(scene.training, options);
+  Trained t;
   {
     Progress progress("train", "nodes");
-    model = train(database, spec, report, [&](std::int64_t done, std::int64_t total) {
+    t.model = train(database, spec, t.report, [&](std::int64_t done, std::int64_t total) {
       progress.update(done, total);
       return !stop_requested();
     });
   }
-  model.title = scene.title;
-  write_model_dir(options.output, model, header.mesh);
-  // Few responses make smaller networks than were asked for.
-  std::int64_t neurons = 0, force_neurons = 0;
-  for (const auto& node : model.nodes) {
-    neurons = std::max<std::int64_t>(neurons, node.deformation.weights.rows());
-    force_neurons = std::max<std::int64_t>(force_neurons, node.force.weights.rows());
+  t.model.title = scene.title;
+  write_model_dir(options.output, t.model, header.mesh);
+  for (const auto& node : t.model.nodes) {
+    t.neurons = std::max<std::int64_t>(t.neurons, node.deformation.weights.rows());
+    t.force_neurons = std::max<std::int64_t>(t.force_neurons, node.force.weights.rows());
   }
-  const auto model_bytes = std::filesystem::file_size(options.output / "model.txt");
-  const auto mesh_bytes = std::filesystem::file_size(options.output / "mesh.txt");
-  const auto& family = operations(model.family);
-  const auto lines = family.summary(model, report);
+  t.stored = header.fields;
+  t.model_bytes = std::filesystem::file_size(options.output / "model.txt");
+  t.mesh_bytes = std::filesystem::file_size(options.output / "mesh.txt");
+  return t;
+}
+
+void print(const Trained& t, const std::filesystem::path& output) {
+  const Model& model = t.model;
+  const TrainingReport& report = t.report;
+  const auto lines = operations(model.family).summary(model, report);
   print_result("{} nodes, {}, {}\n", report.n_networks, lines.front(), duration(report.seconds));
   for (std::size_t i = 1; i < lines.size(); ++i) print_result("{}\n", lines[i]);
   print_levels(model);
-  print_fields(model, report, header.fields);
+  print_fields(model, report, t.stored);
   if (report.n_skipped > 0)
     message("warning: {} active nodes have no converged increment and are left out\n", report.n_skipped);
-  print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(static_cast<double>(model_bytes)),
-               bytes(static_cast<double>(mesh_bytes)), options.output.string());
+  print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(static_cast<double>(t.model_bytes)),
+               bytes(static_cast<double>(t.mesh_bytes)), output.string());
+}
+
+json to_json(const Trained& t) {
+  const Model& model = t.model;
+  const TrainingReport& report = t.report;
   json out{{"family", name(model.family)},
            {"networks", report.n_networks},
            {"skipped", report.n_skipped},
-           {"deformation_neurons", neurons},
-           {"force_neurons", force_neurons},
+           {"deformation_neurons", t.neurons},
+           {"force_neurons", t.force_neurons},
            {"deformation_spread", report.deformation_spread},
            {"force_spread", report.force_spread},
            {"mean_deformation_mse", report.mean_deformation_mse},
            {"mean_force_mse", report.mean_force_mse},
            {"seconds", report.seconds},
-           {"model_bytes", model_bytes},
-           {"mesh_bytes", mesh_bytes}};
-  for (const auto& [key, value] : family.figures(report)) out[name(model.family)][key] = value;
+           {"model_bytes", t.model_bytes},
+           {"mesh_bytes", t.mesh_bytes}};
+  for (const auto& [key, value] : operations(model.family).figures(report)) out[name(model.family)][key] = value;
   for (const auto& level : model.levels)
     out["levels"].push_back(
         {{"error_force", level.error_force}, {"error_displacement", level.error_displacement}});
   for (std::size_t f = 0; f < model.fields.size(); ++f)
     out[name(model.family)]["fields"][model.fields[f].name] = {{"truncation_error", report.modal.fields[f].truncation},
                                                     {"regression_error", report.modal.fields[f].regression}};
-  write_json(options.json_file, out);
+  return out;
+}
+
+void run(const Options& options) {
+  check_spread(options.spread, "--spread");
+  check_spread(options.force_spread, "--force-spread");
+  install_stop_handler();
+  const Trained result = trained(options);
+  print(result, options.output);
+  write_json(options.json_file, to_json(result));
 }
 
 }  // namespace

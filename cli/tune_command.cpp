@@ -128,13 +128,18 @@ json sizes(const TrainingSpec& spec) {
   return found;
 }
 
-void run(const Options& options) {
+TuningLimits limits_of(const Options& options) {
   TuningLimits limits;
   limits.error = limit(options.max_error, "--max-error", {{"%", 0.01}, {"", 1}}, "2%");
   limits.deformation_us = limit(options.max_time, "--max-time", {{"us", 1}, {"ms", 1e3}, {"s", 1e6}}, "20us");
   limits.memory_bytes = limit(options.max_size, "--max-size", {{"B", 1}, {"kB", 1e3}, {"MB", 1e6}}, "1MB");
   for (const auto& [statistic, name] : statistic_names)
     if (name == options.error_by) limits.statistic = statistic;
+  return limits;
+}
+
+/// Tuning takes minutes: what it could not write is refused before.
+void check_outputs(const Options& options) {
   if (options.plot_file && options.plot_file->extension() != ".svg" &&
       options.plot_file->extension() != ".png")
     throw input_error("a plot is .svg or .png", options.plot_file->string(), "--plot trade.svg");
@@ -142,34 +147,23 @@ void run(const Options& options) {
     if (const auto folder = file ? std::filesystem::absolute(*file).parent_path() : std::filesystem::path();
         file && !std::filesystem::is_directory(folder))
       throw input_error("there is no such folder", folder.string(), "make it first: tuning takes minutes");
-  install_stop_handler();
-  const SolverSession session;
-  if (session.size() > 1)
-    throw input_error("tune runs as one process", fmt::format("{} ranks", session.size()),
-                      "start it without mpirun");
-  const Scene scene = open_scene(options.scene);
-  const auto database = Database::open(options.database);
-  if (physics_hash(scene) != database.header().physics_hash)
-    throw input_error("the database was made from another scene",
-                      "physics " + database.header().physics_hash + ", this scene's " + physics_hash(scene),
-                      "tune with the scene it was made from (phynness info prints it), or precompute again");
-  check_mesh(scene, database.header().mesh_hash, options.database.string());
+}
 
-  TuningReport report;
-  {
-    std::optional<Progress> progress;
-    std::string doing;
-    report = tune(session, scene, database, tuning_candidates(scene), options.probes,
-                  static_cast<std::uint64_t>(options.seed),
-                  [&](const std::string& what, std::int64_t done, std::int64_t total) {
-                    if (what != doing)
-                      progress.emplace(doing = what, what == "solve probes" ? "rays" : "nodes");
-                    progress->update(done, total);
-                    return !stop_requested();
-                  });
-  }
-  mark_front(report.models, limits.statistic);
-  const auto choice = choose_model(report.models, limits);
+TuningReport tuned(const Options& options, const SolverSession& session, const Scene& scene,
+                   const Database& database) {
+  std::optional<Progress> progress;
+  std::string doing;
+  return tune(session, scene, database, tuning_candidates(scene), options.probes,
+              static_cast<std::uint64_t>(options.seed),
+              [&](const std::string& what, std::int64_t done, std::int64_t total) {
+                if (what != doing) progress.emplace(doing = what, what == "solve probes" ? "rays" : "nodes");
+                progress->update(done, total);
+                return !stop_requested();
+              });
+}
+
+void print(const Scene& scene, const TuningReport& report, const TuningChoice& choice,
+           const TuningLimits& limits) {
   print_result("{}, {}, K/mu = {:.4g}, R = {:.4g} mm: {} probes at {} nodes, {} failed; {}\n", scene.title,
                name(scene.solver.element), scene.material.bulk_to_shear(),
                1e3 * scene.probe.max_displacement_m, report.probes, report.nodes.size(), report.failed,
@@ -179,7 +173,9 @@ void run(const Options& options) {
   if (2 * report.failed > report.probes)
     message("warning: {} of {} probes failed; errors are those of the others\n", report.failed,
             report.probes);
+}
 
+json as_json(const TuningReport& report, const TuningChoice& choice, const TuningLimits& limits) {
   json models = json::array();
   for (const auto& m : report.models) {
     json entry{{"name", m.candidate.name},           {"family", name(m.trained.family)},
@@ -199,21 +195,41 @@ void run(const Options& options) {
            {"probes", report.probes}, {"failed", report.failed},
            {"nodes", report.nodes},   {"linear", to_json(report.linear)}};
   if (choice.chosen) out["chosen"] = report.models[*choice.chosen].candidate.name;
+  return out;
+}
+
+void run(const Options& options) {
+  const TuningLimits limits = limits_of(options);
+  check_outputs(options);
+  install_stop_handler();
+  const SolverSession session;
+  if (session.size() > 1)
+    throw input_error("tune runs as one process", fmt::format("{} ranks", session.size()),
+                      "start it without mpirun");
+  const Scene scene = open_scene(options.scene);
+  const auto database = Database::open(options.database);
+  if (physics_hash(scene) != database.header().physics_hash)
+    throw input_error("the database was made from another scene",
+                      "physics " + database.header().physics_hash + ", this scene's " + physics_hash(scene),
+                      "tune with the scene it was made from (phynness info prints it), or precompute again");
+  check_mesh(scene, database.header().mesh_hash, options.database.string());
+
+  TuningReport report = tuned(options, session, scene, database);
+  mark_front(report.models, limits.statistic);
+  const auto choice = choose_model(report.models, limits);
+  print(scene, report, choice, limits);
   // The model first: what was found is not lost where a plot cannot be drawn.
   if (choice.chosen) {
     write_model_dir(options.output, report.models[*choice.chosen].model, database.header().mesh);
     print_result("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
   }
-  write_json(options.json_file, out);
+  write_json(options.json_file, as_json(report, choice, limits));
   if (options.plot_file)
     plot(*options.plot_file, report,
          fmt::format("{}: {}, K/mu = {:.4g}, {} probes, R = {:.4g} mm", scene.title,
                      name(scene.solver.element), scene.material.bulk_to_shear(), name(scene.probe.kind),
                      1e3 * scene.probe.max_displacement_m),
          choice.chosen, limits.statistic);
-  if (!choice.chosen)
-    throw failure("no model meets the limits", choice.missed,
-                  "allow more, or probe in more directions; nothing was written");
 }
 
 }  // namespace

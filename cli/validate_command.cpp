@@ -31,15 +31,20 @@ struct Options {
   std::optional<std::filesystem::path> json_file, report_file;
 };
 
-void run(const Options& options) {
-  if (options.report_file) {
-    const auto folder = std::filesystem::absolute(*options.report_file).parent_path();
-    if (!std::filesystem::is_directory(folder) || std::filesystem::is_directory(*options.report_file))
-      throw input_error("a report cannot be written there", options.report_file->string(),
-                        "name a file in a folder that exists");
-  }
-  install_stop_handler();
-  const SolverSession session;
+void check_report_place(const std::filesystem::path& file) {
+  const auto folder = std::filesystem::absolute(file).parent_path();
+  if (!std::filesystem::is_directory(folder) || std::filesystem::is_directory(file))
+    throw input_error("a report cannot be written there", file.string(),
+                      "name a file in a folder that exists");
+}
+
+/// What is compared: loaded on every rank, checked by the first.
+struct Compared {
+  Scene scene;
+  LoadedModel model;
+};
+
+Compared load(const Options& options, const SolverSession& session) {
   session.together([&] {
     if (options.report_file && session.rank() == 0) require_plots();
   });
@@ -51,40 +56,53 @@ void run(const Options& options) {
     if (options.level) loaded->set_level(*options.level);
     if (session.rank() == 0) check_mesh(scene, loaded->model().mesh_hash, options.model.string());
   });
-  const LoadedModel& model = *loaded;
   const bool tools_wanted = options.points > 0 || options.pairs > 0;
-  if (tools_wanted && !model.model().nodes.empty() &&
-      model.respond({model.model().nodes.front().node}, {Vec3{}}).displacement_m.rows() == 0)
+  if (tools_wanted && !loaded->model().nodes.empty() &&
+      loaded->respond({loaded->model().nodes.front().node}, {Vec3{}}).displacement_m.rows() == 0)
     throw input_error("coupled tools need deformations, and the model has forces only",
                       options.model.string(), "leave --points and --pairs out, or train with modes");
-  const auto seed = options.seed ? static_cast<std::uint64_t>(*options.seed) : scene.validation.seed;
+  return {std::move(scene), std::move(*loaded)};
+}
+
+struct Measured {
   ValidationReport report;
+  PointReport points;
+  PairReport pairs;
+  std::uint64_t seed = 0;
+  bool interrupted = false;
+};
+
+Measured measure(const Options& options, const SolverSession& session, const Compared& compared) {
+  const auto& [scene, model] = compared;
+  Measured m;
+  m.seed = options.seed ? static_cast<std::uint64_t>(*options.seed) : scene.validation.seed;
   {
     Progress progress("validate", "rays");
-    report = validate(
-        session, scene, model, options.probes.value_or(scene.validation.probes), seed,
+    m.report = validate(
+        session, scene, model, options.probes.value_or(scene.validation.probes), m.seed,
         [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested,
         options.nodes);
   }
-  bool interrupted = report.interrupted();
-  PointReport points;
-  if (options.points > 0 && !interrupted) {
+  m.interrupted = m.report.interrupted();
+  if (options.points > 0 && !m.interrupted) {
     Progress progress("validate", "points");
-    points = validate_points(
-        session, scene, model, options.points, displacements_per_point, seed,
+    m.points = validate_points(
+        session, scene, model, options.points, displacements_per_point, m.seed,
         [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
-    interrupted = points.interrupted();
+    m.interrupted = m.points.interrupted();
   }
-  PairReport pairs;
-  if (options.pairs > 0 && !interrupted) {
+  if (options.pairs > 0 && !m.interrupted) {
     Progress progress("validate", "pairs");
-    pairs = validate_pairs(
+    m.pairs = validate_pairs(
         session, scene, model, options.pairs,
-        options.pair_depth_m.value_or(pair_depth_fraction * scene.probe.max_displacement_m), seed,
+        options.pair_depth_m.value_or(pair_depth_fraction * scene.probe.max_displacement_m), m.seed,
         [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
-    interrupted = pairs.interrupted();
+    m.interrupted = m.pairs.interrupted();
   }
-  if (session.rank() != 0) return;
+  return m;
+}
+
+void print_conditions(const Scene& scene, const ValidationReport& report) {
   const double K_mu = scene.material.bulk_to_shear();
   const Element element = scene.solver.element;
   std::string nodes;
@@ -98,26 +116,48 @@ void run(const Options& options) {
                name(scene.probe.kind), 1e3 * scene.probe.max_displacement_m);
   print_result("{} probes at {} nodes ({} beside the fixed ones: {}); {} failed\n", report.probes,
                report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
-  const auto& fields = model.model().fields;
-  print_table(report, fields);
+}
+
+void print(const Compared& compared, const Measured& m, int ranks) {
+  const auto& report = m.report;
+  const Model& model = compared.model.model();
+  print_conditions(compared.scene, report);
+  print_table(report, model.fields);
   print_summary(report);
   print_examples(report);
-  if (points.finished > 0) print_points(points);
-  if (pairs.finished > 0) print_pairs(pairs);
+  if (m.points.finished > 0) print_points(m.points);
+  if (m.pairs.finished > 0) print_pairs(m.pairs);
   print_result("runtime on this machine, one core: force {:.2f} us", report.speed.force_us);
   if (report.of(Predictor::model).inside.displacement.n > 0)
-    print_result(", deformation of {} nodes {:.1f} us", model.model().output.size(),
-                 report.speed.deformation_us);
-  if (!fields.empty()) print_result(", a field {:.1f} us", report.speed.field_us);
+    print_result(", deformation of {} nodes {:.1f} us", model.output.size(), report.speed.deformation_us);
+  if (!model.fields.empty()) print_result(", a field {:.1f} us", report.speed.field_us);
   print_result("\n");
-  print_result("{} on {} rank{}\n", duration(report.seconds), session.size(), session.size() == 1 ? "" : "s");
+  print_result("{} on {} rank{}\n", duration(report.seconds), ranks, ranks == 1 ? "" : "s");
+}
+
+json conditions(const Compared& compared, const Measured& m) {
+  const Scene& scene = compared.scene;
+  return {{"law", name(scene.material.law)},
+          {"element", name(scene.solver.element)},
+          {"bulk_to_shear", scene.material.bulk_to_shear()},
+          {"probe", name(scene.probe.kind)},
+          {"max_displacement_m", scene.probe.max_displacement_m},
+          {"outside_factor", m.report.outside_factor},
+          {"nodes", m.report.nodes},
+          {"level", compared.model.data().level()},
+          {"seed", m.seed}};
+}
+
+json as_json(const Compared& compared, const Measured& m) {
+  const auto& report = m.report;
+  const auto& fields = compared.model.model().fields;
   const auto& of_model = report.of(Predictor::model);
   const auto both = [&](const PredictorErrors& e) {
     return json{{"inside", to_json(e.inside, fields)}, {"outside", to_json(e.outside, fields)}};
   };
   json out{{"probes", report.probes},
            {"failed", report.failed},
-           {"interrupted", interrupted},
+           {"interrupted", m.interrupted},
            {"rays", report.rays},
            {"rays_finished", report.rays_finished},
            {"solved_inside", report.solved_inside},
@@ -126,16 +166,7 @@ void run(const Options& options) {
            {"outside", to_json(of_model.outside, fields)},
            {"linear", both(report.of(Predictor::linear))},
            {"zero", both(report.of(Predictor::zero))},
-           {"conditions",
-            {{"law", name(scene.material.law)},
-             {"element", name(scene.solver.element)},
-             {"bulk_to_shear", K_mu},
-             {"probe", name(scene.probe.kind)},
-             {"max_displacement_m", scene.probe.max_displacement_m},
-             {"outside_factor", report.outside_factor},
-             {"nodes", report.nodes},
-             {"level", model.data().level()},
-             {"seed", seed}}},
+           {"conditions", conditions(compared, m)},
            {"distance_correlation",
             {{"inside", or_null(report.distance_correlation_inside)},
              {"outside", or_null(report.distance_correlation_outside)}}},
@@ -151,19 +182,34 @@ void run(const Options& options) {
                                {"force_finite_elements", e.finite_elements_N},
                                {"force_model", e.model_N},
                                {"force_linear", e.linear_N}});
-  if (points.finished > 0) out["points"] = to_json(points);
-  if (pairs.finished > 0) out["pairs"] = to_json(pairs);
-  write_json(options.json_file, out);
-  if (interrupted) {
-    std::string finished = fmt::format("{} of {} rays", report.rays_finished, report.rays);
-    if (options.points > 0) finished += fmt::format(", {} of {} points", points.finished, options.points);
-    if (options.pairs > 0) finished += fmt::format(", {} of {} pairs", pairs.finished, options.pairs);
-    throw failure("validate was interrupted; the figures above are of what was finished", finished,
-                  fmt::format("run it again: --seed {} begins with the same{}", seed,
-                              options.report_file ? "; the page of --report was not written" : ""));
-  }
+  if (m.points.finished > 0) out["points"] = to_json(m.points);
+  if (m.pairs.finished > 0) out["pairs"] = to_json(m.pairs);
+  return out;
+}
+
+/// @throws Error (failure)
+void refuse_half(const Options& options, const Measured& m) {
+  std::string finished = fmt::format("{} of {} rays", m.report.rays_finished, m.report.rays);
+  if (options.points > 0) finished += fmt::format(", {} of {} points", m.points.finished, options.points);
+  if (options.pairs > 0) finished += fmt::format(", {} of {} pairs", m.pairs.finished, options.pairs);
+  throw failure("validate was interrupted; the figures above are of what was finished", finished,
+                fmt::format("run it again: --seed {} begins with the same{}", m.seed,
+                            options.report_file ? "; the page of --report was not written" : ""));
+}
+
+void run(const Options& options) {
+  if (options.report_file) check_report_place(*options.report_file);
+  install_stop_handler();
+  const SolverSession session;
+  const Compared compared = load(options, session);
+  const Measured measured = measure(options, session, compared);
+  if (session.rank() != 0) return;
+  print(compared, measured, session.size());
+  write_json(options.json_file, as_json(compared, measured));
+  if (measured.interrupted) refuse_half(options, measured);
   if (options.report_file) {
-    write_text_file(*options.report_file, html_report({scene, model, report, seed, software_version()}));
+    write_text_file(*options.report_file, html_report({compared.scene, compared.model, measured.report,
+                                                       measured.seed, software_version()}));
     print_result("report: {}\n", options.report_file->string());
   }
 }

@@ -224,9 +224,7 @@ std::vector<double> force_ratios(const Database& database) {
   return largest;
 }
 
-int run(int argc, char** argv) {
-  Options options;
-  CLI::App app{"How stable training is, and where its error comes from (docs/stability.md)"};
+void add_options(CLI::App& app, Options& options) {
   app.add_option("SCENE", options.scene, "the scene the database was made from")->required();
   app.add_option("DATABASE", options.database, "database.h5 of phynness precompute")->required();
   app.add_option("--probes", options.probes, "fresh solves, half inside the trained range")
@@ -243,6 +241,85 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--family", options.families, "which rows")->check(CLI::IsMember({"modal", "rbfn"}));
   app.add_option("--json", options.json_file, "write the figures for machines");
+}
+
+/// Which nodes snap, and what fresh solves say.
+struct Solved {
+  std::vector<double> ratios;  ///< force_ratios(), by active node
+  Fresh fresh;
+  std::vector<std::int32_t> probed;
+  std::int64_t failed = 0;
+
+  bool snaps(const std::vector<std::int32_t>& active, std::int32_t node) const {
+    return ratios[static_cast<std::size_t>(std::lower_bound(active.begin(), active.end(), node) -
+                                           active.begin())] > snap_ratio;
+  }
+};
+
+Solved solve(const SolverSession& session, const Options& options, const Scene& scene,
+             const Database& database, double tool_radius_m) {
+  const auto skeleton = loaded(without_response(database, tool_radius_m), database.header().mesh);
+  const auto plan = plan_probes(skeleton, scene.probe.directions, options.probes,
+                                static_cast<std::uint64_t>(options.seed), options.nodes);
+  Solved solved;
+  solved.ratios = force_ratios(database);
+  {
+    cli::Progress progress("solve", "rays");
+    solve_probes(
+        session, scene, skeleton, plan,
+        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, {},
+        [&](std::size_t, NodeProbes&& found) { solved.fresh.all.push_back(std::move(found)); });
+  }
+  for (const auto& node : solved.fresh.all) {
+    if (!solved.snaps(database.header().sets.active, node.node)) solved.fresh.calm.push_back(node);
+    solved.probed.push_back(node.node);
+    solved.failed += node.failed;
+  }
+  return solved;
+}
+
+/// @return the errors of the linear predictor
+json report_linear(const Fresh& fresh) {
+  print_head();
+  const auto linear = linear_errors(fresh.all), calm = linear_errors(fresh.calm);
+  std::vector<std::array<double, 2>> by_node;
+  for (const auto& node : fresh.all) {
+    const auto errors = linear_errors({node});
+    by_node.push_back({errors.inside.force.mean, errors.inside.displacement.mean});
+  }
+  print_errors("linear predictor", linear, calm, by_node);
+  return {{"all", to_json(linear)}, {"without_snaps", to_json(calm)}};
+}
+
+/// @return where the error of family modal comes from
+json report_parts(Study& study, const StudyData& data, const Solved& solved,
+                  const std::vector<std::int32_t>& active) {
+  json out = json::object();
+  const auto half = every_second(data.header.magnitudes_m.size());
+  for (const auto& [name, some] :
+       {std::pair{"as it is", data}, std::pair{"every second increment", with_increments(data, half)}}) {
+    const auto parts = study.parts(some);
+    std::vector<char> of_parts;
+    for (const auto& p : parts) {
+      of_parts.push_back(solved.snaps(active, p.node));
+      out[name].push_back(to_json(p));
+      out[name].back()["snaps"] = solved.snaps(active, p.node);
+    }
+    print_parts(name, parts, of_parts);
+  }
+  return out;
+}
+
+void write(const std::filesystem::path& file_name, const json& out) {
+  std::ofstream file(file_name);
+  file << out.dump(1) << '\n';
+  if (!file.flush()) throw failure("writing failed", file_name.string(), "look at the disk's space");
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  CLI::App app{"How stable training is, and where its error comes from (docs/stability.md)"};
+  add_options(app, options);
   CLI11_PARSE(app, argc, argv);
 
   const SolverSession session;
@@ -253,32 +330,9 @@ int run(int argc, char** argv) {
                       "physics " + database.header().physics_hash + ", this scene's " + physics_hash(scene),
                       "give the scene it was made from (phynness info prints it)");
   const double tool_radius_m = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
-
-  const auto skeleton = loaded(without_response(database, tool_radius_m), database.header().mesh);
-  const auto plan = plan_probes(skeleton, scene.probe.directions, options.probes,
-                                static_cast<std::uint64_t>(options.seed), options.nodes);
-  const auto ratios = force_ratios(database);
+  const auto solved = solve(session, options, scene, database, tool_radius_m);
   const auto& active = database.header().sets.active;
-  const auto snaps = [&](std::int32_t node) {
-    return ratios[static_cast<std::size_t>(std::lower_bound(active.begin(), active.end(), node) -
-                                           active.begin())] > snap_ratio;
-  };
-  Fresh fresh;
-  {
-    cli::Progress progress("solve", "rays");
-    solve_probes(
-        session, scene, skeleton, plan,
-        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, {},
-        [&](std::size_t, NodeProbes&& found) { fresh.all.push_back(std::move(found)); });
-  }
-  std::vector<std::int32_t> probed;
-  std::int64_t failed = 0;
-  for (const auto& node : fresh.all) {
-    if (!snaps(node.node)) fresh.calm.push_back(node);
-    probed.push_back(node.node);
-    failed += node.failed;
-  }
-  const auto data = read_data(database, probed, options.others, tool_radius_m);
+  const auto data = read_data(database, solved.probed, options.others, tool_radius_m);
 
   fmt::print("{}, {}, K/mu = {:.4g}, {} probes, R = {:.4g} mm, {} directions x {} increments\n", scene.title,
              name(scene.solver.element), scene.material.bulk_to_shear(), name(scene.probe.kind),
@@ -287,56 +341,31 @@ int run(int argc, char** argv) {
   fmt::print(
       "{} probes at {} nodes, {} failed; of {} active nodes {} snap (largest force over {} times the "
       "median)\n\n",
-      options.probes, probed.size(), failed, active.size(),
-      std::count_if(ratios.begin(), ratios.end(), [](double r) { return r > snap_ratio; }), snap_ratio);
-  print_head();
-  const auto linear = linear_errors(fresh.all), linear_calm = linear_errors(fresh.calm);
-  std::vector<std::array<double, 2>> linear_by_node;
-  for (const auto& node : fresh.all) {
-    const auto errors = linear_errors({node});
-    linear_by_node.push_back({errors.inside.force.mean, errors.inside.displacement.mean});
-  }
-  print_errors("linear predictor", linear, linear_calm, linear_by_node);
-
-  Study study(scene, data, fresh);
+      options.probes, solved.probed.size(), solved.failed, active.size(),
+      std::count_if(solved.ratios.begin(), solved.ratios.end(), [](double r) { return r > snap_ratio; }),
+      snap_ratio);
   json out{{"element", name(scene.solver.element)},
            {"bulk_to_shear", scene.material.bulk_to_shear()},
            {"probe", name(scene.probe.kind)},
            {"max_displacement_m", scene.probe.max_displacement_m},
            {"probes", options.probes},
-           {"failed", failed},
+           {"failed", solved.failed},
            {"seed", options.seed},
-           {"nodes", probed},
+           {"nodes", solved.probed},
            {"snap_ratio", snap_ratio},
-           {"linear", {{"all", to_json(linear)}, {"without_snaps", to_json(linear_calm)}}},
+           {"linear", report_linear(solved.fresh)},
            {"rows", json::array()},
            {"parts", json::object()}};
   const auto wanted = [&](const char* family) {
     return std::find(options.families.begin(), options.families.end(), family) != options.families.end();
   };
+  Study study(scene, data, solved.fresh);
   if (wanted("modal")) study.modal_rows();
   if (wanted("rbfn")) study.rbfn_rows();
   print_numbers(study.rows());
-  const auto half = every_second(data.header.magnitudes_m.size());
-  for (const auto& [name, some] :
-       {std::pair{"as it is", data}, std::pair{"every second increment", with_increments(data, half)}}) {
-    if (!wanted("modal")) break;
-    const auto parts = study.parts(some);
-    std::vector<char> of_parts;
-    for (const auto& p : parts) {
-      of_parts.push_back(snaps(p.node));
-      out["parts"][name].push_back(to_json(p));
-      out["parts"][name].back()["snaps"] = snaps(p.node);
-    }
-    print_parts(name, parts, of_parts);
-  }
+  if (wanted("modal")) out["parts"] = report_parts(study, data, solved, active);
   for (const auto& row : study.rows()) out["rows"].push_back(to_json(row));
-  if (options.json_file) {
-    std::ofstream file(*options.json_file);
-    file << out.dump(1) << '\n';
-    if (!file.flush())
-      throw failure("writing failed", options.json_file->string(), "look at the disk's space");
-  }
+  if (options.json_file) write(*options.json_file, out);
   return 0;
 }
 

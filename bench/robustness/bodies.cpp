@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <fmt/format.h>
 #include <phynness/meshes/meshes.hpp>
 #include <set>
 
@@ -57,14 +58,9 @@ Body cube(Law law, Element element, double bulk_to_shear, double edge_m, double 
                 {{"c10_Pa", shear_modulus_Pa / 2 - c01_Pa}, {"c01_Pa", c01_Pa}, {"bulk_modulus_Pa", bulk_Pa}})
           : material_of(law, {{"shear_modulus_Pa", shear_modulus_Pa}, {"bulk_modulus_Pa", bulk_Pa}});
   scene.solver.element = element;
-  Selector bottom, free;
-  bottom.kind = Selector::Kind::plane;
-  bottom.fraction = true;
-  bottom.b = {0, 0, 1};
-  bottom.radius_m = 1e-6 * edge_m;
-  free.kind = Selector::Kind::free_surface;
-  scene.fixed = {bottom};
-  scene.active = scene.output = {free};
+  scene.fixed = parse_selection(fmt::format(
+      "{{ plane = {{ point_fraction = [0, 0, 0], normal = [0, 0, 1], tolerance_m = {} }} }}", 1e-6 * edge_m));
+  scene.active = scene.output = parse_selection("\"free-surface\"");
   scene.probe.max_displacement_m = 3 * edge_m / elements_along_edge;
   scene.probe.increments = 3 * increments_per_element;
   body.mesh = make_mesh(scene).mesh;

@@ -9,8 +9,7 @@ namespace phynness {
 namespace {
 
 std::map<std::string, std::string> summary_of(const DatabaseHeader& header) {
-  const auto scene =
-      parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent);
+  const auto scene = stored_scene(header);
   std::istringstream lines(physics_summary(scene));
   std::map<std::string, std::string> values;
   for (std::string line; std::getline(lines, line);) {

@@ -22,8 +22,7 @@ namespace {
 DatabaseHeader with_hashes(DatabaseHeader header) {
   if (header.mesh_hash.empty()) header.mesh_hash = mesh_hash(header.mesh);
   if (header.physics_hash.empty())
-    header.physics_hash = physics_hash(
-        parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent));
+    header.physics_hash = physics_hash(stored_scene(header));
   return header;
 }
 

@@ -42,7 +42,8 @@ Scene read_scene(const std::filesystem::path& file) {
 }
 
 Scene parse_scene(const std::string& text, const std::string& source_name,
-                  const std::filesystem::path& folder, MeshFile mesh_file) {
+                  const std::filesystem::path& folder, MeshFile mesh_file,
+                  Element solid_element) {
   if (const auto line = sd::too_deep_at(text))
     sd::refuse({source_name, *line}, "keys, tables or arrays are nested too deeply",
                "more than " + std::to_string(sd::largest_depth) + " levels",
@@ -79,7 +80,7 @@ Scene parse_scene(const std::string& text, const std::string& source_name,
   scene.title = top.text("title").value_or("");
   scene.mesh = sd::parse_mesh(mesh, folder, mesh_file);
   scene.material = sd::parse_material(material);
-  scene.solver = sd::parse_solver(solver, scene.material, scene.mesh);
+  scene.solver = sd::parse_solver(solver, scene.material, scene.mesh, solid_element);
   sd::parse_nodes(nodes, scene);
   scene.probe = sd::parse_probe(probe);
   scene.database = sd::parse_database(database);
@@ -111,6 +112,13 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
         " are asked for; directions = 3, increments = 1 and family = \"linear\" give an exact model");
   }
   return warnings;
+}
+
+std::vector<std::string> scene_notes(const Scene& scene) {
+  if (scene.probe.kind_given) return {};
+  return {scene.probe.where.str() +
+          ": the scene names no kind of probe, so that single nodes are displaced: the force at a node has no limit "
+          "under mesh refinement; kind = \"patch\" with tool_radius_m has one"};
 }
 
 }  // namespace phynness

@@ -6,12 +6,14 @@
 #include <numeric>
 #include <phynness/formats/scene.hpp>
 
+#include "selectors.hpp"
+
 namespace phynness {
 namespace scene_detail {
 namespace {
 
 struct Table {
-  std::string_view name;
+  std::string name;
   std::vector<std::string_view> keys;
 };
 
@@ -27,29 +29,38 @@ std::vector<std::string_view> material_keys() {
   return keys;
 }
 
+void add_selectors(std::vector<Table>& tables) {
+  Table names{"selector", {}};
+  for (const auto& kind : selector_kinds())
+    if (kind.form != SelectorForm::word) names.keys.push_back(kind.name);
+  names.keys.push_back("surface_only");
+  tables.push_back(std::move(names));
+  for (const auto& kind : selector_kinds())
+    if (kind.form == SelectorForm::table) tables.push_back({"selector." + std::string(kind.name), kind.keys});
+}
+
 const std::vector<Table>& tables() {
-  static const std::vector<Table> all = {
-      {"", {"title", "mesh", "material", "solver", "nodes", "probe", "database", "training", "validation"}},
-      {"mesh",
-       {"shape", "file", "scale_to_m", "target_nodes", "target_size_m", "size_m", "radius_m",
-        "inner_radius_m", "length_m", "slit_length_m", "slit_width_m", "thickness_m", "repair", "symmetry"}},
-      {"mesh.symmetry", {"point_m", "point_fraction", "normal", "tolerance_m", "half"}},
-      {"material", material_keys()},
-      {"solver", {"element", "relative_tolerance", "max_iterations", "max_cutbacks"}},
-      {"nodes", {"fixed", "active", "output"}},
-      {"probe", {"kind", "tool_radius_m", "directions", "increments", "max_displacement_m"}},
-      {"database", {"tangents", "displacement_precision", "fields"}},
-      {"training",
-       {"family", "deformation_neurons", "force_neurons", "deformation_spread", "force_spread", "samples",
-        "target_mse", "force_centers", "amplitude_centers", "modes", "shared_modes", "near_nodes", "levels", "seed"}},
-      {"validation", {"probes", "seed"}},
-      {"selector", {"box", "sphere", "plane", "half_space", "group", "nodes", "nearest", "surface_only"}},
-      {"selector.box", {"min_m", "max_m", "min_fraction", "max_fraction"}},
-      {"selector.sphere", {"center_m", "center_fraction", "radius_m"}},
-      {"selector.plane", {"point_m", "point_fraction", "normal", "tolerance_m"}},
-      {"selector.half_space", {"point_m", "point_fraction", "normal"}},
-      {"selector.nearest", {"point_m", "point_fraction"}},
-  };
+  static const std::vector<Table> all = [] {
+    std::vector<Table> list = {
+        {"", {"title", "mesh", "material", "solver", "nodes", "probe", "database", "training", "validation"}},
+        {"mesh",
+         {"shape", "file", "scale_to_m", "target_nodes", "target_size_m", "size_m", "radius_m",
+          "inner_radius_m", "length_m", "slit_length_m", "slit_width_m", "thickness_m", "repair",
+          "symmetry"}},
+        {"mesh.symmetry", {"point_m", "point_fraction", "normal", "tolerance_m", "half"}},
+        {"material", material_keys()},
+        {"solver", {"element", "relative_tolerance", "max_iterations", "max_cutbacks"}},
+        {"nodes", {"fixed", "active", "output"}},
+        {"probe", {"kind", "tool_radius_m", "directions", "increments", "max_displacement_m"}},
+        {"database", {"tangents", "displacement_precision", "fields"}},
+        {"training",
+         {"family", "deformation_neurons", "force_neurons", "deformation_spread", "force_spread", "samples",
+          "target_mse", "force_centers", "amplitude_centers", "modes", "shared_modes", "near_nodes", "levels",
+          "seed"}},
+        {"validation", {"probes", "seed"}}};
+    add_selectors(list);
+    return list;
+  }();
   return all;
 }
 

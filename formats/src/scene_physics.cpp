@@ -8,66 +8,12 @@
 namespace phynness {
 namespace {
 
+using scene_detail::exact_text;
 using scene_detail::shortest;
-
-std::string text(const Vec3& v) {
-  std::string result = "[";
-  return result.append(shortest(v[0]))
-      .append(", ")
-      .append(shortest(v[1]))
-      .append(", ")
-      .append(shortest(v[2]))
-      .append("]");
-}
-
-std::string text(const Selector& s) {
-  const std::string unit = s.fraction ? "_fraction = " : "_m = ";
-  std::string result;
-  switch (s.kind) {
-    case Selector::Kind::box:
-      result = "box { min" + unit + text(s.a) + ", max" + unit + text(s.b) + " }";
-      break;
-    case Selector::Kind::sphere:
-      result = "sphere { center" + unit + text(s.a) + ", radius_m = " + shortest(s.radius_m) + " }";
-      break;
-    case Selector::Kind::plane:
-      result = "plane { point" + unit + text(s.a) + ", normal = " + text(s.b) +
-               ", tolerance_m = " + shortest(s.radius_m) + " }";
-      break;
-    case Selector::Kind::half_space:
-      result = "half_space { point" + unit + text(s.a) + ", normal = " + text(s.b) + " }";
-      break;
-    case Selector::Kind::group:
-      result = "group \"" + s.group + "\"";
-      break;
-    case Selector::Kind::nodes:
-      result = "nodes [";
-      for (std::size_t i = 0; i < s.nodes.size(); ++i) result += (i ? ", " : "") + std::to_string(s.nodes[i]);
-      result += "]";
-      break;
-    case Selector::Kind::nearest:
-      result = "nearest { point" + unit + text(s.a) + " }";
-      break;
-    case Selector::Kind::surface:
-      result = "surface";
-      break;
-    case Selector::Kind::free_surface:
-      result = "free-surface";
-      break;
-    case Selector::Kind::free_nodes:
-      result = "free";
-      break;
-    case Selector::Kind::all:
-      result = "all";
-      break;
-  }
-  if (s.surface_only) result += " surface_only";
-  return result;
-}
 
 std::string text(const Selection& selection) {
   std::string result;
-  for (const auto& s : selection) result += (result.empty() ? "" : " + ") + text(s);
+  for (const auto& s : selection) result += (result.empty() ? "" : " + ") + s.choice->text() + (s.surface_only ? " surface_only" : "");
   return result;
 }
 
@@ -86,7 +32,7 @@ std::string physics_summary(const Scene& scene) {
     add("mesh.repair", mesh.repair ? "true" : "false");
   } else {
     add("mesh.shape", name(mesh.shape));
-    add("mesh.size_m", text(mesh.size_m));
+    add("mesh.size_m", exact_text(mesh.size_m));
     add("mesh.radius_m", shortest(mesh.radius_m));
     add("mesh.inner_radius_m", shortest(mesh.inner_radius_m));
     add("mesh.length_m", shortest(mesh.length_m));
@@ -99,7 +45,7 @@ std::string physics_summary(const Scene& scene) {
   if (mesh.symmetry) {
     const auto& plane = *mesh.symmetry;
     add("mesh.symmetry", std::string("point") + (plane.fraction ? "_fraction" : "_m") + " = " +
-                             text(plane.point) + ", normal = " + text(plane.normal) +
+                             exact_text(plane.point) + ", normal = " + exact_text(plane.normal) +
                              (plane.tolerance_m > 0 ? ", tolerance_m = " + shortest(plane.tolerance_m) : "") +
                              (plane.half ? ", half" : ""));
   }

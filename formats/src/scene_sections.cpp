@@ -138,10 +138,12 @@ MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder
   return spec;
 }
 
-SolverSpec parse_solver(const SceneTable& table, const Material& material, const MeshSpec& mesh) {
+SolverSpec parse_solver(const SceneTable& table, const Material& material, const MeshSpec& mesh,
+                        Element solid_element) {
   SolverSpec spec;
   const bool shell = mesh.thickness_m > 0;
-  if (shell) spec.element = &elements().back();
+  spec.element_given = table.has("element");
+  spec.element = shell ? &elements().back() : solid_element;
   spec.element = table.choice<Element>("element", choices(elements())).value_or(spec.element);
   if (shell && !spec.element->is_shell)
     table.reject("element", "is made of tetrahedra, but [mesh] is the middle surface of a shell",
@@ -163,6 +165,7 @@ SolverSpec parse_solver(const SceneTable& table, const Material& material, const
 ProbeSpec parse_probe(const SceneTable& table) {
   ProbeSpec spec;
   spec.where = table.where();
+  spec.kind_given = table.has("kind");
   spec.kind = table.choice<ProbeKind>("kind", {{"node", ProbeKind::node}, {"patch", ProbeKind::patch}})
                   .value_or(spec.kind);
   const auto radius = table.number("tool_radius_m", length);

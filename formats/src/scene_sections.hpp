@@ -14,7 +14,11 @@ Vec3 parse_normal(const SceneTable& table);
 std::optional<SymmetryPlane> parse_symmetry(const SceneTable& mesh);
 MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file);
 Material parse_material(const SceneTable& table);
-SolverSpec parse_solver(const SceneTable& table, const Material& material, const MeshSpec& mesh);
+/// @param solid_element  where the scene names none and the mesh has no thickness
+SolverSpec parse_solver(const SceneTable& table, const Material& material, const MeshSpec& mesh,
+                        Element solid_element);
+/// A selection under `key` of [nodes].
+Selection parse_selection(const SceneTable& nodes, std::string_view key);
 /// Fills fixed, active and output with their locations.
 void parse_nodes(const SceneTable& table, Scene& scene);
 ProbeSpec parse_probe(const SceneTable& table);

@@ -1,144 +1,79 @@
 // [nodes]: words and selector tables that choose nodes of the mesh.
+#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <phynness/formats/error.hpp>
 
 #include "scene_keys.hpp"
 #include "scene_sections.hpp"
+#include "selectors.hpp"
 
 namespace phynness::scene_detail {
 namespace {
 
-constexpr Range metres{-1e3, 1e3};
-constexpr Range fractions{-10, 10};
-constexpr Range length{0, 1e3, true, false};
-
-const std::vector<std::string_view> shapes = {"box",   "sphere", "plane",  "half_space",
-                                              "group", "nodes",  "nearest"};
-
-void parse_box(const SceneTable& table, Selector& s) {
-  const bool metric = table.has("min_m") || table.has("max_m");
-  const bool relative = table.has("min_fraction") || table.has("max_fraction");
-  if (metric && relative)
-    table.reject(
-        table.has("min_fraction") ? "min_fraction" : "max_fraction", "stands beside corners in metres",
-        "give both corners in metres (min_m, max_m) or both as fractions (min_fraction, max_fraction)");
-  s.fraction = relative;
-  const std::string low = relative ? "min_fraction" : "min_m", high = relative ? "max_fraction" : "max_m";
-  const auto range = relative ? fractions : metres;
-  const auto a = table.vector(low, range), b = table.vector(high, range);
-  if (!a) table.missing(low, "", "a box needs both corners: add " + low + " = [x, y, z]");
-  if (!b) table.missing(high, "", "a box needs both corners: add " + high + " = [x, y, z]");
-  for (std::size_t i = 0; i < 3; ++i)
-    if ((*a)[i] > (*b)[i])
-      table.reject(low, "lies above " + high + ", so that the box is empty", "swap the two corners");
-  s.a = *a, s.b = *b;
-}
-
-void parse_node_list(const SceneTable& table, Selector& s) {
-  const auto& node = *table.find("nodes");
-  const auto* list = node.as_array();
-  if (!list) table.reject("nodes", "must be an array of node numbers", "write nodes = [0, 5, 7]");
-  if (list->empty())
-    table.reject("nodes", "is an empty list", "name at least one node, or remove the selector");
-  for (const auto& item : *list) {
-    const auto* number = item.as_integer();
-    if (!number || number->get() < 0 || number->get() > std::numeric_limits<std::int32_t>::max())
-      refuse(table.where(item), table.label("nodes") + " must hold node numbers, 0 or greater", shown(item),
-             "number nodes from 0 in the order of the mesh file");
-    s.nodes.push_back(static_cast<std::int32_t>(number->get()));
-  }
-}
-
-Selector parse_shape(const SceneTable& table, std::string_view shape) {
-  Selector s;
-  if (shape == "nodes") {
-    s.kind = Selector::Kind::nodes;
-    parse_node_list(table, s);
-    return s;
-  }
-  if (shape == "group") {
-    s.kind = Selector::Kind::group;
-    s.group = *table.text("group");
-    if (s.group.empty()) table.reject("group", "is empty", "name a physical group of the mesh file");
-    return s;
-  }
-  const auto* inner = table.find(shape)->as_table();
-  if (!inner)
-    table.reject(shape, "must be a table",
-                 "write " + std::string(shape) + " = { ... } with " +
-                     listed(keys_of("selector." + std::string(shape)), ", "));
-  const SceneTable t(*inner, "selector." + std::string(shape), table.file());
-  if (shape == "box") {
-    s.kind = Selector::Kind::box;
-    parse_box(t, s);
-  } else if (shape == "sphere") {
-    s.kind = Selector::Kind::sphere;
-    s.a = parse_position(t, "center", s.fraction);
-    const auto radius = t.number("radius_m", length);
-    if (!radius) t.missing("radius_m", "", "add radius_m in metres");
-    s.radius_m = *radius;
-  } else if (shape == "nearest") {
-    s.kind = Selector::Kind::nearest;
-    s.a = parse_position(t, "point", s.fraction);
-  } else {
-    s.kind = shape == "plane" ? Selector::Kind::plane : Selector::Kind::half_space;
-    s.a = parse_position(t, "point", s.fraction);
-    s.b = parse_normal(t);
-    constexpr double default_tolerance_m = 1e-6;
-    if (shape == "plane") s.radius_m = t.number_or("tolerance_m", default_tolerance_m, length);
-  }
-  return s;
-}
-
-Selector parse_word(const toml::node& node, const std::string& word, const SceneTable& nodes,
-                    std::string_view key) {
-  static const std::vector<std::pair<std::string_view, Selector::Kind>> words = {
-      {"surface", Selector::Kind::surface},
-      {"free-surface", Selector::Kind::free_surface},
-      {"free", Selector::Kind::free_nodes},
-      {"all", Selector::Kind::all}};
+/// Names of the selectors that are words, or of those that are not.
+std::vector<std::string_view> names_of(bool words) {
   std::vector<std::string_view> names;
-  Selector s;
-  for (const auto& [name, kind] : words) {
-    if (word == name) {
-      s.kind = kind;
-      const bool needs_fixed = kind == Selector::Kind::free_surface || kind == Selector::Kind::free_nodes;
-      if (key == "fixed" && needs_fixed)
-        refuse(nodes.where(node), "[nodes] fixed cannot be chosen by what is free", "\"" + word + "\"",
-               "select the fixed nodes by a box, sphere, plane, half_space, group or list of nodes");
-      if (key == "fixed" && kind == Selector::Kind::all)
-        refuse(nodes.where(node), "[nodes] fixed leaves no node to move", "\"" + word + "\"",
-               "fix a part of the body only");
-      return s;
-    }
-    names.push_back(name);
+  for (const auto& kind : selector_kinds())
+    if ((kind.form == SelectorForm::word) == words) names.push_back(kind.name);
+  return names;
+}
+
+const SelectorKind& kind_named(std::string_view name) {
+  return *std::find_if(selector_kinds().begin(), selector_kinds().end(),
+                       [&](const SelectorKind& kind) { return kind.name == name; });
+}
+
+std::shared_ptr<const NodeChoice> parse_word(const toml::node& node, const std::string& word,
+                                             const SceneTable& nodes, std::string_view key) {
+  const auto names = names_of(true);
+  if (std::find(names.begin(), names.end(), word) == names.end()) {
+    const auto near = nearest(word, names);
+    refuse(nodes.where(node), nodes.label(key) + " names no selection", "\"" + word + "\"",
+           near.empty()
+               ? "write one of " + listed(names) + ", or a selector table such as { sphere = { ... } }"
+               : "did you mean \"" + std::string(near) + "\"?");
   }
-  const auto near = nearest(word, names);
-  refuse(nodes.where(node), nodes.label(key) + " names no selection", "\"" + word + "\"",
-         near.empty() ? "write one of " + listed(names) + ", or a selector table such as { sphere = { ... } }"
-                      : "did you mean \"" + std::string(near) + "\"?");
+  auto choice = kind_named(word).parse(nodes);
+  if (key == "fixed" && choice->needs_fixed())
+    refuse(nodes.where(node), "[nodes] fixed cannot be chosen by what is free", "\"" + word + "\"",
+           "select the fixed nodes by a box, sphere, plane, half_space, group or list of nodes");
+  if (key == "fixed" && choice->selects_all())
+    refuse(nodes.where(node), "[nodes] fixed leaves no node to move", "\"" + word + "\"",
+           "fix a part of the body only");
+  return choice;
+}
+
+/// The one selector of a table such as { sphere = { ... }, surface_only = true }.
+std::shared_ptr<const NodeChoice> parse_table(const toml::node& node, const SceneTable& table,
+                                              const SceneTable& nodes, std::string_view key) {
+  std::string_view name;
+  for (const auto candidate : names_of(false)) {
+    if (!table.has(candidate)) continue;
+    if (!name.empty())
+      refuse(nodes.where(node), nodes.label(key) + " has two selectors in one table", shown(node),
+             "write one table for each: [{ " + std::string(name) + " = ... }, { " + std::string(candidate) +
+                 " = ... }]");
+    name = candidate;
+  }
+  if (name.empty())
+    refuse(nodes.where(node), nodes.label(key) + " has a selector without a shape", shown(node),
+           "add one of " + listed(names_of(false)));
+  const SelectorKind& kind = kind_named(name);
+  if (kind.form == SelectorForm::value) return kind.parse(table);
+  const auto* inner = table.find(name)->as_table();
+  if (!inner)
+    table.reject(name, "must be a table",
+                 "write " + std::string(name) + " = { ... } with " + listed(kind.keys, ", "));
+  return kind.parse(SceneTable(*inner, "selector." + std::string(name), table.file()));
 }
 
 Selector parse_selector(const toml::node& node, const SceneTable& nodes, std::string_view key) {
   Selector s;
   if (const auto* word = node.as_string()) {
-    s = parse_word(node, word->get(), nodes, key);
+    s.choice = parse_word(node, word->get(), nodes, key);
   } else if (const auto* inner = node.as_table()) {
     const SceneTable table(*inner, "selector", nodes.file());
-    std::string_view shape;
-    for (auto candidate : shapes) {
-      if (!table.has(candidate)) continue;
-      if (!shape.empty())
-        refuse(nodes.where(node), nodes.label(key) + " has two selectors in one table", shown(node),
-               "write one table for each: [{ " + std::string(shape) + " = ... }, { " +
-                   std::string(candidate) + " = ... }]");
-      shape = candidate;
-    }
-    if (shape.empty())
-      refuse(nodes.where(node), nodes.label(key) + " has a selector without a shape", shown(node),
-             "add one of " + listed(shapes));
-    s = parse_shape(table, shape);
+    s.choice = parse_table(node, table, nodes, key);
     s.surface_only = table.flag_or("surface_only", false);
   } else {
     refuse(nodes.where(node), nodes.label(key) + " must be text, a selector table or an array of them",
@@ -147,6 +82,8 @@ Selector parse_selector(const toml::node& node, const SceneTable& nodes, std::st
   s.where = nodes.where(node);
   return s;
 }
+
+}  // namespace
 
 Selection parse_selection(const SceneTable& nodes, std::string_view key) {
   const auto& node = *nodes.find(key);
@@ -162,8 +99,6 @@ Selection parse_selection(const SceneTable& nodes, std::string_view key) {
   }
   return selection;
 }
-
-}  // namespace
 
 Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& fraction) {
   const std::string in_metres = stem + "_m", in_fractions = stem + "_fraction";
@@ -197,10 +132,7 @@ void parse_nodes(const SceneTable& table, Scene& scene) {
     if (table.has(key)) {
       selection = parse_selection(table, key);
     } else {
-      Selector s;
-      s.kind = Selector::Kind::free_surface;
-      s.where = where;
-      selection = {s};
+      selection = {{free_surface(), false, where}};
     }
   };
   read("fixed", scene.fixed, scene.fixed_where);
@@ -209,3 +141,18 @@ void parse_nodes(const SceneTable& table, Scene& scene) {
 }
 
 }  // namespace phynness::scene_detail
+
+namespace phynness {
+
+Selection parse_selection(const std::string& text) {
+  try {
+    const toml::table root = toml::parse("output = " + text);
+    auto selection = scene_detail::parse_selection({root, "nodes", ""}, "output");
+    for (auto& selector : selection) selector.where = {};
+    return selection;
+  } catch (const toml::parse_error& error) {
+    throw input_error("the selection is not valid TOML", text, std::string(error.description()));
+  }
+}
+
+}  // namespace phynness

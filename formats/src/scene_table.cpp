@@ -43,6 +43,22 @@ std::string range_text(Range r) {
 
 }  // namespace
 
+std::string exact_text(const Vec3& v) {
+  std::string text = "[";
+  return text.append(shortest(v[0]))
+      .append(", ")
+      .append(shortest(v[1]))
+      .append(", ")
+      .append(shortest(v[2]))
+      .append("]");
+}
+
+std::string shown_text(const Vec3& v) {
+  std::ostringstream out;
+  out << '(' << v[0] << ", " << v[1] << ", " << v[2] << ')';
+  return out.str();
+}
+
 std::string shortest(double value) {
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;

@@ -22,6 +22,13 @@ struct Range {
 
 /// Shortest decimal text that reads back to the same number.
 std::string shortest(double value);
+/// "[x, y, z]", each as shortest().
+std::string exact_text(const Vec3& v);
+/// "(x, y, z)" with six digits, for messages.
+std::string shown_text(const Vec3& v);
+
+/// Coordinates that a scene may give: metres, and fractions of the bounding box.
+inline constexpr Range metres{-1e3, 1e3}, fractions{-10, 10};
 
 /// The TOML text of a node, shortened where it is long.
 std::string shown(const toml::node& node);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <exception>
+#include <span>
 
 #include "equilibrium.hpp"
 #include "linear_solver.hpp"
@@ -11,6 +12,9 @@
 #include "tangent_matrix.hpp"
 
 namespace phynness {
+
+/// Numbers of these dofs among the unknowns.
+std::vector<std::int32_t> unknowns_of(const TangentMatrix& tangent, std::span<const std::int32_t> dofs);
 
 struct Equilibrium::Impl {
   Impl(Discretization& discretization, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& spec,

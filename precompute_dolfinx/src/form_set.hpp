@@ -3,6 +3,7 @@
 
 #include <ufcx.h>
 
+#include <array>
 #include <map>
 #include <phynness/formats/scene.hpp>
 #include <string>
@@ -18,8 +19,7 @@ struct CompiledForms {
   const ufcx_form* energy = nullptr;
   const ufcx_form* residual = nullptr;
   const ufcx_form* tangent = nullptr;
-  const ufcx_form* von_mises = nullptr;       ///< functional: integral of the von Mises stress
-  const ufcx_form* stored = nullptr;          ///< functional: the energy, not negative in any cell
+  std::array<const ufcx_form*, every_field.size()> fields{};  ///< functionals: integrals, not negative in any cell
   const ufcx_expression* jacobian = nullptr;  ///< J = det F at the quadrature points
   /// Shells only, added to the first three: what keeps directors at their length.
   const ufcx_form *gauge_energy = nullptr, *gauge_residual = nullptr, *gauge_tangent = nullptr;

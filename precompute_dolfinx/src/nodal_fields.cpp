@@ -1,5 +1,6 @@
 #include "nodal_fields.hpp"
 
+#include <cassert>
 #include <cmath>
 
 #include "fault_injection.hpp"
@@ -19,8 +20,9 @@ Eigen::MatrixXd NodalFields::in_cells(const Discretization& body, std::span<cons
   Eigen::MatrixXd means(body.n_cells(), static_cast<Eigen::Index>(_fields.size()));
   for (std::size_t f = 0; f < _fields.size(); ++f) {
     const auto& forms = body.forms();
+    assert(forms.fields[static_cast<std::size_t>(_fields[f])]);  // shells, which have none, are refused before
     auto mean = means.col(static_cast<Eigen::Index>(f));
-    body.cell_integrals(_fields[f] == Field::von_mises_stress ? *forms.von_mises : *forms.stored, state,
+    body.cell_integrals(*forms.fields[static_cast<std::size_t>(_fields[f])], state,
                         {mean.data(), static_cast<std::size_t>(mean.size())});
     for (int cell = 0; cell < body.n_cells(); ++cell) mean[cell] /= _volume[static_cast<std::size_t>(cell)];
   }

@@ -172,6 +172,64 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
   if (!share.interrupted) ray_log.flush(share);
 }
 
+/// @throws Error where this rank met trouble: what is finished is kept
+void rethrow(const std::exception_ptr& trouble) {
+  if (!trouble) return;
+  try {
+    std::rethrow_exception(trouble);
+  } catch (const Error& error) {
+    throw Error(error.kind(), std::string(error.what()) + " (finished rays are kept: go on with --resume)",
+                "", "");
+  }
+}
+
+bool on_any_rank(bool here) {
+  int any = here ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+  return any != 0;
+}
+
+/// What all ranks did.
+void add_up(const SolverSession& session, const Share& share, double core_seconds, PrecomputeReport& report) {
+  std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations,
+                           share.library_errors};
+  MPI_Allreduce(MPI_IN_PLACE, totals, 5, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  report.rays = totals[0];
+  report.increments = report.increments_solved = totals[1];
+  report.failed = totals[2];
+  report.iterations = totals[3];
+  report.library_errors = totals[4];
+  report.core_seconds = session.sum(core_seconds);
+  const auto figures =
+      session.gather({static_cast<double>(share.rays), share.busy_seconds,
+                      report.solve_seconds - share.busy_seconds, core_seconds, peak_memory_bytes()});
+  for (std::size_t i = 0; i + 4 < figures.size(); i += 5)
+    report.ranks.push_back({static_cast<std::int64_t>(figures[i]), figures[i + 1], figures[i + 2],
+                            figures[i + 3], figures[i + 4]});
+}
+
+/// What the finished file holds, rays of earlier runs included.
+void count_finished(const std::filesystem::path& file, const DatabaseHeader& header,
+                    const MirroredRays& mirrored, PrecomputeReport& report) {
+  const auto database = Database::open(file);
+  const auto summary = summarize(database);
+  report.increments = report.increments_solved = report.failed = 0;
+  for (const auto& [status, count] : summary.states) {
+    if (status != Status::not_requested) report.increments += count;
+    if (static_cast<int>(status) < 0) report.failed += count;
+  }
+  report.iterations = summary.newton_iterations;
+  const auto statuses = database.statuses();
+  const auto n_increments = static_cast<std::int64_t>(header.magnitudes_m.size());
+  const auto n_directions = static_cast<std::int64_t>(header.directions.size());
+  for (std::int64_t i = 0; i < static_cast<std::int64_t>(statuses.size()); ++i) {
+    const auto ray = i / n_increments;
+    report.increments_solved += statuses[static_cast<std::size_t>(i)] != Status::not_requested &&
+                                mirrored.is_solved(static_cast<std::int32_t>(ray / n_directions),
+                                                   static_cast<std::int32_t>(ray % n_directions));
+  }
+}
+
 std::string what(const std::exception_ptr& trouble) {
   try {
     std::rethrow_exception(trouble);
@@ -179,6 +237,20 @@ std::string what(const std::exception_ptr& trouble) {
     return error.what();
   } catch (...) {
     return "an error without a message";
+  }
+}
+
+/// Does a rank's work; what stops it is returned once the others know that it takes no more.
+std::exception_ptr guarded(WorkCounter& counter, int rank, const std::function<void(const std::string&)>& warn,
+                           const std::function<void()>& work) {
+  try {
+    work();
+    return nullptr;
+  } catch (...) {
+    const auto trouble = std::current_exception();
+    counter.abandon();
+    if (warn) warn("rank " + std::to_string(rank) + " stops: " + what(trouble));
+    return trouble;
   }
 }
 
@@ -245,20 +317,16 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
     WorkCounter counter(MPI_COMM_WORLD);
     if (team.leads()) {
       core.start();
-      try {
+      const auto done = [&] {
+        counter.add_done(1);
+        if (progress && session.rank() == 0) progress(report.rays_resumed + counter.done(), rays_in_all);
+      };
+      trouble = guarded(counter, session.rank(), warn, [&] {
         DatabaseWriter log(target.file, header, session.rank());
-        const auto done = [&] {
-          counter.add_done(1);
-          if (progress && session.rank() == 0) progress(report.rays_resumed + counter.done(), rays_in_all);
-        };
         solve_tasks(*probe_solver, log, header, Requested(scene, header), rays, counter,
                     session.size() / team.size(), done, stop, share);
         log.close();
-      } catch (...) {
-        trouble = std::current_exception();
-        counter.abandon();
-        if (warn) warn("rank " + std::to_string(session.rank()) + " stops: " + what(trouble));
-      }
+      });
       core.stop();
       if (team.size() > 1) team.dismiss();
     } else {
@@ -269,19 +337,9 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   }
   report.solve_seconds = seconds_since(solve_start);
 
-  session.together([&] {
-    if (!trouble) return;
-    try {
-      std::rethrow_exception(trouble);
-    } catch (const Error& error) {
-      throw Error(error.kind(), std::string(error.what()) + " (finished rays are kept: go on with --resume)",
-                  "", "");
-    }
-  });
-  int interrupted = share.interrupted ? 1 : 0;
-  MPI_Allreduce(MPI_IN_PLACE, &interrupted, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
-  report.interrupted = interrupted != 0;
-  const bool packs = !interrupted && !complete && !target.shard;
+  session.together([&] { rethrow(trouble); });
+  report.interrupted = on_any_rank(share.interrupted);
+  const bool packs = !report.interrupted && !complete && !target.shard;
   const auto pack_start = Clock::now();
   session.together([&] {
     core.start();
@@ -290,40 +348,9 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   });
   report.pack_seconds = seconds_since(pack_start);
 
-  std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations,
-                           share.library_errors};
-  MPI_Allreduce(MPI_IN_PLACE, totals, 5, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
-  report.rays = totals[0];
-  report.increments = report.increments_solved = totals[1];
-  report.failed = totals[2];
-  report.iterations = totals[3];
-  report.library_errors = totals[4];
-  report.core_seconds = session.sum(core.seconds());
-  const auto figures =
-      session.gather({static_cast<double>(share.rays), share.busy_seconds,
-                      report.solve_seconds - share.busy_seconds, core.seconds(), peak_memory_bytes()});
-  for (std::size_t i = 0; i + 4 < figures.size(); i += 5)
-    report.ranks.push_back({static_cast<std::int64_t>(figures[i]), figures[i + 1], figures[i + 2],
-                            figures[i + 3], figures[i + 4]});
-  if (!interrupted && !target.shard && session.rank() == 0) {
-    const auto database = Database::open(target.file);
-    const auto summary = summarize(database);
-    report.increments = report.increments_solved = report.failed = 0;
-    for (const auto& [status, count] : summary.states) {
-      if (status != Status::not_requested) report.increments += count;
-      if (static_cast<int>(status) < 0) report.failed += count;
-    }
-    report.iterations = summary.newton_iterations;
-    const auto statuses = database.statuses();
-    const auto n_increments = static_cast<std::int64_t>(header.magnitudes_m.size());
-    const auto n_directions = static_cast<std::int64_t>(header.directions.size());
-    for (std::int64_t i = 0; i < static_cast<std::int64_t>(statuses.size()); ++i) {
-      const auto ray = i / n_increments;
-      report.increments_solved += statuses[static_cast<std::size_t>(i)] != Status::not_requested &&
-                                  mirrored.is_solved(static_cast<std::int32_t>(ray / n_directions),
-                                                     static_cast<std::int32_t>(ray % n_directions));
-    }
-  }
+  add_up(session, share, core.seconds(), report);
+  if (!report.interrupted && !target.shard && session.rank() == 0)
+    count_finished(target.file, header, mirrored, report);
   report.wall_seconds = seconds_since(start);
   return report;
 }

@@ -20,8 +20,7 @@ RaySolver::Rest RaySolver::rest() {
   return {std::move(linear.sensitivity), std::move(linear.tangent), linear.negative_pivots};
 }
 
-PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
-                            PathPoint& to) {
+Prediction RaySolver::predict(const Path& path, const Eigen::VectorXd& direction, double s, PathPoint& to) {
   const bool check_J = _body.forms().checks_jacobian;
   const auto& constraint = _equilibrium.constraint();
   const Eigen::VectorXd prescribed = constraint.G * (s * direction);
@@ -47,29 +46,16 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
     if (mixed && lowest == 0) break;
   }
   to.state.assign(predicted.state.begin(), predicted.state.end());
+  return predicted;
+}
 
-  to.s = s;
-  PathStep step;
-  const auto outcome = _equilibrium.solve(to.state, path.last().met_instability);
-  step.status = outcome.status;
-  step.iterations = outcome.iterations;
-  if (step.status != Status::converged) return step;
-  to.force = outcome.force;
-  to.min_jacobian = _body.min_jacobian(to.state);
-  if (check_J && !(to.min_jacobian > 0)) {
-    step.status = Status::inverted;
-    return step;
-  }
-  to.met_instability = path.last().met_instability || outcome.met_instability;
-  to.jumped = outcome.left_saddle;
+Status RaySolver::linearize(const Eigen::VectorXd& direction, const Prediction& predicted, bool all_tangents,
+                            PathPoint& to) {
   if (all_tangents || to.jumped) {
     const auto n_parameters = direction.size();
     const auto linear =
         _equilibrium.linearize(to.state, Eigen::MatrixXd::Identity(n_parameters, n_parameters));
-    if (linear.status != Status::converged || !linear.sensitivity.allFinite()) {
-      step.status = Status::factorization;
-      return step;
-    }
+    if (linear.status != Status::converged || !linear.sensitivity.allFinite()) return Status::factorization;
     to.velocity = linear.sensitivity * direction;
     to.tangent = linear.tangent;
     to.negative_pivots = linear.negative_pivots;
@@ -79,10 +65,7 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
                                         predicted.velocity + predicted.growth * (state - predicted.state));
     to.tangent.resize(0, 0);
     const auto pivots = to.velocity.allFinite() ? _equilibrium.negative_pivots(to.state) : std::nullopt;
-    if (!pivots) {
-      step.status = Status::factorization;
-      return step;
-    }
+    if (!pivots) return Status::factorization;
     to.negative_pivots = *pivots;
   }
   // Fewer than the pressures have: where J exceeds e, a pressure that multiplies J meets its volume from the
@@ -90,16 +73,31 @@ PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, 
   // the state before the last update.
   if (to.negative_pivots < 0 && !all_tangents && !to.jumped) {
     const auto again = _equilibrium.linearize(to.state, Eigen::MatrixXd(direction.size(), 0));
-    if (again.status != Status::converged) {
-      step.status = Status::factorization;
-      return step;
-    }
+    if (again.status != Status::converged) return Status::factorization;
     to.negative_pivots = again.negative_pivots;
   }
-  if (to.negative_pivots < 0) {
-    step.status = Status::diverged;
+  return to.negative_pivots < 0 ? Status::diverged : Status::converged;
+}
+
+PathStep RaySolver::advance(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
+                            PathPoint& to) {
+  const Prediction predicted = predict(path, direction, s, to);
+  to.s = s;
+  PathStep step;
+  const auto outcome = _equilibrium.solve(to.state, path.last().met_instability);
+  step.status = outcome.status;
+  step.iterations = outcome.iterations;
+  if (step.status != Status::converged) return step;
+  to.force = outcome.force;
+  to.min_jacobian = _body.min_jacobian(to.state);
+  if (_body.forms().checks_jacobian && !(to.min_jacobian > 0)) {
+    step.status = Status::inverted;
     return step;
   }
+  to.met_instability = path.last().met_instability || outcome.met_instability;
+  to.jumped = outcome.left_saddle;
+  step.status = linearize(direction, predicted, all_tangents, to);
+  if (step.status != Status::converged) return step;
   to.energy = _body.energy(to.state);
   if (!std::isfinite(to.energy)) step.status = Status::not_finite;
   return step;

@@ -41,6 +41,11 @@ class RaySolver {
               const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take);
 
  private:
+  /// Where the path seems to go on at s; the same with the prescribed displacements in `to`.
+  Prediction predict(const Path& path, const Eigen::VectorXd& direction, double s, PathPoint& to);
+  /// Velocity and stability of the equilibrium in `to`.
+  Status linearize(const Eigen::VectorXd& direction, const Prediction& predicted, bool all_tangents,
+                   PathPoint& to);
   /// Tries to go from the last point of `path` to parameter s; `to` is complete only if converged.
   PathStep advance(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
                    PathPoint& to);

@@ -23,6 +23,7 @@ directions = 26
 increments = 4
 max_displacement_m = 0.02
 [training]
+family = "rbfn"
 samples = 1000
 )";
 

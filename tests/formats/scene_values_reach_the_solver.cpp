@@ -90,27 +90,21 @@ TEST(Warnings, tell_when_a_linear_body_is_probed_more_than_it_requires) {
   EXPECT_TRUE(scene_warnings(parsed(with(linear, all, "directions = 3\nincrements = 1"))).empty());
 }
 
+// What each selector holds shows in its text: scenes_keep_their_hash.cpp.
 TEST(Selection, keeps_every_selector_with_its_line) {
   const Scene scene = parsed(with(good_scene, "active = \"free-surface\"", R"(active = [
   "surface",
   { sphere = { center_fraction = [0.5, 0.5, 1], radius_m = 0.01 }, surface_only = true },
-  { plane = { point_m = [0, 0, 1], normal = [0, 0, 2], tolerance_m = 0.001 } },
-  { half_space = { point_m = [0, 0, 1], normal = [0, 3, 4] } },
-  { group = "lobe" }, { nodes = [0, 5, 7] },
-  { nearest = { point_fraction = [1, 1, 1] } },
+  { group = "lobe" },
 ])"));
-  ASSERT_EQ(scene.active.size(), 7u);
-  EXPECT_EQ(scene.active[0].kind, Selector::Kind::surface);
-  EXPECT_TRUE(scene.active[1].fraction && scene.active[1].surface_only);
+  ASSERT_EQ(scene.active.size(), 3u);
+  EXPECT_EQ(scene.active[0].choice->text(), "surface");
+  EXPECT_FALSE(scene.active[0].surface_only);
+  EXPECT_TRUE(scene.active[1].surface_only);
   EXPECT_EQ(scene.active[1].where.line, 14);
-  EXPECT_EQ(scene.active[2].b, (Vec3{0, 0, 1}));
-  EXPECT_EQ(scene.active[2].radius_m, 0.001);
-  EXPECT_EQ(scene.active[3].b, (Vec3{0, 0.6, 0.8}));
-  EXPECT_EQ(scene.active[4].group, "lobe");
-  EXPECT_EQ(scene.active[5].nodes, (std::vector<std::int32_t>{0, 5, 7}));
-  EXPECT_EQ(scene.active[6].kind, Selector::Kind::nearest);
+  EXPECT_EQ(scene.active[2].choice->description(), "group 'lobe'");
   ASSERT_EQ(scene.output.size(), 1u);
-  EXPECT_EQ(scene.output[0].kind, Selector::Kind::free_surface);
+  EXPECT_EQ(scene.output[0].choice->text(), "free-surface");
 }
 
 TEST(Directions, may_be_written_as_number_or_text) {
@@ -230,6 +224,26 @@ TEST(Locale, with_decimal_commas_changes_nothing) {
   EXPECT_EQ(scene.probe.max_displacement_m, 0.02);
   EXPECT_EQ(again, hash);
   EXPECT_NE(message.find("-1234.5"), std::string::npos) << message;
+}
+
+TEST(Defaults, are_what_is_recommended) {
+  const std::string plain = with(with(good_scene, "element = \"P1\"\n", ""), "family = \"rbfn\"\n", "");
+  const Scene solid = parsed(plain), shell = parsed(with(plain, "shape = \"block\"", "shape = \"drain\""));
+  EXPECT_EQ(solid.solver.element, element_named("p1-p1"));
+  EXPECT_EQ(shell.solver.element, element_named("shell"));
+  EXPECT_EQ(solid.training.family, Family::modal);
+  EXPECT_EQ(solid.probe.kind, ProbeKind::node);
+  EXPECT_TRUE(scene_warnings(parsed(with(plain, "bulk_modulus_Pa = 5000.0", "bulk_modulus_Pa = 100e3"))).empty());
+}
+
+TEST(Notes, tell_that_a_node_has_no_limit_unless_the_scene_asks_for_one) {
+  const auto notes = scene_notes(parsed(good_scene));
+  ASSERT_EQ(notes.size(), 1u);
+  for (const char* words : {"body.toml:13", "no limit under mesh refinement", "patch", "tool_radius_m"})
+    EXPECT_NE(notes[0].find(words), std::string::npos) << words << "\n" << notes[0];
+  const std::string key = "increments = 4";
+  EXPECT_TRUE(scene_notes(parsed(with(good_scene, key, key + "\nkind = \"node\""))).empty());
+  EXPECT_TRUE(scene_notes(parsed(with(good_scene, key, key + "\nkind = \"patch\"\ntool_radius_m = 0.01"))).empty());
 }
 
 TEST(Documentation, names_every_key_of_the_parser) {

@@ -12,6 +12,8 @@ shape = "block"
 law = "neo-hookean"
 c10_Pa = 250.0
 bulk_modulus_Pa = 100e3
+[solver]
+element = "P1"
 [nodes]
 fixed = { nodes = [0] }
 [probe]

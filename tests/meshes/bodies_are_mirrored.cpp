@@ -9,12 +9,6 @@
 namespace phynness::test {
 namespace {
 
-Selector every(Selector::Kind kind) {
-  Selector s;
-  s.kind = kind;
-  return s;
-}
-
 /// Fixed at one end of the axis after the mirror's, so that the fixed nodes are symmetric.
 Scene symmetric_scene(Shape shape, int axis) {
   Scene scene;
@@ -24,13 +18,9 @@ Scene symmetric_scene(Shape shape, int axis) {
   SymmetryPlane plane;
   plane.normal[static_cast<std::size_t>(axis)] = 1;
   scene.mesh.symmetry = plane;
-  Selector end = every(Selector::Kind::box);
-  end.fraction = true;
-  end.a = {0, 0, 0};
-  end.b = {1, 1, 1};
-  end.b[static_cast<std::size_t>((axis + 1) % 3)] = 0.3;
-  scene.fixed = {end};
-  scene.active = scene.output = {every(Selector::Kind::free_surface)};
+  const char* const ends[] = {"[1, 0.3, 1]", "[1, 1, 0.3]", "[0.3, 1, 1]"};
+  scene.fixed = parse_selection("{ box = { min_fraction = [0, 0, 0], max_fraction = " + std::string(ends[axis]) + " } }");
+  scene.active = scene.output = parse_selection("\"free-surface\"");
   return scene;
 }
 
@@ -135,9 +125,7 @@ Mesh octahedron() {
 
 Scene octahedron_scene() {
   Scene scene = symmetric_scene(Shape::none, 0);
-  Selector held = every(Selector::Kind::nodes);
-  held.nodes = {3, 4, 5};
-  scene.fixed = {held};
+  scene.fixed = parse_selection("{ nodes = [3, 4, 5] }");
   return scene;
 }
 
@@ -166,16 +154,14 @@ TEST(SymmetricBody, IsRefusedIfCellsOrSetsAreNot) {
   auto message = error_of([&] { resolve_selections(scene, mesh); });
   EXPECT_TRUE(contains(message, "1 cell has no mirror image: 6")) << message;
 
-  scene.fixed[0].nodes = {1, 3, 5};
+  scene.fixed = parse_selection("{ nodes = [1, 3, 5] }");
   message = error_of([&] { resolve_selections(scene, octahedron()); });
   EXPECT_TRUE(contains(message, "fixed nodes are not symmetric") && contains(message, "node 1 is one"))
       << message;
-  scene.fixed[0].nodes = {3, 4, 5};
+  scene.fixed = octahedron_scene().fixed;
   for (auto* set : {&scene.active, &scene.output}) {
     Scene lopsided = scene;
-    Selector one = every(Selector::Kind::nodes);
-    one.nodes = {2};
-    (set == &scene.active ? lopsided.active : lopsided.output) = {one};
+    (set == &scene.active ? lopsided.active : lopsided.output) = parse_selection("{ nodes = [2] }");
     message = error_of([&] { resolve_selections(lopsided, octahedron()); });
     EXPECT_TRUE(contains(message, "nodes are not symmetric") && contains(message, "image 1 is not"))
         << message;

@@ -38,137 +38,107 @@ Mesh grid() {
   return mesh;
 }
 
-Selector selector(Selector::Kind kind, Vec3 a = {}, Vec3 b = {}, double radius_m = 0) {
-  Selector s;
-  s.kind = kind;
-  s.a = a;
-  s.b = b;
-  s.radius_m = radius_m;
-  s.where = {"scene.toml", 7};
-  return s;
+/// [nodes] with these selections, of which each stands on a line of its own: 4, 5 and 6.
+Scene scene_with(const std::string& output, const std::string& active = "\"free-surface\"") {
+  return parse_scene(
+      "mesh.shape = \"block\"\nmaterial = { law = \"linear\", shear_modulus_Pa = 1, bulk_modulus_Pa = 1 }\n"
+      "[nodes]\nfixed = { box = { min_m = [0, 0, 0], max_m = [2, 2, 0] } }\nactive = " +
+          active + "\noutput = " + output + "\n[probe]\nmax_displacement_m = 0.1\n",
+      "scene.toml", ".");
 }
 
-Scene scene_with(Selection output) {
-  Scene scene;
-  scene.fixed = {selector(Selector::Kind::box, {0, 0, 0}, {2, 2, 0})};
-  scene.active = {selector(Selector::Kind::free_surface)};
-  scene.output = std::move(output);
-  scene.fixed_where = {"scene.toml", 4};
-  scene.active_where = {"scene.toml", 5};
-  scene.output_where = {"scene.toml", 6};
-  return scene;
-}
-
-Nodes selected(const Selector& s) { return resolve_selections(scene_with({s}), grid()).output; }
+Nodes selected(const std::string& output) { return resolve_selections(scene_with(output), grid()).output; }
 
 TEST(Selections, BoxTakesItsFacesIn) {
-  EXPECT_EQ(selected(selector(Selector::Kind::box, {1, 1, 1}, {2, 2, 1})), (Nodes{13, 14, 16, 17}));
+  EXPECT_EQ(selected("{ box = { min_m = [1, 1, 1], max_m = [2, 2, 1] } }"), (Nodes{13, 14, 16, 17}));
 }
 
 TEST(Selections, NodesAFewRoundingErrorsOffTheFaceCountIn) {
-  EXPECT_EQ(selected(selector(Selector::Kind::box, {1 + 1e-12, 1, 1}, {2, 2, 1})).size(), 4u);
-  EXPECT_EQ(selected(selector(Selector::Kind::box, {1 + 1e-6, 1, 1}, {2, 2, 1})).size(), 2u);
+  EXPECT_EQ(selected("{ box = { min_m = [1.000000000001, 1, 1], max_m = [2, 2, 1] } }").size(), 4u);
+  EXPECT_EQ(selected("{ box = { min_m = [1.000001, 1, 1], max_m = [2, 2, 1] } }").size(), 2u);
 }
 
 TEST(Selections, FractionsAreOfTheBoundingBox) {
-  Selector s = selector(Selector::Kind::box, {0.5, 0.5, 0.5}, {1, 1, 0.5});
-  s.fraction = true;
-  EXPECT_EQ(selected(s), (Nodes{13, 14, 16, 17}));
+  EXPECT_EQ(selected("{ box = { min_fraction = [0.5, 0.5, 0.5], max_fraction = [1, 1, 0.5] } }"),
+            (Nodes{13, 14, 16, 17}));
 }
 
 TEST(Selections, Sphere) {
-  EXPECT_EQ(selected(selector(Selector::Kind::sphere, {1, 1, 1}, {}, 1)), (Nodes{4, 10, 12, 13, 14, 16, 22}));
+  EXPECT_EQ(selected("{ sphere = { center_m = [1, 1, 1], radius_m = 1 } }"),
+            (Nodes{4, 10, 12, 13, 14, 16, 22}));
 }
 
 TEST(Selections, PlaneTakesBothSidesWithinItsTolerance) {
-  EXPECT_EQ(selected(selector(Selector::Kind::plane, {0, 0, 1.5}, {0, 0, 2}, 0.5)).size(), 18u);
-  EXPECT_EQ(selected(selector(Selector::Kind::plane, {0, 0, 1}, {0, 0, -3}, 0)).size(), 9u);
+  EXPECT_EQ(selected("{ plane = { point_m = [0, 0, 1.5], normal = [0, 0, 2], tolerance_m = 0.5 } }").size(),
+            18u);
+  EXPECT_EQ(selected("{ plane = { point_m = [0, 0, 1], normal = [0, 0, -3] } }").size(), 9u);
 }
 
 TEST(Selections, HalfSpaceLiesBehindItsNormal) {
-  EXPECT_EQ(selected(selector(Selector::Kind::half_space, {1, 0, 0}, {5, 0, 0})).size(), 18u);
-  EXPECT_EQ(selected(selector(Selector::Kind::half_space, {1.5, 0, 0}, {-1, 0, 0})).size(), 9u);
+  EXPECT_EQ(selected("{ half_space = { point_m = [1, 0, 0], normal = [5, 0, 0] } }").size(), 18u);
+  EXPECT_EQ(selected("{ half_space = { point_m = [1.5, 0, 0], normal = [-1, 0, 0] } }").size(), 9u);
 }
 
 TEST(Selections, NearestIsOneNode) {
-  Selector s = selector(Selector::Kind::nearest, {1.2, 1.1, 0.9});
-  EXPECT_EQ(selected(s), (Nodes{center}));
-  s.surface_only = true;
-  EXPECT_EQ(selected(s), (Nodes{14}));  // the middle of the face at x = 2
+  EXPECT_EQ(selected("{ nearest = { point_m = [1.2, 1.1, 0.9] } }"), (Nodes{center}));
+  // The middle of the face at x = 2.
+  EXPECT_EQ(selected("{ nearest = { point_m = [1.2, 1.1, 0.9] }, surface_only = true }"), (Nodes{14}));
 }
 
 TEST(Selections, GroupsAndNodeLists) {
-  Selector s = selector(Selector::Kind::group);
-  s.group = "corners";
-  EXPECT_EQ(selected(s), (Nodes{0, 2, 6, 8}));
-  s = selector(Selector::Kind::nodes);
-  s.nodes = {5, 3, 5};
-  EXPECT_EQ(selected(s), (Nodes{3, 5}));
+  EXPECT_EQ(selected("{ group = \"corners\" }"), (Nodes{0, 2, 6, 8}));
+  EXPECT_EQ(selected("{ nodes = [5, 3, 5] }"), (Nodes{3, 5}));
+  EXPECT_EQ(selected("{ nodes = [5, 13], surface_only = true }"), (Nodes{5}));
 }
 
 TEST(Selections, SurfaceFreeAndAll) {
-  EXPECT_EQ(selected(selector(Selector::Kind::surface)).size(), 26u);
-  EXPECT_EQ(selected(selector(Selector::Kind::free_surface)).size(), 17u);
-  EXPECT_EQ(selected(selector(Selector::Kind::free_nodes)).size(), 18u);
-  EXPECT_EQ(selected(selector(Selector::Kind::all)).size(), 27u);
-  Selector s = selector(Selector::Kind::all);
-  s.surface_only = true;
-  EXPECT_EQ(selected(s).size(), 26u);
+  EXPECT_EQ(selected("\"surface\"").size(), 26u);
+  EXPECT_EQ(selected("\"free-surface\"").size(), 17u);
+  EXPECT_EQ(selected("\"free\"").size(), 18u);
+  EXPECT_EQ(selected("\"all\"").size(), 27u);
 }
 
 TEST(Selections, AListIsTheUnionOfItsSelectors) {
-  Selector one = selector(Selector::Kind::nodes), two = one;
-  one.nodes = {1, 2};
-  two.nodes = {2, 3};
-  EXPECT_EQ(resolve_selections(scene_with({one, two}), grid()).output, (Nodes{1, 2, 3}));
+  EXPECT_EQ(selected("[{ nodes = [1, 2] }, { nodes = [2, 3] }]"), (Nodes{1, 2, 3}));
 }
 
-TEST(Selections, OutputMayHoldFixedNodes) {
-  EXPECT_EQ(resolve_selections(scene_with({selector(Selector::Kind::all)}), grid()).output.front(), 0);
-}
+TEST(Selections, OutputMayHoldFixedNodes) { EXPECT_EQ(selected("\"all\"").front(), 0); }
 
 TEST(Selections, MistakesAreNamedWithTheirLine) {
   const auto message = [](const Scene& scene) {
     return error_of([&] { resolve_selections(scene, grid()); });
   };
-  const Scene good = scene_with({selector(Selector::Kind::all)});
+  const Scene good = scene_with("\"all\"");
   EXPECT_EQ(message(good), "");
 
+  auto text = message(scene_with("{ sphere = { center_m = [9, 9, 9], radius_m = 0.1 } }"));
+  EXPECT_TRUE(contains(text, "scene.toml:6: a selector of the output nodes selects no node")) << text;
+  EXPECT_TRUE(contains(text, "sphere at (9, 9, 9) m, radius 0.100000 m") && contains(text, "(2, 2, 2) m"))
+      << text;
+
+  text = message(scene_with("\"all\"", "\"surface\""));
+  EXPECT_TRUE(contains(text, "scene.toml:5: active nodes that are also fixed") &&
+              contains(text, "9 nodes: 0"))
+      << text;
+
+  text = message(scene_with("{ group = \"hilum\" }"));
+  EXPECT_TRUE(contains(text, "scene.toml:6: the mesh has no physical group for the output nodes: hilum") &&
+              contains(text, "'corners'"))
+      << text;
+
+  text = message(scene_with("{ nodes = [3, 27] }"));
+  EXPECT_TRUE(contains(text, "a node number of the output nodes is out of range: 27") &&
+              contains(text, "0 to 26"))
+      << text;
+
   Scene scene = good;
-  scene.output = {selector(Selector::Kind::sphere, {9, 9, 9}, {}, 0.1)};
-  EXPECT_TRUE(contains(message(scene), "scene.toml:7: a selector of the output nodes selects no node"))
-      << message(scene);
-  EXPECT_TRUE(contains(message(scene), "(2, 2, 2) m"));
-
-  scene = good;
-  scene.active = {selector(Selector::Kind::surface)};
-  EXPECT_TRUE(contains(message(scene), "scene.toml:5: active nodes that are also fixed") &&
-              contains(message(scene), "9 nodes: 0"))
-      << message(scene);
-
-  scene = good;
   scene.fixed.clear();
-  EXPECT_TRUE(contains(message(scene), "scene.toml:4: there are no fixed nodes")) << message(scene);
+  text = message(scene);
+  EXPECT_TRUE(contains(text, "scene.toml:4: there are no fixed nodes")) << text;
 
-  scene = good;
-  scene.output[0].kind = Selector::Kind::group;
-  scene.output[0].group = "hilum";
-  EXPECT_TRUE(contains(message(scene), "no physical group") && contains(message(scene), "'corners'"))
-      << message(scene);
-
-  scene = good;
-  scene.output[0].kind = Selector::Kind::nodes;
-  scene.output[0].nodes = {3, 27};
-  EXPECT_TRUE(contains(message(scene), "out of range: 27") && contains(message(scene), "0 to 26"))
-      << message(scene);
-
-  scene = good;
-  scene.fixed = {selector(Selector::Kind::free_nodes)};
-  EXPECT_TRUE(contains(message(scene), "what is not fixed")) << message(scene);
-
-  scene = good;
-  scene.output = {selector(Selector::Kind::plane)};
-  EXPECT_TRUE(contains(message(scene), "normal is zero")) << message(scene);
+  scene.fixed = good.active;
+  text = message(scene);
+  EXPECT_TRUE(contains(text, "what is not fixed")) << text;
 }
 
 }  // namespace

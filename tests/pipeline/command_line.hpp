@@ -74,7 +74,7 @@ class CommandLine : public ::testing::Test {
            "[probe]\ndirections = 26\nincrements = " +
            std::to_string(increments) +
            "\nmax_displacement_m = 0.008\n"
-           "[training]\ndeformation_neurons = 40\nforce_neurons = 20\nforce_spread = 2.0\nsamples = 500\n"
+           "[training]\nfamily = \"rbfn\"\ndeformation_neurons = 40\nforce_neurons = 20\nforce_spread = 2.0\nsamples = 500\n"
            "[validation]\nprobes = 8\n";
   }
 

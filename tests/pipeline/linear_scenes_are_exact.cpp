@@ -22,7 +22,7 @@ class LinearScenes : public CommandLine {
   static std::string linear_scene(const std::string& element = "P1") {
     auto text = changed(small_scene(element, 1), "\"neo-hookean\"", "\"linear\"");
     text = changed(text, "directions = 26", "directions = 3");
-    return changed(text, "[training]\n", "[training]\nfamily = \"linear\"\n");
+    return changed(text, "\"rbfn\"", "\"linear\"");
   }
 };
 

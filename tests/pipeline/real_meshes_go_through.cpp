@@ -23,12 +23,12 @@ TEST_P(RealMeshes, FromFileToForce) {
       folder / "scene.toml",
       "[mesh]\nfile = \"" + std::filesystem::canonical(path).string() + "\"\n" + mesh.mesh_keys +
           "\n[material]\nlaw = \"neo-hookean\"\nc10_Pa = 250.0\nbulk_modulus_Pa = 10e3\n"
-          "[nodes]\nfixed = { box = { min_fraction = [0,0,0], max_fraction = [0.3,1,1] } }\n"
+          "[solver]\nelement = \"P1\"\n[nodes]\nfixed = { box = { min_fraction = [0,0,0], max_fraction = [0.3,1,1] } }\n"
           "active = [{ nearest = { point_fraction = [0.9,0.5,1] }, surface_only = true },\n"
           "          { nearest = { point_fraction = [0.7,0.5,0.9] }, surface_only = true }]\n"
           "[probe]\ndirections = 3\nincrements = 2\nmax_displacement_m = " +
           std::to_string(mesh.depth_m) +
-          "\n[training]\ndeformation_neurons = 20\nforce_neurons = 3\nforce_spread = 2.0\nsamples = 300\n"
+          "\n[training]\nfamily = \"rbfn\"\ndeformation_neurons = 20\nforce_neurons = 3\nforce_spread = 2.0\nsamples = 300\n"
           "[validation]\nprobes = 4\n");
   const auto run = phynness("run scene.toml -o out");
   ASSERT_EQ(run.exit_status, 0) << run.err << run.out;

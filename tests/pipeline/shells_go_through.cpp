@@ -25,7 +25,7 @@ class Shells : public CommandLine {
            "[probe]\ndirections = " +
            std::to_string(directions) + "\nincrements = " + std::to_string(increments) +
            "\nmax_displacement_m = 0.0015\n"
-           "[training]\ndeformation_neurons = 200\ndeformation_spread = 1.0\nforce_neurons = "
+           "[training]\nfamily = \"rbfn\"\ndeformation_neurons = 200\ndeformation_spread = 1.0\nforce_neurons = "
            "40\nforce_spread = 2.0\nsamples = 3000\n"
            "[validation]\nprobes = 12\n";
   }
@@ -178,7 +178,7 @@ TEST_F(Shells, OfTheLinearLawAreExact) {
   auto scene =
       changed(small_drain(3, 1), "\"mooney-rivlin\"\nc10_Pa = 2.0\nc01_Pa = 0.2\nbulk_modulus_Pa = 880.0",
               "\"linear\"\nyoungs_modulus_Pa = 13.0\npoisson_ratio = 0.49");
-  scene = changed(scene, "[training]\n", "[training]\nfamily = \"linear\"\n");
+  scene = changed(scene, "\"rbfn\"", "\"linear\"");
   write_scene(scene);
   const auto run = phynness("run scene.toml -o out");
   ASSERT_EQ(run.exit_status, 0) << run.err;

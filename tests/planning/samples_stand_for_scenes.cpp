@@ -175,6 +175,7 @@ TEST(ModelSize, follows_networks_and_nodes) {
   header.magnitudes_m = {0.005, 0.01};
   header.mesh_hash = header.physics_hash = "0123456789abcdef";
   header.software_version = "test";
+  scene.training.family = Family::rbfn;
   scene.training.deformation_neurons = 100;
   scene.training.force_neurons = 50;
   const auto size = predict_model_size(scene, header);

@@ -62,6 +62,7 @@ inline std::vector<Ray> small_rays(const DatabaseHeader& header, std::int32_t ac
 /// Networks small enough that a test trains in a moment.
 inline TrainingSpec small_spec() {
   TrainingSpec spec;
+  spec.family = Family::rbfn;
   spec.deformation_neurons = 40;
   spec.force_neurons = 30;
   spec.deformation_spread = 0.75;

@@ -7,11 +7,10 @@ namespace phynness {
 Model train(const Database& database, const TrainingSpec& spec, TrainingReport& report,
             const TrainingProgress& progress, int threads) {
   const DatabaseHeader& header = database.header();
-  const Scene scene =
-      parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent);
+  const Scene scene = stored_scene(header);
   if (schema::traits(spec.family).proportional && !scene.material.law->linear) {
     throw input_error("family linear needs the linear law", std::string("law ") + name(scene.material.law),
-                      "use family rbfn");
+                      "use family modal or rbfn");
   }
   ResponseSource source;
   source.header = &header;

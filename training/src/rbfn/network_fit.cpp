@@ -1,5 +1,6 @@
 #include <cassert>
 #include <cmath>
+#include <numeric>
 #include <phynness/training/network_fit.hpp>
 
 #include "kernels.hpp"
@@ -184,14 +185,137 @@ double left_out_error(const GrowingQr::Columns& q, const Eigen::MatrixXd& rest,
   return largest > 0 ? sum / (static_cast<double>(points.size()) * largest) : 0;
 }
 
-}  // namespace
+/// The greedy selection of one network, then its weights, for as many of the first centers as are asked for.
+class NetworkBuilder {
+ public:
+  NetworkBuilder(const NetworkPoints& points, const FitOptions& options, NetworkFit& fit)
+      : _points(points),
+        _options(options),
+        _fit(fit),
+        _n(points.size()),
+        _max_neurons(static_cast<int>(std::min<std::size_t>(std::max(options.max_neurons, 0), _n))),
+        _targets(scaled_targets()),
+        _residual(_targets),
+        _error(_n),
+        _qr(_n, _max_neurons + 1),
+        _basis(points, fit.network),
+        _z(_max_neurons + 1, 3) {}
 
-NetworkFit fit_network(const NetworkPoints& points, const FitOptions& options) {
-  const std::size_t n = points.size();
-  assert(n > 0 && options.spread > 0);
-  NetworkFit fit;
-  RbfNetwork& net = fit.network;
-  net.spread = options.spread;
+  void choose_centers() {
+    std::vector<char> tried(_n, 0);
+    std::fill(_qr.next(), _qr.next() + _n, 1.0);
+    _qr.accept_next();
+    project_out();
+    int dependent_in_a_row = 0;
+    while (static_cast<int>(_fit.centers.size()) < _max_neurons) {
+      if (_fit.mse.back() <= _options.target_mse) {
+        _fit.stop = FitStop::target_mse;
+        break;
+      }
+      const std::int32_t worst = worst_untried(_error, tried);
+      if (worst < 0) {
+        _fit.stop = FitStop::all_points_tried;
+        break;
+      }
+      tried[worst] = 1;
+      _basis.fill(worst, _qr.next());
+      if (!_qr.accept_next()) {
+        ++_fit.n_dependent;
+        if (++dependent_in_a_row < max_dependent_in_a_row) continue;
+        _fit.stop = FitStop::dependent;
+        break;
+      }
+      dependent_in_a_row = 0;
+      _fit.centers.push_back(worst);
+      project_out();
+    }
+  }
+
+  void fit_levels() {
+    for (int below = _options.n_levels - 1; below >= 0 && _options.n_levels > 1; --below) {
+      NetworkLevel& level = _fit.levels.emplace_back();
+      const int n_columns = 1 + level_size(_qr.size() - 1, below, least_neurons);
+      const Eigen::MatrixXd first = solve(n_columns);
+      level.neurons = {first.bottomRows(n_columns - 1), first.row(0).transpose()};
+      if (!_options.group.empty())
+        level.left_out_error = left_out_error(_qr.columns(n_columns), _remainder, _targets, _fit.network,
+                                              _points, _options.group);
+    }
+  }
+
+  void fit_all() {
+    RbfNetwork& net = _fit.network;
+    const int size = _qr.size();
+    const Eigen::MatrixXd solution = solve(size);
+    const auto diagonal = _qr.r().diagonal().head(size);
+    _fit.diagonal_ratio = diagonal.maxCoeff() / diagonal.minCoeff();
+    net.bias = solution.row(0).transpose();
+    net.weights = solution.bottomRows(size - 1);
+    net.centers.resize(size - 1, _points.n_inputs());
+    for (int k = 0; k + 1 < size; ++k) {
+      const std::int32_t p = _fit.centers[k];
+      net.centers.row(k) = _basis.scaled_point(p);
+      net.center_displacement.push_back(_points.displacement[p]);
+      if (!_points.place.empty()) net.center_output.push_back(_points.place[p]);
+    }
+  }
+
+ private:
+  Eigen::MatrixXd scaled_targets() const {
+    const RbfNetwork& net = _fit.network;
+    Eigen::MatrixXd targets(_n, 3);
+    for (int k = 0; k < 3; ++k) {
+      targets.col(k) = (_points.outputs.col(k).array() - net.output_center[k]) / net.output_half_range[k];
+    }
+    return targets;
+  }
+
+  void project_out() {
+    const int k = _qr.size() - 1;
+    double c[3];
+    kernels::dot_residuals(_qr.column(k), _residual.data(), _n, _n, c);
+    const double sum = kernels::update_residuals(_qr.column(k), c, _residual.data(), _n, _error.data(), _n);
+    _z.row(k) << c[0], c[1], c[2];
+    _fit.mse.push_back(sum / (3 * static_cast<double>(_n)));
+  }
+
+  /// Weights, bias first, of the first columns; `_remainder` becomes what they leave of the targets.
+  Eigen::MatrixXd solve(int n_columns) {
+    const auto triangle = _qr.r().topLeftCorner(n_columns, n_columns).triangularView<Eigen::Upper>();
+    Eigen::MatrixXd solution = triangle.solve(_z.topRows(n_columns));
+    // Refinement against the basis itself, not its factors: removes what Gram-Schmidt's rounding did to the
+    // weights.
+    _remainder = _targets.rowwise() - solution.row(0);
+    std::vector<double> column(_n);
+    for (int k = 1; k < n_columns; ++k) {
+      _basis.fill(_fit.centers[k - 1], column.data());
+      const Eigen::Map<const Eigen::VectorXd> h(column.data(), static_cast<Eigen::Index>(_n));
+      for (int j = 0; j < 3; ++j) _remainder.col(j) -= solution(k, j) * h;
+    }
+    Eigen::MatrixXd correction(n_columns, 3);
+    for (int k = 0; k < n_columns; ++k) {
+      double c[3];
+      kernels::dot_residuals(_qr.column(k), _remainder.data(), _n, _n, c);
+      kernels::update_residuals(_qr.column(k), c, _remainder.data(), _n, _error.data(), _n);
+      correction.row(k) << c[0], c[1], c[2];
+    }
+    solution += triangle.solve(correction);
+    return solution;
+  }
+
+  const NetworkPoints& _points;
+  const FitOptions& _options;
+  NetworkFit& _fit;
+  std::size_t _n;
+  int _max_neurons;
+  Eigen::MatrixXd _targets, _residual, _remainder;
+  std::vector<double> _error;
+  GrowingQr _qr;
+  BasisColumns _basis;
+  Eigen::MatrixXd _z;
+};
+
+void set_scaling(const NetworkPoints& points, RbfNetwork& net) {
   net.input_center.resize(points.n_inputs());
   net.input_half_range.resize(points.n_inputs());
   transform_of(points.displacements, points.displacement, 0, net.input_center, net.input_half_range);
@@ -201,107 +325,22 @@ NetworkFit fit_network(const NetworkPoints& points, const FitOptions& options) {
   }
   net.output_center.resize(3);
   net.output_half_range.resize(3);
-  std::vector<std::int32_t> all(n);
-  for (std::size_t p = 0; p < n; ++p) all[p] = static_cast<std::int32_t>(p);
+  std::vector<std::int32_t> all(points.size());
+  std::iota(all.begin(), all.end(), 0);
   transform_of(points.outputs, all, 0, net.output_center, net.output_half_range);
+}
 
-  Eigen::MatrixXd targets(n, 3);
-  for (int k = 0; k < 3; ++k) {
-    targets.col(k) = (points.outputs.col(k).array() - net.output_center[k]) / net.output_half_range[k];
-  }
-  Eigen::MatrixXd residual = targets;
-  std::vector<double> error(n);
-  std::vector<char> tried(n, 0);
+}  // namespace
 
-  const int max_neurons = static_cast<int>(std::min<std::size_t>(std::max(options.max_neurons, 0), n));
-  GrowingQr qr(n, max_neurons + 1);
-  BasisColumns basis(points, net);
-  Eigen::MatrixXd z(max_neurons + 1, 3);
-
-  const auto project_out = [&] {
-    const int k = qr.size() - 1;
-    double c[3];
-    kernels::dot_residuals(qr.column(k), residual.data(), n, n, c);
-    const double sum = kernels::update_residuals(qr.column(k), c, residual.data(), n, error.data(), n);
-    z.row(k) << c[0], c[1], c[2];
-    fit.mse.push_back(sum / (3 * static_cast<double>(n)));
-  };
-  std::fill(qr.next(), qr.next() + n, 1.0);
-  qr.accept_next();
-  project_out();
-
-  int dependent_in_a_row = 0;
-  while (true) {
-    if (static_cast<int>(fit.centers.size()) == max_neurons) break;
-    if (fit.mse.back() <= options.target_mse) {
-      fit.stop = FitStop::target_mse;
-      break;
-    }
-    const std::int32_t worst = worst_untried(error, tried);
-    if (worst < 0) {
-      fit.stop = FitStop::all_points_tried;
-      break;
-    }
-    tried[worst] = 1;
-    basis.fill(worst, qr.next());
-    if (!qr.accept_next()) {
-      ++fit.n_dependent;
-      if (++dependent_in_a_row < max_dependent_in_a_row) continue;
-      fit.stop = FitStop::dependent;
-      break;
-    }
-    dependent_in_a_row = 0;
-    fit.centers.push_back(worst);
-    project_out();
-  }
-
-  // Weights, bias first, of the first columns; `remainder` becomes what they leave of the targets.
-  Eigen::MatrixXd remainder;
-  const auto solve = [&](int n_columns) {
-    const auto triangle = qr.r().topLeftCorner(n_columns, n_columns).triangularView<Eigen::Upper>();
-    Eigen::MatrixXd solution = triangle.solve(z.topRows(n_columns));
-    // Refinement against the basis itself, not its factors: removes what Gram-Schmidt's rounding did to the
-    // weights.
-    remainder = targets.rowwise() - solution.row(0);
-    std::vector<double> column(n);
-    for (int k = 1; k < n_columns; ++k) {
-      basis.fill(fit.centers[k - 1], column.data());
-      const Eigen::Map<const Eigen::VectorXd> h(column.data(), static_cast<Eigen::Index>(n));
-      for (int j = 0; j < 3; ++j) remainder.col(j) -= solution(k, j) * h;
-    }
-    Eigen::MatrixXd correction(n_columns, 3);
-    for (int k = 0; k < n_columns; ++k) {
-      double c[3];
-      kernels::dot_residuals(qr.column(k), remainder.data(), n, n, c);
-      kernels::update_residuals(qr.column(k), c, remainder.data(), n, error.data(), n);
-      correction.row(k) << c[0], c[1], c[2];
-    }
-    solution += triangle.solve(correction);
-    return solution;
-  };
-  const int size = qr.size();
-  for (int below = options.n_levels - 1; below >= 0 && options.n_levels > 1; --below) {
-    NetworkLevel& level = fit.levels.emplace_back();
-    const int n_columns = 1 + level_size(size - 1, below, least_neurons);
-    const Eigen::MatrixXd first = solve(n_columns);
-    level.neurons = {first.bottomRows(n_columns - 1), first.row(0).transpose()};
-    if (!options.group.empty())
-      level.left_out_error =
-          left_out_error(qr.columns(n_columns), remainder, targets, net, points, options.group);
-  }
-  const Eigen::MatrixXd solution = solve(size);
-
-  const auto diagonal = qr.r().diagonal().head(size);
-  fit.diagonal_ratio = diagonal.maxCoeff() / diagonal.minCoeff();
-  net.bias = solution.row(0).transpose();
-  net.weights = solution.bottomRows(size - 1);
-  net.centers.resize(size - 1, points.n_inputs());
-  for (int k = 0; k + 1 < size; ++k) {
-    const std::int32_t p = fit.centers[k];
-    net.centers.row(k) = basis.scaled_point(p);
-    net.center_displacement.push_back(points.displacement[p]);
-    if (!points.place.empty()) net.center_output.push_back(points.place[p]);
-  }
+NetworkFit fit_network(const NetworkPoints& points, const FitOptions& options) {
+  assert(points.size() > 0 && options.spread > 0);
+  NetworkFit fit;
+  fit.network.spread = options.spread;
+  set_scaling(points, fit.network);
+  NetworkBuilder builder(points, options, fit);
+  builder.choose_centers();
+  builder.fit_levels();
+  builder.fit_all();
   return fit;
 }
 

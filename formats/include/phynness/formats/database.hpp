@@ -64,6 +64,11 @@ struct DatabaseHeader {
   std::optional<Shard> shard;
 };
 
+/// The scene of a database. Its mesh file may be absent. Where it names no element, it is the one that the database was
+/// solved with, which the physics hash tells: P1 was the default before p1-p1.
+/// @throws Error (input) as parse_scene()
+Scene stored_scene(const DatabaseHeader& header);
+
 /// The finished file in a few figures.
 struct DatabaseSummary {
   std::map<Status, std::int64_t> states;  ///< increments per outcome; outcomes that do not occur are absent

@@ -12,18 +12,10 @@
 
 #include <phynness/formats/fields.hpp>
 #include <phynness/formats/law.hpp>
+#include <phynness/formats/selector.hpp>
 #include <phynness/schema/family.hpp>
 
 namespace phynness {
-
-/// Where in a scene file a value stands, for messages: "file.toml:12".
-struct SourceLocation {
-  std::string file;
-  int line = 0;
-  std::string str() const { return file + ":" + std::to_string(line); }
-};
-
-using Vec3 = std::array<double, 3>;
 
 enum class Shape { none, liver, block, cylinder, tube, drain };
 
@@ -65,31 +57,19 @@ struct Material : Moduli {
 Material material_of(Law law, const std::vector<std::pair<std::string_view, double>>& given);
 
 struct SolverSpec {
-  Element element = element_named("P1");
+  Element element = element_named("p1-p1");  ///< of a scene that names none: `shell` where the mesh has a thickness
+  bool element_given = false;        ///< false: the scene does not name an element
   double relative_tolerance = 1e-8;  ///< |free residual| / |reactions|
   int max_iterations = 40;
   int max_cutbacks = 6;              ///< an increment is cut to at most 2^-max_cutbacks of its length
 };
-
-/// One selector; a selection is the union of a list of them.
-struct Selector {
-  enum class Kind { box, sphere, plane, half_space, group, nodes, nearest, surface, free_surface, free_nodes, all };
-  Kind kind = Kind::surface;
-  Vec3 a{}, b{};              ///< box: min, max; sphere: center; plane/half_space: point, normal; nearest: point
-  double radius_m = 0;        ///< sphere: radius; plane: tolerance (distance from the plane)
-  bool fraction = false;      ///< a and b (positions, not normals) are fractions of the bounding box, not metres
-  bool surface_only = false;  ///< keep surface nodes only
-  std::string group;
-  std::vector<std::int32_t> nodes;
-  SourceLocation where;
-};
-using Selection = std::vector<Selector>;
 
 enum class ProbeKind { node, patch };
 enum class Directions { three, fourteen, twenty_six, ninety_eight, hemisphere };
 
 struct ProbeSpec {
   ProbeKind kind = ProbeKind::node;
+  bool kind_given = false;   ///< false: the scene does not name a kind
   double tool_radius_m = 0;  ///< patch only
   Directions directions = Directions::twenty_six;
   int increments = 6;
@@ -104,7 +84,7 @@ struct DatabaseSpec {
 };
 
 struct TrainingSpec {
-  Family family = Family::rbfn;
+  Family family = Family::modal;
   int deformation_neurons = 200;
   int force_neurons = 60;
   double deformation_spread = 0.75;  ///< in scaled inputs; <= 0: search
@@ -144,12 +124,15 @@ struct Scene {
 Scene read_scene(const std::filesystem::path& file);
 /// Whether a mesh file that the scene names must be there. A scene kept in a database has its mesh beside it.
 enum class MeshFile { must_exist, may_be_absent };
-/// `folder`: where relative mesh paths start.
+/// @param folder         where relative mesh paths start
+/// @param solid_element  what a scene means that names no element and whose mesh has no thickness
 Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
-                  MeshFile mesh_file = MeshFile::must_exist);
+                  MeshFile mesh_file = MeshFile::must_exist, Element solid_element = SolverSpec{}.element);
 
 /// What is allowed but deserves a word before hours are spent on it, one sentence each with file and line.
 std::vector<std::string> scene_warnings(const Scene& scene);
+/// What a default means, where that is worth a word: one sentence each with file and line.
+std::vector<std::string> scene_notes(const Scene& scene);
 
 /// Every key the parser knows as "section.key"; the keys of selectors as "selector.key" and "selector.box.key".
 std::vector<std::string> scene_keys();

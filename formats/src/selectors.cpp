@@ -1,0 +1,315 @@
+// Every selector: what a scene writes, how it is called in messages and in the physics hash, which nodes it
+// picks.
+#include "selectors.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/mesh.hpp>
+
+#include "scene_sections.hpp"
+
+namespace phynness::scene_detail {
+namespace {
+
+using Vector = Eigen::RowVector3d;
+using Keys = std::vector<std::string_view>;
+
+constexpr Range length{0, 1e3, true, false};
+
+Vector vector(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+/// A point in metres or in fractions of the bounding box.
+struct Place {
+  Vec3 x{};
+  bool fraction = false;
+
+  Vector in(const SelectableBody& body) const {
+    return fraction ? Vector(vector(body.low) + vector(x).cwiseProduct(vector(body.high) - vector(body.low)))
+                    : vector(x);
+  }
+  /// After the stem of its key.
+  std::string text() const { return (fraction ? "_fraction = " : "_m = ") + exact_text(x); }
+  const char* units() const { return fraction ? " (fractions of the bounding box)" : " m"; }
+};
+
+Place parse_place(const SceneTable& table, const std::string& stem) {
+  Place place;
+  place.x = parse_position(table, stem, place.fraction);
+  return place;
+}
+
+std::string in_metres(double length_m) { return std::to_string(length_m) + " m"; }
+
+template <class Inside>
+NodeList where(const SelectableBody& body, const NodeList& candidates, Inside inside) {
+  NodeList nodes;
+  for (const std::int32_t i : candidates)
+    if (inside(Vector(body.mesh.nodes.row(i)))) nodes.push_back(i);
+  return nodes;
+}
+
+NodeList without_fixed(const SelectableBody& body, const NodeList& nodes) {
+  NodeList free;
+  std::set_difference(nodes.begin(), nodes.end(), body.fixed.begin(), body.fixed.end(),
+                      std::back_inserter(free));
+  return free;
+}
+
+struct Box final : NodeChoice {
+  static constexpr std::string_view name = "box";
+  static constexpr SelectorForm form = SelectorForm::table;
+  static Keys keys() { return {"min_m", "max_m", "min_fraction", "max_fraction"}; }
+  Place low, high;
+
+  explicit Box(const SceneTable& table) {
+    const bool metric = table.has("min_m") || table.has("max_m");
+    const bool relative = table.has("min_fraction") || table.has("max_fraction");
+    if (metric && relative)
+      table.reject(
+          table.has("min_fraction") ? "min_fraction" : "max_fraction", "stands beside corners in metres",
+          "give both corners in metres (min_m, max_m) or both as fractions (min_fraction, max_fraction)");
+    const std::string first = relative ? "min_fraction" : "min_m", last = relative ? "max_fraction" : "max_m";
+    const auto range = relative ? fractions : metres;
+    const auto a = table.vector(first, range), b = table.vector(last, range);
+    if (!a) table.missing(first, "", "a box needs both corners: add " + first + " = [x, y, z]");
+    if (!b) table.missing(last, "", "a box needs both corners: add " + last + " = [x, y, z]");
+    for (std::size_t i = 0; i < 3; ++i)
+      if ((*a)[i] > (*b)[i])
+        table.reject(first, "lies above " + last + ", so that the box is empty", "swap the two corners");
+    low = {*a, relative}, high = {*b, relative};
+  }
+  std::string text() const override { return "box { min" + low.text() + ", max" + high.text() + " }"; }
+  std::string description() const override {
+    return "box " + shown_text(low.x) + " to " + shown_text(high.x) + low.units();
+  }
+  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
+    const Vector a = low.in(body), b = high.in(body);
+    return where(body, request.candidates, [&](const Vector& x) {
+      return ((x - a).array() >= -body.slack_m).all() && ((b - x).array() >= -body.slack_m).all();
+    });
+  }
+};
+
+struct Sphere final : NodeChoice {
+  static constexpr std::string_view name = "sphere";
+  static constexpr SelectorForm form = SelectorForm::table;
+  static Keys keys() { return {"center_m", "center_fraction", "radius_m"}; }
+  Place center;
+  double radius_m = 0;
+
+  explicit Sphere(const SceneTable& table) : center(parse_place(table, "center")) {
+    const auto radius = table.number("radius_m", length);
+    if (!radius) table.missing("radius_m", "", "add radius_m in metres");
+    radius_m = *radius;
+  }
+  std::string text() const override {
+    return "sphere { center" + center.text() + ", radius_m = " + shortest(radius_m) + " }";
+  }
+  std::string description() const override {
+    return "sphere at " + shown_text(center.x) + center.units() + ", radius " + in_metres(radius_m);
+  }
+  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
+    const Vector c = center.in(body);
+    return where(body, request.candidates,
+                 [&](const Vector& x) { return (x - c).norm() <= radius_m + body.slack_m; });
+  }
+};
+
+struct Plane final : NodeChoice {
+  static constexpr std::string_view name = "plane";
+  static constexpr SelectorForm form = SelectorForm::table;
+  static Keys keys() { return {"point_m", "point_fraction", "normal", "tolerance_m"}; }
+  Place point;
+  Vec3 normal;
+  double tolerance_m;
+
+  explicit Plane(const SceneTable& table) : point(parse_place(table, "point")), normal(parse_normal(table)) {
+    constexpr double default_tolerance_m = 1e-6;
+    tolerance_m = table.number_or("tolerance_m", default_tolerance_m, length);
+  }
+  std::string text() const override {
+    return "plane { point" + point.text() + ", normal = " + exact_text(normal) +
+           ", tolerance_m = " + shortest(tolerance_m) + " }";
+  }
+  std::string description() const override {
+    return "plane through " + shown_text(point.x) + point.units() + ", normal " + shown_text(normal) +
+           ", tolerance " + in_metres(tolerance_m);
+  }
+  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
+    const Vector p = point.in(body), n = vector(normal).normalized();
+    return where(body, request.candidates,
+                 [&](const Vector& x) { return std::abs((x - p).dot(n)) <= tolerance_m + body.slack_m; });
+  }
+};
+
+struct HalfSpace final : NodeChoice {
+  static constexpr std::string_view name = "half_space";
+  static constexpr SelectorForm form = SelectorForm::table;
+  static Keys keys() { return {"point_m", "point_fraction", "normal"}; }
+  Place point;
+  Vec3 normal;
+
+  explicit HalfSpace(const SceneTable& table)
+      : point(parse_place(table, "point")), normal(parse_normal(table)) {}
+  std::string text() const override {
+    return "half_space { point" + point.text() + ", normal = " + exact_text(normal) + " }";
+  }
+  std::string description() const override {
+    return "half space below " + shown_text(point.x) + point.units() + ", normal " + shown_text(normal);
+  }
+  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
+    const Vector p = point.in(body), n = vector(normal).normalized();
+    return where(body, request.candidates, [&](const Vector& x) { return (x - p).dot(n) <= body.slack_m; });
+  }
+};
+
+struct Group final : NodeChoice {
+  static constexpr std::string_view name = "group";
+  static constexpr SelectorForm form = SelectorForm::value;
+  static Keys keys() { return {}; }
+  std::string group;
+
+  explicit Group(const SceneTable& table) : group(*table.text(name)) {
+    if (group.empty()) table.reject(name, "is empty", "name a physical group of the mesh file");
+  }
+  std::string text() const override { return "group \"" + group + "\""; }
+  std::string description() const override { return "group '" + group + "'"; }
+  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
+    const auto& groups = body.mesh.groups;
+    if (const auto found = groups.find(group); found != groups.end()) return found->second;
+    std::string names;
+    for (const auto& [known, nodes] : groups) names += (names.empty() ? "'" : ", '") + known + "'";
+    throw input_error(request.place + "the mesh has no physical group for the " + request.nodes, group,
+                      names.empty() ? "the mesh has no groups at all: select by box, sphere or plane"
+                                    : "groups of the mesh: " + names);
+  }
+};
+
+struct Numbers final : NodeChoice {
+  static constexpr std::string_view name = "nodes";
+  static constexpr SelectorForm form = SelectorForm::value;
+  static Keys keys() { return {}; }
+  NodeList nodes;
+
+  explicit Numbers(const SceneTable& table) {
+    const auto* list = table.find(name)->as_array();
+    if (!list) table.reject(name, "must be an array of node numbers", "write nodes = [0, 5, 7]");
+    if (list->empty())
+      table.reject(name, "is an empty list", "name at least one node, or remove the selector");
+    for (const auto& item : *list) {
+      const auto* number = item.as_integer();
+      if (!number || number->get() < 0 || number->get() > std::numeric_limits<std::int32_t>::max())
+        refuse(table.where(item), table.label(name) + " must hold node numbers, 0 or greater", shown(item),
+               "number nodes from 0 in the order of the mesh file");
+      nodes.push_back(static_cast<std::int32_t>(number->get()));
+    }
+  }
+  std::string text() const override {
+    std::string list;
+    for (const std::int32_t node : nodes) list += (list.empty() ? "" : ", ") + std::to_string(node);
+    return "nodes [" + list + "]";
+  }
+  std::string description() const override { return "a list of " + std::to_string(nodes.size()) + " nodes"; }
+  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
+    for (const std::int32_t node : nodes)
+      if (node >= body.mesh.n_nodes())
+        throw input_error(request.place + "a node number of the " + request.nodes + " is out of range",
+                          std::to_string(node),
+                          "the mesh has nodes 0 to " + std::to_string(body.mesh.n_nodes() - 1));
+    return nodes;
+  }
+};
+
+struct Nearest final : NodeChoice {
+  static constexpr std::string_view name = "nearest";
+  static constexpr SelectorForm form = SelectorForm::table;
+  static Keys keys() { return {"point_m", "point_fraction"}; }
+  Place point;
+
+  explicit Nearest(const SceneTable& table) : point(parse_place(table, "point")) {}
+  std::string text() const override { return "nearest { point" + point.text() + " }"; }
+  std::string description() const override {
+    return "node nearest to " + shown_text(point.x) + point.units();
+  }
+  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
+    const Vector x = point.in(body);
+    double best = std::numeric_limits<double>::infinity();
+    NodeList nearest;
+    for (const std::int32_t i : request.candidates)
+      if (const double d = (Vector(body.mesh.nodes.row(i)) - x).squaredNorm(); d < best)
+        best = d, nearest = {i};
+    return nearest;
+  }
+};
+
+/// A selector without keys.
+struct Word : NodeChoice {
+  static constexpr SelectorForm form = SelectorForm::word;
+  static Keys keys() { return {}; }
+};
+
+struct Surface final : Word {
+  static constexpr std::string_view name = "surface";
+  explicit Surface(const SceneTable&) {}
+  std::string text() const override { return std::string(name); }
+  std::string description() const override { return text(); }
+  NodeList pick(const SelectableBody& body, const PickRequest&) const override { return body.surface; }
+};
+
+struct FreeSurface final : Word {
+  static constexpr std::string_view name = "free-surface";
+  FreeSurface() = default;
+  explicit FreeSurface(const SceneTable&) {}
+  std::string text() const override { return std::string(name); }
+  std::string description() const override { return '"' + text() + '"'; }
+  NodeList pick(const SelectableBody& body, const PickRequest&) const override {
+    return without_fixed(body, body.surface);
+  }
+  bool needs_fixed() const override { return true; }
+};
+
+struct Free final : Word {
+  static constexpr std::string_view name = "free";
+  explicit Free(const SceneTable&) {}
+  std::string text() const override { return std::string(name); }
+  std::string description() const override { return '"' + text() + '"'; }
+  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
+    return without_fixed(body, request.candidates);
+  }
+  bool needs_fixed() const override { return true; }
+};
+
+struct All final : Word {
+  static constexpr std::string_view name = "all";
+  explicit All(const SceneTable&) {}
+  std::string text() const override { return std::string(name); }
+  std::string description() const override { return text(); }
+  NodeList pick(const SelectableBody&, const PickRequest& request) const override {
+    return request.candidates;
+  }
+  bool selects_all() const override { return true; }
+};
+
+template <class Choice>
+SelectorKind row() {
+  return {Choice::name, Choice::form, Choice::keys(),
+          [](const SceneTable& table) -> std::shared_ptr<const NodeChoice> {
+            return std::make_shared<const Choice>(table);
+          }};
+}
+
+}  // namespace
+
+const std::vector<SelectorKind>& selector_kinds() {
+  static const std::vector<SelectorKind> kinds = {
+      row<Box>(),     row<Sphere>(),  row<Plane>(),       row<HalfSpace>(), row<Group>(), row<Numbers>(),
+      row<Nearest>(), row<Surface>(), row<FreeSurface>(), row<Free>(),      row<All>()};
+  return kinds;
+}
+
+std::shared_ptr<const NodeChoice> free_surface() { return std::make_shared<const FreeSurface>(); }
+
+}  // namespace phynness::scene_detail

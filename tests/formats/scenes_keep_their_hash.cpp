@@ -1,0 +1,94 @@
+// Claim: what a selector is called in the physics summary, and with it the hash that databases carry, stays
+// as it is; so do hash and choices of the scenes that ship, whatever the defaults become. A hash that changes
+// makes every database of such a scene unusable: change these numbers only together with a note in the
+// changelog.
+#include <filesystem>
+#include <phynness/formats/database.hpp>
+
+#include "../bad_input/scene_under_test.hpp"
+
+namespace phynness::test {
+namespace {
+
+std::string summary_line(const Scene& scene, const std::string& key) {
+  const auto summary = physics_summary(scene);
+  const auto begin = summary.find(key + " = ");
+  return summary.substr(begin, summary.find('\n', begin) - begin);
+}
+
+TEST(PhysicsHash, spells_every_selector_as_ever) {
+  const Scene scene = parsed(with(good_scene, "active = \"free-surface\"", R"(active = [
+  { box = { min_m = [0, 1e-3, -0.25], max_m = [1, 0.1, 0.5] }, surface_only = false },
+  { sphere = { center_fraction = [0.5, 0.5, 1], radius_m = 0.01 }, surface_only = true },
+  { plane = { point_m = [0, 0, 1], normal = [0, 0, 2] } },
+  { plane = { point_fraction = [0, 0, 1], normal = [1, 1, 0], tolerance_m = 0.001 } },
+  { half_space = { point_m = [0, 0, 1], normal = [0, 3, 4] } },
+  { group = "lobe" }, { nodes = [0, 7, 5] },
+  { nearest = { point_fraction = [1, 1, 0.3] } }, "surface", "free-surface", "free", "all" ])"));
+  EXPECT_EQ(summary_line(scene, "nodes.fixed"),
+            "nodes.fixed = box { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] }");
+  EXPECT_EQ(
+      summary_line(scene, "nodes.active"),
+      "nodes.active = box { min_m = [0, 0.001, -0.25], max_m = [1, 0.1, 0.5] } + sphere { center_fraction = "
+      "[0.5, 0.5, 1], radius_m = 0.01 } surface_only + plane { point_m = [0, 0, 1], normal = [0, 0, 1], "
+      "tolerance_m = 1e-06 } + plane { point_fraction = [0, 0, 1], normal = [0.7071067811865475, "
+      "0.7071067811865475, 0], tolerance_m = 0.001 } + half_space { point_m = [0, 0, 1], normal = [0, 0.6, "
+      "0.8] "
+      "} + group \"lobe\" + nodes [0, 7, 5] + nearest { point_fraction = [1, 1, 0.3] } + surface + "
+      "free-surface "
+      "+ free + all");
+  EXPECT_EQ(summary_line(scene, "nodes.output"), "nodes.output = free-surface");
+  EXPECT_EQ(physics_hash(scene), "12377ff066aeb629");
+}
+
+TEST(ShippedScenes, keep_hash_element_and_family) {
+  struct Shipped {
+    const char *file, *hash, *element, *family;
+  };
+  for (const auto& [file, hash, element, family] : {
+           Shipped{"demo.toml", "0f3331c3b41eb150", "p1-p1", "modal"},
+           Shipped{"liver_case1.toml", "927ff5561329b5f6", "P1", "linear"},
+           Shipped{"liver_case2.toml", "271f3d186b4b743c", "P1", "rbfn"},
+           Shipped{"liver_case3.toml", "9ae035b8de2bea0c", "P1", "rbfn"},
+           Shipped{"penrose_case4.toml", "933076b81ae47b2d", "shell", "rbfn"},
+       }) {
+    const Scene scene = read_scene(std::filesystem::path(PHYNNESS_SOURCE_DIR "/scenes") / file);
+    EXPECT_EQ(physics_hash(scene), hash) << file;
+    EXPECT_STREQ(name(scene.solver.element), element) << file;
+    EXPECT_STREQ(name(scene.training.family), family) << file;
+  }
+}
+
+// Databases made before p1-p1 became the default: such a scene still means the element that it was solved
+// with.
+TEST(StoredScene, means_the_element_that_it_was_solved_with) {
+  const std::string plain = with(with(good_scene, "element = \"P1\"\n", ""), "family = \"rbfn\"\n", "");
+  DatabaseHeader header;
+  header.scene_text = plain;
+  header.scene_name = "body.toml";
+  EXPECT_EQ(stored_scene(header).solver.element, element_named("p1-p1")) << "a database that is about to be made";
+  header.physics_hash = physics_hash(parsed(plain));
+  EXPECT_EQ(stored_scene(header).solver.element, element_named("p1-p1"));
+  header.physics_hash = physics_hash(parsed(with(plain, "[solver]", "[solver]\nelement = \"P1\"")));
+  EXPECT_EQ(stored_scene(header).solver.element, element_named("P1"));
+  EXPECT_EQ(physics_hash(stored_scene(header)), header.physics_hash);
+  // Written out, nothing is left to guess.
+  header.scene_text = with(good_scene, "family = \"rbfn\"\n", "");
+  header.physics_hash = physics_hash(parsed(header.scene_text));
+  EXPECT_EQ(stored_scene(header).solver.element, element_named("P1"));
+}
+
+// A material whose lambda is not positive cannot be solved with p1-p1, so that its old scene is refused
+// today.
+TEST(StoredScene, is_read_where_it_would_be_refused_today) {
+  const std::string plain =
+      with(with(good_scene, "element = \"P1\"\n", ""), "bulk_modulus_Pa = 5000.0", "bulk_modulus_Pa = 300.0");
+  EXPECT_THROW(parsed(plain), Error);
+  DatabaseHeader header;
+  header.scene_text = plain;
+  header.physics_hash = physics_hash(parsed(with(plain, "[solver]", "[solver]\nelement = \"P1\"")));
+  EXPECT_EQ(stored_scene(header).solver.element, element_named("P1"));
+}
+
+}  // namespace
+}  // namespace phynness::test

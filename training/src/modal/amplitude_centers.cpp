@@ -1,0 +1,201 @@
+// Which states become centers of the amplitudes, and how flat their kernel is.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "amplitude_features.hpp"
+#include "fixed_shapes.hpp"
+#include "left_out.hpp"
+#include "multiquadric.hpp"
+
+namespace phynness {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+/// More states than this make a search slow and no better: what is left out is whole directions.
+constexpr std::size_t max_search_states = 100;
+
+/// Displacements this close, in the largest, are the same but for rounding.
+constexpr double same_place = 1e-9;
+
+/// Products of two components of a displacement.
+constexpr int n_even = 6;
+
+}  // namespace
+
+Eigen::MatrixX3d scaled_rows(const TrainingTables& tables, const std::vector<std::int32_t>& rows) {
+  Eigen::MatrixX3d x(static_cast<Index>(rows.size()), 3);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    x.row(static_cast<Index>(i)) = tables.displacements.row(rows[i]) / tables.magnitudes_m.back();
+  return x;
+}
+
+MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, double shape, int degree) {
+  const Index n_centers = centers.rows();
+  MatrixXd f(x.rows(), n_centers + 3 + (degree > 0 ? n_even : 0));
+  for (Index i = 0; i < x.rows(); ++i)
+    for (Index j = 0; j < n_centers; ++j)
+      f(i, j) = anchored_multiquadric(x.row(i).transpose(), centers.row(j).transpose(), shape);
+  f.middleCols<3>(n_centers) = x;
+  if (degree > 0)
+    for (Index i = 0; i < x.rows(); ++i)
+      f.row(i).tail<n_even>() = even_features(x.row(i).transpose(), degree).transpose();
+  return f;
+}
+
+MatrixXd orthonormal(const MatrixXd& a) {
+  return Eigen::HouseholderQR<MatrixXd>(a).householderQ() *
+         MatrixXd::Identity(a.rows(), std::min(a.rows(), a.cols()));
+}
+
+namespace {
+
+/// Amplitudes at directions left out, mean over states: root mean square over nodes of their error, over the
+/// largest displacement of a node. (Modes are orthonormal: the size of an amplitude vector is that of the
+/// whole field.)
+double left_out_error(const TrainingTables& tables, const NodeModes& node, double shape) {
+  // The same displacement twice would make the matrix singular, close neighbours along a direction singular
+  // to rounding.
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < node.row.size(); ++i)
+    if (std::none_of(places.begin(), places.end(), [&](std::size_t j) {
+          return (tables.displacements.row(node.row[i]) - tables.displacements.row(node.row[j])).norm() <=
+                 same_place * tables.magnitudes_m.back();
+        }))
+      places.push_back(i);
+  std::vector<Index> kept;
+  std::vector<std::int32_t> rows, directions;
+  const auto stride = static_cast<std::int32_t>((places.size() + max_search_states - 1) / max_search_states);
+  for (const auto i : places) {
+    const auto increment = node.row[i] % tables.n_increments;
+    if ((tables.n_increments - 1 - increment) % stride != 0) continue;
+    kept.push_back(static_cast<Index>(i));
+    rows.push_back(node.row[i]);
+    directions.push_back(node.direction[i]);
+  }
+  const auto x = scaled_rows(tables, rows);
+  const Index n = x.rows() + 1;
+  if (n == 1) return 0;
+  MatrixXd phi(n, n), tail = MatrixXd::Ones(n, 4), values = MatrixXd::Zero(n, node.amplitudes.cols());
+  values.bottomRows(n - 1) = rows_of(node.amplitudes, kept);
+  const auto place = [&](Index i) -> Vector3d {
+    return i == 0 ? Vector3d::Zero() : Vector3d(x.row(i - 1).transpose());
+  };
+  for (Index i = 0; i < n; ++i) {
+    tail.row(i).tail<3>() = place(i).transpose();
+    for (Index j = 0; j < n; ++j) phi(i, j) = multiquadric(place(i) - place(j), shape);
+  }
+  const MatrixXd errors = left_out(phi, tail, values, groups_of_equal(directions, 1, 1));
+  const double n_output = static_cast<double>(node.modes.rows()) / node.components;
+  return node.largest > 0
+             ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest
+             : 0;
+}
+
+/// One node's part in the choice of centers: what its states say of each candidate.
+struct Chooser {
+  MatrixXd columns,
+      rest;  ///< states x candidates, states x modes; orthogonal to the linear part and to what was chosen
+  VectorXd first;  ///< squared lengths of the columns at the start
+};
+
+Chooser chooser(const TrainingTables& tables, const NodeModes& node, const Eigen::MatrixX3d& candidates,
+                double shape) {
+  Chooser c;
+  const MatrixXd f = features(scaled_rows(tables, node.row), candidates, shape);
+  const MatrixXd linear = orthonormal(f.rightCols<3>());
+  c.columns = f.leftCols(candidates.rows());
+  c.columns -= linear * (linear.transpose() * c.columns);
+  c.rest = node.amplitudes / std::max(node.largest, std::numeric_limits<double>::min());
+  c.rest -= linear * (linear.transpose() * c.rest);
+  c.first = c.columns.colwise().squaredNorm();
+  return c;
+}
+
+/// How much of each candidate is left, and what it would explain; nothing where what is left is rounding.
+VectorXd explained(const Chooser& c) {
+  const VectorXd left = c.columns.colwise().squaredNorm();
+  const VectorXd slope = (c.columns.transpose() * c.rest).rowwise().squaredNorm();
+  return (left.array() > 1e-10 * c.first.array()).select(slope.array() / left.array(), 0.0);
+}
+
+void remove(Chooser& c, Index candidate) {
+  const double size = c.columns.col(candidate).norm();
+  if (!(size > 0)) return;
+  const VectorXd direction = c.columns.col(candidate) / size;
+  c.columns -= direction * (direction.transpose() * c.columns);
+  c.rest -= direction * (direction.transpose() * c.rest);
+}
+
+}  // namespace
+
+std::vector<double> amplitude_shape_candidates() { return {0.03, 0.1, 0.3, 0.6, 1.0}; }
+
+Eigen::Matrix<double, 6, 1> even_features(const Vector3d& x, int degree) {
+  const double size = x.norm();
+  if (!(size > 0)) return Eigen::Matrix<double, 6, 1>::Zero();
+  const double by = degree == 1 ? size : 1;
+  Eigen::Matrix<double, 6, 1> e;
+  e << x[0] * x[0], x[0] * x[1], x[0] * x[2], x[1] * x[1], x[1] * x[2], x[2] * x[2];
+  return e / by;
+}
+
+AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
+                                          int max_centers) {
+  AmplitudeCenters chosen;
+  if (std::all_of(nodes.begin(), nodes.end(), [](const auto& node) { return node.row.empty(); }))
+    return chosen;
+  chosen.left_out_error = std::numeric_limits<double>::infinity();
+  for (const double candidate : amplitude_shape_candidates()) {
+    // The median: a node where the body snaps is predicted by no shape, and would outweigh all others.
+    std::vector<double> errors;
+    for (const auto& node : nodes) errors.push_back(left_out_error(tables, node, candidate));
+    std::sort(errors.begin(), errors.end());
+    const double error = errors[(errors.size() - 1) / 2];
+    if (error < chosen.left_out_error) {
+      chosen.left_out_error = error;
+      chosen.shape = candidate;
+    }
+  }
+  const auto centers = amplitude_centers_of_shape(tables, nodes, max_centers, chosen.shape);
+  chosen.row = centers.row;
+  chosen.order = centers.order;
+  return chosen;
+}
+
+AmplitudeCenters amplitude_centers_of_shape(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
+                                            int max_centers, double shape) {
+  AmplitudeCenters chosen;
+  chosen.shape = shape;
+  std::set<std::int32_t> every;
+  for (const auto& node : nodes) every.insert(node.row.begin(), node.row.end());
+  // Candidates are the states of any node; nodes that face different ways have different ones.
+  const std::vector<std::int32_t> rows(every.begin(), every.end());
+  const auto x = scaled_rows(tables, rows);
+  std::vector<Chooser> choosers;
+  for (const auto& node : nodes)
+    if (!node.row.empty()) choosers.push_back(chooser(tables, node, x, shape));
+  std::vector<char> open(rows.size(), 1);
+  while (!rows.empty() && static_cast<int>(chosen.row.size()) < max_centers) {
+    VectorXd sum = VectorXd::Zero(x.rows());
+    for (const auto& c : choosers) sum += explained(c);
+    for (Index i = 0; i < x.rows(); ++i)
+      if (!open[static_cast<std::size_t>(i)]) sum[i] = 0;
+    Index best = 0;
+    if (!(sum.maxCoeff(&best) > 0)) break;
+    open[static_cast<std::size_t>(best)] = 0;
+    chosen.row.push_back(rows[static_cast<std::size_t>(best)]);
+    for (auto& c : choosers) remove(c, best);
+  }
+  chosen.order = chosen.row;
+  std::sort(chosen.row.begin(), chosen.row.end());
+  return chosen;
+}
+
+}  // namespace phynness
