@@ -8,10 +8,6 @@
 
 namespace PHN_RUNTIME {
 
-inline bool finite(const double* d) {
-  return std::isfinite(d[0]) && std::isfinite(d[1]) && std::isfinite(d[2]);
-}
-
 inline void zero(double* values, std::int32_t n) {
   if (values == nullptr) return;
   for (std::int32_t i = 0; i < n; ++i) values[i] = 0;

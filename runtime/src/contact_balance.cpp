@@ -198,12 +198,10 @@ class Balance {
   bool find_slide(std::int32_t i, double push, const double* tangential, double friction) {
     const std::int32_t t = _active[i];
     ToolContact& tool = _contact.tool[t];
-    double stiffness[9], ap[3];
-    stiffness_of(i, stiffness);
-    const double* p = tool.displacement;
-    for (int k = 0; k < 3; ++k) ap[k] = dot(stiffness + 3 * k, p);
-    const double linear = dot(ap, p), scale = linear > 0 ? dot(tool.force, p) / linear : 1;
-    for (double& a : stiffness) a *= std::fmin(8.0, std::fmax(0.25, scale));
+    Matrix stiffness = stiffness_of(i);
+    const Vector p = vector_at(tool.displacement);
+    const double linear = dot(stiffness * p, p), scale = linear > 0 ? dot(tool.force, p.x) / linear : 1;
+    stiffness *= std::fmin(8.0, std::fmax(0.25, scale));
 
     double axes[6], offset_gradient[9], normal_gradient[9];
     gradients_at(_surface, tool.at, axes, offset_gradient, normal_gradient);
@@ -216,13 +214,14 @@ class Balance {
       double m[2][2], right[2], x[2];
       for (int j = 0; j < 2; ++j) {
         const double* axis = axes + 3 * j;
-        double dp[3], df[3], dn[3];
+        Vector dp;
+        double dn[3];
         for (int k = 0; k < 3; ++k) {
           dp[k] = -axis[k] - _inputs[t].radius * dot(offset_gradient + 3 * k, axis);
           dn[k] = curved ? dot(normal_gradient + 3 * k, axis) : 0;
         }
-        for (int k = 0; k < 3; ++k) df[k] = dot(stiffness + 3 * k, dp);
-        const double dpush = -dot(df, tool.normal) - dot(tool.force, dn);
+        const Vector df = stiffness * dp;
+        const double dpush = -dot(df.x, tool.normal) - dot(tool.force, dn);
         for (int l = 0; l < 2; ++l) {
           m[l][j] = 0;
           for (int k = 0; k < 3; ++k) {
@@ -235,7 +234,7 @@ class Balance {
       if (!solve_two(m, right, x)) continue;
       double slide[3];
       for (int k = 0; k < 3; ++k) slide[k] = x[0] * axes[k] + x[1] * axes[3 + k];
-      const double size = norm(slide), longest = longest_slide * norm(p);
+      const double size = norm(slide), longest = longest_slide * norm(p.x);
       if (!(size > 0)) return false;
       for (int k = 0; k < 3; ++k) tool.slide[k] = slide[k] * std::fmin(1.0, longest / size);
       return true;
@@ -243,15 +242,13 @@ class Balance {
     return false;
   }
 
-  void stiffness_of(std::int32_t i, double* stiffness) const {
+  Matrix stiffness_of(std::int32_t i) const {
     const HeldPoint& point = _data.coupling.point[i];
-    if (_n_active > 1 || point.n_nodes > 1) {
-      for (int k = 0; k < 9; ++k) stiffness[k] = point.stiffness[k];
-      return;
-    }
+    if (_n_active > 1 || point.n_nodes > 1) return point.stiffness;
     // One tool at one node is not coupled.
-    stiffness_at_rest(*_contact.model, _contact.model->active[point.active[0]], stiffness);
-    for (int k = 0; k < 9; ++k) stiffness[k] /= point.weight[0] * point.weight[0];
+    Matrix stiffness = stiffness_at_rest(*_contact.model, _contact.model->active[point.active[0]]);
+    for (double& k : stiffness.a) k /= point.weight[0] * point.weight[0];
+    return stiffness;
   }
 
   /// Cuts off what sliding left outside the cone.

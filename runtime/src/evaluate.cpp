@@ -77,31 +77,16 @@ bool outside(const phn_model& model, const ActiveNode& node, const double* d) {
   if (schema::traits(model.family).proportional) return length(d) > largest_linear;
   // No root for most: squares that overflow or underflow go on below.
   if (dot(d, d) < node.least_depth * node.least_depth) return false;
-  // The deepest increment itself is inside, however its direction was rounded.
-  const double slack = 1 + 1e-9;
-  const double size = length(d);
+  const double size = length(d), slack = depth_slack<double>;
   return size > slack * node.least_depth && size > slack * trained_depth(model, node, d);
 }
 
 double trained_depth(const phn_model& model, const ActiveNode& node, const double* d) {
   const double size = length(d);
-  double depth = 0, best = -2;
-  for (std::int32_t i = 0; i < model.n_directions; ++i) {
-    const double* e = &model.directions[3 * i];
-    if (size > 0) {
-      // d is divided first: its squares could leave the range of double.
-      const double along = size < 1e-290 || size > 1e290
-                               ? (d[0] / size) * e[0] + (d[1] / size) * e[1] + (d[2] / size) * e[2]
-                               : (d[0] * e[0] + d[1] * e[1] + d[2] * e[2]) / size;
-      if (along > best) {
-        best = along;
-        depth = node.trained_depth[i];
-      }
-    } else if (node.trained_depth[i] > 0 && (depth == 0 || node.trained_depth[i] < depth)) {
-      depth = node.trained_depth[i];
-    }
-  }
-  return depth;
+  // Products of these could leave the range of normal numbers.
+  const bool extreme = size > 0 && (size < 1e-290 || size > 1e290);
+  const double e[3] = {extreme ? d[0] / size : d[0], extreme ? d[1] / size : d[1], extreme ? d[2] / size : d[2]};
+  return depth_along(model.directions, node.trained_depth, model.n_directions, e);
 }
 
 }  // namespace PHN_RUNTIME

@@ -6,6 +6,7 @@
 #include <phynness/image_layout.hpp>
 
 #include "conservative.hpp"
+#include "lookup.hpp"
 
 namespace PHN_RUNTIME {
 
@@ -21,20 +22,20 @@ const T* at(const ImageHeader<Real>& image, image::Table table) {
   return at<T>(image, table.at);
 }
 
-/// What depends on the number: 2^-t for 0 <= t and the slack of "deeper than trained".
+/// What depends on the number: 2^-t for 0 <= t.
 template <class Real>
 struct Arithmetic;
 template <>
 struct Arithmetic<float> {
   using Bits = uint32_t;
   static constexpr int n_terms = 8, mantissa_bits = 23, bias = 127;
-  static constexpr float largest_exponent = 126, slack = 1 + 1e-6f;
+  static constexpr float largest_exponent = 126;
 };
 template <>
 struct Arithmetic<double> {
   using Bits = uint64_t;
   static constexpr int n_terms = 14, mantissa_bits = 52, bias = 1023;
-  static constexpr double largest_exponent = 1022, slack = 1 + 1e-9;
+  static constexpr double largest_exponent = 1022;
 };
 
 /// 2^-t, relative error some 1e-7 (float) or 3e-16 (double): t is cut where the result would leave normal numbers.
@@ -58,16 +59,6 @@ Real power_of_half(Real t) {
 }
 
 template <class Real>
-Real cut(Real value, Real largest) {
-  return value > largest ? largest : value < -largest ? -largest : value;
-}
-
-template <class Real>
-bool finite(const Real* d) {
-  return d[0] - d[0] == 0 && d[1] - d[1] == 0 && d[2] - d[2] == 0;
-}
-
-template <class Real>
 void clear(Real* out, size_t n) {
   for (size_t i = 0; i < n; ++i) out[i] = 0;
 }
@@ -86,39 +77,16 @@ bool cut_displacement(const ImageHeader<Real>& image, const Real* d, Real* at) {
 
 template <class Real>
 const image::ActiveNode<Real>* find_active(const ImageHeader<Real>& image, int32_t node) {
-  const auto* list = at<int32_t>(image, image.active_nodes);
-  uint32_t low = 0, high = image.active_nodes.n;
-  while (low < high) {
-    const uint32_t middle = low + (high - low) / 2;
-    if (list[middle] < node) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
-  }
-  return low < image.active_nodes.n && list[low] == node ? at<image::ActiveNode<Real>>(image, image.active) + low
-                                                         : nullptr;
+  const int32_t found =
+      find_sorted(at<int32_t>(image, image.active_nodes), static_cast<int32_t>(image.active_nodes.n), node);
+  return found < 0 ? nullptr : at<image::ActiveNode<Real>>(image, image.active) + found;
 }
 
 /// @param d  cut
 template <class Real>
 Real trained_depth(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d) {
-  const Real* direction = at<Real>(image, image.directions);
-  const Real* trained = at<Real>(image, node.trained_depth);
-  const bool moves = d[0] != 0 || d[1] != 0 || d[2] != 0;
-  Real depth = 0, best = 0;
-  for (uint32_t i = 0; i < node.trained_depth.n; ++i, direction += 3) {
-    if (moves) {
-      const Real along = dot(d, direction);
-      if (i == 0 || along > best) {
-        best = along;
-        depth = trained[i];
-      }
-    } else if (trained[i] > 0 && (depth == 0 || trained[i] < depth)) {
-      depth = trained[i];
-    }
-  }
-  return depth;
+  return depth_along(at<Real>(image, image.directions), at<Real>(image, node.trained_depth),
+                     static_cast<int32_t>(node.trained_depth.n), d);
 }
 
 /// @param d  cut, unless `whole` is false
@@ -126,7 +94,7 @@ template <class Real>
 int image_warnings(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, bool whole, const Real* d) {
   const bool outside =
       !whole || (image.family != image::Family::linear &&
-                 square_root(dot(d, d)) > Arithmetic<Real>::slack * trained_depth(image, node, d));
+                 square_root(dot(d, d)) > depth_slack<Real> * trained_depth(image, node, d));
   return (outside ? PHN_WARNING_OUTSIDE : 0) | (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
 }
 

@@ -423,17 +423,6 @@ int ModelLoader::finish(phn_model* placed) {
 
 }  // namespace
 
-std::int32_t find_sorted(const std::int32_t* list, std::int32_t n, std::int32_t node) {
-  // Halves without a branch: which one is taken cannot be foreseen.
-  const std::int32_t* at = list;
-  for (std::int32_t left = n; left > 1;) {
-    const std::int32_t half = left / 2;
-    at += at[half - 1] < node ? half : 0;
-    left -= half;
-  }
-  return n > 0 && *at == node ? static_cast<std::int32_t>(at - list) : -1;
-}
-
 std::int32_t find_vertex(const phn_model& model, std::int32_t node) {
   const std::int32_t output = find_sorted(model.output_nodes, model.n_output, node);
   if (output >= 0) return output;

@@ -5,7 +5,6 @@
 #include "evaluate.hpp"
 #include "modal_kernels.hpp"
 #include "network_kernels.hpp"
-#include "small_matrices.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
@@ -33,12 +32,12 @@ class ModeSum {
       : _model(model), _node(node), _shared(shared) {
     for (std::int32_t k = 0; k < 3 * model.shared.n_modes; ++k) shared[k] = 0;
   }
-  void add(std::int32_t output, const double* map, LocalResponse& local) {
+  void add(std::int32_t output, const Matrix& map, LocalResponse& local) {
     const std::int32_t at = find_sorted(_node.near, _node.n_near, output), n_shared = _model.shared.n_modes;
     _mixes = _mixes || at < 0;
     for (std::int32_t c = 0; c < 3; ++c) {
       const auto row = static_cast<std::size_t>(3 * (at >= 0 ? at : output) + c);
-      const double factor[3] = {map[c], map[3 + c], map[6 + c]};
+      const double factor[3] = {map(0, c), map(1, c), map(2, c)};
       if (at >= 0) {
         add_row(_node.near_mode + row * static_cast<std::size_t>(_node.n_columns), _node.near_mode_scale, factor,
                 _node.n_modes, local.rows);
@@ -66,19 +65,18 @@ class ModeSum {
   bool _mixes = false;
 };
 
-void add_gaussians(const phn_model& model, const Network& net, std::int32_t output, const double* map, double* gaussian,
+void add_gaussians(const phn_model& model, const Network& net, std::int32_t output, const Matrix& map, double* gaussian,
                    LocalResponse& local) {
   best_network_kernels().of_inputs(net, 3, model.output_points + 3 * static_cast<std::size_t>(output), gaussian);
   for (std::int32_t i = 0; i < net.n_neurons; ++i) {
-    double u[3], sum[3];
+    Vector u;
     for (int k = 0; k < 3; ++k) u[k] = gaussian[i] * net.output_half_range[k] * static_cast<double>(net.weight[k][i]);
-    multiply(map, u, sum);
+    const Vector sum = map * u;
     for (int k = 0; k < 3; ++k) local.rows[k * net.n_neurons + i] += sum[k];
   }
-  double constant[3], sum[3];
+  Vector constant;
   for (int k = 0; k < 3; ++k) constant[k] = net.output_center[k] + net.output_half_range[k] * net.bias[k];
-  multiply(map, constant, sum);
-  add_scaled(1, sum, 3, local.constant);
+  local.constant += map * constant;
 }
 
 /// Of a stiffness at rest, over the cube of its mean diagonal. Forces between nodes are the same from 0 to
@@ -87,7 +85,8 @@ constexpr double least_determinant = 0.01;
 
 /// Raises a symmetric matrix by a multiple of 1 until it resists in every direction: beside a snap fits at
 /// rest do not, and what a point between such nodes does is then the difference of large numbers.
-void stiffen(double* k) {
+void stiffen(Matrix& stiffness) {
+  double* k = stiffness.a;
   const double mean = (std::fabs(k[0]) + std::fabs(k[4]) + std::fabs(k[8])) / 3, shift = mean / 16;
   const double d[3] = {k[0], k[4], k[8]};
   for (int step = 0; step < 64; ++step) {
@@ -134,9 +133,8 @@ void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, doub
   const std::int32_t n = basis_size(model, node);
   const double h = model.family == Family::linear ? 1 : model.first_increment;
   for (int k = 0; k < 3; ++k) {
-    const double to[3] = {k == 0 ? h : 0, k == 1 ? h : 0, k == 2 ? h : 0}, from[3] = {-to[0], -to[1], -to[2]};
-    basis_of(model, node, to, gradient + k * n, scratch);
-    basis_of(model, node, from, other, scratch);
+    basis_of(model, node, unit_vector(k, h).x, gradient + k * n, scratch);
+    basis_of(model, node, (-1 * unit_vector(k, h)).x, other, scratch);
     for (std::int32_t j = 0; j < n; ++j) gradient[k * n + j] = (gradient[k * n + j] - other[j]) / (2 * h);
   }
 }
@@ -180,32 +178,31 @@ void amplitude_gradient(const phn_model& model, const ActiveNode& node, const do
 }
 
 void clear_local(const phn_model& model, const ActiveNode& node, LocalResponse& local) {
-  for (double& k : local.constant) k = 0;
-  for (double& k : local.direct) k = 0;
+  local.constant = {};
+  local.direct = {};
   for (std::int32_t i = 0; i < 3 * basis_size(model, node); ++i) local.rows[i] = 0;
 }
 
 void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
-               const double* maps, double* scratch, LocalResponse& local) {
+               const Matrix* maps, double* scratch, LocalResponse& local) {
   const bool modal = model.family == Family::modal;
   // Other families share no modes, and have no node to mix them for.
   static const ModalResponse none = {};
   ModeSum modes(model, modal ? *node.modal : none, scratch);
   for (std::int32_t i = 0; i < n; ++i) {
     const std::int32_t vertex = vertices[i];
-    const double* map = maps + 9 * i;
+    const Matrix& map = maps[i];
     if (vertex < 0 || vertex >= model.n_output) continue;
     const std::int32_t moved = position_of(node.prescribed, node.n_prescribed, vertex);
     if (moved >= 0) {
-      add_scaled(node.prescribed_weight[moved], map, 9, local.direct);
+      local.direct += node.prescribed_weight[moved] * map;
     } else if (modal) {
       modes.add(vertex, map, local);
     } else if (model.family == Family::rbfn) {
       add_gaussians(model, node.networks->deformation, vertex, map, scratch, local);
     } else {
       for (int l = 0; l < 3; ++l) {
-        double u[3];
-        multiply(map, node.linear->unit_response[l] + 3 * vertex, u);
+        const Vector u = map * vector_at(node.linear->unit_response[l] + 3 * vertex);
         for (int k = 0; k < 3; ++k) local.rows[3 * k + l] += u[k];
       }
     }
@@ -213,13 +210,14 @@ void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, c
   if (modal) modes.mix(local);
 }
 
-void local_displacement(const LocalResponse& local, double share, const double* d, std::int32_t n_basis,
-                        const double* basis, double* u) {
-  multiply(local.direct, d, u);
+Vector local_displacement(const LocalResponse& local, double share, const Vector& d, std::int32_t n_basis,
+                          const double* basis) {
+  Vector u = local.direct * d;
   for (int i = 0; i < 3; ++i) {
     u[i] += share * local.constant[i];
     for (std::int32_t j = 0; j < n_basis; ++j) u[i] += local.rows[i * n_basis + j] * basis[j];
   }
+  return u;
 }
 
 void field_of_basis(const phn_model& model, const ActiveNode& node, const PreparedNode* prepared, double share,
@@ -241,38 +239,35 @@ void field_of_basis(const phn_model& model, const ActiveNode& node, const Prepar
   }
 }
 
-double curvature(const phn_model& model, const ActiveNode& node, const double* stiffness) {
+double curvature(const phn_model& model, const ActiveNode& node, const Matrix& stiffness) {
   double apart = 0, all = 0;
   for (int k = 0; k < 6; ++k) {
-    double d[3] = {0, 0, 0}, force[3], linear[3];
-    d[k / 2] = (k % 2 - 0.5) * 2 * model.max_displacement;
-    evaluate_force(model, node, d, force);
-    multiply(stiffness, d, linear);
-    add_scaled(-1, linear, 3, force);
+    const Vector d = unit_vector(k / 2, (k % 2 - 0.5) * 2 * model.max_displacement), linear = stiffness * d;
+    Vector force;
+    evaluate_force(model, node, d.x, force.x);
+    force -= linear;
     apart += dot(force, force);
     all += dot(linear, linear);
   }
   return all > 0 ? apart / all : 0;
 }
 
-void stiffness_at_rest(const phn_model& model, const ActiveNode& node, double* stiffness) {
+Matrix stiffness_at_rest(const phn_model& model, const ActiveNode& node) {
+  Matrix secant;
   if (model.family == Family::linear) {
-    const double rest[3] = {0, 0, 0};
-    return evaluate_stiffness(model, node, rest, stiffness);
+    evaluate_stiffness(model, node, Vector{}.x, secant.a);
+    return secant;
   }
   const double h = model.first_increment;
-  double secant[9];
   for (int k = 0; k < 3; ++k) {
-    const double to[3] = {k == 0 ? h : 0, k == 1 ? h : 0, k == 2 ? h : 0}, from[3] = {-to[0], -to[1], -to[2]};
-    double f[3], g[3];
-    evaluate_force(model, node, to, f);
-    evaluate_force(model, node, from, g);
-    for (int i = 0; i < 3; ++i) secant[3 * i + k] = (f[i] - g[i]) / (2 * h);
+    Vector f, g;
+    evaluate_force(model, node, unit_vector(k, h).x, f.x);
+    evaluate_force(model, node, (-1 * unit_vector(k, h)).x, g.x);
+    for (int i = 0; i < 3; ++i) secant(i, k) = (f[i] - g[i]) / (2 * h);
   }
-  for (int i = 0; i < 3; ++i) {
-    for (int k = 0; k < 3; ++k) stiffness[3 * i + k] = (secant[3 * i + k] + secant[3 * k + i]) / 2;
-  }
+  Matrix stiffness = symmetric_part(secant);
   stiffen(stiffness);
+  return stiffness;
 }
 
 }  // namespace PHN_RUNTIME

@@ -3,15 +3,16 @@
 #pragma once
 
 #include "prepared.hpp"
+#include "vectors.hpp"
 
 namespace PHN_RUNTIME {
 
 /// A sum of maps times displacements of a few vertices under one active node displaced by d: constant +
 /// direct d + rows . basis(d).
 struct LocalResponse {
-  double constant[3];
-  double direct[9];  ///< of vertices that the probe moves itself
-  double* rows;      ///< 3 x basis_size(node)
+  Vector constant;
+  Matrix direct;  ///< of vertices that the probe moves itself
+  double* rows;   ///< 3 x basis_size(node)
 };
 
 std::int32_t basis_size(const phn_model& model, const ActiveNode& node);
@@ -38,15 +39,15 @@ void amplitude_gradient(const phn_model& model, const ActiveNode& node, const do
 
 void clear_local(const phn_model& model, const ActiveNode& node, LocalResponse& local);
 
-/// @param vertices, maps  n of them, maps 3 x 3; vertices as in phn_model::triangles, fixed ones and -1 do
+/// @param vertices, maps  n of them; vertices as in phn_model::triangles, fixed ones and -1 do
 /// not move
 /// @param scratch         3 shared n_modes, of networks basis_size(node)
 void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
-               const double* maps, double* scratch, LocalResponse& local);
+               const Matrix* maps, double* scratch, LocalResponse& local);
 
-/// share constant + direct d + rows . basis. @param u  3 [m]
-void local_displacement(const LocalResponse& local, double share, const double* d, std::int32_t n_basis,
-                        const double* basis, double* u);
+/// @return share constant + direct d + rows . basis [m]
+Vector local_displacement(const LocalResponse& local, double share, const Vector& d, std::int32_t n_basis,
+                          const double* basis);
 
 /// The same for all output nodes. @pre has_deformation(model, node)
 /// @param prepared  of this node, or null
@@ -55,10 +56,9 @@ void field_of_basis(const phn_model& model, const ActiveNode& node, const Prepar
                     const double* d, const double* basis, double* scratch, double* field);
 
 /// How far forces at the trained depth, along the axes, are from the linear ones, over the latter, squared.
-double curvature(const phn_model& model, const ActiveNode& node, const double* stiffness);
+double curvature(const phn_model& model, const ActiveNode& node, const Matrix& stiffness);
 
-/// Derivative of the force around rest, in the same way, symmetric and positive definite. @param stiffness 3
-/// x 3 [N/m]
-void stiffness_at_rest(const phn_model& model, const ActiveNode& node, double* stiffness);
+/// Derivative of the force around rest, in the same way, symmetric and positive definite [N/m].
+Matrix stiffness_at_rest(const phn_model& model, const ActiveNode& node);
 
 }  // namespace PHN_RUNTIME

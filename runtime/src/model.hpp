@@ -11,6 +11,7 @@
 #include <cstdint>
 
 #include "conservative.hpp"
+#include "lookup.hpp"
 #include "real.hpp"
 
 namespace PHN_RUNTIME {
@@ -34,7 +35,7 @@ struct Network {
 
 /// at = d / unit, components beyond `largest` cut there. @param d, at  3
 inline void cut(const double* d, double unit, double largest, double* at) {
-  for (int k = 0; k < 3; ++k) at[k] = std::fmax(-largest, std::fmin(largest, d[k] / unit));
+  for (int k = 0; k < 3; ++k) at[k] = cut(d[k] / unit, largest);
 }
 
 /// Displacements of a linear model are cut to this size per component [m], and no coefficient of one is
@@ -189,7 +190,5 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
 std::int32_t find_active(const phn_model& model, std::int32_t node);
 /// Vertex of a mesh node: its position among the output nodes, n_output + that among the fixed ones, or -1.
 std::int32_t find_vertex(const phn_model& model, std::int32_t node);
-/// Position of `node` in an ascending list of n, or -1.
-std::int32_t find_sorted(const std::int32_t* list, std::int32_t n, std::int32_t node);
 
 }  // namespace PHN_RUNTIME

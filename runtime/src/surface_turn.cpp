@@ -1,47 +1,45 @@
 #include "surface_turn.hpp"
 
-#include "small_matrices.hpp"
 #include "triangle.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
 
 /// One triangle's part of the rotation, times its area.
-/// @param vertex  3; @param maps  9 for each. @return area [m^2]
-double triangle_turn(const phn_model& model, const std::int32_t* vertex, double* maps) {
+/// @param vertex, maps  3. @return area [m^2]
+double triangle_turn(const phn_model& model, const std::int32_t* vertex, Matrix* maps) {
   const double* corner[3];
   for (int k = 0; k < 3; ++k) corner[k] = vertex_point(model, vertex[k]);
-  double normal[3], gradient[3][3];
-  area_normal(corner, normal);
-  const double area = norm(normal) / 2;
+  Vector normal;
+  double gradient[3][3];
+  area_normal(corner, normal.x);
+  const double area = norm(normal.x) / 2;
   if (!(area > 0)) return 0;
-  weight_gradients(corner, gradient, normal);
+  weight_gradients(corner, gradient, normal.x);
   for (int i = 0; i < 3; ++i) {
-    double tilt[3], spin[3];
-    cross(gradient[i], normal, tilt);
-    cross(normal, gradient[i], spin);
+    const Vector tilt = cross(vector_at(gradient[i]), normal), spin = cross(normal, vector_at(gradient[i]));
     for (int k = 0; k < 9; ++k)
-      maps[9 * i + k] = area * (tilt[k / 3] * normal[k % 3] + normal[k / 3] * spin[k % 3] / 2);
+      maps[i].a[k] = area * (tilt[k / 3] * normal[k % 3] + normal[k / 3] * spin[k % 3] / 2);
   }
   return area;
 }
 
 /// Adds weight map to the entry of `vertex`, a new one if there is none. @pre turn.n < SurfaceTurn::most
-void add_turn(SurfaceTurn& turn, std::int32_t vertex, double weight, const double* map) {
+void add_turn(SurfaceTurn& turn, std::int32_t vertex, double weight, const Matrix& map) {
   std::int32_t at = 0;
   while (at < turn.n && turn.vertex[at] != vertex) ++at;
   if (at == turn.n) {
     turn.vertex[turn.n++] = vertex;
-    for (int k = 0; k < 9; ++k) turn.map[9 * at + k] = 0;
+    turn.map[at] = {};
   }
-  add_scaled(weight, map, 9, turn.map + 9 * at);
+  turn.map[at] += weight * map;
 }
 
 }  // namespace
 
 bool next_turn(const phn_model& model, std::int32_t n_vertices, const std::int32_t* vertex, const double* weight,
                SurfaceTurn& turn) {
-  double maps[27];
+  Matrix maps[3];
   turn.n = 0;
   for (; turn.triangle < model.n_triangles && turn.n + 3 <= SurfaceTurn::most; ++turn.triangle) {
     const std::int32_t* corner = model.triangles + 3 * static_cast<std::size_t>(turn.triangle);
@@ -52,27 +50,27 @@ bool next_turn(const phn_model& model, std::int32_t n_vertices, const std::int32
     if (!(part > 0)) continue;
     const double area = triangle_turn(model, corner, maps);
     turn.area += part * area;
-    for (int k = 0; k < 3 && area > 0; ++k) add_turn(turn, corner[k], part, maps + 9 * k);
+    for (int k = 0; k < 3 && area > 0; ++k) add_turn(turn, corner[k], part, maps[k]);
   }
   return turn.n > 0;
 }
 
-void rotate(const double* v, bool backward, const double* x, double* turned) {
-  double sideways[3];
-  cross(v, x, sideways);
-  const double square = dot(v, v), along = dot(v, x), sign = backward ? -1 : 1;
-  for (int k = 0; k < 3; ++k)
-    turned[k] = ((1 - square) * x[k] + 2 * along * v[k] + sign * 2 * sideways[k]) / (1 + square);
+namespace {
+
+Vector turned(const Vector& v, double sign, const Vector& x) {
+  const double square = dot(v, v), along = dot(v, x);
+  return ((1 - square) * x + (2 * along) * v + (sign * 2) * cross(v, x)) / (1 + square);
 }
 
-void rotation_gradient(const double* v, const double* g, const double* x, double* gradient) {
-  double back[3], sideways[3];
-  rotate(v, true, x, back);
-  cross(x, g, sideways);
-  const double square = dot(v, v), value = dot(g, back);
-  for (int k = 0; k < 3; ++k)
-    gradient[k] =
-        2 * (dot(v, x) * g[k] + dot(g, v) * x[k] - dot(g, x) * v[k] - sideways[k] - value * v[k]) / (1 + square);
+}  // namespace
+
+Vector rotated(const Vector& v, const Vector& x) { return turned(v, 1, x); }
+Vector rotated_back(const Vector& v, const Vector& x) { return turned(v, -1, x); }
+
+Vector rotation_gradient(const Vector& v, const Vector& g, const Vector& x) {
+  const double square = dot(v, v), value = dot(g, rotated_back(v, x));
+  const Vector sum = dot(v, x) * g + dot(g, v) * x - dot(g, x) * v - cross(x, g) - value * v;
+  return (2 * sum) / (1 + square);
 }
 
 }  // namespace PHN_RUNTIME

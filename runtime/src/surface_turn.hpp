@@ -2,15 +2,16 @@
 #pragma once
 
 #include "model.hpp"
+#include "vectors.hpp"
 
 namespace PHN_RUNTIME {
 
-/// Vertices and 3 x 3 maps: the sum of map times displacement is a rotation vector times an area.
+/// Vertices and maps: the sum of map times displacement is a rotation vector times an area.
 struct SurfaceTurn {
   static constexpr std::int32_t most = 48;
   std::int32_t n;
   std::int32_t vertex[most];  ///< as in phn_model::triangles
-  double map[9 * most];       ///< [rad m]
+  Matrix map[most];           ///< [rad m]
   std::int32_t triangle;      ///< where the next part begins
   double area;                ///< of all parts so far [m^2]
 };
@@ -25,10 +26,11 @@ struct SurfaceTurn {
 bool next_turn(const phn_model& model, std::int32_t n_vertices, const std::int32_t* vertex, const double* weight,
                SurfaceTurn& turn);
 
-/// Rotation by the angle 2 atan |v| around v: `turned` = R x, or R^T x for backward.
-void rotate(const double* v, bool backward, const double* x, double* turned);
+/// Rotation by the angle 2 atan |v| around v: R x, and R^T x.
+Vector rotated(const Vector& v, const Vector& x);
+Vector rotated_back(const Vector& v, const Vector& x);
 
 /// Gradient of g . R^T x by v.
-void rotation_gradient(const double* v, const double* g, const double* x, double* gradient);
+Vector rotation_gradient(const Vector& v, const Vector& g, const Vector& x);
 
 }  // namespace PHN_RUNTIME

@@ -14,7 +14,7 @@ class ToolResponses {
     return 3 * (static_cast<std::size_t>(t) * static_cast<std::size_t>(_c.max_tools) + static_cast<std::size_t>(s)) +
            static_cast<std::size_t>(i);
   }
-  std::size_t at9(std::int32_t t, std::int32_t s) const { return 3 * at(t, s, 0); }
+  std::size_t at(std::int32_t t, std::int32_t s) const { return at(t, s, 0) / 3; }
   const ActiveNode& node(const HeldPoint& point, std::int32_t i) const { return _model.active[point.active[i]]; }
   double* gradient_at_rest(std::int32_t s, std::int32_t i) const {
     return _c.rest_gradient + 3 * static_cast<std::size_t>(3 * s + i) * _model.n_basis;
@@ -29,7 +29,7 @@ class ToolResponses {
   std::int32_t n_places() const { return turns() ? 2 * _c.n_tools : _c.n_tools; }
 
   /// Force of tool s at p, and its response. @return energy
-  double respond(std::int32_t s, const double* p);
+  double respond(std::int32_t s, const Vector& p);
   /// Everything about a tool that does not depend on its displacement.
   void prepare(std::int32_t s);
   /// How the surface turns around tool t's point under the nodes of the others; what it turns itself, none asks for.
@@ -40,18 +40,20 @@ class ToolResponses {
   /// Derivatives of all places by the p of tool t, at the p of its latest response.
   void find_derivatives(std::int32_t t);
   /// Displacement or rotation of place t in the latest response of tool s.
-  void displaced(std::int32_t t, std::int32_t s, double* u) const;
+  Vector displaced(std::int32_t t, std::int32_t s) const;
   /// Derivative of place t of 2 n by the p of tool s in the undeformed body. @pre set_rest_matrix
-  void rest_block(std::int32_t t, std::int32_t s, double* block) const;
+  Matrix rest_block(std::int32_t t, std::int32_t s) const;
   /// Adds to node i's part what moves tool s's point by `weight` r in the undeformed body.
-  void move_at_rest(std::int32_t s, std::int32_t i, const double* r, double weight, double* basis, double* own) const;
+  void move_at_rest(std::int32_t s, std::int32_t i, const Vector& r, double weight, double* basis, Vector& own) const;
 
   const phn_model& _model;
   Coupling& _c;
 
  private:
-  /// Derivative of a local response at rest. @param response 3 x 3
-  void rest_response(const LocalResponse& local, std::int32_t n, const double* gradient, double* response) const;
+  /// Node i's part of the derivatives of all places by the p of tool t.
+  void add_derivatives(std::int32_t t, std::int32_t i);
+  /// Derivative of a local response at rest.
+  Matrix rest_response(const LocalResponse& local, std::int32_t n, const double* gradient) const;
   /// The mean displacement of up to three vertices.
   void prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* vertices, const double* weight,
                      LocalResponse& local) const;
@@ -70,7 +72,7 @@ class ToolResponses {
   /// the energy without the E_i.
   void pull(std::int32_t s);
   /// The part of node i in psi, at x p. @return w / x times it
-  double pull_of_coupling(std::int32_t s, std::int32_t i, const double* e, const double* linear, double x, double w);
+  double pull_of_coupling(std::int32_t s, std::int32_t i, const Vector& e, const Vector& linear, double x, double w);
 };
 
 }  // namespace PHN_RUNTIME

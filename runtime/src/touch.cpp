@@ -42,22 +42,19 @@ bool same_node(const HeldPoint& a, const HeldPoint& b) {
 }
 
 /// One tool at one node: what that node says, and nothing to solve.
-CoupledResult single(const phn_model& model, Coupling& c, const double* target) {
+CoupledResult single(const phn_model& model, Coupling& c, const Vector& target) {
   HeldPoint& point = c.point[0];
   const ActiveNode& node = model.active[point.active[0]];
   c.n_sets = 1;
-  for (int k = 0; k < 3; ++k) c.field_turn[k] = 0;
-  double* d = c.field[0].own;
-  for (int k = 0; k < 3; ++k) {
-    d[k] = target[k] / point.weight[0];
-    point.own[k] = target[k];
-    for (int l = 0; l < 3; ++l) point.reach[0][3 * k + l] = k == l ? 1 / point.weight[0] : 0;
-  }
-  c.field[0].share = 1;
-  evaluate_force(model, node, d, point.force);
-  for (double& f : point.force) f /= point.weight[0];
-  if (has_deformation(model, node)) basis_of(model, node, d, c.field_basis, c.kernel);
-  return {true, 0, has_energy(model) ? evaluate_energy(model, node, d) : 0};
+  c.field_turn[0] = {};
+  point.own = target;
+  point.reach[0] = diagonal(1 / point.weight[0]);
+  const Vector d = target / point.weight[0];
+  c.field[0] = {1, d};
+  evaluate_force(model, node, d.x, point.force.x);
+  point.force /= point.weight[0];
+  if (has_deformation(model, node)) basis_of(model, node, d.x, c.field_basis, c.kernel);
+  return {true, 0, has_energy(model) ? evaluate_energy(model, node, d.x) : 0};
 }
 
 /// Warnings of all nodes at the displacements where their responses are taken.
@@ -66,9 +63,7 @@ int warnings_of(const phn_model& model, const Coupling& c) {
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
     const HeldPoint& point = c.point[t];
     for (std::int32_t i = 0; i < point.n_nodes; ++i) {
-      double e[3] = {0, 0, 0};
-      for (int k = 0; k < 9; ++k) e[k / 3] += point.reach[i][k] * point.own[k % 3];
-      status |= warnings(model, model.active[point.active[i]], e);
+      status |= warnings(model, model.active[point.active[i]], (point.reach[i] * point.own).x);
     }
   }
   return status;
@@ -107,12 +102,13 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   if (n_tools > most_coupled) return PHN_ERROR_TOO_MANY_TOOLS;
   if (n_tools > c.max_tools) return PHN_ERROR_TOOLS;
   c.n_tools = 0;
-  const double largest = phynness::schema::traits(model->family).proportional ? largest_linear : largest_coupled * model->max_displacement;
-  double targets[3 * most_coupled];
+  const double largest = phynness::schema::traits(model->family).proportional ? largest_linear
+                                                                              : largest_coupled * model->max_displacement;
+  Vector targets[most_coupled];
   for (std::int32_t t = 0; t < n_tools; ++t) {
     const int refused = find_point(*model, tools[t], c.point[t]);
     if (refused != PHN_OK) return refused;
-    cut(tools[t].displacement, 1, largest, targets + 3 * t);
+    cut(tools[t].displacement, 1, largest, targets[t].x);
     for (std::int32_t s = 0; s < t; ++s) {
       if (same_node(c.point[s], c.point[t])) return PHN_ERROR_SAME_NODE;
     }
@@ -127,7 +123,7 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   }
   if (n_tools == 0) return PHN_OK;
   c.n_tools = n_tools;
-  const auto solved = alone ? single(*c.model, c, targets) : solve_coupled(*c.model, c, targets);
+  const auto solved = alone ? single(*c.model, c, targets[0]) : solve_coupled(*c.model, c, targets);
   const int status = (solved.settled ? PHN_OK : PHN_WARNING_UNSETTLED) | warnings_of(*model, c);
   result = {solved.residual, std::isfinite(solved.energy) ? solved.energy : 0};
   return status;
@@ -153,12 +149,12 @@ int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, doubl
 
 int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                phn_coupled* result) {
-  const std::size_t n = n_tools > 0 ? 3 * static_cast<std::size_t>(n_tools) : 0;
   phn_coupled coupled = {0, 0};
   const int status = couple(model, data, n_tools, tools, forces, result, coupled);
   // Tools may lie in the same memory: they are read.
-  for (std::size_t i = 0; forces != nullptr && i < n; ++i)
-    forces[i] = status < 0 ? 0 : data->coupling.point[i / 3].force[i % 3];
+  for (std::int32_t t = 0; forces != nullptr && t < n_tools; ++t) {
+    for (int k = 0; k < 3; ++k) *forces++ = status < 0 ? 0 : data->coupling.point[t].force[k];
+  }
   if (result != nullptr) *result = coupled;
   return status;
 }

@@ -8,9 +8,6 @@ namespace {
 /// Squares of components up to this size stay in range.
 constexpr double largest_component = 1e150;
 
-/// The deepest increment itself counts, however it was rounded.
-constexpr double slack = 1 + 1e-9;
-
 /// Directions that are asked how far they are from what was trained: through the centers of side x side squares on each
 /// face of a cube. 26 directions leave holes of 28 degrees; these are 6 to 14 degrees apart.
 constexpr int side = 8;
@@ -51,7 +48,7 @@ double fill_distance(const phn_model& model, const double* depths) {
     for (std::int32_t j = 0; j < n; ++j) cosine[j] = -2;
     for (std::int32_t k = 0; k < model.n_directions; ++k) {
       const double along = dot(e, model.directions + 3 * static_cast<std::size_t>(k));
-      const double reach = slack * depths[k] / model.max_displacement;
+      const double reach = depth_slack<double> * depths[k] / model.max_displacement;
       if (along > nearest) {
         nearest = along;
         depth = depths[k] / model.max_displacement;
@@ -76,7 +73,7 @@ double trained_distance(const phn_model& model, const ActiveNode& node, const do
   cut(d, model.max_displacement, largest_component, x);
   double square = dot(x, x);  // from rest
   for (std::int32_t k = 0; k < model.n_directions; ++k) {
-    const double reach = slack * node.trained_depth[k] / model.max_displacement;
+    const double reach = depth_slack<double> * node.trained_depth[k] / model.max_displacement;
     for (std::int32_t j = 0; j < n_increments; ++j) {
       double at[3];
       row_of(model, k * n_increments + j, at);

@@ -361,7 +361,7 @@ class Asker {
         status = phn_force(_model, _data, node, d, nullptr, nullptr, nullptr);
         break;
       case 4:
-        status = phn_deform(_model, _data, *nullptr, d, std::vector<double>(3 * _n_output + 1).data());
+        status = phn_deform(_model, _data, node, nullptr, std::vector<double>(3 * _n_output + 1).data());
         break;
       case 5:
         status = phn_deform(_model, _data, node, d, nullptr);

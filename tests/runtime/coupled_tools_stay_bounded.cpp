@@ -218,8 +218,8 @@ TEST(CoupledTools, StandOnNodesThatResist) {
       node.conservative.stiffness = given;
     }
     const LoadedModel loaded(write_model_text(model));
-    Eigen::Matrix3d at_rest;
-    runtime::stiffness_at_rest(*loaded.model, loaded.model->active[0], at_rest.data());
+    const runtime::Matrix stiffness = runtime::stiffness_at_rest(*loaded.model, loaded.model->active[0]);
+    const Eigen::Matrix3d at_rest = Eigen::Map<const Eigen::Matrix3d>(stiffness.a);
     EXPECT_EQ(at_rest, at_rest.transpose().eval());
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(at_rest).eigenvalues()[0], 0.01) << softest;
     if (softest > 0) {

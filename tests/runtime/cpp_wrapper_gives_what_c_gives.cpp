@@ -43,6 +43,12 @@ TEST_P(Wrapper, GivesTheSameBits) {
   rt::Data data(model, 4);
   ASSERT_TRUE(data);
   EXPECT_EQ(model.n_output(), info_of(c.model).n_output);
+  const Model written = small_model_of(GetParam());
+  EXPECT_EQ(model.info().family, std::string(name(GetParam())));
+  EXPECT_EQ(model.info().title, written.title);
+  EXPECT_EQ(model.info().mesh_hash, written.mesh_hash);
+  EXPECT_EQ(model.info().max_displacement_m, written.max_displacement_m);
+  EXPECT_EQ(model.info().has_energy, GetParam() == Family::rbfn ? 0 : 1);
   EXPECT_EQ(model.active_nodes().size(), 4u);
   EXPECT_EQ(model.triangles().size(), 12u);
   using Array = std::array<double, 3>;

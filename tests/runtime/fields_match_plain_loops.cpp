@@ -86,13 +86,15 @@ TEST(Fields, SayWhatTheyAre) {
   EXPECT_STREQ(info_of(loaded.model).field_units[0], "Pa");
   EXPECT_STREQ(info_of(loaded.model).field_names[1], "energy-density");
   EXPECT_STREQ(info_of(loaded.model).field_units[1], "J/m^3");
+  for (int field = 2; field < PHN_MOST_FIELDS; ++field) {
+    EXPECT_EQ(info_of(loaded.model).field_names[field], nullptr);
+    EXPECT_EQ(info_of(loaded.model).field_units[field], nullptr);
+  }
   EXPECT_EQ(info_of(nullptr).n_fields, 0);
   EXPECT_EQ(info_of(without.model).n_fields, 0);
   const double d[3] = {0.001, 0, 0};
   double out[12];
   for (const std::int32_t field : {-1, 2, 1000}) {
-    EXPECT_EQ(info_of(loaded.model).field_names[field], nullptr);
-    EXPECT_EQ(info_of(loaded.model).field_units[field], nullptr);
     std::fill(out, out + 12, 1);
     EXPECT_EQ(phn_field(loaded.model, loaded.data, 3, d, field, out), PHN_ERROR_ARGUMENT);
     for (const double v : out) EXPECT_EQ(v, 0);

@@ -233,8 +233,11 @@ TEST(EveryInput, MisuseIsNamed) {
   EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, twice, d, u.data()), PHN_ERROR_SAME_NODE);
   EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 2, stranger, d, u.data()), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, -1, three, d, u.data()), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_deform(loaded.model, loaded.data, *nullptr, d, u.data()), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_blend_paper(loaded.model, loaded.data, 1, nullptr, d, u.data()), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 3, nullptr, u.data()), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_deform(loaded.model, loaded.data, 4, d, u.data()), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(info_of(nullptr).n_nodes, 0);
+  EXPECT_EQ(info_of(nullptr).precision_bits, info_of(loaded.model).precision_bits);
 }
 
 // Claim: memory one byte too small is refused, at any alignment; memory of the stated size suffices at any

@@ -60,7 +60,7 @@ Turned turn_of(const phn_model& model, const std::vector<std::int32_t>& vertices
   while (runtime::next_turn(model, static_cast<std::int32_t>(vertices.size()), vertices.data(),
                             weights.data(), part)) {
     for (std::int32_t i = 0; i < part.n; ++i) {
-      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> map(part.map + 9 * i);
+      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> map(part.map[i].a);
       turned.by += map * u(Vector3d(Eigen::Map<const Vector3d>(model.output_points + 3 * part.vertex[i])));
     }
     ++turned.parts;
@@ -100,7 +100,10 @@ TEST(SurfaceTurn, NeedsASurface) {
   EXPECT_EQ(turn_of(*LoadedModel(write_model_text(model)).model, {0}, {1}, lift).parts, 0);
 }
 
-// Claim: rotate is the rotation by 2 atan |v| around v and its inverse, up to half a turn where v has no
+runtime::Vector small(const Vector3d& x) { return runtime::vector_at(x.data()); }
+Vector3d eigen(const runtime::Vector& x) { return Vector3d::Map(x.x); }
+
+// Claim: rotated is the rotation by 2 atan |v| around v and its inverse, up to half a turn where v has no
 // bound; rotation_gradient is its derivative, by central differences.
 TEST(Rotate, IsARotationWithADerivative) {
   Numbers numbers;
@@ -110,18 +113,18 @@ TEST(Rotate, IsARotationWithADerivative) {
     const Eigen::AngleAxisd rotation(2 * std::atan(v.norm()),
                                      size > 0 ? v.normalized() : Vector3d::UnitX().eval());
     Vector3d there, back, gradient;
-    runtime::rotate(v.data(), false, x.data(), there.data());
-    runtime::rotate(v.data(), true, there.data(), back.data());
+    there = eigen(runtime::rotated(small(v), small(x)));
+    back = eigen(runtime::rotated_back(small(v), small(there)));
     EXPECT_LT((there - rotation * x).norm(), 1e-14) << size;
     EXPECT_LT((back - x).norm(), 1e-14) << size;
     if (size > 1e10) continue;
-    runtime::rotation_gradient(v.data(), g.data(), x.data(), gradient.data());
+    gradient = eigen(runtime::rotation_gradient(small(v), small(g), small(x)));
     for (int k = 0; k < 3; ++k) {
       const double h = 1e-5 * std::fmax(1, size);
       double value[2];
       for (int side = 0; side < 2; ++side) {
         const Vector3d moved = v + (side == 0 ? -h : h) * Vector3d::Unit(k);
-        runtime::rotate(moved.data(), true, x.data(), back.data());
+        back = eigen(runtime::rotated_back(small(moved), small(x)));
         value[side] = g.dot(back);
       }
       EXPECT_NEAR((value[1] - value[0]) / (2 * h), gradient[k], 1e-9) << size;

@@ -1,21 +1,21 @@
-/* phynness: reaction force and deformation of a trained object, in real time. This is the core, all that one hand needs.
- * Beside it: phynness_surface.h (a finer surface to draw), phynness_contact.h (spheres that touch, slide and grasp),
- * phynness_levels.h (accuracy for time), phynness_image.h (models in flash), phynness_paper.h (the paper's blending).
+/* phynness: reaction force and deformation of a trained object, in real time: the core. Beside it: phynness_surface.h (a finer
+ * surface to draw), phynness_contact.h (spheres that touch, slide and grasp), phynness_levels.h (accuracy for time),
+ * phynness_image.h (models in flash), phynness_paper.h (the paper's blending).
  *
- * Start-up: phn_model_size, phn_model_init, phn_data_size, phn_data_init, in memory that the caller provides. Nothing here
- * allocates, frees, prints or reads a file. Objects need no clean-up. A phn_model never changes: share it between threads.
- * A phn_data is scratch: one per thread.
+ * Start-up: phn_model_size, phn_model_init, phn_data_size, phn_data_init, in memory of the caller. Nothing here allocates,
+ * prints or reads a file; nothing needs a clean-up. A phn_model never changes: share it. A phn_data is scratch of one thread.
  *
- * Units are SI: m, N, J. Vectors are x, y, z in the frame of the mesh. Nodes have their number in the mesh, from 0.
- * Force is what must be applied to the object to hold a displacement: a push into it has force . displacement > 0. A haptic
- * device renders its negative. A displacement d is measured from rest. Equation numbers are those of the paper.
+ * Units are SI. Vectors are x, y, z in the frame of the mesh, displacements d from rest, nodes numbers of the mesh, from 0.
+ * Force is what must be applied to the object to hold a displacement; a haptic device renders its negative.
  *
- * Status of every function that returns int: 0 good; > 0 outputs are defined, but look: a sum of PHN_WARNING_*; < 0 refused,
- * outputs hold zeros. No output is ever NaN or infinite. Inputs are read before outputs are written, so an output may lie in
- * the memory of an input. Two outputs, or an object and what it is made from, may not overlap: PHN_ERROR_OVERLAP.
+ * Status of every int function: 0 good; > 0 outputs are defined, but look: a sum of PHN_WARNING_*; < 0 refused, outputs are
+ * zeros. No output is ever NaN or infinite. An output may lie in the memory of an input. Two outputs, or an object and what
+ * it is made from, may not overlap. Equation numbers are those of the paper.
  *
- * Cost, 486 output nodes, family modal with 78 centers and 16 modes, one core: phn_force 0.3 us, with stiffness 1.5 us;
- * phn_deform 1.1 us; phn_couple 32 us for a tool between nodes, 150, 550 and 2,200 us for 2, 4 and 8 of them. */
+ * Cost [us], 486 output nodes, AVX-512         modal, 78 centers, 16 modes   rbfn, 100 and 200 neurons
+ *   phn_force                                             0.13                        0.17
+ *   phn_deform; phn_prepare before a node's first         1.6; 35                     8.4; 76
+ *   phn_couple, 1, 2, 4, 8 tools between nodes            32, 150, 550, 2200          - */
 #ifndef PHYNNESS_H
 #define PHYNNESS_H
 
