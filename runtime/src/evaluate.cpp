@@ -2,11 +2,10 @@
 
 #include <cmath>
 
-#include "local_response.hpp"
-#include "modal.hpp"
-#include "network_kernels.hpp"
+#include "families.hpp"
 
 namespace PHN_RUNTIME {
+
 double length(const double* d) {
   double largest = 0;
   for (int k = 0; k < 3; ++k) largest = std::fmax(largest, std::fabs(d[k]));
@@ -23,46 +22,22 @@ double length(const double* d) {
   return std::ldexp(std::sqrt(sum), exponent);
 }
 
-void linear_field(const phn_model& model, const LinearResponse& linear, const double* d, double* field) {
-  const double x = d[0], y = d[1], z = d[2];
-  const double *ux = linear.unit_response[0], *uy = linear.unit_response[1], *uz = linear.unit_response[2];
-  for (std::int32_t i = 0; i < 3 * model.n_output; ++i) field[i] = x * ux[i] + y * uy[i] + z * uz[i];
-}
-
 void evaluate_force(const phn_model& model, const ActiveNode& node, const double* d, double* force) {
-  switch (model.family) {
-    case Family::rbfn:
-      return best_network_kernels().force(node.networks->force, d, force);
-    case Family::linear: {
-      double at[3];
-      cut(d, 1, largest_linear, at);
-      return multiply_symmetric(node.linear->stiffness, at, force);
-    }
-    case Family::modal:
-      return modal_force(*node.modal, d, force);
-  }
+  with_response(model, node, [&](const auto& response) { response_force(response, d, force); });
 }
 
 double evaluate_energy(const phn_model& model, const ActiveNode& node, const double* d) {
-  if (model.family == Family::modal) return modal_energy(*node.modal, d);
-  double at[3], force[3];
-  cut(d, 1, largest_linear, at);
-  multiply_symmetric(node.linear->stiffness, at, force);
-  return dot(at, force) / 2;
+  return with_response(model, node, [&](const auto& response) { return response_energy(response, d); });
 }
 
 void evaluate_stiffness(const phn_model& model, const ActiveNode& node, const double* d, double* stiffness) {
-  if (model.family == Family::modal) return modal_stiffness(*node.modal, d, stiffness);
-  const double* k = node.linear->stiffness;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = i; j < 3; ++j) stiffness[3 * i + j] = stiffness[3 * j + i] = *k++;
-  }
+  with_response(model, node, [&](const auto& response) { response_stiffness(response, d, stiffness); });
 }
 
 bool has_energy(const phn_model& model) { return schema::traits(model.family).has_energy; }
 
 bool has_deformation(const phn_model& model, const ActiveNode& node) {
-  return model.family != Family::modal || node.modal->n_modes > 0;
+  return with_response(model, node, [](const auto& response) { return has_deformation(response); });
 }
 
 void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t active, const double* d,

@@ -43,9 +43,6 @@ bool has_deformation(const phn_model& model, const ActiveNode& node);
 void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t active, const double* d,
                           double* field);
 
-/// Field of a basis (local_response.hpp), nodes moved by the probe itself not yet set. @param field n_output x 3 [m]
-void linear_field(const phn_model& model, const LinearResponse& linear, const double* d, double* field);
-
 /// Whether d is beyond what was trained; a linear model is exact at any depth, until components are cut.
 bool outside(const phn_model& model, const ActiveNode& node, const double* d);
 

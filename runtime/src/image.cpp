@@ -42,7 +42,7 @@ int force(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* out
   Query<Real> query;
   const int refused = ask(image, node, d, out, query);
   if (refused != PHN_OK) return refuse(refused, out, 3);
-  image_force_at(*image, *query.node, query.d, out);
+  with_response(*image, *query.node, [&](const auto& response) { response_force(*image, response, query.d, out); });
   return answered(*image, query);
 }
 
@@ -51,8 +51,9 @@ int energy(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* ou
   Query<Real> query;
   const int refused = ask(image, node, d, out, query);
   if (refused != PHN_OK) return refuse(refused, out, 1);
-  if (image->family == phynness::image::Family::rbfn) return refuse(PHN_ERROR_UNDEFINED, out, 1);
-  *out = image_energy_at(*image, *query.node, query.d);
+  if (!phynness::schema::traits(image->family).has_energy) return refuse(PHN_ERROR_UNDEFINED, out, 1);
+  *out = with_response(*image, *query.node,
+                       [&](const auto& response) { return response_energy(*image, response, query.d); });
   return answered(*image, query);
 }
 
@@ -61,8 +62,9 @@ int stiffness(const ImageHeader<Real>* image, int32_t node, const Real* d, Real*
   Query<Real> query;
   const int refused = ask(image, node, d, out, query);
   if (refused != PHN_OK) return refuse(refused, out, 9);
-  if (image->family == phynness::image::Family::rbfn) return refuse(PHN_ERROR_UNDEFINED, out, 9);
-  image_stiffness_at(*image, *query.node, query.d, out);
+  if (!phynness::schema::traits(image->family).has_energy) return refuse(PHN_ERROR_UNDEFINED, out, 9);
+  with_response(*image, *query.node,
+                [&](const auto& response) { response_stiffness(*image, response, query.d, out); });
   return answered(*image, query);
 }
 

@@ -93,7 +93,7 @@ Real trained_depth(const ImageHeader<Real>& image, const image::ActiveNode<Real>
 template <class Real>
 int image_warnings(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, bool whole, const Real* d) {
   const bool outside =
-      !whole || (image.family != image::Family::linear &&
+      !whole || (!schema::traits(image.family).proportional &&
                  square_root(dot(d, d)) > depth_slack<Real> * trained_depth(image, node, d));
   return (outside ? PHN_WARNING_OUTSIDE : 0) | (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
 }
@@ -154,44 +154,84 @@ void scale_displacement(const ImageHeader<Real>& image, const Real* d, Real* x) 
     x[k] = cut(d[k] / image.max_displacement, static_cast<Real>(image::largest_displacement));
 }
 
-/// @param d  cut
+// Answers of a response, by family. @param d  cut
 template <class Real>
-void image_force_at(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d, Real* force) {
-  if (image.family == image::Family::rbfn) {
-    network_force(image, at<image::RbfnResponse<Real>>(image, node.response)->force, d, force);
-  } else if (image.family == image::Family::linear) {
-    multiply_symmetric(at<image::LinearResponse<Real>>(image, node.response)->stiffness, d, force);
-  } else {
-    Real x[3];
-    scale_displacement(image, d, x);
-    conservative_force(image_force(image, *at<image::ModalResponse<Real>>(image, node.response)), x, force);
-  }
+void response_force(const ImageHeader<Real>& image, const image::RbfnResponse<Real>& rbfn, const Real* d, Real* force) {
+  network_force(image, rbfn.force, d, force);
 }
-
 template <class Real>
-Real image_energy_at(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d) {
+void response_force(const ImageHeader<Real>&, const image::LinearResponse<Real>& linear, const Real* d, Real* force) {
+  multiply_symmetric(linear.stiffness, d, force);
+}
+template <class Real>
+void response_force(const ImageHeader<Real>& image, const image::ModalResponse<Real>& modal, const Real* d,
+                    Real* force) {
   Real x[3];
-  if (image.family == image::Family::linear) {
-    multiply_symmetric(at<image::LinearResponse<Real>>(image, node.response)->stiffness, d, x);
-    return dot(d, x) / 2;
-  }
   scale_displacement(image, d, x);
-  return conservative_energy(image_force(image, *at<image::ModalResponse<Real>>(image, node.response)), x);
+  conservative_force(image_force(image, modal), x, force);
 }
 
+/// The family has none.
 template <class Real>
-void image_stiffness_at(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d,
+Real response_energy(const ImageHeader<Real>&, const image::RbfnResponse<Real>&, const Real*) {
+  return 0;
+}
+template <class Real>
+Real response_energy(const ImageHeader<Real>&, const image::LinearResponse<Real>& linear, const Real* d) {
+  Real force[3];
+  multiply_symmetric(linear.stiffness, d, force);
+  return dot(d, force) / 2;
+}
+template <class Real>
+Real response_energy(const ImageHeader<Real>& image, const image::ModalResponse<Real>& modal, const Real* d) {
+  Real x[3];
+  scale_displacement(image, d, x);
+  return conservative_energy(image_force(image, modal), x);
+}
+
+/// The family has none.
+template <class Real>
+void response_stiffness(const ImageHeader<Real>&, const image::RbfnResponse<Real>&, const Real*, Real*) {}
+template <class Real>
+void response_stiffness(const ImageHeader<Real>&, const image::LinearResponse<Real>& linear, const Real*,
                         Real* stiffness) {
-  if (image.family == image::Family::linear) {
-    const Real* k = at<image::LinearResponse<Real>>(image, node.response)->stiffness;
-    for (int i = 0; i < 3; ++i) {
-      for (int j = i; j < 3; ++j) stiffness[3 * i + j] = stiffness[3 * j + i] = *k++;
-    }
-    return;
+  const Real* k = linear.stiffness;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) stiffness[3 * i + j] = stiffness[3 * j + i] = *k++;
   }
+}
+template <class Real>
+void response_stiffness(const ImageHeader<Real>& image, const image::ModalResponse<Real>& modal, const Real* d,
+                        Real* stiffness) {
   Real x[3];
   scale_displacement(image, d, x);
-  conservative_stiffness(image_force(image, *at<image::ModalResponse<Real>>(image, node.response)), x, stiffness);
+  conservative_stiffness(image_force(image, modal), x, stiffness);
+}
+
+/// f(null pointer to the type of a response); the one place that tells the families of images apart.
+template <class Real, class Function>
+auto with_response_type(Family family, Function&& f) {
+  switch (family) {
+    case Family::rbfn:
+      return f(static_cast<const image::RbfnResponse<Real>*>(nullptr));
+    case Family::linear:
+      return f(static_cast<const image::LinearResponse<Real>*>(nullptr));
+    case Family::modal:
+      break;
+  }
+  return f(static_cast<const image::ModalResponse<Real>*>(nullptr));
+}
+
+template <class Real, class Response>
+const Response& response_at(const ImageHeader<Real>& image, uint32_t offset, const Response*) {
+  return *at<Response>(image, offset);
+}
+
+/// f(response of the node). @pre the image was checked
+template <class Real, class Function>
+auto with_response(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, Function&& f) {
+  return with_response_type<Real>(image.family,
+                                  [&](const auto* type) { return f(response_at(image, node.response, type)); });
 }
 
 }  // namespace PHN_RUNTIME

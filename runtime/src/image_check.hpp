@@ -78,7 +78,7 @@ class ImageCheck {
     reals(_image.output_points, _image.output_nodes.n, 3);
     reals(_image.directions, _image.directions.n / 3, 3);
     _n_displacements = _image.displacements.n / 3;
-    const bool modal = _image.family == image::Family::modal;
+    const bool modal = schema::traits(_image.family).has_modes;
     reals(_image.displacements, _n_displacements, 3, modal ? image::largest_displacement : image::Bounds<Real>::value);
     indices(_image.amplitude_center, _n_displacements);
     require(_image.amplitude_center.n <= image::largest_count);
@@ -127,22 +127,16 @@ class ImageCheck {
     require(m == 0 || static_cast<uint64_t>(n_centers) + 3 + n_shared + 2 * static_cast<uint64_t>(m) <= _image.n_scratch);
   }
   template <class Response>
-  void response_at(uint32_t offset) {
+  void response_of(const Response* type, uint32_t offset) {
     require(inside<Response>(offset, 1));
-    if (_good) response(*at<Response>(_image, offset));
+    if (_good) response(response_at(_image, offset, type));
   }
 
   void active(const image::ActiveNode<Real>& node) {
     indices(node.prescribed, _image.output_nodes.n);
     reals(node.prescribed_weight, node.prescribed.n);
     reals(node.trained_depth, _image.directions.n / 3);
-    if (_image.family == image::Family::rbfn) {
-      response_at<image::RbfnResponse<Real>>(node.response);
-    } else if (_image.family == image::Family::linear) {
-      response_at<image::LinearResponse<Real>>(node.response);
-    } else {
-      response_at<image::ModalResponse<Real>>(node.response);
-    }
+    with_response_type<Real>(_image.family, [&](const auto* type) { response_of(type, node.response); });
   }
 
   const ImageHeader<Real>& _image;
@@ -163,7 +157,7 @@ int open_image(const void* memory, size_t bytes, const ImageHeader<Real>*& opene
     return PHN_ERROR_TRUNCATED;
   const auto* word = static_cast<const uint32_t*>(memory) + image::n_unchecked_words;
   if (image::checksum(word, image.bytes / 4 - image::n_unchecked_words) != image.checksum) return PHN_ERROR_CHECKSUM;
-  if (image.family > image::Family::modal) return PHN_ERROR_FAMILY;
+  if (static_cast<uint32_t>(image.family) >= schema::n_families) return PHN_ERROR_FAMILY;
   const int status = ImageCheck<Real>(image).status();
   if (status == PHN_OK) opened = &image;
   return status;

@@ -5,11 +5,23 @@
 
 namespace PHN_RUNTIME {
 
+// Whether a response has a deformation: models without modes have forces only.
+template <class Real>
+bool has_deformation(const image::RbfnResponse<Real>&) {
+  return true;
+}
+template <class Real>
+bool has_deformation(const image::LinearResponse<Real>&) {
+  return true;
+}
+template <class Real>
+bool has_deformation(const image::ModalResponse<Real>& modal) {
+  return modal.weights.scale.n > 0;
+}
 template <class Real>
 bool image_has_deformation(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node) {
-  if (image.output_nodes.n == 0) return false;
-  return image.family != image::Family::modal ||
-         at<image::ModalResponse<Real>>(image, node.response)->weights.scale.n > 0;
+  return image.output_nodes.n > 0 &&
+         with_response(image, node, [](const auto& response) { return has_deformation(response); });
 }
 
 /// @param factor  scratch, one per neuron: what the displacement makes of it
@@ -65,8 +77,8 @@ void scale_columns(const ImageHeader<Real>& image, const image::ScaledTable& tab
 
 /// @param scratch  n_amplitude_centers + 3, then n_shared, then twice n_modes
 template <class Real>
-void modal_field(const ImageHeader<Real>& image, const image::ModalResponse<Real>& node, const Real* d, Real* scratch,
-                 Real* field) {
+void response_field(const ImageHeader<Real>& image, const image::ModalResponse<Real>& node, const Real* d, Real* scratch,
+                    Real* field) {
   const uint32_t n_centers = image.amplitude_center.n, n_shared = image.modes.scale.n, m = node.weights.scale.n;
   Real *basis = scratch, *amount = basis + n_centers + 3, *amplitude = amount + n_shared, *scaled = amplitude + m;
   Real x[3];
@@ -98,25 +110,26 @@ void modal_field(const ImageHeader<Real>& image, const image::ModalResponse<Real
 }
 
 template <class Real>
-void linear_field(const ImageHeader<Real>& image, const image::LinearResponse<Real>& linear, const Real* d,
-                  Real* field) {
+void response_field(const ImageHeader<Real>& image, const image::LinearResponse<Real>& linear, const Real* d, Real*,
+                    Real* field) {
   const Real* unit = at<Real>(image, linear.unit_responses);
   for (uint32_t o = 0; o < image.output_nodes.n; ++o, unit += 9, field += 3) {
     for (int k = 0; k < 3; ++k) field[k] = d[0] * unit[k] + d[1] * unit[3 + k] + d[2] * unit[6 + k];
   }
 }
 
+template <class Real>
+void response_field(const ImageHeader<Real>& image, const image::RbfnResponse<Real>& rbfn, const Real* d, Real* scratch,
+                    Real* field) {
+  network_field(image, rbfn.deformation, d, scratch, field);
+}
+
 /// @param d  cut. @pre image_has_deformation(image, node)
 template <class Real>
 void image_field_at(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d, Real* scratch,
                     Real* field) {
-  if (image.family == image::Family::rbfn) {
-    network_field(image, at<image::RbfnResponse<Real>>(image, node.response)->deformation, d, scratch, field);
-  } else if (image.family == image::Family::linear) {
-    linear_field(image, *at<image::LinearResponse<Real>>(image, node.response), d, field);
-  } else {
-    modal_field(image, *at<image::ModalResponse<Real>>(image, node.response), d, scratch, field);
-  }
+  with_response(image, node,
+                [&](const auto& response) { response_field(image, response, d, scratch, field); });
   const auto* moved = at<uint16_t>(image, node.prescribed);
   const Real* weight = at<Real>(image, node.prescribed_weight);
   for (uint32_t p = 0; p < node.prescribed.n; ++p) {

@@ -170,7 +170,7 @@ int phn_level_info(const phn_model* model, int32_t level, phn_level* info) {
   const phn_model& of_level = level_of(*model, level);
   info->force_centers = most_centers(of_level);
   info->deformation_centers =
-      model->family == phynness::Family::rbfn ? most_neurons(of_level) : of_level.shared.n_centers;
+      phynness::schema::traits(model->family).has_modes ? of_level.shared.n_centers : most_neurons(of_level);
   info->modes = most_modes(of_level);
   info->error_force = of_level.errors.force;
   info->error_displacement = of_level.errors.displacement;

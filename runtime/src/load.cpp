@@ -145,8 +145,9 @@ class ModelLoader {
 
  private:
   void within(const Row<3>& center, const Row<3>& half_range, const Row<3>& bias, const Weights& weights, bool deforms);
-  void respond(NodeStore& node, ActiveNode& made, ActiveNode* smaller);
-  void respond_modal(NodeStore& node, ActiveNode& made, ActiveNode* smaller);
+  void respond(schema::RbfnGrammar, NodeStore& node, ActiveNode& made, ActiveNode* smaller);
+  void respond(schema::LinearGrammar, NodeStore& node, ActiveNode& made, ActiveNode* smaller);
+  void respond(schema::ModalGrammar, NodeStore& node, ActiveNode& made, ActiveNode* smaller);
   bool modal() const { return schema::traits(_store.family).has_modes; }
   std::int64_t n_smaller() const { return _store.levels.n > 0 ? _store.levels.n - 1 : 0; }
 
@@ -222,7 +223,9 @@ void ModelLoader::done(NetworkStore& net) {
     made.weight[k] = net.weights.at[k];
   }
   made.inverse_square_spread = 1 / (net.spread * net.spread);
-  if (deforms) raise(_model.n_basis, static_cast<std::size_t>(made.n_neurons));
+  if (!deforms) return;
+  raise(_model.n_basis, static_cast<std::size_t>(made.n_neurons));
+  _model.prepared_neurons = _model.n_basis;
 }
 
 void ModelLoader::done(FirstNeurons& first) {
@@ -299,7 +302,7 @@ ModalTables with_weights(ModalTables tables, const ScaledTable& weights) {
   return tables;
 }
 
-void ModelLoader::respond_modal(NodeStore& node, ActiveNode& made, ActiveNode* smaller) {
+void ModelLoader::respond(schema::ModalGrammar, NodeStore& node, ActiveNode& made, ActiveNode* smaller) {
   const auto n_fields = static_cast<std::size_t>(_model.n_fields);
   ModalTables of_field[largest_field_count];
   ModalResponse full = {};
@@ -334,21 +337,16 @@ void ModelLoader::respond_modal(NodeStore& node, ActiveNode& made, ActiveNode* s
   }
 }
 
-void ModelLoader::respond(NodeStore& node, ActiveNode& made, ActiveNode* smaller) {
-  switch (_store.family) {
-    case Family::rbfn:
-      made.networks = place(_arena, Networks{node.force.made, node.deformation.made});
-      for (std::int64_t l = 0; l < n_smaller(); ++l) {
-        const NodeLevelStore& level = node.levels.part[l];
-        smaller[l].networks = place(_arena, Networks{level.force.made, level.deformation.made});
-      }
-      break;
-    case Family::linear:
-      made.linear = node.linear.made;
-      break;
-    case Family::modal:
-      respond_modal(node, made, smaller);
+void ModelLoader::respond(schema::RbfnGrammar, NodeStore& node, ActiveNode& made, ActiveNode* smaller) {
+  made.networks = place(_arena, Networks{node.force.made, node.deformation.made});
+  for (std::int64_t l = 0; l < n_smaller(); ++l) {
+    const NodeLevelStore& level = node.levels.part[l];
+    smaller[l].networks = place(_arena, Networks{level.force.made, level.deformation.made});
   }
+}
+
+void ModelLoader::respond(schema::LinearGrammar, NodeStore& node, ActiveNode& made, ActiveNode*) {
+  made.linear = node.linear.made;
 }
 
 void ModelLoader::done(NodeStore& node) {
@@ -365,7 +363,7 @@ void ModelLoader::done(NodeStore& node) {
   made.fill_distance = nodes.known.fill_distance;
   made.incomplete = node.n_incomplete > 0;
   for (auto& level : smaller) level = made;
-  respond(node, made, smaller);
+  schema::with_grammar(_store.family, [&](auto family) { respond(family, node, made, smaller); });
   if (!_load.has_memory()) return;
   nodes.numbers[nodes.in_work] = node.node;
   nodes.active[nodes.in_work] = made;
@@ -390,7 +388,7 @@ int ModelLoader::finish(phn_model* placed) {
   const auto n_kernels = static_cast<std::size_t>(model.shared.n_centers) + 3;
   const auto n_shared = static_cast<std::size_t>(model.shared.n_modes);
   model.n_scratch = n_kernels > n_shared ? n_kernels : n_shared;
-  if (model.family == Family::rbfn) model.n_scratch = 3 * model.n_basis;
+  raise(model.n_scratch, 3 * model.prepared_neurons);
   model.n_scratch += model.n_basis;
   raise(model.n_scratch, model.n_field_scratch);
   auto* smaller = _arena.take<phn_model>(static_cast<std::size_t>(n_smaller()));

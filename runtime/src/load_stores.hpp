@@ -7,7 +7,7 @@
 #include <phynness/schema/text_reader.hpp>
 
 #include "arena.hpp"
-#include "modal_kernels.hpp"
+#include "modal/modal_kernels.hpp"
 #include "model.hpp"
 
 namespace PHN_RUNTIME {

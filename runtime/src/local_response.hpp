@@ -33,10 +33,6 @@ void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, doub
 void basis_and_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* basis,
                         double* gradient, double* scratch);
 
-/// The derivatives alone. @pre family modal
-void amplitude_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* gradient,
-                        double* scratch);
-
 void clear_local(const phn_model& model, const ActiveNode& node, LocalResponse& local);
 
 /// @param vertices, maps  n of them; vertices as in phn_model::triangles, fixed ones and -1 do

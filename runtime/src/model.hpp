@@ -158,6 +158,7 @@ struct phn_model {
   std::size_t n_scratch;  ///< doubles that a deformation needs besides its result, its basis at the end
   std::size_t n_field_scratch;  ///< doubles that a field needs
   std::size_t n_basis;    ///< the largest basis_size of a node
+  std::size_t prepared_neurons;  ///< most neurons of a deformation; 0 in other families than rbfn
   std::int32_t prepared_modes;  ///< most modes of a node that is worth preparing (prepared.hpp); 0 in other families
   std::size_t prepared_near;    ///< most entries of near_mode of such a node
   const std::int32_t *active_nodes, *output_nodes;

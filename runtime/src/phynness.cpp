@@ -5,7 +5,7 @@
 
 #include "arena.hpp"
 #include "arguments.hpp"
-#include "modal.hpp"
+#include "modal/response.hpp"
 #include "trained.hpp"
 
 using namespace PHN_RUNTIME;

@@ -25,6 +25,9 @@ struct PreparedNodes {
   PreparedNode* node;
 };
 
+/// Rows of all modes, whole blocks.
+std::size_t prepared_rows(const phn_model& model);
+
 PreparedNodes lay_out_prepared(Arena& arena, const phn_model& model, std::int32_t max_tools);
 
 /// The entry of an active node; a new one takes the place of the one that was not touched for longest. Null if summing

@@ -4,8 +4,8 @@
 #include <limits>
 #include <random>
 
-#include "exponential.hpp"
-#include "network_kernels.hpp"
+#include "rbfn/exponential.hpp"
+#include "rbfn/network_kernels.hpp"
 
 namespace {
 

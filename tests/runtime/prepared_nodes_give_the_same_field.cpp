@@ -3,7 +3,7 @@
 
 #include "evaluate.hpp"
 #include "loaded_model.hpp"
-#include "modal_kernels.hpp"
+#include "modal/modal_kernels.hpp"
 #include "small_model.hpp"
 
 namespace {

@@ -1,6 +1,6 @@
-#include "network_kernels.hpp"
+#include "rbfn/network_kernels.hpp"
 
-#include "exponential.hpp"
+#include "rbfn/exponential.hpp"
 
 namespace PHN_RUNTIME {
 namespace {

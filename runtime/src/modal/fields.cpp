@@ -1,8 +1,8 @@
 // Scalar fields beside the deformation (formats/model.md, "Fields").
 #include <cmath>
 
-#include "modal.hpp"
-#include "modal_kernels.hpp"
+#include "modal/modal_kernels.hpp"
+#include "modal/response.hpp"
 
 namespace PHN_RUNTIME {
 namespace {

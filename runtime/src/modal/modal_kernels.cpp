@@ -1,4 +1,4 @@
-#include "modal_kernels.hpp"
+#include "modal/modal_kernels.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
