@@ -121,7 +121,7 @@ class Solver : private CoupledField {
       const Vector& pulled = _c.pulled[at(i, j)];
       _c.energy[i] += dot(_c.rest[at(i, j)], pulled) / 2;
       force[j] = j == i ? Vector{} : pulled;
-      if (j != i && _model.family != Family::linear) _c.energy[i] += bend(i, j, force[j]);
+      if (j != i && !schema::traits(_model.family).proportional) _c.energy[i] += bend(i, j, force[j]);
     }
     carry_back(i, force);
     force[i] += _c.alone[i];

@@ -51,7 +51,7 @@ struct Nodes {
 };
 
 struct ModelStore {
-  Family family = Family::rbfn;
+  Family family{};
   Text title, mesh_hash;
   SkippedText software_version, physics_hash;
   double max_displacement_m = 1;

@@ -135,7 +135,7 @@ struct ActiveNodeModel {
 };
 
 struct Model {
-  Family family = Family::rbfn;
+  Family family{};
   std::string title;
   std::string mesh_hash, physics_hash, software_version;
   std::vector<Vec3> directions;
