@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <new>
 #include <phynness/schema/model_grammar.hpp>
 #include <phynness/schema/text_reader.hpp>
 
@@ -315,6 +316,61 @@ struct NodeLevelStore {
   ForceStore conservative;
   ScaledTable weights;
   Parts<ScaledTable, largest_field_count> field_weights;
+};
+
+struct NodeStore {
+  std::int32_t node = -1, n_incomplete = 0;
+  Row<3> point;
+  Prescribed prescribed;
+  PrescribedWeight prescribed_weight;
+  Depths trained_depth_m;
+  NetworkStore force, deformation;  // rbfn
+  LinearStore linear;
+  ForceStore conservative;  // modal, as what follows
+  ModesStore modal;
+  Parts<ModesStore, largest_field_count> fields;
+  Parts<NodeLevelStore, largest_level_count - 1> levels;
+
+  explicit NodeStore(Depths::Known& known) {
+    prescribed_weight.of = &prescribed;
+    trained_depth_m.known = &known;
+    for (std::int32_t l = 0; l + 1 < largest_level_count; ++l) {
+      levels.part[l].force.full = &force;
+      levels.part[l].deformation.full = &deformation;
+    }
+  }
+};
+
+/// The active nodes, of which one at a time is in the making.
+struct Nodes {
+  Depths::Known known;
+  alignas(NodeStore) unsigned char memory[sizeof(NodeStore)];
+  std::int32_t* numbers = nullptr;
+  ActiveNode* active = nullptr;
+  ActiveNode* at_level[largest_level_count - 1] = {};  ///< smaller levels
+  std::int64_t n = 0, in_work = -1;
+
+  std::int64_t rows() const { return n; }
+  NodeStore& item(std::int64_t i) {
+    in_work = i;
+    return *new (memory) NodeStore(known);
+  }
+};
+
+struct ModelStore {
+  Family family{};
+  Text title, mesh_hash;
+  SkippedText software_version, physics_hash;
+  double max_displacement_m = 1;
+  std::int32_t n_mesh_nodes = 0;
+  Table<double> directions, fixed_points, output_points;
+  Displacements displacements;
+  Table<std::int32_t> fixed, output;
+  Corners surface;
+  SharedStore shared;
+  Parts<FieldStore, largest_field_count> fields;
+  Parts<LevelStore, largest_level_count> levels;
+  Nodes nodes;
 };
 
 }  // namespace PHN_RUNTIME
