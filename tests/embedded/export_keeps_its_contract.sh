@@ -41,13 +41,13 @@ int main(int argc, char **argv) {
     float d[3], f[3];
     for (int k = 0; k < 3; ++k) d[k] = (float)q->displacement[k];
     if (phn_imagef_open(liver_2_image, sizeof liver_2_image, &image) != PHN_OK) return 3;
-    if (phn_imagef_n_output(image) != LIVER_2_OUTPUT || phn_imagef_scratch(image) != LIVER_2_SCRATCH) return 4;
+    if (phn_imagef_n_output(image) != LIVER_2_OUTPUT || phn_imagef_scratch_size(image) != LIVER_2_SCRATCH * sizeof(float)) return 4;
     status = phn_imagef_force(image, q->node, d, f);
     for (int k = 0; k < 3; ++k) force[k] = (double)f[k];
 #else
     const phn_image *image;
     if (phn_image_open(liver_2_image, sizeof liver_2_image, &image) != PHN_OK) return 3;
-    if (phn_image_n_output(image) != LIVER_2_OUTPUT || phn_image_scratch(image) != LIVER_2_SCRATCH) return 4;
+    if (phn_image_n_output(image) != LIVER_2_OUTPUT || phn_image_scratch_size(image) != LIVER_2_SCRATCH * sizeof(double)) return 4;
     status = phn_image_force(image, q->node, q->displacement, force);
 #endif
     if (status != q->status || memcmp(force, q->image_force, sizeof force) != 0) return 5;
