@@ -394,10 +394,10 @@ const std::vector<Mistake> combinations = {
      "increments = 4\ntool_radius_m = 0.01",
      "tool_radius_m",
      {"0.01", "patch"}},
-    {"unknown_family", "samples = 1000", "family = \"fourier\"", "", {"none of those known", "modal"}},
+    {"unknown_family", "family = \"rbfn\"", "family = \"fourier\"", "", {"none of those known", "modal"}},
     {"too_many_modes", "samples = 1000", "modes = 2000", "", {"2000", "1024"}},
     {"linear_family_of_a_nonlinear_law",
-     "samples = 1000",
+     "family = \"rbfn\"",
      "family = \"linear\"",
      "",
      {"'linear'", "needs the linear law", "law is \"neo-hookean\"",
@@ -415,9 +415,9 @@ INSTANTIATE_TEST_SUITE_P(combinations, SceneMistake, testing::ValuesIn(combinati
 // Claim: of the families that can be trained, each is accepted where it applies.
 TEST(SceneFamily, linear_goes_with_the_linear_law_and_networks_with_every_law) {
   const std::string linear = with(good_scene, "\"neo-hookean\"", "\"linear\"");
-  EXPECT_EQ(parsed(with(linear, "samples = 1000", "family = \"linear\"")).training.family, Family::linear);
-  EXPECT_EQ(parsed(with(linear, "samples = 1000", "family = \"rbfn\"")).training.family, Family::rbfn);
-  EXPECT_EQ(parsed(with(good_scene, "samples = 1000", "family = \"rbfn\"")).training.family, Family::rbfn);
+  EXPECT_EQ(parsed(with(linear, "\"rbfn\"", "\"linear\"")).training.family, Family::linear);
+  EXPECT_EQ(parsed(linear).training.family, Family::rbfn);
+  EXPECT_EQ(parsed(good_scene).training.family, Family::rbfn);
 }
 
 TEST(SceneSyntax, error_names_line_and_column) {
