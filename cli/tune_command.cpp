@@ -230,6 +230,9 @@ void run(const Options& options) {
                      name(scene.solver.element), scene.material.bulk_to_shear(), name(scene.probe.kind),
                      1e3 * scene.probe.max_displacement_m),
          choice.chosen, limits.statistic);
+  if (!choice.chosen)
+    throw failure("no model meets the limits", choice.missed,
+                  "allow more, or probe in more directions; nothing was written");
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ void ModelReader::family(Family& family) {
   const auto found = _in.rest_of_line();
   const std::string_view word{found.begin, found.length()};
   for (std::uint32_t f = 0; f < schema::n_families; ++f)
-    if (word == schema::families[f].word) {
+    if (word == schema::family_words[f]) {
       family = static_cast<Family>(f);
       return;
     }

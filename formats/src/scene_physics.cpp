@@ -113,6 +113,6 @@ const char* name(Directions directions) {
   }
   return "?";
 }
-const char* name(Family family) { return schema::traits(family).word; }
+const char* name(Family family) { return schema::word(family); }
 
 }  // namespace phynness

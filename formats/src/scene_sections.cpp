@@ -198,7 +198,7 @@ DatabaseSpec parse_database(const SceneTable& table) {
 std::vector<std::pair<std::string_view, Family>> every_family() {
   std::vector<std::pair<std::string_view, Family>> all;
   for (std::uint32_t f = 0; f < schema::n_families; ++f)
-    all.emplace_back(schema::families[f].word, static_cast<Family>(f));
+    all.emplace_back(schema::family_words[f], static_cast<Family>(f));
   return all;
 }
 

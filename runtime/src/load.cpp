@@ -110,7 +110,7 @@ void raise(T& largest, T value) {
 void ModelLoader::family(Family& family) {
   for (std::uint32_t f = 0; f < schema::n_families; ++f) {
     TextReader attempt = _in;
-    attempt.keyword(schema::families[f].word);
+    attempt.keyword(schema::family_words[f]);
     if (!attempt.good()) continue;
     _in = attempt;
     _model.family = family = static_cast<Family>(f);

@@ -176,7 +176,7 @@ int phn_model_info(const phn_model* model, phn_info* info) {
   *info = {};
   info->precision_bits = 8 * static_cast<int32_t>(sizeof(Real));
   if (model == nullptr) return PHN_ERROR_ARGUMENT;
-  info->family = phynness::schema::traits(model->family).word;
+  info->family = phynness::schema::word(model->family);
   info->title = model->title;
   info->mesh_hash = model->mesh_hash;
   info->max_displacement_m = model->max_displacement;

@@ -98,7 +98,7 @@ def main(source, compiler, library, python_with_ufl=None):
 
         # Its own table comes first: the library's is then left out by the linker.
         (copy / "main.cpp").write_text(PROGRAM)
-        run(compiler, "-std=c++20", "-I", source / "formats" / "include", copy / "main.cpp", copy / "made" / "tables.cpp",
+        run(compiler, "-std=c++20", "-I", source / "formats" / "include", "-I", source / "runtime" / "include", copy / "main.cpp", copy / "made" / "tables.cpp",
             library, "-o", copy / "recipe")  # fmt: skip
         # K = 1 / D1, and every parameter is in what the hash is made of.
         expect(run(copy / "recipe", SCENE), [

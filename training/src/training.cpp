@@ -149,11 +149,14 @@ class Training {
 }  // namespace
 
 const std::vector<const FamilyOperations*>& every_family() {
-  static const std::vector<const FamilyOperations*> all = {&rbfn_operations, &linear_operations, &modal_operations};
+  static const std::vector<const FamilyOperations*> all = {&linear_operations, &modal_operations, &rbfn_operations};
   return all;
 }
 
-const FamilyOperations& operations(Family family) { return *every_family()[static_cast<std::size_t>(family)]; }
+const FamilyOperations& operations(Family family) {
+  const auto& all = every_family();
+  return **std::find_if(all.begin(), all.end(), [&](const auto* each) { return each->family == family; });
+}
 
 Model train(const ResponseSource& source, const TrainingSpec& spec, TrainingReport& report,
             const TrainingProgress& progress, int threads) {

@@ -64,6 +64,14 @@ void surface(IO& io, Model& model) {
   }
 }
 
+template <class IO, class Level>
+void level_line(IO& io, Level& level) {
+  io.keyword("level");
+  io.real("error of a level", level.error_force, level_error);
+  io.real("error of a level", level.error_displacement, level_error);
+  io.end();
+}
+
 template <class Grammar, class IO, class Model>
 void levels(IO& io, Model& model) {
   if (!traits(Grammar::family).has_levels || !io.optional("levels", io.rows(model.levels) > 0)) return;
@@ -71,17 +79,15 @@ void levels(IO& io, Model& model) {
   io.shape("levels", model.levels, n, 1);
   for (int32_t l = 0; l < n && io.good(); ++l) {
     auto& level = io.item(model.levels, l);
-    io.keyword("level");
-    io.real("error of a level", level.error_force, level_error);
-    io.real("error of a level", level.error_displacement, level_error);
-    io.end();
+    level_line(io, level);
     if (l + 1 < n) Grammar::level(io, model, level);
     io.done(level);
   }
 }
 
-template <class Grammar, class IO, class Model, class Node>
-void active_node(IO& io, Model& model, Node& node, int32_t& previous) {
+/// What an active node of any family begins with.
+template <class IO, class Model, class Node>
+void node_lines(IO& io, Model& model, Node& node, int32_t& previous) {
   io.keyword("node");
   io.integer("node number", node.node, 0, model.n_mesh_nodes - 1);
   require_ascending(io, node.node, previous, "node numbers must ascend");
@@ -104,6 +110,11 @@ void active_node(IO& io, Model& model, Node& node, int32_t& previous) {
   io.keyword("trained_depth");
   io.end();
   rows_of_numbers(io, "trained depth", node.trained_depth_m, n_directions, 1, not_negative);
+}
+
+template <class Grammar, class IO, class Model, class Node>
+void active_node(IO& io, Model& model, Node& node, int32_t& previous) {
+  node_lines(io, model, node, previous);
   Grammar::response(io, model, node);
   const int64_t n_smaller = io.rows(model.levels) > 0 ? io.rows(model.levels) - 1 : 0;
   io.shape("levels", node.levels, n_smaller, 1);

@@ -37,7 +37,7 @@ struct FamilyOperations {
 };
 
 const FamilyOperations& operations(Family family);
-/// In the order of Family.
+/// In the order in which they are tried and told: the recommended ones first.
 const std::vector<const FamilyOperations*>& every_family();
 
 }  // namespace phynness
