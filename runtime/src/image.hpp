@@ -89,11 +89,24 @@ Real trained_depth(const ImageHeader<Real>& image, const image::ActiveNode<Real>
                      static_cast<int32_t>(node.trained_depth.n), d);
 }
 
+// Traits of a family (phynness/schema/family.hpp) without a table: position-independent code finds one by way of an offset
+// table in memory, which a device without an operating system does not set up.
+constexpr bool is_proportional(Family family) { return family == Family::linear; }
+constexpr bool has_energy(Family family) { return family != Family::rbfn; }
+constexpr bool has_modes(Family family) { return family == Family::modal; }
+constexpr bool agrees_with_schema(Family family) {
+  return is_proportional(family) == schema::traits(family).proportional &&
+         has_energy(family) == schema::traits(family).has_energy &&
+         has_modes(family) == schema::traits(family).has_modes;
+}
+static_assert(agrees_with_schema(Family::rbfn) && agrees_with_schema(Family::linear) &&
+              agrees_with_schema(Family::modal));
+
 /// @param d  cut, unless `whole` is false
 template <class Real>
 int image_warnings(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, bool whole, const Real* d) {
   const bool outside =
-      !whole || (!schema::traits(image.family).proportional &&
+      !whole || (!is_proportional(image.family) &&
                  square_root(dot(d, d)) > depth_slack<Real> * trained_depth(image, node, d));
   return (outside ? PHN_WARNING_OUTSIDE : 0) | (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
 }
