@@ -295,7 +295,7 @@ int run(int argc, char** argv) {
     bench_contact(table, loaded, false);
   }
   if (!model_dir.empty()) {
-    Loaded loaded(read_model_dir(model_dir).model_text);
+    Loaded loaded(read_model_texts(model_dir).model);
     std::printf("%s: %d output nodes, %d fine vertices (not in the JSON file)\n", model_dir.c_str(),
                 loaded.model.n_output(), loaded.surface.n_vertices());
     Table other;

@@ -1,7 +1,7 @@
 #include <fmt/core.h>
 
 #include <phynness/formats/error.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -62,24 +62,24 @@ void run(const Options& options) {
                       "train it with [training] modes of 1 or more");
   if (response.status > 0) message("warning: {}\n", phn_status_message(response.status));
   json extra{{"status", response.status},
-             {"family", name(model.model().family)},
+             {"family", model.runtime().info().family},
              {"level", model.data().level()}};
   if (!coupled && places.size() == 1)
     extra["trained_distance"] = model.trained_distance(options.tool.nodes.front(), displacements.front());
   if (coupled) {
     extra["residual"] = response.coupled.residual;
   }
-  ToolResult result{response.force_N, response.energy_J, response.displacement_m, model.model().output, {}};
+  const auto& info = model.runtime().info();
+  const auto output = model.runtime().output_nodes();
+  ToolResult result{response.force_N, response.energy_J, response.displacement_m, {output.begin(), output.end()}, {}};
   for (Eigen::Index f = 0; f < response.fields.cols(); ++f) {
-    const auto& field = model.model().fields[static_cast<std::size_t>(f)];
-    const auto known = field_named(field.name);
-    result.fields.push_back(
-        {field.name, field.unit, known ? column(*known) : field.name, response.fields.col(f)});
+    const std::string field = info.field_names[f];
+    const auto known = field_named(field);
+    result.fields.push_back({field, info.field_units[f], known ? column(*known) : field, response.fields.col(f)});
   }
   report_tools(options.tool, places, displacements, model.mesh(), result, extra);
   if (!options.surface) return;
-  const auto n = write_fine_surface(model, response.displacement_m, options.levels, *options.surface,
-                                    model.model().title);
+  const auto n = write_fine_surface(model, response.displacement_m, options.levels, *options.surface, info.title);
   message("surface of {} vertices: {}\n", n, options.surface->string());
 }
 

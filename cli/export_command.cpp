@@ -6,7 +6,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/training/families.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"

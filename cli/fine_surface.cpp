@@ -52,9 +52,8 @@ std::int32_t write_fine_surface(const LoadedModel& model, const Points& displace
   grid.points = Eigen::Map<const FloatRows>(surface.points().data(), n, 3).cast<double>();
   grid.cells = Eigen::Map<const Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>>(
       surface.triangles().data(), static_cast<Eigen::Index>(surface.triangles().size() / 3), 3);
-  const Model& parts = model.model();
-  grid.node_numbers = parts.output;
-  grid.node_numbers.insert(grid.node_numbers.end(), parts.fixed.begin(), parts.fixed.end());
+  for (const auto part : {model.runtime().output_nodes(), model.runtime().fixed_nodes()})
+    grid.node_numbers.insert(grid.node_numbers.end(), part.begin(), part.end());
   grid.node_numbers.resize(static_cast<std::size_t>(n), -1);
   const Eigen::MatrixXd displacement = fine.cast<double>();
   if (file.extension() == ".obj") {

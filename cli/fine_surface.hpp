@@ -2,7 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 #include <string>
 
 namespace phynness::cli {

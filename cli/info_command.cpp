@@ -6,7 +6,7 @@
 #include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/training/families.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"

@@ -53,12 +53,7 @@ LoadedModel train_on(const study::StudyData& data, const TrainingSpec& spec) {
   const ResponseSource source{&data.header,
                               [&](std::int32_t a) { return data.probed[static_cast<std::size_t>(a)].rays; },
                               0, "the study's body"};
-  ModelDir dir;
-  dir.model = train(source, spec, report);
-  dir.mesh = data.header.mesh;
-  dir.model_text = write_model_text(dir.model);
-  dir.mesh_text = write_mesh_text(dir.mesh);
-  return LoadedModel(std::move(dir), "the study's model");
+  return LoadedModel(train(source, spec, report), data.header.mesh, "the study's model");
 }
 
 void Errors::add_node(const std::vector<Compared>& probes, Eigen::Index without) {

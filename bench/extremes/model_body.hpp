@@ -2,7 +2,7 @@
 #pragma once
 
 #include <phynness/precompute/probe_solver.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/validation/validation.hpp>
 #include <string>
 #include <vector>

@@ -118,12 +118,7 @@ Model without_response(const Database& database, double tool_radius_m) {
 }
 
 LoadedModel loaded(const Model& model, const Mesh& mesh) {
-  ModelDir dir;
-  dir.model_text = write_model_text(model);
-  dir.mesh_text = write_mesh_text(mesh);
-  dir.model = model;
-  dir.mesh = mesh;
-  return LoadedModel(std::move(dir), "the study's model");
+  return LoadedModel(model, mesh, "the study's model");
 }
 
 }  // namespace phynness::study

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <phynness/training/training.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 
 #include "disturbed_data.hpp"
 

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <phynness/embedding/embedding.hpp>
 #include <phynness/formats/error.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 #include <random>
 
 namespace phynness {
@@ -43,7 +43,7 @@ Vec3 displacement(const LoadedModel& model, std::int32_t node, std::size_t i, Nu
     share = 1 + 0.43 * share;
   }
   const double depth = model.trained_depth(node, e),
-               deep = depth > 0 ? depth : model.model().max_displacement_m;
+               deep = depth > 0 ? depth : model.runtime().info().max_displacement_m;
   return {share * deep * e[0], share * deep * e[1], share * deep * e[2]};
 }
 
@@ -115,17 +115,17 @@ class Deviation {
 }  // namespace
 
 GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, std::size_t n) {
-  const auto& nodes = model.model().nodes;
+  const auto nodes = model.runtime().active_nodes();
   if (nodes.empty()) throw input_error("the model has no active nodes", "", "train it with some");
   Device device(image);
   Numbers numbers;
   GoldenQueries all;
   Deviation force, deformation;
-  std::vector<double> field(3 * model.model().output.size());
+  std::vector<double> field(3 * static_cast<std::size_t>(model.runtime().n_output()));
   for (std::size_t i = 0; i < n; ++i) {
     GoldenQuery query;
     // Strides that meet all nodes, but seldom neighbours in turn.
-    query.node = nodes[(i * 7919) % nodes.size()].node;
+    query.node = nodes[(i * 7919) % nodes.size()];
     query.displacement_m = device.held(displacement(model, query.node, i, numbers));
     const Vec3& d = query.displacement_m;
     model.data().force(query.node, d, query.force_N).ignore();

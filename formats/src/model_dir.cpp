@@ -58,17 +58,19 @@ void write_model_dir(const fs::path& dir, const Model& model, const Mesh& mesh) 
   rename_over(dir / "model.txt.part", dir / "model.txt");
 }
 
-ModelDir read_model_dir(const fs::path& dir) {
-  ModelDir found;
-  found.model_text = read_file(dir / "model.txt");
-  found.mesh_text = read_file(dir / "mesh.txt");
-  found.model = read_model_text(found.model_text, (dir / "model.txt").string());
-  found.mesh = read_mesh_text(found.mesh_text, (dir / "mesh.txt").string());
-  if (mesh_hash(found.mesh) != found.model.mesh_hash) {
-    throw input_error("mesh.txt is not the mesh of model.txt",
-                      mesh_hash(found.mesh) + " instead of " + found.model.mesh_hash,
+ModelTexts read_model_texts(const fs::path& dir) { return {read_file(dir / "model.txt"), read_file(dir / "mesh.txt")}; }
+
+void require_mesh(const Mesh& mesh, const std::string& hash) {
+  if (mesh_hash(mesh) != hash)
+    throw input_error("mesh.txt is not the mesh of model.txt", mesh_hash(mesh) + " instead of " + hash,
                       "copy both files of one model directory");
-  }
+}
+
+ModelDir read_model_dir(const fs::path& dir) {
+  const ModelTexts texts = read_model_texts(dir);
+  ModelDir found{read_model_text(texts.model, (dir / "model.txt").string()),
+                 read_mesh_text(texts.mesh, (dir / "mesh.txt").string())};
+  require_mesh(found.mesh, found.model.mesh_hash);
   return found;
 }
 

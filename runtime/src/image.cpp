@@ -1,5 +1,5 @@
 // The C interface to images: checks of arguments and statuses, once for doubles and once for floats.
-#include "image_deform.hpp"
+#include "image.hpp"
 #include "overlap.hpp"
 
 using namespace PHN_RUNTIME;
@@ -51,7 +51,7 @@ int energy(const ImageHeader<Real>* image, int32_t node, const Real* d, Real* ou
   Query<Real> query;
   const int refused = ask(image, node, d, out, query);
   if (refused != PHN_OK) return refuse(refused, out, 1);
-  if (!has_energy(image->family)) return refuse(PHN_ERROR_UNDEFINED, out, 1);
+  if (!traits(*image).has_energy) return refuse(PHN_ERROR_UNDEFINED, out, 1);
   *out = with_response(*image, *query.node,
                        [&](const auto& response) { return response_energy(*image, response, query.d); });
   return answered(*image, query);
@@ -62,7 +62,7 @@ int stiffness(const ImageHeader<Real>* image, int32_t node, const Real* d, Real*
   Query<Real> query;
   const int refused = ask(image, node, d, out, query);
   if (refused != PHN_OK) return refuse(refused, out, 9);
-  if (!has_energy(image->family)) return refuse(PHN_ERROR_UNDEFINED, out, 9);
+  if (!traits(*image).has_energy) return refuse(PHN_ERROR_UNDEFINED, out, 9);
   with_response(*image, *query.node,
                 [&](const auto& response) { response_stiffness(*image, response, query.d, out); });
   return answered(*image, query);

@@ -78,7 +78,7 @@ class ImageCheck {
     reals(_image.output_points, _image.output_nodes.n, 3);
     reals(_image.directions, _image.directions.n / 3, 3);
     _n_displacements = _image.displacements.n / 3;
-    const bool modal = has_modes(_image.family);
+    const bool modal = traits(_image).has_modes;
     reals(_image.displacements, _n_displacements, 3, modal ? image::largest_displacement : image::Bounds<Real>::value);
     indices(_image.amplitude_center, _n_displacements);
     require(_image.amplitude_center.n <= image::largest_count);

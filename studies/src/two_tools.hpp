@@ -3,7 +3,7 @@
 
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/studies/measurements.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 #include <random>
 
 namespace phynness::study {

@@ -45,7 +45,8 @@ TEST(ModelDirectory, HoldsExactlyTwoFiles) {
   std::sort(names.begin(), names.end());
   EXPECT_EQ(names, (std::vector<std::string>{"mesh.txt", "model.txt"}));
   const ModelDir found = read_model_dir(folder.path);
-  EXPECT_EQ(found.model_text, write_model_text(folder.model));
+  EXPECT_EQ(write_model_text(found.model), write_model_text(folder.model));
+  EXPECT_EQ(read_model_texts(folder.path).model, write_model_text(folder.model));
   EXPECT_EQ(mesh_hash(found.mesh), folder.model.mesh_hash);
 }
 

@@ -10,7 +10,7 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/training/training.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 
 #include "probe_block.hpp"
 
@@ -48,14 +48,8 @@ class Models : public ::testing::Test {
     spec.samples = 2000;
     spec.force_spread = 1.4;
     TrainingReport report;
-    ModelDir dir;
-    dir.model =
-        train({&header, [&](std::int32_t a) { return rays[static_cast<std::size_t>(a)]; }, 0, "block"}, spec,
-              report);
-    dir.mesh = block.mesh;
-    dir.model_text = write_model_text(dir.model);
-    dir.mesh_text = write_mesh_text(block.mesh);
-    return {std::move(dir), "block"};
+    const ResponseSource source{&header, [&](std::int32_t a) { return rays[static_cast<std::size_t>(a)]; }, 0, "block"};
+    return {train(source, spec, report), block.mesh, "block"};
   }
 
   /// Means of (17) over some directions between the trained ones, at one depth.

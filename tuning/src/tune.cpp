@@ -14,15 +14,6 @@ namespace {
 /// not tell.
 constexpr std::int64_t probed_nodes = 10;
 
-LoadedModel loaded(const Model& model, const Mesh& mesh, const std::string& name) {
-  ModelDir dir;
-  dir.model_text = write_model_text(model);
-  dir.mesh_text = write_mesh_text(mesh);
-  dir.model = model;
-  dir.mesh = mesh;
-  return LoadedModel(std::move(dir), name);
-}
-
 /// The sizes of a model, of its largest node.
 TrainingSpec sizes_of(const Model& model) {
   TrainingSpec spec;
@@ -70,7 +61,7 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
     measured.candidate.name = operations(measured.trained.family).model_name(measured.trained);
     measured.model.title = scene.title;
     measured.training_s = training.seconds;
-    const auto model = loaded(measured.model, mesh, candidate.name);
+    const LoadedModel model(measured.model, mesh, candidate.name);
     if (solved.empty()) {
       const auto plan = plan_probes(model, scene.probe.directions, probes, seed, probed_nodes);
       const auto share = solve_probes(

@@ -54,12 +54,14 @@ struct Network {
 
 template <class Real>
 struct RbfnResponse {
+  static constexpr Family family = Family::rbfn;
   Network<Real, 3> force;
   Network<Real, 6> deformation;
 };
 
 template <class Real>
 struct LinearResponse {
+  static constexpr Family family = Family::linear;
   Real stiffness[6];     ///< xx xy xz yy yz zz [N/m]
   Table unit_responses;  ///< Real: n_output x 9
 };
@@ -72,6 +74,7 @@ struct ScaledTable {
 
 template <class Real>
 struct ModalResponse {
+  static constexpr Family family = Family::modal;
   Table center;       ///< uint16: row of Header::displacements, one per force center
   Table coefficient;  ///< Real: 3 per force center [N]
   Real shape;

@@ -1,50 +1,78 @@
-// exp for arguments <= 0, without branches or calls, so that compilers turn loops of it into vectors.
+// exp for arguments <= 0 and powers of a half, for models in memory and for images: without branches or calls, so that
+// compilers turn loops of it into vectors and a device needs no library.
 #pragma once
 
-#include <cstdint>
-#include <cstring>
+#include <stdint.h>
 
 #include "instruction_sets.hpp"
 
+#ifdef __GNUC__
+#define PHN_COPY_BITS(to, from) __builtin_memcpy(&(to), &(from), sizeof(to))
+#else
+#include <cstring>
+#define PHN_COPY_BITS(to, from) std::memcpy(&(to), &(from), sizeof(to))
+#endif
+
 namespace PHN_RUNTIME {
 
-/// exp(x) for x <= 0, -infinity included; where x < -300, exp(-300) = 5e-131: nothing beside any constant, and two of
-/// them times a weight are still a normal number. Others take processors many times as long.
-/// Relative error: at most 6e-16. x = n ln 2 + r with |r| <= ln 2 / 2 and n an integer, taken from the low bits of a sum
-/// with 1.5 2^52; ln 2 in two parts (Cody & Waite 1980); e^r by its series, whose first term left out is 2e-16 of it.
-PHN_INLINE double exp_of_negative(double x) {
-  constexpr double lowest = -300, to_integer = 6755399441055744.0;
-  const double clamped = x < lowest ? lowest : x;
-  const double shifted = clamped * 1.4426950408889634 + to_integer;
-  std::uint64_t bits;
-  std::memcpy(&bits, &shifted, sizeof bits);
+/// 2^n and n for the integer n that was rounded by `shifted` = n + 1.5 2^52.
+PHN_INLINE double power_of_two(double shifted) {
+  uint64_t bits;
+  PHN_COPY_BITS(bits, shifted);
   bits = (bits + 1023) << 52;
   double power;
-  std::memcpy(&power, &bits, sizeof power);
-  const double n = shifted - to_integer;
-  const double r = (clamped - n * 6.93147180369123816490e-01) - n * 1.90821492927058770002e-10;
-  // In pairs (Estrin): half as many steps wait for each other as in Horner's scheme.
+  PHN_COPY_BITS(power, bits);
+  return power;
+}
+/// Added to a number, it rounds to an integer, which is then in the low bits.
+inline constexpr double to_integer = 6755399441055744.0;
+
+/// e^r for |r| <= ln 2 / 2 by its series, whose first term left out is 2e-16 of it. In pairs (Estrin): half as many steps
+/// wait for each other as in Horner's scheme.
+PHN_INLINE double exp_series(double r) {
   const double r2 = r * r, r4 = r2 * r2, r8 = r4 * r4;
   const double low = ((1.0 / 6) * r + 0.5) * r2 + (r + 1);
   const double middle = ((1.0 / 5040) * r + 1.0 / 720) * r2 + ((1.0 / 120) * r + 1.0 / 24);
   const double high = ((1.0 / 39916800) * r + 1.0 / 3628800) * r2 + ((1.0 / 362880) * r + 1.0 / 40320);
-  const double series = (r4 * (1.0 / 479001600) + high) * r8 + (middle * r4 + low);
-  return series * power;
+  return (r4 * (1.0 / 479001600) + high) * r8 + (middle * r4 + low);
 }
 
-/// 2^-t in float for t >= 0, infinity included; where t > 46, 2^-46 = 1e-14, so that two of them times a weight are still a
-/// normal number. Relative error at most 2e-7 of float arithmetic. -t = n + f with |f| <= 1/2 as above; 2^f by the polynomial through it at the
-/// seven zeros of a Chebyshev polynomial, with 1 at 0, which is within 2e-8.
+/// exp(x) for x <= 0, -infinity included; where x < -300, exp(-300) = 5e-131: nothing beside any constant, and two of
+/// them times a weight are still a normal number. Others take processors many times as long.
+/// Relative error: at most 6e-16. x = n ln 2 + r with |r| <= ln 2 / 2 and n an integer, taken from the low bits of a sum
+/// with 1.5 2^52; ln 2 in two parts (Cody & Waite 1980).
+PHN_INLINE double exp_of_negative(double x) {
+  constexpr double lowest = -300;
+  const double clamped = x < lowest ? lowest : x;
+  const double shifted = clamped * 1.4426950408889634 + to_integer;
+  const double n = shifted - to_integer;
+  const double r = (clamped - n * 6.93147180369123816490e-01) - n * 1.90821492927058770002e-10;
+  return exp_series(r) * power_of_two(shifted);
+}
+
+/// 2^-t for t >= 0, infinity included; where t > 430, 2^-430 = 4e-130. Relative error: at most 6e-16. The remainder of
+/// rounding t is exact, so that ln 2 needs no second part.
+PHN_INLINE double power_of_half(double t) {
+  constexpr double largest = 430;
+  const double clamped = t > largest ? largest : t;
+  const double shifted = to_integer - clamped;
+  const double r = ((to_integer - shifted) - clamped) * 0.693147180559945309417;
+  return exp_series(r) * power_of_two(shifted);
+}
+
+/// The same in float; where t > 46, 2^-46 = 1e-14, so that two of them times a weight are still a normal number. Relative
+/// error at most 2e-7 of float arithmetic. -t = n + f with |f| <= 1/2; 2^f by the polynomial through it at the seven zeros of
+/// a Chebyshev polynomial, with 1 at 0, which is within 2e-8.
 PHN_INLINE float power_of_half(float t) {
-  constexpr float largest = 46, to_integer = 12582912.0f;
+  constexpr float largest = 46, to_integer_of_float = 12582912.0f;
   const float clamped = t > largest ? largest : t;
-  const float shifted = to_integer - clamped;
-  std::uint32_t bits;
-  std::memcpy(&bits, &shifted, sizeof bits);
+  const float shifted = to_integer_of_float - clamped;
+  uint32_t bits;
+  PHN_COPY_BITS(bits, shifted);
   bits = (bits + 127) << 23;
   float power;
-  std::memcpy(&power, &bits, sizeof power);
-  const float f = (to_integer - shifted) - clamped, f2 = f * f, f4 = f2 * f2;
+  PHN_COPY_BITS(power, bits);
+  const float f = (to_integer_of_float - shifted) - clamped, f2 = f * f, f4 = f2 * f2;
   const float low = (0.0555032715f * f + 0.240226507f) * f2 + (0.693147182f * f + 1);
   const float high = 0.000154614449f * f2 + (0.0013400428f * f + 0.00961805694f);
   return (high * f4 + low) * power;

@@ -170,10 +170,17 @@ Model read_model_text(const std::string& text, const std::string& source_name);
 
 /// MODEL_DIR: exactly model.txt and mesh.txt. Written beside and renamed, so a reader never sees half of one.
 void write_model_dir(const std::filesystem::path& dir, const Model& model, const Mesh& mesh);
+struct ModelTexts {
+  std::string model, mesh;
+};
+/// @throws Error if a file is missing
+ModelTexts read_model_texts(const std::filesystem::path& dir);
+/// @throws Error (input) if `hash`, a model's, is not the mesh's
+void require_mesh(const Mesh& mesh, const std::string& hash);
+
 struct ModelDir {
   Model model;
   Mesh mesh;
-  std::string model_text, mesh_text;
 };
 /// @throws Error if a file is missing or the mesh is not the model's
 ModelDir read_model_dir(const std::filesystem::path& dir);

@@ -22,9 +22,9 @@
 //   has_place(model, node)                  whether a node is an output or fixed node
 #pragma once
 
-#include <phynness/schema/linear_grammar.hpp>
-#include <phynness/schema/modal_grammar.hpp>
-#include <phynness/schema/rbfn_grammar.hpp>
+#include <phynness/schema/linear/grammar.hpp>
+#include <phynness/schema/modal/grammar.hpp>
+#include <phynness/schema/rbfn/grammar.hpp>
 
 namespace phynness::schema {
 

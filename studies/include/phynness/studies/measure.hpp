@@ -4,7 +4,7 @@
 #include <functional>
 #include <phynness/formats/database.hpp>
 #include <phynness/studies/report.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 
 namespace phynness {
 

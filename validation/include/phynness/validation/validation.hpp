@@ -5,7 +5,7 @@
 #include <array>
 #include <functional>
 #include <optional>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/runtime_speed.hpp>
 #include <string>
 #include <vector>
 
@@ -46,17 +46,6 @@ struct PredictorErrors {
 enum class Predictor { model, linear, zero };
 inline constexpr std::array<Predictor, 3> predictors{Predictor::model, Predictor::linear, Predictor::zero};
 const char* name(Predictor);
-
-/// Median time of one call of the runtime on this machine, this process alone; deformations of nodes that are
-/// ready (phn_prepare).
-struct RuntimeSpeed {
-  double force_us = 0, deformation_us = 0;
-  double field_us = 0;  ///< of one field; 0: the model has none
-};
-RuntimeSpeed measure_speed(const LoadedModel& model);
-
-/// Times of each level by phn_calibrate and this machine's steady clock.
-std::vector<phn_level_time> measure_levels(const LoadedModel& model);
 
 /// One solved probe, to be looked at.
 struct ForceExample {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <phynness/formats/error.hpp>
-#include <phynness/validation/validation.hpp>
+#include <phynness/evaluation/runtime_speed.hpp>
 
 namespace phynness {
 namespace {
@@ -36,9 +36,9 @@ std::vector<phn_level_time> measure_levels(const LoadedModel& model) {
 }
 
 RuntimeSpeed measure_speed(const LoadedModel& model) {
-  const auto& nodes = model.model().nodes;
-  if (nodes.empty()) return {};
-  const double depth = model.model().max_displacement_m;
+  const auto nodes = model.runtime().active_nodes();
+  if (nodes.size() == 0) return {};
+  const double depth = model.runtime().info().max_displacement_m;
   std::vector<double> u(3 * static_cast<std::size_t>(model.runtime().n_output()));
   double f[3], sink = 0;
   // The displacement changes from call to call, as a hand's does.
@@ -49,13 +49,13 @@ RuntimeSpeed measure_speed(const LoadedModel& model) {
   speed.force_us = median_us(15, 200, [&](int i) {
     double d[3];
     displacement(i, d);
-    model.data().force(nodes[static_cast<std::size_t>(i) % nodes.size()].node, d, f).ignore();
+    model.data().force(nodes[static_cast<std::size_t>(i) % nodes.size()], d, f).ignore();
     sink += f[0];
   });
   // A hand stays at a node for many frames: getting it ready does not count.
   std::vector<double> times;
   for (std::size_t b = 0; b < 7; ++b) {
-    const auto node = nodes[b * nodes.size() / 7].node;
+    const auto node = nodes[b * nodes.size() / 7];
     model.data().prepare(node).ignore();
     times.push_back(median_us(1, 5, [&](int i) {
       double d[3];
@@ -70,7 +70,7 @@ RuntimeSpeed measure_speed(const LoadedModel& model) {
     speed.field_us = median_us(7, 5, [&](int i) {
       double d[3];
       displacement(i, d);
-      const auto node = nodes[static_cast<std::size_t>(i) % nodes.size()].node;
+      const auto node = nodes[static_cast<std::size_t>(i) % nodes.size()];
       model.data().field(node, d, 0, u).ignore();
       sink += u[0];
     });

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/error.hpp>
-#include <phynness/validation/loaded_model.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 
 namespace phynness {
 namespace {
@@ -11,29 +11,48 @@ rt::Span<double> span(Points& points) { return {points.data(), static_cast<std::
 }  // namespace
 
 LoadedModel::LoadedModel(const std::filesystem::path& dir, std::int32_t max_tools)
-    : LoadedModel(read_model_dir(dir), (dir / "model.txt").string(), max_tools) {}
+    : _name((dir / "model.txt").string()), _max_tools(max_tools) {
+  ModelTexts texts = read_model_texts(dir);
+  _text = std::move(texts.model);
+  _mesh_text_bytes = texts.mesh.size();
+  load();
+  _mesh = read_mesh_text(texts.mesh, (dir / "mesh.txt").string());
+  require_mesh(_mesh, _runtime.info().mesh_hash);
+}
 
-LoadedModel::LoadedModel(ModelDir dir, const std::string& name, std::int32_t max_tools)
-    : _dir(std::move(dir)), _max_tools(max_tools) {
-  _runtime = rt::Model(_dir.model_text);
-  if (_runtime) _data = rt::Data(_runtime, max_tools);
+LoadedModel::LoadedModel(Model model, Mesh mesh, const std::string& name, std::int32_t max_tools)
+    : _name(name),
+      _text(write_model_text(model)),
+      _mesh_text_bytes(write_mesh_text(mesh).size()),
+      _model(std::move(model)),
+      _mesh(std::move(mesh)),
+      _max_tools(max_tools) {
+  load();
+}
+
+void LoadedModel::load() {
+  _runtime = rt::Model(_text);
+  if (_runtime) _data = rt::Data(_runtime, _max_tools);
   const rt::Status status = _runtime ? _data.status() : _runtime.status();
-  if (!status.ok()) {
-    const std::size_t at = _runtime.wrong_byte();
-    throw input_error("the runtime refuses " + name,
-                      status.message() + (at > 0 ? " (byte " + std::to_string(at) + ")" : std::string()),
-                      "train the model again with this version");
-  }
+  if (status.ok()) return;
+  model();  // names the line of a text that is wrong, and the value there
+  const std::size_t at = _runtime.wrong_byte();
+  throw input_error("the runtime refuses " + _name,
+                    status.message() + (at > 0 ? " (byte " + std::to_string(at) + ")" : std::string()),
+                    "train the model again with this version");
+}
+
+const Model& LoadedModel::model() const {
+  if (!_model) _model = read_model_text(_text, _name);
+  return *_model;
 }
 
 void LoadedModel::check(int status, std::int32_t node) const {
   if (status >= 0) return;
-  if (status == PHN_ERROR_NOT_ACTIVE && node >= 0 && node < _dir.mesh.n_nodes()) {
-    std::vector<std::int32_t> active;
-    for (const auto& entry : _dir.model.nodes) active.push_back(entry.node);
-    const auto distance = [&](std::int32_t i) {
-      return (_dir.mesh.nodes.row(i) - _dir.mesh.nodes.row(node)).norm();
-    };
+  if (status == PHN_ERROR_NOT_ACTIVE && node >= 0 && node < _mesh.n_nodes()) {
+    const auto all = _runtime.active_nodes();
+    std::vector<std::int32_t> active(all.begin(), all.end());
+    const auto distance = [&](std::int32_t i) { return (_mesh.nodes.row(i) - _mesh.nodes.row(node)).norm(); };
     const auto n = std::min<std::size_t>(3, active.size());
     std::partial_sort(active.begin(), active.begin() + static_cast<std::ptrdiff_t>(n), active.end(),
                       [&](auto a, auto b) { return distance(a) < distance(b); });
@@ -45,7 +64,7 @@ void LoadedModel::check(int status, std::int32_t node) const {
   throw input_error("the runtime refuses the request",
                     phn_status_message(status) + std::string(" (node ") + std::to_string(node) + ")",
                     "touch different active nodes of the mesh, 0 to " +
-                        std::to_string(_dir.mesh.n_nodes() - 1) + ", with finite displacements");
+                        std::to_string(_mesh.n_nodes() - 1) + ", with finite displacements");
 }
 
 void LoadedModel::set_level(std::int32_t level) {
@@ -133,9 +152,10 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
     throw input_error(
         "this model has forces only, or a touched node is no output node", "coupled tools",
         "train it with modes and with all touched nodes among the output nodes, or touch single nodes");
+  const auto all_fixed = _runtime.fixed_nodes();
   for (const auto& tool : tools)
     for (int k = 0; k < 3 && status == PHN_ERROR_NOT_ACTIVE; ++k) {
-      const bool fixed = std::binary_search(_dir.model.fixed.begin(), _dir.model.fixed.end(), tool.nodes[k]);
+      const bool fixed = std::binary_search(all_fixed.begin(), all_fixed.end(), tool.nodes[k]);
       if (tool.weights[k] > 0 && !fixed) force(tool.nodes[k], {0, 0, 0});  // refuses inactive nodes by number
     }
   if (status == PHN_ERROR_NOT_ACTIVE)
@@ -144,7 +164,7 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
   check(status, n_tools == 0 ? -1 : tools[0].nodes[0]);
   for (std::size_t t = 0; t < n_tools; ++t)
     response.force_N.emplace_back(Vec3{forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]});
-  if (schema::traits(_dir.model.family).has_energy) response.energy_J = response.coupled.energy;
+  if (_runtime.info().has_energy != 0) response.energy_J = response.coupled.energy;
   response.displacement_m.resize(_runtime.n_output(), 3);
   const int deformed = _data.coupled_deform(span(response.displacement_m));
   if (deformed == PHN_ERROR_UNDEFINED) response.displacement_m.resize(0, 3);

@@ -1,4 +1,4 @@
-// A model directory in the runtime's hands, with memory of its own: what eval, validate and bench call.
+// A model in the runtime's hands, with memory of its own: what eval, validate, tune, export and bench call.
 #pragma once
 
 #include <filesystem>
@@ -23,16 +23,18 @@ struct ModelResponse {
 /// Not for several threads at once.
 class LoadedModel {
  public:
+  /// Only the runtime reads the model's text, until model() is called.
   /// @throws Error if the directory, its files or their match is unsound
   explicit LoadedModel(const std::filesystem::path& dir, std::int32_t max_tools = 16);
   /// The same of a model that need not be in files; `name` is for messages.
-  LoadedModel(ModelDir dir, const std::string& name, std::int32_t max_tools = 16);
+  LoadedModel(Model model, Mesh mesh, const std::string& name, std::int32_t max_tools = 16);
 
-  const Model& model() const { return _dir.model; }
-  const Mesh& mesh() const { return _dir.mesh; }
+  /// What the model was trained to: its coefficients, read from its text at the first call.
+  const Model& model() const;
+  const Mesh& mesh() const { return _mesh; }
   /// Bytes of model.txt, mesh.txt, and of the model in the runtime's memory.
-  std::size_t text_bytes() const { return _dir.model_text.size(); }
-  std::size_t mesh_text_bytes() const { return _dir.mesh_text.size(); }
+  std::size_t text_bytes() const { return _text.size(); }
+  std::size_t mesh_text_bytes() const { return _mesh_text_bytes; }
   std::size_t memory_bytes() const { return _runtime.bytes(); }
   const rt::Model& runtime() const { return _runtime; }
   rt::Data& data() const { return _data; }
@@ -56,9 +58,13 @@ class LoadedModel {
                         const std::vector<Vec3>& displacement_m) const;
 
  private:
+  void load();
   void check(int status, std::int32_t node) const;
 
-  ModelDir _dir;
+  std::string _name, _text;
+  std::size_t _mesh_text_bytes = 0;
+  mutable std::optional<Model> _model;
+  Mesh _mesh;
   rt::Model _runtime;
   mutable rt::Data _data;
   std::int32_t _max_tools = 0;
