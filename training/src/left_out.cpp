@@ -1,7 +1,8 @@
 #include "left_out.hpp"
 
 #include <Eigen/LU>
-#include <Eigen/QR>
+
+#include "dense_solvers.hpp"
 
 namespace phynness {
 namespace {
@@ -52,9 +53,7 @@ MatrixXd left_out(const MatrixXd& kernel, const MatrixXd& tail, const MatrixXd& 
 
 MatrixXd left_out_of_fit(const MatrixXd& damped, const MatrixXd& rest, const MatrixXd& values,
                          const RowGroups& groups) {
-  const MatrixXd q = Eigen::HouseholderQR<MatrixXd>(damped).householderQ() *
-                     MatrixXd::Identity(damped.rows(), std::min(damped.rows(), damped.cols()));
-  return left_out_of_projection(q.topRows(rest.rows()), rest, values, groups);
+  return left_out_of_projection(orthonormal(damped).topRows(rest.rows()), rest, values, groups);
 }
 
 MatrixXd left_out_of_projection(const Eigen::Ref<const MatrixXd, 0, Eigen::OuterStride<>>& q,

@@ -1,5 +1,3 @@
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -7,6 +5,8 @@
 #include <phynness/training/linear_fit.hpp>
 #include <set>
 #include <string>
+
+#include "dense_solvers.hpp"
 
 namespace phynness {
 namespace {
@@ -49,9 +49,9 @@ Eigen::MatrixXd pseudo_inverse(const std::vector<Increment>& increments, const T
     d.row(i) = increments[static_cast<std::size_t>(i)].d;
     unit.row(i) = d.row(i).normalized();
   }
-  const Eigen::Vector3d sizes =
-      n < 3 ? Eigen::Vector3d::Zero() : Eigen::JacobiSVD<Eigen::MatrixXd>(unit).singularValues();
-  if (!(sizes[2] > independence_threshold * sizes[0])) {
+  // The squares of singular values are far above rounding: those of interest are above the square of the threshold, 1e-4.
+  const Eigen::VectorXd squares = symmetric_eigen(unit.transpose() * unit).values;
+  if (n < 3 || !(squares[0] > independence_threshold * independence_threshold * squares[2])) {
     std::set<std::int32_t> directions;
     for (const std::int32_t row : converged_increments(tables, rays))
       directions.insert(row / tables.n_increments);
@@ -60,7 +60,7 @@ Eigen::MatrixXd pseudo_inverse(const std::vector<Increment>& increments, const T
                           std::to_string(rays.size()) + " directions, in one plane or fewer",
                       "probe with directions = 3 or 26; if increments failed, `phynness info` says why");
   }
-  return d.colPivHouseholderQr().solve(Eigen::MatrixXd::Identity(n, n));
+  return least_squares(d, Eigen::MatrixXd::Identity(n, n));
 }
 
 LinearQuality quality_of(const std::vector<Increment>& increments, const LinearResponse& linear) {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "amplitude_features.hpp"
+#include "dense_solvers.hpp"
 #include "fixed_shapes.hpp"
 #include "left_out.hpp"
 #include "multiquadric.hpp"
@@ -47,11 +48,6 @@ MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, do
     for (Index i = 0; i < x.rows(); ++i)
       f.row(i).tail<n_even>() = even_features(x.row(i).transpose(), degree).transpose();
   return f;
-}
-
-MatrixXd orthonormal(const MatrixXd& a) {
-  return Eigen::HouseholderQR<MatrixXd>(a).householderQ() *
-         MatrixXd::Identity(a.rows(), std::min(a.rows(), a.cols()));
 }
 
 namespace {

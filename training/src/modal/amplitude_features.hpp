@@ -13,7 +13,4 @@ Eigen::MatrixX3d scaled_rows(const TrainingTables& tables, const std::vector<std
 /// @param degree  of a field near rest; 0: a displacement
 Eigen::MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, double shape, int degree = 0);
 
-/// Orthonormal basis of the columns.
-Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& a);
-
 }  // namespace phynness

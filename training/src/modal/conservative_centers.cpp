@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <limits>
 
+#include "dense_solvers.hpp"
+
 namespace phynness {
 namespace {
 
@@ -27,9 +29,7 @@ double cross_validation(const VectorXd& rest, Index n_unknowns) {
 }  // namespace
 
 std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
-  const MatrixXd q =
-      Eigen::HouseholderQR<MatrixXd>(columns.stiffness).householderQ() *
-      MatrixXd::Identity(columns.stiffness.rows(), std::min<Index>(6, columns.stiffness.rows()));
+  const MatrixXd q = orthonormal(columns.stiffness);
   MatrixXd& w = columns.centers;
   w.noalias() -= q * (q.transpose() * w);
   rest -= q * (q.transpose() * rest);
@@ -62,8 +62,7 @@ std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
     if (best < 0) break;
     chosen.push_back(best);
     open[static_cast<std::size_t>(best)] = 0;
-    const MatrixXd direction = Eigen::HouseholderQR<MatrixXd>(w.middleCols<3>(3 * best)).householderQ() *
-                               MatrixXd::Identity(w.rows(), 3);
+    const MatrixXd direction = orthonormal(w.middleCols<3>(3 * best));
     const MatrixXd along = direction.transpose() * w;
     w.noalias() -= direction * along;
     const Vector3d step = direction.transpose() * rest;

@@ -5,6 +5,7 @@
 #include <phynness/training/conservative_fit.hpp>
 
 #include "conservative_centers.hpp"
+#include "dense_solvers.hpp"
 #include "fixed_shapes.hpp"
 #include "left_out.hpp"
 #include "levels.hpp"
@@ -182,7 +183,7 @@ VectorXd damped_solution(const MatrixXd& a, const VectorXd& b, Index n_damped) {
   const MatrixXd unit = damped_columns(a, size, n_damped);
   VectorXd right = VectorXd::Zero(unit.rows());
   right.head(b.size()) = b;
-  return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(unit).solve(right).cwiseQuotient(size);
+  return least_squares_vector(unit, right).cwiseQuotient(size);
 }
 
 Matrix3d symmetric(const Eigen::Matrix<double, 6, 1>& k) {
@@ -352,9 +353,9 @@ double condition_number(const ForceStates& states, const ConservativeNetwork& ne
   a.rightCols<6>() = columns.stiffness;
   const MatrixXd weighted =
       VectorXd(weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>()).asDiagonal() * a;
-  const VectorXd singular =
-      Eigen::BDCSVD<MatrixXd>(damped_columns(weighted, column_sizes(weighted), 3 * m)).singularValues();
-  return std::pow(singular[0] / singular[singular.size() - 1], 2);
+  const MatrixXd damped = damped_columns(weighted, column_sizes(weighted), 3 * m);
+  const VectorXd squares = symmetric_eigen(damped.transpose() * damped).values;
+  return squares[squares.size() - 1] / squares[0];
 }
 
 Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements,

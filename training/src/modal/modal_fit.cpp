@@ -7,6 +7,7 @@
 #include <string>
 
 #include "amplitude_features.hpp"
+#include "dense_solvers.hpp"
 #include "fixed_shapes.hpp"
 #include "left_out.hpp"
 #include "sampling.hpp"
@@ -65,7 +66,7 @@ ModalFit::Level fit_level(const TrainingTables& tables, const AmplitudeLevel& le
   const AmplitudeProblem problem(
       features(scaled_rows(tables, node.row), scaled_rows(tables, level.centers), shape, degree));
   const MatrixXd wanted = node.amplitudes.leftCols(n_modes);
-  const MatrixXd weights = problem.normal.ldlt().solve(problem.unit.transpose() * wanted);
+  const MatrixXd weights = solve_positive_definite(problem.normal, problem.unit.transpose() * wanted);
   ModalFit::Level fit;
   fit.weights = scaled_table(problem.size.cwiseInverse().asDiagonal() * weights);
   MatrixXd damped = MatrixXd::Zero(problem.unit.rows() + problem.unit.cols(), problem.unit.cols());
@@ -115,8 +116,8 @@ void decompose(const MatrixXd& u, int max_modes, NodeModes& node) {
     for (Index i = 0; i < n; ++i) node.largest = std::max(node.largest, u.row(i).segment(k * o, k).norm());
   if (n == 0) return;
   // Fewer states than unknowns: the small Gram matrix has the same singular values.
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(u * u.transpose());
-  const VectorXd squares = eigen.eigenvalues().reverse().cwiseMax(0);
+  const SymmetricEigen eigen = symmetric_eigen(u * u.transpose());
+  const VectorXd squares = eigen.values.reverse().cwiseMax(0);
   Index m = 0;
   while (m < std::min<Index>(n, max_modes) && squares[m] > smallest_mode * smallest_mode * squares[0]) ++m;
   if (m == 0 && max_modes > 0) {
@@ -127,7 +128,7 @@ void decompose(const MatrixXd& u, int max_modes, NodeModes& node) {
     return;
   }
   node.size = squares.head(m).cwiseSqrt();
-  const MatrixXd left = eigen.eigenvectors().rowwise().reverse().leftCols(m);
+  const MatrixXd left = eigen.vectors.rowwise().reverse().leftCols(m);
   node.modes = u.transpose() * left * node.size.cwiseInverse().asDiagonal();
   node.amplitudes = left * node.size.asDiagonal();
   node.lost = mean_share(u - node.amplitudes * node.modes.transpose(), node);
@@ -187,8 +188,8 @@ MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, std::ui
   basis = orthonormal(basis);
   inner.noalias() = all.transpose() * basis.cast<float>();
   const MatrixXd small = inner.cast<double>();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(small.transpose() * small);
-  return basis * eigen.eigenvectors().rowwise().reverse().leftCols(wanted);
+  const SymmetricEigen eigen = symmetric_eigen(small.transpose() * small);
+  return basis * eigen.vectors.rowwise().reverse().leftCols(wanted);
 }
 
 ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node, int n_near,
@@ -220,14 +221,13 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   for (Index o = 0; o < n_output; ++o)
     if (node.moved[static_cast<std::size_t>(o)]) without(o);
   if (basis.cols() > 0)
-    mixing = Eigen::CompleteOrthogonalDecomposition<MatrixXd>(far.transpose() * far)
-                 .solve(far.transpose() * target);
+    mixing = least_squares(far.transpose() * far, far.transpose() * target);
 
   const auto x = scaled_rows(tables, node.row);
   const MatrixXd f = features(x, scaled_rows(tables, shared.centers), shared.shape, degree);
   const AmplitudeProblem problem(f);
   const MatrixXd weights = problem.size.cwiseInverse().asDiagonal() *
-                           problem.normal.ldlt().solve(problem.unit.transpose() * node.amplitudes);
+                           solve_positive_definite(problem.normal, problem.unit.transpose() * node.amplitudes);
 
   modal.weights = scaled_table(weights);
   modal.mixing = scaled_table(mixing);
@@ -250,8 +250,7 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
 double condition_number(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node) {
   const AmplitudeProblem problem(
       features(scaled_rows(tables, node.row), scaled_rows(tables, shared.centers), shared.shape));
-  const VectorXd values =
-      Eigen::SelfAdjointEigenSolver<MatrixXd>(problem.normal, Eigen::EigenvaluesOnly).eigenvalues();
+  const VectorXd values = symmetric_eigen(problem.normal).values;
   return values[values.size() - 1] / values[0];
 }
 
