@@ -29,7 +29,6 @@ void add_export_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_show_command(CLI::App& app);
 void add_run_command(CLI::App& app);
-void add_study_command(CLI::App& app);
 
 /// Reads a scene and declares the mesh file that it names as an input of the command.
 /// @throws Error also if an output would overwrite that file

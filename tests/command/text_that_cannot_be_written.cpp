@@ -105,7 +105,7 @@ TEST(Text, IsPrintedInOnePlace) {
       R"((fmt::(v?print|vprint)\(|std::(cout|cerr|clog)\b|\bstd::(printf|puts|putchar)\())");
   int sources = 0;
   for (const char* part : {"cli", "drawing", "embedding", "formats", "meshes", "planning",
-                           "precompute_dolfinx", "runtime", "studies", "training", "tuning", "validation"})
+                           "precompute_dolfinx", "runtime", "training", "tuning", "validation"})
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(PHYNNESS_SOURCE_DIR) / part)) {
       const auto extension = entry.path().extension();
       if (extension != ".cpp" && extension != ".hpp" && extension != ".h") continue;

@@ -1,11 +1,10 @@
-#include "plain_loop.hpp"
-
 #include <cmath>
+#include <phynness/baseline/plain_loop.hpp>
 
-#include "../precompute_dolfinx/src/constraint.hpp"
-#include "../precompute_dolfinx/src/discretization.hpp"
-#include "../precompute_dolfinx/src/petsc_check.hpp"
-#include "../precompute_dolfinx/src/scaling.hpp"
+#include "constraint.hpp"
+#include "discretization.hpp"
+#include "petsc_check.hpp"
+#include "scaling.hpp"
 
 namespace phynness::bench {
 namespace {

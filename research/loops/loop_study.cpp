@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
-#include <phynness/validation/closed_paths.hpp>
 #include <random>
 
+#include "closed_paths.hpp"
 #include "exit_status.hpp"
 
 namespace {

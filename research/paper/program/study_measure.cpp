@@ -8,7 +8,6 @@
 #include <phynness/studies/json.hpp>
 #include <phynness/studies/measure.hpp>
 
-#include "commands.hpp"
 #include "console.hpp"
 #include "streams.hpp"
 #include "study.hpp"
@@ -18,7 +17,7 @@ namespace {
 
 nlohmann::json read_json(const std::filesystem::path& file) {
   std::ifstream in(file);
-  if (!in) throw input_error("a file of the study cannot be read", file.string(), "run phynness study again");
+  if (!in) throw input_error("a file of the study cannot be read", file.string(), "run tools/study-paper again");
   return nlohmann::json::parse(in);
 }
 

@@ -1,4 +1,4 @@
-// phynness study paper: the paper's cases run whole, and its tables and figures beside the paper's numbers.
+// The paper's cases run whole, and its tables and figures beside the paper's numbers.
 #include <fmt/core.h>
 
 #include <chrono>
@@ -14,7 +14,6 @@
 
 #include "child_process.hpp"
 #include "command_files.hpp"
-#include "commands.hpp"
 #include "console.hpp"
 #include "streams.hpp"
 #include "study.hpp"
@@ -39,7 +38,7 @@ std::string machine() {
   return fmt::format("{}, {} cores", model, std::thread::hardware_concurrency());
 }
 
-/// The folder of scenes: what was asked for, here, beside an installed command, or the source's.
+/// The folder of scenes: what was asked for, or the source's.
 std::filesystem::path scenes_folder(const std::filesystem::path& asked) {
   if (!asked.empty()) {
     if (!std::filesystem::is_directory(asked))
@@ -47,11 +46,7 @@ std::filesystem::path scenes_folder(const std::filesystem::path& asked) {
                         "--scenes names the folder with liver_case1.toml ...");
     return asked;
   }
-  const auto installed = std::filesystem::path(this_program()).parent_path() / "../share/phynness/scenes";
-  for (const std::filesystem::path& folder :
-       {std::filesystem::path("scenes"), installed, std::filesystem::path(PHYNNESS_SOURCE_SCENES)})
-    if (std::filesystem::exists(folder / paper_cases().front().scene)) return folder;
-  throw input_error("the scenes of the study are not found", "liver_case1.toml", "--scenes DIR");
+  return PHYNNESS_SCENES;
 }
 
 /// @throws Error if a word is no case
@@ -155,31 +150,28 @@ void run_study(Options options) {
 
 }  // namespace
 
-void add_study_command(CLI::App& app) {
+void add_paper_study(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command =
-      app.add_subcommand("study", "Reproduce the paper: its cases, tables and figures -> one page");
-  command->require_subcommand(1);
-  auto* paper = command->add_subcommand(
-      "paper", "Cases 1 to 4 run whole; Tables 1 and 2 and Figures 6 to 15 beside the paper's numbers");
-  paper->add_flag("--quick", options->run.quick,
-                  "coarser meshes and fewer points: some minutes instead of an hour");
-  add_path(*paper, "-o,--output", options->run.output, OutputKind::folder,
+  app.add_flag("--quick", options->run.quick,
+               "coarser meshes and fewer points: some minutes instead of an hour");
+  add_path(app, "-o,--output", options->run.output, OutputKind::folder,
            "folder; an interrupted study goes on there (default: out/paper or out/paper-quick)");
-  paper->add_option("--cases", options->cases, "some of 1,2,3,3-p1-p1,4 (default: all whose scene is there)");
-  add_path(*paper, "--scenes", options->run.scenes, InputKind::folder, "folder with the scenes of the cases");
-  paper->add_option("--ranks", options->run.ranks, "processes for the finite element stages (mpirun)")
+  app.add_option("--cases", options->cases, "some of 1,2,3,3-p1-p1,4 (default: all whose scene is there)");
+  add_path(app, "--scenes", options->run.scenes, InputKind::folder, "folder with the scenes of the cases");
+  app.add_option("--ranks", options->run.ranks, "processes for the finite element stages (mpirun)")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  add_path(*paper, "--sizes", options->sizes_file, InputKind::whole, "JSON that changes how much is measured")
+  add_path(app, "--sizes", options->sizes_file, InputKind::whole, "JSON that changes how much is measured")
       ->group("");
-  paper->callback([options] { run_study(*options); });
-
   auto folder = std::make_shared<std::filesystem::path>();
-  auto* measure =
-      command->add_subcommand("measure", "One case of a study, as `study paper` starts it")->group("");
+  auto* measure = app.add_subcommand("measure", "One case, as the study starts it")->group("");
   add_path(*measure, "FOLDER", *folder, OutputKind::tree, "of the case")->required();
-  measure->callback([folder] { measure_folder(*folder); });
+  app.callback([options, folder, measure] {
+    if (measure->parsed())
+      measure_folder(*folder);
+    else
+      run_study(*options);
+  });
 }
 
 }  // namespace phynness::cli

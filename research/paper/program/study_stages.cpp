@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "child_process.hpp"
-#include "commands.hpp"
 #include "console.hpp"
 #include "streams.hpp"
 #include "study.hpp"
@@ -97,7 +96,7 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
   const auto text = lay_scene(run, of, folder);
   const Scene scene = read_scene(folder / "scene.toml");
   const auto in = [&](const char* name) { return (folder / name).string(); };
-  const auto self = this_program();
+  const std::string phynness = PHYNNESS_COMMAND;
   Journal journal(folder);
   const auto announce = [&](const char* stage) {
     if (stop_requested())
@@ -115,12 +114,12 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
   const std::string physics = physics_hash(scene);
 
   stage("mesh", physics, exists("mesh.msh") && exists("mesh.json"),
-        {self, "mesh", in("scene.toml"), "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1);
+        {phynness, "mesh", in("scene.toml"), "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1);
   // A finished database is never solved again, wherever it comes from.
   if (!exists("database.h5") || !Database::is_complete(folder / "database.h5")) {
     announce("precompute");
     std::vector<std::string> precompute{
-        self, "precompute", in("scene.toml"), "-o", in("database.h5"), "--json", in("precompute.json")};
+        phynness, "precompute", in("scene.toml"), "-o", in("database.h5"), "--json", in("precompute.json")};
     if (exists("database.h5")) precompute.push_back("--resume");
     run_child("precompute of " + of.title, precompute, run.ranks);
   }
@@ -131,18 +130,18 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
   const auto probes = std::to_string(2 * run.sizes.nodes * run.sizes.probes_per_node);
   const auto validate = [&](const char* name, const char* model, const char* result) {
     stage(name, trained + probes, exists(result),
-          {self, "validate", in("scene.toml"), in(model), "--probes", probes, "--json", in(result)},
+          {phynness, "validate", in("scene.toml"), in(model), "--probes", probes, "--json", in(result)},
           run.ranks);
   };
   if (!of.linear) {
     stage("train-networks", trained, exists("networks/model.txt"),
-          {self, "train", in("scene.toml"), in("database.h5"), "-o", in("networks"), "--family", "rbfn",
+          {phynness, "train", in("scene.toml"), in("database.h5"), "-o", in("networks"), "--family", "rbfn",
            "--json", in("train-networks.json")},
           1);
     validate("validate-networks", "networks", "validate-networks.json");
   }
   stage("train-ours", trained, exists("ours/model.txt"),
-        {self, "train", in("scene.toml"), in("database.h5"), "-o", in("ours"), "--family",
+        {phynness, "train", in("scene.toml"), in("database.h5"), "-o", in("ours"), "--family",
          of.linear ? "linear" : "modal", "--json", in("train-ours.json")},
         1);
   validate("validate-ours", "ours", "validate-ours.json");
@@ -150,7 +149,7 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
   const auto key = measuring_key(settings, text);
   settings["key"] = key;
   write_text_file(folder / "study.json", settings.dump(1));
-  stage("measure", key, exists("measured.json"), {self, "study", "measure", folder.string()}, run.ranks);
+  stage("measure", key, exists("measured.json"), {this_program(), "measure", folder.string()}, run.ranks);
 }
 
 bool is_finished(const StudyRun& run, const PaperCase& of) {

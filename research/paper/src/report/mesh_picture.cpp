@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <phynness/drawing/mesh_picture.hpp>
 #include <vector>
+
+#include "mesh_picture.hpp"
 
 namespace phynness::report {
 namespace {

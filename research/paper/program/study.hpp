@@ -1,6 +1,7 @@
-// The parts of phynness study.
+// The parts of the study of the paper.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
 #include <phynness/studies/cases.hpp>
@@ -16,6 +17,9 @@ struct StudyRun {
   bool quick = false;
   StudySizes sizes;
 };
+
+/// Options of the study, and what it does when the line has been parsed.
+void add_paper_study(CLI::App& app);
 
 /// Everything about one case that needs a process of its own: mesh, database, models, their validation, the
 /// measurements. What is there already, of the same scene, is kept.

@@ -1,4 +1,4 @@
-// Claim: phynness study paper runs every case whose scene is there and writes one page and one JSON file with
+// Claim: tools/study-paper runs every case whose scene is there and writes one page and one JSON file with
 // every table and figure; its numbers are those that eval and solve give; it goes on where it was
 // interrupted, does not depend on the number of ranks, and takes no folder of another scene. Blocks of some
 // dozen nodes stand for the paper's bodies.
@@ -9,7 +9,7 @@
 #include <regex>
 #include <sstream>
 
-#include "command_line.hpp"
+#include "pipeline/command_line.hpp"
 
 namespace phynness::test {
 namespace {
@@ -39,8 +39,11 @@ class Study : public CommandLine {
     EXPECT_NE(at, std::string::npos) << from;
     return text.replace(at, from.size(), to);
   }
+  Outcome program(const std::string& arguments) const {
+    return shell("'" PHYNNESS_PAPER_STUDY "' " + arguments);
+  }
   Outcome study(const std::string& more = "") const {
-    return phynness("study paper --scenes scenes --sizes sizes.json -o out " + more);
+    return program("--scenes scenes --sizes sizes.json -o out " + more);
   }
 
   /// Of a deformation CSV: node -> displacement.
@@ -242,10 +245,10 @@ TEST_F(Study, NamesWhatItDoesNotKnow) {
   const auto nothing = study("--cases ''");
   EXPECT_EQ(nothing.exit_status, 2);
   EXPECT_NE(nothing.err.find("no case is named"), std::string::npos) << nothing.err;
-  const auto nowhere = phynness("study paper --quick -o /proc/nowhere");
+  const auto nowhere = program("--quick -o /proc/nowhere");
   EXPECT_EQ(nowhere.exit_status, 2);
   EXPECT_NE(nowhere.err.find("can be written"), std::string::npos) << nowhere.err;
-  const auto no_folder = phynness("study paper --scenes nowhere -o out");
+  const auto no_folder = program("--scenes nowhere -o out");
   EXPECT_EQ(no_folder.exit_status, 2);
   EXPECT_NE(no_folder.err.find("nowhere"), std::string::npos) << no_folder.err;
 }

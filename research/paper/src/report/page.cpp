@@ -1,9 +1,9 @@
 // The report as JSON and as one page.
 #include <phynness/drawing/html.hpp>
-#include <phynness/drawing/mesh_picture.hpp>
 #include <phynness/drawing/plots.hpp>
 #include <phynness/studies/json.hpp>
 
+#include "mesh_picture.hpp"
 #include "parts.hpp"
 
 namespace phynness {
