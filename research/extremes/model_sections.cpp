@@ -54,11 +54,11 @@ void rest(const SolverSession&) {
   const auto body = solve_body("demo.toml");
   const double R = body.scene.probe.max_displacement_m;
   fmt::print(
-      "\nModels at very small displacements: the demo's liver (62 nodes, R = {:g} mm); ten nodes, six "
+      "\nModels at very small displacements: the demo's liver ({} nodes, R = {:g} mm); {} nodes, six "
       "directions.\n"
       "Force at rest over the largest trained; |f - K d| / |K d|, K by finite elements at rest, mean and "
       "largest\n",
-      1e3 * R);
+      body.mesh().n_nodes(), 1e3 * R, probed_nodes(body).size());
   fmt::print("{:<8}{:>12}", "family", "at rest");
   const double sizes[] = {1e-12, 1e-9, 1e-6, 1e-4, 1e-3};
   for (const double size : sizes) fmt::print("{:>24}", fmt::format("|d| = {:g} m", size));
@@ -102,10 +102,10 @@ void extrapolation(const SolverSession&) {
   const auto modal = train_on(body.data, training_of(body.scene, Family::modal));
   const auto rbfn = train_on(body.data, training_of(body.scene, Family::rbfn));
   fmt::print(
-      "\nBeyond the trained range: the demo's liver trained to {:g} mm, asked deeper; ten nodes, {} "
+      "\nBeyond the trained range: the demo's liver trained to {:g} mm, asked deeper; {} nodes, {} "
       "directions at\n"
       "random. Errors (17) of each depth, mean / p95 / max in %; probes that the finite elements solve\n",
-      1e3 * depth_m, n_directions);
+      1e3 * depth_m, probed_nodes(body).size(), n_directions);
   const char* names[] = {"modal", "rbfn", "linear", "zero"};
   std::array<std::array<Errors, std::size(factors)>, std::size(names)> errors;
   std::array<int, std::size(factors)> solved{}, warned{};
@@ -156,10 +156,13 @@ void missing(const SolverSession& session) {
   std::vector<NodeProbes> fresh;
   solve_probes(session, body.scene, whole, plan, {}, {},
                [&](std::size_t, NodeProbes&& found) { fresh.push_back(std::move(found)); });
+  std::size_t inside = 0;
+  for (const auto& node : fresh) inside += node.states[0].size();
   fmt::print(
-      "\nProbes that failed, drawn for each node: the demo's liver; 200 fresh probes inside the range at ten "
+      "\nProbes that failed, drawn for each node: the demo's liver; {} fresh probes inside the range at {} "
       "nodes,\n"
-      "errors (17), mean / p95 / max in %\n");
+      "errors (17), mean / p95 / max in %\n",
+      inside, fresh.size());
   fmt::print("{:<8}{:<20}{:>25}{:>25}\n", "family", "failed rays", "force", "displacement");
   const auto print = [](const char* of, const std::string& what, const GroupErrors& e) {
     fmt::print("{:<8}{:<20}{}{}\n", of, what, percent(e.force), percent(e.displacement));

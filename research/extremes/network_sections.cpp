@@ -99,6 +99,8 @@ void overfitting(const SolverSession&) {
   std::mt19937_64 random(1);
   std::vector<NetworkPoints> force, force_fresh, field, field_fresh;
   std::size_t most = 0, least = 1000000;
+  const std::size_t n_directions = body.data.header.directions.size(),
+                    n_increments = body.data.header.magnitudes_m.size();
   for (const auto& node : body.data.probed) {
     const auto truths = fresh_solves(body, node, solver, tables, n_rays, random);
     force.push_back(force_points(tables, node.rays));
@@ -109,14 +111,16 @@ void overfitting(const SolverSession&) {
     least = std::min(least, force.back().size());
   }
   fmt::print(
-      "\nOver-fitting: the paper's Case 2 (St. Venant-Kirchhoff, P1, K/mu = 9.7, 736 nodes, node probes to "
-      "28 mm,\n"
-      "26 x 6), {} nodes; {} to {} of 156 increments converge. Networks of family rbfn without the limit of "
+      "\nOver-fitting: the paper's Case 2 ({}, {}, K/mu = {:.3g}, {} nodes, {} probes to {:g} mm,\n"
+      "{} x {}), {} nodes; {} to {} of {} increments converge. Networks of family rbfn without the limit of "
       "{:g} of\n"
       "the points; means over the nodes of (17), in %, at training points and at {} fresh solves a node, and "
       "the\n"
       "worst node's\n",
-      n_nodes, least, most, largest_neuron_share, 2 * n_rays);
+      name(body.scene.material.law), name(body.scene.solver.element), body.scene.material.bulk_to_shear(),
+      body.mesh().n_nodes(), name(body.scene.probe.kind), 1e3 * body.scene.probe.max_displacement_m, n_directions,
+      n_increments, body.data.probed.size(), least, most, n_directions * n_increments, largest_neuron_share,
+      2 * n_rays);
   const auto table = [&](const char* what, const std::vector<NetworkPoints>& training,
                          const std::vector<NetworkPoints>& fresh, const std::vector<int>& sizes,
                          const std::vector<double>& spreads) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <phynness/meshes/meshes.hpp>
 #include <phynness/precompute/held_points.hpp>
 #include <phynness/validation/probe_plan.hpp>
 #include <random>
@@ -85,14 +86,14 @@ void tools(const SolverSession&) {
   const auto model = train_on(body.data, training_of(body.scene, Family::modal));
   ProbeSolver solver(body.scene, body.mesh(), body.data.header.sets);
   fmt::print(
-      "\nTwo tools closer than an edge (18 mm): the demo's liver, family modal, {} pairs of points at "
+      "\nTwo tools closer than an edge ({:.0f} mm on average): the demo's liver, family modal, {} pairs of points at "
       "random, both {:g} mm\n"
       "deep. Together: the same displacement, as one blunt tool makes; apart: displacements at random. "
       "Unsettled by\n"
       "status; force of the worse tool over that of one tool alone, median and largest; error of the summed "
       "force over\n"
       "the finite elements', median and largest, in %, of the pairs that these solve\n",
-      n_pairs, 1e3 * depth_m);
+      1e3 * measure_quality(body.mesh()).mean_edge_m, n_pairs, 1e3 * depth_m);
   fmt::print("{:<10}{:>10}{:>11}{:>20}{:>9}{:>20}\n", "", "distance", "unsettled", "over one tool", "solved",
              "error, %");
   for (const bool together : {true, false})

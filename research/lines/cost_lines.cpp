@@ -1,5 +1,7 @@
 // Time against neurons, centers and nodes, with the straight lines through it, and how near the paper's sizes
 // are to what this core can do. Usage: phynness_cost_lines [--plot FILE.svg] [--json FILE]
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
@@ -68,7 +70,8 @@ struct Series {
   }
 };
 
-constexpr int n_own = 16, n_shared = 64, n_near = 30, n_centers = 78, n_neurons = 200;
+constexpr int n_own = 16, n_shared = 64, n_near = 30, n_centers = 78, n_neurons = 200,
+              n_force_neurons = 100;
 
 std::vector<Series> measure() {
   std::vector<Series> all;
@@ -79,7 +82,7 @@ std::vector<Series> measure() {
   };
   {
     Series force{"force, family rbfn", "neurons", "ns", {}, {}, {}};
-    Series field{"deformation of 486 nodes, family rbfn", "neurons", "us", {}, {}, {}};
+    Series field{fmt::format("deformation of {} nodes, family rbfn", bench::n_output), "neurons", "us", {}, {}, {}};
     for (const int n : neurons) {
       Timed loaded(bench::networks_model(n, n, 1));
       force.n.push_back(n);
@@ -93,7 +96,7 @@ std::vector<Series> measure() {
     finish(std::move(field));
   }
   {
-    Series field{"deformation, family rbfn, 200 neurons", "nodes", "us", {}, {}, {}};
+    Series field{fmt::format("deformation, family rbfn, {} neurons", n_neurons), "nodes", "us", {}, {}, {}};
     for (const int n : nodes) {
       field.n.push_back(n);
       field.time.push_back(Timed(bench::networks_model(n_neurons, n_neurons, 1, n)).prepared_us());
@@ -111,7 +114,7 @@ std::vector<Series> measure() {
     finish(std::move(force));
   }
   {
-    Series field{"deformation, family modal, 16 modes", "nodes", "us", {}, {}, {}};
+    Series field{fmt::format("deformation, family modal, {} modes", n_own), "nodes", "us", {}, {}, {}};
     for (const int n : nodes) {
       field.n.push_back(n);
       field.time.push_back(
@@ -124,7 +127,7 @@ std::vector<Series> measure() {
 
 /// Additions, multiplications, divisions and roots, without the choice of neurons and the like.
 struct Work {
-  const char* what;
+  std::string what;
   double time_us, flops, bytes;
   bool single;
 };
@@ -133,7 +136,7 @@ nlohmann::json compare_with_limits() {
   const bench::MachineLimits limits = bench::machine_limits();
   std::printf("this core: %.0f GFlop/s in double, %.0f in float, multiplications and additions not fused\n",
               limits.double_gflops, limits.float_gflops);
-  Timed networks(bench::networks_model(100, n_neurons, 1));
+  Timed networks(bench::networks_model(n_force_neurons, n_neurons, 1));
   Timed modal(bench::modal_model(n_centers, n_shared, n_own, n_centers, n_near, 1));
   // A Gaussian: distance 8, its exponential 37, in float, where it is a power of two, 18; three sums 6. A
   // center of a force: distance 9, root and division 2, the rest 18.
@@ -142,12 +145,15 @@ nlohmann::json compare_with_limits() {
   constexpr double sums = 6, center = 29;
   constexpr double nodes = bench::n_output;
   const std::vector<Work> works = {
-      {"force, 100 neurons", 1e-3 * networks.force_ns(), 100 * (gaussian + sums), 100 * 6 * bytes, single},
-      {"deformation 486 x 200, rbfn", networks.prepared_us(), nodes * n_neurons * sums + n_neurons * gaussian,
+      {fmt::format("force, {} neurons", n_force_neurons), 1e-3 * networks.force_ns(),
+       n_force_neurons * (gaussian + sums), n_force_neurons * 6 * bytes, single},
+      {fmt::format("deformation {} x {}, rbfn", bench::n_output, n_neurons), networks.prepared_us(),
+       nodes * n_neurons * sums + n_neurons * gaussian,
        nodes * n_neurons * bytes, single},
-      {"force, 78 centers, modal", 1e-3 * modal.force_ns(), (n_centers + 1) * center,
+      {fmt::format("force, {} centers, modal", n_centers), 1e-3 * modal.force_ns(), (n_centers + 1) * center,
        (n_centers + 1) * 6 * bytes, single},
-      {"deformation 486, 16 modes", modal.prepared_us(), nodes * 3 * n_own * 2 + n_centers * (11 + 2 * n_own),
+      {fmt::format("deformation {}, {} modes", bench::n_output, n_own), modal.prepared_us(),
+       nodes * 3 * n_own * 2 + n_centers * (11 + 2 * n_own),
        nodes * 3 * n_own * 4, true}};
   std::printf("  %-28s %9s %9s %12s %16s\n", "", "us", "kflop", "of the peak", "of reading it");
   nlohmann::json json;
@@ -157,7 +163,7 @@ nlohmann::json compare_with_limits() {
     const double peak = work.single ? limits.float_gflops : limits.double_gflops;
     const double rate = bench::read_rate(static_cast<std::size_t>(work.bytes));
     const double arithmetic = 1e-3 * work.flops / peak, reading = 1e-3 * work.bytes / rate;
-    std::printf("  %-28s %9.3f %9.1f %10.0f %% %7.0f %% of %.0f GB/s\n", work.what, work.time_us,
+    std::printf("  %-28s %9.3f %9.1f %10.0f %% %7.0f %% of %.0f GB/s\n", work.what.c_str(), work.time_us,
                 1e-3 * work.flops, 100 * arithmetic / work.time_us, 100 * reading / work.time_us, rate);
     json[work.what] = {{"us", work.time_us},
                        {"of_arithmetic", arithmetic / work.time_us},

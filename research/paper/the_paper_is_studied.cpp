@@ -89,7 +89,7 @@ void Study::expect_numbers(const nlohmann::json& report) const {
   for (const char* number : {"6", "7", "8", "9", "10", "11", "12", "14", "15", "P1 and p1-p1"}) {
     const auto& figure = report.at("figures").at(number);
     EXPECT_FALSE(figure.at("panels").empty()) << number;
-    for (const char* words : {"title", "conditions", "paper", "why"})
+    for (const char* words : {"title", "conditions", "paper", "found"})
       EXPECT_GT(figure.at(words).get<std::string>().size(), 10U) << number << ' ' << words;
     for (const auto& panel : figure.at("panels"))
       for (const auto& series : panel.at("series")) {

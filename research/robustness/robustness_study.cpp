@@ -117,7 +117,9 @@ void units(const Options& options) {
 }
 
 void paper(const Options& options) {
-  print_header("paper's liver, node probes, 28 mm", {"9.3 mm", "18.7 mm", "28 mm"});
+  const double depth_mm = 1e3 * read_scene(std::string(PHYNNESS_SCENES) + "/liver_case3.toml").probe.max_displacement_m;
+  print_header(("paper's liver, node probes, " + text("%.3g mm", depth_mm)).c_str(),
+               {text("%.3g mm", depth_mm / 3), text("%.3g mm", 2 * depth_mm / 3), text("%.3g mm", depth_mm)});
   const auto row = [&](const char* what, const char* scene, std::optional<Element> element, int n_nodes) {
     auto body = load(std::string(PHYNNESS_SCENES) + "/" + scene);
     if (element) body.scene.solver.element = *element;

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <phynness/formats/error.hpp>
 #include <phynness/studies/cases.hpp>
 
@@ -63,10 +65,13 @@ StudySizes study_sizes(bool quick) {
 }
 
 std::string quick_words() {
-  return std::string("meshes of about ") + quick_nodes + " nodes instead of 739 (drain: " + quick_drain_nodes + " instead of 239), " + quick_increments +
-         " increments instead of 6 (drain: 5), 5 nodes with 8 random directions each instead of 10 with 20, fewer sizes "
-         "of "
-         "networks, 1,000 test pairs instead of 3,000, 12 pairs of tools instead of 60";
+  const auto few = study_sizes(true), all = study_sizes(false);
+  return fmt::format(
+      "meshes of about {} nodes (drain: {}) and {} increments instead of the scenes', {} nodes with {} random "
+      "directions each instead of {} with {}, {} sizes of networks instead of {}, {} test pairs instead of {}, {} pairs "
+      "of tools instead of {}",
+      quick_nodes, quick_drain_nodes, quick_increments, few.nodes, few.probes_per_node, all.nodes, all.probes_per_node,
+      few.neurons.size(), all.neurons.size(), few.test_pairs, all.test_pairs, few.tool_pairs, all.tool_pairs);
 }
 
 }  // namespace phynness

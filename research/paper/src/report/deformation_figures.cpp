@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "parts.hpp"
+#include "findings.hpp"
 
 namespace phynness::study {
 namespace {
@@ -94,12 +94,7 @@ PaperFigure figure_7(const PaperStudy& study) {
       "Case 3, 3,000 pairs: the peak lies at 5 % with 20 neurons, at 2 % with 100 and below 2 % with 300, "
       "where very "
       "few errors are beyond 6 %.";
-  figure.why =
-      "The paper's histogram is of one network, ours of all nodes named above together: nodes that move "
-      "little and "
-      "nodes beside the fixed ones are among them. Error (17) divides by the largest displacement of the "
-      "test, and "
-      "most of a body hardly moves: that is why peaks lie so low.";
+  figure.found = peaks_of_histograms(studied(study));
   figure.table = {
       {"case", "neurons", "as the paper: below 2 %", "below 6 %", "fresh: below 2 %", "below 6 %"}};
   for (const auto* result : studied(study)) {
@@ -134,16 +129,7 @@ PaperFigure figure_8(const PaperStudy& study) {
   auto figure = swept(study, "8", "Mean error of the displacement against neurons",
                       &NodeMeasurements::by_neurons, "neurons", {20, 50, 100, 200, 300});
   figure.paper = "100 to 300 neurons: 2 to 3 % for the liver (text); the curve falls steeply, then slowly.";
-  figure.why =
-      "The paper does not say which node it shows; the range over ours is wide: at nodes beside the fixed "
-      "ones, and where "
-      "the body snaps into another equilibrium, neighbouring directions have unlike responses and no network "
-      "follows "
-      "(docs/decisions/directions-and-centers.md). The paper tests with pairs of the exploratory directions "
-      "that it trained "
-      "on; a hand moves in others. Beyond the range a Gaussian knows nothing where no center is. Error (17) "
-      "is kind, as "
-      "most of a body hardly moves: the linear predictor, which learns nothing, tells how much.";
+  figure.found = fresh_against_held(studied(study), &NodeMeasurements::by_neurons, &PredictorAtNode::displacement);
   return figure;
 }
 
@@ -152,11 +138,7 @@ PaperFigure figure_9(const PaperStudy& study) {
       swept(study, "9", "Mean error against the spread", &NodeMeasurements::by_spread,
             "spread (scaled inputs)", {0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0, 1.25, 1.5, 2.0, 3.0});
   figure.paper = "A spread of about 0.75 is best for the liver, 1 for the drain.";
-  figure.why =
-      "Spreads count in inputs that are scaled to [-1, 1], so the best one depends on how the body's shape "
-      "fills that "
-      "cube. Wide Gaussians are smoother and serve better in directions that were not trained on. 3 is the "
-      "largest that was tried.";
+  figure.found = best_x(studied(study), &NodeMeasurements::by_spread, "spread");
   return figure;
 }
 
@@ -165,7 +147,7 @@ PaperFigure figure_10(const PaperStudy& study) {
                       &NodeMeasurements::by_samples, "training pairs", {500, 1000, 2000, 4000, 5000, 8000});
   figure.paper =
       "More pairs reduce the error, ever less so; for the drain it rises slightly beyond 4,000 pairs.";
-  figure.why = "The number of neurons bounds the error long before the number of pairs does.";
+  figure.found = last_against_first(studied(study), &NodeMeasurements::by_samples, "training pairs");
   if (const auto found = studied(study); !found.empty())
     figure.conditions += fmt::format(" {} neurons.", found.front()->measured.sizes.study_neurons);
   return figure;
@@ -175,19 +157,6 @@ PaperFigure figure_15(const PaperStudy& study) {
   PaperFigure figure{"15", "Two tools at once", "", "", "", {}, {}};
   figure.paper =
       "The error grows with depth; the maximum error for the majority of the points is within 2 to 4 %.";
-  figure.why =
-      "Weights (15)-(16) are a mean of what each tool does alone: midway between two tools that push the "
-      "surface moves half "
-      "as far as it should. Errors are shares of the largest displacement of the pair at its full depth, the "
-      "deeper the "
-      "larger; how many nodes are below 4 % depends mostly on how many hardly move. Ours are random pairs, "
-      "neighbours and "
-      "nodes beside the fixed ones among them, to the full depth; the paper does not say how deep its were. "
-      "Coupled "
-      "superposition makes each tool hold its own point exactly and gives a force at both; the paper defines "
-      "none. Deep in a "
-      "soft body responses do not add up, and it is wrong by as much as its force is "
-      "(docs/decisions/coupled-tools.md).";
   figure.table = {{"case; mean % (median of pairs)", "depth, mm", "pairs", "(15)-(16)", "below 2 %",
                    "below 4 %", "coupled", "below 2 %", "linear", "force: coupled", "each tool alone",
                    "linear"}};
@@ -240,6 +209,7 @@ PaperFigure figure_15(const PaperStudy& study) {
     }
     figure.panels.push_back(paper);
     figure.panels.push_back(coupled);
+    figure.found += deepest_pairs(result);
   }
   if (figure.conditions.empty()) figure.conditions = "Case 3 was not run.";
   return figure;

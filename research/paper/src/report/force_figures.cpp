@@ -1,9 +1,9 @@
-// Figures 6, 11 and 12, and what locking does: forces.
+// Figures 6, 11 and 12: forces.
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "parts.hpp"
+#include "findings.hpp"
 
 namespace phynness::study {
 namespace {
@@ -18,12 +18,6 @@ std::vector<const CaseResult*> run_cases(const PaperStudy& study, bool networks_
 std::string all_conditions(const std::vector<const CaseResult*>& cases) {
   std::string out;
   for (const auto* result : cases) out += conditions(*result) + ". ";
-  return out;
-}
-
-std::vector<double> times(const std::vector<double>& values, double factor) {
-  std::vector<double> out;
-  for (const double v : values) out.push_back(factor * v);
   return out;
 }
 
@@ -56,13 +50,17 @@ CurveError curve_error(const std::vector<double>& said, const ForceCurves& curve
   return error;
 }
 
-/// Median of the nodes that have a number, and how many of all have one for every depth.
+/// Median of the nodes that have a number; NaN if none has.
+double median_known(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return std::isnan(value); });
+  return values.empty() ? std::numeric_limits<double>::quiet_NaN() : median(std::move(values));
+}
+
+/// The same, and how many of all nodes have a number for every depth.
 std::string median_of_those(const std::vector<double>& values, std::size_t whole) {
-  std::vector<double> known;
-  for (const double value : values)
-    if (!std::isnan(value)) known.push_back(value);
-  if (known.empty()) return "no equilibrium";
-  const std::string said = percent(median(std::move(known)));
+  const double known = median_known(values);
+  if (std::isnan(known)) return "no equilibrium";
+  const std::string said = percent(known);
   return whole == values.size() ? said : fmt::format("{} ({} of {} whole)", said, whole, values.size());
 }
 
@@ -120,22 +118,10 @@ PaperFigure figure_6(const PaperStudy& study) {
       "Trained to 2.8 cm and asked to 4 cm, predictions compare well with finite elements in Cases 1 to 3, "
       "better with "
       "more neurons, but for Case 2, where 100 are worse than 75.";
-  figure.why =
-      "The direction is the inward normal, which is none of the 26. A Gaussian network falls back to its "
-      "bias where no "
-      "center is near, so its force must come down again somewhere beyond the range; how soon depends on the "
-      "spread. "
-      "With 100 of some 150 points as neurons it also follows the noise between points: the paper's Case 2 "
-      "at 100 "
-      "neurons. Training ends where further neurons would depend linearly on those there are: then 75 and "
-      "100 "
-      "are the same network. Family modal has a linear tail. A linear body (Case 1) has nothing to "
-      "learn: three unit "
-      "responses are "
-      "exact, networks are not. Where finite elements end early, no equilibrium was found beyond.";
   figure.table = {{"case; mean error % (17) along the curve, median of nodes", "50 neurons: to R", "beyond",
                    "75: to R", "beyond", "100: to R", "beyond", "our family: to R", "beyond", "linear: to R",
                    "beyond"}};
+  Finding found("Mean error to R, median of nodes");
   for (const auto* result : run_cases(study, false)) {
     figure.conditions += conditions(*result) + ". ";
     const auto& nodes = result->measured.nodes;
@@ -148,6 +134,7 @@ PaperFigure figure_6(const PaperStudy& study) {
       if (node != nullptr && !node->curves.depth_m.empty())
         figure.panels.push_back(curve_panel(*result, *node));
     std::vector<std::string> row{result->of.title};
+    std::vector<double> to_range;  // by network, then the other predictors
     const auto cells = [&](const auto& of) {
       std::vector<double> inside, beyond;
       std::size_t whole_inside = 0, whole_beyond = 0;
@@ -159,6 +146,7 @@ PaperFigure figure_6(const PaperStudy& study) {
         whole_inside += error.whole_inside;
         whole_beyond += error.whole_beyond;
       }
+      to_range.push_back(median_known(inside));
       row.push_back(median_of_those(inside, whole_inside));
       row.push_back(median_of_those(beyond, whole_beyond));
     };
@@ -169,7 +157,13 @@ PaperFigure figure_6(const PaperStudy& study) {
     cells([](const NodeMeasurements& m) { return m.curves.ours; });
     cells([](const NodeMeasurements& m) { return m.curves.linear; });
     figure.table.push_back(row);
+    const auto& sizes = result->measured.sizes.curve_neurons;
+    const auto known = [&](std::size_t n) { return n < to_range.size() && !std::isnan(to_range[n]); };
+    if (sizes.size() > 1 && known(sizes.size() - 1) && known(sizes.size() - 2))
+      found.add(*result, against(fmt::format("{} neurons", sizes.back()), to_range[sizes.size() - 1],
+                                 fmt::format("{} neurons", sizes[sizes.size() - 2]), to_range[sizes.size() - 2]));
   }
+  figure.found = found.sentence();
   if (const auto cases = run_cases(study, false); !cases.empty())
     figure.conditions += fmt::format(
         "Force along the inward normal, trained on all increments; {} points to {:.1f} mm; drawn: a node "
@@ -190,16 +184,14 @@ PaperFigure figure_11(const PaperStudy& study) {
   figure.paper =
       "100 pairs for training and 30 others for the test; the error falls with neurons (no number in the "
       "text).";
-  figure.why =
-      "A held-out increment of full depth must be extrapolated, while random probes are seldom that deep: "
-      "for forces the paper's "
-      "test may be the harder one. With nearly as many neurons as pairs a network gains nothing or loses, "
-      "and "
-      "training ends where further ones would depend on those there are. 'All': trained on every "
-      "increment. Lines: the median over the nodes of each node's mean.";
+  figure.found =
+      fresh_against_held(run_cases(study, true), &NodeMeasurements::force_as_paper, &PredictorAtNode::force);
   figure.table = {{"case", "neurons asked for", "trained, median: as the paper, on all",
                    "as the paper: mean %, median of nodes (range)", "the same, fresh",
                    "trained on all: fresh", "beyond R"}};
+  figure.conditions +=
+      "Lines: the median over the nodes of each node's mean. 'All': trained on every increment. Training ends where "
+      "further neurons would depend linearly on those there are. ";
   for (const auto* result : run_cases(study, true)) {
     const auto& nodes = result->measured.nodes;
     figure.conditions += fmt::format("Spread {:.2f}, found by search. ", result->measured.force_spread);
@@ -286,13 +278,7 @@ PaperFigure figure_12(const PaperStudy& study) {
   figure.paper =
       "The largest error is below the just noticeable difference, 10 %, with 87 neurons for the liver and 63 "
       "for the drain.";
-  figure.why =
-      "The paper's number is that of one node, which it does not name, and one draw of 30 pairs. The largest "
-      "of 30 errors is "
-      "decided by one pair: next to the fixed nodes, and where the body snaps or a cell nearly inverts, the "
-      "force of that pair "
-      "is many times those of its neighbours, and no number of neurons reaches 10 %; at nodes far from there "
-      "some dozens do.";
+  figure.found = never_enough(run_cases(study, true));
   figure.table = {{"case", "neurons needed, as the paper: median of nodes", "range", "never (of nodes)",
                    "trained on all, fresh: median", "range", "never",
                    "largest error of our family %: median of nodes", "worst node",
@@ -334,48 +320,6 @@ PaperFigure figure_12(const PaperStudy& study) {
     row.push_back(percent(largest_of(linear)));
     figure.table.push_back(row);
   }
-  return figure;
-}
-
-PaperFigure figure_locking(const PaperStudy& study) {
-  PaperFigure figure{"P1 and p1-p1", "What locking does to the force a hand would feel", "", "", "", {}, {}};
-  const auto *locked = ran(study, "3"), *free = ran(study, "3-p1-p1");
-  figure.paper = "The paper does not mention locking; its elements are linear tetrahedra.";
-  if (locked == nullptr || free == nullptr) {
-    figure.conditions = "Not run: needs Case 3 with both elements (--cases 3,3-p1-p1).";
-    return figure;
-  }
-  figure.conditions = conditions(*locked) + ". " + conditions(*free) +
-                      ". Same mesh, same nodes; stiffness at rest along the inward normal; curves along it.";
-  figure.why =
-      "At K/mu = 200 a linear tetrahedron cannot keep its volume without stiffening: the body pushes back "
-      "several times "
-      "too hard. The paper's forces of Case 3 are therefore those of a stiffer body than its constants say. "
-      "Networks "
-      "repeat whichever elements they were trained on equally well, which is why no error above shows it.";
-  figure.table = {{"node", "P1, N/m", "p1-p1, N/m", "P1 over p1-p1"}};
-  std::vector<double> ratios;
-  int drawn = 0;
-  for (const auto& a : locked->measured.nodes)
-    for (const auto& b : free->measured.nodes) {
-      if (a.node != b.node || !(b.stiffness_N_per_m > 0)) continue;
-      ratios.push_back(a.stiffness_N_per_m / b.stiffness_N_per_m);
-      figure.table.push_back({fmt::format("{}{}", a.node, a.beside_fixed ? " (beside fixed)" : ""),
-                              fmt::format("{:.2f}", a.stiffness_N_per_m),
-                              fmt::format("{:.2f}", b.stiffness_N_per_m),
-                              fmt::format("{:.2f}", ratios.back())});
-      if (a.beside_fixed || drawn++ >= 2) continue;
-      figure.panels.push_back({fmt::format("Node {}", a.node),
-                               "depth, mm",
-                               "force, mN",
-                               false,
-                               false,
-                               {{"P1, as the paper", LineStyle::joined, 5, times(a.curves.depth_m, 1e3),
-                                 times(a.curves.finite_elements, 1e3)},
-                                {"p1-p1", LineStyle::joined, 0, times(b.curves.depth_m, 1e3),
-                                 times(b.curves.finite_elements, 1e3)}}});
-    }
-  if (!ratios.empty()) figure.table.push_back({"median", "", "", fmt::format("{:.2f}", median(ratios))});
   return figure;
 }
 

@@ -68,7 +68,7 @@ std::string figure_section(const PaperStudy& study, const PaperFigure& figure) {
                                      liver->surfaces[l].points.rows(), liver->surfaces[l].triangles.rows()));
       body += "</div>\n";
     }
-  body += escaped_table(figure.table) + said("Why ours differs:", figure.why);
+  body += escaped_table(figure.table) + said("This run:", figure.found);
   if (!figure.conditions.empty())
     body += "<p class=\"key\">Conditions: " + escaped(figure.conditions) + "</p>\n";
   const bool numbered = figure.number.find_first_not_of("0123456789") == std::string::npos;
@@ -160,7 +160,7 @@ nlohmann::ordered_json to_json(const PaperStudy& study, const PaperReport& repor
       panels.push_back({{"title", panel.title}, {"x", panel.x}, {"y", panel.y}, {"series", series}});
     }
     out["figures"][figure.number] = {{"title", figure.title}, {"conditions", figure.conditions},
-                                     {"paper", figure.paper}, {"why", figure.why},
+                                     {"paper", figure.paper}, {"found", figure.found},
                                      {"panels", panels},      {"table", figure.table}};
   }
   for (const auto& result : study.cases) {
@@ -203,20 +203,21 @@ std::string html_page(const PaperStudy& study, const PaperReport& report) {
       "<p>D. Deo and S. De, PhyNNeSS (2011), Cases 1 to 4, computed anew. Errors are the paper's (17): the "
       "difference over the "
       "largest finite element response of that node and group. Beside the paper's networks stand two things "
-      "it does not have: the "
-      "linear predictor, three unit responses at rest, which a model must beat to be worth anything; and the "
+      "it does not have: the linear predictor, three unit responses at rest; and the "
       "default family of this "
       "software (modal; linear for the linear case). Figures 1 to 5 show how, not how well.</p>\n";
   if (report.summary.size() > 1)
     body += section("The paper's numbers and ours", escaped_table(report.summary));
   body += what_ran(study);
   body += section("Table 1: model data",
-                  escaped_table(report.table1) + said("Why ours differs:", report.table1_why));
+                  said("Paper:", report.table1_paper) + escaped_table(report.table1) +
+                      said("This run:", report.table1_found));
   body += validations(study);
   for (const auto& figure : report.figures) {
     if (figure.number == "13")
       body += section("Table 2: successive subdivision",
-                      escaped_table(report.table2) + said("Why ours differs:", report.table2_why));
+                      said("Paper:", report.table2_paper) + escaped_table(report.table2) +
+                          said("This run:", report.table2_found));
     body += figure_section(study, figure);
   }
   body += section("Errata of the paper that matter here",
@@ -228,7 +229,7 @@ std::string html_page(const PaperStudy& study, const PaperReport& report) {
                   "the finite elements'.</li>"
                   "<li>Case 1's E = 20 is in kPa. D1 = 1e-5 per Pa is taken as K = 1/D1 = 100 "
                   "kPa.</li><li>The paper's mesh and shell thickness "
-                  "are not published: ours have its numbers of nodes.</li></ul>\n");
+                  "are not published.</li></ul>\n");
   return page("The paper's tables and figures", body);
 }
 

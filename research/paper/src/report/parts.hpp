@@ -51,6 +51,8 @@ using NodeCurve = std::vector<NetworkErrors> NodeMeasurements::*;
 Series over_nodes(const std::string& name, LineStyle style, int color,
                   const std::vector<NodeMeasurements>& nodes, NodeCurve curve, double NetworkErrors::*error,
                   double (*combine)(std::vector<double>));
+/// Every value times `factor`.
+std::vector<double> times(const std::vector<double>& values, double factor);
 double mean_of(std::vector<double> values);
 double median_of(std::vector<double> values);
 double largest_of(std::vector<double> values);

@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "parts.hpp"
+#include "findings.hpp"
 
 namespace phynness::study {
 namespace {
@@ -223,9 +223,6 @@ TextTable table_2(const PaperStudy& study) {
 PaperFigure figure_13(const PaperStudy& study) {
   PaperFigure figure{"13", "The liver's surface, subdivided", "Case 3 was not run.", "", "", {}, {}};
   figure.paper = "Four meshes by Loop's scheme, 596 to 38,018 vertices.";
-  figure.why =
-      "The built-in liver has the paper's size, not its shape, which is not published. Loop's surface lies a "
-      "little inside the triangles it is made of.";
   if (const auto* liver = column(study, true); liver != nullptr) {
     figure.conditions = "At rest, seen from above.";
     figure.table = {{"level", "vertices", "triangles"}};
@@ -240,11 +237,9 @@ PaperFigure figure_14(const PaperStudy& study) {
   PaperFigure figure{"14", "Time of a deformation against vertices", "Case 3 was not run.", "", "", {}, {}};
   figure.paper =
       "The time grows in a straight line with vertices: 9.36, 37.5, 150 and 599 ms, 15.8 us a vertex.";
-  figure.why =
-      "All grow in straight lines. Ours has a constant, the networks at the nodes of the coarse mesh, and a "
-      "slope of Loop's weights alone; the paper's way needs an exponential for each neuron at each vertex.";
   const auto* liver = column(study, true);
   if (liver == nullptr || !liver->times) return figure;
+  figure.found = slopes(*liver->times);
   figure.conditions = fmt::format("{}; networks of {} neurons; medians on one core of: {}.",
                                   conditions(*liver), liver->times->neurons, study.machine);
   Panel panel{"Time against vertices", "vertices", "time, ms", true, true, {}};

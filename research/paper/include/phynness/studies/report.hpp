@@ -60,13 +60,13 @@ struct Panel {
 using TextTable = std::vector<std::vector<std::string>>;
 struct PaperFigure {
   std::string number, title;
-  std::string conditions, paper, why;  ///< what was done; what the paper says; why ours differs
+  std::string conditions, paper, found;  ///< what was done; what the paper says; what this run measured
   std::vector<Panel> panels;
   TextTable table;
 };
 struct PaperReport {
   TextTable summary, table1, table2;
-  std::string table1_why, table2_why;
+  std::string table1_paper, table1_found, table2_paper, table2_found;  ///< as in PaperFigure
   std::vector<PaperFigure> figures;  ///< in the paper's order; the last is force with and without locking
 };
 
