@@ -49,6 +49,9 @@ void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::str
 
 void write_json(const std::optional<std::filesystem::path>& file, const json& value);
 
+/// Far beyond every body that the mesh checks let pass without a warning, far below where squares overflow.
+inline constexpr double largest_displacement_m = 1e6;
+
 /// Tools from repeated --node J or --point x,y,z and --displacement dx,dy,dz.
 struct ToolOptions {
   std::vector<std::int32_t> nodes;
