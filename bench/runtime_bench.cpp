@@ -9,12 +9,12 @@
 #include <map>
 #include <phynness/phynness_contact.hpp>
 #include <phynness/phynness_surface.hpp>
+#include <phynness/training/conservative_fit.hpp>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "evaluate.hpp"
 #include "timed_model.hpp"
 
 namespace {
@@ -115,30 +115,26 @@ void bench_modes(Table& table, Loaded& loaded) {
 }
 
 /// Forces of every node beside the same sums in double, at random displacements to the trained depth.
-void rounding_of_forces(Table& table, Loaded& loaded) {
-  const phn_model& model = *loaded.model.get();
+void rounding_of_forces(Table& table, const Model& model, Loaded& loaded) {
   if (model.family != Family::modal) return;
   bench::Arbitrary arbitrary;
   double worst = 0, sum = 0;
-  for (std::int32_t a = 0; a < model.n_active; ++a) {
+  for (const auto& node : model.nodes) {
     double largest = 0, error = 0;
     for (int trial = 0; trial < 40; ++trial) {
-      double x[3], d[3], f[3], in_double[3], size = 0, off = 0;
-      for (int k = 0; k < 3; ++k)
-        d[k] = model.max_displacement * (x[k] = arbitrary.number() / std::sqrt(3.0));
-      check(loaded.data.force(model.active_nodes[a], d, f));
-      runtime::conservative_force(model.active[a].modal->force, x, in_double);
-      for (int k = 0; k < 3; ++k) {
-        size += in_double[k] * in_double[k];
-        off += (f[k] - in_double[k]) * (f[k] - in_double[k]);
-      }
-      largest = std::max(largest, std::sqrt(size));
-      error = std::max(error, std::sqrt(off));
+      Eigen::Vector3d x, f;
+      for (double& component : x) component = arbitrary.number() / std::sqrt(3.0);
+      const Eigen::Vector3d d = model.max_displacement_m * x;
+      check(loaded.data.force(node.node, d, f));
+      const Eigen::Vector3d in_double =
+          evaluate_force(node.conservative, model.displacements, model.max_displacement_m, x);
+      largest = std::max(largest, in_double.norm());
+      error = std::max(error, (f - in_double).norm());
     }
     worst = std::max(worst, error / largest);
     sum += error / largest;
   }
-  table.add("force_rounding_mean", sum / model.n_active,
+  table.add("force_rounding_mean", sum / static_cast<double>(model.nodes.size()),
             "largest difference to sums in double, over the node's largest force: mean over nodes");
   table.add("force_rounding_max", worst, "the worst node");
 }
@@ -295,12 +291,13 @@ int run(int argc, char** argv) {
     bench_contact(table, loaded, false);
   }
   if (!model_dir.empty()) {
-    Loaded loaded(read_model_texts(model_dir).model);
+    const std::string text = read_model_texts(model_dir).model;
+    Loaded loaded(text);
     std::printf("%s: %d output nodes, %d fine vertices (not in the JSON file)\n", model_dir.c_str(),
                 loaded.model.n_output(), loaded.surface.n_vertices());
     Table other;
     bench_modes(other, loaded);
-    rounding_of_forces(other, loaded);
+    rounding_of_forces(other, read_model_text(text, model_dir), loaded);
     bench_contact(other, loaded, true);
     bench_several_tools(other, loaded);
   }

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <phynness/baseline/plain_loop.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/scene.hpp>
 #include <phynness/meshes/meshes.hpp>
@@ -15,7 +16,6 @@
 #include <random>
 
 #include "exit_status.hpp"
-#include "plain_loop.hpp"
 
 namespace {
 

@@ -29,7 +29,6 @@ void add_export_command(CLI::App& app);
 void add_info_command(CLI::App& app);
 void add_show_command(CLI::App& app);
 void add_run_command(CLI::App& app);
-void add_study_command(CLI::App& app);
 
 /// Reads a scene and declares the mesh file that it names as an input of the command.
 /// @throws Error also if an output would overwrite that file
@@ -49,6 +48,9 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false);
 void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
 
 void write_json(const std::optional<std::filesystem::path>& file, const json& value);
+
+/// Far beyond every body that the mesh checks let pass without a warning, far below where squares overflow.
+inline constexpr double largest_displacement_m = 1e6;
 
 /// Tools from repeated --node J or --point x,y,z and --displacement dx,dy,dz.
 struct ToolOptions {

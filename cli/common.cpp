@@ -16,9 +16,6 @@ namespace phynness::cli {
 
 namespace {
 
-/// Far beyond every body that the mesh checks let pass without a warning, far below where squares overflow.
-constexpr double largest_displacement_m = 1e6;
-
 /// @throws Error unless `text` is three finite numbers separated by commas, together no longer than the above
 Vec3 parse_vector(const std::string& text, const std::string& what, const std::string& remedy) {
   Vec3 v{};

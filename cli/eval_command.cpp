@@ -5,6 +5,7 @@
 
 #include "command_files.hpp"
 #include "commands.hpp"
+#include "eval_queries.hpp"
 #include "fine_surface.hpp"
 #include "streams.hpp"
 
@@ -18,6 +19,7 @@ struct Options {
   std::optional<std::filesystem::path> surface;
   int levels = 0;  ///< of subdivision
   std::optional<std::int32_t> level;
+  std::optional<std::filesystem::path> queries;
 };
 
 void check_surface_options(const Options& options) {
@@ -42,6 +44,21 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places,
     }
   }
   return tools;
+}
+
+/// A file of queries stands for the tools of one, and its answers are a table.
+void run_queries(const Options& options) {
+  const auto& tool = options.tool;
+  if (!tool.nodes.empty() || !tool.points.empty() || !tool.displacements.empty())
+    throw input_error("a file of queries holds the tools", "--queries beside --node, --point or --displacement",
+                      "leave the tools out of the command line, or leave --queries out");
+  if (tool.deformation_csv || tool.json_file || options.surface || options.levels > 0)
+    throw input_error("queries are answered by a table on stdout",
+                      "--queries beside --json, --deformation, --surface or --subdivide",
+                      "send stdout to a file; give these options for one query with --node");
+  LoadedModel model(options.model);
+  if (options.level) model.set_level(*options.level);
+  answer_queries(model, *options.queries);
 }
 
 void run(const Options& options) {
@@ -91,6 +108,10 @@ void add_eval_command(CLI::App& app) {
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
   options->tool.add_to(*command);
+  command->get_option("--displacement")->required(false);  // --queries holds displacements, too
+  add_path(*command, "--queries", options->queries, InputKind::whole,
+           fmt::format("instead of --node: CSV file of queries, first line {}; prints a CSV of forces",
+                       queries_header));
   command
       ->add_option(
           "--tools", options->tools,
@@ -102,7 +123,7 @@ void add_eval_command(CLI::App& app) {
            "write the surface: .vtk or .vtu at rest with its displacement, .obj deformed");
   command->add_option("--subdivide", options->levels, "levels of subdivision of that surface (Loop's scheme)")
       ->check(CLI::Range(0, 6));
-  command->callback([options] { run(*options); });
+  command->callback([options] { options->queries ? run_queries(*options) : run(*options); });
 }
 
 }  // namespace phynness::cli

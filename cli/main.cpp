@@ -31,7 +31,6 @@ void add_commands(CLI::App& app) {
   cli::add_info_command(app);
   cli::add_show_command(app);
   cli::add_run_command(app);
-  cli::add_study_command(app);
 }
 
 /// Help and version are results, a complaint about the command line is a message.

@@ -24,7 +24,6 @@ void add_validate_command(CLI::App& app) { add(app, "validate"); }
 void add_tune_command(CLI::App& app) { add(app, "tune"); }
 void add_solve_command(CLI::App& app) { add(app, "solve"); }
 void add_run_command(CLI::App& app) { add(app, "run"); }
-void add_study_command(CLI::App& app) { add(app, "study"); }
 
 PlanBasis basis_of_scene(const PlanOptions& options) {
   throw no_solver("phynness plan " + options.source.string() +

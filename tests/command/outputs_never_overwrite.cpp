@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 /// cli/command_files.hpp.
 const std::set<std::string> texts{"--shard",  "--displacement", "--point",     "--tools",
                                   "--family", "--max-error",    "--max-time",  "--max-size",
-                                  "--cases",  "--error-by",     "--increment", "--name"};
+                                  "--error-by", "--increment",  "--name"};
 
 /// A subcommand with the inputs that it is given.
 struct Use {
@@ -31,15 +31,13 @@ class Overwriting : public CommandLine {
   /// A scene in one folder whose mesh lies in another, and a database, shards and a model made of it.
   void SetUp() override {
     CommandLine::SetUp();
-    for (const char* name : {"scenes", "parts", "fresh", "fresh/there", "paper"})
+    for (const char* name : {"scenes", "parts", "fresh", "fresh/there"})
       fs::create_directory(folder / name);
     write_file(folder / "block.toml", small_scene());
     auto text = small_scene();
     const auto from = text.find("shape = "), to = text.find("[material]");
     text.replace(from, to - from, "file = \"../parts/body.msh\"\n");
     write_file(folder / "scenes/scene.toml", text);
-    for (const char* one : {"liver_case1.toml", "liver_case3.toml"})
-      fs::copy_file(fs::path(PHYNNESS_SOURCE_DIR) / "scenes" / one, folder / "paper" / one);
     for (const char* line : {"mesh block.toml -o parts/body.msh", "precompute scenes/scene.toml -o d.h5",
                              "precompute scenes/scene.toml -o s.h5 --shard 0/2",
                              "precompute scenes/scene.toml -o s.h5 --shard 1/2",
@@ -49,6 +47,7 @@ class Overwriting : public CommandLine {
     }
     node = std::to_string(json("fresh/info.json").at("active").at(0).get<int>());
     fs::remove(folder / "fresh/info.json");
+    write_file(folder / "queries.csv", "node,ux_m,uy_m,uz_m\n" + node + ",0,0,-0.001\n");
   }
 
   /// Every file in the folder with its bytes.
@@ -91,8 +90,7 @@ class Overwriting : public CommandLine {
     if (option == "DATABASE") return {{"d.h5", database}};
     if (option == "MODEL_DIR") return {{"model", model}};
     if (option == "SHARD") return {{"s.shard-0-of-2.h5 s.shard-1-of-2.h5", shards}};
-    if (option == "--scenes")
-      return {{"--scenes paper", {"paper/liver_case1.toml", "paper/liver_case3.toml"}}};
+    if (option == "--queries") return {{"--queries queries.csv", {"queries.csv"}}};
     if (option == "FILE_OR_DIR")
       return {{"scenes/scene.toml", scene},
               {"d.h5", database},
@@ -299,7 +297,7 @@ TEST_F(Overwriting, CannotBeDoneByAnOptionThatIsNotDeclared) {
         for (const auto& [name, bytes] : before)
           ASSERT_EQ(read_file(folder / name), bytes) << command << " " << option.name << ": " << name;
       }
-  EXPECT_GT(n, 15);
+  EXPECT_GE(n, 15);
 }
 
 }  // namespace

@@ -104,8 +104,8 @@ TEST(Text, IsPrintedInOnePlace) {
   const std::regex printing(
       R"((fmt::(v?print|vprint)\(|std::(cout|cerr|clog)\b|\bstd::(printf|puts|putchar)\())");
   int sources = 0;
-  for (const char* part : {"cli", "drawing", "embedding", "formats", "meshes", "planning",
-                           "precompute_dolfinx", "runtime", "studies", "training", "tuning", "validation"})
+  for (const char* part : {"cli", "drawing", "embedding", "evaluation", "formats", "meshes", "planning",
+                           "precompute_dolfinx", "runtime", "training", "tuning", "validation"})
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(PHYNNESS_SOURCE_DIR) / part)) {
       const auto extension = entry.path().extension();
       if (extension != ".cpp" && extension != ".hpp" && extension != ".h") continue;

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <phynness/validation/closed_paths.hpp>
 #include <phynness/validation/probe_plan.hpp>
+
+#include "closed_paths.hpp"
 
 namespace phynness::report {
 

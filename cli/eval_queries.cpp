@@ -1,0 +1,150 @@
+#include "eval_queries.hpp"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <phynness/formats/error.hpp>
+#include <string_view>
+
+#include "commands.hpp"
+#include "console.hpp"
+#include "streams.hpp"
+
+namespace phynness::cli {
+namespace {
+
+struct Query {
+  std::int32_t node = 0;
+  Vec3 displacement_m{};
+  std::size_t line = 0;  ///< in the file, from 1
+};
+
+/// A file of queries and the line that is read: what every message about it names.
+struct Place {
+  const std::filesystem::path& file;
+  std::size_t line = 0;
+
+  Error error(const std::string& what, const std::string& value, const std::string& remedy) const {
+    return input_error(fmt::format("{}, line {}: {}", file.string(), line, what), value, remedy);
+  }
+};
+
+/// Between commas, without the spaces around.
+std::vector<std::string_view> fields_of(std::string_view row) {
+  std::vector<std::string_view> fields;
+  for (std::size_t at = 0; at <= row.size();) {
+    const auto end = std::min(row.find(',', at), row.size());
+    auto field = row.substr(at, end - at);
+    field.remove_prefix(std::min(field.find_first_not_of(' '), field.size()));
+    field.remove_suffix(field.size() - (field.find_last_not_of(' ') + 1));
+    fields.push_back(field);
+    at = end + 1;
+  }
+  return fields;
+}
+
+template <class Number>
+bool parse(std::string_view field, Number& number) {
+  if (field.starts_with('+')) field.remove_prefix(1);
+  const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), number);
+  return code == std::errc{} && end == field.data() + field.size();
+}
+
+Query parse_row(std::string_view row, const Place& place) {
+  const auto fields = fields_of(row);
+  if (fields.size() != 4)
+    throw place.error(fmt::format("a row has 4 values, this one has {}", row.empty() ? 0 : fields.size()),
+                      fmt::format("'{}'", row), fmt::format("write {}, without empty lines", queries_header));
+  Query query;
+  query.line = place.line;
+  if (!parse(fields[0], query.node))
+    throw place.error("a node is a whole number", fmt::format("'{}'", fields[0]),
+                      "give the 0-based number of a node of the mesh");
+  for (std::size_t k = 0; k < 3; ++k)
+    if (!parse(fields[k + 1], query.displacement_m[k]) || !std::isfinite(query.displacement_m[k]))
+      throw place.error("a displacement is three finite numbers", fmt::format("'{}'", fields[k + 1]),
+                        "write metres with a decimal point: 0.0,0.0,-0.01");
+  const auto& d = query.displacement_m;
+  if (std::hypot(d[0], d[1], d[2]) > largest_displacement_m)
+    throw place.error("a displacement is larger than any body", fmt::format("'{}'", row),
+                      "displacements are in metres");
+  return query;
+}
+
+/// The next line without its end, whatever the editor: "\n" or "\r\n".
+bool next_line(std::ifstream& in, std::string& line, Place& place) {
+  if (!std::getline(in, line)) return false;
+  ++place.line;
+  if (line.ends_with('\r')) line.pop_back();
+  return true;
+}
+
+std::vector<Query> read_queries(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in || std::filesystem::is_directory(file))
+    throw input_error("the file of queries cannot be read", file.string(),
+                      fmt::format("give a CSV file whose first line is {}", queries_header));
+  Place place{file};
+  std::string line;
+  const bool has_header = next_line(in, line, place);
+  // Spreadsheets put the mark of UTF-8 in front.
+  if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+  if (!has_header || line != queries_header) {
+    place.line = 1;
+    throw place.error("a file of queries starts with another line", fmt::format("'{}'", line),
+                      fmt::format("make its first line {}", queries_header));
+  }
+  std::vector<Query> queries;
+  while (next_line(in, line, place)) queries.push_back(parse_row(line, place));
+  if (in.bad())
+    throw input_error("reading the file of queries failed", file.string(), "look at the disk and the rights");
+  if (queries.empty())
+    throw input_error("the file of queries has no rows", file.string(),
+                      "write a row for each query below its first line");
+  return queries;
+}
+
+/// @throws Error (input) if a node is not active, before anything is computed
+void check_nodes(const LoadedModel& model, const std::vector<Query>& queries,
+                 const std::filesystem::path& file) {
+  for (const auto& query : queries) try {
+      model.force(query.node, {0, 0, 0});
+    } catch (const Error& error) {
+      throw Place{file, query.line}.error(error.what(), "", "");
+    }
+}
+
+}  // namespace
+
+void answer_queries(const LoadedModel& model, const std::filesystem::path& file) {
+  const auto queries = read_queries(file);
+  check_nodes(model, queries, file);
+  const bool has_energy = model.runtime().info().has_energy != 0;
+  std::string csv = fmt::format("{},fx_N,fy_N,fz_N{},status,trained_depth_m\n", queries_header,
+                                has_energy ? ",energy_J" : "");
+  const auto out = std::back_inserter(csv);
+  const auto start = std::chrono::steady_clock::now();
+  Progress progress("eval", "queries");
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const auto& [node, d, line] = queries[i];
+    Vec3 f{};
+    double energy = 0;
+    const rt::Status status =
+        has_energy ? model.data().force(node, d, f, energy) : model.data().force(node, d, f);
+    if (!status.ok())
+      throw Place{file, line}.error(status.message(), fmt::format("node {}", node), "give a smaller displacement");
+    fmt::format_to(out, "{},{},{},{},{},{},{},", node, d[0], d[1], d[2], f[0], f[1], f[2]);
+    if (has_energy) fmt::format_to(out, "{},", energy);
+    fmt::format_to(out, "{},{}\n", int{status}, model.trained_depth(node, d));
+    // Most files are answered before a person wonders.
+    if (std::chrono::steady_clock::now() - start > std::chrono::seconds(2))
+      progress.update(static_cast<std::int64_t>(i + 1), static_cast<std::int64_t>(queries.size()));
+  }
+  print_result("{}", csv);
+}
+
+}  // namespace phynness::cli

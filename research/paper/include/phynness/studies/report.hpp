@@ -1,0 +1,79 @@
+// The study's tables and figures beside the paper's numbers: as data, as JSON, as one page.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <phynness/formats/mesh.hpp>
+#include <phynness/studies/cases.hpp>
+#include <phynness/validation/validation.hpp>
+#include <string>
+#include <vector>
+
+namespace phynness {
+
+/// What a case's stages told about themselves.
+struct CaseFacts {
+  std::int64_t nodes = 0, free_nodes = 0, surface_nodes = 0, cells = 0, corners = 0;
+  std::int64_t rays = 0, increments = 0, failed = 0;
+  double setup_s = 0, solve_cpu_s = 0;            ///< of the finite elements; CPU of one core
+  double networks_train_s = 0, ours_train_s = 0;  ///< wall time of all nodes, all threads
+  double database_bytes = 0, model_bytes = 0, ours_bytes = 0;
+  int samples = 0, networks = 0;
+  nlohmann::json networks_errors, ours_errors;  ///< of phynness validate; null where there is no such model
+};
+
+struct SurfaceShape {
+  Points points;
+  Triangles triangles;
+};
+
+struct CaseResult {
+  PaperCase of;
+  std::string missing;  ///< why it was not run; empty if it was
+  CaseFacts facts;
+  CaseMeasurements measured;
+  std::optional<RuntimeTimes> times;
+  std::vector<SurfaceShape> surfaces;  ///< by level of subdivision
+};
+
+struct PaperStudy {
+  bool quick = false;
+  std::string software, machine;
+  double seconds = 0;  ///< of this run
+  std::vector<CaseResult> cases;
+};
+
+enum class LineStyle { line, dashes, dots, points, joined };
+struct Series {
+  std::string name;
+  LineStyle style = LineStyle::line;
+  int color = 0;
+  std::vector<double> x, y;
+};
+struct Panel {
+  std::string title, x, y;
+  bool log_x = false, log_y = false;
+  std::vector<Series> series;
+  double low = 0, high = 0;  ///< of the vertical axis; equal: as the series need
+};
+/// Rows of words; the first is the head.
+using TextTable = std::vector<std::vector<std::string>>;
+struct PaperFigure {
+  std::string number, title;
+  std::string conditions, paper, found;  ///< what was done; what the paper says; what this run measured
+  std::vector<Panel> panels;
+  TextTable table;
+};
+struct PaperReport {
+  TextTable summary, table1, table2;
+  std::string table1_paper, table1_found, table2_paper, table2_found;  ///< as in PaperFigure
+  std::vector<PaperFigure> figures;  ///< in the paper's order; the last is force with and without locking
+};
+
+/// Every table and figure for which there is a case that was run.
+PaperReport paper_report(const PaperStudy& study);
+nlohmann::ordered_json to_json(const PaperStudy& study, const PaperReport& report);
+/// Self-contained HTML. @throws Error (failure) if gnuplot fails
+std::string html_page(const PaperStudy& study, const PaperReport& report);
+
+}  // namespace phynness

@@ -1,0 +1,151 @@
+// Claim: eval --queries gives for each row what eval gives for that node and displacement alone, to the last digit, in
+// the order of the rows, for families with and without an energy, inside and beyond the trained range. A file with
+// a bad row is refused with status 2, the line, the value and a remedy, and nothing on stdout. Ten thousand rows take
+// one call.
+#include <algorithm>
+
+#include "../pipeline/command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+class Queries : public CommandLine {
+ protected:
+  void SetUp() override {
+    CommandLine::SetUp();
+    write_file(folder / "scene.toml", small_scene());
+    ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+    for (const char* family : {"rbfn", "modal"})
+      ASSERT_EQ(phynness(std::string("train scene.toml d.h5 --family ") + family + " -o " + family).exit_status, 0);
+    ASSERT_EQ(phynness("info d.h5 --json info.json").exit_status, 0);
+    nodes = json("info.json").at("active").get<std::vector<int>>();
+    ASSERT_EQ(nodes.size(), 2u);
+  }
+
+  static Rows rows_of(const std::string& csv) {
+    Rows rows;
+    std::istringstream lines(csv);
+    for (std::string line; std::getline(lines, line);) {
+      auto& row = rows.emplace_back();
+      std::istringstream fields(line);
+      for (std::string field; std::getline(fields, field, ',');) row.push_back(field);
+    }
+    return rows;
+  }
+
+  void expect_refused(const std::string& text, const std::vector<std::string>& parts) const {
+    write_file(folder / "bad.csv", text);
+    const auto outcome = phynness("eval modal --queries bad.csv");
+    EXPECT_EQ(outcome.exit_status, 2) << text << outcome.err;
+    EXPECT_EQ(outcome.out, "") << text;
+    for (const auto& part : parts) EXPECT_NE(outcome.err.find(part), std::string::npos) << part << "\n" << outcome.err;
+    EXPECT_NE(outcome.err.find("remedy: "), std::string::npos) << outcome.err;
+  }
+
+  std::vector<int> nodes;
+};
+
+// The trained range is 8 mm: the last displacement lies beyond it and is answered with a warning in its status.
+TEST_F(Queries, AreAnsweredAsOneByOne) {
+  const char* displacements[] = {"0,0,0", "0,0,-0.006", "0.0012345678901234567,-1e-4,+0.003", "0.011,0.005,-0.02"};
+  for (const std::string family : {"rbfn", "modal"}) {
+    const bool has_energy = family == "modal";
+    std::string csv = "node,ux_m,uy_m,uz_m\n";
+    for (const int node : nodes)
+      for (const char* d : displacements) csv += std::to_string(node) + "," + d + "\n";
+    write_file(folder / "queries.csv", csv);
+    const auto all = phynness("eval " + family + " --queries queries.csv");
+    ASSERT_EQ(all.exit_status, 0) << all.err;
+    EXPECT_EQ(all.err, "");
+    const auto rows = rows_of(all.out);
+    ASSERT_EQ(rows.size(), 1 + nodes.size() * std::size(displacements));
+    EXPECT_EQ(all.out.substr(0, all.out.find('\n')), std::string("node,ux_m,uy_m,uz_m,fx_N,fy_N,fz_N") +
+                                                         (has_energy ? ",energy_J" : "") + ",status,trained_depth_m");
+    bool warned = false;
+    for (std::size_t r = 1; r < rows.size(); ++r) {
+      const auto& row = rows[r];
+      const std::string node = std::to_string(nodes[(r - 1) / std::size(displacements)]),
+                        d = displacements[(r - 1) % std::size(displacements)];
+      ASSERT_EQ(row.size(), has_energy ? 10u : 9u);
+      EXPECT_EQ(row[0], node);
+      const auto one = phynness("eval " + family + " --node " + node + " --displacement " + d + " --json one.json");
+      ASSERT_EQ(one.exit_status, 0) << one.err;
+      const auto answer = json("one.json");
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ(std::stod(row[1 + k]), answer.at("tools").at(0).at("displacement").at(k).get<double>()) << node << d;
+        EXPECT_EQ(std::stod(row[4 + k]), answer.at("tools").at(0).at("force").at(k).get<double>()) << node << d;
+      }
+      if (has_energy) {
+        EXPECT_EQ(std::stod(row[7]), answer.at("energy").get<double>()) << node << d;
+      }
+      EXPECT_EQ(std::stoi(row[row.size() - 2]), answer.at("status").get<int>()) << node << d;
+      warned = warned || std::stoi(row[row.size() - 2]) > 0;
+      const double depth = std::stod(row.back());
+      // Every ray of this block was solved to its end.
+      EXPECT_NEAR(depth, 0.008, 1e-12) << node << d;
+    }
+    EXPECT_TRUE(warned);
+  }
+}
+
+TEST_F(Queries, WithABadRowAreRefusedByItsLine) {
+  const std::string head = "node,ux_m,uy_m,uz_m\n", good = std::to_string(nodes[0]) + ",0,0,-0.001\n";
+  const auto node = std::to_string(nodes[1]);
+  for (const char* d : {"nan,0,0", "0,inf,0", "0,0,-1e999", "0,0,x", "0,0,", "0,0,0.1m", "0,0,0x1"})
+    expect_refused(head + good + node + "," + d + "\n", {"bad.csv, line 3", "finite numbers", "0.0,0.0,-0.01"});
+  for (const char* row : {"1", "1,0,0", "1,0,0,0,0", "1;0;0;0", ""})
+    expect_refused(head + good + row + "\n" + good, {"bad.csv, line 3", "4 values", std::string("'") + row + "'"});
+  for (const char* number : {"", "1.0", "x", "99999999999"})
+    expect_refused(head + number + ",0,0,0\n", {"bad.csv, line 2", "whole number", std::string("'") + number + "'"});
+  for (const char* number : {"-1", "100000"})
+    expect_refused(head + good + good + number + ",0,0,0\n", {"bad.csv, line 4", std::string("node ") + number});
+  expect_refused(head + node + ",0,0,-2e6\n", {"bad.csv, line 2", "larger than any body", "metres"});
+  // Without its first line a file is refused, and not taken for one with a row less.
+  expect_refused(good, {"bad.csv, line 1", "node,ux_m,uy_m,uz_m"});
+  expect_refused("", {"bad.csv, line 1", "node,ux_m,uy_m,uz_m"});
+  expect_refused(head, {"bad.csv", "no rows"});
+}
+
+TEST_F(Queries, WithAnInactiveNodeNameTheNearest) {
+  // The block is fixed below and touched above: it has other nodes.
+  int inactive = 0;
+  while (std::find(nodes.begin(), nodes.end(), inactive) != nodes.end()) ++inactive;
+  const auto row = std::to_string(nodes[0]) + ",0,0,0\n";
+  expect_refused("node,ux_m,uy_m,uz_m\n" + row + std::to_string(inactive) + ",0,0,0\n",
+                 {"bad.csv, line 3", "no network for this node: node " + std::to_string(inactive), "the nearest are"});
+}
+
+TEST_F(Queries, AreNotMixedWithASingleOne) {
+  write_file(folder / "queries.csv", "node,ux_m,uy_m,uz_m\n" + std::to_string(nodes[0]) + ",0,0,0\n");
+  for (const std::string more : {"--node 1 --displacement 0,0,0", "--json a.json", "--deformation a.csv",
+                                 "--surface a.vtk", "--point 0,0,0"}) {
+    const auto outcome = phynness("eval modal --queries queries.csv " + more);
+    EXPECT_EQ(outcome.exit_status, 2) << more;
+    EXPECT_NE(outcome.err.find("--queries"), std::string::npos) << outcome.err;
+  }
+  EXPECT_EQ(phynness("eval modal --queries missing.csv").exit_status, 2);
+  EXPECT_EQ(phynness("eval modal --queries modal").exit_status, 2);
+}
+
+// As spreadsheets on other systems write files: a mark in front, \r\n, no end of the last line, spaces. 10,000 rows.
+TEST_F(Queries, AreAnsweredByTheThousand) {
+  std::string plain = "node,ux_m,uy_m,uz_m\n", other = "\xEF\xBB\xBFnode,ux_m,uy_m,uz_m\r\n";
+  constexpr int n = 10000;
+  for (int i = 0; i < n; ++i) {
+    const auto node = std::to_string(nodes[i % 2]), z = std::to_string(-1e-6 * (i % 8000));
+    plain += node + ",0.001,0," + z + "\n";
+    other += " " + node + " , 0.001,0 ," + z + (i + 1 < n ? "\r\n" : "");
+  }
+  write_file(folder / "plain.csv", plain);
+  write_file(folder / "other.csv", other);
+  const auto a = phynness("eval modal --queries plain.csv"), b = phynness("eval modal --queries other.csv");
+  ASSERT_EQ(a.exit_status, 0) << a.err;
+  ASSERT_EQ(b.exit_status, 0) << b.err;
+  EXPECT_EQ(std::count(a.out.begin(), a.out.end(), '\n'), n + 1);
+  EXPECT_EQ(a.out, b.out);
+}
+
+}  // namespace
+}  // namespace phynness::test
