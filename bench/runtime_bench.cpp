@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <phynness/phynness_contact.hpp>
 #include <phynness/phynness_surface.hpp>
@@ -15,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "force_accuracy.hpp"
 #include "timed_model.hpp"
 
 namespace {
@@ -44,10 +46,18 @@ struct Loaded : bench::TimedModel {
 class Table {
  public:
   void add(const std::string& key, double value, const std::string& words) {
-    std::printf("  %-34s %12.*f   %s\n", key.c_str(), value < 0.005 ? 8 : 2, value, words.c_str());
+    std::printf(value < 0.005 ? "  %-38s %12.1e   %s\n" : "  %-38s %12.3f   %s\n", key.c_str(), value,
+                words.c_str());
     std::fflush(stdout);
     _json += (_json.empty() ? "{\"" : ", \"") + std::string(in_float() ? "float_" : "") + key +
-             "\": " + std::to_string(value);
+             "\": " + number(value);
+  }
+  /// The time of a loop and how many times that of the runtime it is.
+  /// @param unit  of the key, per microsecond
+  void beside(const std::string& key, const bench::SideBySide& times, std::size_t at,
+              const std::string& words, double unit = 1) {
+    add(key, unit * times.us[at], words);
+    add(key + "_ratio", times.ratio[at], "times that of the runtime, in the same round");
   }
   bool write(const std::string& file) const {
     std::ofstream out(file);
@@ -56,6 +66,13 @@ class Table {
   }
 
  private:
+  /// All digits: a rounding error has its first one far behind the point.
+  static std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+  }
+
   std::string _json;
 };
 
@@ -69,23 +86,65 @@ double frames_per_s(Loaded& loaded, std::int32_t touched) {
          });
 }
 
-void bench_networks(Table& table) {
-  Loaded loaded(write_model_text(bench::networks_model(n_neurons_force, n_neurons_deformation, 20)));
-  const double plain_force_us = in_float() ? bench::plain_force_us<float>(n_neurons_force)
-                                                      : bench::plain_force_us<double>(n_neurons_force);
-  const auto plain_us = [](std::size_t n_points) {
-    return bench::plain_deformation_us(n_neurons_deformation, n_points);
+/// Both builds of the loops, with and without the table, compute the same field. Tolerance: 200 terms of size
+/// 1, each with the rounding of `Real` and of its exponential.
+template <class Real>
+void require_same_fields(bench::PlainDeformation<Real>& plain) {
+  plain.from_network(bench::textbook_loops<Real>(), 7);
+  const auto expected = plain.field;
+  const auto require_expected = [&] {
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      if (!(std::abs(plain.field[i] - expected[i]) < 1000 * std::numeric_limits<Real>::epsilon()))
+        throw std::runtime_error("the plain loops disagree");
   };
-  const double force = loaded.force_us(), deformation = loaded.deformation_us(loaded.node(3)),
-               plain = plain_us(bench::n_output);
-  table.add("force_ns_100", 1e3 * force, "force of 100 neurons [ns]");
-  table.add("force_ns_100_plain", 1e3 * plain_force_us, "the plain loop, in the same precision [ns]");
-  table.add("force_ratio_to_plain", plain_force_us / force, "");
-  table.add("deformation_us_486x200", deformation, "486 nodes, 200 neurons [us]");
-  table.add("deformation_us_486x200_plain", plain, "the plain loop [us]");
-  table.add("deformation_ratio_to_plain", plain / deformation, "");
+  plain.from_network(bench::fast_math_loops<Real>(), 7);
+  require_expected();
+  plain.from_table(bench::textbook_loops<Real>(), 7);
+  require_expected();
+  plain.from_table(bench::fast_math_loops<Real>(), 7);
+  require_expected();
+}
+
+/// The network at every point and from a table; both loops.
+template <class Real>
+void bench_deformation(Table& table, Loaded& loaded) {
+  bench::PlainDeformation<Real> plain(n_neurons_deformation, bench::n_output);
+  require_same_fields(plain);
+  const auto &textbook = bench::textbook_loops<Real>(), &fast_math = bench::fast_math_loops<Real>();
+  const auto node = loaded.node(3);
+  const auto times = bench::side_by_side(
+      {[&](int i) {
+         double d[3];
+         displacement(i, d);
+         loaded.deform(node, d);
+         sink = loaded.field[0];
+       },
+       [&](int i) { plain.from_network(textbook, i); }, [&](int i) { plain.from_network(fast_math, i); },
+       [&](int i) { plain.from_table(textbook, i); }, [&](int i) { plain.from_table(fast_math, i); }});
+  table.add("deformation_us_486x200", times.us[0], "486 nodes, 200 neurons [us]");
+  table.beside("deformation_us_486x200_plain", times, 1, "textbook loop over the network at every node [us]");
+  table.beside("deformation_us_486x200_fast_math", times, 2, "the same with -ffast-math and libmvec [us]");
+  table.beside("deformation_us_486x200_table", times, 3,
+               "textbook loop over a table of the nodes' factors [us]");
+  table.beside("deformation_us_486x200_table_fast_math", times, 4, "the same with -ffast-math [us]");
+  table.add("deformation_plain_over_table", times.ratio[1] / times.ratio[3], "what the table is worth");
+}
+
+template <class Real>
+void bench_networks(Table& table) {
+  constexpr int n_nodes = 20;
+  Loaded loaded(write_model_text(bench::networks_model(n_neurons_force, n_neurons_deformation, n_nodes)));
+  const bench::PlainForces<Real> plain(n_neurons_force, n_nodes);
+  const auto times = bench::side_by_side({[&](int i) { loaded.force(i); },
+                                          [&](int i) { plain(bench::textbook_loops<Real>(), i); },
+                                          [&](int i) { plain(bench::fast_math_loops<Real>(), i); }});
+  table.add("force_ns_100", 1e3 * times.us[0], "force of 100 neurons, 20 nodes in turn [ns]");
+  table.beside("force_ns_100_plain", times, 1, "textbook loop, in the same precision [ns]", 1e3);
+  table.beside("force_ns_100_fast_math", times, 2, "the same with -ffast-math and libmvec [ns]", 1e3);
+  bench_deformation<Real>(table, loaded);
   table.add("frames_per_s_38018_rbfn", frames_per_s(loaded, loaded.node(3)), "the same, then three levels");
-  table.add("frames_per_s_38018_plain", 1e6 / plain_us(38018), "the plain loop at every point");
+  table.add("frames_per_s_38018_plain", 1e6 / bench::plain_deformation_us(n_neurons_deformation, 38018),
+            "the textbook loop at every point, in double");
 }
 
 void bench_modes(Table& table, Loaded& loaded) {
@@ -114,29 +173,20 @@ void bench_modes(Table& table, Loaded& loaded) {
   table.add("frames_per_s_38018_modal", frames_per_s(loaded, loaded.node(7)), "deformation and subdivision");
 }
 
-/// Forces of every node beside the same sums in double, at random displacements to the trained depth.
-void rounding_of_forces(Table& table, const Model& model, Loaded& loaded) {
+void accuracy_of_forces(Table& table, const Model& model, Loaded& loaded) {
   if (model.family != Family::modal) return;
-  bench::Arbitrary arbitrary;
-  double worst = 0, sum = 0;
-  for (const auto& node : model.nodes) {
-    double largest = 0, error = 0;
-    for (int trial = 0; trial < 40; ++trial) {
-      Eigen::Vector3d x, f;
-      for (double& component : x) component = arbitrary.number() / std::sqrt(3.0);
-      const Eigen::Vector3d d = model.max_displacement_m * x;
-      check(loaded.data.force(node.node, d, f));
-      const Eigen::Vector3d in_double =
-          evaluate_force(node.conservative, model.displacements, model.max_displacement_m, x);
-      largest = std::max(largest, in_double.norm());
-      error = std::max(error, (f - in_double).norm());
-    }
-    worst = std::max(worst, error / largest);
-    sum += error / largest;
+  const auto rounding = bench::rounding_of_forces(model, loaded.data);
+  table.add("force_rounding_median", rounding.median,
+            "largest difference to sums in double, over the node's largest force: median over nodes");
+  table.add("force_rounding_max", rounding.worst, "the worst node");
+  for (const double share : {1.0, 0.1}) {
+    const auto work = bench::work_of_loops(model, loaded.data, share);
+    const std::string size = share < 1 ? "_tenth" : "",
+                      of = share < 1 ? " of a tenth of the trained depth" : " of the trained depth";
+    table.add("loop_work_median" + size, work.median,
+              "work over closed loops" + of + ", over the largest energy on the way: median");
+    table.add("loop_work_max" + size, work.worst, "the worst loop");
   }
-  table.add("force_rounding_mean", sum / static_cast<double>(model.nodes.size()),
-            "largest difference to sums in double, over the node's largest force: mean over nodes");
-  table.add("force_rounding_max", worst, "the worst node");
 }
 
 struct Contact {
@@ -209,8 +259,7 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
   table.add("nearest_ratio_to_plain", plain / tree, "");
   table.add("contact_us_free", contact.cycle_us(-0.001, 0, true),
             "a cycle of a tool 1 mm above the surface [us]");
-  table.add("contact_us_refit",
-            median_us([&](int) { check(contact.contact.refit(loaded.field)); }),
+  table.add("contact_us_refit", median_us([&](int) { check(contact.contact.refit(loaded.field)); }),
             "phn_contact_refit [us]");
   if (!trained) return;
   phn_tool held;
@@ -281,7 +330,7 @@ int run(int argc, char** argv) {
       "runtime, forces in %s, one core, medians; models of arbitrary coefficients, 486 output nodes, 596 "
       "vertices\n",
       in_float() ? "float (keys of the JSON file: float_...)" : "double");
-  bench_networks(table);
+  in_float() ? bench_networks<float>(table) : bench_networks<double>(table);
   std::printf(
       "family modal: 64 shared and 16 own modes, 78 centers of amplitudes, 30 near nodes, 78 of forces\n");
   {
@@ -297,7 +346,7 @@ int run(int argc, char** argv) {
                 loaded.model.n_output(), loaded.surface.n_vertices());
     Table other;
     bench_modes(other, loaded);
-    rounding_of_forces(other, read_model_text(text, model_dir), loaded);
+    accuracy_of_forces(other, read_model_text(text, model_dir), loaded);
     bench_contact(other, loaded, true);
     bench_several_tools(other, loaded);
   }

@@ -38,13 +38,14 @@ struct TimedModel {
   }
   void deform(std::int32_t touched, rt::In3 d) { data.deform(touched, d, field).ignore(); }
   /// All active nodes in turn.
+  void force(int i) {
+    double d[3], f[3];
+    displacement(i, d);
+    data.force(node(i), d, f).ignore();
+    sink = f[0];
+  }
   double force_us() {
-    return median_us([&](int i) {
-      double d[3], f[3];
-      displacement(i, d);
-      data.force(node(i), d, f).ignore();
-      sink = f[0];
-    });
+    return median_us([&](int i) { force(i); });
   }
   double deformation_us(std::int32_t touched) {
     return median_us([&](int i) {
@@ -61,43 +62,75 @@ struct TimedModel {
 };
 
 template <int N, class Real = double>
-PlainNetwork<N, Real> plain_network(int n_neurons) {
-  Arbitrary arbitrary;
+PlainNetwork<N, Real> plain_network(int n_neurons, Arbitrary& arbitrary) {
   PlainNetwork<N, Real> net;
-  net.neurons.resize(static_cast<std::size_t>(n_neurons));
   net.spread = static_cast<Real>(1.4);
-  for (auto& neuron : net.neurons) {
-    for (Real& c : neuron.center) c = static_cast<Real>(arbitrary.number());
-    for (Real& w : neuron.weight) w = static_cast<Real>(arbitrary.number());
+  for (int i = 0; i < n_neurons; ++i) {
+    for (auto& c : net.center) c.push_back(static_cast<Real>(arbitrary.number()));
+    for (auto& w : net.weight) w.push_back(static_cast<Real>(arbitrary.number()));
   }
   return net;
 }
 
+template <class Real>
+std::array<Real, 3> displacement_in(int i) {
+  double d[3];
+  displacement(i, d);
+  return {static_cast<Real>(d[0]), static_cast<Real>(d[1]), static_cast<Real>(d[2])};
+}
+
+/// Forces of `n_nodes` networks in turn.
+template <class Real>
+struct PlainForces {
+  PlainForces(int n_neurons, int n_nodes) {
+    Arbitrary arbitrary;
+    for (int a = 0; a < n_nodes; ++a) nets.push_back(plain_network<3, Real>(n_neurons, arbitrary));
+  }
+  void operator()(const PlainLoops<Real>& loops, int i) const {
+    Real f[3];
+    loops.force(nets[static_cast<std::size_t>(i) % nets.size()], displacement_in<Real>(i).data(), f);
+    sink = static_cast<double>(f[0]);
+  }
+  std::vector<PlainNetwork<3, Real>> nets;
+};
+
+template <class Real>
+struct PlainDeformation {
+  PlainDeformation(int n_neurons, std::size_t n_points) {
+    Arbitrary arbitrary;
+    net = plain_network<6, Real>(n_neurons, arbitrary);
+    points.resize(n_points);
+    for (auto& point : points)
+      for (Real& x : point) x = static_cast<Real>(arbitrary.number());
+    table.resize(static_cast<std::size_t>(n_neurons) * n_points);
+    field.resize(3 * n_points);
+    sums.resize(3 * n_points);
+    textbook_loops<Real>().tabulate(net, points, table.data());
+  }
+  void from_network(const PlainLoops<Real>& loops, int i) {
+    loops.deformation(net, points, displacement_in<Real>(i).data(), field.data());
+    sink = static_cast<double>(field[0]);
+  }
+  void from_table(const PlainLoops<Real>& loops, int i) {
+    loops.tabulated_deformation(net, static_cast<int>(points.size()), table.data(),
+                                displacement_in<Real>(i).data(), sums.data(), field.data());
+    sink = static_cast<double>(field[0]);
+  }
+
+  PlainNetwork<6, Real> net;
+  typename PlainLoops<Real>::Points points;
+  std::vector<Real> table, field, sums;
+};
+
 template <class Real = double>
 double plain_force_us(int n_neurons) {
-  const auto net = plain_network<3, Real>(n_neurons);
-  return median_us([&](int i) {
-    double d[3];
-    Real f[3];
-    displacement(i, d);
-    const Real at[3] = {static_cast<Real>(d[0]), static_cast<Real>(d[1]), static_cast<Real>(d[2])};
-    plain_force(net, at, f);
-    sink = static_cast<double>(f[0]);
-  });
+  const PlainForces<Real> plain(n_neurons, 1);
+  return median_us([&](int i) { plain(textbook_loops<Real>(), i); });
 }
 
 inline double plain_deformation_us(int n_neurons, std::size_t n_points) {
-  const auto net = plain_network<6>(n_neurons);
-  Arbitrary arbitrary;
-  std::vector<std::array<double, 3>> points(n_points);
-  for (auto& point : points) point = {arbitrary.number(), arbitrary.number(), arbitrary.number()};
-  std::vector<double> field(3 * n_points);
-  return median_us([&](int i) {
-    double d[3];
-    displacement(i, d);
-    plain_deformation(net, points, d, field.data());
-    sink = field[0];
-  });
+  PlainDeformation<double> plain(n_neurons, n_points);
+  return median_us([&](int i) { plain.from_network(textbook_loops<double>(), i); });
 }
 
 }  // namespace phynness::bench

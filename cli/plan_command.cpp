@@ -1,5 +1,7 @@
+#include <numeric>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
+#include <phynness/formats/ray_tasks.hpp>
 
 #include "command_files.hpp"
 #include "console.hpp"
@@ -25,7 +27,9 @@ PlanBasis basis_of_database(const PlanOptions& options) {
   const auto& header = database.header();
   const MirroredRays mirrored(header);
   PlanBasis basis;
-  basis.work.increments = static_cast<int>(header.magnitudes_m.size());
+  basis.increments = static_cast<int>(header.magnitudes_m.size());
+  basis.work.rays =
+      rays_left(header, std::vector<char>(header.sets.active.size() * header.directions.size(), 0));
   std::vector<Ray> tried;  // for the packing trial: rays of nodes spread over the file
   const std::size_t n_active = header.sets.active.size();
   std::size_t n_solving = 0;  // nodes whose rays are not all mirror images
@@ -46,8 +50,7 @@ PlanBasis basis_of_database(const PlanOptions& options) {
         ++basis.rays_mirrored;
         continue;
       }
-      basis.work.node.push_back(static_cast<std::int32_t>(a));
-      basis.work.seconds.insert(basis.work.seconds.end(), ray.seconds.begin(), ray.seconds.end());
+      basis.work.seconds.push_back(std::accumulate(ray.seconds.begin(), ray.seconds.end(), 0.0));
       const bool requested = ray.status.front() != Status::not_requested;
       basis.rays_requested += requested;
       if (requested)
@@ -68,19 +71,21 @@ PlanBasis basis_of_database(const PlanOptions& options) {
 
 void add_plan_command(CLI::App& app) {
   auto options = std::make_shared<PlanOptions>();
-  auto* command = app.add_subcommand(
-      "plan",
-      "Predict time, memory and sizes of a precompute from a few dozen solved rays, and how far it scales");
+  auto* command = app.add_subcommand("plan",
+                                     "Predict time, memory and sizes of a precompute from a few dozen solved "
+                                     "rays, and how many ranks are of use");
   add_path(*command, "SCENE", options->source, InputKind::whole,
            "scene file; or a finished database.h5, whose measured costs are then taken instead of a sample")
       ->required();
-  command->add_option("--ranks", options->ranks, "MPI processes to plan for")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
+  command
+      ->add_option("--ranks", options->ranks,
+                   "MPI processes to plan for; default: the processor cores of this machine")
+      ->check(CLI::Range(1, 1000000));
   command->add_option("--rays", options->rays, "rays to solve")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "which rays")->capture_default_str();
+  command->add_flag("--table", options->table, "print times on 1 to 10,000 ranks, and what limits each");
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the plan for machines");
   const auto assumed = [&](const char* name, double& value, const char* what) {
     command->add_option(name, value, what)

@@ -1,8 +1,12 @@
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <phynness/formats/error.hpp>
+#include <phynness/planning/ray_sample.hpp>
 #include <phynness/planning/scaling_curve.hpp>
+#include <thread>
 
 #include "console.hpp"
 #include "plan.hpp"
@@ -11,25 +15,11 @@
 namespace phynness::cli {
 namespace {
 
-constexpr double wanted_efficiency = 0.9;
+/// Ranks are of use while less than half of their time is lost.
+constexpr double efficiency_of_use = 0.5, high_efficiency = 0.9;
 constexpr int most_ranks = 10000;
 /// Twice this is the error that a plan may have.
 constexpr double acceptable_error = 0.125;
-
-struct Way {
-  const char* name;
-  const char* key;
-  Policy policy;
-};
-
-/// The first is what precompute does.
-std::vector<Way> ways() {
-  return {{"as precompute", "precompute", {Grain::ray, Order::stored, 2, true}},
-          {"one by one", "one_by_one", {Grain::ray, Order::stored, 0, false}},
-          {"longest first", "longest_first", {Grain::ray, Order::longest_first, 0, false}},
-          {"increments", "increments", {Grain::increment, Order::longest_first, 0, false}},
-          {"whole nodes", "whole_nodes", {Grain::node, Order::stored, 0, false}}};
-}
 
 MachineCosts machine_of(const PlanOptions& options, const PlanBasis& basis) {
   MachineCosts machine;
@@ -39,6 +29,7 @@ MachineCosts machine_of(const PlanOptions& options, const PlanBasis& basis) {
   machine.fetch_latency_s = 0.5e-6 * options.fetch_us;
   machine.fetch_service_s = 0.5e-6 * options.fetch_us;
   machine.log_create_s = 1e-3 * options.open_ms;
+  machine.log_s_per_ray = basis.packing.append_s_per_ray;
   machine.bandwidth_B_per_s = 1e6 * options.bandwidth_MB_per_s;
   machine.pack_log_open_s = 1e-3 * options.open_ms;
   const auto n_solved = static_cast<double>(basis.work.n_rays());
@@ -50,83 +41,107 @@ MachineCosts machine_of(const PlanOptions& options, const PlanBasis& basis) {
   return machine;
 }
 
-json parts(const CoreSeconds& spent) {
-  return {{"solving", spent.solving},   {"node_setup", spent.node_setup}, {"start", spent.start},
-          {"fetching", spent.fetching}, {"writing", spent.writing},       {"tail", spent.tail},
-          {"packing", spent.packing}};
+double memory_of_this_machine() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
 }
 
-std::vector<int> ladder(int ranks) {
-  std::vector<int> steps{1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, most_ranks, ranks};
-  std::sort(steps.begin(), steps.end());
-  steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
-  return steps;
-}
-
-/// The same machine where ranks are there already and nobody packs: what the schedule alone is worth.
-MachineCosts solving_only(MachineCosts machine) {
-  machine.launch_s = machine.start_s = machine.log_create_s = 0;
-  machine.pack_log_open_s = machine.pack_s_per_ray = 0;
-  return machine;
-}
-
-struct Scaling {
-  json curve = json::array(), at_wanted = json::object();
-  double efficiency = 1;  ///< of precompute on the ranks asked for
-  int ranks = 1;          ///< that precompute can use at the wanted efficiency
-  std::string limit;      ///< what limits it just beyond
+struct Point {
+  int ranks = 1;
+  double wall_s = 0, efficiency = 1;
+  Limit limit = Limit::nothing;
+  CoreSeconds spent;
 };
 
-/// Simulates all ways and prints the table.
-/// @param done  runs so far, for the progress line that both tables share
-Scaling scaling(const char* title, const PlanOptions& options, const RayWork& work,
-                const MachineCosts& machine, Progress& progress, std::int64_t& done) {
-  const auto all = ways();
-  const auto steps = ladder(options.ranks);
-  const auto total = static_cast<std::int64_t>(2 * all.size() * (steps.size() + 1));
-  Scaling result;
-  for (const int ranks : steps) result.curve.push_back({{"ranks", ranks}});
-  std::vector<std::vector<double>> table(steps.size());
-  std::vector<std::string> limits;
-  const auto one = simulate(work, machine, all.front().policy, 1);
-  for (const auto& way : all) {
-    const bool first = &way == &all.front();
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-      if (stop_requested()) throw failure("interrupted", "the simulation is not complete", "start again");
-      const auto many = simulate(work, machine, way.policy, steps[i]);
-      const double e = efficiency(one, many);
-      table[i].push_back(e);
-      result.curve[i][way.key] = {{"wall_seconds", many.wall_s},
-                                  {"efficiency", e},
-                                  {"limited_by", limited_by(one, many)},
-                                  {"core_seconds", parts(many.spent)}};
-      if (first) limits.push_back(limited_by(one, many));
-      if (first && steps[i] == options.ranks) result.efficiency = e;
-      progress.update(++done, total);
-    }
-    const int ranks = ranks_at_efficiency(wanted_efficiency, one, work, machine, way.policy, most_ranks);
-    result.at_wanted[way.key] = ranks;
-    if (first) {
-      result.ranks = ranks;
-      result.limit = limited_by(one, simulate(work, machine, way.policy, ranks + 1));
-    }
-    progress.update(++done, total);
-  }
-  print_result("\n{}\n{:>6}", title, "ranks");
-  for (const auto& way : all) print_result(" {:>13}", way.name);
-  print_result("  precompute is limited by\n");
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    print_result("{:>6}", steps[i]);
-    for (const double e : table[i]) print_result(" {:>13.1f}", 100 * e);
-    print_result("  {}\n", limits[i]);
-  }
-  print_result("{:>6}", "90 %");
-  for (const auto& way : all) print_result(" {:>13}", result.at_wanted[way.key].get<int>());
-  print_result("  ranks\n");
-  return result;
+Point point(const RayWork& work, const MachineCosts& machine, const Schedule& one_rank, int ranks) {
+  if (stop_requested()) throw failure("interrupted", "the simulation is not complete", "start again");
+  const auto run = simulate(work, machine, ranks);
+  return {ranks, run.wall_s, efficiency(one_rank, run), limited_by(one_rank, run, work, machine), run.spent};
 }
 
-void print_states(const PlanBasis& basis) {
+/// All that is printed, for a reader or for machines.
+struct Prediction {
+  MachineCosts machine;
+  int ranks = 1;
+  bool ranks_of_this_machine = false;
+  Schedule run;
+  double efficiency = 1, cpu_s = 0, core_hours = 0;
+  double database_bytes = 0, log_bytes = 0, longest_s = 0, seconds_per_ray = 0;
+  double machine_memory_bytes = 0;
+  bool is_sample = false;
+  int ranks_of_use = 1, ranks_at_90_percent = 1;
+  Limit limit = Limit::nothing;  ///< of more than ranks_of_use
+  std::vector<Point> curve;      ///< on request
+};
+
+/// CPU time of all ranks: waiting left out, as in what precompute reports.
+double cpu_seconds(const PlanBasis& basis, const Prediction& p) {
+  const auto n_rays = static_cast<double>(basis.work.n_rays());
+  return p.run.spent.solving + p.run.spent.node_setup + p.ranks * p.machine.start_s +
+         n_rays * basis.packing.append_s_per_ray +
+         (n_rays + static_cast<double>(basis.rays_mirrored)) * basis.packing.pack_s_per_ray;
+}
+
+std::vector<Point> curve_of(const PlanBasis& basis, const Prediction& p, const Schedule& one_rank) {
+  std::vector<int> steps{1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, most_ranks, p.ranks};
+  std::sort(steps.begin(), steps.end());
+  steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+  std::vector<Point> curve;
+  for (const int ranks : steps) curve.push_back(point(basis.work, p.machine, one_rank, ranks));
+  return curve;
+}
+
+Prediction predict(const PlanOptions& options, const PlanBasis& basis) {
+  Prediction p;
+  p.machine = machine_of(options, basis);
+  p.ranks_of_this_machine = !options.ranks;
+  p.ranks = options.ranks.value_or(static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+  const auto one_rank = simulate(basis.work, p.machine, 1);
+  p.run = simulate(basis.work, p.machine, p.ranks);
+  p.efficiency = efficiency(one_rank, p.run);
+  p.cpu_s = cpu_seconds(basis, p);
+  p.core_hours = p.run.wall_s * p.ranks / 3600;
+  const auto n_rays = static_cast<double>(basis.work.n_rays());
+  p.database_bytes = basis.packing.header_bytes +
+                     (n_rays + static_cast<double>(basis.rays_mirrored)) * basis.packing.packed_bytes_per_ray;
+  p.log_bytes = n_rays * basis.packing.record_bytes;
+  p.longest_s = basis.work.longest_seconds();
+  p.seconds_per_ray = basis.work.total_seconds() / static_cast<double>(basis.rays_requested);
+  p.machine_memory_bytes = memory_of_this_machine();
+  p.is_sample = basis.rays_measured < basis.rays_requested;
+  // More ranks than rays never have work.
+  const int most = static_cast<int>(std::min<std::size_t>(most_ranks, basis.work.n_rays()));
+  p.ranks_of_use = ranks_at_efficiency(efficiency_of_use, basis.work, p.machine, most);
+  p.ranks_at_90_percent = ranks_at_efficiency(high_efficiency, basis.work, p.machine, most);
+  p.limit = point(basis.work, p.machine, one_rank, p.ranks_of_use + 1).limit;
+  if (options.table || options.json_file) p.curve = curve_of(basis, p, one_rank);
+  return p;
+}
+
+std::string words(Limit limit, const Prediction& p, const PlanBasis& basis) {
+  switch (limit) {
+    case Limit::nothing:
+      return "nothing";
+    case Limit::start:
+      return "the start of the ranks";
+    case Limit::node_setup:
+      return "nodes that several ranks share, as each of them sets the node up";
+    case Limit::fetching:
+      return "the counter that hands out tasks";
+    case Limit::writing:
+      return "the bandwidth of the file system";
+    case Limit::n_rays:
+      return fmt::format("the number of rays, {}", basis.work.n_rays());
+    case Limit::longest_ray:
+      return fmt::format("the longest ray, {}, which one rank solves alone", duration(p.longest_s));
+    case Limit::last_rays:
+      return "ranks without work that wait for the last rays";
+    case Limit::packing:
+      return "packing the database, which one rank does alone";
+  }
+  return "unknown";
+}
+
+void warn_of_states(const PlanBasis& basis) {
   std::int64_t failed = 0, all = 0;
   std::string reasons;
   for (const auto& [status, count] : basis.states) {
@@ -138,51 +153,62 @@ void print_states(const PlanBasis& basis) {
   if (failed > 0) message("warning: {} of {} increments failed: {}\n", failed, all, reasons);
 }
 
-/// The prediction in figures.
-struct Prediction {
-  MachineCosts machine;
-  Schedule run;
-  double core_hours = 0, database_bytes = 0, log_bytes = 0, longest_s = 0;
-};
-
-Prediction predict(const PlanOptions& options, const PlanBasis& basis) {
-  Prediction p;
-  p.machine = machine_of(options, basis);
-  p.run = simulate(basis.work, p.machine, ways().front().policy, options.ranks);
-  const auto n_rays = static_cast<double>(basis.work.n_rays());
-  p.core_hours = p.run.wall_s * options.ranks / 3600;
-  p.database_bytes = basis.packing.header_bytes +
-                     (n_rays + static_cast<double>(basis.rays_mirrored)) * basis.packing.packed_bytes_per_ray;
-  p.log_bytes = n_rays * basis.packing.record_bytes;
-  for (std::size_t ray = 0; ray < basis.work.n_rays(); ++ray)
-    p.longest_s = std::max(p.longest_s, basis.work.ray_seconds(ray));
-  return p;
+/// How far the figures can be trusted.
+std::string trust(const PlanBasis& basis, const Prediction& p) {
+  if (!p.is_sample) return fmt::format("The cost of all {} rays was measured", basis.rays_measured);
+  if (basis.relative_error)
+    return fmt::format(
+        "The standard error of the mean cost is {:.0f} %, from a sample of {} rays of {} at {} nodes",
+        100 * *basis.relative_error, basis.rays_measured, basis.rays_requested, basis.nodes_measured);
+  return fmt::format("This is a guess from {} ray{} of {} at {} node{}; a standard error takes {} nodes",
+                     basis.rays_measured, basis.rays_measured == 1 ? "" : "s", basis.rays_requested,
+                     basis.nodes_measured, basis.nodes_measured == 1 ? "" : "s", RaySample::fewest_nodes);
 }
 
-void print(const PlanOptions& options, const PlanBasis& basis, const Prediction& p) {
-  print_states(basis);
-  print_result("measured      {} rays of {} at {} nodes: {:.4g} s each{}, {:.4g} s the longest\n",
-               basis.rays_measured, basis.rays_requested, basis.nodes_measured,
-               basis.work.total_seconds() / static_cast<double>(basis.rays_requested),
-               basis.rays_measured < basis.rays_requested
-                   ? fmt::format(" (standard error {:.1f} %)", 100 * basis.relative_error)
-                   : "",
-               p.longest_s);
+void print_answer(const PlanBasis& basis, const Prediction& p) {
+  print_result("precompute takes about {} on {} rank{}{}.\n", duration(p.run.wall_s), p.ranks,
+               p.ranks == 1 ? "" : "s",
+               p.ranks_of_this_machine ? ", the processor cores of this machine" : "");
+  print_result("{}.\nA ray takes {:.3g} s on average, {:.3g} s at most.\n", trust(basis, p),
+               p.seconds_per_ray, p.longest_s);
+  print_result("  CPU time      {} of all ranks; they are occupied for {:.3g} core-hours\n",
+               duration(p.cpu_s), p.core_hours);
+  if (basis.memory_bytes)
+    print_result("  memory        {} per rank, {} in all; this machine has {}\n", bytes(*basis.memory_bytes),
+                 bytes(p.ranks * *basis.memory_bytes), bytes(p.machine_memory_bytes));
+  print_result("  database      {}, and {} of logs until it is packed\n", bytes(p.database_bytes),
+               bytes(p.log_bytes));
+  print_result("  model         {}, and {} of mesh\n", bytes(basis.model.model_text_bytes),
+               bytes(basis.model.mesh_text_bytes));
+  print_result(
+      "  ranks of use  {}: more of them lose over half of their time; up to {} lose less than a tenth\n",
+      p.ranks_of_use, p.ranks_at_90_percent);
+  print_result("  limit         {}\n", words(p.limit, p, basis));
   if (basis.rays_mirrored > 0)
-    print_result("mirrored      {} rays more, which cost nothing\n", basis.rays_mirrored);
-  if (basis.relative_error > acceptable_error)
+    print_result("  mirrored      {} rays more, which cost nothing\n", basis.rays_mirrored);
+}
+
+void print_notes(const PlanBasis& basis, const Prediction& p) {
+  if (basis.memory_bytes && p.ranks * *basis.memory_bytes > p.machine_memory_bytes)
+    message("warning: {} ranks do not fit into the memory of this machine; {} do\n", p.ranks,
+            std::floor(p.machine_memory_bytes / *basis.memory_bytes));
+  if (basis.relative_error && *basis.relative_error > acceptable_error)
     message("note: costs differ much between rays; --rays {} would halve the standard error\n",
             4 * basis.rays_measured);
-  print_result("on {} rank{}\n", options.ranks, options.ranks == 1 ? "" : "s");
-  print_result("  wall time   {}: {} to start, {} to pack\n", duration(p.run.wall_s),
-               duration(p.machine.launch_s + p.machine.start_s), duration(p.run.wall_s - p.run.solved_s));
-  print_result("  core-hours  {:.4g}, of which solving {:.4g}\n", p.core_hours,
-               (p.run.spent.solving + p.run.spent.node_setup) / 3600);
-  if (basis.memory_bytes) print_result("  memory      {} a rank\n", bytes(*basis.memory_bytes));
-  print_result("database      {}, and {} of logs until it is packed\n", bytes(p.database_bytes),
-               bytes(p.log_bytes));
-  print_result("model         {} and a mesh of {}\n", bytes(basis.model.model_text_bytes),
-               bytes(basis.model.mesh_text_bytes));
+}
+
+void print_table(const PlanBasis& basis, const Prediction& p) {
+  print_result("\n{:>6} {:>15} {:>11}  limited by\n", "ranks", "wall time", "efficiency");
+  for (const auto& at : p.curve)
+    print_result("{:>6} {:>15} {:>9.1f} %  {}\n", at.ranks, duration(at.wall_s), 100 * at.efficiency,
+                 words(at.limit, p, basis));
+  print_result("efficiency: wall time on one rank over ranks x wall time\n");
+}
+
+json parts(const CoreSeconds& spent) {
+  return {{"solving", spent.solving},   {"node_setup", spent.node_setup}, {"start", spent.start},
+          {"fetching", spent.fetching}, {"writing", spent.writing},       {"tail", spent.tail},
+          {"packing", spent.packing}};
 }
 
 json measured_json(const PlanBasis& basis, const Prediction& p) {
@@ -190,9 +216,10 @@ json measured_json(const PlanBasis& basis, const Prediction& p) {
   for (const auto& [status, count] : basis.states) states[name(status)] = count;
   return {{"rays", basis.rays_measured},
           {"nodes", basis.nodes_measured},
-          {"seconds_per_ray", basis.work.total_seconds() / static_cast<double>(basis.rays_requested)},
+          {"seconds_per_ray", p.seconds_per_ray},
           {"seconds_longest_ray", p.longest_s},
-          {"relative_standard_error", basis.relative_error},
+          {"relative_standard_error", basis.relative_error ? json(*basis.relative_error) : json()},
+          {"is_guess", p.is_sample && !basis.relative_error},
           {"states", states},
           {"start_seconds", p.machine.start_s},
           {"node_setup_seconds", p.machine.node_setup_s},
@@ -201,56 +228,52 @@ json measured_json(const PlanBasis& basis, const Prediction& p) {
           {"record_bytes", basis.packing.record_bytes}};
 }
 
-json as_json(const PlanOptions& options, const PlanBasis& basis, const Prediction& p, const Scaling& scale,
-             const Scaling& solving) {
+json as_json(const PlanBasis& basis, const Prediction& p) {
+  json curve = json::array();
+  for (const auto& at : p.curve)
+    curve.push_back({{"ranks", at.ranks},
+                     {"wall_seconds", at.wall_s},
+                     {"efficiency", at.efficiency},
+                     {"limited_by", name(at.limit)},
+                     {"core_seconds", parts(at.spent)}});
   return {{"rays", basis.work.n_rays()},
           {"rays_requested", basis.rays_requested},
           {"rays_mirrored", basis.rays_mirrored},
-          {"increments", basis.work.increments},
+          {"increments", basis.increments},
           {"measured", measured_json(basis, p)},
           {"assumed",
            {{"launch_seconds", p.machine.launch_s},
             {"bandwidth_bytes_per_second", p.machine.bandwidth_B_per_s},
             {"seconds_per_file", p.machine.log_create_s},
             {"fetch_seconds", p.machine.fetch_latency_s + p.machine.fetch_service_s}}},
-          {"ranks", options.ranks},
+          {"ranks", p.ranks},
+          {"tasks", p.run.tasks.size()},
           {"wall_seconds", p.run.wall_s},
+          {"cpu_seconds", p.cpu_s},
           {"core_hours", p.core_hours},
           {"solving_core_seconds", p.run.spent.solving + p.run.spent.node_setup},
-          {"efficiency", scale.efficiency},
+          {"efficiency", p.efficiency},
           {"memory_bytes_per_rank", basis.memory_bytes ? json(*basis.memory_bytes) : json()},
+          {"machine_memory_bytes", p.machine_memory_bytes},
           {"database_bytes", p.database_bytes},
           {"log_bytes", p.log_bytes},
           {"model_text_bytes", basis.model.model_text_bytes},
           {"mesh_text_bytes", basis.model.mesh_text_bytes},
-          {"ranks_at_90_percent", scale.at_wanted},
-          {"limited_by", scale.limit},
-          {"curve", scale.curve},
-          {"solving",
-           {{"ranks_at_90_percent", solving.at_wanted},
-            {"limited_by", solving.limit},
-            {"curve", solving.curve}}}};
+          {"ranks_of_use", p.ranks_of_use},
+          {"ranks_at_90_percent", p.ranks_at_90_percent},
+          {"limited_by", name(p.limit)},
+          {"curve", curve}};
 }
 
 }  // namespace
 
 json report_plan(const PlanOptions& options, const PlanBasis& basis) {
   const Prediction p = predict(options, basis);
-  print(options, basis, p);
-  Scaling scale, solving;
-  {
-    Progress progress("simulate", "runs");
-    std::int64_t done = 0;
-    scale = scaling("efficiency in % (simulated; wall time of precompute on one rank over ranks x wall time)",
-                    options, basis.work, p.machine, progress, done);
-    solving = scaling("the same without start and packing", options, basis.work, solving_only(p.machine),
-                      progress, done);
-  }
-  print_result(
-      "\n{} ranks can be used at 90 % efficiency, beyond the limit is: {}; while solving alone {} ranks, "
-      "{}\n",
-      scale.ranks, scale.limit, solving.ranks, solving.limit);
-  return as_json(options, basis, p, scale, solving);
+  warn_of_states(basis);
+  print_answer(basis, p);
+  print_notes(basis, p);
+  if (options.table) print_table(basis, p);
+  return as_json(basis, p);
 }
 
 }  // namespace phynness::cli

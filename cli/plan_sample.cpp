@@ -5,7 +5,7 @@
 #include <ctime>
 #include <numeric>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/mirrored_rays.hpp>
+#include <phynness/formats/ray_tasks.hpp>
 #include <phynness/planning/ray_sample.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
@@ -41,20 +41,6 @@ std::vector<RayChoice> choose(const DatabaseHeader& header, const std::vector<ch
 }
 
 double seconds_of(const Ray& ray) { return std::accumulate(ray.seconds.begin(), ray.seconds.end(), 0.0); }
-
-/// Leaves out the rays that nobody solves or logs.
-RayWork only(const std::vector<char>& solved, const RayWork& all) {
-  RayWork work;
-  work.increments = all.increments;
-  const auto n = static_cast<std::ptrdiff_t>(all.increments);
-  for (std::size_t ray = 0; ray < all.n_rays(); ++ray) {
-    if (!solved[ray]) continue;
-    work.node.push_back(all.node[ray]);
-    const auto first = all.seconds.begin() + static_cast<std::ptrdiff_t>(ray) * n;
-    work.seconds.insert(work.seconds.end(), first, first + n);
-  }
-  return work;
-}
 
 /// The sample, after one ray that is solved twice: what a process pays once counts as its start.
 SolvedRays solve(ProbeSolver& solver, const DatabaseHeader& header, const std::vector<RayChoice>& chosen,
@@ -101,14 +87,14 @@ PlanBasis basis_of_scene(const PlanOptions& options) {
   basis.memory_bytes = peak_memory_bytes();
   RaySample sample;
   sample.rays = chosen;
-  sample.increments = static_cast<int>(header.magnitudes_m.size());
   for (const auto& ray : solved.rays) {
-    sample.seconds.insert(sample.seconds.end(), ray.seconds.begin(), ray.seconds.end());
+    sample.seconds.push_back(seconds_of(ray));
     for (const auto status : ray.status) ++basis.states[status];
   }
-  const auto solves = MirroredRays(header).solved();
-  basis.work = only(solves, work_like(sample, requested, header.directions.size(), options.seed));
-  basis.rays_mirrored = std::count(solves.begin(), solves.end(), char{0});
+  const auto rays = rays_left(header, std::vector<char>(requested.size(), 0));
+  basis.work = work_like(sample, rays, requested, header.directions.size(), options.seed);
+  basis.increments = static_cast<int>(header.magnitudes_m.size());
+  basis.rays_mirrored = static_cast<std::int64_t>(requested.size() - rays.size());
   basis.relative_error = sample.relative_error();
   basis.rays_measured = static_cast<std::int64_t>(chosen.size());
   basis.nodes_measured = static_cast<std::int64_t>(solved.node_setup_s.size());

@@ -68,6 +68,7 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
   json ranks = json::array();
   for (const auto& rank : report.ranks)
     ranks.push_back({{"rays", rank.rays},
+                     {"tasks", rank.tasks},
                      {"busy_seconds", rank.busy_seconds},
                      {"idle_seconds", rank.idle_seconds},
                      {"core_seconds", rank.core_seconds},

@@ -2,7 +2,6 @@
 #include <cassert>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <phynness/planning/ray_sample.hpp>
 #include <random>
 
@@ -82,12 +81,10 @@ namespace {
 /// Weight and weighted cost of the rays of each node in the sample.
 std::vector<std::pair<double, double>> nodes_of(const RaySample& sample) {
   std::vector<std::pair<double, double>> nodes;
-  const auto n = static_cast<std::ptrdiff_t>(sample.increments);
   for (std::size_t i = 0; i < sample.rays.size(); ++i) {
     if (i == 0 || sample.rays[i].active != sample.rays[i - 1].active) nodes.emplace_back(0.0, 0.0);
-    const auto first = sample.seconds.begin() + static_cast<std::ptrdiff_t>(i) * n;
     nodes.back().first += sample.rays[i].weight;
-    nodes.back().second += sample.rays[i].weight * std::accumulate(first, first + n, 0.0);
+    nodes.back().second += sample.rays[i].weight * sample.seconds[i];
   }
   return nodes;
 }
@@ -100,11 +97,11 @@ double RaySample::mean_ray_seconds() const {
   return weight > 0 ? cost / weight : 0;
 }
 
-double RaySample::relative_error() const {
+std::optional<double> RaySample::relative_error() const {
   const auto nodes = nodes_of(*this);
   const auto n = static_cast<double>(nodes.size());
   const double mean = mean_ray_seconds();
-  if (n < 2 || !(mean > 0)) return 0;
+  if (nodes.size() < fewest_nodes || !(mean > 0)) return {};
   double weight = 0, squares = 0;
   for (const auto& [w, c] : nodes) {
     weight += w;
@@ -113,31 +110,28 @@ double RaySample::relative_error() const {
   return std::sqrt(squares * n / (n - 1)) / weight / mean;
 }
 
-RayWork work_like(const RaySample& sample, const std::vector<char>& requested, std::size_t n_directions,
-                  std::uint64_t seed) {
+RayWork work_like(const RaySample& sample, const std::vector<RayIndex>& rays,
+                  const std::vector<char>& requested, std::size_t n_directions, std::uint64_t seed) {
   RayWork work;
-  work.increments = sample.increments;
-  const auto n_increments = static_cast<std::size_t>(sample.increments);
-  work.seconds.assign(requested.size() * n_increments, 0.0);
-  work.node.resize(requested.size());
-  for (std::size_t ray = 0; ray < requested.size(); ++ray)
-    work.node[ray] = static_cast<std::int32_t>(ray / n_directions);
+  work.rays = rays;
+  work.seconds.assign(rays.size(), 0.0);
   if (sample.rays.empty()) return work;
 
-  std::vector<std::size_t> rays;
-  for (std::size_t ray = 0; ray < requested.size(); ++ray)
-    if (requested[ray]) rays.push_back(ray);
+  std::vector<std::size_t> solved;
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    if (requested[static_cast<std::size_t>(rays[i].active) * n_directions +
+                  static_cast<std::size_t>(rays[i].direction)])
+      solved.push_back(i);
   std::mt19937_64 random(seed);
-  for (std::size_t i = rays.size(); i > 1; --i) std::swap(rays[i - 1], rays[draw(random, i)]);
+  for (std::size_t i = solved.size(); i > 1; --i) std::swap(solved[i - 1], solved[draw(random, i)]);
   double weight = 0;
   for (const auto& ray : sample.rays) weight += ray.weight;
   std::size_t from = 0;
   double passed = sample.rays[0].weight;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const double place = weight * (static_cast<double>(i) + 0.5) / static_cast<double>(rays.size());
+  for (std::size_t i = 0; i < solved.size(); ++i) {
+    const double place = weight * (static_cast<double>(i) + 0.5) / static_cast<double>(solved.size());
     while (passed < place && from + 1 < sample.rays.size()) passed += sample.rays[++from].weight;
-    std::copy_n(sample.seconds.begin() + static_cast<std::ptrdiff_t>(from * n_increments), n_increments,
-                work.seconds.begin() + static_cast<std::ptrdiff_t>(rays[i] * n_increments));
+    work.seconds[solved[i]] = sample.seconds[from];
   }
   return work;
 }

@@ -1,18 +1,16 @@
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <numeric>
 #include <phynness/planning/schedule.hpp>
 #include <queue>
+#include <utility>
 
 namespace phynness {
 
-double RayWork::ray_seconds(std::size_t ray) const {
-  const auto first =
-      seconds.begin() + static_cast<std::ptrdiff_t>(ray * static_cast<std::size_t>(increments));
-  return std::accumulate(first, first + increments, 0.0);
-}
 double RayWork::total_seconds() const { return std::accumulate(seconds.begin(), seconds.end(), 0.0); }
+double RayWork::longest_seconds() const {
+  return seconds.empty() ? 0 : *std::max_element(seconds.begin(), seconds.end());
+}
 
 namespace {
 
@@ -25,114 +23,12 @@ class Server {
   double _free = 0;
 };
 
-/// The stretch of a ray that a rank solves without asking again.
-struct Piece {
-  std::size_t ray = 0;
-  int first = 0, last = 0;  ///< increments [first, last)
-};
-
-/// Hands out pieces. An empty answer: nothing now.
-class Dispatcher {
- public:
-  Dispatcher(const RayWork& work, const Policy& policy, int ranks)
-      : _work(work), _policy(policy), _ranks(ranks), _order(work.n_rays()) {
-    std::iota(_order.begin(), _order.end(), std::size_t{0});
-    if (policy.order == Order::longest_first) order_longest_first();
-    if (policy.grain == Grain::increment)
-      for (std::size_t place = 0; place < _order.size(); ++place) release(_order[place], 0);
-  }
-
-  std::vector<Piece> next() {
-    if (_policy.grain == Grain::increment) return next_increment();
-    std::vector<Piece> pieces;
-    const std::size_t count = chunk();
-    for (std::size_t i = 0; i < count; ++i) pieces.push_back({_order[_given + i], 0, _work.increments});
-    _given += count;
-    return pieces;
-  }
-
-  /// True if the piece left a rest of its ray behind, for anyone to take.
-  bool finished(const Piece& piece) {
-    if (piece.last == _work.increments) return false;
-    release(piece.ray, piece.last);
-    return true;
-  }
-
- private:
-  struct Ready {
-    double remaining_s;
-    std::size_t place;  ///< ties: first come
-    Piece piece;
-    bool operator<(const Ready& other) const {
-      return remaining_s != other.remaining_s ? remaining_s < other.remaining_s : place > other.place;
-    }
-  };
-
-  void order_longest_first() {
-    // Tasks are whole nodes, if they are the grain; rays else.
-    std::vector<double> cost(_order.size());
-    for (std::size_t r = 0; r < cost.size(); ++r) cost[r] = _work.ray_seconds(r);
-    if (_policy.grain == Grain::node)
-      for (std::size_t first = 0; first < cost.size();) {
-        const std::size_t last = end_of_node(first);
-        const double sum = std::accumulate(cost.begin() + static_cast<std::ptrdiff_t>(first),
-                                           cost.begin() + static_cast<std::ptrdiff_t>(last), 0.0);
-        for (; first < last; ++first) cost[first] = sum;
-      }
-    std::stable_sort(_order.begin(), _order.end(), [&](std::size_t a, std::size_t b) {
-      if (cost[a] != cost[b]) return cost[a] > cost[b];
-      return _work.node[a] < _work.node[b];
-    });
-  }
-
-  std::size_t end_of_node(std::size_t place) const {
-    std::size_t end = place + 1;
-    while (end < _order.size() && _work.node[_order[end]] == _work.node[_order[place]]) ++end;
-    return end;
-  }
-
-  std::size_t chunk() const {
-    const std::size_t left = _order.size() - _given;
-    if (left == 0) return 0;
-    if (_policy.grain == Grain::node) return end_of_node(_given) - _given;
-    std::size_t count = 1;
-    if (_policy.guided_divisor > 0)
-      count =
-          static_cast<std::size_t>(std::ceil(static_cast<double>(left) / (_policy.guided_divisor * _ranks)));
-    if (_policy.one_node) count = std::min(count, end_of_node(_given) - _given);
-    return std::min(count, left);
-  }
-
-  void release(std::size_t ray, int first) {
-    double remaining_s = 0;
-    for (int i = first; i < _work.increments; ++i)
-      remaining_s +=
-          _work.seconds[ray * static_cast<std::size_t>(_work.increments) + static_cast<std::size_t>(i)];
-    if (_policy.order == Order::stored) remaining_s = 0;
-    _ready.push({remaining_s, _released++, {ray, first, first + 1}});
-  }
-  std::vector<Piece> next_increment() {
-    if (_ready.empty()) return {};
-    const Piece piece = _ready.top().piece;
-    _ready.pop();
-    return {piece};
-  }
-
-  const RayWork& _work;
-  Policy _policy;
-  int _ranks;
-  std::vector<std::size_t> _order;
-  std::size_t _given = 0, _released = 0;
-  std::priority_queue<Ready> _ready;
-};
-
 struct Rank {
-  std::vector<Piece> pieces;  ///< of the chunk in hand
-  std::size_t next = 0;
+  std::int64_t next = 0, end = 0;  ///< what is left of the task in hand
   std::int32_t node = -1;
 };
 
-enum class Moment { wants_task, solved };
+enum class Moment { wants_ray, solved };
 struct Event {
   double time;
   int rank;
@@ -143,77 +39,87 @@ struct Event {
   }
 };
 
+class Simulation {
+ public:
+  Simulation(const RayWork& work, const MachineCosts& machine, int ranks)
+      : _work(work),
+        _machine(machine),
+        _starts(ray_tasks(work.rays, ranks)),
+        _ranks(static_cast<std::size_t>(ranks)) {
+    _schedule.ranks = ranks;
+  }
+
+  Schedule run() {
+    Server metadata;
+    for (int r = 0; r < _schedule.ranks; ++r) {
+      const double ready = metadata.serve(_machine.launch_s + _machine.start_s, _machine.log_create_s);
+      _schedule.spent.start += ready;
+      _events.push({ready, r, Moment::wants_ray});
+    }
+    while (!_events.empty()) {
+      const Event event = _events.top();
+      _events.pop();
+      event.moment == Moment::solved ? log(event) : take_ray(event);
+    }
+    for (const double time : _ends) _schedule.solved_s = std::max(_schedule.solved_s, time);
+    for (const double time : _ends) _schedule.spent.tail += _schedule.solved_s - time;
+    const double packing = _schedule.ranks * _machine.pack_log_open_s +
+                           static_cast<double>(_work.n_rays()) * _machine.pack_s_per_ray;
+    _schedule.spent.packing = packing * _schedule.ranks;
+    _schedule.wall_s = _schedule.solved_s + packing;
+    return std::move(_schedule);
+  }
+
+ private:
+  void log(const Event& event) {
+    const double now =
+        _disk.serve(event.time + _machine.log_s_per_ray, _work.bytes_per_ray / _machine.bandwidth_B_per_s);
+    _schedule.spent.writing += now - event.time;
+    _events.push({now, event.rank, Moment::wants_ray});
+  }
+
+  void take_ray(const Event& event) {
+    Rank& rank = _ranks[static_cast<std::size_t>(event.rank)];
+    double now = event.time;
+    if (rank.next == rank.end) {
+      now = _counter.serve(now + _machine.fetch_latency_s / 2, _machine.fetch_service_s) +
+            _machine.fetch_latency_s / 2;
+      _schedule.spent.fetching += now - event.time;
+      const std::size_t task = _schedule.tasks.size();
+      if (task + 1 >= _starts.size()) {
+        _ends.push_back(now);
+        return;
+      }
+      _schedule.tasks.push_back({_starts[task], _starts[task + 1], event.rank});
+      rank.next = _starts[task];
+      rank.end = _starts[task + 1];
+    }
+    const auto ray = static_cast<std::size_t>(rank.next++);
+    // A ray that is not asked for touches no node.
+    if (_work.seconds[ray] > 0 && _work.rays[ray].active != rank.node) {
+      rank.node = _work.rays[ray].active;
+      now += _machine.node_setup_s;
+      _schedule.spent.node_setup += _machine.node_setup_s;
+    }
+    _schedule.spent.solving += _work.seconds[ray];
+    _events.push({now + _work.seconds[ray], event.rank, Moment::solved});
+  }
+
+  const RayWork& _work;
+  const MachineCosts& _machine;
+  const std::vector<std::int64_t> _starts;  ///< of tasks
+  std::vector<Rank> _ranks;
+  std::vector<double> _ends;  ///< of ranks that found no task
+  std::priority_queue<Event> _events;
+  Server _counter, _disk;
+  Schedule _schedule;
+};
+
 }  // namespace
 
-Schedule simulate(const RayWork& work, const MachineCosts& machine, const Policy& policy, int ranks) {
-  assert(ranks >= 1 && machine.bandwidth_B_per_s > 0);
-  Schedule schedule;
-  schedule.ranks = ranks;
-  auto& spent = schedule.spent;
-  Dispatcher dispatcher(work, policy, ranks);
-  Server counter, metadata, disk;
-  std::vector<Rank> all(static_cast<std::size_t>(ranks));
-  std::priority_queue<Event> events;
-  std::vector<Event> idle;  ///< nothing to do now; the rest of a ray may still come
-  const double record_s = work.bytes_per_ray / machine.bandwidth_B_per_s;
-
-  for (int r = 0; r < ranks; ++r) {
-    const double ready = metadata.serve(machine.launch_s + machine.start_s, machine.log_create_s);
-    spent.start += ready;
-    events.push({ready, r, Moment::wants_task});
-  }
-  while (!events.empty()) {
-    const Event event = events.top();
-    events.pop();
-    Rank& rank = all[static_cast<std::size_t>(event.rank)];
-    double now = event.time;
-    if (event.moment == Moment::solved) {
-      const Piece done = rank.pieces[rank.next++];
-      if (done.last == work.increments) {
-        now = disk.serve(now, record_s);
-        spent.writing += now - event.time;
-      }
-      events.push({now, event.rank, Moment::wants_task});
-      if (dispatcher.finished(done) && !idle.empty()) {
-        const Event waiting = idle.back();
-        idle.pop_back();
-        spent.tail += now - waiting.time;
-        events.push({now, waiting.rank, Moment::wants_task});
-      }
-      continue;
-    }
-    if (rank.next == rank.pieces.size()) {
-      now = counter.serve(now + machine.fetch_latency_s / 2, machine.fetch_service_s) +
-            machine.fetch_latency_s / 2;
-      spent.fetching += now - event.time;
-      rank.pieces = dispatcher.next();
-      rank.next = 0;
-      if (rank.pieces.empty()) {
-        idle.push_back({now, event.rank, Moment::wants_task});
-        continue;
-      }
-    }
-    const Piece& piece = rank.pieces[rank.next];
-    if (work.node[piece.ray] != rank.node) {
-      rank.node = work.node[piece.ray];
-      now += machine.node_setup_s;
-      spent.node_setup += machine.node_setup_s;
-    }
-    for (int i = piece.first; i < piece.last; ++i) {
-      const double s =
-          work.seconds[piece.ray * static_cast<std::size_t>(work.increments) + static_cast<std::size_t>(i)];
-      now += s;
-      spent.solving += s;
-    }
-    events.push({now, event.rank, Moment::solved});
-  }
-  for (const Event& e : idle) schedule.solved_s = std::max(schedule.solved_s, e.time);
-  for (const Event& e : idle) spent.tail += schedule.solved_s - e.time;
-  const double packing =
-      ranks * machine.pack_log_open_s + static_cast<double>(work.n_rays()) * machine.pack_s_per_ray;
-  spent.packing = packing * ranks;
-  schedule.wall_s = schedule.solved_s + packing;
-  return schedule;
+Schedule simulate(const RayWork& work, const MachineCosts& machine, int ranks) {
+  assert(ranks >= 1 && machine.bandwidth_B_per_s > 0 && work.seconds.size() == work.rays.size());
+  return Simulation(work, machine, ranks).run();
 }
 
 }  // namespace phynness

@@ -5,10 +5,11 @@
 #include <optional>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
+#include <phynness/formats/ray_tasks.hpp>
 #include <phynness/formats/version.hpp>
 #include <phynness/precompute/precompute.hpp>
+#include <phynness/precompute/sample_rays.hpp>
 
-#include "ray_schedule.hpp"
 #include "solve_ray.hpp"
 #include "solver_log.hpp"
 #include "team.hpp"
@@ -42,29 +43,9 @@ class WorkClock {
   double _start = 0, _seconds = 0;
 };
 
-/// Rays along a direction that pulls are not asked for in a scene that only presses.
-class Requested {
- public:
-  Requested(const Scene& scene, const DatabaseHeader& header)
-      : _all(scene.probe.directions != Directions::hemisphere),
-        _header(header),
-        _normals(node_normals(header.mesh)) {}
-  bool operator()(const RayIndex& ray) const {
-    if (_all) return true;
-    const auto node = _header.sets.active[static_cast<std::size_t>(ray.active)];
-    const auto& e = _header.directions[static_cast<std::size_t>(ray.direction)];
-    return -(_normals(node, 0) * e[0] + _normals(node, 1) * e[1] + _normals(node, 2) * e[2]) > -1e-9;
-  }
-
- private:
-  bool _all;
-  const DatabaseHeader& _header;
-  Points _normals;
-};
-
 /// What one rank did, as numbers that can be gathered.
 struct Share {
-  std::int64_t rays = 0, increments = 0, failed = 0, iterations = 0, library_errors = 0;
+  std::int64_t rays = 0, tasks = 0, increments = 0, failed = 0, iterations = 0, library_errors = 0;
   double busy_seconds = 0;
   bool interrupted = false;
 
@@ -147,9 +128,10 @@ class RayLog {
 };
 
 /// Takes tasks until none is left, or `stop`.
-/// @param done  told after every ray
+/// @param requested  n_active x n_directions flags
+/// @param done       told after every ray
 void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
-                 const Requested& requested, const std::vector<RayIndex>& rays, WorkCounter& counter,
+                 const std::vector<char>& requested, const std::vector<RayIndex>& rays, WorkCounter& counter,
                  int n_teams, const std::function<void()>& done, const std::function<bool()>& stop,
                  Share& share) {
   const auto tasks = ray_tasks(rays, n_teams);
@@ -158,9 +140,12 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
   RayLog ray_log(log);
   for (auto task = counter.next(); task < n_tasks; task = counter.next()) {
     const auto start = Clock::now();
+    ++share.tasks;
     for (auto i = tasks[static_cast<std::size_t>(task)]; i < tasks[static_cast<std::size_t>(task) + 1]; ++i) {
       const auto ray = rays[static_cast<std::size_t>(i)];
-      ray_log.append(requested(ray) ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction), share);
+      const bool asked_for = requested[static_cast<std::size_t>(ray.active) * header.directions.size() +
+                                       static_cast<std::size_t>(ray.direction)] != 0;
+      ray_log.append(asked_for ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction), share);
       share.interrupted = stop && stop();
       done();
       if (share.interrupted) break;
@@ -201,11 +186,11 @@ void add_up(const SolverSession& session, const Share& share, double core_second
   report.library_errors = totals[4];
   report.core_seconds = session.sum(core_seconds);
   const auto figures =
-      session.gather({static_cast<double>(share.rays), share.busy_seconds,
+      session.gather({static_cast<double>(share.rays), static_cast<double>(share.tasks), share.busy_seconds,
                       report.solve_seconds - share.busy_seconds, core_seconds, peak_memory_bytes()});
-  for (std::size_t i = 0; i + 4 < figures.size(); i += 5)
-    report.ranks.push_back({static_cast<std::int64_t>(figures[i]), figures[i + 1], figures[i + 2],
-                            figures[i + 3], figures[i + 4]});
+  for (std::size_t i = 0; i + 5 < figures.size(); i += 6)
+    report.ranks.push_back({static_cast<std::int64_t>(figures[i]), static_cast<std::int64_t>(figures[i + 1]),
+                            figures[i + 2], figures[i + 3], figures[i + 4], figures[i + 5]});
 }
 
 /// What the finished file holds, rays of earlier runs included.
@@ -241,7 +226,8 @@ std::string what(const std::exception_ptr& trouble) {
 }
 
 /// Does a rank's work; what stops it is returned once the others know that it takes no more.
-std::exception_ptr guarded(WorkCounter& counter, int rank, const std::function<void(const std::string&)>& warn,
+std::exception_ptr guarded(WorkCounter& counter, int rank,
+                           const std::function<void(const std::string&)>& warn,
                            const std::function<void()>& work) {
   try {
     work();
@@ -323,7 +309,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
       };
       trouble = guarded(counter, session.rank(), warn, [&] {
         DatabaseWriter log(target.file, header, session.rank());
-        solve_tasks(*probe_solver, log, header, Requested(scene, header), rays, counter,
+        solve_tasks(*probe_solver, log, header, requested_rays(scene, mesh, header), rays, counter,
                     session.size() / team.size(), done, stop, share);
         log.close();
       });

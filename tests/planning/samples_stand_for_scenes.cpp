@@ -3,6 +3,7 @@
 // model.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <phynness/formats/model.hpp>
 #include <phynness/planning/model_size.hpp>
@@ -104,26 +105,43 @@ TEST(RaySample, nodes_near_fixed_ones_come_more_often_and_weigh_less) {
 
 TEST(RaySample, all_rays_cost_what_the_sample_costs_on_average) {
   RaySample sample;
-  sample.increments = 2;
   sample.rays = {{0, 0, 1}, {0, 1, 1}, {4, 2, 1}, {4, 3, 1}};
-  sample.seconds = {1, 1, 2, 2, 3, 3, 4, 4};
+  sample.seconds = {2, 4, 6, 8};
   EXPECT_EQ(sample.mean_ray_seconds(), 5);
-  // Node means 3 and 7 per ray: standard error of their mean 2, over 5. Rounding of a square root.
-  EXPECT_NEAR(sample.relative_error(), 0.4, 1e-15);
   std::vector<char> requested(10 * 4, 1);
   requested[7] = requested[8] = requested[9] = requested[10] = 0;
-  const auto work = work_like(sample, requested, 4, 1);
+  std::vector<RayIndex> rays;
+  for (int ray = 0; ray < 40; ++ray) rays.push_back({ray / 4, ray % 4});
+  const auto work = work_like(sample, rays, requested, 4, 1);
   EXPECT_EQ(work.n_rays(), 40u);
   EXPECT_EQ(work.total_seconds(), 36 * 5);
-  for (const std::size_t ray : {7, 8, 9, 10}) EXPECT_EQ(work.ray_seconds(ray), 0);
-  EXPECT_EQ(work.node[39], 9);
+  for (const std::size_t ray : {7, 8, 9, 10}) EXPECT_EQ(work.seconds[ray], 0);
+  EXPECT_EQ(work.rays[39].active, 9);
   std::set<double> values(work.seconds.begin(), work.seconds.end());
-  EXPECT_EQ(values, (std::set<double>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(values, (std::set<double>{0, 2, 4, 6, 8}));
   // The second node stands for twice as many rays: (2 + 4 + 2 (6 + 8)) / 6, and 36 rays in shares of 6, 6,
   // 12, 12.
   sample.rays[2].weight = sample.rays[3].weight = 2;
   EXPECT_NEAR(sample.mean_ray_seconds(), 34.0 / 6, 1e-15 * 10);  // rounding
-  EXPECT_EQ(work_like(sample, requested, 4, 1).total_seconds(), 6 * 2 + 6 * 4 + 12 * 6 + 12 * 8);
+  EXPECT_EQ(work_like(sample, rays, requested, 4, 1).total_seconds(), 6 * 2 + 6 * 4 + 12 * 6 + 12 * 8);
+}
+
+TEST(RaySample, a_few_nodes_have_no_standard_error) {
+  RaySample sample;
+  for (int node = 0; node < 16; ++node)
+    for (int direction = 0; direction < 2; ++direction) {
+      sample.rays.push_back({node, direction, 1});
+      sample.seconds.push_back(node % 2 == 0 ? 3 : 7);
+    }
+  // Means of 16 nodes, eight times 3 and eight times 7: a standard deviation of 2 sqrt(16 / 15), over
+  // sqrt(16) and the mean of 5. The tolerance is the rounding of some sums and a root.
+  ASSERT_TRUE(sample.relative_error().has_value());
+  EXPECT_NEAR(*sample.relative_error(), 2 * std::sqrt(16.0 / 15) / 4 / 5, 1e-15);
+  for (const std::size_t nodes : {14, 2, 1}) {
+    sample.rays.resize(2 * nodes);
+    sample.seconds.resize(2 * nodes);
+    EXPECT_FALSE(sample.relative_error().has_value()) << nodes;
+  }
 }
 
 using PackingTrialTest = test::DatabaseTest;
@@ -192,8 +210,10 @@ TEST(ModelSize, follows_networks_and_nodes) {
   const auto modal = predict_model_size(scene, header);
   scene.training.modes = 8;
   // A mode of a node is a row of integers, 2 to 7 characters each with their space, and its scales.
-  const double numbers = 3.0 * scene.training.near_nodes + scene.training.shared_modes + scene.training.amplitude_centers + 3;
-  const double per_mode = (predict_model_size(scene, header).model_text_bytes - modal.model_text_bytes) / (5 * 4);
+  const double numbers =
+      3.0 * scene.training.near_nodes + scene.training.shared_modes + scene.training.amplitude_centers + 3;
+  const double per_mode =
+      (predict_model_size(scene, header).model_text_bytes - modal.model_text_bytes) / (5 * 4);
   EXPECT_GT(per_mode, 2);
   EXPECT_LT(per_mode, 7 * numbers + 3 * 25);
   scene.training.family = Family::linear;

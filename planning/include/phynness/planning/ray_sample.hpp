@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/planning/schedule.hpp>
 #include <vector>
@@ -28,18 +29,23 @@ std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fi
 /// What the chosen rays cost.
 struct RaySample {
   std::vector<RayChoice> rays;
-  int increments = 1;
-  std::vector<double> seconds;  ///< n_rays x increments: CPU time [s]
+  std::vector<double> seconds;  ///< CPU time of each ray [s]
 
   double mean_ray_seconds() const;  ///< weighted
-  /// Standard error of the mean over the mean, nodes taken as independent draws; 0 for a single node. Too
-  /// small if the sample has missed rare long rays.
-  double relative_error() const;
+  /// Standard error of the mean over the mean, nodes taken as independent draws. Too small if the sample has
+  /// missed rare long rays.
+  /// @return nothing for fewer than `fewest_nodes` nodes
+  std::optional<double> relative_error() const;
+  /// A standard error from n draws is itself uncertain by about 1 / sqrt(2 (n - 1)) of its value: 19 % with
+  /// 15 nodes, which are 30 rays as rays are chosen in pairs; 71 % with two.
+  static constexpr std::size_t fewest_nodes = 15;
 };
 
-/// All rays of the scene: a requested ray costs what one of the sample did, all of them equally often, dealt
-/// at random; the others cost nothing.
-RayWork work_like(const RaySample& sample, const std::vector<char>& requested, std::size_t n_directions,
-                  std::uint64_t seed);
+/// A requested ray costs what one of the sample did, all of them equally often, dealt at random; the others
+/// cost nothing.
+/// @param rays       those that are solved or recorded, as rays_left() orders them
+/// @param requested  n_active x n_directions flags
+RayWork work_like(const RaySample& sample, const std::vector<RayIndex>& rays,
+                  const std::vector<char>& requested, std::size_t n_directions, std::uint64_t seed);
 
 }  // namespace phynness

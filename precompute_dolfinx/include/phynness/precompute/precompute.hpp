@@ -20,7 +20,7 @@ struct PrecomputeTarget {
 
 /// One rank's part of a run.
 struct RankFigures {
-  std::int64_t rays = 0;
+  std::int64_t rays = 0, tasks = 0;  ///< tasks: of phynness/formats/ray_tasks.hpp
   double busy_seconds = 0;  ///< wall time spent solving and logging
   double idle_seconds = 0;  ///< the rest of the time until the last rank had solved its last ray
   double core_seconds = 0;  ///< CPU time; waiting for other ranks left out

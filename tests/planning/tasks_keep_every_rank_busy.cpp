@@ -6,10 +6,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <phynness/formats/ray_tasks.hpp>
 #include <queue>
 #include <random>
-
-#include "ray_schedule.hpp"
 
 namespace phynness::test {
 namespace {

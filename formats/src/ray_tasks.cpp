@@ -1,7 +1,5 @@
-#include "ray_schedule.hpp"
-
-#include <algorithm>
 #include <phynness/formats/mirrored_rays.hpp>
+#include <phynness/formats/ray_tasks.hpp>
 
 namespace phynness {
 

@@ -1,4 +1,5 @@
-// How the rays that are left are cut into tasks for ranks that take them one after the other.
+// How the rays that are left are cut into tasks for ranks that take them one after the other. precompute()
+// hands out these tasks, and `phynness plan` simulates them.
 #pragma once
 
 #include <cstdint>
