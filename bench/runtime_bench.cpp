@@ -174,7 +174,7 @@ void bench_modes(Table& table, Loaded& loaded) {
 }
 
 void accuracy_of_forces(Table& table, const Model& model, Loaded& loaded) {
-  if (model.family != Family::modal) return;
+  if (!schema::traits(model.family).has_modes) return;
   const auto rounding = bench::rounding_of_forces(model, loaded.data);
   table.add("force_rounding_median", rounding.median,
             "largest difference to sums in double, over the node's largest force: median over nodes");

@@ -14,6 +14,14 @@ function(phynness_warnings target)
   endif()
 endfunction()
 
+# phynness_quick_to_compile(TARGET): for code that runs for milliseconds, such as commands, reports and tests. Its compilation
+# takes about a third less time without the passes of -O2 and -O3; what it calls in other libraries is optimized as ever.
+function(phynness_quick_to_compile target)
+  if(NOT MSVC)
+    target_compile_options(${target} PRIVATE $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>)
+  endif()
+endfunction()
+
 # phynness_library(NAME sources...): static library phynness_NAME with alias phynness::NAME, C++20, public headers in include/
 function(phynness_library name)
   add_library(phynness_${name} STATIC ${ARGN})
@@ -35,6 +43,7 @@ function(phynness_test name)
   target_link_libraries(test_${name} PRIVATE ${arg_LIBRARIES} GTest::gtest_main)
   target_compile_features(test_${name} PRIVATE cxx_std_20)
   phynness_warnings(test_${name})
+  phynness_quick_to_compile(test_${name})
   # Folders beside the repository that a test may read; it skips with a message where they are absent.
   target_compile_definitions(test_${name} PRIVATE
     PHYNNESS_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared" PHYNNESS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
