@@ -32,8 +32,7 @@ inline Eigen::RowVector3d ellipsoid_point(int node) {
   const bool pole = node == 0 || node == n_output + n_fixed - 1;
   const double polar = node == 0 ? 0 : pole ? std::numbers::pi : std::numbers::pi * ring / (n_rings + 1);
   const double turn = 2 * std::numbers::pi * i / n_around;
-  return {0.10 * std::sin(polar) * std::cos(turn), 0.07 * std::sin(polar) * std::sin(turn),
-          0.04 * std::cos(polar)};
+  return {0.10 * std::sin(polar) * std::cos(turn), 0.07 * std::sin(polar) * std::sin(turn), 0.04 * std::cos(polar)};
 }
 
 /// A closed surface of 596 vertices, of which the first n_moving are output nodes and the others fixed; no
@@ -56,8 +55,7 @@ inline Model liver_sized_body(Family family, int n_moving = n_output) {
   for (Eigen::Index i = 0; i < model.displacements.rows(); ++i) {
     for (int k = 0; k < 3; ++k)
       model.displacements(i, k) = model.directions[static_cast<std::size_t>(i / n_increments)][k] *
-                                  model.max_displacement_m * static_cast<double>(i % n_increments + 1) /
-                                  n_increments;
+                                  model.max_displacement_m * static_cast<double>(i % n_increments + 1) / n_increments;
   }
   model.n_mesh_nodes = n_output + n_fixed;
   model.output_points.resize(n_moving, 3);
@@ -136,8 +134,7 @@ inline Model modal_model(int n_force, int n_shared, int n_own, int n_centers, in
     node.conservative.coefficients.resize(n_force, 3);
     for (int i = 0; i < n_force; ++i) {
       node.conservative.centers.push_back(i % static_cast<int>(model.displacements.rows()));
-      for (int k = 0; k < 3; ++k)
-        node.conservative.coefficients(i, k) = static_cast<float>(0.01 * arbitrary.number());
+      for (int k = 0; k < 3; ++k) node.conservative.coefficients(i, k) = static_cast<float>(0.01 * arbitrary.number());
     }
     ModalDeformation& modal = node.modal;
     modal.weights = arbitrary.table(n_centers + 3, n_own, 0.01);

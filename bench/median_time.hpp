@@ -44,9 +44,8 @@ inline double median_us(const std::function<void(int)>& call) {
 
 /// What several calls take, measured in turn: a processor that slows down for a while slows all of them.
 struct SideBySide {
-  std::vector<double> us;  ///< medians
-  std::vector<double>
-      ratio;  ///< median over rounds of the time over that of the first call in the same round
+  std::vector<double> us;     ///< medians
+  std::vector<double> ratio;  ///< median over rounds of the time over that of the first call in the same round
 };
 inline SideBySide side_by_side(const std::vector<std::function<void(int)>>& calls) {
   constexpr std::size_t n_rounds = 401;

@@ -49,8 +49,8 @@ void evaluate(const PlainNetwork<N, Real>& net, const Real* x, Real* y) {
 }
 
 template <class Real>
-void deformation(const PlainNetwork<6, Real>& net, const typename PlainLoops<Real>::Points& points,
-                 const Real* d, Real* field) {
+void deformation(const PlainNetwork<6, Real>& net, const typename PlainLoops<Real>::Points& points, const Real* d,
+                 Real* field) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Real x[6] = {d[0], d[1], d[2], points[i][0], points[i][1], points[i][2]};
     evaluate(net, x, field + 3 * i);
@@ -58,8 +58,7 @@ void deformation(const PlainNetwork<6, Real>& net, const typename PlainLoops<Rea
 }
 
 template <class Real>
-void tabulate(const PlainNetwork<6, Real>& net, const typename PlainLoops<Real>::Points& points,
-              Real* table) {
+void tabulate(const PlainNetwork<6, Real>& net, const typename PlainLoops<Real>::Points& points, Real* table) {
   Real h[most_neurons];
   for (std::size_t p = 0; p < points.size(); ++p) {
     gaussians<3>(net, 3, points[p].data(), h);
@@ -68,13 +67,12 @@ void tabulate(const PlainNetwork<6, Real>& net, const typename PlainLoops<Real>:
 }
 
 template <class Real>
-void tabulated_deformation(const PlainNetwork<6, Real>& net, int n_points, const Real* __restrict table,
-                           const Real* d, Real* __restrict sums, Real* __restrict field) {
+void tabulated_deformation(const PlainNetwork<6, Real>& net, int n_points, const Real* __restrict table, const Real* d,
+                           Real* __restrict sums, Real* __restrict field) {
   Real h[most_neurons];
   gaussians<3>(net, 0, d, h);
   Real *x = sums, *y = sums + n_points, *z = sums + 2 * n_points;
-  for (int k = 0; k < 3; ++k)
-    std::fill_n(sums + k * n_points, n_points, net.bias[static_cast<std::size_t>(k)]);
+  for (int k = 0; k < 3; ++k) std::fill_n(sums + k * n_points, n_points, net.bias[static_cast<std::size_t>(k)]);
   for (std::size_t i = 0; i < net.weight[0].size(); ++i, table += n_points) {
     const Real a = net.weight[0][i] * h[i], b = net.weight[1][i] * h[i], c = net.weight[2][i] * h[i];
     for (int p = 0; p < n_points; ++p) {
@@ -91,8 +89,7 @@ void tabulated_deformation(const PlainNetwork<6, Real>& net, int n_points, const
 }
 
 template <class Real>
-constexpr PlainLoops<Real> loops = {evaluate<3, Real>, deformation<Real>, tabulate<Real>,
-                                    tabulated_deformation<Real>};
+constexpr PlainLoops<Real> loops = {evaluate<3, Real>, deformation<Real>, tabulate<Real>, tabulated_deformation<Real>};
 
 }  // namespace
 }  // namespace phynness::bench

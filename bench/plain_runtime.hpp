@@ -33,8 +33,8 @@ struct PlainLoops {
   /// x n_points
   void (*tabulate)(const PlainNetwork<6, Real>& net, const Points& points, Real* table);
   /// From the table: n_neurons exponentials. @param sums  scratch, 3 x n_points
-  void (*tabulated_deformation)(const PlainNetwork<6, Real>& net, int n_points, const Real* table,
-                                const Real* d, Real* sums, Real* field);
+  void (*tabulated_deformation)(const PlainNetwork<6, Real>& net, int n_points, const Real* table, const Real* d,
+                                Real* sums, Real* field);
 };
 
 template <class Real>

@@ -46,16 +46,14 @@ struct Loaded : bench::TimedModel {
 class Table {
  public:
   void add(const std::string& key, double value, const std::string& words) {
-    std::printf(value < 0.005 ? "  %-38s %12.1e   %s\n" : "  %-38s %12.3f   %s\n", key.c_str(), value,
-                words.c_str());
+    std::printf(value < 0.005 ? "  %-38s %12.1e   %s\n" : "  %-38s %12.3f   %s\n", key.c_str(), value, words.c_str());
     std::fflush(stdout);
-    _json += (_json.empty() ? "{\"" : ", \"") + std::string(in_float() ? "float_" : "") + key +
-             "\": " + number(value);
+    _json += (_json.empty() ? "{\"" : ", \"") + std::string(in_float() ? "float_" : "") + key + "\": " + number(value);
   }
   /// The time of a loop and how many times that of the runtime it is.
   /// @param unit  of the key, per microsecond
-  void beside(const std::string& key, const bench::SideBySide& times, std::size_t at,
-              const std::string& words, double unit = 1) {
+  void beside(const std::string& key, const bench::SideBySide& times, std::size_t at, const std::string& words,
+              double unit = 1) {
     add(key, unit * times.us[at], words);
     add(key + "_ratio", times.ratio[at], "times that of the runtime, in the same round");
   }
@@ -124,8 +122,7 @@ void bench_deformation(Table& table, Loaded& loaded) {
   table.add("deformation_us_486x200", times.us[0], "486 nodes, 200 neurons [us]");
   table.beside("deformation_us_486x200_plain", times, 1, "textbook loop over the network at every node [us]");
   table.beside("deformation_us_486x200_fast_math", times, 2, "the same with -ffast-math and libmvec [us]");
-  table.beside("deformation_us_486x200_table", times, 3,
-               "textbook loop over a table of the nodes' factors [us]");
+  table.beside("deformation_us_486x200_table", times, 3, "textbook loop over a table of the nodes' factors [us]");
   table.beside("deformation_us_486x200_table_fast_math", times, 4, "the same with -ffast-math [us]");
   table.add("deformation_plain_over_table", times.ratio[1] / times.ratio[3], "what the table is worth");
 }
@@ -135,9 +132,9 @@ void bench_networks(Table& table) {
   constexpr int n_nodes = 20;
   Loaded loaded(write_model_text(bench::networks_model(n_neurons_force, n_neurons_deformation, n_nodes)));
   const bench::PlainForces<Real> plain(n_neurons_force, n_nodes);
-  const auto times = bench::side_by_side({[&](int i) { loaded.force(i); },
-                                          [&](int i) { plain(bench::textbook_loops<Real>(), i); },
-                                          [&](int i) { plain(bench::fast_math_loops<Real>(), i); }});
+  const auto times =
+      bench::side_by_side({[&](int i) { loaded.force(i); }, [&](int i) { plain(bench::textbook_loops<Real>(), i); },
+                           [&](int i) { plain(bench::fast_math_loops<Real>(), i); }});
   table.add("force_ns_100", 1e3 * times.us[0], "force of 100 neurons, 20 nodes in turn [ns]");
   table.beside("force_ns_100_plain", times, 1, "textbook loop, in the same precision [ns]", 1e3);
   table.beside("force_ns_100_fast_math", times, 2, "the same with -ffast-math and libmvec [ns]", 1e3);
@@ -257,8 +254,7 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
   table.add("nearest_us", tree, "nearest point of the triangles, by the hierarchy [us]");
   table.add("nearest_us_plain", plain, "phn_nearest, the loop over all of them [us]");
   table.add("nearest_ratio_to_plain", plain / tree, "");
-  table.add("contact_us_free", contact.cycle_us(-0.001, 0, true),
-            "a cycle of a tool 1 mm above the surface [us]");
+  table.add("contact_us_free", contact.cycle_us(-0.001, 0, true), "a cycle of a tool 1 mm above the surface [us]");
   table.add("contact_us_refit", median_us([&](int) { check(contact.contact.refit(loaded.field)); }),
             "phn_contact_refit [us]");
   if (!trained) return;
@@ -272,8 +268,7 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
             }),
             "phn_couple of one tool [us]");
   check(contact.contact.refit());
-  table.add("contact_us_sticking", contact.cycle_us(0.005, 1e3, false),
-            "a cycle that presses and sticks [us]");
+  table.add("contact_us_sticking", contact.cycle_us(0.005, 1e3, false), "a cycle that presses and sticks [us]");
   table.add("contact_us_sliding", contact.cycle_us(0.005, 0.3, true), "that slides with friction [us]");
   table.add("contact_us_frictionless", contact.cycle_us(0.005, 0, true), "that slides without [us]");
 }
@@ -291,8 +286,7 @@ void bench_several_tools(Table& table, const Loaded& loaded) {
   const std::int32_t* triangles = loaded.model.triangles().data();
   for (int t = 0; t < loaded.model.info().n_triangles; ++t) {
     const std::int32_t* nodes = triangles + 3 * t;
-    if (!std::all_of(nodes, nodes + 3, [&](std::int32_t node) { return touchable.count(node) == 1; }))
-      continue;
+    if (!std::all_of(nodes, nodes + 3, [&](std::int32_t node) { return touchable.count(node) == 1; })) continue;
     between.push_back({{nodes[0], nodes[1], nodes[2]}, {0.4, 0.3, 0.3}, {}});
   }
   if (between.size() < most) return;
@@ -300,8 +294,7 @@ void bench_several_tools(Table& table, const Loaded& loaded) {
     std::array<phn_tool, most> tools;
     for (std::size_t k = 0; k < n_tools; ++k) tools[k] = places[places.size() * k / n_tools];
     return median_us([&](int i) {
-      for (std::size_t k = 0; k < n_tools; ++k)
-        displacement(i + 7 * static_cast<int>(k), tools[k].displacement);
+      for (std::size_t k = 0; k < n_tools; ++k) displacement(i + 7 * static_cast<int>(k), tools[k].displacement);
       double forces[3 * most];
       check(data.couple({tools.data(), n_tools}, forces));
       sink = forces[0];
@@ -331,8 +324,7 @@ int run(int argc, char** argv) {
       "vertices\n",
       in_float() ? "float (keys of the JSON file: float_...)" : "double");
   in_float() ? bench_networks<float>(table) : bench_networks<double>(table);
-  std::printf(
-      "family modal: 64 shared and 16 own modes, 78 centers of amplitudes, 30 near nodes, 78 of forces\n");
+  std::printf("family modal: 64 shared and 16 own modes, 78 centers of amplitudes, 30 near nodes, 78 of forces\n");
   {
     Loaded loaded(write_model_text(bench::modal_model(78, 64, 16, 78, 30, bench::n_output)));
     if (loaded.surface.n_vertices() != 38018) throw std::runtime_error("not 38018 vertices");

@@ -83,7 +83,7 @@ struct Run {
   Tally tally;
   std::vector<Vec3> force;  ///< 0 where not converged
   std::vector<double> ray_ms;
-  std::vector<char> full;   ///< rays to full depth
+  std::vector<char> full;  ///< rays to full depth
 };
 
 struct Task {
@@ -108,8 +108,7 @@ Run run_plain(const Task& task) {
       const auto states = loop.ray(task.sample.node[a], depth, n);
       run.ray_ms.push_back(cpu_ms() - before);
       for (const auto& state : states) run.tally.converged += state.converged;
-      for (int i = 0; i < n; ++i)
-        run.force.push_back(i < static_cast<int>(states.size()) ? states[i].force_N : Vec3{});
+      for (int i = 0; i < n; ++i) run.force.push_back(i < static_cast<int>(states.size()) ? states[i].force_N : Vec3{});
       run.tally.tried += n;
       ++run.tally.rays;
       run.full.push_back(states.back().converged && static_cast<int>(states.size()) == n);
@@ -191,8 +190,7 @@ Agreement compare(const std::vector<Vec3>& plain, const std::vector<Vec3>& ours)
   return found;
 }
 
-void report_ratio(const Run& plain, const Run& ours, int n, const std::string& key,
-                  nlohmann::ordered_json& json) {
+void report_ratio(const Run& plain, const Run& ours, int n, const std::string& key, nlohmann::ordered_json& json) {
   const Agreement found = compare(plain.force, ours.force);
   const double ratio = plain.tally.per_increment(plain.tally.cpu_ms) / ours.tally.per_increment(ours.tally.cpu_ms);
   std::printf(
@@ -224,8 +222,8 @@ void report_ratio(const Run& plain, const Run& ours, int n, const std::string& k
   json["other_equilibria_" + key] = found.elsewhere;
 }
 
-void measure(const Options& options, const std::string& element, Scene scene, const Mesh& mesh,
-             const NodeSets& sets, nlohmann::ordered_json& json) {
+void measure(const Options& options, const std::string& element, Scene scene, const Mesh& mesh, const NodeSets& sets,
+             nlohmann::ordered_json& json) {
   scene.solver.element = element_named(element);
   Task task{scene, mesh, sets, database_header(scene, mesh, sets), {}};
   task.sample = draw(options, sets, static_cast<int>(task.header.directions.size()));
@@ -233,12 +231,11 @@ void measure(const Options& options, const std::string& element, Scene scene, co
   Run plain;
   if (options.plain) plain = run_plain(task);
   const Run ours = run_ours(task, options.verbose);
-  std::printf(
-      "\n%s, K/mu = %.4g, %s, %d increments to %.3g mm, %d nodes x %d directions (seed %u), %d dofs\n",
-      element.c_str(), scene.material.bulk_modulus_Pa / scene.material.shear_modulus_Pa,
-      scene.probe.kind == ProbeKind::node ? "node probes" : "patch probes", n,
-      1e3 * task.header.magnitudes_m.back(), options.nodes, options.rays, options.seed,
-      ProbeSolver(scene, mesh, sets).n_dofs());
+  std::printf("\n%s, K/mu = %.4g, %s, %d increments to %.3g mm, %d nodes x %d directions (seed %u), %d dofs\n",
+              element.c_str(), scene.material.bulk_modulus_Pa / scene.material.shear_modulus_Pa,
+              scene.probe.kind == ProbeKind::node ? "node probes" : "patch probes", n,
+              1e3 * task.header.magnitudes_m.back(), options.nodes, options.rays, options.seed,
+              ProbeSolver(scene, mesh, sets).n_dofs());
   std::printf("  per converged    increments  cutbacks residuals tangents factoriz. substit.  CPU\n");
   if (options.plain) print("plain loop", plain.tally);
   print("phynness", ours.tally);
@@ -271,16 +268,14 @@ int run(int argc, char** argv) {
     std::vector<std::pair<std::string_view, double>> given{
         {"bulk_modulus_Pa", options.bulk_over_shear * m.shear_modulus_Pa}};
     for (std::size_t i = 0; i < m.parameters.size(); ++i)
-      if (const std::string_view key = m.law->parameters[i].key;
-          key != "bulk_modulus_Pa" && key != "lame_lambda_Pa")
+      if (const std::string_view key = m.law->parameters[i].key; key != "bulk_modulus_Pa" && key != "lame_lambda_Pa")
         given.emplace_back(key, m.parameters[i]);
     m = material_of(m.law, given);
   }
   const auto made = make_mesh(scene);
   const auto sets = resolve_selections(scene, made.mesh);
   std::printf("solver, %s: %d nodes, %d cells, %zu active nodes\n", scene.title.c_str(),
-              static_cast<int>(made.mesh.nodes.rows()), static_cast<int>(made.mesh.cells.rows()),
-              sets.active.size());
+              static_cast<int>(made.mesh.nodes.rows()), static_cast<int>(made.mesh.cells.rows()), sets.active.size());
   nlohmann::ordered_json json;
   for (const auto& element : options.elements) measure(options, element, scene, made.mesh, sets, json);
   if (!options.json.empty()) {

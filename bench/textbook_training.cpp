@@ -4,8 +4,7 @@
 
 namespace phynness::bench {
 
-double textbook_training(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& targets, int neurons,
-                         double spread) {
+double textbook_training(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& targets, int neurons, double spread) {
   const auto n = static_cast<std::size_t>(inputs.rows());
   const auto m = static_cast<std::size_t>(inputs.cols());
   std::vector<std::vector<double>> q;

@@ -10,7 +10,6 @@ namespace phynness::bench {
 /// @param inputs   n x m, scaled
 /// @param targets  n x 3, scaled
 /// @return mean squared error of the trained network (14)
-double textbook_training(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& targets, int neurons,
-                         double spread);
+double textbook_training(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& targets, int neurons, double spread);
 
 }  // namespace phynness::bench

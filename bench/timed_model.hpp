@@ -112,8 +112,8 @@ struct PlainDeformation {
     sink = static_cast<double>(field[0]);
   }
   void from_table(const PlainLoops<Real>& loops, int i) {
-    loops.tabulated_deformation(net, static_cast<int>(points.size()), table.data(),
-                                displacement_in<Real>(i).data(), sums.data(), field.data());
+    loops.tabulated_deformation(net, static_cast<int>(points.size()), table.data(), displacement_in<Real>(i).data(),
+                                sums.data(), field.data());
     sink = static_cast<double>(field[0]);
   }
 

@@ -41,13 +41,11 @@ double textbook_seconds(const TrainingTables& tables, const std::vector<Ray>& ra
     return inputs;
   };
   const auto start = std::chrono::steady_clock::now();
-  const NetworkPoints deformation =
-      deformation_points(tables, rays, {{node}, {1.0}}, node, spec.samples, spec.seed);
-  mse = bench::textbook_training(scaled(inputs_of(deformation)), scaled(deformation.outputs),
-                                 spec.deformation_neurons, spec.deformation_spread);
+  const NetworkPoints deformation = deformation_points(tables, rays, {{node}, {1.0}}, node, spec.samples, spec.seed);
+  mse = bench::textbook_training(scaled(inputs_of(deformation)), scaled(deformation.outputs), spec.deformation_neurons,
+                                 spec.deformation_spread);
   const NetworkPoints force = force_points(tables, rays);
-  bench::textbook_training(scaled(inputs_of(force)), scaled(force.outputs), spec.force_neurons,
-                           spec.force_spread);
+  bench::textbook_training(scaled(inputs_of(force)), scaled(force.outputs), spec.force_neurons, spec.force_spread);
   return seconds_since(start);
 }
 
@@ -76,8 +74,7 @@ int main(int argc, char** argv) {
   TrainingSpec spec;
   spec.family = Family::rbfn;
   spec.force_spread = 1.4;
-  const ResponseSource source{&header, [&](std::int32_t a) { return bench::rays(header, a); }, 0,
-                              "generated"};
+  const ResponseSource source{&header, [&](std::int32_t a) { return bench::rays(header, a); }, 0, "generated"};
 
   TrainingReport report;
   const Model model = train(source, spec, report, {}, threads);
@@ -90,8 +87,8 @@ int main(int argc, char** argv) {
   for (int i = 0; i < n_textbook; ++i) {
     const std::int32_t active = i * n_active / n_textbook;
     double mse = 0;
-    textbook += textbook_seconds(tables, bench::rays(header, active), header.sets.active[active], spec, mse) /
-                n_textbook;
+    textbook +=
+        textbook_seconds(tables, bench::rays(header, active), header.sets.active[active], spec, mse) / n_textbook;
     textbook_mse += mse / n_textbook;
   }
   // Networks are independent, so the textbook loop is granted the same threads at full efficiency.
@@ -119,8 +116,7 @@ int main(int argc, char** argv) {
         << ", \"ratio_to_textbook\": " << textbook_all / seconds << ", \"threads\": " << threads
         << ", \"nodes_measured\": " << n_active << ", \"deformation_neurons\": " << spec.deformation_neurons
         << ", \"force_neurons\": " << spec.force_neurons << ", \"samples\": " << spec.samples
-        << ", \"mean_deformation_mse\": " << report.mean_deformation_mse << ", \"model_text_MB\": " << text_mb
-        << "}\n";
+        << ", \"mean_deformation_mse\": " << report.mean_deformation_mse << ", \"model_text_MB\": " << text_mb << "}\n";
     if (!out) {
       std::fprintf(stderr, "writing failed: %s\n", json.c_str());
       return 1;

@@ -39,8 +39,8 @@ void run(const Options& options) {
     model.runtime().level_info(l, info).ignore();
     const auto& time = times[static_cast<std::size_t>(l)];
     print_result("{:<6} {:>13} {:>19} {:>6} {:>10.3f} {:>14.3f} {:>9} {:>15}\n", l, info.force_centers,
-                 info.deformation_centers, info.modes, time.force_us, time.deformation_us,
-                 percent(info.error_force), percent(info.error_displacement));
+                 info.deformation_centers, info.modes, time.force_us, time.deformation_us, percent(info.error_force),
+                 percent(info.error_displacement));
     levels.push_back({{"force_centers", info.force_centers},
                       {"deformation_centers", info.deformation_centers},
                       {"modes", info.modes},
@@ -64,8 +64,8 @@ void run(const Options& options) {
     out["level"] = nullptr;
     if (status == PHN_OK) {
       out["level"] = level;
-      print_result("{:g} forces and {:g} deformations in {:g} us: level {}\n", options.forces,
-                   options.deformations, *options.budget_us, level);
+      print_result("{:g} forces and {:g} deformations in {:g} us: level {}\n", options.forces, options.deformations,
+                   *options.budget_us, level);
     }
   }
   write_json(options.json_file, out);
@@ -78,8 +78,7 @@ void run(const Options& options) {
 
 void add_bench_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command =
-      app.add_subcommand("bench", "Time of a force and of a deformation at each level of a model");
+  auto* command = app.add_subcommand("bench", "Time of a force and of a deformation at each level of a model");
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
   command->add_option("--budget", options->budget_us, "say which level fits into so many microseconds")

@@ -62,8 +62,7 @@ void run_child(const std::string& title, std::vector<std::string> arguments, int
   if (!result.started)
     throw failure("cannot start", arguments[0], ranks > 1 ? "install Open MPI, or use --ranks 1" : "");
   if (result.exit_status != 0 && stop_requested())
-    throw failure("interrupted in " + title, "what was finished is kept",
-                  "the same command goes on from there");
+    throw failure("interrupted in " + title, "what was finished is kept", "the same command goes on from there");
   if (result.exit_status == 2) throw input_error("stopped in " + title, "see the message above", "");
   if (result.exit_status != 0) throw failure("stopped in " + title, "see the message above", "");
 }

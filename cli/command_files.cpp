@@ -65,8 +65,8 @@ bool lies_in(const fs::path& inner, const fs::path& outer) {
 bool keeps_nothing(const fs::path& path) {
   std::error_code code;
   const auto type = fs::status(path, code).type();
-  return type != fs::file_type::regular && type != fs::file_type::directory &&
-         type != fs::file_type::not_found && type != fs::file_type::none;
+  return type != fs::file_type::regular && type != fs::file_type::directory && type != fs::file_type::not_found &&
+         type != fs::file_type::none;
 }
 
 class Claims {
@@ -92,16 +92,14 @@ class Claims {
   static void check(const Claim& a, const Claim& b) {
     if (!(a.written || b.written) || a.option == b.option) return;
     const auto takes = [](const Claim& whole, const Claim& part) {
-      return whole.encloses &&
-             (same(part.resolved, whole.resolved) || lies_in(part.resolved, whole.resolved));
+      return whole.encloses && (same(part.resolved, whole.resolved) || lies_in(part.resolved, whole.resolved));
     };
     if (!takes(a, b) && !takes(b, a)) return;
     const auto& output = a.written ? a : b;
     const auto& other = a.written ? b : a;
     throw input_error(
         fmt::format("an output would overwrite {}", other.written ? "another output" : "an input"),
-        fmt::format("{} {} and {} {}", output.option, output.path.string(), other.option,
-                    other.path.string()),
+        fmt::format("{} {} and {} {}", output.option, output.path.string(), other.option, other.path.string()),
         fmt::format("give {} a place of its own", output.option));
   }
 
@@ -144,8 +142,7 @@ void claim_output(const std::string& option, const fs::path& path, OutputKind ki
     case OutputKind::file:
       return claim_text(path);
     case OutputKind::database:
-      for (const char* suffix : {"", ".tmp", ".packing", ".solver.log"})
-        claims().add(claim(with_suffix(path, suffix)));
+      for (const char* suffix : {"", ".tmp", ".packing", ".solver.log"}) claims().add(claim(with_suffix(path, suffix)));
       return claims().add_tree(claim(with_suffix(path, ".log")));
     case OutputKind::model:
       claims().add(claim(path));

@@ -26,8 +26,7 @@ void declare(CLI::Option& option, OutputKind kind);
 
 /// Adds an option for a path. --help calls its value INPUT or OUTPUT.
 template <class Kind, class Value>
-CLI::Option* add_path(CLI::App& command, const std::string& name, Value& value, Kind kind,
-                      const std::string& what) {
+CLI::Option* add_path(CLI::App& command, const std::string& name, Value& value, Kind kind, const std::string& what) {
   auto* option = command.add_option(name, value, what);
   declare(*option, kind);
   return option;
@@ -43,7 +42,6 @@ void check_files(const CLI::App& app);
 /// @param option  whose it is, for messages; files of one option may be the same
 /// @throws Error (input) as check_files()
 void declare_input(const std::string& option, const std::filesystem::path& path);
-void declare_output(const std::string& option, const std::filesystem::path& path,
-                    OutputKind kind = OutputKind::file);
+void declare_output(const std::string& option, const std::filesystem::path& path, OutputKind kind = OutputKind::file);
 
 }  // namespace phynness::cli

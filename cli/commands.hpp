@@ -79,7 +79,6 @@ struct ToolResult {
   std::vector<Column> fields;
 };
 void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& places,
-                  const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result,
-                  json extra);
+                  const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result, json extra);
 
 }  // namespace phynness::cli

@@ -64,8 +64,7 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
                       fmt::format("max_displacement_m = {:g}, the body is {:.3g} m long", depth, *longest),
                       "displacements are in metres; is mesh.scale_to_m right?");
   if (depth > *thinnest && !quiet)
-    message("warning: the maximum displacement, {:g} m, is more than the body is thick, {:.3g} m\n", depth,
-            *thinnest);
+    message("warning: the maximum displacement, {:g} m, is more than the body is thick, {:.3g} m\n", depth, *thinnest);
   const double radius = loaded.scene.probe.kind == ProbeKind::patch ? loaded.scene.probe.tool_radius_m : 0;
   if (radius > *longest)
     throw input_error(loaded.scene.probe.where.str() + ": the tool is larger than the body",
@@ -115,10 +114,10 @@ std::vector<Vec3> ToolOptions::parsed_displacements() const {
   if (nodes.empty() && points.empty())
     throw input_error("no tool", "neither --node nor --point", "--node 5 --displacement 0,0,-0.01");
   if (nodes.size() + points.size() != displacements.size())
-    throw input_error("each --node and --point needs one --displacement",
-                      fmt::format("{} nodes, {} points, {} displacements", nodes.size(), points.size(),
-                                  displacements.size()),
-                      "repeat both: --node 5 --displacement 0,0,-0.01 --node 9 --displacement 0,0.005,0");
+    throw input_error(
+        "each --node and --point needs one --displacement",
+        fmt::format("{} nodes, {} points, {} displacements", nodes.size(), points.size(), displacements.size()),
+        "repeat both: --node 5 --displacement 0,0,-0.01 --node 9 --displacement 0,0.005,0");
   std::vector<Vec3> parsed;
   for (const auto& text : displacements)
     parsed.push_back(parse_vector(text, "displacement", "--displacement 0,0,-0.01 (metres)"));
@@ -139,17 +138,15 @@ std::vector<SurfacePoint> ToolOptions::places(const Mesh& mesh) const {
     const Vec3 wanted = parse_vector(text, "point", "--point 0.1,0.02,0.05 (metres)");
     found.push_back(nearest_on_surface(mesh.nodes, mesh.surface, wanted));
     const auto& place = found.back();
-    message("point {}: {:.3g} m from the surface, on the triangle of nodes {}, {}, {}\n", text,
-            place.distance, place.nodes[0], place.nodes[1], place.nodes[2]);
+    message("point {}: {:.3g} m from the surface, on the triangle of nodes {}, {}, {}\n", text, place.distance,
+            place.nodes[0], place.nodes[1], place.nodes[2]);
   }
   return found;
 }
 
 void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& places,
-                  const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result,
-                  json extra) {
-  const double largest =
-      result.displacement_m.rows() > 0 ? result.displacement_m.rowwise().norm().maxCoeff() : 0.0;
+                  const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result, json extra) {
+  const double largest = result.displacement_m.rows() > 0 ? result.displacement_m.rowwise().norm().maxCoeff() : 0.0;
   json tools = json::array();
   for (std::size_t t = 0; t < places.size(); ++t) {
     json tool;
@@ -201,8 +198,7 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
       const auto x = mesh.nodes.row(result.nodes[i]);
       const auto u = result.displacement_m.row(static_cast<Eigen::Index>(i));
       csv += fmt::format("{},{},{},{},{},{},{}", result.nodes[i], x[0], x[1], x[2], u[0], u[1], u[2]);
-      for (const auto& field : result.fields)
-        csv += fmt::format(",{}", field.values[static_cast<Eigen::Index>(i)]);
+      for (const auto& field : result.fields) csv += fmt::format(",{}", field.values[static_cast<Eigen::Index>(i)]);
       csv += "\n";
     }
     write_text_file(*options.deformation_csv, csv);

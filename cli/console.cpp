@@ -35,8 +35,8 @@ void Progress::update(std::int64_t done, std::int64_t total) {
   const double rate = seconds > 0.3 ? static_cast<double>(done - _first) / seconds : 0;
   constexpr int width = 24;
   const auto filled = static_cast<std::size_t>(width * done / total);
-  message("\r\033[K{} [{}{}] {}/{} {}", _what, std::string(filled, '#'), std::string(width - filled, '.'),
-          done, total, _unit);
+  message("\r\033[K{} [{}{}] {}/{} {}", _what, std::string(filled, '#'), std::string(width - filled, '.'), done, total,
+          _unit);
   if (rate > 0) message(", {:.3g}/s, {} left", rate, duration(static_cast<double>(total - done) / rate));
 }
 

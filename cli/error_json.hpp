@@ -36,9 +36,7 @@ inline nlohmann::ordered_json to_json(const PredictorErrors& e) {
 }
 
 inline nlohmann::ordered_json to_json(const PointErrors& e) {
-  return {{"force", to_json(e.force)},
-          {"displacement", to_json(e.displacement)},
-          {"field_l2", to_json(e.field_l2)}};
+  return {{"force", to_json(e.force)}, {"displacement", to_json(e.displacement)}, {"field_l2", to_json(e.field_l2)}};
 }
 
 inline nlohmann::ordered_json to_json(const PointReport& r) {
@@ -65,10 +63,8 @@ inline nlohmann::ordered_json to_json(const PairGroup& group) {
 }
 
 inline nlohmann::ordered_json to_json(const PairRecord& r) {
-  nlohmann::ordered_json out{{"nodes", r.nodes},
-                             {"displacement", r.displacement_m},
-                             {"distance", r.distance_m},
-                             {"solved", r.solved}};
+  nlohmann::ordered_json out{
+      {"nodes", r.nodes}, {"displacement", r.displacement_m}, {"distance", r.distance_m}, {"solved", r.solved}};
   if (!r.solved) return out;
   out["unsettled"] = (r.status & PHN_WARNING_UNSETTLED) != 0;
   out["outside"] = (r.status & PHN_WARNING_OUTSIDE) != 0;

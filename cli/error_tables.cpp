@@ -42,16 +42,15 @@ void print_table(const ValidationReport& report, const std::vector<FieldModes>& 
   for (const auto& [title, group] : {std::pair{"inside the trained range", &PredictorErrors::inside},
                                      std::pair{"beyond it (to 1.43 times)", &PredictorErrors::outside}}) {
     print_result("{:<24} | {:^23} | {:^23} | {:^23}\n", title, "model", "linear predictor", "zero predictor");
-    print_result("{:<24} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7}\n", "  error in %",
-                 "mean", "p95", "max", "mean", "p95", "max", "mean", "p95", "max");
+    print_result("{:<24} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7}\n", "  error in %", "mean", "p95",
+                 "max", "mean", "p95", "max", "mean", "p95", "max");
     row("force, eq. (17)", &GroupErrors::force, group);
     row("displacement, eq. (17)", &GroupErrors::displacement, group);
     row("  tenth moving most", &GroupErrors::displacement_moving, group);
     row("field, relative L2", &GroupErrors::field_l2, group);
     for (std::size_t f = 0; f < fields.size(); ++f) {
       row(
-          fields[f].name + " (17)", [f](const GroupErrors& e) -> const auto& { return e.fields[f].nodal; },
-          group);
+          fields[f].name + " (17)", [f](const GroupErrors& e) -> const auto& { return e.fields[f].nodal; }, group);
       row(
           "  relative L2", [f](const GroupErrors& e) -> const auto& { return e.fields[f].l2; }, group);
     }
@@ -63,9 +62,8 @@ void print_summary(const ValidationReport& report) {
   if (inside.force.n > 0) print_result("median inside: force{} %", percent(inside.force.median));
   if (inside.displacement.n > 0) print_result(", displacement{} %", percent(inside.displacement.median));
   if (inside.force.n > 0) print_result("\n");
-  print_result(
-      "rank correlation of the force's error with the distance from what was trained: {} inside, {} beyond\n",
-      told(report.distance_correlation_inside), told(report.distance_correlation_outside));
+  print_result("rank correlation of the force's error with the distance from what was trained: {} inside, {} beyond\n",
+               told(report.distance_correlation_inside), told(report.distance_correlation_outside));
 }
 
 void print_examples(const ValidationReport& report) {
@@ -90,8 +88,8 @@ void print_examples(const ValidationReport& report) {
 void print_points(const PointReport& report) {
   print_result("{} points of the surface, {} displacements each; {} not solved, {} unsettled by the model\n",
                report.finished, report.displacements, report.failed, report.unsettled);
-  print_result("{:<24} | {:^31} | {:^31} | {:^31}\n", "tools between nodes", "coupled model",
-               "linear predictor", "model at the nearest nodes");
+  print_result("{:<24} | {:^31} | {:^31} | {:^31}\n", "tools between nodes", "coupled model", "linear predictor",
+               "model at the nearest nodes");
   print_result("{:<24}", "  error in %");
   for (int i = 0; i < 3; ++i) print_result(" | {:>7} {:>7} {:>7} {:>7}", "mean", "median", "p95", "max");
   print_result("\n");
@@ -106,8 +104,7 @@ void print_points(const PointReport& report) {
   row("force, as eq. (17)", &PointErrors::force);
   row("displacement", &PointErrors::displacement);
   row("field, relative L2", &PointErrors::field_l2);
-  print_result("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m,
-               duration(report.seconds));
+  print_result("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m, duration(report.seconds));
 }
 
 void print_pairs(const PairReport& report) {
@@ -117,10 +114,9 @@ void print_pairs(const PairReport& report) {
       "it was trained on\n",
       report.finished, 1e3 * report.depth_m, report.failed, report.unsettled, report.outside);
   const double far_mm = 1e3 * report.far_m;
-  print_result(
-      "{:<28} | {:^31} | {:^15} | {:^15} | {:^15}\n", "two tools, error in %",
-      fmt::format("all, {}", report.all.pairs), fmt::format("to {:.0f} mm, {}", far_mm, report.near.pairs),
-      fmt::format("beyond, {}", report.far.pairs), fmt::format("right alone, {}", report.right.pairs));
+  print_result("{:<28} | {:^31} | {:^15} | {:^15} | {:^15}\n", "two tools, error in %",
+               fmt::format("all, {}", report.all.pairs), fmt::format("to {:.0f} mm, {}", far_mm, report.near.pairs),
+               fmt::format("beyond, {}", report.far.pairs), fmt::format("right alone, {}", report.right.pairs));
   print_result("{:<28} | {:>7} {:>7} {:>7} {:>7}", "", "mean", "median", "p95", "max");
   for (int i = 0; i < 3; ++i) print_result(" | {:>7} {:>7}", "mean", "median");
   print_result("\n");
@@ -156,8 +152,7 @@ void print_pairs(const PairReport& report) {
         "right alone: each tool's force, when it is alone, is right to {:.0f} %; errors of the worse one: "
         "mean {}, median {}, max {} %\n",
         1e2 * right_alone, percent(alone.mean), percent(alone.median), percent(alone.max));
-  print_result("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m,
-               duration(report.seconds));
+  print_result("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m, duration(report.seconds));
 }
 
 }  // namespace phynness::cli

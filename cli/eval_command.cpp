@@ -1,7 +1,7 @@
 #include <fmt/core.h>
 
-#include <phynness/formats/error.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/formats/error.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -32,8 +32,7 @@ void check_surface_options(const Options& options) {
   check_surface_name(*options.surface);
 }
 
-std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places,
-                               const std::vector<Vec3>& displacements) {
+std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
   std::vector<phn_tool> tools;
   for (std::size_t t = 0; t < places.size(); ++t) {
     phn_tool& tool = tools.emplace_back();
@@ -71,16 +70,13 @@ void run(const Options& options) {
   if (options.level) model.set_level(*options.level);
   const auto places = options.tool.places(model.mesh());
   const bool coupled = options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty());
-  const auto response = coupled ? model.couple(tools_at(places, displacements))
-                                : model.respond(options.tool.nodes, displacements);
+  const auto response =
+      coupled ? model.couple(tools_at(places, displacements)) : model.respond(options.tool.nodes, displacements);
   const auto& wanted = options.tool.deformation_csv ? options.tool.deformation_csv : options.surface;
   if (response.displacement_m.rows() == 0 && wanted)
-    throw input_error("this model has forces only", wanted->string(),
-                      "train it with [training] modes of 1 or more");
+    throw input_error("this model has forces only", wanted->string(), "train it with [training] modes of 1 or more");
   if (response.status > 0) message("warning: {}\n", phn_status_message(response.status));
-  json extra{{"status", response.status},
-             {"family", model.runtime().info().family},
-             {"level", model.data().level()}};
+  json extra{{"status", response.status}, {"family", model.runtime().info().family}, {"level", model.data().level()}};
   if (!coupled && places.size() == 1)
     extra["trained_distance"] = model.trained_distance(options.tool.nodes.front(), displacements.front());
   if (coupled) {
@@ -109,16 +105,14 @@ void add_eval_command(CLI::App& app) {
       ->required();
   options->tool.add_to(*command);
   command->get_option("--displacement")->required(false);  // --queries holds displacements, too
-  add_path(*command, "--queries", options->queries, InputKind::whole,
-           fmt::format("instead of --node: CSV file of queries, first line {}; prints a CSV of forces",
-                       queries_header));
+  add_path(
+      *command, "--queries", options->queries, InputKind::whole,
+      fmt::format("instead of --node: CSV file of queries, first line {}; prints a CSV of forces", queries_header));
   command
-      ->add_option(
-          "--tools", options->tools,
-          "several tools: coupled = superposed with a force at each; paper = weights (15)-(16), no force")
+      ->add_option("--tools", options->tools,
+                   "several tools: coupled = superposed with a force at each; paper = weights (15)-(16), no force")
       ->check(CLI::IsMember({"coupled", "paper"}));
-  command->add_option("--level", options->level,
-                      "level of the model, 0 the smallest (default: the full one)");
+  command->add_option("--level", options->level, "level of the model, 0 the smallest (default: the full one)");
   add_path(*command, "--surface", options->surface, OutputKind::file,
            "write the surface: .vtk or .vtu at rest with its displacement, .obj deformed");
   command->add_option("--subdivide", options->levels, "levels of subdivision of that surface (Loop's scheme)")

@@ -109,8 +109,7 @@ std::vector<Query> read_queries(const std::filesystem::path& file) {
 }
 
 /// @throws Error (input) if a node is not active, before anything is computed
-void check_nodes(const LoadedModel& model, const std::vector<Query>& queries,
-                 const std::filesystem::path& file) {
+void check_nodes(const LoadedModel& model, const std::vector<Query>& queries, const std::filesystem::path& file) {
   for (const auto& query : queries) try {
       model.force(query.node, {0, 0, 0});
     } catch (const Error& error) {
@@ -124,8 +123,8 @@ void answer_queries(const LoadedModel& model, const std::filesystem::path& file)
   const auto queries = read_queries(file);
   check_nodes(model, queries, file);
   const bool has_energy = model.runtime().info().has_energy != 0;
-  std::string csv = fmt::format("{},fx_N,fy_N,fz_N{},status,trained_depth_m\n", queries_header,
-                                has_energy ? ",energy_J" : "");
+  std::string csv =
+      fmt::format("{},fx_N,fy_N,fz_N{},status,trained_depth_m\n", queries_header, has_energy ? ",energy_J" : "");
   const auto out = std::back_inserter(csv);
   const auto start = std::chrono::steady_clock::now();
   Progress progress("eval", "queries");
@@ -133,8 +132,7 @@ void answer_queries(const LoadedModel& model, const std::filesystem::path& file)
     const auto& [node, d, line] = queries[i];
     Vec3 f{};
     double energy = 0;
-    const rt::Status status =
-        has_energy ? model.data().force(node, d, f, energy) : model.data().force(node, d, f);
+    const rt::Status status = has_energy ? model.data().force(node, d, f, energy) : model.data().force(node, d, f);
     if (!status.ok())
       throw Place{file, line}.error(status.message(), fmt::format("node {}", node), "give a smaller displacement");
     fmt::format_to(out, "{},{},{},{},{},{},{},", node, d[0], d[1], d[2], f[0], f[1], f[2]);

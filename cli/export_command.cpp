@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <phynness/embedding/embedding.hpp>
+#include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/training/families.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -31,15 +31,13 @@ void check_name(const std::string& name) {
   bool good = !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0]));
   for (const char c : name)
     good = good && (c == '_' || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'));
-  if (!good)
-    throw input_error("a name in C consists of letters, digits and _", "--name " + name, "--name liver");
+  if (!good) throw input_error("a name in C consists of letters, digits and _", "--name " + name, "--name liver");
 }
 
 void check_output(const Options& options) {
   std::error_code code;
   if (std::filesystem::exists(options.output) && !std::filesystem::is_directory(options.output))
-    throw input_error("the output is no directory", options.output.string(),
-                      "name a directory; it is made if absent");
+    throw input_error("the output is no directory", options.output.string(), "name a directory; it is made if absent");
   std::filesystem::create_directories(options.output, code);
   if (code)
     throw input_error("the output directory cannot be made", options.output.string() + ": " + code.message(),
@@ -69,16 +67,14 @@ void run(const Options& options) {
   if (options.json_file) {
     const auto folder = std::filesystem::absolute(*options.json_file).parent_path();
     if (!std::filesystem::is_directory(folder))
-      throw input_error("there is no such folder", folder.string(),
-                        "make it first, or name another with --json");
+      throw input_error("there is no such folder", folder.string(), "make it first, or name another with --json");
   }
   const LoadedModel loaded(options.model);
   const Model& model = loaded.model();
   const bool deforms = !options.force_only && operations(model.family).has_deformation(model);
   const ModelImage image = model_image(model, {!deforms, options.floats});
   auto queries = golden_queries(loaded, image, std::max(options.golden, least_queries));
-  const double force_deviation = queries.force_deviation,
-               deformation_deviation = queries.deformation_deviation;
+  const double force_deviation = queries.force_deviation, deformation_deviation = queries.deformation_deviation;
   const std::size_t n_measured = queries.query.size();
   queries.query.resize(options.golden);
   check_output(options);
@@ -94,17 +90,15 @@ void run(const Options& options) {
     write("_golden.h", golden.header);
     write("_golden.c", golden.source);
   }
-  print_result("{}: family {}, {} active nodes, {}, {}\n", (options.output / options.name).string(),
-               name(model.family), image.n_active,
-               deforms ? fmt::format("{} output nodes", image.n_output) : std::string("forces only"),
+  print_result("{}: family {}, {} active nodes, {}, {}\n", (options.output / options.name).string(), name(model.family),
+               image.n_active, deforms ? fmt::format("{} output nodes", image.n_output) : std::string("forces only"),
                options.floats ? "float" : "double");
-  print_result("flash {}; RAM {} for a deformation, none for a force\n",
-               bytes(static_cast<double>(image.bytes.size())), bytes(static_cast<double>(image.ram_bytes())));
+  print_result("flash {}; RAM {} for a deformation, none for a force\n", bytes(static_cast<double>(image.bytes.size())),
+               bytes(static_cast<double>(image.ram_bytes())));
   print_result("differs from the runtime by {:.2g} of the largest force", force_deviation);
   if (deforms) print_result(" and {:.2g} of the largest displacement", deformation_deviation);
   print_result(" at {} queries\n", n_measured);
-  if (!model.fields.empty())
-    message("note: the model's fields are left out; images hold force and deformation\n");
+  if (!model.fields.empty()) message("note: the model's fields are left out; images hold force and deformation\n");
   const double deviation = deforms ? std::max(force_deviation, deformation_deviation) : force_deviation;
   if (deviation > 1e-3)
     message(
@@ -133,8 +127,7 @@ void add_export_command(CLI::App& app) {
       "in place, in flash, with the functions of phynness/phynness_image.h; sizes are constants in NAME.h");
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::folder,
-           "directory for the files; made if absent")
+  add_path(*command, "-o,--output", options->output, OutputKind::folder, "directory for the files; made if absent")
       ->required();
   command->add_option("--name", options->name, "of files and symbols; default: model");
   command->add_flag("--force-only", options->force_only, "leave the deformation out: far less flash");
@@ -145,8 +138,7 @@ void add_export_command(CLI::App& app) {
                    "also write NAME_golden.h and .c: so many queries with the runtime's answers in double, "
                    "to compare a device with")
       ->check(CLI::Range(0, 100000));
-  add_path(*command, "--json", options->json_file, OutputKind::file,
-           "write sizes and golden queries for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write sizes and golden queries for machines");
   command->callback([options] { run(*options); });
 }
 

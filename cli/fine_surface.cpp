@@ -60,8 +60,7 @@ std::int32_t write_fine_surface(const LoadedModel& model, const Points& displace
     write_text_file(file, obj_text(grid, displacement, title));
   } else {
     const VtkState state{0, {{"displacement", displacement}}};
-    write_text_file(file,
-                    file.extension() == ".vtu" ? vtu_text(grid, state) : legacy_vtk_text(grid, state, title));
+    write_text_file(file, file.extension() == ".vtu" ? vtu_text(grid, state) : legacy_vtk_text(grid, state, title));
   }
   return n;
 }

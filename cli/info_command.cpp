@@ -1,12 +1,12 @@
 #include <fmt/core.h>
 
 #include <fstream>
+#include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/training/families.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -24,19 +24,17 @@ struct Options {
 /// "0 3 5 ... 97": the first few of a long list.
 std::string some(const std::vector<std::int32_t>& numbers) {
   std::string text;
-  for (std::size_t i = 0; i < numbers.size() && i < 12; ++i)
-    text += fmt::format("{}{}", i ? " " : "", numbers[i]);
+  for (std::size_t i = 0; i < numbers.size() && i < 12; ++i) text += fmt::format("{}{}", i ? " " : "", numbers[i]);
   if (numbers.size() > 12) text += fmt::format(" ... {}", numbers.back());
   return text;
 }
 
 void print_mesh(const Mesh& mesh, const NodeSets& sets) {
   if (mesh.cells.cols() == 3)
-    print_result("mesh      {}: {} nodes, {} triangles of a shell\n", mesh_hash(mesh), mesh.n_nodes(),
-                 mesh.n_cells());
+    print_result("mesh      {}: {} nodes, {} triangles of a shell\n", mesh_hash(mesh), mesh.n_nodes(), mesh.n_cells());
   else
-    print_result("mesh      {}: {} nodes, {} tetrahedra, {} surface triangles\n", mesh_hash(mesh),
-                 mesh.n_nodes(), mesh.n_cells(), mesh.surface.rows());
+    print_result("mesh      {}: {} nodes, {} tetrahedra, {} surface triangles\n", mesh_hash(mesh), mesh.n_nodes(),
+                 mesh.n_cells(), mesh.surface.rows());
   print_result("fixed     {}: {}\n", sets.fixed.size(), some(sets.fixed));
   print_result("active    {}: {}\n", sets.active.size(), some(sets.active));
   print_result("output    {}: {}\n", sets.output.size(), some(sets.output));
@@ -53,14 +51,12 @@ json about_database(const std::filesystem::path& file) {
       print_result("shard {} of a database: {} of {} rays; ", progress.shard->str(), progress.rays_logged,
                    progress.rays_total);
       if (progress.rays_logged < progress.rays_total)
-        print_result("go on with phynness precompute SCENE -o {} --shard {} --resume\n", whole,
-                     progress.shard->str());
+        print_result("go on with phynness precompute SCENE -o {} --shard {} --resume\n", whole, progress.shard->str());
       else
         print_result("when all shards are there: phynness merge SHARD... -o {}\n", whole);
     } else {
-      print_result(
-          "unfinished database: {} of {} rays; go on with phynness precompute SCENE -o {} --resume\n",
-          progress.rays_logged, progress.rays_total, file.string());
+      print_result("unfinished database: {} of {} rays; go on with phynness precompute SCENE -o {} --resume\n",
+                   progress.rays_logged, progress.rays_total, file.string());
     }
     return {{"kind", progress.shard ? "shard" : "database"},
             {"complete", false},
@@ -70,12 +66,12 @@ json about_database(const std::filesystem::path& file) {
   const auto database = Database::open(file);
   const auto& h = database.header();
   const auto summary = summarize(database);
-  print_result("database  {} ({}), {}\n", file.string(),
-               bytes(static_cast<double>(std::filesystem::file_size(file))), h.software_version);
+  print_result("database  {} ({}), {}\n", file.string(), bytes(static_cast<double>(std::filesystem::file_size(file))),
+               h.software_version);
   print_result("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
   print_mesh(h.mesh, h.sets);
-  print_result("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(),
-               h.magnitudes_m.size(), h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
+  print_result("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(), h.magnitudes_m.size(),
+               h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
   json fields = json::array();
   for (const auto field : h.fields) fields.push_back(name(field));
   if (!h.fields.empty()) {
@@ -87,17 +83,15 @@ json about_database(const std::filesystem::path& file) {
   const std::int64_t n_mirrored = n_rays - MirroredRays(h).n_solved();
   if (h.sets.mirror)
     print_result("symmetry  plane with normal {:.4g} {:.4g} {:.4g}: {} of {} rays are mirror images\n",
-                 h.sets.mirror->normal[0], h.sets.mirror->normal[1], h.sets.mirror->normal[2], n_mirrored,
-                 n_rays);
+                 h.sets.mirror->normal[0], h.sets.mirror->normal[1], h.sets.mirror->normal[2], n_mirrored, n_rays);
   json states = json::object();
   for (const auto& [status, count] : summary.states) {
     print_result("  {:<16} {}\n", name(status), count);
     states[name(status)] = count;
   }
-  print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n",
-               summary.unstable_states, summary.min_jacobian);
-  print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations,
-               duration(summary.seconds));
+  print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n", summary.unstable_states,
+               summary.min_jacobian);
+  print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations, duration(summary.seconds));
   return {{"kind", "database"},
           {"complete", true},
           {"mesh_hash", h.mesh_hash},
@@ -151,8 +145,7 @@ json about_model(const std::filesystem::path& dir) {
         100 * info.error_displacement);
   }
   print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n",
-               bytes(static_cast<double>(model.text_bytes())),
-               bytes(static_cast<double>(model.mesh_text_bytes())),
+               bytes(static_cast<double>(model.text_bytes())), bytes(static_cast<double>(model.mesh_text_bytes())),
                bytes(static_cast<double>(model.memory_bytes())));
   return {{"kind", "model"},
           {"family", name(m.family)},
@@ -194,14 +187,13 @@ json about_mesh(const std::filesystem::path& file) {
   for (const auto& warning : made.warnings) message("warning: {}\n", warning);
   const auto& q = made.quality;
   if (shell)
-    print_result(
-        "mesh      {} {}: {} nodes, {} triangles of an open surface, for a shell: [mesh] thickness_m\n",
-        file.string(), mesh_hash(made.mesh), q.n_nodes, q.n_cells);
+    print_result("mesh      {} {}: {} nodes, {} triangles of an open surface, for a shell: [mesh] thickness_m\n",
+                 file.string(), mesh_hash(made.mesh), q.n_nodes, q.n_cells);
   else
-    print_result("mesh      {} {}: {} nodes ({} on the surface), {} tetrahedra\n", file.string(),
-                 mesh_hash(made.mesh), q.n_nodes, q.n_surface_nodes, q.n_cells);
-  print_result("box       {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g} (file units)\n", q.min_m[0],
-               q.min_m[1], q.min_m[2], q.max_m[0], q.max_m[1], q.max_m[2]);
+    print_result("mesh      {} {}: {} nodes ({} on the surface), {} tetrahedra\n", file.string(), mesh_hash(made.mesh),
+                 q.n_nodes, q.n_surface_nodes, q.n_cells);
+  print_result("box       {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g} (file units)\n", q.min_m[0], q.min_m[1],
+               q.min_m[2], q.max_m[0], q.max_m[1], q.max_m[2]);
   print_result("quality   worst {:.3f}, {} slivers\n", q.min_quality, q.n_slivers);
   return {{"kind", "mesh"},
           {"mesh_hash", mesh_hash(made.mesh)},
@@ -213,8 +205,7 @@ json about_mesh(const std::filesystem::path& file) {
 void run(const Options& options) {
   const auto& what = options.what;
   if (!std::filesystem::exists(what))
-    throw input_error("no such file or directory", what.string(),
-                      "name a scene, mesh, database or model directory");
+    throw input_error("no such file or directory", what.string(), "name a scene, mesh, database or model directory");
   json out;
   const auto extension = what.extension();
   if (std::filesystem::is_directory(what))
@@ -233,8 +224,7 @@ void run(const Options& options) {
 void add_info_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("info", "Say what a scene, mesh, database or model directory holds");
-  add_path(*command, "FILE_OR_DIR", options->what, InputKind::whole,
-           "scene.toml, mesh file, database.h5 or MODEL_DIR")
+  add_path(*command, "FILE_OR_DIR", options->what, InputKind::whole, "scene.toml, mesh file, database.h5 or MODEL_DIR")
       ->required();
   add_path(*command, "--json", options->json_file, OutputKind::file, "write it for machines");
   command->callback([options] { run(*options); });

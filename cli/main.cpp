@@ -66,8 +66,7 @@ int run_command_line(int argc, char** argv) {
     if (*error.what() != 0) cli::message("error: {}\n", error.what());
     return error.kind() == Error::Kind::input ? 2 : 1;
   } catch (const std::bad_alloc&) {
-    cli::message(
-        "error: out of memory\n  remedy: use a coarser mesh, fewer output nodes or a larger machine\n");
+    cli::message("error: out of memory\n  remedy: use a coarser mesh, fewer output nodes or a larger machine\n");
     return 1;
   } catch (const std::exception& error) {
     cli::message("error: {}\n  remedy: this is a defect; please report it with the scene\n", error.what());

@@ -50,8 +50,7 @@ Error rays_missing(const Options& options, const MergeReport& report) {
     value += fmt::format("\n  node {}, directions{}", node, directions);
   }
   if (directions_of.size() > most_lines)
-    value +=
-        fmt::format("\n  and {} more nodes (all of them with --json)", directions_of.size() - most_lines);
+    value += fmt::format("\n  and {} more nodes (all of them with --json)", directions_of.size() - most_lines);
 
   std::string remedy = "solve them, then merge again; nothing was written";
   if (rays_of_shard.empty())
@@ -59,13 +58,12 @@ Error rays_missing(const Options& options, const MergeReport& report) {
   line = 0;
   for (const auto& [index, count] : rays_of_shard) {
     if (line++ == most_lines) break;
-    remedy += fmt::format("\n    phynness precompute SCENE -o {} --shard {}/{} --resume   ({} ray{})",
-                          options.output.string(), index, report.missing.front().owner->count, count,
-                          count == 1 ? "" : "s");
+    remedy +=
+        fmt::format("\n    phynness precompute SCENE -o {} --shard {}/{} --resume   ({} ray{})",
+                    options.output.string(), index, report.missing.front().owner->count, count, count == 1 ? "" : "s");
   }
   if (rays_of_shard.size() > most_lines)
-    remedy +=
-        fmt::format("\n    and {} more shards (all of them with --json)", rays_of_shard.size() - most_lines);
+    remedy += fmt::format("\n    and {} more shards (all of them with --json)", rays_of_shard.size() - most_lines);
   return failure("rays are missing", value, remedy);
 }
 
@@ -78,19 +76,16 @@ void run(const Options& options) {
   if (!report.missing.empty()) throw rays_missing(options, report);
   print_result("{} rays of {} shards, {} -> {}; the shards and their .log folders are no longer needed\n",
                report.rays_total, options.shards.size(),
-               bytes(static_cast<double>(std::filesystem::file_size(options.output))),
-               options.output.string());
+               bytes(static_cast<double>(std::filesystem::file_size(options.output))), options.output.string());
 }
 
 }  // namespace
 
 void add_merge_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command =
-      app.add_subcommand("merge", "Make one database of the shards that precompute --shard i/n has solved");
+  auto* command = app.add_subcommand("merge", "Make one database of the shards that precompute --shard i/n has solved");
   add_path(*command, "SHARD", options->shards, InputKind::whole, "database.shard-0-of-8.h5 ...")->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::database,
-           "database to write (formats/database.md)")
+  add_path(*command, "-o,--output", options->output, OutputKind::database, "database to write (formats/database.md)")
       ->required();
   add_path(*command, "--json", options->json_file, OutputKind::file,
            "write what was merged and what is missing for machines");

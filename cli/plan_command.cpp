@@ -10,9 +10,7 @@
 namespace phynness::cli {
 namespace {
 
-bool is_database(const std::filesystem::path& file) {
-  return file.extension() == ".h5" || file.extension() == ".hdf5";
-}
+bool is_database(const std::filesystem::path& file) { return file.extension() == ".h5" || file.extension() == ".hdf5"; }
 
 void run(const PlanOptions& options) {
   install_stop_handler();
@@ -28,8 +26,7 @@ PlanBasis basis_of_database(const PlanOptions& options) {
   const MirroredRays mirrored(header);
   PlanBasis basis;
   basis.increments = static_cast<int>(header.magnitudes_m.size());
-  basis.work.rays =
-      rays_left(header, std::vector<char>(header.sets.active.size() * header.directions.size(), 0));
+  basis.work.rays = rays_left(header, std::vector<char>(header.sets.active.size() * header.directions.size(), 0));
   std::vector<Ray> tried;  // for the packing trial: rays of nodes spread over the file
   const std::size_t n_active = header.sets.active.size();
   std::size_t n_solving = 0;  // nodes whose rays are not all mirror images
@@ -78,12 +75,9 @@ void add_plan_command(CLI::App& app) {
            "scene file; or a finished database.h5, whose measured costs are then taken instead of a sample")
       ->required();
   command
-      ->add_option("--ranks", options->ranks,
-                   "MPI processes to plan for; default: the processor cores of this machine")
+      ->add_option("--ranks", options->ranks, "MPI processes to plan for; default: the processor cores of this machine")
       ->check(CLI::Range(1, 1000000));
-  command->add_option("--rays", options->rays, "rays to solve")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  command->add_option("--rays", options->rays, "rays to solve")->check(CLI::Range(1, 100000))->capture_default_str();
   command->add_option("--seed", options->seed, "which rays")->capture_default_str();
   command->add_flag("--table", options->table, "print times on 1 to 10,000 ranks, and what limits each");
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the plan for machines");
@@ -94,22 +88,16 @@ void add_plan_command(CLI::App& app) {
         ->group("Assumed of the machine");
   };
   assumed("--launch-s", options->launch_s, "s from the start of the job until all ranks run");
-  command
-      ->add_option("--bandwidth-MB-per-s", options->bandwidth_MB_per_s,
-                   "of the file system, for all ranks together")
+  command->add_option("--bandwidth-MB-per-s", options->bandwidth_MB_per_s, "of the file system, for all ranks together")
       ->check(CLI::Range(1e-3, 1e9))
       ->capture_default_str()
       ->group("Assumed of the machine");
   assumed("--open-ms", options->open_ms, "ms to make or open a file, one after the other");
   assumed("--fetch-us", options->fetch_us, "us to ask for the next task, half of it on the way");
-  command
-      ->add_option("--start-s", options->start_s,
-                   "s to read scene and mesh (a scene: measured; a database: 0)")
+  command->add_option("--start-s", options->start_s, "s to read scene and mesh (a scene: measured; a database: 0)")
       ->check(CLI::Range(0.0, 1e9))
       ->group("Assumed of the machine");
-  command
-      ->add_option("--setup-ms", options->setup_ms,
-                   "ms to turn to another node (a scene: measured; a database: 0)")
+  command->add_option("--setup-ms", options->setup_ms, "ms to turn to another node (a scene: measured; a database: 0)")
       ->check(CLI::Range(0.0, 1e9))
       ->group("Assumed of the machine");
   command->callback([options] { run(*options); });

@@ -34,10 +34,9 @@ MachineCosts machine_of(const PlanOptions& options, const PlanBasis& basis) {
   machine.pack_log_open_s = 1e-3 * options.open_ms;
   const auto n_solved = static_cast<double>(basis.work.n_rays());
   const double packed_per_solved = (n_solved + static_cast<double>(basis.rays_mirrored)) / n_solved;
-  machine.pack_s_per_ray =
-      packed_per_solved *
-      (basis.packing.pack_s_per_ray +
-       (basis.packing.record_bytes + basis.packing.packed_bytes_per_ray) / machine.bandwidth_B_per_s);
+  machine.pack_s_per_ray = packed_per_solved * (basis.packing.pack_s_per_ray +
+                                                (basis.packing.record_bytes + basis.packing.packed_bytes_per_ray) /
+                                                    machine.bandwidth_B_per_s);
   return machine;
 }
 
@@ -157,35 +156,30 @@ void warn_of_states(const PlanBasis& basis) {
 std::string trust(const PlanBasis& basis, const Prediction& p) {
   if (!p.is_sample) return fmt::format("The cost of all {} rays was measured", basis.rays_measured);
   if (basis.relative_error)
-    return fmt::format(
-        "The standard error of the mean cost is {:.0f} %, from a sample of {} rays of {} at {} nodes",
-        100 * *basis.relative_error, basis.rays_measured, basis.rays_requested, basis.nodes_measured);
+    return fmt::format("The standard error of the mean cost is {:.0f} %, from a sample of {} rays of {} at {} nodes",
+                       100 * *basis.relative_error, basis.rays_measured, basis.rays_requested, basis.nodes_measured);
   return fmt::format("This is a guess from {} ray{} of {} at {} node{}; a standard error takes {} nodes",
                      basis.rays_measured, basis.rays_measured == 1 ? "" : "s", basis.rays_requested,
                      basis.nodes_measured, basis.nodes_measured == 1 ? "" : "s", RaySample::fewest_nodes);
 }
 
 void print_answer(const PlanBasis& basis, const Prediction& p) {
-  print_result("precompute takes about {} on {} rank{}{}.\n", duration(p.run.wall_s), p.ranks,
-               p.ranks == 1 ? "" : "s",
+  print_result("precompute takes about {} on {} rank{}{}.\n", duration(p.run.wall_s), p.ranks, p.ranks == 1 ? "" : "s",
                p.ranks_of_this_machine ? ", the processor cores of this machine" : "");
-  print_result("{}.\nA ray takes {:.3g} s on average, {:.3g} s at most.\n", trust(basis, p),
-               p.seconds_per_ray, p.longest_s);
-  print_result("  CPU time      {} of all ranks; they are occupied for {:.3g} core-hours\n",
-               duration(p.cpu_s), p.core_hours);
+  print_result("{}.\nA ray takes {:.3g} s on average, {:.3g} s at most.\n", trust(basis, p), p.seconds_per_ray,
+               p.longest_s);
+  print_result("  CPU time      {} of all ranks; they are occupied for {:.3g} core-hours\n", duration(p.cpu_s),
+               p.core_hours);
   if (basis.memory_bytes)
     print_result("  memory        {} per rank, {} in all; this machine has {}\n", bytes(*basis.memory_bytes),
                  bytes(p.ranks * *basis.memory_bytes), bytes(p.machine_memory_bytes));
-  print_result("  database      {}, and {} of logs until it is packed\n", bytes(p.database_bytes),
-               bytes(p.log_bytes));
+  print_result("  database      {}, and {} of logs until it is packed\n", bytes(p.database_bytes), bytes(p.log_bytes));
   print_result("  model         {}, and {} of mesh\n", bytes(basis.model.model_text_bytes),
                bytes(basis.model.mesh_text_bytes));
-  print_result(
-      "  ranks of use  {}: more of them lose over half of their time; up to {} lose less than a tenth\n",
-      p.ranks_of_use, p.ranks_at_90_percent);
+  print_result("  ranks of use  {}: more of them lose over half of their time; up to {} lose less than a tenth\n",
+               p.ranks_of_use, p.ranks_at_90_percent);
   print_result("  limit         {}\n", words(p.limit, p, basis));
-  if (basis.rays_mirrored > 0)
-    print_result("  mirrored      {} rays more, which cost nothing\n", basis.rays_mirrored);
+  if (basis.rays_mirrored > 0) print_result("  mirrored      {} rays more, which cost nothing\n", basis.rays_mirrored);
 }
 
 void print_notes(const PlanBasis& basis, const Prediction& p) {

@@ -32,12 +32,11 @@ std::vector<RayChoice> choose(const DatabaseHeader& header, const std::vector<ch
                               const PlanOptions& options) {
   const auto points = [&](const std::vector<std::int32_t>& nodes) {
     Points x(static_cast<Eigen::Index>(nodes.size()), 3);
-    for (Eigen::Index i = 0; i < x.rows(); ++i)
-      x.row(i) = header.mesh.nodes.row(nodes[static_cast<std::size_t>(i)]);
+    for (Eigen::Index i = 0; i < x.rows(); ++i) x.row(i) = header.mesh.nodes.row(nodes[static_cast<std::size_t>(i)]);
     return x;
   };
-  return choose_rays(points(header.sets.active), points(header.sets.fixed), requested,
-                     header.directions.size(), static_cast<std::size_t>(options.rays), options.seed);
+  return choose_rays(points(header.sets.active), points(header.sets.fixed), requested, header.directions.size(),
+                     static_cast<std::size_t>(options.rays), options.seed);
 }
 
 double seconds_of(const Ray& ray) { return std::accumulate(ray.seconds.begin(), ray.seconds.end(), 0.0); }
@@ -78,8 +77,7 @@ PlanBasis basis_of_scene(const PlanOptions& options) {
   const auto requested = requested_rays(loaded.scene, loaded.mesh, header);
   const auto chosen = choose(header, requested, options);
   if (chosen.empty())
-    throw input_error("the scene asks for no ray", options.source.string(),
-                      "check nodes.active and directions");
+    throw input_error("the scene asks for no ray", options.source.string(), "check nodes.active and directions");
   ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
 
   PlanBasis basis;

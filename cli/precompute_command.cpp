@@ -28,8 +28,8 @@ DatabaseLock begin(const PrecomputeTarget& target) {
   if (target.resume && std::filesystem::exists(target.file)) {
     const auto found = database_progress(target.file);
     for (const auto& damage : found.damage)
-      message("warning: {}: {}; {} dropped, their rays will be solved again\n", damage.log.string(),
-              damage.reason, bytes(static_cast<double>(damage.dropped_bytes)));
+      message("warning: {}: {}; {} dropped, their rays will be solved again\n", damage.log.string(), damage.reason,
+              bytes(static_cast<double>(damage.dropped_bytes)));
     message("note: resuming with {} of {} rays\n", found.rays_logged, found.rays_total);
   }
   return lock;
@@ -44,24 +44,22 @@ void print_ranks(const PrecomputeReport& report) {
     busy += rank.busy_seconds;
     most_memory = std::max(most_memory, rank.peak_memory_bytes);
   }
-  print_result(
-      "{} of set-up, {} of solving, {} of packing; ranks idle {:.1f} % of solving; peak memory {} a rank\n",
-      duration(report.setup_seconds), duration(report.solve_seconds), duration(report.pack_seconds),
-      report.rays > 0 ? 100 * idle / (idle + busy) : 0.0, bytes(most_memory));
+  print_result("{} of set-up, {} of solving, {} of packing; ranks idle {:.1f} % of solving; peak memory {} a rank\n",
+               duration(report.setup_seconds), duration(report.solve_seconds), duration(report.pack_seconds),
+               report.rays > 0 ? 100 * idle / (idle + busy) : 0.0, bytes(most_memory));
   if (report.ranks.size() < 2) return;
   if (report.ranks.size() <= few) {
     print_result("{:>6} {:>8} {:>10} {:>10} {:>12}\n", "rank", "rays", "busy s", "idle s", "peak memory");
     for (std::size_t r = 0; r < report.ranks.size(); ++r)
-      print_result("{:>6} {:>8} {:>10.2f} {:>10.2f} {:>12}\n", r, report.ranks[r].rays,
-                   report.ranks[r].busy_seconds, report.ranks[r].idle_seconds,
-                   bytes(report.ranks[r].peak_memory_bytes));
+      print_result("{:>6} {:>8} {:>10.2f} {:>10.2f} {:>12}\n", r, report.ranks[r].rays, report.ranks[r].busy_seconds,
+                   report.ranks[r].idle_seconds, bytes(report.ranks[r].peak_memory_bytes));
     return;
   }
-  const auto [least, most] = std::minmax_element(
-      report.ranks.begin(), report.ranks.end(),
-      [](const RankFigures& a, const RankFigures& b) { return a.idle_seconds < b.idle_seconds; });
-  print_result("idle {:.2f} s (rank {}) to {:.2f} s (rank {})\n", least->idle_seconds,
-               least - report.ranks.begin(), most->idle_seconds, most - report.ranks.begin());
+  const auto [least, most] =
+      std::minmax_element(report.ranks.begin(), report.ranks.end(),
+                          [](const RankFigures& a, const RankFigures& b) { return a.idle_seconds < b.idle_seconds; });
+  print_result("idle {:.2f} s (rank {}) to {:.2f} s (rank {})\n", least->idle_seconds, least - report.ranks.begin(),
+               most->idle_seconds, most - report.ranks.begin());
 }
 
 json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const PrecomputeReport& report) {
@@ -125,8 +123,7 @@ void run(const Options& options) {
         session, loaded.scene, loaded.mesh, loaded.sets, target,
         [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested,
         [&](const std::string& text) {
-          message("warning: {}{}\n", text,
-                  session.size() > 1 ? "\n  the other ranks end the nodes they work on" : "");
+          message("warning: {}{}\n", text, session.size() > 1 ? "\n  the other ranks end the nodes they work on" : "");
         });
   }
   if (report.interrupted)
@@ -138,20 +135,18 @@ void run(const Options& options) {
       "{} active nodes, {} rays ({} resumed), {} increments, {} failed ({:.2f} %), {:.2f} Newton iterations "
       "each\n",
       loaded.sets.active.size(), report.rays + report.rays_resumed, report.rays_resumed, report.increments,
-      report.failed,
-      100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
+      report.failed, 100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
       static_cast<double>(report.iterations) / static_cast<double>(solved));
   if (report.rays_mirrored > 0)
     print_result("{} rays ({:.0f} %) are mirror images, whose increments count too\n", report.rays_mirrored,
                  100.0 * static_cast<double>(report.rays_mirrored) /
                      static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
-  print_result("{} on {} rank{}, {:.1f} core-ms per increment\n", duration(report.wall_seconds),
-               session.size(), session.size() == 1 ? "" : "s",
-               1e3 * report.core_seconds / static_cast<double>(solved));
+  print_result("{} on {} rank{}, {:.1f} core-ms per increment\n", duration(report.wall_seconds), session.size(),
+               session.size() == 1 ? "" : "s", 1e3 * report.core_seconds / static_cast<double>(solved));
   print_ranks(report);
   if (report.library_errors > 0)
-    message("warning: {} rays ended because a library call failed; its messages are in {}\n",
-            report.library_errors, target.file.string() + ".solver.log");
+    message("warning: {} rays ended because a library call failed; its messages are in {}\n", report.library_errors,
+            target.file.string() + ".solver.log");
   if (report.failed == report.increments && report.increments > 0)
     throw failure("no increment converged", std::to_string(report.increments) + " increments",
                   target.shard ? "a smaller displacement, more increments or another element may help"
@@ -182,17 +177,15 @@ void add_precompute_command(CLI::App& app) {
       "Solve every probe of the scene with finite elements -> database.h5\n(in parallel: mpirun -n 8 "
       "phynness precompute ...)");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::database,
-           "database to write (formats/database.md)")
+  add_path(*command, "-o,--output", options->output, OutputKind::database, "database to write (formats/database.md)")
       ->required();
   command->add_flag("--resume", options->resume, "go on with an unfinished database");
   command->add_option("--shard", options->shard,
                       "i/n: solve part i (from 0) of n, as a process that needs no other, into its own file\n"
                       "(database.h5 -> database.shard-i-of-n.h5); phynness merge makes one database of them");
   command
-      ->add_option(
-          "--ranks-per-solve", options->ranks_per_solve,
-          "ranks that factorize one solve together, for meshes too large for one (docs/howto/cluster.md)")
+      ->add_option("--ranks-per-solve", options->ranks_per_solve,
+                   "ranks that factorize one solve together, for meshes too large for one (docs/howto/cluster.md)")
       ->check(CLI::Range(1, 1 << 20))
       ->default_val(1);
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");

@@ -27,8 +27,7 @@ struct Stage {
   std::filesystem::path written;
 };
 
-Stage stage(const char* title, const std::filesystem::path& written, std::vector<std::string> arguments,
-            int ranks) {
+Stage stage(const char* title, const std::filesystem::path& written, std::vector<std::string> arguments, int ranks) {
   const auto start = std::chrono::steady_clock::now();
   print_result("\n== {}\n", title);
   run_child(title, std::move(arguments), ranks);
@@ -38,8 +37,7 @@ Stage stage(const char* title, const std::filesystem::path& written, std::vector
 double size_of(const std::filesystem::path& what) {
   if (!std::filesystem::is_directory(what)) return static_cast<double>(std::filesystem::file_size(what));
   double sum = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(what))
-    sum += static_cast<double>(entry.file_size());
+  for (const auto& entry : std::filesystem::directory_iterator(what)) sum += static_cast<double>(entry.file_size());
   return sum;
 }
 
@@ -63,18 +61,16 @@ void run(const Options& options) {
   prepare_environment(options.ranks);
 
   std::vector<Stage> stages;
-  stages.push_back(stage("mesh", in("mesh.msh"),
-                         {self, "mesh", scene, "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1));
+  stages.push_back(
+      stage("mesh", in("mesh.msh"), {self, "mesh", scene, "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1));
   std::vector<std::string> precompute{self,     "precompute",         scene, "-o", in("database.h5"),
                                       "--json", in("precompute.json")};
   if (options.resume) precompute.push_back("--resume");
   stages.push_back(stage("precompute", in("database.h5"), precompute, options.ranks));
-  stages.push_back(
-      stage("train", in("model"),
-            {self, "train", scene, in("database.h5"), "-o", in("model"), "--json", in("train.json")}, 1));
+  stages.push_back(stage("train", in("model"),
+                         {self, "train", scene, in("database.h5"), "-o", in("model"), "--json", in("train.json")}, 1));
   stages.push_back(stage("validate", in("validate.json"),
-                         {self, "validate", scene, in("model"), "--json", in("validate.json")},
-                         options.ranks));
+                         {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks));
   if (options.json_file) {
     json all;
     for (const char* name : {"mesh", "precompute", "train", "validate"}) {
@@ -93,18 +89,15 @@ void run(const Options& options) {
 
 void add_run_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command =
-      app.add_subcommand("run", "The whole pipeline: mesh, precompute, train, validate -> OUT_DIR");
+  auto* command = app.add_subcommand("run", "The whole pipeline: mesh, precompute, train, validate -> OUT_DIR");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::folder,
-           "folder for everything that is written")
+  add_path(*command, "-o,--output", options->output, OutputKind::folder, "folder for everything that is written")
       ->required();
   command->add_option("--ranks", options->ranks, "processes for the finite element stages (mpirun)")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   command->add_flag("--resume", options->resume, "go on with an unfinished database in OUT_DIR");
-  add_path(*command, "--json", options->json_file, OutputKind::file,
-           "write the figures of all stages for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures of all stages for machines");
   command->callback([options] { run(*options); });
 }
 

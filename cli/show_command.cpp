@@ -43,8 +43,7 @@ std::optional<int> wanted_increment(const std::string& word) {
   return number;
 }
 
-void write(const ShownResponse& shown, Kind kind, const std::filesystem::path& file,
-           const std::string& title) {
+void write(const ShownResponse& shown, Kind kind, const std::filesystem::path& file, const std::string& title) {
   switch (kind) {
     case Kind::xdmf:
       return write_text_file(file, xdmf_text(shown.grid, shown.states));
@@ -82,17 +81,16 @@ void run(const Options& options) {
   for (const auto& note : shown.notes) message("note: {}\n", note);
   const auto& header = database.header();
   const auto& e = header.directions[static_cast<std::size_t>(options.direction)];
-  const auto title = fmt::format("node {}, direction {} ({:.3g} {:.3g} {:.3g})", options.node,
-                                 options.direction, e[0], e[1], e[2]);
+  const auto title =
+      fmt::format("node {}, direction {} ({:.3g} {:.3g} {:.3g})", options.node, options.direction, e[0], e[1], e[2]);
   write(shown, kind, options.output, title);
   const auto& cells = shown.grid.cells;
-  print_result("{}: {} points, {} {}, {} increment{} to {:.4g} m -> {}\n", title, shown.grid.points.rows(),
-               cells.rows(),
-               cells.cols() == 4   ? "tetrahedra"
-               : cells.cols() == 3 ? "triangles"
-                                   : "vertices",
-               shown.states.size(), shown.states.size() == 1 ? "" : "s", shown.states.back().time,
-               options.output.string());
+  print_result(
+      "{}: {} points, {} {}, {} increment{} to {:.4g} m -> {}\n", title, shown.grid.points.rows(), cells.rows(),
+      cells.cols() == 4   ? "tetrahedra"
+      : cells.cols() == 3 ? "triangles"
+                          : "vertices",
+      shown.states.size(), shown.states.size() == 1 ? "" : "s", shown.states.back().time, options.output.string());
 }
 
 }  // namespace
@@ -103,10 +101,9 @@ void add_show_command(CLI::App& app) {
   add_path(*command, "DATABASE", options->database, InputKind::whole, "finished database.h5")->required();
   command->add_option("--node", options->node, "active node (0-based number of the mesh)")->required();
   command->add_option("--direction", options->direction, "index of the direction, 0 the first")->required();
-  command->add_option(
-      "--increment", options->increment,
-      "1 is the first; or all (default: all in .xdmf and .pvd, the last converged one in .vtu "
-      "and .vtk)");
+  command->add_option("--increment", options->increment,
+                      "1 is the first; or all (default: all in .xdmf and .pvd, the last converged one in .vtu "
+                      "and .vtk)");
   add_path(*command, "-o,--output", options->output, OutputKind::file,
            ".xdmf, .pvd (with .vtu files beside it), .vtu or .vtk; time is the prescribed displacement "
            "in m")

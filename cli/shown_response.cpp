@@ -13,10 +13,9 @@ std::size_t active_index(const DatabaseHeader& header, std::int32_t node) {
   const auto& active = header.sets.active;
   const auto at = std::lower_bound(active.begin(), active.end(), node);
   if (at != active.end() && *at == node) return static_cast<std::size_t>(at - active.begin());
-  throw input_error(
-      "the database has no responses of this node", fmt::format("--node {}", node),
-      fmt::format("{} nodes were probed, {} the first and {} the last; phynness info lists them",
-                  active.size(), active.front(), active.back()));
+  throw input_error("the database has no responses of this node", fmt::format("--node {}", node),
+                    fmt::format("{} nodes were probed, {} the first and {} the last; phynness info lists them",
+                                active.size(), active.front(), active.back()));
 }
 
 void check_increment(const DatabaseHeader& header, const Ray& ray, std::optional<int> increment) {
@@ -28,8 +27,7 @@ void check_increment(const DatabaseHeader& header, const Ray& ray, std::optional
   for (int i = 0; i < n; ++i)
     if (wanted(i) && ray.status[static_cast<std::size_t>(i)] == Status::converged) return;
   const auto status = ray.status[static_cast<std::size_t>(increment.value_or(1) - 1)];
-  throw input_error(increment ? "this increment did not converge" : "no increment of this ray converged",
-                    name(status),
+  throw input_error(increment ? "this increment did not converge" : "no increment of this ray converged", name(status),
                     "choose another --increment or --direction; phynness info counts the outcomes");
 }
 
@@ -77,14 +75,13 @@ Cells shown_cells(const Mesh& mesh, const std::vector<std::int32_t>& point_of, s
 
 }  // namespace
 
-ShownResponse shown_response(const Database& database, std::int32_t node, int direction,
-                             std::optional<int> increment) {
+ShownResponse shown_response(const Database& database, std::int32_t node, int direction, std::optional<int> increment) {
   const auto& header = database.header();
   const auto active = active_index(header, node);
   if (direction < 0 || direction >= static_cast<int>(header.directions.size()))
-    throw input_error("there is no such direction", fmt::format("--direction {}", direction),
-                      fmt::format("0 is the first, {} the last; formats/database.md has their order",
-                                  header.directions.size() - 1));
+    throw input_error(
+        "there is no such direction", fmt::format("--direction {}", direction),
+        fmt::format("0 is the first, {} the last; formats/database.md has their order", header.directions.size() - 1));
   const auto rays = database.rays(static_cast<std::int32_t>(active));
   const Ray& ray = rays[static_cast<std::size_t>(direction)];
   check_increment(header, ray, increment);
@@ -112,8 +109,7 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
   for (std::size_t i = 0; i < tool.nodes.size(); ++i)
     weight(point_of[static_cast<std::size_t>(tool.nodes[i])], 0) = tool.weights[i];
   const auto& output = header.sets.output;
-  const Eigen::Map<const Eigen::RowVector3d> unit(
-      header.directions[static_cast<std::size_t>(direction)].data());
+  const Eigen::Map<const Eigen::RowVector3d> unit(header.directions[static_cast<std::size_t>(direction)].data());
   for (std::size_t i = 0; i < header.magnitudes_m.size(); ++i) {
     const int number = static_cast<int>(i) + 1;
     if (increment && *increment != number) continue;
@@ -126,8 +122,7 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
     for (std::size_t j = 0; j < output.size(); ++j)
       u.row(point_of[static_cast<std::size_t>(output[j])]) =
           Eigen::Map<const Eigen::RowVector3d>(&ray.displacement[3 * (i * output.size() + j)]);
-    force.row(point_of[static_cast<std::size_t>(node)]) =
-        Eigen::Map<const Eigen::RowVector3d>(&ray.force[3 * i]);
+    force.row(point_of[static_cast<std::size_t>(node)]) = Eigen::Map<const Eigen::RowVector3d>(&ray.force[3 * i]);
     shown.states.push_back(
         {depth_m, {{"displacement", std::move(u)}, {"force", std::move(force)}, {"prescribed", weight}}});
     for (std::size_t f = 0; f < header.fields.size(); ++f) {

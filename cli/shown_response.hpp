@@ -26,7 +26,6 @@ struct ShownResponse {
 /// @param direction  index into the directions
 /// @param increment  1 ... n; none: all that converged
 /// @throws Error if there is no such ray, or nothing of it converged
-ShownResponse shown_response(const Database& database, std::int32_t node, int direction,
-                             std::optional<int> increment);
+ShownResponse shown_response(const Database& database, std::int32_t node, int direction, std::optional<int> increment);
 
 }  // namespace phynness::cli

@@ -27,16 +27,15 @@ LoadedScene load_source(const std::filesystem::path& source) {
 }
 
 /// @throws Error if a tool's nodes are all fixed
-std::vector<PointTool> tools_at(const std::vector<SurfacePoint>& places,
-                                const std::vector<Vec3>& displacements, const NodeSets& sets) {
+std::vector<PointTool> tools_at(const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements,
+                                const NodeSets& sets) {
   std::vector<PointTool> tools;
   for (std::size_t t = 0; t < places.size(); ++t) {
     PointTool& tool = tools.emplace_back();
     tool.displacement_m = displacements[t];
     for (std::size_t k = 0; k < 3; ++k) {
       const auto node = places[t].nodes[k];
-      if (places[t].weights[k] == 0 || std::binary_search(sets.fixed.begin(), sets.fixed.end(), node))
-        continue;
+      if (places[t].weights[k] == 0 || std::binary_search(sets.fixed.begin(), sets.fixed.end(), node)) continue;
       tool.nodes.push_back(node);
       tool.weights.push_back(places[t].weights[k]);
     }
@@ -90,8 +89,7 @@ void run(const Options& options) {
     json rows = json::array();
     for (Eigen::Index i = 0; i < response.tangent_N_per_m.rows(); ++i) {
       json row = json::array();
-      for (Eigen::Index j = 0; j < response.tangent_N_per_m.cols(); ++j)
-        row.push_back(response.tangent_N_per_m(i, j));
+      for (Eigen::Index j = 0; j < response.tangent_N_per_m.cols(); ++j) row.push_back(response.tangent_N_per_m(i, j));
       rows.push_back(row);
     }
     extra["tangent_N_per_m"] = rows;
@@ -104,13 +102,10 @@ void run(const Options& options) {
 void add_solve_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("solve", "Force and deformation from one finite element solve");
-  add_path(*command, "SCENE", options->source, InputKind::whole,
-           "scene file, or database.h5 (its scene and its mesh)")
+  add_path(*command, "SCENE", options->source, InputKind::whole, "scene file, or database.h5 (its scene and its mesh)")
       ->required();
   options->tool.add_to(*command);
-  command
-      ->add_option("--increments", options->increments,
-                   "equal steps to the displacement (default: the scene's)")
+  command->add_option("--increments", options->increments, "equal steps to the displacement (default: the scene's)")
       ->check(CLI::Range(1, 1000));
   command->add_flag("--tangent", options->tangent, "add the condensed stiffness dF/dd to the JSON");
   command->callback([options] { run(*options); });

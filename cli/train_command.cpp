@@ -25,21 +25,20 @@ struct Options {
 void check_spread(const std::optional<double>& spread, const char* option) {
   if (spread && *spread != 0 && !(*spread >= 1e-3 && *spread <= 1e3))
     throw input_error("a spread must lie between 1e-3 and 1e3, or be 0 to search",
-                      fmt::format("{} {}", option, *spread),
-                      "inputs are scaled to [-1, 1]; the paper uses 0.75");
+                      fmt::format("{} {}", option, *spread), "inputs are scaled to [-1, 1]; the paper uses 0.75");
 }
 
 void print_levels(const Model& model) {
   for (std::size_t l = 0; l < model.levels.size(); ++l)
-    print_result("level {}: with a state left out force {:.3f} %, displacement {:.3f} %, the median node\n",
-                 l, 100 * model.levels[l].error_force, 100 * model.levels[l].error_displacement);
+    print_result("level {}: with a state left out force {:.3f} %, displacement {:.3f} %, the median node\n", l,
+                 100 * model.levels[l].error_force, 100 * model.levels[l].error_displacement);
 }
 
 void print_fields(const Model& model, const TrainingReport& report, const std::vector<Field>& stored) {
   for (std::size_t f = 0; f < model.fields.size(); ++f) {
     const auto& q = report.modal.fields[f];
-    print_result("{}: {:.3f} % by truncation, {:.3f} % by regression, of the node's largest\n",
-                 model.fields[f].name, 100 * q.truncation, 100 * q.regression);
+    print_result("{}: {:.3f} % by truncation, {:.3f} % by regression, of the node's largest\n", model.fields[f].name,
+                 100 * q.truncation, 100 * q.regression);
   }
   if (stored.empty() || !model.fields.empty()) return;
   std::string names;
@@ -51,8 +50,8 @@ void print_fields(const Model& model, const TrainingReport& report, const std::v
 
 void note_idle_options(const Options& options, Family family) {
   const bool of_networks = options.neurons || options.force_neurons || options.spread || options.force_spread;
-  const bool of_modes = options.modes || options.shared_modes || options.near_nodes || options.force_centers ||
-                        options.amplitude_centers;
+  const bool of_modes =
+      options.modes || options.shared_modes || options.near_nodes || options.force_centers || options.amplitude_centers;
   for (const auto& [given, words] :
        {std::pair{of_networks, "neurons and spreads"}, std::pair{of_modes, "modes and centers"}})
     if (given && std::string_view(words) != operations(family).option_words)
@@ -150,11 +149,10 @@ json to_json(const Trained& t) {
            {"mesh_bytes", t.mesh_bytes}};
   for (const auto& [key, value] : operations(model.family).figures(report)) out[name(model.family)][key] = value;
   for (const auto& level : model.levels)
-    out["levels"].push_back(
-        {{"error_force", level.error_force}, {"error_displacement", level.error_displacement}});
+    out["levels"].push_back({{"error_force", level.error_force}, {"error_displacement", level.error_displacement}});
   for (std::size_t f = 0; f < model.fields.size(); ++f)
     out[name(model.family)]["fields"][model.fields[f].name] = {{"truncation_error", report.modal.fields[f].truncation},
-                                                    {"regression_error", report.modal.fields[f].regression}};
+                                                               {"regression_error", report.modal.fields[f].regression}};
   return out;
 }
 
@@ -171,14 +169,10 @@ void run(const Options& options) {
 
 void add_train_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command =
-      app.add_subcommand("train", "Condense a database into a model -> MODEL_DIR (model.txt, mesh.txt)");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the database was made from")
-      ->required();
-  add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 of phynness precompute")
-      ->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::model,
-           "model directory to write (formats/model.md)")
+  auto* command = app.add_subcommand("train", "Condense a database into a model -> MODEL_DIR (model.txt, mesh.txt)");
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the database was made from")->required();
+  add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 of phynness precompute")->required();
+  add_path(*command, "-o,--output", options->output, OutputKind::model, "model directory to write (formats/model.md)")
       ->required();
   std::string about;
   std::vector<std::string> words;
@@ -187,14 +181,11 @@ void add_train_command(CLI::App& app) {
     about += fmt::format("{}{}: {}", about.empty() ? "" : "; ", words.back(), family->about);
   }
   command->add_option("--family", options->family, about)->check(CLI::IsMember(words));
-  command
-      ->add_option("--neurons", options->neurons,
-                   "neurons of a deformation network; also caps the force network")
+  command->add_option("--neurons", options->neurons, "neurons of a deformation network; also caps the force network")
       ->check(CLI::Range(1, 100'000));
   command->add_option("--force-neurons", options->force_neurons, "neurons of a force network")
       ->check(CLI::Range(1, 100'000));
-  command->add_option("--spread", options->spread,
-                      "spread of the deformation networks, in scaled inputs; 0: search");
+  command->add_option("--spread", options->spread, "spread of the deformation networks, in scaled inputs; 0: search");
   command->add_option("--force-spread", options->force_spread, "spread of the force networks; 0: search");
   const auto count = [&](const char* option, std::optional<int>& value, const char* what, int low, int high) {
     command->add_option(option, value, what)->check(CLI::Range(low, high));

@@ -47,15 +47,13 @@ std::optional<double> limit(const std::optional<std::string>& text, const char* 
   return value * unit->second;
 }
 
-void print_table(const TuningReport& report, const std::optional<std::size_t>& chosen,
-                 ErrorStatistic statistic) {
+void print_table(const TuningReport& report, const std::optional<std::size_t>& chosen, ErrorStatistic statistic) {
   const bool by_median = statistic == ErrorStatistic::median;
   const char* middle = by_median ? "median" : "mean";
-  print_result("{:<40} {:>15} {:>15} {:>15} {:>9} {:>9} {:>9}\n", "", "force inside", "displ. inside",
-               "displ. beyond", "force", "deform.", "memory");
-  print_result("{:<40} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n",
-               "model, errors of eq. (17) in %", middle, "p95", middle, "p95", middle, "p95", "us", "us",
-               "MB");
+  print_result("{:<40} {:>15} {:>15} {:>15} {:>9} {:>9} {:>9}\n", "", "force inside", "displ. inside", "displ. beyond",
+               "force", "deform.", "memory");
+  print_result("{:<40} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n", "model, errors of eq. (17) in %",
+               middle, "p95", middle, "p95", middle, "p95", "us", "us", "MB");
   const auto errors = [&](const PredictorErrors& e) {
     for (const auto& some : {e.inside.force, e.inside.displacement, e.outside.displacement})
       print_result(" {:7.2f} {:7.2f}", 100 * (by_median ? some.median : some.mean), 100 * some.p95);
@@ -64,13 +62,11 @@ void print_table(const TuningReport& report, const std::optional<std::size_t>& c
     const auto& m = report.models[i];
     print_result("{} {:<38}", chosen == i ? '>' : m.on_front ? '*' : ' ', m.candidate.name);
     errors(m.errors);
-    print_result(" {:9.2f} {:9.1f} {:9.2f}\n", m.speed.force_us, m.speed.deformation_us,
-                 m.memory_bytes / 1e6);
+    print_result(" {:9.2f} {:9.1f} {:9.2f}\n", m.speed.force_us, m.speed.deformation_us, m.memory_bytes / 1e6);
   }
   print_result("  {:<38}", "(linear predictor)");
   errors(report.linear);
-  print_result("\n> chosen; * none is better in error ({}), time and memory\n",
-               statistic_names.at(statistic));
+  print_result("\n> chosen; * none is better in error ({}), time and memory\n", statistic_names.at(statistic));
 }
 
 /// Two panels, error against time and against memory, by gnuplot.
@@ -79,8 +75,7 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
   std::string families[3], front, best;
   for (std::size_t i = 0; i < report.models.size(); ++i) {
     const auto& m = report.models[i];
-    const auto row =
-        fmt::format("{} {} {}\n", m.speed.deformation_us, m.memory_bytes / 1e6, 100 * m.error(statistic));
+    const auto row = fmt::format("{} {} {}\n", m.speed.deformation_us, m.memory_bytes / 1e6, 100 * m.error(statistic));
     families[static_cast<std::size_t>(m.candidate.spec.family)] += row;
     if (m.on_front) front += row;
     if (chosen == i) best += row;
@@ -88,8 +83,8 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
   const bool png = file.extension() == ".png";
   std::string script = fmt::format("set terminal {} size 1000,460 background '#ffffff' font 'sans,{}'\n",
                                    png ? "pngcairo" : "svg", png ? 10 : 13);
-  script += fmt::format("set output {}\nset multiplot layout 1,2 title {} noenhanced\n",
-                        report::quoted(file.string()), report::quoted(title));
+  script += fmt::format("set output {}\nset multiplot layout 1,2 title {} noenhanced\n", report::quoted(file.string()),
+                        report::quoted(title));
   script += fmt::format(
       "set logscale xy\nset grid\nset key top right\nset ylabel 'larger {} error of force and "
       "displacement, %'\n",
@@ -103,8 +98,8 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
     if (rows.empty()) continue;
     const char* word = name(each->family);
     block(word, rows);
-    series += fmt::format("{}${} using COLUMN:3 with points pt 7 ps 0.8 title '{}'", series.empty() ? "" : ", ", word,
-                          word);
+    series +=
+        fmt::format("{}${} using COLUMN:3 with points pt 7 ps 0.8 title '{}'", series.empty() ? "" : ", ", word, word);
   }
   block("front", front);
   series += ", $front using COLUMN:3 with points pt 6 ps 1.5 lc 'black' title 'on the front'";
@@ -140,8 +135,7 @@ TuningLimits limits_of(const Options& options) {
 
 /// Tuning takes minutes: what it could not write is refused before.
 void check_outputs(const Options& options) {
-  if (options.plot_file && options.plot_file->extension() != ".svg" &&
-      options.plot_file->extension() != ".png")
+  if (options.plot_file && options.plot_file->extension() != ".svg" && options.plot_file->extension() != ".png")
     throw input_error("a plot is .svg or .png", options.plot_file->string(), "--plot trade.svg");
   for (const auto& file : {options.json_file, options.plot_file, std::optional(options.output)})
     if (const auto folder = file ? std::filesystem::absolute(*file).parent_path() : std::filesystem::path();
@@ -149,8 +143,7 @@ void check_outputs(const Options& options) {
       throw input_error("there is no such folder", folder.string(), "make it first: tuning takes minutes");
 }
 
-TuningReport tuned(const Options& options, const SolverSession& session, const Scene& scene,
-                   const Database& database) {
+TuningReport tuned(const Options& options, const SolverSession& session, const Scene& scene, const Database& database) {
   std::optional<Progress> progress;
   std::string doing;
   return tune(session, scene, database, tuning_candidates(scene), options.probes,
@@ -162,17 +155,14 @@ TuningReport tuned(const Options& options, const SolverSession& session, const S
               });
 }
 
-void print(const Scene& scene, const TuningReport& report, const TuningChoice& choice,
-           const TuningLimits& limits) {
+void print(const Scene& scene, const TuningReport& report, const TuningChoice& choice, const TuningLimits& limits) {
   print_result("{}, {}, K/mu = {:.4g}, R = {:.4g} mm: {} probes at {} nodes, {} failed; {}\n", scene.title,
-               name(scene.solver.element), scene.material.bulk_to_shear(),
-               1e3 * scene.probe.max_displacement_m, report.probes, report.nodes.size(), report.failed,
-               duration(report.seconds));
+               name(scene.solver.element), scene.material.bulk_to_shear(), 1e3 * scene.probe.max_displacement_m,
+               report.probes, report.nodes.size(), report.failed, duration(report.seconds));
   print_table(report, choice.chosen, limits.statistic);
   for (const auto& reason : report.left_out) message("note: not trained: {}\n", reason);
   if (2 * report.failed > report.probes)
-    message("warning: {} of {} probes failed; errors are those of the others\n", report.failed,
-            report.probes);
+    message("warning: {} of {} probes failed; errors are those of the others\n", report.failed, report.probes);
 }
 
 json as_json(const TuningReport& report, const TuningChoice& choice, const TuningLimits& limits) {
@@ -204,8 +194,7 @@ void run(const Options& options) {
   install_stop_handler();
   const SolverSession session;
   if (session.size() > 1)
-    throw input_error("tune runs as one process", fmt::format("{} ranks", session.size()),
-                      "start it without mpirun");
+    throw input_error("tune runs as one process", fmt::format("{} ranks", session.size()), "start it without mpirun");
   const Scene scene = open_scene(options.scene);
   const auto database = Database::open(options.database);
   if (physics_hash(scene) != database.header().physics_hash)
@@ -226,9 +215,8 @@ void run(const Options& options) {
   write_json(options.json_file, as_json(report, choice, limits));
   if (options.plot_file)
     plot(*options.plot_file, report,
-         fmt::format("{}: {}, K/mu = {:.4g}, {} probes, R = {:.4g} mm", scene.title,
-                     name(scene.solver.element), scene.material.bulk_to_shear(), name(scene.probe.kind),
-                     1e3 * scene.probe.max_displacement_m),
+         fmt::format("{}: {}, K/mu = {:.4g}, {} probes, R = {:.4g} mm", scene.title, name(scene.solver.element),
+                     scene.material.bulk_to_shear(), name(scene.probe.kind), 1e3 * scene.probe.max_displacement_m),
          choice.chosen, limits.statistic);
   if (!choice.chosen)
     throw failure("no model meets the limits", choice.missed,
@@ -240,19 +228,14 @@ void run(const Options& options) {
 void add_tune_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
-      "tune",
-      "Trains families and sizes, measures error, time and memory, writes the model that meets the limits");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the database was made from")
-      ->required();
-  add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 of phynness precompute")
-      ->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::model, "model directory to write")
-      ->required();
+      "tune", "Trains families and sizes, measures error, time and memory, writes the model that meets the limits");
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the database was made from")->required();
+  add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 of phynness precompute")->required();
+  add_path(*command, "-o,--output", options->output, OutputKind::model, "model directory to write")->required();
   command->add_option("--max-error", options->max_error,
                       "error (17) of force and displacement inside the trained range, such as 2%");
   command
-      ->add_option("--error-by", options->error_by,
-                   "which error counts. Few probes make the mean where a body snaps")
+      ->add_option("--error-by", options->error_by, "which error counts. Few probes make the mean where a body snaps")
       ->check(CLI::IsMember({"mean", "median", "p95"}))
       ->capture_default_str();
   command->add_option("--max-time", options->max_time,
@@ -261,9 +244,7 @@ void add_tune_command(CLI::App& app) {
   command->add_option("--probes", options->probes, "fresh solves that all models are measured on")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of those")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+  command->add_option("--seed", options->seed, "of those")->check(CLI::NonNegativeNumber)->capture_default_str();
   add_path(*command, "--plot", options->plot_file, OutputKind::file,
            "draw error against time and memory (.svg or .png; needs gnuplot)");
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");

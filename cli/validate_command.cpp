@@ -34,8 +34,7 @@ struct Options {
 void check_report_place(const std::filesystem::path& file) {
   const auto folder = std::filesystem::absolute(file).parent_path();
   if (!std::filesystem::is_directory(folder) || std::filesystem::is_directory(file))
-    throw input_error("a report cannot be written there", file.string(),
-                      "name a file in a folder that exists");
+    throw input_error("a report cannot be written there", file.string(), "name a file in a folder that exists");
 }
 
 /// What is compared: loaded on every rank, checked by the first.
@@ -59,8 +58,8 @@ Compared load(const Options& options, const SolverSession& session) {
   const bool tools_wanted = options.points > 0 || options.pairs > 0;
   if (tools_wanted && !loaded->model().nodes.empty() &&
       loaded->respond({loaded->model().nodes.front().node}, {Vec3{}}).displacement_m.rows() == 0)
-    throw input_error("coupled tools need deformations, and the model has forces only",
-                      options.model.string(), "leave --points and --pairs out, or train with modes");
+    throw input_error("coupled tools need deformations, and the model has forces only", options.model.string(),
+                      "leave --points and --pairs out, or train with modes");
   return {std::move(scene), std::move(*loaded)};
 }
 
@@ -80,8 +79,7 @@ Measured measure(const Options& options, const SolverSession& session, const Com
     Progress progress("validate", "rays");
     m.report = validate(
         session, scene, model, options.probes.value_or(scene.validation.probes), m.seed,
-        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested,
-        options.nodes);
+        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested, options.nodes);
   }
   m.interrupted = m.report.interrupted();
   if (options.points > 0 && !m.interrupted) {
@@ -110,12 +108,12 @@ void print_conditions(const Scene& scene, const ValidationReport& report) {
   for (std::size_t i = 0; i < std::min(most_named, report.nodes.size()); ++i)
     nodes += (nodes.empty() ? "" : " ") + std::to_string(report.nodes[i]);
   if (report.nodes.size() > most_named) nodes += " ...";
-  print_result("{} ({}), {}, K/mu = {:.4g}{}, {} probes, R = {:.4g} mm\n",
-               scene.title.empty() ? "scene" : scene.title, name(scene.material.law), name(element), K_mu,
-               element->locks_severely && K_mu > element->locks_above ? " (locked)" : "",
-               name(scene.probe.kind), 1e3 * scene.probe.max_displacement_m);
-  print_result("{} probes at {} nodes ({} beside the fixed ones: {}); {} failed\n", report.probes,
-               report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
+  print_result("{} ({}), {}, K/mu = {:.4g}{}, {} probes, R = {:.4g} mm\n", scene.title.empty() ? "scene" : scene.title,
+               name(scene.material.law), name(element), K_mu,
+               element->locks_severely && K_mu > element->locks_above ? " (locked)" : "", name(scene.probe.kind),
+               1e3 * scene.probe.max_displacement_m);
+  print_result("{} probes at {} nodes ({} beside the fixed ones: {}); {} failed\n", report.probes, report.nodes.size(),
+               report.n_beside_fixed, nodes, report.failed);
 }
 
 void print(const Compared& compared, const Measured& m, int ranks) {
@@ -208,8 +206,8 @@ void run(const Options& options) {
   write_json(options.json_file, as_json(compared, measured));
   if (measured.interrupted) refuse_half(options, measured);
   if (options.report_file) {
-    write_text_file(*options.report_file, html_report({compared.scene, compared.model, measured.report,
-                                                       measured.seed, software_version()}));
+    write_text_file(*options.report_file,
+                    html_report({compared.scene, compared.model, measured.report, measured.seed, software_version()}));
     print_result("report: {}\n", options.report_file->string());
   }
 }
@@ -219,8 +217,7 @@ void run(const Options& options) {
 void add_validate_command(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("validate", "Compare a model with fresh finite element solves");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the model was made from")
-      ->required();
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the model was made from")->required();
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
   command->add_option("--probes", options->probes, "how many, inside and beyond the range together")
@@ -242,10 +239,8 @@ void add_validate_command(CLI::App& app) {
                    "how deep both tools of a pair are [m] (default: 3/7 of the scene's max_displacement_m,\n"
                    "12 mm of the paper's 28)")
       ->check(CLI::PositiveNumber);
-  command->add_option("--level", options->level,
-                      "level of the model, 0 the smallest (default: the full one)");
-  command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")
-      ->check(CLI::NonNegativeNumber);
+  command->add_option("--level", options->level, "level of the model, 0 the smallest (default: the full one)");
+  command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")->check(CLI::NonNegativeNumber);
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
   add_path(*command, "--report", options->report_file, OutputKind::file,
            "write a page for persons (.html; needs gnuplot)");

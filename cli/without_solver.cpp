@@ -26,8 +26,7 @@ void add_solve_command(CLI::App& app) { add(app, "solve"); }
 void add_run_command(CLI::App& app) { add(app, "run"); }
 
 PlanBasis basis_of_scene(const PlanOptions& options) {
-  throw no_solver("phynness plan " + options.source.string() +
-                  " (a finished database.h5 can be planned from)");
+  throw no_solver("phynness plan " + options.source.string() + " (a finished database.h5 can be planned from)");
 }
 
 }  // namespace phynness::cli

@@ -65,14 +65,14 @@ using BasixElement = basix::FiniteElement<double>;
 /// Lagrange with the points that basix.ufl gives the forms: dolfinx compares their hashes.
 inline BasixElement lagrange(int degree, basix::cell::type cell = basix::cell::type::tetrahedron) {
   return basix::create_element<double>(basix::element::family::P, cell, degree,
-                                       basix::element::lagrange_variant::gll_warped,
-                                       basix::element::dpc_variant::unset, false);
+                                       basix::element::lagrange_variant::gll_warped, basix::element::dpc_variant::unset,
+                                       false);
 }
 
 inline BasixElement crouzeix_raviart() {
   return basix::create_element<double>(basix::element::family::CR, basix::cell::type::triangle, 1,
-                                       basix::element::lagrange_variant::unset,
-                                       basix::element::dpc_variant::unset, false);
+                                       basix::element::lagrange_variant::unset, basix::element::dpc_variant::unset,
+                                       false);
 }
 #endif
 
@@ -92,12 +92,10 @@ inline std::shared_ptr<DolfinxMesh> create_mesh(const Points& nodes, const Cells
   return std::make_shared<DolfinxMesh>(
       dolfinx::mesh::create_mesh(MPI_COMM_SELF, list, element, x, shape, dolfinx::mesh::GhostMode::none));
 #else
-  const dolfinx::fem::CoordinateElement<double> element(
-      std::make_shared<const BasixElement>(lagrange(
-          1, cells.cols() == 3 ? basix::cell::type::triangle : basix::cell::type::tetrahedron)));
-  return std::make_shared<DolfinxMesh>(
-      dolfinx::mesh::create_mesh(MPI_COMM_SELF, std::span<const std::int64_t>(connectivity), element, x,
-                                 shape, dolfinx::mesh::GhostMode::none));
+  const dolfinx::fem::CoordinateElement<double> element(std::make_shared<const BasixElement>(
+      lagrange(1, cells.cols() == 3 ? basix::cell::type::triangle : basix::cell::type::tetrahedron)));
+  return std::make_shared<DolfinxMesh>(dolfinx::mesh::create_mesh(
+      MPI_COMM_SELF, std::span<const std::int64_t>(connectivity), element, x, shape, dolfinx::mesh::GhostMode::none));
 #endif
 }
 
@@ -126,8 +124,7 @@ inline std::span<const std::int32_t> vertices(const DolfinxMesh& mesh, std::int3
 #if PHYNNESS_DOLFINX <= 10
   return {mesh.geometry().dofmap().data_handle() + n * std::ptrdiff_t{cell}, static_cast<std::size_t>(n)};
 #else
-  return {mesh.geometry().dofmaps().front().data_handle() + n * std::ptrdiff_t{cell},
-          static_cast<std::size_t>(n)};
+  return {mesh.geometry().dofmaps().front().data_handle() + n * std::ptrdiff_t{cell}, static_cast<std::size_t>(n)};
 #endif
 #endif
 }
@@ -144,8 +141,7 @@ inline std::vector<std::int32_t> cell_nodes(const DolfinxMesh& mesh, std::int32_
 inline void cell_coordinates(const DolfinxMesh& mesh, std::int32_t cell, std::span<double, 12> coordinates) {
   const auto x = mesh.geometry().x();
   const auto places = vertices(mesh, cell);
-  for (std::size_t i = 0; i < places.size(); ++i)
-    std::copy_n(x.data() + 3 * places[i], 3, coordinates.data() + 3 * i);
+  for (std::size_t i = 0; i < places.size(); ++i) std::copy_n(x.data() + 3 * places[i], 3, coordinates.data() + 3 * i);
 }
 
 #if PHYNNESS_DOLFINX >= 9
@@ -154,8 +150,8 @@ inline std::shared_ptr<Space> space_of(const std::shared_ptr<DolfinxMesh>& mesh,
 #if PHYNNESS_DOLFINX == 9
   const auto dofmap = std::make_shared<const dolfinx::fem::DofMap>(dolfinx::fem::create_dofmap(
       mesh->comm(), dolfinx::fem::create_element_dof_layout(*chosen), *mesh->topology(), nullptr, nullptr));
-  return std::make_shared<Space>(
-      mesh, chosen, dofmap, dolfinx::fem::compute_value_shape(chosen, mesh->topology()->dim(), 3));
+  return std::make_shared<Space>(mesh, chosen, dofmap,
+                                 dolfinx::fem::compute_value_shape(chosen, mesh->topology()->dim(), 3));
 #else
   return std::make_shared<Space>(dolfinx::fem::create_functionspace(mesh, chosen));
 #endif
@@ -183,12 +179,10 @@ inline std::shared_ptr<Space> create_space([[maybe_unused]] Element element, [[m
 #if PHYNNESS_DOLFINX == 5
   // Here ffcx generates the space with the form: that of its first argument.
   const auto chosen = std::make_shared<const dolfinx::fem::FiniteElement>(*residual.finite_elements[0]);
-  const auto layout =
-      dolfinx::fem::create_element_dof_layout(*residual.dofmaps[0], mesh->topology().cell_type());
-  return std::make_shared<Space>(
-      mesh, chosen,
-      std::make_shared<const dolfinx::fem::DofMap>(
-          dolfinx::fem::create_dofmap(mesh->comm(), layout, mesh->topology(), nullptr, *chosen)));
+  const auto layout = dolfinx::fem::create_element_dof_layout(*residual.dofmaps[0], mesh->topology().cell_type());
+  return std::make_shared<Space>(mesh, chosen,
+                                 std::make_shared<const dolfinx::fem::DofMap>(dolfinx::fem::create_dofmap(
+                                     mesh->comm(), layout, mesh->topology(), nullptr, *chosen)));
 #else
   using FiniteElement = dolfinx::fem::FiniteElement<double>;
   if (element->is_shell) return shell_space(mesh);
@@ -201,8 +195,7 @@ inline std::shared_ptr<Space> create_space([[maybe_unused]] Element element, [[m
   const auto pressure = std::make_shared<const FiniteElement>(lagrange(1));
 #endif
   if (element->mixed)
-    chosen = std::make_shared<const FiniteElement>(
-        std::vector<std::shared_ptr<const FiniteElement>>{chosen, pressure});
+    chosen = std::make_shared<const FiniteElement>(std::vector<std::shared_ptr<const FiniteElement>>{chosen, pressure});
   return space_of(mesh, chosen);
 #endif
 }
@@ -274,8 +267,7 @@ inline void assemble_vector(std::span<double> b, const Form& form) { dolfinx::fe
 template <typename Take>
 void for_each_element_matrix(const Form& form, Take&& take) {
   std::int32_t cell = 0;
-  auto add = [&](std::span<const std::int32_t>, std::span<const std::int32_t>,
-                 std::span<const double> values) {
+  auto add = [&](std::span<const std::int32_t>, std::span<const std::int32_t>, std::span<const double> values) {
     take(cell++, values);
     return 0;
   };
@@ -296,8 +288,7 @@ inline void tabulate(const ufcx_expression& expression, std::span<double> values
 }
 
 /// The constants of a form as its kernel wants them.
-inline std::vector<double> packed_constants(const ufcx_form& form,
-                                            const std::map<std::string, double>& constants) {
+inline std::vector<double> packed_constants(const ufcx_form& form, const std::map<std::string, double>& constants) {
   std::vector<double> packed;
   for (const auto& name : dolfinx::fem::get_constant_names(form)) packed.push_back(constants.at(name));
   return packed;
@@ -328,7 +319,8 @@ inline double tabulate_cell(const ufcx_form& functional, std::span<const double>
   return value;
 }
 
-/// Edges of the reference tetrahedron (4 vertices) or triangle (3) as pairs of local vertices, in the order of their dofs.
+/// Edges of the reference tetrahedron (4 vertices) or triangle (3) as pairs of local vertices, in the order of their
+/// dofs.
 inline const std::vector<std::array<int, 2>>& edge_vertices(std::size_t n_vertices) {
   static const std::vector<std::array<int, 2>> of_tetrahedron{{2, 3}, {1, 3}, {1, 2}, {0, 3}, {0, 2}, {0, 1}},
       of_triangle{{1, 2}, {0, 2}, {0, 1}};

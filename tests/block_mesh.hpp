@@ -74,8 +74,7 @@ inline double volume(const Mesh& mesh) {
   double sum = 0;
   for (Eigen::Index c = 0; c < mesh.cells.rows(); ++c) {
     Eigen::Matrix3d edges;
-    for (int i = 0; i < 3; ++i)
-      edges.row(i) = mesh.nodes.row(mesh.cells(c, i + 1)) - mesh.nodes.row(mesh.cells(c, 0));
+    for (int i = 0; i < 3; ++i) edges.row(i) = mesh.nodes.row(mesh.cells(c, i + 1)) - mesh.nodes.row(mesh.cells(c, 0));
     sum += edges.determinant() / 6;
   }
   return sum;

@@ -22,8 +22,7 @@ inline Eigen::Map<const Eigen::VectorXd> as_vector(const std::vector<double>& va
 }
 
 /// Displacement u(X) at every point; pressures zero.
-inline std::vector<double> state_of(const Discretization& body,
-                                    const std::function<Vector3(const Vector3&)>& u) {
+inline std::vector<double> state_of(const Discretization& body, const std::function<Vector3(const Vector3&)>& u) {
   std::vector<double> state(body.n_dofs(), 0.0);
   for (int p = 0; p < body.n_points(); ++p) {
     const Vector3 value = u(body.points().row(p).transpose());
@@ -50,8 +49,7 @@ inline Vector3 value_at(const Discretization& body, const std::vector<double>& v
 inline Constraint affine_boundary(const Discretization& body) {
   Constraint constraint;
   for (int p = 0; p < body.n_points(); ++p)
-    if (body.on_surface(p))
-      constraint.dofs.insert(constraint.dofs.end(), body.dofs(p).begin(), body.dofs(p).end());
+    if (body.on_surface(p)) constraint.dofs.insert(constraint.dofs.end(), body.dofs(p).begin(), body.dofs(p).end());
   constraint.G = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(constraint.dofs.size()), 9);
   Eigen::Index row = 0;
   for (int p = 0; p < body.n_points(); ++p)
@@ -72,8 +70,7 @@ inline std::vector<std::int32_t> rollers(const Discretization& body) {
 /// Nodal forces of a dead traction on the flat surface triangles whose three nodes satisfy `on_face`: the
 /// integrals of the shape functions are area/3 at the nodes of linear elements; of quadratic ones zero at the
 /// nodes and area/3 at the middles of edges.
-inline std::vector<double> dead_traction(const Discretization& body, const Mesh& mesh,
-                                         const Vector3& traction,
+inline std::vector<double> dead_traction(const Discretization& body, const Mesh& mesh, const Vector3& traction,
                                          const std::function<bool(const Vector3&)>& on_face) {
   std::map<std::array<std::int32_t, 2>, int> point_of_edge;
   for (int p = body.n_nodes(); p < body.n_points(); ++p) point_of_edge[body.edge(p)] = p;

@@ -11,10 +11,7 @@ namespace phynness::test {
 
 inline std::int32_t nearest_node(const Mesh& mesh, const Vec3& point) {
   Eigen::Index node = 0;
-  (mesh.nodes.rowwise() - Eigen::RowVector3d(point[0], point[1], point[2]))
-      .rowwise()
-      .squaredNorm()
-      .minCoeff(&node);
+  (mesh.nodes.rowwise() - Eigen::RowVector3d(point[0], point[1], point[2])).rowwise().squaredNorm().minCoeff(&node);
   return static_cast<std::int32_t>(node);
 }
 

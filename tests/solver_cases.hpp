@@ -57,8 +57,7 @@ inline std::vector<Case> nonlinear_cases() {
 /// @param parameters  in the order of the law's row
 inline Material of_parameters(Law law, const std::vector<double>& parameters) {
   std::vector<std::pair<std::string_view, double>> given;
-  for (std::size_t i = 0; i < parameters.size(); ++i)
-    given.emplace_back(law->parameters[i].key, parameters[i]);
+  for (std::size_t i = 0; i < parameters.size(); ++i) given.emplace_back(law->parameters[i].key, parameters[i]);
   return material_of(law, given);
 }
 

@@ -15,8 +15,7 @@ std::optional<std::string> output_of(const std::string& command) {
   std::FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return std::nullopt;
   std::array<char, 4096> part;
-  for (std::size_t n = 0; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;)
-    out.append(part.data(), n);
+  for (std::size_t n = 0; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) out.append(part.data(), n);
   if (pclose(pipe) != 0) return std::nullopt;
   return out;
 }
@@ -43,8 +42,7 @@ class TemporaryFile {
     std::FILE* out = fdopen(file, "w");
     const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
     _path = name;
-    if (std::fclose(out) != 0 || !written)
-      throw failure("writing failed", name, "look at the disk, or set TMPDIR");
+    if (std::fclose(out) != 0 || !written) throw failure("writing failed", name, "look at the disk, or set TMPDIR");
   }
   ~TemporaryFile() {
     std::error_code ignored;

@@ -48,18 +48,15 @@ std::string escaped(const std::string& text) {
 }
 
 std::string table(const std::vector<std::vector<std::string>>& rows, CellKind kind) {
-  std::string out = kind == CellKind::words ? "<div class=\"wide\"><table class=\"words\">\n"
-                                            : "<div class=\"wide\"><table>\n";
+  std::string out =
+      kind == CellKind::words ? "<div class=\"wide\"><table class=\"words\">\n" : "<div class=\"wide\"><table>\n";
   for (std::size_t r = 0; r < rows.size(); ++r) {
     out += r == 0 ? "<thead><tr>" : "<tr>";
     for (const auto& cell : rows[r]) {
       // A number's minus is no place to break a line.
-      const bool number = kind == CellKind::words && cell.find(' ') == std::string::npos &&
-                          cell.find_first_of("0123456789") == 0;
-      out += (r == 0   ? "<th>"
-              : number ? "<td class=\"one-line\">"
-                       : "<td>") +
-             cell + (r == 0 ? "</th>" : "</td>");
+      const bool number =
+          kind == CellKind::words && cell.find(' ') == std::string::npos && cell.find_first_of("0123456789") == 0;
+      out += (r == 0 ? "<th>" : number ? "<td class=\"one-line\">" : "<td>") + cell + (r == 0 ? "</th>" : "</td>");
     }
     out += r == 0 ? "</tr></thead>\n" : "</tr>\n";
   }
@@ -73,8 +70,7 @@ std::string section(const std::string& title, const std::string& body) {
 std::string page(const std::string& title, const std::string& body) {
   return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-         escaped(title) + "</title>\n<style>" + style + "</style>\n</head>\n<body>\n" + body +
-         "</body>\n</html>\n";
+         escaped(title) + "</title>\n<style>" + style + "</style>\n</head>\n<body>\n" + body + "</body>\n</html>\n";
 }
 
 }  // namespace phynness::report

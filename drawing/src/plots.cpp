@@ -18,9 +18,8 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
 
 /// Colours of the page, in style of html.cpp. gnuplot draws with others that stand for them: (1, 2, 3), (4,
 /// 5, 6) ...
-constexpr std::array<const char*, n_colors> page_colors{"var(--model)", "var(--linear)", "currentColor",
-                                                        "var(--c3)",    "var(--c4)",     "var(--c5)",
-                                                        "var(--c6)",    "var(--c7)"};
+constexpr std::array<const char*, n_colors> page_colors{"var(--model)", "var(--linear)", "currentColor", "var(--c3)",
+                                                        "var(--c4)",    "var(--c5)",     "var(--c6)",    "var(--c7)"};
 
 /// The element alone, its colours those of the page, its ids its own.
 std::string embedded(std::string svg) {
@@ -39,8 +38,7 @@ std::string embedded(std::string svg) {
     replace_all(svg, fmt::format("xlink:href={}#", q), fmt::format("xlink:href={}#{}", q, own));
   }
   for (int c = 0; c < n_colors; ++c)
-    replace_all(svg, fmt::format("rgb({:3d}, {:3d}, {:3d})", 3 * c + 1, 3 * c + 2, 3 * c + 3),
-                page_colors[c]);
+    replace_all(svg, fmt::format("rgb({:3d}, {:3d}, {:3d})", 3 * c + 1, 3 * c + 2, 3 * c + 3), page_colors[c]);
   replace_all(svg, "url(#", "url(#" + own);
   return svg;
 }
@@ -83,28 +81,25 @@ std::string plot(const PlotSpec& spec) {
     script += fmt::format("$d{} << END\n", c);
     for (const auto& [x, y] : curve.at) script += fmt::format("{:.6g} {:.6g}\n", x, y);
     script += "END\n";
-    drawn += fmt::format("{}$d{} with {} lc rgb '#{:02x}{:02x}{:02x}' title {} noenhanced",
-                         drawn.empty() ? "" : ", ", c, with(curve.mark), 3 * curve.color + 1,
-                         3 * curve.color + 2, 3 * curve.color + 3, quoted(curve.title));
+    drawn += fmt::format("{}$d{} with {} lc rgb '#{:02x}{:02x}{:02x}' title {} noenhanced", drawn.empty() ? "" : ", ",
+                         c, with(curve.mark), 3 * curve.color + 1, 3 * curve.color + 2, 3 * curve.color + 3,
+                         quoted(curve.title));
   }
   if (drawn.empty()) return "<p>Nothing to draw.</p>";
   script += "plot " + drawn + "\n";
   std::string svg = embedded(gnuplot(script, spec.title, "ask for no report"));
-  if (svg.empty())
-    throw failure("gnuplot drew nothing", spec.title, "install a gnuplot with the terminal svg");
+  if (svg.empty()) throw failure("gnuplot drew nothing", spec.title, "install a gnuplot with the terminal svg");
   return svg;
 }
 
 std::vector<std::pair<double, double>> histogram(const std::vector<double>& samples, double least) {
   std::map<int, int> bins;
-  for (const double sample : samples)
-    ++bins[static_cast<int>(std::floor(3 * std::log10(std::max(sample, least))))];
+  for (const double sample : samples) ++bins[static_cast<int>(std::floor(3 * std::log10(std::max(sample, least))))];
   std::vector<std::pair<double, double>> steps;
   if (bins.empty()) return steps;
   for (int bin = bins.begin()->first; bin <= bins.rbegin()->first; ++bin) {
     const auto found = bins.find(bin);
-    const double share =
-        found == bins.end() ? 0 : 100.0 * found->second / static_cast<double>(samples.size());
+    const double share = found == bins.end() ? 0 : 100.0 * found->second / static_cast<double>(samples.size());
     steps.emplace_back(std::pow(10, bin / 3.0), share);
     steps.emplace_back(std::pow(10, (bin + 1) / 3.0), share);
   }

@@ -24,9 +24,8 @@ std::string define(const std::string& name, std::size_t value, const std::string
 }
 
 std::string head(const Model& model, const std::string& name, const std::string& what) {
-  return "/* " + name + ": " + what + " of model \"" + harmless(model.title) + "\"\n * (mesh " +
-         model.mesh_hash + ", physics " + model.physics_hash +
-         "). Written by phynness export; do not edit. */\n";
+  return "/* " + name + ": " + what + " of model \"" + harmless(model.title) + "\"\n * (mesh " + model.mesh_hash +
+         ", physics " + model.physics_hash + "). Written by phynness export; do not edit. */\n";
 }
 
 std::string guarded(const std::string& file, const std::string& text) {
@@ -60,11 +59,9 @@ std::string vector(const Vec3& v) {
 CSource c_source(const ModelImage& image, const Model& model, const std::string& name) {
   const bool floats = image.options.floats;
   const std::size_t word = image.real_bytes(), n_words = image.bytes.size() / word;
-  const std::string type = floats ? "uint32_t" : "uint64_t", NAME = upper(name),
-                    real = floats ? "float" : "double";
+  const std::string type = floats ? "uint32_t" : "uint64_t", NAME = upper(name), real = floats ? "float" : "double";
   const std::string array = "const " + type + " " + name + "_image[" + std::to_string(n_words) + "]";
-  std::string h =
-      head(model, name, "image for " + std::string(floats ? "phn_imagef_open" : "phn_image_open"));
+  std::string h = head(model, name, "image for " + std::string(floats ? "phn_imagef_open" : "phn_image_open"));
   h += "#include <stdint.h>\n\n";
   h += define(NAME + "_IMAGE_BYTES", image.bytes.size(), "flash: the array below");
   h += define(NAME + "_REAL_BYTES", word, "numbers are " + real + "s");
@@ -108,13 +105,12 @@ CSource c_source(const GoldenQueries& queries, const Model& model, const std::st
        "};\n"
        "extern " +
        array + ";\n" + end_c;
-  std::string c =
-      head(model, name, "golden queries") + "#include \"" + name + "_golden.h\"\n\n" + array + " = {\n";
+  std::string c = head(model, name, "golden queries") + "#include \"" + name + "_golden.h\"\n\n" + array + " = {\n";
   for (const auto& q : queries.query) {
     c += "  {" + std::to_string(q.node) + ", " + std::to_string(q.status);
     for (const auto* v : {&q.displacement_m, &q.force_N, &q.image_force_N}) c += ", " + vector(*v);
-    c += ", " + std::to_string(q.output) + ", " + vector(q.deformation_m) + ", " +
-         vector(q.image_deformation_m) + "},\n";
+    c += ", " + std::to_string(q.output) + ", " + vector(q.deformation_m) + ", " + vector(q.image_deformation_m) +
+         "},\n";
   }
   c += "};\n";
   return {guarded(name + "_golden", h), c};

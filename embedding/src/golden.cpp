@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <phynness/embedding/embedding.hpp>
-#include <phynness/formats/error.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/formats/error.hpp>
 #include <random>
 
 namespace phynness {
@@ -60,8 +60,7 @@ class Device {
     const int status = image.options.floats ? phn_imagef_open(_words.data(), image.bytes.size(), &_floats)
                                             : phn_image_open(_words.data(), image.bytes.size(), &_doubles);
     if (status != PHN_OK)
-      throw failure("the image that was made is refused", std::to_string(status),
-                    "this is a defect; please report it");
+      throw failure("the image that was made is refused", std::to_string(status), "this is a defect; please report it");
   }
 
   /// d as the image can hold it.

@@ -103,8 +103,7 @@ class ImageWriter {
     if (n_displacements > largest_index || _model.output.size() > largest_index)
       throw input_error(
           "the model is too large for an image",
-          std::to_string(n_displacements) + " displacements, " + std::to_string(_model.output.size()) +
-              " output nodes",
+          std::to_string(n_displacements) + " displacements, " + std::to_string(_model.output.size()) + " output nodes",
           "an image holds up to 65535 of each: precompute with fewer increments or output nodes");
   }
 
@@ -139,7 +138,8 @@ class ImageWriter {
     return static_cast<std::uint32_t>(at);
   }
   image::Table put_indices(const std::vector<std::int32_t>& values) {
-    if (values.size() > image::largest_count) throw too_large("a number of neurons", static_cast<double>(values.size()));
+    if (values.size() > image::largest_count)
+      throw too_large("a number of neurons", static_cast<double>(values.size()));
     return put(std::vector<std::uint16_t>(values.begin(), values.end()));
   }
   image::ScaledTable put_scaled(const ScaledTable& table) {
@@ -282,8 +282,7 @@ class ImageWriter {
     std::memcpy(_bytes.data(), &_header, sizeof _header);
     const auto copy = aligned();
     const auto* words = reinterpret_cast<const std::uint32_t*>(copy.data());
-    _header.checksum =
-        image::checksum(words + image::n_unchecked_words, _bytes.size() / 4 - image::n_unchecked_words);
+    _header.checksum = image::checksum(words + image::n_unchecked_words, _bytes.size() / 4 - image::n_unchecked_words);
     std::memcpy(_bytes.data(), &_header, sizeof _header);
   }
   std::vector<std::uint64_t> aligned() const {
@@ -306,8 +305,7 @@ class ImageWriter {
 }  // namespace
 
 ModelImage model_image(const Model& model, const ImageOptions& options) {
-  return options.floats ? ImageWriter<float>(model, options).write()
-                        : ImageWriter<double>(model, options).write();
+  return options.floats ? ImageWriter<float>(model, options).write() : ImageWriter<double>(model, options).write();
 }
 
 }  // namespace phynness

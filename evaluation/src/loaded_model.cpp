@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <phynness/formats/error.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/formats/error.hpp>
 
 namespace phynness {
 namespace {
@@ -63,8 +63,8 @@ void LoadedModel::check(int status, std::int32_t node) const {
   }
   throw input_error("the runtime refuses the request",
                     phn_status_message(status) + std::string(" (node ") + std::to_string(node) + ")",
-                    "touch different active nodes of the mesh, 0 to " +
-                        std::to_string(_mesh.n_nodes() - 1) + ", with finite displacements");
+                    "touch different active nodes of the mesh, 0 to " + std::to_string(_mesh.n_nodes() - 1) +
+                        ", with finite displacements");
 }
 
 void LoadedModel::set_level(std::int32_t level) {
@@ -122,7 +122,9 @@ ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
     const std::int32_t n_fields = response.displacement_m.rows() > 0 ? _runtime.n_fields() : 0;
     if (n_fields > 0) response.fields.resize(_runtime.n_output(), n_fields);
     for (std::int32_t field = 0; field < n_fields; ++field)
-      check(_data.field(nodes[0], v, field, {response.fields.col(field).data(), static_cast<std::size_t>(_runtime.n_output())}), nodes[0]);
+      check(_data.field(nodes[0], v, field,
+                        {response.fields.col(field).data(), static_cast<std::size_t>(_runtime.n_output())}),
+            nodes[0]);
     if (has_energy) {
       response.energy_J = energy;
       return response;
@@ -149,9 +151,8 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
     throw input_error("too many tools to couple", std::to_string(n_tools),
                       "at most " + std::to_string(PHN_MOST_COUPLED));
   if (status == PHN_ERROR_UNDEFINED)
-    throw input_error(
-        "this model has forces only, or a touched node is no output node", "coupled tools",
-        "train it with modes and with all touched nodes among the output nodes, or touch single nodes");
+    throw input_error("this model has forces only, or a touched node is no output node", "coupled tools",
+                      "train it with modes and with all touched nodes among the output nodes, or touch single nodes");
   const auto all_fixed = _runtime.fixed_nodes();
   for (const auto& tool : tools)
     for (int k = 0; k < 3 && status == PHN_ERROR_NOT_ACTIVE; ++k) {
@@ -159,8 +160,7 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
       if (tool.weights[k] > 0 && !fixed) force(tool.nodes[k], {0, 0, 0});  // refuses inactive nodes by number
     }
   if (status == PHN_ERROR_NOT_ACTIVE)
-    throw input_error("a tool holds nothing but fixed nodes", "",
-                      "touch a part of the surface that can move");
+    throw input_error("a tool holds nothing but fixed nodes", "", "touch a part of the surface that can move");
   check(status, n_tools == 0 ? -1 : tools[0].nodes[0]);
   for (std::size_t t = 0; t < n_tools; ++t)
     response.force_N.emplace_back(Vec3{forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]});

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <chrono>
-#include <phynness/formats/error.hpp>
 #include <phynness/evaluation/runtime_speed.hpp>
+#include <phynness/formats/error.hpp>
 
 namespace phynness {
 namespace {
@@ -25,8 +25,7 @@ double median_us(int batches, int calls, const Call& call) {
 std::vector<phn_level_time> measure_levels(const LoadedModel& model) {
   std::vector<phn_level_time> times(static_cast<std::size_t>(model.runtime().n_levels()));
   const auto clock_us = [](void*) {
-    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
+    return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
   };
   const rt::Status status = model.data().calibrate(clock_us, nullptr, times);
   if (status != PHN_OK)

@@ -53,8 +53,7 @@ struct agreement {
   uint32_t other_bits;
 };
 
-static void compare(struct agreement* agreement, const double* runtime, const double* image,
-                    const real* got) {
+static void compare(struct agreement* agreement, const double* runtime, const double* image, const real* got) {
   for (int k = 0; k < 3; ++k) {
     agreement->largest = larger(agreement->largest, absolute(runtime[k]));
     agreement->difference = larger(agreement->difference, absolute(runtime[k] - (double)got[k]));
@@ -63,8 +62,7 @@ static void compare(struct agreement* agreement, const double* runtime, const do
 }
 
 static int agrees(const struct agreement* agreement, const char* what, double tolerance) {
-  const double size = agreement->largest > 0 ? agreement->largest : 1,
-               relative = agreement->difference / size;
+  const double size = agreement->largest > 0 ? agreement->largest : 1, relative = agreement->difference / size;
   board_print(what);
   report("_deviation_1e-9", (uint32_t)(1e9 * (relative < 4 ? relative : 4) + 0.5));
   board_print(what);

@@ -48,8 +48,8 @@ void ForceThread::follow(Vector3 position) {
   double force[3] = {}, stiffness[9] = {};
   const int status = phn_force(_model, _data, _node, d, force, nullptr, _has_stiffness ? stiffness : nullptr);
   _warnings += status > 0;
-  // Networks have no stiffness. With that at rest the balance is found as long as the tissue, where it is touched, is not
-  // more than twice as stiff as it and the coupling together.
+  // Networks have no stiffness. With that at rest the balance is found as long as the tissue, where it is touched, is
+  // not more than twice as stiff as it and the coupling together.
   if (!_has_stiffness || status < 0) std::copy(_rest_stiffness, _rest_stiffness + 9, stiffness);
   const double k = _settings.coupling_stiffness_N_per_m;
   const Vector3 unbalanced = k * (position - _tool) - Vector3{force[0], force[1], force[2]};

@@ -13,14 +13,14 @@ struct LoopSettings {
   double coupling_damping_Ns_per_m = 0.6;
   double largest_damping_Ns_per_m = 20;  ///< of the passivity controller
   bool passivity_controller = true;
-  long stale_cycles = 5;                 ///< older positions than this: no force
-  double largest_displacement_m = 0;     ///< the tool is stopped there, at what was trained
+  long stale_cycles = 5;              ///< older positions than this: no force
+  double largest_displacement_m = 0;  ///< the tool is stopped there, at what was trained
 };
 
 /// What the picture thread needs: small, copied.
 struct Touch {
-  Vector3 displacement;                           ///< of the tool; of the node that it holds, if it holds one
-  bool anywhere = false;                          ///< it touches through the surface, where `held` says
+  Vector3 displacement;   ///< of the tool; of the node that it holds, if it holds one
+  bool anywhere = false;  ///< it touches through the surface, where `held` says
   phn_tool held{{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
   long cycle = 0;
 };
@@ -32,7 +32,8 @@ class ForceThread {
   /// The tool is a sphere that touches the surface, and `touching` is used by this thread alone.
   ForceThread(const LoopSettings& settings, const phn_model* model, TouchingTool& touching);
 
-  /// @param position  of the device, m from where the tool touched, or in the frame of `touching`; taken in cycle `taken`
+  /// @param position  of the device, m from where the tool touched, or in the frame of `touching`; taken in cycle
+  /// `taken`
   /// @return force for the motors [N]; zero if the position is stale
   Vector3 step(Vector3 position, long taken, long cycle);
 

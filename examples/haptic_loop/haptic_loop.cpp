@@ -49,7 +49,8 @@ double number(const char* option, const char* text) {
   char* end = nullptr;
   const double value = text ? std::strtod(text, &end) : 0;
   if (!text || end == text || *end != 0 || !(value > 0) || value > 1e12)
-    throw std::invalid_argument(std::string(option) + " needs a positive number" + (text ? std::string(", not ") + text : ""));
+    throw std::invalid_argument(std::string(option) + " needs a positive number" +
+                                (text ? std::string(", not ") + text : ""));
   return value;
 }
 
@@ -103,7 +104,8 @@ Options parse(int argc, char** argv) {
     }
   }
   if (o.of_contact && !o.contact) throw std::invalid_argument("--radius and --friction are of a sphere: add --contact");
-  if (o.model_dir.empty() || o.node < 0) throw std::invalid_argument("a model directory and --node are needed (--help)");
+  if (o.model_dir.empty() || o.node < 0)
+    throw std::invalid_argument("a model directory and --node are needed (--help)");
   return o;
 }
 
@@ -129,7 +131,8 @@ class Model {
   phn_contact* make_contact() {
     std::size_t bytes = 0;
     const int status = phn_contact_size(_model, 1, &bytes);
-    if (status < 0) throw std::runtime_error(std::string("--contact: no triangle can be touched: ") + phn_status_message(status));
+    if (status < 0)
+      throw std::runtime_error(std::string("--contact: no triangle can be touched: ") + phn_status_message(status));
     _contact_memory.reset(new char[bytes]);
     phn_contact* contact = nullptr;
     check(phn_contact_init(_contact_memory.get(), bytes, _model, 1, &contact), "--contact");
@@ -266,8 +269,8 @@ void run(const Options& o) {
     std::printf("missed deadlines     %ld, of these %ld because of the computation\n", lateness.missed,
                 lateness.missed_by_us);
   }
-  std::printf("energy               %.3g mJ taken from the hand, at most %.3g mJ generated on the way\n", 1e3 * loop.work(),
-              1e3 * loop.most_generated());
+  std::printf("energy               %.3g mJ taken from the hand, at most %.3g mJ generated on the way\n",
+              1e3 * loop.work(), 1e3 * loop.most_generated());
   std::printf("force                largest %.3g N; zero for %ld cycles with stale positions\n", largest_force,
               loop.stale_cycles());
   if (touching)

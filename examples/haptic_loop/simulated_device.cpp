@@ -45,8 +45,7 @@ void SimulatedDevice::hold(Vector3 force, bool stalled) {
     const Vector3 wanted = before + (i * dt) * wanted_velocity;
     const Vector3 hand = _settings.hand_stiffness_N_per_m * (wanted - _position) +
                          _settings.hand_damping_Ns_per_m * (wanted_velocity - _velocity);
-    _velocity = _velocity +
-                (dt / _settings.mass_kg) * (hand + force - _settings.friction_Ns_per_m * _velocity);
+    _velocity = _velocity + (dt / _settings.mass_kg) * (hand + force - _settings.friction_Ns_per_m * _velocity);
     _position = _position + dt * _velocity;
   }
   ++_cycle;

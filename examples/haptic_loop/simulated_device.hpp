@@ -1,5 +1,6 @@
-// A hand that holds a haptic device, as an engineer's test bench has it: the hand is a spring and a damper towards where
-// it wants to be, the device a mass with friction. It measures its position in steps, and what is read is one sample old.
+// A hand that holds a haptic device, as an engineer's test bench has it: the hand is a spring and a damper towards
+// where it wants to be, the device a mass with friction. It measures its position in steps, and what is read is one
+// sample old.
 #pragma once
 
 #include <string>
@@ -31,7 +32,8 @@ class HandMotion {
 
 class SimulatedDevice {
  public:
-  SimulatedDevice(const DeviceSettings& settings, HandMotion motion) : _settings(settings), _motion(std::move(motion)) {}
+  SimulatedDevice(const DeviceSettings& settings, HandMotion motion)
+      : _settings(settings), _motion(std::move(motion)) {}
 
   struct Sample {
     Vector3 position;  ///< m from where the tool touched

@@ -6,9 +6,7 @@
 
 namespace {
 
-Vector3 cross(Vector3 a, Vector3 b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
+Vector3 cross(Vector3 a, Vector3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 
 /// Of the surface's vertices: output nodes, then fixed ones.
 Vector3 point_of(const phn_info& model, int32_t vertex) {
@@ -34,7 +32,8 @@ TouchingTool::TouchingTool(const TouchingSettings& settings, const phn_model* of
     normal = normal + cross(point_of(model, corner[1]) - a, point_of(model, corner[2]) - a);
   }
   if (vertex == model.n_output || !(length(normal) > 0))
-    throw std::invalid_argument("node " + std::to_string(node) + " is no corner of the surface: --contact begins above one");
+    throw std::invalid_argument("node " + std::to_string(node) +
+                                " is no corner of the surface: --contact begins above one");
   _axis[2] = (1 / length(normal)) * normal;
   const Vector3 aside = std::abs(_axis[2].x) < 0.7 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
   const Vector3 along = aside - dot(aside, _axis[2]) * _axis[2];

@@ -10,16 +10,17 @@ struct TouchingSettings {
   double clearance_m = 0.001;  ///< between sphere and surface where the device's position is 0
 };
 
-/// The device's frame: x and y along the surface at a node, z outward. Its origin: where the sphere is the clearance above
-/// that node.
+/// The device's frame: x and y along the surface at a node, z outward. Its origin: where the sphere is the clearance
+/// above that node.
 class TouchingTool {
  public:
   /// @param contact  of one tool
   /// @throws std::invalid_argument  the node is not a corner of a triangle
-  TouchingTool(const TouchingSettings& settings, const phn_model* model, phn_data* data, phn_contact* contact, int32_t node);
+  TouchingTool(const TouchingSettings& settings, const phn_model* model, phn_data* data, phn_contact* contact,
+               int32_t node);
 
-  /// One step of the balance of a coupling [N/m] from the device to the sphere, whose centre is at `tool`, with what that
-  /// touches. @param deepest  of the touched point [m], 0: none
+  /// One step of the balance of a coupling [N/m] from the device to the sphere, whose centre is at `tool`, with what
+  /// that touches. @param deepest  of the touched point [m], 0: none
   /// @return the sphere's centre after it
   Vector3 follow(Vector3 position, Vector3 tool, double coupling, double deepest);
 

@@ -76,8 +76,7 @@ int main(int argc, char** argv) {
 
   double largest = 0;
   for (int32_t i = 0; i < info.n_output; ++i) {
-    largest =
-        fmax(largest, sqrt(u[3 * i] * u[3 * i] + u[3 * i + 1] * u[3 * i + 1] + u[3 * i + 2] * u[3 * i + 2]));
+    largest = fmax(largest, sqrt(u[3 * i] * u[3 * i] + u[3 * i + 1] * u[3 * i + 1] + u[3 * i + 2] * u[3 * i + 2]));
   }
   printf("to hold it:      %9.5f %9.5f %9.5f N\n", force[0], force[1], force[2]);
   printf("to be rendered:  %9.5f %9.5f %9.5f N\n", -force[0], -force[1], -force[2]);

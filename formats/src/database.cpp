@@ -54,8 +54,7 @@ struct Database::Impl {
   }
   template <class T>
   std::vector<T> of_all(const char* name) const {
-    return file.read<T>(name,
-                        {header.sets.active.size(), header.directions.size(), header.magnitudes_m.size()});
+    return file.read<T>(name, {header.sets.active.size(), header.directions.size(), header.magnitudes_m.size()});
   }
   void check_shapes() const;
   void check_mirror() const;
@@ -72,8 +71,8 @@ void Database::Impl::check_shapes() const {
     expected.insert(expected.end(), tail.begin(), tail.end());
     file.require_shape(name, expected);
   };
-  for (const char* name : {path::status, path::energy, path::negative_pivots, path::iterations,
-                           path::cutbacks, path::min_jacobian, path::seconds})
+  for (const char* name : {path::status, path::energy, path::negative_pivots, path::iterations, path::cutbacks,
+                           path::min_jacobian, path::seconds})
     check(name, {});
   check(path::force, {3});
   if (header.tangents) check(path::tangent, {3, 3});
@@ -90,17 +89,16 @@ void Database::Impl::check_mirror() const {
   for (std::int64_t ray = 0; ray < n; ++ray) {
     const std::int64_t source = solved_as[static_cast<std::size_t>(ray)];
     if (source < 0 || source >= n || solved_as[static_cast<std::size_t>(source)] != source)
-      throw input_error("the database " + file.path().string() + ": " + path::solved_as +
-                            " must name rays that were solved",
-                        "that of ray " + std::to_string(ray) + " is " + std::to_string(source),
-                        hdf5::damaged);
+      throw input_error(
+          "the database " + file.path().string() + ": " + path::solved_as + " must name rays that were solved",
+          "that of ray " + std::to_string(ray) + " is " + std::to_string(source), hdf5::damaged);
   }
 }
 
 void Database::Impl::refuse_damaged(const std::string& defect, const std::string& whose) const {
   if (!defect.empty())
-    throw input_error("the database " + file.path().string() + " holds a number that cannot be, of " + whose,
-                      defect, hdf5::damaged);
+    throw input_error("the database " + file.path().string() + " holds a number that cannot be, of " + whose, defect,
+                      hdf5::damaged);
 }
 
 StateFigures Database::Impl::figures() const {
@@ -116,9 +114,7 @@ Database::~Database() = default;
 Database::Database(Database&&) noexcept = default;
 Database& Database::operator=(Database&&) noexcept = default;
 
-bool Database::is_complete(const std::filesystem::path& file) {
-  return layout::read_complete(hdf5::File::open(file));
-}
+bool Database::is_complete(const std::filesystem::path& file) { return layout::read_complete(hdf5::File::open(file)); }
 
 Database Database::open(const std::filesystem::path& file) {
   auto opened = hdf5::File::open(file);
@@ -129,10 +125,10 @@ Database Database::open(const std::filesystem::path& file) {
       throw input_error("the file " + file.string() + " is a shard of a database", progress.shard->str(),
                         "make one database of all shards with: phynness merge SHARD... -o " +
                             database_of(file, *progress.shard).string());
-    throw input_error("the database " + file.string() + " is unfinished",
-                      std::to_string(progress.rays_logged) + " of " + std::to_string(progress.rays_total) +
-                          " rays are solved",
-                      "finish it with: phynness precompute SCENE -o " + file.string() + " --resume");
+    throw input_error(
+        "the database " + file.string() + " is unfinished",
+        std::to_string(progress.rays_logged) + " of " + std::to_string(progress.rays_total) + " rays are solved",
+        "finish it with: phynness precompute SCENE -o " + file.string() + " --resume");
   }
   auto header = layout::read_header(opened);
   auto impl = std::make_unique<Impl>(Impl{std::move(opened), std::move(header)});
@@ -160,8 +156,7 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
   const auto status = _impl->of_node<std::int8_t>(path::status, active);
   const auto force = _impl->of_node<double>(path::force, active, 3);
   const auto energy = _impl->of_node<double>(path::energy, active);
-  const auto tangent =
-      header.tangents ? _impl->of_node<double>(path::tangent, active, 9) : std::vector<double>{};
+  const auto tangent = header.tangents ? _impl->of_node<double>(path::tangent, active, 9) : std::vector<double>{};
   const auto pivots = _impl->of_node<std::int32_t>(path::negative_pivots, active);
   const auto iterations = _impl->of_node<std::int32_t>(path::iterations, active);
   const auto cutbacks = _impl->of_node<std::int32_t>(path::cutbacks, active);
@@ -171,8 +166,7 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
 
   std::vector<std::vector<double>> fields;
   for (const auto field : header.fields)
-    fields.push_back(
-        _impl->of_node<double>(layout::path_of(field).c_str(), active, header.sets.output.size()));
+    fields.push_back(_impl->of_node<double>(layout::path_of(field).c_str(), active, header.sets.output.size()));
 
   const std::size_t n = header.magnitudes_m.size();
   std::vector<Ray> rays(header.directions.size());

@@ -50,15 +50,13 @@ class HeaderChecks {
 
  private:
   void require(bool good, const char* what) const {
-    if (!good)
-      throw input_error(_where + " needs " + what, "none", "check the selections and the probe of the scene");
+    if (!good) throw input_error(_where + " needs " + what, "none", "check the selections and the probe of the scene");
   }
-  [[noreturn]] void refuse(const std::string& dataset, const std::string& what,
-                           const std::string& value) const {
+  [[noreturn]] void refuse(const std::string& dataset, const std::string& what, const std::string& value) const {
     throw input_error(_where + ": " + dataset + " " + what, value, remedy);
   }
-  [[noreturn]] void refuse_entry(const std::string& dataset, const std::string& what,
-                                 const std::string& entry, const std::string& value) const {
+  [[noreturn]] void refuse_entry(const std::string& dataset, const std::string& what, const std::string& entry,
+                                 const std::string& value) const {
     refuse(dataset, what, "entry [" + entry + "] is " + value);
   }
 
@@ -73,10 +71,9 @@ class HeaderChecks {
     for (Eigen::Index i = 0; i < corners.rows(); ++i)
       for (Eigen::Index k = 0; k < corners.cols(); ++k)
         if (corners(i, k) < 0 || corners(i, k) >= _header.mesh.n_nodes())
-          refuse_entry(
-              dataset, "holds a node that the mesh does not have",
-              std::to_string(i) + ", " + std::to_string(k),
-              std::to_string(corners(i, k)) + " of " + std::to_string(_header.mesh.n_nodes()) + " nodes");
+          refuse_entry(dataset, "holds a node that the mesh does not have",
+                       std::to_string(i) + ", " + std::to_string(k),
+                       std::to_string(corners(i, k)) + " of " + std::to_string(_header.mesh.n_nodes()) + " nodes");
   }
 
   void check_mesh() const {
@@ -126,8 +123,7 @@ class HeaderChecks {
     for (std::int32_t i = 0; i < n; ++i) {
       const auto image = mirror.image[static_cast<std::size_t>(i)];
       if (image < 0 || image >= n || mirror.image[static_cast<std::size_t>(image)] != i)
-        refuse_entry(path::mirror_image, "must pair the nodes of the mesh", std::to_string(i),
-                     std::to_string(image));
+        refuse_entry(path::mirror_image, "must pair the nodes of the mesh", std::to_string(i), std::to_string(image));
     }
     const double length = Eigen::Vector3d::Map(mirror.normal.data()).squaredNorm();
     if (!(std::abs(length - 1) < normal_rounding))
@@ -146,10 +142,9 @@ class HeaderChecks {
     for (std::size_t i = 0; i < _header.magnitudes_m.size(); ++i) {
       const double magnitude = _header.magnitudes_m[i];
       if (!(magnitude > before) || !(magnitude <= most))
-        refuse_entry(
-            path::magnitudes,
-            "must be positive, ascending, and at most 100 diagonals of the body, " + text(most) + " m",
-            std::to_string(i), text(magnitude));
+        refuse_entry(path::magnitudes,
+                     "must be positive, ascending, and at most 100 diagonals of the body, " + text(most) + " m",
+                     std::to_string(i), text(magnitude));
       before = magnitude;
     }
   }
@@ -164,8 +159,7 @@ class HeaderChecks {
              std::to_string(_header.sets.active.size()) + " x " + std::to_string(_header.directions.size()));
     const auto bytes = database_log::Layout(_header).payload_bytes();
     if (bytes > std::numeric_limits<std::uint32_t>::max())
-      refuse(path::output, "times the increments make a ray too large to be logged",
-             std::to_string(bytes) + " bytes");
+      refuse(path::output, "times the increments make a ray too large to be logged", std::to_string(bytes) + " bytes");
   }
 
   const DatabaseHeader& _header;
@@ -174,9 +168,7 @@ class HeaderChecks {
 
 }  // namespace
 
-void check_header(const DatabaseHeader& header, const std::string& where) {
-  HeaderChecks(header, where).run();
-}
+void check_header(const DatabaseHeader& header, const std::string& where) { HeaderChecks(header, where).run(); }
 
 double largest_displacement(const Mesh& mesh) {
   constexpr double diagonals = 100;

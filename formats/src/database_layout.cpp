@@ -15,25 +15,23 @@ namespace {
 const char* const format_name = "phynness database";
 
 template <class T>
-void write_array(hdf5::File& file, const char* name, const hdf5::Shape& shape, const T* values,
-                 const char* unit, const char* description) {
+void write_array(hdf5::File& file, const char* name, const hdf5::Shape& shape, const T* values, const char* unit,
+                 const char* description) {
   // One chunk, so that it has a checksum.
   const bool empty = std::find(shape.begin(), shape.end(), hsize_t{0}) != shape.end();
   file.create_dataset(name, hdf5::Type<T>::stored(), shape, empty ? hdf5::Shape{} : shape, unit, description);
   if (!empty) file.write(name, values);
 }
 
-void write_set(hdf5::File& file, const char* name, const std::vector<std::int32_t>& nodes,
-               const char* description) {
+void write_set(hdf5::File& file, const char* name, const std::vector<std::int32_t>& nodes, const char* description) {
   write_array(file, name, {nodes.size()}, nodes.data(), "1", description);
 }
 
 /// Nodes, cells and so on are counted by 32-bit numbers.
 void check_rows(const hdf5::File& file, const std::string& name, hsize_t rows) {
   if (rows > static_cast<hsize_t>(std::numeric_limits<std::int32_t>::max()))
-    throw input_error(
-        "cannot read the database " + file.path().string() + ": " + name + " has too many entries",
-        std::to_string(rows), hdf5::damaged);
+    throw input_error("cannot read the database " + file.path().string() + ": " + name + " has too many entries",
+                      std::to_string(rows), hdf5::damaged);
 }
 
 template <class T>
@@ -56,8 +54,8 @@ std::vector<T> read_rows(const hdf5::File& file, const char* name, hsize_t colum
 bool read_flag(const hdf5::File& file, const char* object, const char* name) {
   const auto value = file.read_int_attribute(object, name);
   if (value != 0 && value != 1)
-    throw input_error("cannot read the database " + file.path().string() + ": attribute " + name + " of " +
-                          object + " is neither 0 nor 1",
+    throw input_error("cannot read the database " + file.path().string() + ": attribute " + name + " of " + object +
+                          " is neither 0 nor 1",
                       std::to_string(value), hdf5::damaged);
   return value == 1;
 }
@@ -88,8 +86,8 @@ std::vector<Field> fields_of(const std::string& text) {
   for (std::string word; words >> word;) {
     const auto field = field_named(word);
     if (!field || (!fields.empty() && *field <= fields.back()))
-      throw input_error("a database names fields that this program does not know, or not in their order",
-                        text, "use a newer phynness; if it is this one's, the file is damaged");
+      throw input_error("a database names fields that this program does not know, or not in their order", text,
+                        "use a newer phynness; if it is this one's, the file is damaged");
     fields.push_back(*field);
   }
   return fields;
@@ -122,10 +120,9 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   const Mesh& mesh = header.mesh;
   const auto rows = [](const auto& matrix) { return static_cast<hsize_t>(matrix.rows()); };
   file.create_group("/mesh");
-  write_array(file, path::nodes, {rows(mesh.nodes), 3}, mesh.nodes.data(), "m",
-              "reference positions of the nodes");
-  write_array(file, path::cells, {rows(mesh.cells), static_cast<hsize_t>(mesh.cells.cols())},
-              mesh.cells.data(), "1", "node numbers of each cell, 0-based, positively oriented");
+  write_array(file, path::nodes, {rows(mesh.nodes), 3}, mesh.nodes.data(), "m", "reference positions of the nodes");
+  write_array(file, path::cells, {rows(mesh.cells), static_cast<hsize_t>(mesh.cells.cols())}, mesh.cells.data(), "1",
+              "node numbers of each cell, 0-based, positively oriented");
   write_array(file, path::surface, {rows(mesh.surface), 3}, mesh.surface.data(), "1",
               "node numbers of each boundary triangle, normal outward");
   file.create_group(path::groups);
@@ -163,10 +160,9 @@ bool read_complete(const hdf5::File& file) {
                       "give a file written by phynness precompute");
   const auto version = file.read_int_attribute("/", "format_version");
   if (version != format_version)
-    throw input_error(
-        "the database " + file.path().string() + " has a format version that this program does not read",
-        std::to_string(version) + " instead of " + std::to_string(format_version),
-        version > format_version ? "use a newer phynness" : "compute it again with this phynness");
+    throw input_error("the database " + file.path().string() + " has a format version that this program does not read",
+                      std::to_string(version) + " instead of " + std::to_string(format_version),
+                      version > format_version ? "use a newer phynness" : "compute it again with this phynness");
   return read_flag(file, "/", "complete");
 }
 
@@ -183,8 +179,7 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.scene_folder = file.read_text_attribute("/", "scene_folder");
   header.scene_text = file.read_text(path::scene);
   if (file.has_attribute("/", "shard_index"))
-    header.shard =
-        Shard{file.read_int_attribute("/", "shard_index"), file.read_int_attribute("/", "shard_count")};
+    header.shard = Shard{file.read_int_attribute("/", "shard_index"), file.read_int_attribute("/", "shard_count")};
 
   hsize_t rows = 0;
   const auto nodes = read_rows<double>(file, path::nodes, 3, rows);
@@ -192,8 +187,8 @@ DatabaseHeader read_header(const hdf5::File& file) {
   const auto cell_shape = file.shape(path::cells);
   const hsize_t columns = cell_shape.size() == 2 ? cell_shape[1] : 0;
   const auto cells = read_rows<std::int32_t>(file, path::cells, columns, rows);
-  header.mesh.cells = Eigen::Map<const Cells>(cells.data(), static_cast<Eigen::Index>(rows),
-                                              static_cast<Eigen::Index>(columns));
+  header.mesh.cells =
+      Eigen::Map<const Cells>(cells.data(), static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
   const auto surface = read_rows<std::int32_t>(file, path::surface, 3, rows);
   header.mesh.surface = Eigen::Map<const Triangles>(surface.data(), static_cast<Eigen::Index>(rows), 3);
   for (int number = 0;; ++number) {
@@ -201,8 +196,8 @@ DatabaseHeader read_header(const hdf5::File& file) {
     if (!file.exists(name)) break;
     const auto group = file.read_text_attribute(name, "name");
     if (!header.mesh.groups.emplace(group, read_list<std::int32_t>(file, name)).second)
-      throw input_error("cannot read the database " + file.path().string() + ": two groups have one name",
-                        group, hdf5::damaged);
+      throw input_error("cannot read the database " + file.path().string() + ": two groups have one name", group,
+                        hdf5::damaged);
   }
 
   header.sets.fixed = read_list<std::int32_t>(file, path::fixed);
@@ -222,9 +217,8 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
 
   if (const auto hash = mesh_hash(header.mesh); hash != header.mesh_hash)
-    throw input_error(
-        "the mesh inside the database " + file.path().string() + " is not the one it was computed on",
-        "hash " + hash + " instead of " + header.mesh_hash, hdf5::damaged);
+    throw input_error("the mesh inside the database " + file.path().string() + " is not the one it was computed on",
+                      "hash " + hash + " instead of " + header.mesh_hash, hdf5::damaged);
   check_header(header, "the database " + file.path().string());
   return header;
 }
@@ -240,8 +234,7 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
   const hsize_t n_active = header.sets.active.size(), n_directions = header.directions.size();
   const hsize_t n_increments = header.magnitudes_m.size(), n_output = header.sets.output.size();
   const hsize_t nodes = nodes_per_chunk(header);
-  const auto add = [&](const char* name, hid_t type, hdf5::Shape tail, const char* unit,
-                       const char* description) {
+  const auto add = [&](const char* name, hid_t type, hdf5::Shape tail, const char* unit, const char* description) {
     hdf5::Shape shape{n_active, n_directions, n_increments}, chunk{nodes, n_directions, n_increments};
     shape.insert(shape.end(), tail.begin(), tail.end());
     chunk.insert(chunk.end(), tail.begin(), tail.end());
@@ -254,8 +247,7 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
   add(path::force, f64, {3}, "N", "force that must be applied at the probe to hold the displacement");
   add(path::energy, f64, {}, "J", "stored strain energy");
   if (header.tangents) add(path::tangent, f64, {3, 3}, "N/m", "condensed tangent dF/dd, row F and column d");
-  add(path::negative_pivots, i32, {}, "1",
-      "negative pivots of the tangent beyond those of the pressure; 0 is stable");
+  add(path::negative_pivots, i32, {}, "1", "negative pivots of the tangent beyond those of the pressure; 0 is stable");
   add(path::iterations, i32, {}, "1", "Newton iterations, those of cut-back attempts included");
   add(path::cutbacks, i32, {}, "1", "times the step was halved");
   add(path::min_jacobian, f64, {}, "1", "smallest J over all quadrature points");
@@ -268,9 +260,8 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
         const auto& source = mirrored.source(a, d);
         solved_as.push_back(source.active * static_cast<std::int32_t>(n_directions) + source.direction);
       }
-    write_array(
-        file, path::solved_as, {n_active, n_directions}, solved_as.data(), "1",
-        "active * D + direction of the ray that was solved, of which this one is the mirror image or itself");
+    write_array(file, path::solved_as, {n_active, n_directions}, solved_as.data(), "1",
+                "active * D + direction of the ray that was solved, of which this one is the mirror image or itself");
   }
 
   std::vector<std::int8_t> values;
@@ -289,15 +280,14 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
   const hsize_t per_direction = n_increments * n_output * 3 * scalar;
   const hsize_t together = std::clamp<hsize_t>(chunk_bytes / per_direction, 1, n_directions);
   file.create_dataset(path::displacement, header.float64 ? f64 : hdf5::Type<float>::stored(),
-                      {n_active, n_directions, n_increments, n_output, 3},
-                      {1, together, n_increments, n_output, 3}, "m", "displacement of the output nodes");
+                      {n_active, n_directions, n_increments, n_output, 3}, {1, together, n_increments, n_output, 3},
+                      "m", "displacement of the output nodes");
   if (header.fields.empty()) return;
   file.create_group(path::fields);
   const hsize_t field_rays =
       std::clamp<hsize_t>(chunk_bytes / (n_increments * n_output * sizeof(float)), 1, n_directions);
   for (const auto field : header.fields)
-    file.create_dataset(path_of(field), hdf5::Type<float>::stored(),
-                        {n_active, n_directions, n_increments, n_output},
+    file.create_dataset(path_of(field), hdf5::Type<float>::stored(), {n_active, n_directions, n_increments, n_output},
                         {1, field_rays, n_increments, n_output}, unit(field),
                         std::string(description(field)) + ", at the output nodes");
 }

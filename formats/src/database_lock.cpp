@@ -32,8 +32,8 @@ std::string read_name(const Descriptor& lock, const std::filesystem::path& path)
 bool is_still(const Descriptor& lock, const std::filesystem::path& path) {
   struct stat opened {
   }, named{};
-  return ::fstat(lock.get(), &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
-         opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+  return ::fstat(lock.get(), &opened) == 0 && ::stat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
+         opened.st_dev == named.st_dev;
 }
 
 }  // namespace

@@ -9,8 +9,7 @@
 namespace phynness::database_log {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "logs are little-endian; this host needs byte swaps");
+static_assert(std::endian::native == std::endian::little, "logs are little-endian; this host needs byte swaps");
 
 constexpr std::size_t hash_bytes = 16;
 
@@ -66,8 +65,7 @@ std::size_t Layout::payload_bytes() const {
   return 2 * sizeof(std::int32_t) + static_cast<std::size_t>(n_increments) * per_increment;
 }
 
-std::uint64_t record_checksum(const std::vector<unsigned char>& opening, const unsigned char* bytes,
-                              std::size_t n) {
+std::uint64_t record_checksum(const std::vector<unsigned char>& opening, const unsigned char* bytes, std::size_t n) {
   Fnv1a64 hash;
   hash.add(opening.data(), opening.size());
   hash.add(bytes, n);
@@ -93,20 +91,17 @@ std::vector<unsigned char> encode_opening(const DatabaseHeader& header) {
   return bytes.take();
 }
 
-std::vector<unsigned char> encode(const Ray& ray, const Layout& layout,
-                                  const std::vector<unsigned char>& opening) {
+std::vector<unsigned char> encode(const Ray& ray, const Layout& layout, const std::vector<unsigned char>& opening) {
   const auto n = static_cast<std::size_t>(layout.n_increments);
-  const bool fits = ray.active >= 0 && ray.active < layout.n_active && ray.direction >= 0 &&
-                    ray.direction < layout.n_directions && ray.status.size() == n &&
-                    ray.force.size() == 3 * n && ray.energy.size() == n &&
-                    ray.tangent.size() == (layout.tangents ? 9 * n : 0) && ray.negative_pivots.size() == n &&
-                    ray.iterations.size() == n && ray.cutbacks.size() == n && ray.min_jacobian.size() == n &&
-                    ray.seconds.size() == n &&
-                    ray.displacement.size() == 3 * n * static_cast<std::size_t>(layout.n_output) &&
-                    ray.fields.size() == layout.fields.size() &&
-                    std::all_of(ray.fields.begin(), ray.fields.end(), [&](const auto& values) {
-                      return values.size() == n * static_cast<std::size_t>(layout.n_output);
-                    });
+  const bool fits =
+      ray.active >= 0 && ray.active < layout.n_active && ray.direction >= 0 && ray.direction < layout.n_directions &&
+      ray.status.size() == n && ray.force.size() == 3 * n && ray.energy.size() == n &&
+      ray.tangent.size() == (layout.tangents ? 9 * n : 0) && ray.negative_pivots.size() == n &&
+      ray.iterations.size() == n && ray.cutbacks.size() == n && ray.min_jacobian.size() == n &&
+      ray.seconds.size() == n && ray.displacement.size() == 3 * n * static_cast<std::size_t>(layout.n_output) &&
+      ray.fields.size() == layout.fields.size() &&
+      std::all_of(ray.fields.begin(), ray.fields.end(),
+                  [&](const auto& values) { return values.size() == n * static_cast<std::size_t>(layout.n_output); });
   if (!fits)
     throw failure("a ray does not fit its database",
                   "active " + std::to_string(ray.active) + ", direction " + std::to_string(ray.direction),
@@ -118,10 +113,8 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout,
   bytes.put(ray.active);
   bytes.put(ray.direction);
   bytes.put(ray.status.data(), n);
-  for (const auto* values : {&ray.force, &ray.energy, &ray.tangent})
-    bytes.put(values->data(), values->size());
-  for (const auto* values : {&ray.negative_pivots, &ray.iterations, &ray.cutbacks})
-    bytes.put(values->data(), n);
+  for (const auto* values : {&ray.force, &ray.energy, &ray.tangent}) bytes.put(values->data(), values->size());
+  for (const auto* values : {&ray.negative_pivots, &ray.iterations, &ray.cutbacks}) bytes.put(values->data(), n);
   for (const auto* values : {&ray.min_jacobian, &ray.seconds}) bytes.put(values->data(), n);
   if (layout.float64) {
     bytes.put(ray.displacement.data(), ray.displacement.size());

@@ -37,12 +37,10 @@ std::vector<unsigned char> encode_opening(const DatabaseHeader& header);
 /// One record: magic, length, payload, checksum.
 /// @param opening  of the log that the record goes to
 /// @throws Error (failure) if the ray's arrays do not have the database's sizes
-std::vector<unsigned char> encode(const Ray& ray, const Layout& layout,
-                                  const std::vector<unsigned char>& opening);
+std::vector<unsigned char> encode(const Ray& ray, const Layout& layout, const std::vector<unsigned char>& opening);
 /// Over the opening and the record, so that a record says which work it belongs to even where the opening of
 /// its log is damaged.
-std::uint64_t record_checksum(const std::vector<unsigned char>& opening, const unsigned char* bytes,
-                              std::size_t n);
+std::uint64_t record_checksum(const std::vector<unsigned char>& opening, const unsigned char* bytes, std::size_t n);
 /// @pre `payload` has layout.payload_bytes() bytes
 Ray decode(const unsigned char* payload, const Layout& layout);
 

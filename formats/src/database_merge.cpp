@@ -63,9 +63,8 @@ MergeReport merge_shards(const std::vector<fs::path>& shards, const fs::path& ou
   for (const auto& [active, direction] : missing_rays(records, mirrored)) {
     MissingRay ray{header.sets.active[static_cast<std::size_t>(active)], direction, {}};
     if (partition)
-      ray.owner =
-          Shard{owners[static_cast<std::size_t>(active) * n_directions + static_cast<std::size_t>(direction)],
-                partition->count};
+      ray.owner = Shard{owners[static_cast<std::size_t>(active) * n_directions + static_cast<std::size_t>(direction)],
+                        partition->count};
     report.missing.push_back(ray);
   }
   if (report.missing.empty()) write_packed(output, header, index, records, mirrored);

@@ -15,20 +15,18 @@ inline bool is_missing(const database_log::Entry& entry) { return entry.log < 0;
 
 /// For each ray, [active][direction] flattened, the first whole record of the ray that is solved in its place
 /// (itself, if it is no mirror image), or one that is_missing().
-std::vector<database_log::Entry> one_record_per_ray(const database_log::Index& index,
-                                                    const DatabaseHeader& header,
+std::vector<database_log::Entry> one_record_per_ray(const database_log::Index& index, const DatabaseHeader& header,
                                                     const MirroredRays& mirrored);
 
 /// (active, direction) of the rays that are to be solved and have no record, in the database's order.
 /// @param records  of one_record_per_ray
-std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(
-    const std::vector<database_log::Entry>& records, const MirroredRays& mirrored);
+std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vector<database_log::Entry>& records,
+                                                                const MirroredRays& mirrored);
 
 /// Writes FILE.packing, forces it to the disk and renames it to FILE; nothing stays behind if that fails.
 /// @pre no record is missing
 /// @throws Error
-void write_packed(const std::filesystem::path& file, const DatabaseHeader& header,
-                  const database_log::Index& index, const std::vector<database_log::Entry>& records,
-                  const MirroredRays& mirrored);
+void write_packed(const std::filesystem::path& file, const DatabaseHeader& header, const database_log::Index& index,
+                  const std::vector<database_log::Entry>& records, const MirroredRays& mirrored);
 
 }  // namespace phynness

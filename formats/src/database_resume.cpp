@@ -20,10 +20,8 @@ std::map<std::string, std::string> summary_of(const DatabaseHeader& header) {
 }
 
 /// One line per key that differs.
-std::string differences(const DatabaseHeader& on_disk, const DatabaseHeader& wanted,
-                        const std::string& other) {
-  const std::string hashes =
-      "physics " + on_disk.physics_hash + " in the file, " + wanted.physics_hash + " " + other;
+std::string differences(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::string& other) {
+  const std::string hashes = "physics " + on_disk.physics_hash + " in the file, " + wanted.physics_hash + " " + other;
   std::map<std::string, std::string> then, now;
   try {
     then = summary_of(on_disk);
@@ -40,8 +38,7 @@ std::string differences(const DatabaseHeader& on_disk, const DatabaseHeader& wan
   std::string text;
   for (const auto& [key, ignored] : keys) {
     const auto old_value = value(then, key), new_value = value(now, key);
-    if (old_value != new_value)
-      text += "\n  " + key + ": " + old_value + " in the file, " + new_value + " " + other;
+    if (old_value != new_value) text += "\n  " + key + ": " + old_value + " in the file, " + new_value + " " + other;
   }
   return text.empty() ? hashes : text;
 }
@@ -53,8 +50,7 @@ std::string count_of(const Mesh& mesh) {
 std::string text(const std::optional<MirrorSymmetry>& mirror) {
   if (!mirror) return "none";
   std::int64_t on_plane = 0;
-  for (std::size_t i = 0; i < mirror->image.size(); ++i)
-    on_plane += static_cast<std::size_t>(mirror->image[i]) == i;
+  for (std::size_t i = 0; i < mirror->image.size(); ++i) on_plane += static_cast<std::size_t>(mirror->image[i]) == i;
   std::ostringstream out;
   out.imbue(std::locale::classic());
   out << "normal " << mirror->normal[0] << " " << mirror->normal[1] << " " << mirror->normal[2]
@@ -74,9 +70,8 @@ std::string text(const std::vector<Field>& fields) {
 
 }  // namespace
 
-void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted,
-                       const std::filesystem::path& file, const std::string& other,
-                       const std::string& remedy) {
+void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file,
+                       const std::string& other, const std::string& remedy) {
   const std::string name = "the database " + file.string();
   const auto both = [&](const std::string& then, const std::string& now) {
     return then + " in the file, " + now + " " + other;
@@ -84,10 +79,10 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
   if (on_disk.physics_hash != wanted.physics_hash)
     throw input_error(name + " was begun with another physics", differences(on_disk, wanted, other), remedy);
   if (on_disk.mesh_hash != wanted.mesh_hash)
-    throw input_error(name + " was begun on another mesh",
-                      both(count_of(on_disk.mesh) + "hash " + on_disk.mesh_hash,
-                           count_of(wanted.mesh) + "hash " + wanted.mesh_hash),
-                      "use the mesh it was begun on (a remesh is another mesh), or write to another file");
+    throw input_error(
+        name + " was begun on another mesh",
+        both(count_of(on_disk.mesh) + "hash " + on_disk.mesh_hash, count_of(wanted.mesh) + "hash " + wanted.mesh_hash),
+        "use the mesh it was begun on (a remesh is another mesh), or write to another file");
   const auto require_same = [&](const auto& then, const auto& now, const char* what) {
     if (then != now)
       throw input_error(name + " was begun with other " + what,
@@ -110,11 +105,10 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
                       both(on_disk.tangents ? "true" : "false", wanted.tangents ? "true" : "false"), remedy);
   if (on_disk.float64 != wanted.float64)
     throw input_error(name + " was begun with another [database] displacement_precision",
-                      both(on_disk.float64 ? "float64" : "float32", wanted.float64 ? "float64" : "float32"),
-                      remedy);
+                      both(on_disk.float64 ? "float64" : "float32", wanted.float64 ? "float64" : "float32"), remedy);
   if (on_disk.fields != wanted.fields)
-    throw input_error(name + " was begun with other [database] fields",
-                      both(text(on_disk.fields), text(wanted.fields)), remedy);
+    throw input_error(name + " was begun with other [database] fields", both(text(on_disk.fields), text(wanted.fields)),
+                      remedy);
 }
 
 }  // namespace phynness

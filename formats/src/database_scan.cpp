@@ -67,10 +67,9 @@ class LogScan {
       return first;
     }
     if (!std::equal(log_magic.begin(), log_magic.end(), found.begin()))
-      throw input_error(
-          "the log has a format version that this program does not read", _path.string(),
-          "finish the database with the phynness that began it, or delete this log to solve its "
-          "rays again");
+      throw input_error("the log has a format version that this program does not read", _path.string(),
+                        "finish the database with the phynness that began it, or delete this log to solve its "
+                        "rays again");
     throw input_error("the log belongs to another scene or mesh than the database", _path.string(),
                       "restore the scene that it was made with, or delete this log to solve its rays again");
   }
@@ -81,8 +80,7 @@ class LogScan {
     const std::size_t checked = _record.size() - checksum_bytes;
     if (!std::equal(record_magic.begin(), record_magic.end(), _record.begin()) ||
         value_at<std::uint32_t>(_record.data() + record_magic.size()) != _layout.payload_bytes() ||
-        value_at<std::uint64_t>(_record.data() + checked) !=
-            record_checksum(_opening, _record.data(), checked))
+        value_at<std::uint64_t>(_record.data() + checked) != record_checksum(_opening, _record.data(), checked))
       return "corrupted record";
     const auto active = value_at<std::int32_t>(_record.data() + prefix_bytes);
     const auto direction = value_at<std::int32_t>(_record.data() + prefix_bytes + sizeof(std::int32_t));
@@ -138,8 +136,7 @@ std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file) {
   std::error_code code;
   if (!std::filesystem::is_directory(dir, code)) return logs;
   for (const auto& item : std::filesystem::directory_iterator(dir))
-    if (item.is_regular_file() && item.path().filename().string().starts_with("rank-"))
-      logs.push_back(item.path());
+    if (item.is_regular_file() && item.path().filename().string().starts_with("rank-")) logs.push_back(item.path());
   std::sort(logs.begin(), logs.end());
   return logs;
 }

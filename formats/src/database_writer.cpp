@@ -21,8 +21,7 @@ namespace {
 
 DatabaseHeader with_hashes(DatabaseHeader header) {
   if (header.mesh_hash.empty()) header.mesh_hash = mesh_hash(header.mesh);
-  if (header.physics_hash.empty())
-    header.physics_hash = physics_hash(stored_scene(header));
+  if (header.physics_hash.empty()) header.physics_hash = physics_hash(stored_scene(header));
   return header;
 }
 
@@ -52,8 +51,8 @@ void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, b
     return;
   }
   if (!resume && !dl::logs_of(file).empty())
-    throw input_error("logs of an earlier run are there, but their database is not",
-                      dl::folder(file).string(), "continue from them with --resume, or delete the folder");
+    throw input_error("logs of an earlier run are there, but their database is not", dl::folder(file).string(),
+                      "continue from them with --resume, or delete the folder");
   make_log_folder(file);
   const fs::path partial = file.string() + ".tmp";
   try {
@@ -94,8 +93,7 @@ DatabaseWriter::DatabaseWriter(const fs::path& file, const DatabaseHeader& given
   const std::string stem = (dl::folder(file) / ("rank-" + digits)).string();
   fs::path log = stem;
   for (int again = 1; fs::exists(log); ++again) log = stem + "-" + std::to_string(again);
-  _impl =
-      std::make_unique<Impl>(Impl{AppendFile::create(log), dl::Layout(header), dl::encode_opening(header)});
+  _impl = std::make_unique<Impl>(Impl{AppendFile::create(log), dl::Layout(header), dl::encode_opening(header)});
   _impl->log.append(_impl->opening.data(), _impl->opening.size());
 }
 DatabaseWriter::~DatabaseWriter() = default;
@@ -138,8 +136,7 @@ DatabaseProgress database_progress(const fs::path& file) {
   }
   auto index = dl::scan(file, header);
   const auto records = one_record_per_ray(index, header, mirrored);
-  progress.rays_logged =
-      progress.rays_total - static_cast<std::int64_t>(missing_rays(records, mirrored).size());
+  progress.rays_logged = progress.rays_total - static_cast<std::int64_t>(missing_rays(records, mirrored).size());
   if (header.shard) {
     const auto owners = shards_of_rays(mirrored.solved(), header.directions.size(), header.shard->count);
     progress.rays_total = std::count(owners.begin(), owners.end(), header.shard->index);

@@ -12,12 +12,11 @@ namespace phynness {
 namespace {
 
 [[noreturn]] void fail(const char* what, const std::filesystem::path& path, int code) {
-  const char* remedy =
-      code == ENOSPC || code == EDQUOT || code == EFBIG
-          ? "free space or raise the limit, then run again with --resume: whole records are kept"
-      : code == EACCES || code == EPERM || code == EROFS
-          ? "make the folder writable, or choose another place"
-          : "check the disk, then run again with --resume: whole records are kept";
+  const char* remedy = code == ENOSPC || code == EDQUOT || code == EFBIG
+                           ? "free space or raise the limit, then run again with --resume: whole records are kept"
+                       : code == EACCES || code == EPERM || code == EROFS
+                           ? "make the folder writable, or choose another place"
+                           : "check the disk, then run again with --resume: whole records are kept";
   throw failure(std::string(what) + " " + path.string(), std::generic_category().message(code), remedy);
 }
 
@@ -52,8 +51,7 @@ void AppendFile::append(const void* bytes, std::size_t size) {
   const auto* from = static_cast<const char*>(bytes);
   std::size_t done = 0;
   while (done < size) {
-    const auto written =
-        ::pwrite(_descriptor.get(), from + done, size - done, _end + static_cast<std::int64_t>(done));
+    const auto written = ::pwrite(_descriptor.get(), from + done, size - done, _end + static_cast<std::int64_t>(done));
     if (written > 0) {
       done += static_cast<std::size_t>(written);
       continue;
@@ -86,8 +84,8 @@ Descriptor open_for_reading(const std::filesystem::path& path) {
   return file;
 }
 
-std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset,
-                    void* bytes, std::size_t size) {
+std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset, void* bytes,
+                    std::size_t size) {
   auto* to = static_cast<char*>(bytes);
   std::size_t done = 0;
   while (done < size) {

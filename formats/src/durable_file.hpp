@@ -48,8 +48,8 @@ class AppendFile {
 };
 
 /// Reads `size` bytes at `offset`; fewer only at the end of the file. @throws Error (failure)
-std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset,
-                    void* bytes, std::size_t size);
+std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset, void* bytes,
+                    std::size_t size);
 Descriptor open_for_reading(const std::filesystem::path& path);
 
 /// Forces `from` to the disk, gives it the name `to` in one step, and makes that durable too. @throws Error

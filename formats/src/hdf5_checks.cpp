@@ -35,8 +35,8 @@ std::string filter_defect(hid_t properties) {
   for (int i = 0; i < n; ++i) {
     unsigned flags = 0, settings = 0;
     std::size_t n_values = 0;
-    const auto filter = H5Pget_filter2(properties, static_cast<unsigned>(i), &flags, &n_values, nullptr, 0,
-                                       nullptr, &settings);
+    const auto filter =
+        H5Pget_filter2(properties, static_cast<unsigned>(i), &flags, &n_values, nullptr, 0, nullptr, &settings);
     if (filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_FLETCHER32)
       return "it is compressed by a filter that databases do not use: number " + std::to_string(filter);
   }
@@ -48,8 +48,7 @@ std::string chunk_defect(hid_t dataset, hid_t properties, const Shape& shape, st
   // Deflate makes 1032 bytes of one at most.
   constexpr std::uint64_t largest_ratio = 1032;
   Shape chunk(shape.size());
-  if (H5Pget_chunk(properties, static_cast<int>(chunk.size()), chunk.data()) !=
-      static_cast<int>(shape.size()))
+  if (H5Pget_chunk(properties, static_cast<int>(chunk.size()), chunk.data()) != static_cast<int>(shape.size()))
     return "its chunks have another rank";
   std::uint64_t wanted = 1;
   for (std::size_t k = 0; k < shape.size(); ++k) {
@@ -71,8 +70,7 @@ std::string chunk_defect(hid_t dataset, hid_t properties, const Shape& shape, st
   const Handle space(H5Dget_space(dataset), H5Sclose);
   hsize_t written = 0;
   if (H5Dget_num_chunks(dataset, space.id(), &written) < 0) return "its chunks cannot be counted";
-  if (written != wanted)
-    return std::to_string(written) + " of its " + std::to_string(wanted) + " chunks were written";
+  if (written != wanted) return std::to_string(written) + " of its " + std::to_string(wanted) + " chunks were written";
 #endif
   return "";
 }
@@ -87,8 +85,7 @@ Handle open_own_object(hid_t file, const std::string& path, std::string& defect)
       return {};
     }
     H5L_info_t link;
-    if (H5Lexists(file, step.c_str(), H5P_DEFAULT) <= 0 ||
-        H5Lget_info(file, step.c_str(), &link, H5P_DEFAULT) < 0) {
+    if (H5Lexists(file, step.c_str(), H5P_DEFAULT) <= 0 || H5Lget_info(file, step.c_str(), &link, H5P_DEFAULT) < 0) {
       defect = step == path ? "is missing" : "is missing: there is no " + step;
       return {};
     }
@@ -130,8 +127,7 @@ std::string storage_defect(hid_t dataset, const Shape& shape, std::size_t bytes_
   if (auto defect = filter_defect(properties.id()); !defect.empty()) return defect;
   const auto bytes = size_of(shape, bytes_per_value);
   if (bytes == 0) return "";
-  if (layout == H5D_CHUNKED)
-    return chunk_defect(dataset, properties.id(), shape, bytes_per_value, bytes_of_file);
+  if (layout == H5D_CHUNKED) return chunk_defect(dataset, properties.id(), shape, bytes_per_value, bytes_of_file);
   const std::uint64_t stored = H5Dget_storage_size(dataset);
   if (stored != bytes || bytes > bytes_of_file)
     return text(shape) + " needs " + std::to_string(bytes) + " bytes, for which " +
@@ -184,8 +180,7 @@ std::string name_of_type(hid_t type) {
 }
 
 bool is_plain_integer(hid_t type) {
-  return H5Tget_class(type) == H5T_INTEGER && H5Tget_size(type) <= 8 &&
-         H5Tget_precision(type) == 8 * H5Tget_size(type);
+  return H5Tget_class(type) == H5T_INTEGER && H5Tget_size(type) <= 8 && H5Tget_precision(type) == 8 * H5Tget_size(type);
 }
 
 }  // namespace phynness::hdf5

@@ -24,8 +24,7 @@ bool has_own_object(hid_t file, const std::string& path, std::string& defect);
 /// What is wrong with how a dataset is stored; empty if nothing is. Good is: in this file, filtered by
 /// nothing but shuffle, deflate and fletcher32, written completely, and stored in as many bytes as its shape
 /// can have.
-std::string storage_defect(hid_t dataset, const Shape& shape, std::size_t bytes_per_value,
-                           std::uint64_t bytes_of_file);
+std::string storage_defect(hid_t dataset, const Shape& shape, std::size_t bytes_per_value, std::uint64_t bytes_of_file);
 
 /// The shape of a dataset or attribute with one value or an array of them.
 /// @returns false if it has none (a null dataspace)

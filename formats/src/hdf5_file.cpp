@@ -52,10 +52,8 @@ std::string last_message() {
 void File::fail(const std::string& what) const {
   const std::string said = last_message();
   if (const int code = _writing ? write_error() : 0)
-    throw failure("cannot write the database " + _path.string(), std::generic_category().message(code),
-                  not_written);
-  if (_writing)
-    throw failure("cannot write the database " + _path.string() + " (" + what + ")", said, not_written);
+    throw failure("cannot write the database " + _path.string(), std::generic_category().message(code), not_written);
+  if (_writing) throw failure("cannot write the database " + _path.string() + " (" + what + ")", said, not_written);
   throw input_error("cannot read the database " + _path.string() + " (" + what + ")", said, damaged);
 }
 
@@ -66,8 +64,7 @@ File File::create(const std::filesystem::path& path) {
   // The 1.10 format, unlike older ones, keeps checksums of everything but data; data has fletcher32.
   if (!std::ofstream(path, std::ios::binary)) {
     const int code = errno;
-    throw failure("cannot create the database " + path.string(), std::generic_category().message(code),
-                  not_written);
+    throw failure("cannot create the database " + path.string(), std::generic_category().message(code), not_written);
   }
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   file.check(access.id(), "creating the file");
@@ -115,9 +112,9 @@ void File::create_dataset(const std::string& name, hid_t stored_type, const Shap
     check(H5Pset_deflate(properties.id(), deflate_level), name);
     check(H5Pset_fletcher32(properties.id()), name);
   }
-  const Handle dataset(H5Dcreate2(_file.id(), name.c_str(), stored_type, space.id(), H5P_DEFAULT,
-                                  properties.id(), H5P_DEFAULT),
-                       H5Dclose);
+  const Handle dataset(
+      H5Dcreate2(_file.id(), name.c_str(), stored_type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+      H5Dclose);
   check(dataset.id(), name);
   write_attribute(name, "unit", unit);
   write_attribute(name, "description", description);
@@ -131,8 +128,7 @@ void File::write_raw(const std::string& name, hid_t type, const void* values) {
   check(dataset.close(), name);
 }
 
-void File::write_slab_raw(const std::string& name, hsize_t first, hsize_t count, hid_t type,
-                          const void* values) {
+void File::write_slab_raw(const std::string& name, hsize_t first, hsize_t count, hid_t type, const void* values) {
   const Quiet quiet;
   Handle dataset(H5Dopen2(_file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
   check(dataset.id(), name);
@@ -152,16 +148,15 @@ void File::write_slab_raw(const std::string& name, hsize_t first, hsize_t count,
 void File::write_attribute(const std::string& object, const std::string& name, const std::string& text) {
   const Quiet quiet;
   const Handle type = text_type(), space = scalar_space();
-  const Handle attribute(H5Acreate_by_name(_file.id(), object.c_str(), name.c_str(), type.id(), space.id(),
-                                           H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+  const Handle attribute(H5Acreate_by_name(_file.id(), object.c_str(), name.c_str(), type.id(), space.id(), H5P_DEFAULT,
+                                           H5P_DEFAULT, H5P_DEFAULT),
                          H5Aclose);
   check(attribute.id(), name);
   const char* value = text.c_str();
   check(H5Awrite(attribute.id(), type.id(), &value), name);
 }
 
-void File::write_attribute(const std::string& object, const std::string& name,
-                           const std::vector<std::int8_t>& values) {
+void File::write_attribute(const std::string& object, const std::string& name, const std::vector<std::int8_t>& values) {
   const Quiet quiet;
   const hsize_t size = values.size();
   const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
@@ -175,8 +170,8 @@ void File::write_attribute(const std::string& object, const std::string& name,
 void File::write_attribute(const std::string& object, const std::string& name, std::int32_t value) {
   const Quiet quiet;
   const Handle space = scalar_space();
-  const Handle attribute(H5Acreate_by_name(_file.id(), object.c_str(), name.c_str(), H5T_STD_I32LE,
-                                           space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+  const Handle attribute(H5Acreate_by_name(_file.id(), object.c_str(), name.c_str(), H5T_STD_I32LE, space.id(),
+                                           H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                          H5Aclose);
   check(attribute.id(), name);
   check(H5Awrite(attribute.id(), H5T_NATIVE_INT32, &value), name);
@@ -185,9 +180,8 @@ void File::write_attribute(const std::string& object, const std::string& name, s
 void File::write_text(const std::string& name, const std::string& text, const std::string& description) {
   const Quiet quiet;
   const Handle type = text_type(), space = scalar_space(), properties = without_times(H5P_DATASET_CREATE);
-  Handle dataset(
-      H5Dcreate2(_file.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
-      H5Dclose);
+  Handle dataset(H5Dcreate2(_file.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+                 H5Dclose);
   check(dataset.id(), name);
   const char* value = text.c_str();
   check(H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, &value), name);

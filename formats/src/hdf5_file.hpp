@@ -164,8 +164,7 @@ class File {
 
   /// Attributes of an object ("/" is the root).
   void write_attribute(const std::string& object, const std::string& name, const std::string& text);
-  void write_attribute(const std::string& object, const std::string& name,
-                       const std::vector<std::int8_t>& values);
+  void write_attribute(const std::string& object, const std::string& name, const std::vector<std::int8_t>& values);
   void write_attribute(const std::string& object, const std::string& name, std::int32_t value);
   std::string read_text_attribute(const std::string& object, const std::string& name) const;
   std::int32_t read_int_attribute(const std::string& object, const std::string& name) const;
@@ -197,8 +196,7 @@ class File {
   const Dataset& dataset(const std::string& name, const WantedType& type) const;
   std::size_t check_shape(const std::string& name, const Shape& expected) const;
   void read_raw(const std::string& name, const WantedType& type, void* values) const;
-  void read_slab_raw(const std::string& name, hsize_t first, hsize_t count, const WantedType& type,
-                     void* values) const;
+  void read_slab_raw(const std::string& name, hsize_t first, hsize_t count, const WantedType& type, void* values) const;
   Handle open_attribute(const std::string& object, const std::string& name) const;
   template <class Read>
   std::string text_of(const std::string& what, hid_t type, const Shape& shape, const Read& read) const;

@@ -11,8 +11,7 @@ H5FD_class_t plain{};
 
 herr_t read(H5FD_t* file, H5FD_mem_t type, hid_t transfer, haddr_t at, std::size_t size, void* bytes) {
   if (plain.read(file, type, transfer, at, size, bytes) < 0) return -1;
-  if (size < sizeof heap_signature || std::memcmp(bytes, heap_signature, sizeof heap_signature) != 0)
-    return 0;
+  if (size < sizeof heap_signature || std::memcmp(bytes, heap_signature, sizeof heap_signature) != 0) return 0;
   H5Epush2(H5E_DEFAULT, __FILE__, __func__, __LINE__, H5E_ERR_CLS, H5E_HEAP, H5E_READERROR,
            "an object that needs a global heap, which databases have for texts only");
   return -1;

@@ -17,9 +17,8 @@ bool has_usual_addresses(hid_t file) {
   const Handle properties(H5Fget_create_plist(file), H5Pclose);
   std::size_t address = 0, length = 0;
   hsize_t user_block = 1;
-  return H5Pget_sizes(properties.id(), &address, &length) >= 0 &&
-         H5Pget_userblock(properties.id(), &user_block) >= 0 && address == 8 && length == 8 &&
-         user_block == 0;
+  return H5Pget_sizes(properties.id(), &address, &length) >= 0 && H5Pget_userblock(properties.id(), &user_block) >= 0 &&
+         address == 8 && length == 8 && user_block == 0;
 }
 
 /// A text of fixed length ends at the first NUL, or at the blanks that pad it.
@@ -40,8 +39,7 @@ File File::open(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, code))
     throw input_error("the database is not a file", path.string(), "give the path of the .h5 file");
   if (H5Fis_hdf5(path.c_str()) <= 0)
-    throw input_error("the file is no HDF5 file", path.string(),
-                      "give a database written by phynness precompute");
+    throw input_error("the file is no HDF5 file", path.string(), "give a database written by phynness precompute");
   File file({}, path, false);
   file._bytes = open_for_reading(path);
   file._size = std::filesystem::file_size(path, code);
@@ -87,8 +85,7 @@ const File::Dataset& File::dataset(const std::string& name) const {
   check(found.type.id(), name);
   if (!read_shape(space.id(), found.shape)) refuse(name, "it has no values");
   // In memory, HDF5 holds a pointer to a text of variable length.
-  const std::size_t stored =
-      H5Tis_variable_str(found.type.id()) > 0 ? text_place_bytes : H5Tget_size(found.type.id());
+  const std::size_t stored = H5Tis_variable_str(found.type.id()) > 0 ? text_place_bytes : H5Tget_size(found.type.id());
   defect = storage_defect(found.id.id(), found.shape, stored, _size);
   if (!defect.empty()) refuse(name, defect);
   return _datasets.emplace(name, std::move(found)).first->second;
@@ -127,8 +124,7 @@ void File::read_slab_raw(const std::string& name, hsize_t first, hsize_t count, 
   const Dataset& from = dataset(name, type);
   Shape extent = from.shape, start(extent.size(), 0);
   if (extent.empty() || first > extent[0] || count > extent[0] - first)
-    refuse(name + " has too few entries",
-           text(extent) + ", entry " + std::to_string(first) + " is asked for");
+    refuse(name + " has too few entries", text(extent) + ", entry " + std::to_string(first) + " is asked for");
   extent[0] = count;
   start[0] = first;
   const Handle space(H5Dget_space(from.id.id()), H5Sclose);
@@ -149,8 +145,7 @@ Handle File::open_attribute(const std::string& object, const std::string& name) 
   std::string defect;
   const Handle holder = open_own_object(_file.id(), object, defect);
   if (holder.id() < 0) refuse(object + " " + defect, "");
-  if (H5Aexists(holder.id(), name.c_str()) <= 0)
-    refuse("attribute " + name + " of " + object + " is missing", "");
+  if (H5Aexists(holder.id(), name.c_str()) <= 0) refuse("attribute " + name + " of " + object + " is missing", "");
   Handle attribute(H5Aopen(holder.id(), name.c_str(), H5P_DEFAULT), H5Aclose);
   check(attribute.id(), "attribute " + name + " of " + object);
   return attribute;
@@ -208,8 +203,7 @@ std::string File::read_text_attribute(const std::string& object, const std::stri
   check(type.id(), what);
   Shape shape;
   if (!read_shape(space.id(), shape)) refuse(what + " has no value", "");
-  return text_of(what, type.id(), shape,
-                 [&](hid_t memory, void* to) { return H5Aread(attribute.id(), memory, to); });
+  return text_of(what, type.id(), shape, [&](hid_t memory, void* to) { return H5Aread(attribute.id(), memory, to); });
 }
 
 std::string File::read_text(const std::string& name) const {

@@ -10,8 +10,7 @@
 namespace phynness::hdf5 {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "HDF5 files are little-endian; this host needs byte swaps");
+static_assert(std::endian::native == std::endian::little, "HDF5 files are little-endian; this host needs byte swaps");
 
 constexpr std::uint64_t heap_header_bytes = 16;    // signature, version, 3 reserved, size
 constexpr std::uint64_t object_header_bytes = 16;  // index, count of references, 4 reserved, size
@@ -25,12 +24,12 @@ T value_at(const unsigned char* bytes) {
 }
 
 /// The bytes are what is wanted: HDF5 has nothing to convert.
-herr_t keep_bytes(hid_t from, hid_t to, H5T_cdata_t* conversion, std::size_t, std::size_t, std::size_t, void*,
-                  void*, hid_t) {
+herr_t keep_bytes(hid_t from, hid_t to, H5T_cdata_t* conversion, std::size_t, std::size_t, std::size_t, void*, void*,
+                  hid_t) {
   if (conversion->command != H5T_CONV_INIT) return 0;
   conversion->need_bkg = H5T_BKG_NO;
-  const bool fits = H5Tis_variable_str(from) > 0 && H5Tget_size(from) == text_place_bytes &&
-                    H5Tget_size(to) == text_place_bytes;
+  const bool fits =
+      H5Tis_variable_str(from) > 0 && H5Tget_size(from) == text_place_bytes && H5Tget_size(to) == text_place_bytes;
   return fits ? 0 : -1;
 }
 
@@ -55,8 +54,7 @@ Handle text_place_type() {
 }
 
 TextPlace text_place(const unsigned char (&bytes)[text_place_bytes]) {
-  return {value_at<std::uint32_t>(bytes), value_at<std::uint64_t>(bytes + 4),
-          value_at<std::uint32_t>(bytes + 12)};
+  return {value_at<std::uint32_t>(bytes), value_at<std::uint64_t>(bytes + 4), value_at<std::uint32_t>(bytes + 12)};
 }
 
 bool read_text_at(const Descriptor& file, const std::filesystem::path& path, std::uint64_t bytes_of_file,
@@ -86,8 +84,7 @@ bool read_text_at(const Descriptor& file, const std::filesystem::path& path, std
     const auto length = value_at<std::uint64_t>(&heap[at + 8]);
     if (index == 0) break;  // the free space, which ends a heap
     at += object_header_bytes;
-    if (length > size - at)
-      return wrong("its heap is damaged: an object of " + numbers(place.heap + at, length));
+    if (length > size - at) return wrong("its heap is damaged: an object of " + numbers(place.heap + at, length));
     if (index == place.index) {
       if (length != place.length)
         return wrong("its heap holds " + std::to_string(length) + " bytes for a text of " +

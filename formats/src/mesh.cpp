@@ -75,8 +75,7 @@ class Lines {
   std::string_view next(const char* expected) {
     ++_line;
     const std::size_t end = _text.find('\n');
-    if (end == std::string_view::npos)
-      fail(std::string("the mesh text ends where ") + expected + " should stand", "");
+    if (end == std::string_view::npos) fail(std::string("the mesh text ends where ") + expected + " should stand", "");
     const std::string_view line = _text.substr(0, end);
     _text.remove_prefix(end + 1);
     return line;
@@ -157,16 +156,14 @@ std::string_view verified_body(std::string_view text, const std::string& source)
         source + ":1: not a phynness mesh: the first line does not start with '" + std::string(magic) + "'",
         std::string(first.substr(0, 40)), "give the mesh.txt of a model folder");
   if (text.find('\n') == std::string_view::npos)
-    throw input_error(source + ": the mesh text is truncated", "it ends in its first line",
-                      "copy the file again");
+    throw input_error(source + ": the mesh text is truncated", "it ends in its first line", "copy the file again");
   const std::string_view found = first.substr(std::min(first.size(), magic.size() + 1));
   if (found != version)
     throw input_error(source + ":1: mesh text of another version", std::string(found),
                       "this software reads version " + std::string(version) + ": write the file again");
   if (text.size() < checksum_line_length || text.back() != '\n' ||
       !text.substr(text.size() - checksum_line_length).starts_with(checksum_word))
-    throw input_error(source + ": the mesh text is truncated", "no checksum in its last line",
-                      "copy the file again");
+    throw input_error(source + ": the mesh text is truncated", "no checksum in its last line", "copy the file again");
   const std::string_view body = text.substr(0, text.size() - checksum_line_length);
   const std::string_view stored = text.substr(body.size() + checksum_word.size(), 16);
   if (const std::string actual = checksum_of(body); actual != stored)
@@ -205,8 +202,7 @@ Triangles boundary_triangles(const Cells& cells) {
   std::sort(boundary.begin(), boundary.end());
   Triangles triangles(static_cast<Eigen::Index>(boundary.size()), 3);
   for (Eigen::Index t = 0; t < triangles.rows(); ++t)
-    for (int k = 0; k < 3; ++k)
-      triangles(t, k) = cells(boundary[t].first, outward_faces[boundary[t].second][k]);
+    for (int k = 0; k < 3; ++k) triangles(t, k) = cells(boundary[t].first, outward_faces[boundary[t].second][k]);
   return triangles;
 }
 
@@ -272,8 +268,7 @@ std::string write_mesh_text(const Mesh& mesh, const std::vector<std::int32_t>& f
   return text + std::string(checksum_word) + checksum + '\n';
 }
 
-Mesh read_mesh_text(const std::string& text, const std::string& source_name,
-                    std::vector<std::int32_t>* fixed) {
+Mesh read_mesh_text(const std::string& text, const std::string& source_name, std::vector<std::int32_t>* fixed) {
   Lines lines(verified_body(text, source_name), source_name);
   lines.next("the first line");
   const std::string_view hash = lines.keyword("hash");
@@ -293,8 +288,7 @@ Mesh read_mesh_text(const std::string& text, const std::string& source_name,
   const std::int32_t n_cells = lines.count(rest);
   const auto nodes_per_cell = lines.number<std::int32_t>(rest);
   lines.finished(rest);
-  if (nodes_per_cell != 3 && nodes_per_cell != 4)
-    lines.fail("cells have 3 or 4 nodes", std::to_string(nodes_per_cell));
+  if (nodes_per_cell != 3 && nodes_per_cell != 4) lines.fail("cells have 3 or 4 nodes", std::to_string(nodes_per_cell));
   mesh.cells.resize(n_cells, nodes_per_cell);
   lines.node_rows(mesh.cells, mesh.nodes.rows());
 

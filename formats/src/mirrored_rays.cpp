@@ -15,14 +15,13 @@ constexpr double same_direction = 1e-9;
 /// Index of a direction, or -1.
 std::int32_t find(const std::vector<Vec3>& directions, const Eigen::Vector3d& e) {
   for (std::size_t d = 0; d < directions.size(); ++d)
-    if ((Eigen::Vector3d::Map(directions[d].data()) - e).norm() < same_direction)
-      return static_cast<std::int32_t>(d);
+    if ((Eigen::Vector3d::Map(directions[d].data()) - e).norm() < same_direction) return static_cast<std::int32_t>(d);
   return -1;
 }
 
 /// Index in an ascending set of the mirror image of each of its nodes.
-std::vector<std::int32_t> images_within(const std::vector<std::int32_t>& nodes,
-                                        const std::vector<std::int32_t>& image, const char* what) {
+std::vector<std::int32_t> images_within(const std::vector<std::int32_t>& nodes, const std::vector<std::int32_t>& image,
+                                        const char* what) {
   std::vector<std::int32_t> within;
   for (const auto node : nodes) {
     const auto at = std::lower_bound(nodes.begin(), nodes.end(), image[node]);

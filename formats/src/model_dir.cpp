@@ -48,9 +48,7 @@ void write_model_dir(const fs::path& dir, const Model& model, const Mesh& mesh) 
   const std::string model_text = write_model_text(model), mesh_text = write_mesh_text(mesh);
   std::error_code error;
   fs::create_directories(dir, error);
-  if (error)
-    throw input_error("directory cannot be made (" + error.message() + ")", dir.string(),
-                      "choose another -o");
+  if (error) throw input_error("directory cannot be made (" + error.message() + ")", dir.string(), "choose another -o");
   write_file(dir / "mesh.txt.part", mesh_text);
   write_file(dir / "model.txt.part", model_text);
   // The model names its mesh by hash, so a reader between the two renames refuses instead of mixing them.

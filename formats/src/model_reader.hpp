@@ -55,7 +55,8 @@ class ModelReader : public ModelStores {
   }
   void room(const char* what, std::uint64_t n) {
     _in.require_room(n);
-    if (!_in.good()) refuse("number of '" + std::string(what) + "' is larger than the rest of the file", std::to_string(n));
+    if (!_in.good())
+      refuse("number of '" + std::string(what) + "' is larger than the rest of the file", std::to_string(n));
   }
   bool optional(const char* word, bool) { return _in.next_is(word); }
   void require(bool condition, const char* what) {
@@ -64,9 +65,13 @@ class ModelReader : public ModelStores {
   static constexpr bool good() { return true; }
 
   template <class Store>
-  void shape(const char*, Store& store, std::int64_t n_rows, std::int64_t n_cols) { resize(store, n_rows, n_cols); }
+  void shape(const char*, Store& store, std::int64_t n_rows, std::int64_t n_cols) {
+    resize(store, n_rows, n_cols);
+  }
   template <class Store>
-  static double get(const Store&, std::int64_t, std::int64_t) { return 0; }
+  static double get(const Store&, std::int64_t, std::int64_t) {
+    return 0;
+  }
   template <class Store, class T>
   void set(Store& store, std::int64_t i, std::int64_t k, T value) {
     using Cell = std::remove_reference_t<decltype(cell(store, i, k))>;

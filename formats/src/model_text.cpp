@@ -107,8 +107,8 @@ void fill_centers(const Model& model, RbfNetwork& net) {
   net.centers.resize(n, net.input_center.size());
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index k = 0; k < net.input_center.size(); ++k) {
-      const double value = k < 3 ? model.displacements(net.center_displacement[i], k)
-                                 : model.output_points(net.center_output[i], k - 3);
+      const double value =
+          k < 3 ? model.displacements(net.center_displacement[i], k) : model.output_points(net.center_output[i], k - 3);
       net.centers(i, k) = (value - net.input_center[k]) / net.input_half_range[k];
     }
   }

@@ -60,7 +60,9 @@ class ModelWriter : public ModelStores {
              std::to_string(cols(store)) + " instead of " + std::to_string(n_rows) + " x " + std::to_string(n_cols));
   }
   template <class Store>
-  auto get(const Store& store, std::int64_t i, std::int64_t k) const { return cell(store, i, k); }
+  auto get(const Store& store, std::int64_t i, std::int64_t k) const {
+    return cell(store, i, k);
+  }
   template <class Store, class T>
   void set(const Store&, std::int64_t, std::int64_t, T) {}
   template <class T>

@@ -26,8 +26,8 @@ std::string tell(const std::string& dataset, std::size_t increment, Value value)
 
 /// The first of the values of converged increments that is not within +-`most`.
 template <class IsConverged>
-std::string first_beyond(const std::string& dataset, const std::vector<double>& values,
-                         std::size_t increments, const IsConverged& is_converged, double most) {
+std::string first_beyond(const std::string& dataset, const std::vector<double>& values, std::size_t increments,
+                         const IsConverged& is_converged, double most) {
   const std::size_t per_increment = values.size() / increments;
   for (std::size_t i = 0; i < increments; ++i) {
     if (!is_converged(i)) continue;
@@ -48,20 +48,17 @@ std::string figures_defect(const StateFigures& figures) {
     if (!is_status(figures.status[i])) return tell(path::status, i, static_cast<int>(figures.status[i]));
   const auto negative = [](const char* dataset, const auto& values) {
     for (std::size_t i = 0; i < values.size(); ++i)
-      if (!(values[i] >= 0) || !(static_cast<double>(values[i]) <= finite))
-        return tell(dataset, i, values[i]);
+      if (!(values[i] >= 0) || !(static_cast<double>(values[i]) <= finite)) return tell(dataset, i, values[i]);
     return std::string();
   };
   for (const auto& defect :
-       {negative(path::negative_pivots, figures.negative_pivots),
-        negative(path::iterations, figures.iterations), negative(path::cutbacks, figures.cutbacks),
-        negative(path::seconds, figures.seconds)})
+       {negative(path::negative_pivots, figures.negative_pivots), negative(path::iterations, figures.iterations),
+        negative(path::cutbacks, figures.cutbacks), negative(path::seconds, figures.seconds)})
     if (!defect.empty()) return defect;
   if (figures.status.empty()) return "";
   return first_beyond(
       path::min_jacobian, figures.min_jacobian, figures.status.size(),
-      [&](std::size_t i) { return figures.status[i] == static_cast<std::int8_t>(Status::converged); },
-      finite);
+      [&](std::size_t i) { return figures.status[i] == static_cast<std::int8_t>(Status::converged); }, finite);
 }
 
 std::string ray_defect(const Ray& ray, const std::vector<Field>& fields, double farthest_m) {
@@ -70,8 +67,7 @@ std::string ray_defect(const Ray& ray, const std::vector<Field>& fields, double 
   if (auto defect = figures_defect(figures); !defect.empty()) return defect;
   const auto check = [&](const std::string& dataset, const std::vector<double>& values, double most) {
     return first_beyond(
-        dataset, values, ray.status.size(), [&](std::size_t i) { return ray.status[i] == Status::converged; },
-        most);
+        dataset, values, ray.status.size(), [&](std::size_t i) { return ray.status[i] == Status::converged; }, most);
   };
   auto defect = check(path::force, ray.force, finite);
   if (defect.empty()) defect = check(path::energy, ray.energy, finite);

@@ -10,8 +10,7 @@ std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<
   std::vector<RayIndex> rays;
   for (std::size_t ray = 0; ray < owners.size(); ++ray)
     if (owners[ray] == shard.index && !logged[ray])
-      rays.push_back(
-          {static_cast<std::int32_t>(ray / n_directions), static_cast<std::int32_t>(ray % n_directions)});
+      rays.push_back({static_cast<std::int32_t>(ray / n_directions), static_cast<std::int32_t>(ray % n_directions)});
   return rays;
 }
 
@@ -25,8 +24,7 @@ std::vector<std::int64_t> ray_tasks(const std::vector<RayIndex>& rays, int n_ran
     const auto begin = starts.back();
     const auto longest = begin + (n - begin + shares - 1) / shares;
     auto end = begin + 1;
-    while (end < longest &&
-           rays[static_cast<std::size_t>(end)].active == rays[static_cast<std::size_t>(begin)].active)
+    while (end < longest && rays[static_cast<std::size_t>(end)].active == rays[static_cast<std::size_t>(begin)].active)
       ++end;
     starts.push_back(end);
   }

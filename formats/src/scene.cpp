@@ -41,9 +41,8 @@ Scene read_scene(const std::filesystem::path& file) {
   return parse_scene(text.str(), file.string(), std::filesystem::absolute(file).parent_path());
 }
 
-Scene parse_scene(const std::string& text, const std::string& source_name,
-                  const std::filesystem::path& folder, MeshFile mesh_file,
-                  Element solid_element) {
+Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
+                  MeshFile mesh_file, Element solid_element) {
   if (const auto line = sd::too_deep_at(text))
     sd::refuse({source_name, *line}, "keys, tables or arrays are nested too deeply",
                "more than " + std::to_string(sd::largest_depth) + " levels",
@@ -54,9 +53,9 @@ Scene parse_scene(const std::string& text, const std::string& source_name,
   } catch (const toml::parse_error& error) {
     const auto at = error.source().begin;
     const std::string reason(error.description());
-    throw input_error(source_name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
-                          ": the file is not valid TOML",
-                      reason, "mend the syntax at this line and column (https://toml.io)");
+    throw input_error(
+        source_name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": the file is not valid TOML",
+        reason, "mend the syntax at this line and column (https://toml.io)");
   }
 
   const sd::SceneTable top(root, "", source_name);
@@ -64,8 +63,7 @@ Scene parse_scene(const std::string& text, const std::string& source_name,
     const auto* node = top.find(name);
     if (!node) return sd::SceneTable(name, source_name);
     const auto* table = node->as_table();
-    if (!table)
-      top.reject(name, "must be a section", "write [" + std::string(name) + "] on a line of its own");
+    if (!table) top.reject(name, "must be a section", "write [" + std::string(name) + "] on a line of its own");
     return sd::SceneTable(*table, name, source_name);
   };
   // Every section is opened before any is parsed: a misspelt key says more than the missing one it leaves
@@ -87,8 +85,7 @@ Scene parse_scene(const std::string& text, const std::string& source_name,
   scene.training = sd::parse_training(training, scene.material);
   scene.validation = sd::parse_validation(validation);
   if (scene.mesh.thickness_m > 0 && !scene.database.fields.empty())
-    database.reject("fields", "are computed in solids, but [mesh] is the middle surface of a shell",
-                    "remove fields");
+    database.reject("fields", "are computed in solids, but [mesh] is the middle surface of a shell", "remove fields");
   if (scene.mesh.thickness_m > 0) require_shell(scene.material, material);
   return scene;
 }
@@ -104,12 +101,10 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
                        " too stiff; elements p1-p1 and taylor-hood do not");
   const ProbeSpec& probe = scene.probe;
   if (m.law->linear && (probe.directions != Directions::three || probe.increments != 1)) {
-    const auto asked =
-        exploratory_directions(probe.directions).size() * static_cast<std::size_t>(probe.increments);
-    warnings.push_back(
-        probe.where.str() +
-        ": the law is linear, so that three solves say all about a node: " + std::to_string(asked) +
-        " are asked for; directions = 3, increments = 1 and family = \"linear\" give an exact model");
+    const auto asked = exploratory_directions(probe.directions).size() * static_cast<std::size_t>(probe.increments);
+    warnings.push_back(probe.where.str() +
+                       ": the law is linear, so that three solves say all about a node: " + std::to_string(asked) +
+                       " are asked for; directions = 3, increments = 1 and family = \"linear\" give an exact model");
   }
   return warnings;
 }

@@ -16,8 +16,7 @@ std::vector<GridPoint> diagonals(bool with_edges) {
     for (int x = -1; x <= 1; ++x)
       for (int y = -1; y <= 1; ++y)
         for (int z = -1; z <= 1; ++z)
-          if (x * x + y * y + z * z == components && (components != 2 || with_edges))
-            points.push_back({x, y, z});
+          if (x * x + y * y + z * z == components && (components != 2 || with_edges)) points.push_back({x, y, z});
   return points;
 }
 

@@ -14,8 +14,7 @@ std::vector<Field> parse_fields(const SceneTable& database) {
   for (const auto field : every_field) known.push_back(phynness::name(field));
   const auto* array = node->as_array();
   if (!array)
-    database.reject("fields", "must be an array of names",
-                    "write fields = [\"" + std::string(known[0]) + "\"]");
+    database.reject("fields", "must be an array of names", "write fields = [\"" + std::string(known[0]) + "\"]");
   for (const auto& entry : *array) {
     const auto* word = entry.as_string();
     const auto field = word ? field_named(word->get()) : std::nullopt;

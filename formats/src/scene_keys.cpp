@@ -44,9 +44,8 @@ const std::vector<Table>& tables() {
     std::vector<Table> list = {
         {"", {"title", "mesh", "material", "solver", "nodes", "probe", "database", "training", "validation"}},
         {"mesh",
-         {"shape", "file", "scale_to_m", "target_nodes", "target_size_m", "size_m", "radius_m",
-          "inner_radius_m", "length_m", "slit_length_m", "slit_width_m", "thickness_m", "repair",
-          "symmetry"}},
+         {"shape", "file", "scale_to_m", "target_nodes", "target_size_m", "size_m", "radius_m", "inner_radius_m",
+          "length_m", "slit_length_m", "slit_width_m", "thickness_m", "repair", "symmetry"}},
         {"mesh.symmetry", {"point_m", "point_fraction", "normal", "tolerance_m", "half"}},
         {"material", material_keys()},
         {"solver", {"element", "relative_tolerance", "max_iterations", "max_cutbacks"}},
@@ -55,8 +54,7 @@ const std::vector<Table>& tables() {
         {"database", {"tangents", "displacement_precision", "fields"}},
         {"training",
          {"family", "deformation_neurons", "force_neurons", "deformation_spread", "force_spread", "samples",
-          "target_mse", "force_centers", "amplitude_centers", "modes", "shared_modes", "near_nodes", "levels",
-          "seed"}},
+          "target_mse", "force_centers", "amplitude_centers", "modes", "shared_modes", "near_nodes", "levels", "seed"}},
         {"validation", {"probes", "seed"}}};
     add_selectors(list);
     return list;
@@ -103,8 +101,7 @@ std::string bracketed(std::string_view table) {
 }  // namespace
 
 const std::vector<std::string_view>& keys_of(std::string_view table) {
-  const auto found =
-      std::find_if(tables().begin(), tables().end(), [&](const Table& t) { return t.name == table; });
+  const auto found = std::find_if(tables().begin(), tables().end(), [&](const Table& t) { return t.name == table; });
   static const std::vector<std::string_view> none;
   return found == tables().end() ? none : found->keys;
 }
@@ -136,10 +133,9 @@ std::string remedy_for_unknown_key(std::string_view table, std::string_view key)
     if (unit.empty()) continue;
     const auto stem = candidate.substr(0, candidate.size() - unit.size());
     if (key == stem)
-      return "a value with a unit carries it in its key: write " + std::string(candidate) +
-             " and give it in " + (unit == "_per_Pa" ? "1/Pa" : std::string(unit.substr(1)));
-    if (key.starts_with(stem) && key.size() > stem.size() && key[stem.size()] == '_' &&
-        key.size() <= stem.size() + 5)
+      return "a value with a unit carries it in its key: write " + std::string(candidate) + " and give it in " +
+             (unit == "_per_Pa" ? "1/Pa" : std::string(unit.substr(1)));
+    if (key.starts_with(stem) && key.size() > stem.size() && key[stem.size()] == '_' && key.size() <= stem.size() + 5)
       return "values are plain SI numbers: write " + std::string(candidate) + " and convert the value";
   }
   if (const auto near = nearest(key, known); !near.empty()) return "did you mean " + std::string(near) + "?";

@@ -34,14 +34,12 @@ Material material_of(Law law, const std::vector<std::pair<std::string_view, doub
     for (const auto& quantity : set.given)
       for (const auto& [key, value] : given)
         if (key == quantity.key) values.push_back(value);
-    if (values.size() == set.given.size() && values.size() == given.size())
-      return converted(law, set, values);
+    if (values.size() == set.given.size() && values.size() == given.size()) return converted(law, set, values);
   }
   std::vector<std::string_view> keys;
   for (const auto& [key, value] : given) keys.push_back(key);
   throw input_error(std::string("these parameters do not determine law ") + law->name,
-                    scene_detail::listed(keys, " and "),
-                    "give exactly one of these sets: " + choices_of(law));
+                    scene_detail::listed(keys, " and "), "give exactly one of these sets: " + choices_of(law));
 }
 
 namespace scene_detail {
@@ -49,8 +47,7 @@ namespace {
 
 std::string with_values(const SceneTable& table, const std::vector<std::string_view>& keys) {
   std::string text;
-  for (auto key : keys)
-    text += (text.empty() ? "" : ", ") + std::string(key) + " = " + shown(*table.find(key));
+  for (auto key : keys) text += (text.empty() ? "" : ", ") + std::string(key) + " = " + shown(*table.find(key));
   return text.empty() ? "none given" : text;
 }
 
@@ -86,14 +83,13 @@ Material parse_material(const SceneTable& table) {
   }
   const LawSet& set = the_accepted_set(table, *law);
   std::vector<double> given;
-  for (const auto& q : set.given)
-    given.push_back(*table.number(q.key, {q.low, q.high, q.low_open, q.high_open}));
+  for (const auto& q : set.given) given.push_back(*table.number(q.key, {q.low, q.high, q.low_open, q.high_open}));
   for (const auto& bound : set.bounds) {
     const double value = given[static_cast<std::size_t>(bound.given)], limit = bound.value(given.data());
     if (bound.greater ? value > limit : value < limit) continue;
-    table.reject(set.given[static_cast<std::size_t>(bound.given)].key, bound.what,
-                 std::string(bound.remedy) + " it must be " + (bound.greater ? "greater" : "less") +
-                     " than " + shortest(limit));
+    table.reject(
+        set.given[static_cast<std::size_t>(bound.given)].key, bound.what,
+        std::string(bound.remedy) + " it must be " + (bound.greater ? "greater" : "less") + " than " + shortest(limit));
   }
   Material m = converted(*law, set, given);
   m.where = table.where();

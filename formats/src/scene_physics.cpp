@@ -13,7 +13,8 @@ using scene_detail::shortest;
 
 std::string text(const Selection& selection) {
   std::string result;
-  for (const auto& s : selection) result += (result.empty() ? "" : " + ") + s.choice->text() + (s.surface_only ? " surface_only" : "");
+  for (const auto& s : selection)
+    result += (result.empty() ? "" : " + ") + s.choice->text() + (s.surface_only ? " surface_only" : "");
   return result;
 }
 
@@ -21,9 +22,7 @@ std::string text(const Selection& selection) {
 
 std::string physics_summary(const Scene& scene) {
   std::string lines;
-  const auto add = [&](const std::string& key, const std::string& value) {
-    lines += key + " = " + value + "\n";
-  };
+  const auto add = [&](const std::string& key, const std::string& value) { lines += key + " = " + value + "\n"; };
   const MeshSpec& mesh = scene.mesh;
   if (mesh.shape == Shape::none) {
     // The folder is left out: the mesh hash says whether the content is the same.

@@ -22,8 +22,7 @@ void refuse_keys(const SceneTable& table, std::initializer_list<const char*> key
     if (table.has(key)) table.reject(key, why, remedy);
 }
 
-void parse_mesh_file(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file,
-                     MeshSpec& spec) {
+void parse_mesh_file(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file, MeshSpec& spec) {
   const std::filesystem::path given = *table.text("file");
   spec.file = std::filesystem::absolute(given.is_absolute() ? given : folder / given).lexically_normal();
   static const std::vector<std::string_view> readable = {".msh", ".vtk", ".stl", ".obj"};
@@ -42,8 +41,7 @@ void parse_mesh_file(const SceneTable& table, const std::filesystem::path& folde
 }
 
 void parse_built_in_shape(const SceneTable& table, MeshSpec& spec) {
-  refuse_keys(table, {"scale_to_m", "repair"}, "belongs to a mesh file, but the mesh is a built-in shape",
-              "remove it");
+  refuse_keys(table, {"scale_to_m", "repair"}, "belongs to a mesh file, but the mesh is a built-in shape", "remove it");
   const bool drain = spec.shape == Shape::drain;
   const bool round = spec.shape == Shape::cylinder || spec.shape == Shape::tube || drain;
   const std::string shape = phynness::name(spec.shape);
@@ -65,8 +63,7 @@ void parse_built_in_shape(const SceneTable& table, MeshSpec& spec) {
     spec.size_m = *size;
     const auto [least, most] = std::minmax_element(size->begin(), size->end());
     if (*most > most_slender * *least)
-      table.reject("size_m", "is more than 1000 times as long as it is thin",
-                   "tetrahedra cannot fill such a body");
+      table.reject("size_m", "is more than 1000 times as long as it is thin", "tetrahedra cannot fill such a body");
   }
   spec.radius_m = table.number_or("radius_m", 0, length);
   spec.inner_radius_m = table.number_or("inner_radius_m", 0, length);
@@ -117,10 +114,8 @@ MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder
     table.missing("shape", ", and so is file",
                   "add shape = \"liver\", \"block\", \"cylinder\", \"tube\" or \"drain\", or file = \"body.msh\"");
   if (table.has("target_nodes") && table.has("target_size_m"))
-    table.reject("target_size_m", "stands beside target_nodes, which decides the size",
-                 "keep one of the two");
-  if (const auto nodes = table.integer("target_nodes", 8, most_nodes))
-    spec.target_nodes = static_cast<int>(*nodes);
+    table.reject("target_size_m", "stands beside target_nodes, which decides the size", "keep one of the two");
+  if (const auto nodes = table.integer("target_nodes", 8, most_nodes)) spec.target_nodes = static_cast<int>(*nodes);
   if (const auto size = table.number("target_size_m", length)) spec.target_size_m = *size;
   spec.repair = table.flag_or("repair", false);
   spec.thickness_m = table.number_or("thickness_m", 0, length);
@@ -166,21 +161,18 @@ ProbeSpec parse_probe(const SceneTable& table) {
   ProbeSpec spec;
   spec.where = table.where();
   spec.kind_given = table.has("kind");
-  spec.kind = table.choice<ProbeKind>("kind", {{"node", ProbeKind::node}, {"patch", ProbeKind::patch}})
-                  .value_or(spec.kind);
+  spec.kind =
+      table.choice<ProbeKind>("kind", {{"node", ProbeKind::node}, {"patch", ProbeKind::patch}}).value_or(spec.kind);
   const auto radius = table.number("tool_radius_m", length);
   if (spec.kind == ProbeKind::node && radius)
-    table.reject("tool_radius_m", "is for patch probes, but kind is \"node\"",
-                 "remove it, or write kind = \"patch\"");
+    table.reject("tool_radius_m", "is for patch probes, but kind is \"node\"", "remove it, or write kind = \"patch\"");
   if (spec.kind == ProbeKind::patch && !radius)
-    table.missing("tool_radius_m", ", which a patch probe needs",
-                  "add tool_radius_m in metres, such as 0.01");
+    table.missing("tool_radius_m", ", which a patch probe needs", "add tool_radius_m in metres, such as 0.01");
   spec.tool_radius_m = radius.value_or(0);
   spec.directions = parse_directions(table);
   spec.increments = static_cast<int>(table.integer_or("increments", spec.increments, 1, 1000));
   const auto depth = table.number("max_displacement_m", {0, 10, true, false});
-  if (!depth)
-    table.missing("max_displacement_m", "", "add max_displacement_m in metres, such as 0.028 for 28 mm");
+  if (!depth) table.missing("max_displacement_m", "", "add max_displacement_m in metres, such as 0.028 for 28 mm");
   spec.max_displacement_m = *depth;
   return spec;
 }
@@ -188,8 +180,8 @@ ProbeSpec parse_probe(const SceneTable& table) {
 DatabaseSpec parse_database(const SceneTable& table) {
   DatabaseSpec spec;
   spec.tangents = table.flag_or("tangents", spec.tangents);
-  spec.float64 = table.choice<bool>("displacement_precision", {{"float32", false}, {"float64", true}})
-                     .value_or(spec.float64);
+  spec.float64 =
+      table.choice<bool>("displacement_precision", {{"float32", false}, {"float64", true}}).value_or(spec.float64);
   spec.fields = parse_fields(table);
   return spec;
 }
@@ -206,10 +198,9 @@ TrainingSpec parse_training(const SceneTable& table, const Material& material) {
   TrainingSpec spec;
   spec.family = table.choice("family", every_family()).value_or(spec.family);
   if (schema::traits(spec.family).proportional && !material.law->linear)
-    table.reject(
-        "family",
-        std::string("needs the linear law, but [material] law is \"") + phynness::name(material.law) + "\"",
-        "write family = \"modal\" or \"rbfn\", or law = \"linear\"");
+    table.reject("family",
+                 std::string("needs the linear law, but [material] law is \"") + phynness::name(material.law) + "\"",
+                 "write family = \"modal\" or \"rbfn\", or law = \"linear\"");
   spec.deformation_neurons =
       static_cast<int>(table.integer_or("deformation_neurons", spec.deformation_neurons, 1, 100'000));
   spec.force_neurons = static_cast<int>(table.integer_or("force_neurons", spec.force_neurons, 1, 100'000));
@@ -218,22 +209,21 @@ TrainingSpec parse_training(const SceneTable& table, const Material& material) {
   spec.samples = static_cast<int>(table.integer_or("samples", spec.samples, 1, 10'000'000));
   spec.target_mse = table.number_or("target_mse", spec.target_mse, {0, 1});
   spec.force_centers = static_cast<int>(table.integer_or("force_centers", spec.force_centers, 1, 100'000));
-  spec.amplitude_centers =
-      static_cast<int>(table.integer_or("amplitude_centers", spec.amplitude_centers, 0, 100'000));
+  spec.amplitude_centers = static_cast<int>(table.integer_or("amplitude_centers", spec.amplitude_centers, 0, 100'000));
   spec.modes = static_cast<int>(table.integer_or("modes", spec.modes, 0, 1024));
   spec.shared_modes = static_cast<int>(table.integer_or("shared_modes", spec.shared_modes, 0, 1024));
   spec.near_nodes = static_cast<int>(table.integer_or("near_nodes", spec.near_nodes, 0, 1'000'000));
   spec.levels = static_cast<int>(table.integer_or("levels", spec.levels, 1, 8));
-  spec.seed = static_cast<std::uint64_t>(table.integer_or("seed", static_cast<std::int64_t>(spec.seed), 0,
-                                                          std::numeric_limits<std::int64_t>::max()));
+  spec.seed = static_cast<std::uint64_t>(
+      table.integer_or("seed", static_cast<std::int64_t>(spec.seed), 0, std::numeric_limits<std::int64_t>::max()));
   return spec;
 }
 
 ValidationSpec parse_validation(const SceneTable& table) {
   ValidationSpec spec;
   spec.probes = static_cast<int>(table.integer_or("probes", spec.probes, 1, 1'000'000));
-  spec.seed = static_cast<std::uint64_t>(table.integer_or("seed", static_cast<std::int64_t>(spec.seed), 0,
-                                                          std::numeric_limits<std::int64_t>::max()));
+  spec.seed = static_cast<std::uint64_t>(
+      table.integer_or("seed", static_cast<std::int64_t>(spec.seed), 0, std::numeric_limits<std::int64_t>::max()));
   return spec;
 }
 

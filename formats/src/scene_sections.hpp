@@ -15,8 +15,7 @@ std::optional<SymmetryPlane> parse_symmetry(const SceneTable& mesh);
 MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file);
 Material parse_material(const SceneTable& table);
 /// @param solid_element  where the scene names none and the mesh has no thickness
-SolverSpec parse_solver(const SceneTable& table, const Material& material, const MeshSpec& mesh,
-                        Element solid_element);
+SolverSpec parse_solver(const SceneTable& table, const Material& material, const MeshSpec& mesh, Element solid_element);
 /// A selection under `key` of [nodes].
 Selection parse_selection(const SceneTable& nodes, std::string_view key);
 /// Fills fixed, active and output with their locations.

@@ -23,15 +23,14 @@ const SelectorKind& kind_named(std::string_view name) {
                        [&](const SelectorKind& kind) { return kind.name == name; });
 }
 
-std::shared_ptr<const NodeChoice> parse_word(const toml::node& node, const std::string& word,
-                                             const SceneTable& nodes, std::string_view key) {
+std::shared_ptr<const NodeChoice> parse_word(const toml::node& node, const std::string& word, const SceneTable& nodes,
+                                             std::string_view key) {
   const auto names = names_of(true);
   if (std::find(names.begin(), names.end(), word) == names.end()) {
     const auto near = nearest(word, names);
     refuse(nodes.where(node), nodes.label(key) + " names no selection", "\"" + word + "\"",
-           near.empty()
-               ? "write one of " + listed(names) + ", or a selector table such as { sphere = { ... } }"
-               : "did you mean \"" + std::string(near) + "\"?");
+           near.empty() ? "write one of " + listed(names) + ", or a selector table such as { sphere = { ... } }"
+                        : "did you mean \"" + std::string(near) + "\"?");
   }
   auto choice = kind_named(word).parse(nodes);
   if (key == "fixed" && choice->needs_fixed())
@@ -44,15 +43,15 @@ std::shared_ptr<const NodeChoice> parse_word(const toml::node& node, const std::
 }
 
 /// The one selector of a table such as { sphere = { ... }, surface_only = true }.
-std::shared_ptr<const NodeChoice> parse_table(const toml::node& node, const SceneTable& table,
-                                              const SceneTable& nodes, std::string_view key) {
+std::shared_ptr<const NodeChoice> parse_table(const toml::node& node, const SceneTable& table, const SceneTable& nodes,
+                                              std::string_view key) {
   std::string_view name;
   for (const auto candidate : names_of(false)) {
     if (!table.has(candidate)) continue;
     if (!name.empty())
-      refuse(nodes.where(node), nodes.label(key) + " has two selectors in one table", shown(node),
-             "write one table for each: [{ " + std::string(name) + " = ... }, { " + std::string(candidate) +
-                 " = ... }]");
+      refuse(
+          nodes.where(node), nodes.label(key) + " has two selectors in one table", shown(node),
+          "write one table for each: [{ " + std::string(name) + " = ... }, { " + std::string(candidate) + " = ... }]");
     name = candidate;
   }
   if (name.empty())
@@ -62,8 +61,7 @@ std::shared_ptr<const NodeChoice> parse_table(const toml::node& node, const Scen
   if (kind.form == SelectorForm::value) return kind.parse(table);
   const auto* inner = table.find(name)->as_table();
   if (!inner)
-    table.reject(name, "must be a table",
-                 "write " + std::string(name) + " = { ... } with " + listed(kind.keys, ", "));
+    table.reject(name, "must be a table", "write " + std::string(name) + " = { ... } with " + listed(kind.keys, ", "));
   return kind.parse(SceneTable(*inner, "selector." + std::string(name), table.file()));
 }
 
@@ -76,8 +74,8 @@ Selector parse_selector(const toml::node& node, const SceneTable& nodes, std::st
     s.choice = parse_table(node, table, nodes, key);
     s.surface_only = table.flag_or("surface_only", false);
   } else {
-    refuse(nodes.where(node), nodes.label(key) + " must be text, a selector table or an array of them",
-           shown(node), "write \"surface\", or { sphere = { ... } }, or an array of such");
+    refuse(nodes.where(node), nodes.label(key) + " must be text, a selector table or an array of them", shown(node),
+           "write \"surface\", or { sphere = { ... } }, or an array of such");
   }
   s.where = nodes.where(node);
   return s;
@@ -107,9 +105,8 @@ Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& frac
   fraction = table.has(in_fractions);
   const auto value = fraction ? table.vector(in_fractions, fractions) : table.vector(in_metres, metres);
   if (!value)
-    table.missing(
-        in_metres, "",
-        "add " + in_metres + " = [x, y, z], or " + in_fractions + " (0 to 1 across the bounding box)");
+    table.missing(in_metres, "",
+                  "add " + in_metres + " = [x, y, z], or " + in_fractions + " (0 to 1 across the bounding box)");
   return *value;
 }
 

@@ -11,10 +11,9 @@ namespace {
 SymmetryPlane centre_plane(const SceneTable& mesh, const std::string& axis) {
   SymmetryPlane plane;
   if (axis.size() != 1 || axis[0] < 'x' || axis[0] > 'z')
-    mesh.reject(
-        "symmetry", "names no plane",
-        "write \"x\", \"y\" or \"z\" (the centre plane across that axis), or { point_m = [...], normal = "
-        "[...] }");
+    mesh.reject("symmetry", "names no plane",
+                "write \"x\", \"y\" or \"z\" (the centre plane across that axis), or { point_m = [...], normal = "
+                "[...] }");
   plane.normal[static_cast<std::size_t>(axis[0] - 'x')] = 1;
   return plane;
 }
@@ -35,8 +34,7 @@ void check_use(const SceneTable& mesh, const SymmetryPlane& plane) {
     mesh.reject("symmetry", "is no centre plane, and built-in shapes are symmetric in those",
                 "write symmetry = \"x\", \"y\" or \"z\"");
   if (plane.half)
-    mesh.reject("symmetry", "has half = true, which is for mesh files",
-                "remove half: a built-in shape is whole");
+    mesh.reject("symmetry", "has half = true, which is for mesh files", "remove half: a built-in shape is whole");
 }
 
 }  // namespace
@@ -55,8 +53,7 @@ std::optional<SymmetryPlane> parse_symmetry(const SceneTable& mesh) {
     plane.tolerance_m = table.number_or("tolerance_m", 0, {0, 1e3, true, false});
     plane.half = table.flag_or("half", false);
   } else {
-    mesh.reject("symmetry", "must be text or a table",
-                "write \"x\", or { point_m = [0, 0, 0], normal = [1, 0, 0] }");
+    mesh.reject("symmetry", "must be text or a table", "write \"x\", or { point_m = [0, 0, 0], normal = [1, 0, 0] }");
   }
   plane.where = mesh.where("symmetry");
   check_use(mesh, plane);

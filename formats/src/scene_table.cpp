@@ -90,16 +90,12 @@ std::string shown(const toml::node& node) {
   return text;
 }
 
-void refuse(const SourceLocation& where, const std::string& what, const std::string& value,
-            const std::string& remedy) {
+void refuse(const SourceLocation& where, const std::string& what, const std::string& value, const std::string& remedy) {
   throw input_error(where.str() + ": " + what, value, remedy);
 }
 
 SceneTable::SceneTable(const toml::table& table, std::string name, const std::string& file)
-    : _table(&table),
-      _name(std::move(name)),
-      _file(file),
-      _where{file, static_cast<int>(table.source().begin.line)} {
+    : _table(&table), _name(std::move(name)), _file(file), _where{file, static_cast<int>(table.source().begin.line)} {
   if (_where.line < 1) _where.line = 1;
   const auto& known = keys_of(_name);
   for (const auto& [key, value] : table) {
@@ -144,8 +140,7 @@ void SceneTable::refuse_choice(std::string_view key, const std::string& given,
                                const std::vector<std::string_view>& names) const {
   const auto near = nearest(given, names);
   refuse(where(key), label(key) + " is none of those known", "\"" + given + "\"",
-         "write one of " + listed(names) +
-             (near.empty() ? "" : "; did you mean \"" + std::string(near) + "\"?"));
+         "write one of " + listed(names) + (near.empty() ? "" : "; did you mean \"" + std::string(near) + "\"?"));
 }
 
 double SceneTable::checked_number(std::string_view key, const toml::node& node, Range range) const {
@@ -157,8 +152,7 @@ double SceneTable::checked_number(std::string_view key, const toml::node& node, 
   else
     wrong_type(key, node, "a number", "write a plain SI number without quotes, such as 0.028 or 2e4");
   if (!std::isfinite(value))
-    refuse(where(node), label(key) + " must be a finite number", shown(node),
-           "write a number " + range_text(range));
+    refuse(where(node), label(key) + " must be a finite number", shown(node), "write a number " + range_text(range));
   const bool too_low = range.low_open ? value <= range.low : value < range.low;
   const bool too_high = range.high_open ? value >= range.high : value > range.high;
   if (too_low || too_high)
@@ -177,8 +171,7 @@ double SceneTable::number_or(std::string_view key, double otherwise, Range range
   return number(key, range).value_or(otherwise);
 }
 
-std::optional<std::int64_t> SceneTable::integer(std::string_view key, std::int64_t low,
-                                                std::int64_t high) const {
+std::optional<std::int64_t> SceneTable::integer(std::string_view key, std::int64_t low, std::int64_t high) const {
   const auto* node = find(key);
   if (!node) return std::nullopt;
   const auto* whole = node->as_integer();
@@ -191,8 +184,7 @@ std::optional<std::int64_t> SceneTable::integer(std::string_view key, std::int64
   }
   const auto value = whole->get();
   if (value < low || value > high)
-    refuse(where(*node),
-           label(key) + " must be between " + std::to_string(low) + " and " + std::to_string(high),
+    refuse(where(*node), label(key) + " must be between " + std::to_string(low) + " and " + std::to_string(high),
            shown(*node), "correct the value");
   return value;
 }
@@ -222,8 +214,7 @@ std::optional<Vec3> SceneTable::vector(std::string_view key, Range range) const 
   if (!node) return std::nullopt;
   const auto* array = node->as_array();
   if (!array || array->size() != 3)
-    wrong_type(key, *node, "three numbers",
-               "write an array of exactly three numbers, such as [0.0, 0.0, 0.1]");
+    wrong_type(key, *node, "three numbers", "write an array of exactly three numbers, such as [0.0, 0.0, 0.1]");
   Vec3 value{};
   for (std::size_t i = 0; i < 3; ++i) value[i] = checked_number(key, (*array)[i], range);
   return value;

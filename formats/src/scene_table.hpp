@@ -65,16 +65,14 @@ class SceneTable {
   std::optional<double> number(std::string_view key, Range range) const;
   double number_or(std::string_view key, double otherwise, Range range) const;
   std::optional<std::int64_t> integer(std::string_view key, std::int64_t low, std::int64_t high) const;
-  std::int64_t integer_or(std::string_view key, std::int64_t otherwise, std::int64_t low,
-                          std::int64_t high) const;
+  std::int64_t integer_or(std::string_view key, std::int64_t otherwise, std::int64_t low, std::int64_t high) const;
   std::optional<std::string> text(std::string_view key) const;
   bool flag_or(std::string_view key, bool otherwise) const;
   std::optional<Vec3> vector(std::string_view key, Range range) const;
 
   /// One of a few words, each standing for a value.
   template <class T>
-  std::optional<T> choice(std::string_view key,
-                          const std::vector<std::pair<std::string_view, T>>& words) const {
+  std::optional<T> choice(std::string_view key, const std::vector<std::pair<std::string_view, T>>& words) const {
     const auto given = text(key);
     if (!given) return std::nullopt;
     for (const auto& [word, value] : words)

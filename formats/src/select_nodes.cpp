@@ -54,8 +54,7 @@ NodeList select_nodes(const Selection& selection, const SelectableBody& body, co
       throw input_error(
           place + "a selector of the " + what_nodes + " selects no node",
           selector.choice->description() + (selector.surface_only ? ", surface nodes only" : ""),
-          "the mesh reaches from " + shown_text(body.low) + " to " + shown_text(body.high) +
-              " m: widen the selector");
+          "the mesh reaches from " + shown_text(body.low) + " to " + shown_text(body.high) + " m: widen the selector");
     nodes.insert(nodes.end(), more.begin(), more.end());
   }
   if (nodes.empty())

@@ -53,8 +53,7 @@ NodeList where(const SelectableBody& body, const NodeList& candidates, Inside in
 
 NodeList without_fixed(const SelectableBody& body, const NodeList& nodes) {
   NodeList free;
-  std::set_difference(nodes.begin(), nodes.end(), body.fixed.begin(), body.fixed.end(),
-                      std::back_inserter(free));
+  std::set_difference(nodes.begin(), nodes.end(), body.fixed.begin(), body.fixed.end(), std::back_inserter(free));
   return free;
 }
 
@@ -68,9 +67,8 @@ struct Box final : NodeChoice {
     const bool metric = table.has("min_m") || table.has("max_m");
     const bool relative = table.has("min_fraction") || table.has("max_fraction");
     if (metric && relative)
-      table.reject(
-          table.has("min_fraction") ? "min_fraction" : "max_fraction", "stands beside corners in metres",
-          "give both corners in metres (min_m, max_m) or both as fractions (min_fraction, max_fraction)");
+      table.reject(table.has("min_fraction") ? "min_fraction" : "max_fraction", "stands beside corners in metres",
+                   "give both corners in metres (min_m, max_m) or both as fractions (min_fraction, max_fraction)");
     const std::string first = relative ? "min_fraction" : "min_m", last = relative ? "max_fraction" : "max_m";
     const auto range = relative ? fractions : metres;
     const auto a = table.vector(first, range), b = table.vector(last, range);
@@ -113,8 +111,7 @@ struct Sphere final : NodeChoice {
   }
   NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
     const Vector c = center.in(body);
-    return where(body, request.candidates,
-                 [&](const Vector& x) { return (x - c).norm() <= radius_m + body.slack_m; });
+    return where(body, request.candidates, [&](const Vector& x) { return (x - c).norm() <= radius_m + body.slack_m; });
   }
 };
 
@@ -135,8 +132,8 @@ struct Plane final : NodeChoice {
            ", tolerance_m = " + shortest(tolerance_m) + " }";
   }
   std::string description() const override {
-    return "plane through " + shown_text(point.x) + point.units() + ", normal " + shown_text(normal) +
-           ", tolerance " + in_metres(tolerance_m);
+    return "plane through " + shown_text(point.x) + point.units() + ", normal " + shown_text(normal) + ", tolerance " +
+           in_metres(tolerance_m);
   }
   NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
     const Vector p = point.in(body), n = vector(normal).normalized();
@@ -152,8 +149,7 @@ struct HalfSpace final : NodeChoice {
   Place point;
   Vec3 normal;
 
-  explicit HalfSpace(const SceneTable& table)
-      : point(parse_place(table, "point")), normal(parse_normal(table)) {}
+  explicit HalfSpace(const SceneTable& table) : point(parse_place(table, "point")), normal(parse_normal(table)) {}
   std::string text() const override {
     return "half_space { point" + point.text() + ", normal = " + exact_text(normal) + " }";
   }
@@ -197,8 +193,7 @@ struct Numbers final : NodeChoice {
   explicit Numbers(const SceneTable& table) {
     const auto* list = table.find(name)->as_array();
     if (!list) table.reject(name, "must be an array of node numbers", "write nodes = [0, 5, 7]");
-    if (list->empty())
-      table.reject(name, "is an empty list", "name at least one node, or remove the selector");
+    if (list->empty()) table.reject(name, "is an empty list", "name at least one node, or remove the selector");
     for (const auto& item : *list) {
       const auto* number = item.as_integer();
       if (!number || number->get() < 0 || number->get() > std::numeric_limits<std::int32_t>::max())
@@ -217,8 +212,7 @@ struct Numbers final : NodeChoice {
     for (const std::int32_t node : nodes)
       if (node >= body.mesh.n_nodes())
         throw input_error(request.place + "a node number of the " + request.nodes + " is out of range",
-                          std::to_string(node),
-                          "the mesh has nodes 0 to " + std::to_string(body.mesh.n_nodes() - 1));
+                          std::to_string(node), "the mesh has nodes 0 to " + std::to_string(body.mesh.n_nodes() - 1));
     return nodes;
   }
 };
@@ -231,16 +225,13 @@ struct Nearest final : NodeChoice {
 
   explicit Nearest(const SceneTable& table) : point(parse_place(table, "point")) {}
   std::string text() const override { return "nearest { point" + point.text() + " }"; }
-  std::string description() const override {
-    return "node nearest to " + shown_text(point.x) + point.units();
-  }
+  std::string description() const override { return "node nearest to " + shown_text(point.x) + point.units(); }
   NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
     const Vector x = point.in(body);
     double best = std::numeric_limits<double>::infinity();
     NodeList nearest;
     for (const std::int32_t i : request.candidates)
-      if (const double d = (Vector(body.mesh.nodes.row(i)) - x).squaredNorm(); d < best)
-        best = d, nearest = {i};
+      if (const double d = (Vector(body.mesh.nodes.row(i)) - x).squaredNorm(); d < best) best = d, nearest = {i};
     return nearest;
   }
 };
@@ -287,16 +278,13 @@ struct All final : Word {
   explicit All(const SceneTable&) {}
   std::string text() const override { return std::string(name); }
   std::string description() const override { return text(); }
-  NodeList pick(const SelectableBody&, const PickRequest& request) const override {
-    return request.candidates;
-  }
+  NodeList pick(const SelectableBody&, const PickRequest& request) const override { return request.candidates; }
   bool selects_all() const override { return true; }
 };
 
 template <class Choice>
 SelectorKind row() {
-  return {Choice::name, Choice::form, Choice::keys(),
-          [](const SceneTable& table) -> std::shared_ptr<const NodeChoice> {
+  return {Choice::name, Choice::form, Choice::keys(), [](const SceneTable& table) -> std::shared_ptr<const NodeChoice> {
             return std::make_shared<const Choice>(table);
           }};
 }
@@ -304,9 +292,9 @@ SelectorKind row() {
 }  // namespace
 
 const std::vector<SelectorKind>& selector_kinds() {
-  static const std::vector<SelectorKind> kinds = {
-      row<Box>(),     row<Sphere>(),  row<Plane>(),       row<HalfSpace>(), row<Group>(), row<Numbers>(),
-      row<Nearest>(), row<Surface>(), row<FreeSurface>(), row<Free>(),      row<All>()};
+  static const std::vector<SelectorKind> kinds = {row<Box>(),         row<Sphere>(),  row<Plane>(),   row<HalfSpace>(),
+                                                  row<Group>(),       row<Numbers>(), row<Nearest>(), row<Surface>(),
+                                                  row<FreeSurface>(), row<Free>(),    row<All>()};
   return kinds;
 }
 

@@ -24,12 +24,11 @@ Shard parse_shard(const std::string& text) {
     good = second.ec == std::errc{} && second.ptr == end;
   }
   if (!good || shard.count < 1)
-    throw input_error("a shard is i/n, two whole numbers", "'" + text + "'",
-                      "--shard 0/8 is the first of eight");
+    throw input_error("a shard is i/n, two whole numbers", "'" + text + "'", "--shard 0/8 is the first of eight");
   if (shard.index < 0 || shard.index >= shard.count)
-    throw input_error("there is no such shard", "'" + text + "'",
-                      "shards count from 0: the last is " + std::to_string(shard.count - 1) + "/" +
-                          std::to_string(shard.count));
+    throw input_error(
+        "there is no such shard", "'" + text + "'",
+        "shards count from 0: the last is " + std::to_string(shard.count - 1) + "/" + std::to_string(shard.count));
   return shard;
 }
 

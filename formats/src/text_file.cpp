@@ -6,10 +6,8 @@ namespace phynness {
 
 void write_text_file(const std::filesystem::path& file, const std::string& text) {
   std::error_code code;
-  const auto target =
-      std::filesystem::is_symlink(file, code) ? std::filesystem::weakly_canonical(file, code) : file;
-  const bool in_place =
-      std::filesystem::exists(target, code) && !std::filesystem::is_regular_file(target, code);
+  const auto target = std::filesystem::is_symlink(file, code) ? std::filesystem::weakly_canonical(file, code) : file;
+  const bool in_place = std::filesystem::exists(target, code) && !std::filesystem::is_regular_file(target, code);
   auto written = target;
   if (!in_place) written += ".part";
   std::ofstream out(written, std::ios::binary | std::ios::trunc);

@@ -40,9 +40,7 @@ TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::s
 bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {
   std::vector<char> held(static_cast<std::size_t>(mesh.n_nodes()), 0);
   for (const auto node : fixed) held[static_cast<std::size_t>(node)] = 1;
-  const auto is_held = [&](Eigen::Index c, int k) {
-    return held[static_cast<std::size_t>(mesh.cells(c, k))];
-  };
+  const auto is_held = [&](Eigen::Index c, int k) { return held[static_cast<std::size_t>(mesh.cells(c, k))]; };
   for (Eigen::Index c = 0; mesh.cells.cols() == 3 && c < mesh.cells.rows(); ++c)
     if (is_held(c, 0) + is_held(c, 1) + is_held(c, 2) > 1) return true;
   if (fixed.size() < 3) return false;
@@ -52,8 +50,7 @@ bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {
   at.rowwise() -= Eigen::RowVector3d(at.colwise().mean());
   // Mean square distances from the best plane, within it from the best line, and along that line.
   const Eigen::Matrix3d spread = at.transpose() * at / static_cast<double>(fixed.size());
-  const auto squares =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  const auto squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
   const Eigen::RowVector3d extent = nodes.colwise().maxCoeff() - nodes.colwise().minCoeff();
   return squares[1] > 1e-12 * extent.squaredNorm();
 }
@@ -74,12 +71,10 @@ Vector on_edge(const Eigen::Matrix3d& corners, int i, int j, const Vector& x) {
 }
 
 Vector on_triangle(const Eigen::Matrix3d& corners, const Vector& x) {
-  const Vector a = corners.col(1) - corners.col(0), b = corners.col(2) - corners.col(0),
-               c = x - corners.col(0);
+  const Vector a = corners.col(1) - corners.col(0), b = corners.col(2) - corners.col(0), c = x - corners.col(0);
   const double aa = a.squaredNorm(), ab = a.dot(b), bb = b.squaredNorm(), determinant = aa * bb - ab * ab;
   if (determinant > 0) {
-    const double s = (bb * a.dot(c) - ab * b.dot(c)) / determinant,
-                 t = (aa * b.dot(c) - ab * a.dot(c)) / determinant;
+    const double s = (bb * a.dot(c) - ab * b.dot(c)) / determinant, t = (aa * b.dot(c) - ab * a.dot(c)) / determinant;
     if (s >= 0 && t >= 0 && s + t <= 1) return {1 - s - t, s, t};
   }
   Vector best = on_edge(corners, 0, 1, x);

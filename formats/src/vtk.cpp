@@ -106,8 +106,8 @@ std::string xdmf_topology(const VtkGrid& grid) {
                            "\" NumberType=\"Int\" Precision=\"4\" Format=\"XML\">\n" + rows(grid.cells) +
                            "</DataItem></Topology>\n";
   if (width == 1)
-    return "<Topology TopologyType=\"Polyvertex\" NodesPerElement=\"1\"" + attribute("NumberOfElements", n) +
-           ">" + item;
+    return "<Topology TopologyType=\"Polyvertex\" NodesPerElement=\"1\"" + attribute("NumberOfElements", n) + ">" +
+           item;
   return std::string("<Topology TopologyType=\"") + (width == 4 ? "Tetrahedron" : "Triangle") + "\"" +
          attribute("NumberOfElements", n) + ">" + item;
 }
@@ -135,8 +135,7 @@ std::string vtu_text(const VtkGrid& grid, const VtkState& state) {
   std::string time_array = data_array("TimeValue", "Float64", time, false);
   time_array.insert(time_array.find(" format"), " NumberOfTuples=\"1\"");
   text += "    <FieldData>\n" + time_array + "    </FieldData>\n";
-  text += "    <Piece" + attribute("NumberOfPoints", grid.points.rows()) +
-          attribute("NumberOfCells", n_cells) + ">\n";
+  text += "    <Piece" + attribute("NumberOfPoints", grid.points.rows()) + attribute("NumberOfCells", n_cells) + ">\n";
   text += "      <Points>\n" + data_array("Points", "Float64", grid.points, true) + "      </Points>\n";
   text += "      <Cells>\n" + data_array("connectivity", "Int32", grid.cells, false) +
           data_array("offsets", "Int32", offsets, false) + data_array("types", "UInt8", types, false) +
@@ -152,8 +151,8 @@ std::string legacy_vtk_text(const VtkGrid& grid, const VtkState& state, const st
   std::string line = title.substr(0, 250);
   for (char& c : line)
     if (c == '\n' || c == '\r') c = ' ';
-  std::string text = "# vtk DataFile Version 3.0\n" + line + "\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS " +
-                     n_points + " double\n" + rows(grid.points);
+  std::string text = "# vtk DataFile Version 3.0\n" + line + "\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS " + n_points +
+                     " double\n" + rows(grid.points);
   text += "CELLS " + std::to_string(n_cells) + " " + std::to_string(n_cells * (width + 1)) + "\n";
   for (Eigen::Index i = 0; i < n_cells; ++i) {
     append(text, width);
@@ -173,15 +172,14 @@ std::string legacy_vtk_text(const VtkGrid& grid, const VtkState& state, const st
 std::string xdmf_text(const VtkGrid& grid, const std::vector<VtkState>& states) {
   const auto n = std::to_string(grid.points.rows());
   const auto numbers = [](const std::string& dimensions) {
-    return "<DataItem Dimensions=\"" + dimensions +
-           "\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">\n";
+    return "<DataItem Dimensions=\"" + dimensions + "\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">\n";
   };
   const std::string body = xdmf_topology(grid) + "<Geometry GeometryType=\"XYZ\">" + numbers(n + " 3") +
                            rows(grid.points) + "</DataItem></Geometry>\n" +
                            "<Attribute Name=\"node\" AttributeType=\"Scalar\" Center=\"Node\"><DataItem "
                            "Dimensions=\"" +
-                           n + "\" NumberType=\"Int\" Precision=\"4\" Format=\"XML\">\n" +
-                           rows(node_column(grid)) + "</DataItem></Attribute>\n";
+                           n + "\" NumberType=\"Int\" Precision=\"4\" Format=\"XML\">\n" + rows(node_column(grid)) +
+                           "</DataItem></Attribute>\n";
   std::string text =
       "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\"><Domain>\n"
       "<Grid Name=\"response\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
@@ -192,8 +190,7 @@ std::string xdmf_text(const VtkGrid& grid, const std::vector<VtkState>& states) 
     for (const auto& field : state.fields) {
       const bool vector = field.values.cols() == 3;
       text += "<Attribute Name=\"" + field.name + "\" AttributeType=\"" + (vector ? "Vector" : "Scalar") +
-              "\" Center=\"Node\">" + numbers(vector ? n + " 3" : n) + rows(field.values) +
-              "</DataItem></Attribute>\n";
+              "\" Center=\"Node\">" + numbers(vector ? n + " 3" : n) + rows(field.values) + "</DataItem></Attribute>\n";
     }
     text += "</Grid>\n";
   }

@@ -78,8 +78,8 @@ void orient_cells(Body& body) {
     for (int k = 0; k < 4; ++k)
       require_coordinates(mesh.nodes.row(cell(k)), body.source + ": a node of cell " + std::to_string(c),
                           body.file_number[cell(k)]);
-    const double longest2 = std::max({u.squaredNorm(), v.squaredNorm(), w.squaredNorm(),
-                                      (u - v).squaredNorm(), (v - w).squaredNorm(), (w - u).squaredNorm()});
+    const double longest2 = std::max({u.squaredNorm(), v.squaredNorm(), w.squaredNorm(), (u - v).squaredNorm(),
+                                      (v - w).squaredNorm(), (w - u).squaredNorm()});
     const double six_volumes = u.dot(v.cross(w));
     if (!(std::abs(six_volumes) > zero_volume * longest2 * std::sqrt(longest2))) {
       std::ostringstream value;
@@ -95,8 +95,8 @@ void orient_cells(Body& body) {
     body.note("flipped all " + std::to_string(mesh.n_cells()) +
               " cells: the file numbers their nodes the other way round");
   else
-    body.note("flipped " + counted(negative.size(), "cell", "cells") + " of " +
-              std::to_string(mesh.n_cells()) + " that ran the other way round: " + first_few(negative));
+    body.note("flipped " + counted(negative.size(), "cell", "cells") + " of " + std::to_string(mesh.n_cells()) +
+              " that ran the other way round: " + first_few(negative));
 }
 
 /// After nodes were merged, a cell smaller than what counts as one place has none of its own.
@@ -135,15 +135,13 @@ void require_one_component(Body& body, bool repair) {
   }
   const auto list = [&](const std::vector<std::int32_t>& cells) { return first_few(cells); };
   if (!topology.crowded_cells.empty())
-    throw input_error(
-        body.source + ": faces that more than two cells share",
-        counted(topology.crowded_cells.size(), "cell", "cells") + ": " + list(topology.crowded_cells),
-        "remove repeated or overlapping cells");
+    throw input_error(body.source + ": faces that more than two cells share",
+                      counted(topology.crowded_cells.size(), "cell", "cells") + ": " + list(topology.crowded_cells),
+                      "remove repeated or overlapping cells");
   if (!topology.folded_cells.empty())
-    throw input_error(
-        body.source + ": inverted cells: they lie on the same side of a face as their neighbour",
-        counted(topology.folded_cells.size(), "cell", "cells") + ": " + list(topology.folded_cells),
-        "mesh the body again; cells that overlap cannot be solved on");
+    throw input_error(body.source + ": inverted cells: they lie on the same side of a face as their neighbour",
+                      counted(topology.folded_cells.size(), "cell", "cells") + ": " + list(topology.folded_cells),
+                      "mesh the body again; cells that overlap cannot be solved on");
   if (topology.component_sizes.size() < 2) return;
   const std::string components = describe_components(topology.component_sizes, "cells");
   if (!repair)

@@ -48,8 +48,7 @@ std::optional<std::array<std::int32_t, 2>> ChangingSurface::triangles_of(const E
   std::array<std::int32_t, 2> found{};
   int n = 0;
   for (const std::int32_t t : _at[edge[0]])
-    if (std::find(_triangles[t].begin(), _triangles[t].end(), edge[1]) != _triangles[t].end() && n < 2)
-      found[n++] = t;
+    if (std::find(_triangles[t].begin(), _triangles[t].end(), edge[1]) != _triangles[t].end() && n < 2) found[n++] = t;
   if (n != 2) return std::nullopt;
   return found;
 }
@@ -65,8 +64,7 @@ std::vector<std::int32_t> ChangingSurface::neighbours(std::int32_t node) const {
 Eigen::RowVector3d ChangingSurface::area_vector(std::int32_t triangle, std::int32_t moved_node,
                                                 const Vector& moved_to) const {
   std::array<Vector, 3> p;
-  for (int k = 0; k < 3; ++k)
-    p[k] = _triangles[triangle][k] == moved_node ? moved_to : _x[_triangles[triangle][k]];
+  for (int k = 0; k < 3; ++k) p[k] = _triangles[triangle][k] == moved_node ? moved_to : _x[_triangles[triangle][k]];
   return (p[1] - p[0]).cross(p[2] - p[0]);
 }
 
@@ -127,8 +125,7 @@ bool ChangingSurface::collapse(std::int32_t gone, std::int32_t kept, double long
   const bool along_feature = is_feature({gone, kept});
   if (feature_degree(gone) > 0 && !(along_feature && feature_degree(gone) == 2)) return false;
   for (const std::int32_t t : _at[gone])
-    if (t != (*pair)[0] && t != (*pair)[1] && turned_over(area_vector(t), area_vector(t, gone, _x[kept])))
-      return false;
+    if (t != (*pair)[0] && t != (*pair)[1] && turned_over(area_vector(t), area_vector(t, gone, _x[kept]))) return false;
 
   if (along_feature) {
     std::int32_t beyond = -1;
@@ -153,8 +150,7 @@ bool ChangingSurface::flip(const Edge& edge) {
   if (p == q || _at[edge[0]].size() <= 3 || _at[edge[1]].size() <= 3 || triangles_of({p, q})) return false;
   const Vector before = area_vector((*pair)[0]) + area_vector((*pair)[1]);
   // First triangle: edge[1] becomes q; second: edge[0] becomes p. Both keep their direction.
-  const Vector first = area_vector((*pair)[0], edge[1], _x[q]),
-               second = area_vector((*pair)[1], edge[0], _x[p]);
+  const Vector first = area_vector((*pair)[0], edge[1], _x[q]), second = area_vector((*pair)[1], edge[0], _x[p]);
   if (turned_over(before, first) || turned_over(before, second)) return false;
   replace((*pair)[0], edge[1], q);
   replace((*pair)[1], edge[0], p);
@@ -170,8 +166,7 @@ Surface ChangingSurface::surface() const {
   result.nodes.resize(n, 3);
   for (std::size_t i = 0; i < _x.size(); ++i)
     if (position[i] >= 0) result.nodes.row(position[i]) = _x[i];
-  const auto alive =
-      std::count_if(_triangles.begin(), _triangles.end(), [](const Triangle& t) { return t[0] >= 0; });
+  const auto alive = std::count_if(_triangles.begin(), _triangles.end(), [](const Triangle& t) { return t[0] >= 0; });
   result.triangles.resize(alive, 3);
   Eigen::Index row = 0;
   for (const Triangle& t : _triangles) {

@@ -42,10 +42,9 @@ ClosestPoint::ClosestPoint(const Surface& surface)
   std::iota(_order.begin(), _order.end(), 0);
   Points centroids(surface.triangles.rows(), 3);
   for (Eigen::Index t = 0; t < centroids.rows(); ++t)
-    centroids.row(t) =
-        (surface.nodes.row(surface.triangles(t, 0)) + surface.nodes.row(surface.triangles(t, 1)) +
-         surface.nodes.row(surface.triangles(t, 2))) /
-        3;
+    centroids.row(t) = (surface.nodes.row(surface.triangles(t, 0)) + surface.nodes.row(surface.triangles(t, 1)) +
+                        surface.nodes.row(surface.triangles(t, 2))) /
+                       3;
   build(0, static_cast<std::int32_t>(_order.size()), centroids);
 }
 
@@ -89,9 +88,8 @@ Eigen::RowVector3d ClosestPoint::operator()(const Eigen::RowVector3d& x) const {
     if (box.left < 0) {
       for (std::int32_t i = box.first; i < box.last; ++i) {
         const auto triangle = _surface.triangles.row(_order[i]);
-        const Vector candidate =
-            on_triangle(x, _surface.nodes.row(triangle(0)), _surface.nodes.row(triangle(1)),
-                        _surface.nodes.row(triangle(2)));
+        const Vector candidate = on_triangle(x, _surface.nodes.row(triangle(0)), _surface.nodes.row(triangle(1)),
+                                             _surface.nodes.row(triangle(2)));
         if (const double d2 = (candidate - x).squaredNorm(); d2 < best2) best2 = d2, best = candidate;
       }
       continue;

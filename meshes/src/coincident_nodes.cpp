@@ -18,9 +18,8 @@ std::vector<std::int32_t> coincident_nodes(const Points& nodes) {
   std::vector<std::int32_t> by_x(static_cast<std::size_t>(nodes.rows())), first(by_x.size());
   std::iota(by_x.begin(), by_x.end(), 0);
   std::iota(first.begin(), first.end(), 0);
-  std::sort(by_x.begin(), by_x.end(), [&](std::int32_t p, std::int32_t q) {
-    return std::pair(nodes(p, 0), p) < std::pair(nodes(q, 0), q);
-  });
+  std::sort(by_x.begin(), by_x.end(),
+            [&](std::int32_t p, std::int32_t q) { return std::pair(nodes(p, 0), p) < std::pair(nodes(q, 0), q); });
   for (std::size_t i = 0; i < by_x.size(); ++i)
     for (std::size_t j = i + 1; j < by_x.size() && nodes(by_x[j], 0) - nodes(by_x[i], 0) <= tolerance; ++j)
       if ((nodes.row(by_x[i]) - nodes.row(by_x[j])).norm() <= tolerance) {

@@ -20,9 +20,9 @@ double volume(const RawMesh& raw) {
     double e[3][3];
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k) e[i][k] = raw.nodes[cell[i + 1]][k] - a[k];
-    six += std::abs(e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
-                    e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
-                    e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]));
+    six +=
+        std::abs(e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+                 e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]));
   }
   return six / 6;
 }
@@ -62,10 +62,9 @@ RawMesh fill(const Surface& surface) {
     }
   const double wanted = enclosed_volume(surface.nodes, surface.triangles), got = volume(raw);
   if (!(std::abs(got - wanted) <= 1e-6 * wanted))
-    throw failure(
-        "gmsh's tetrahedra do not fill the inside of the surface",
-        std::to_string(got) + " of " + std::to_string(wanted) + " m^3",
-        "look for triangles of the surface that cut through each other, or change mesh.target_size_m");
+    throw failure("gmsh's tetrahedra do not fill the inside of the surface",
+                  std::to_string(got) + " of " + std::to_string(wanted) + " m^3",
+                  "look for triangles of the surface that cut through each other, or change mesh.target_size_m");
   return raw;
 }
 

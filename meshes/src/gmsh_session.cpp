@@ -88,8 +88,8 @@ RawMesh GmshSession::elements(int type, const char* what) const {
     if (position.emplace(tags[i], static_cast<std::int32_t>(raw.nodes.size())).second)
       raw.nodes.push_back({x[3 * i], x[3 * i + 1], x[3 * i + 2]});
   for (std::size_t e = 0; type == gmsh_triangle && e + 2 < element_nodes.size(); e += 3)
-    raw.triangles.push_back({position.at(element_nodes[e]), position.at(element_nodes[e + 1]),
-                             position.at(element_nodes[e + 2])});
+    raw.triangles.push_back(
+        {position.at(element_nodes[e]), position.at(element_nodes[e + 1]), position.at(element_nodes[e + 2])});
   for (std::size_t e = 0; type == gmsh_tetrahedron && e + 3 < element_nodes.size(); e += 4)
     raw.tetrahedra.push_back({position.at(element_nodes[e]), position.at(element_nodes[e + 1]),
                               position.at(element_nodes[e + 2]), position.at(element_nodes[e + 3])});

@@ -13,9 +13,8 @@ constexpr int subdivisions = 5;  // 10,242 nodes: finer than any mesh that is ma
 /// Icosahedron whose triangles are divided in four again and again, on the unit sphere.
 Surface unit_sphere() {
   const double t = (1 + std::sqrt(5.0)) / 2;
-  std::vector<Eigen::RowVector3d> x = {{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0},
-                                       {0, -1, t}, {0, 1, t}, {0, -1, -t}, {0, 1, -t},
-                                       {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}};
+  std::vector<Eigen::RowVector3d> x = {{-1, t, 0},  {1, t, 0},  {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
+                                       {0, -1, -t}, {0, 1, -t}, {t, 0, -1},  {t, 0, 1},  {-t, 0, -1}, {-t, 0, 1}};
   for (auto& p : x) p.normalize();
   std::vector<Triangle> triangles = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
                                      {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},

@@ -33,9 +33,7 @@ constexpr double default_wall = 0.75;  // inner over outer radius of a tube
 
 double or_default(double value, double fallback) { return value > 0 ? value : fallback; }
 
-std::string place(const MeshSpec& spec) {
-  return spec.where.file.empty() ? "mesh" : spec.where.str() + ": mesh";
-}
+std::string place(const MeshSpec& spec) { return spec.where.file.empty() ? "mesh" : spec.where.str() + ": mesh"; }
 
 void check_spec(const MeshSpec& spec) {
   const auto refuse = [&](const char* what, const std::string& value, const char* remedy) {
@@ -46,8 +44,7 @@ void check_spec(const MeshSpec& spec) {
   if (!(spec.scale_to_m > 0) || !std::isfinite(spec.scale_to_m))
     refuse("scale_to_m must be positive", std::to_string(spec.scale_to_m), "0.001 for a file in millimetres");
   if (spec.target_size_m && !(*spec.target_size_m > 0 && std::isfinite(*spec.target_size_m)))
-    refuse("target_size_m must be positive", std::to_string(*spec.target_size_m),
-           "give an edge length in metres");
+    refuse("target_size_m must be positive", std::to_string(*spec.target_size_m), "give an edge length in metres");
   if (spec.target_nodes && *spec.target_nodes < 4)
     refuse("target_nodes is too small", std::to_string(*spec.target_nodes), "a body has at least 4 nodes");
   if (spec.target_nodes && spec.target_size_m)
@@ -69,16 +66,15 @@ Solid solid_of(const MeshSpec& spec) {
   Solid solid;
   solid.shape = spec.shape;
   for (int k = 0; k < 3; ++k) solid.size_m[k] = or_default(spec.size_m[k], default_block_m[k]);
-  solid.radius_m = or_default(spec.radius_m,
-                              spec.shape == Shape::tube ? default_tube_radius_m : default_cylinder_radius_m);
+  solid.radius_m =
+      or_default(spec.radius_m, spec.shape == Shape::tube ? default_tube_radius_m : default_cylinder_radius_m);
   solid.inner_radius_m = or_default(spec.inner_radius_m, default_wall * solid.radius_m);
   solid.length_m = or_default(spec.length_m, default_length_m);
   solid.mirror_axis = mirror_axis(spec);
   if (spec.shape == Shape::tube && solid.inner_radius_m >= solid.radius_m)
-    throw input_error(
-        place(spec) + ": a tube's inner radius must be smaller than its radius",
-        std::to_string(solid.inner_radius_m) + " m and " + std::to_string(solid.radius_m) + " m",
-        "set mesh.inner_radius_m below mesh.radius_m");
+    throw input_error(place(spec) + ": a tube's inner radius must be smaller than its radius",
+                      std::to_string(solid.inner_radius_m) + " m and " + std::to_string(solid.radius_m) + " m",
+                      "set mesh.inner_radius_m below mesh.radius_m");
   return solid;
 }
 
@@ -146,9 +142,8 @@ MeshResult drain(const MeshSpec& spec) {
     refuse("the drain's slit is wider than it is long", drain.slit_width_m, "set mesh.slit_width_m below");
   std::optional<int> target_nodes = spec.target_nodes;
   if (!target_nodes && !spec.target_size_m) target_nodes = default_nodes_drain;
-  MeshResult result = sized(spec, {0, drain.area_m2()}, target_nodes, [&](double edge_m) {
-    return generated_shell(mesh_drain(drain, edge_m), "shape 'drain'");
-  });
+  MeshResult result = sized(spec, {0, drain.area_m2()}, target_nodes,
+                            [&](double edge_m) { return generated_shell(mesh_drain(drain, edge_m), "shape 'drain'"); });
   check_wall(result, spec.thickness_m, place(spec));
   return result;
 }
@@ -157,8 +152,7 @@ MeshResult from_shape(const MeshSpec& spec) {
   if (spec.shape == Shape::drain) return drain(spec);
   const bool is_liver = spec.shape == Shape::liver;
   std::optional<int> target_nodes = spec.target_nodes;
-  if (!target_nodes && !spec.target_size_m)
-    target_nodes = is_liver ? default_nodes_liver : default_nodes_solid;
+  if (!target_nodes && !spec.target_size_m) target_nodes = is_liver ? default_nodes_liver : default_nodes_solid;
   const std::string source = std::string("shape '") + name(spec.shape) + "'";
   if (is_liver) {
     Vec3 size_m = spec.size_m;
@@ -177,8 +171,7 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
   std::vector<std::string> notes = raw.notes;
   Surface surface = checked_surface(raw, spec.scale_to_m, spec.repair, source, notes);
   untangle(surface, notes);
-  const Extent extent{enclosed_volume(surface.nodes, surface.triangles),
-                      area(surface.nodes, surface.triangles)};
+  const Extent extent{enclosed_volume(surface.nodes, surface.triangles), area(surface.nodes, surface.triangles)};
   const double given_edge_m = mean_edge(surface.nodes, surface.triangles);
   const auto as_given = [&] {
     require_affordable(extent, given_edge_m, place(spec));
@@ -187,14 +180,13 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
   MeshResult result;
   if (!spec.target_nodes && !spec.target_size_m) {
     result = as_given();
-    notes.push_back(
-        "filled the file's own triangles: neither mesh.target_size_m nor mesh.target_nodes is given");
+    notes.push_back("filled the file's own triangles: neither mesh.target_size_m nor mesh.target_nodes is given");
   } else {
     try {
-      result = sized(spec, extent, spec.target_nodes,
-                     [&](double edge_m) { return filled_at(surface, edge_m, source); });
-      notes.push_back("remeshed the surface of " + std::to_string(surface.triangles.rows()) +
-                      " triangles to " + std::to_string(result.mesh.surface.rows()));
+      result =
+          sized(spec, extent, spec.target_nodes, [&](double edge_m) { return filled_at(surface, edge_m, source); });
+      notes.push_back("remeshed the surface of " + std::to_string(surface.triangles.rows()) + " triangles to " +
+                      std::to_string(result.mesh.surface.rows()));
     } catch (const Error& error) {
       if (error.kind() == Error::Kind::input) throw;
       result = as_given();
@@ -232,8 +224,8 @@ RawMesh mirrored_file(RawMesh half, const MeshSpec& spec, const std::string& sou
   const double tolerance =
       plane.tolerance_m > 0 ? plane.tolerance_m / spec.scale_to_m : mirror_tolerance * box.diagonal().norm();
   const auto n_half = half.nodes.size();
-  RawMesh whole = with_mirror_image(std::move(half), vector(plane.point) / spec.scale_to_m,
-                                    vector(plane.normal), tolerance, source);
+  RawMesh whole = with_mirror_image(std::move(half), vector(plane.point) / spec.scale_to_m, vector(plane.normal),
+                                    tolerance, source);
   whole.notes.push_back("mirrored half a body: " + std::to_string(n_half) + " nodes became " +
                         std::to_string(whole.nodes.size()));
   return whole;

@@ -16,9 +16,7 @@ namespace {
 
 using Vector = Eigen::RowVector3d;
 
-std::string place(const SymmetryPlane& plane) {
-  return plane.where.file.empty() ? "" : plane.where.str() + ": ";
-}
+std::string place(const SymmetryPlane& plane) { return plane.where.file.empty() ? "" : plane.where.str() + ": "; }
 
 std::string metres(double value) {
   std::ostringstream text;
@@ -32,9 +30,7 @@ class Grid {
   /// @param tolerance  within which a node is found; boxes are no smaller than what numbers of their indices
   /// can hold
   Grid(const Points& nodes, double tolerance)
-      : _nodes(nodes),
-        _tolerance(tolerance),
-        _box(std::max(tolerance, least_box * nodes.cwiseAbs().maxCoeff())) {
+      : _nodes(nodes), _tolerance(tolerance), _box(std::max(tolerance, least_box * nodes.cwiseAbs().maxCoeff())) {
     for (std::int32_t i = 0; i < nodes.rows(); ++i) _boxes[key(index(nodes.row(i)))].push_back(i);
   }
   /// The node nearest to x, or -1 if there is none within the tolerance.
@@ -95,12 +91,11 @@ std::vector<std::int32_t> pair_nodes(const Mesh& mesh, const SymmetryPlane& plan
   }
   if (!alone.empty()) {
     const double off = (mesh.nodes.rowwise() - reflected(alone.front())).rowwise().norm().minCoeff();
-    throw input_error(
-        place(plane) + "the mesh is not symmetric",
-        counted(alone.size(), "node has", "nodes have") + " no mirror image within " + metres(tolerance) +
-            " (" + first_few(alone) + "); the first misses by " + metres(off),
-        "move the plane, set tolerance_m, give a mesh that is symmetric (half = true makes one from its "
-        "half), or remove mesh.symmetry");
+    throw input_error(place(plane) + "the mesh is not symmetric",
+                      counted(alone.size(), "node has", "nodes have") + " no mirror image within " + metres(tolerance) +
+                          " (" + first_few(alone) + "); the first misses by " + metres(off),
+                      "move the plane, set tolerance_m, give a mesh that is symmetric (half = true makes one from its "
+                      "half), or remove mesh.symmetry");
   }
   for (std::int32_t i = 0; i < mesh.n_nodes(); ++i)
     if (image[image[i]] != i)
@@ -126,20 +121,19 @@ void check_cells(const Mesh& mesh, const SymmetryPlane& plane, const std::vector
   for (Eigen::Index c = 0; c < mesh.cells.rows(); ++c)
     if (!cells.count(corners(c, true))) alone.push_back(static_cast<std::int32_t>(c));
   if (!alone.empty())
-    throw input_error(
-        place(plane) + "the nodes are symmetric, but the cells between them are not",
-        counted(alone.size(), "cell has", "cells have") + " no mirror image: " + first_few(alone),
-        "mesh one half and give it with half = true, or remove mesh.symmetry");
+    throw input_error(place(plane) + "the nodes are symmetric, but the cells between them are not",
+                      counted(alone.size(), "cell has", "cells have") + " no mirror image: " + first_few(alone),
+                      "mesh one half and give it with half = true, or remove mesh.symmetry");
 }
 
 void check_set(const std::vector<std::int32_t>& nodes, const char* what, const SymmetryPlane& plane,
                const std::vector<std::int32_t>& image) {
   for (const auto node : nodes)
     if (!std::binary_search(nodes.begin(), nodes.end(), image[node]))
-      throw input_error(place(plane) + "the " + what + " nodes are not symmetric",
-                        "node " + std::to_string(node) + " is one, its mirror image " +
-                            std::to_string(image[node]) + " is not",
-                        "widen the selection to both sides of the plane, or remove mesh.symmetry");
+      throw input_error(
+          place(plane) + "the " + what + " nodes are not symmetric",
+          "node " + std::to_string(node) + " is one, its mirror image " + std::to_string(image[node]) + " is not",
+          "widen the selection to both sides of the plane, or remove mesh.symmetry");
 }
 
 }  // namespace
@@ -164,13 +158,11 @@ RawMesh with_mirror_image(RawMesh half, const Vector& point, const Vector& norma
       half.nodes.push_back(at);
   }
   if (before > 0 && behind > 0)
-    throw input_error(
-        source + ": half a body lies on one side of the plane of symmetry",
-        std::to_string(before) + " nodes before the plane, " + std::to_string(behind) + " behind it",
-        "correct point_m and normal, or remove half: the file holds the whole body");
+    throw input_error(source + ": half a body lies on one side of the plane of symmetry",
+                      std::to_string(before) + " nodes before the plane, " + std::to_string(behind) + " behind it",
+                      "correct point_m and normal, or remove half: the file holds the whole body");
   if (before + behind == static_cast<std::size_t>(n))
-    throw input_error(source + ": no node lies on the plane of symmetry", "",
-                      "correct point_m, or set tolerance_m");
+    throw input_error(source + ": no node lies on the plane of symmetry", "", "correct point_m, or set tolerance_m");
 
   const std::size_t n_cells = half.tetrahedra.size();
   for (std::size_t c = 0; c < n_cells; ++c) {
@@ -201,8 +193,7 @@ MirrorSymmetry find_mirror(const Scene& scene, const Mesh& mesh, const NodeSets&
   const Vector extent = mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff();
   MirrorSymmetry mirror;
   mirror.normal = plane.normal;
-  mirror.image =
-      pair_nodes(mesh, plane, plane.tolerance_m > 0 ? plane.tolerance_m : mirror_tolerance * extent.norm());
+  mirror.image = pair_nodes(mesh, plane, plane.tolerance_m > 0 ? plane.tolerance_m : mirror_tolerance * extent.norm());
   check_cells(mesh, plane, mirror.image);
   check_set(sets.fixed, "fixed", plane, mirror.image);
   check_set(sets.active, "active", plane, mirror.image);

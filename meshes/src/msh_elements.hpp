@@ -18,9 +18,7 @@ class MshBuilder {
   /// @param physical  physical tags of the element's entity (0 = none)
   void add_element(std::int64_t tag, std::int64_t type, const std::vector<std::int64_t>& node_tags,
                    const std::vector<std::int64_t>& physical);
-  void name_group(int dimension, std::int64_t tag, std::string name) {
-    _groups.name(dimension, tag, std::move(name));
-  }
+  void name_group(int dimension, std::int64_t tag, std::string name) { _groups.name(dimension, tag, std::move(name)); }
   /// @throws Error if there are neither tetrahedra nor triangles
   RawMesh finish();
 

@@ -52,8 +52,7 @@ std::int32_t peel_slivers(RawMesh& raw) {
         std::sort(face.begin(), face.end());
         if (boundary.count(face)) inner.push_back(cell[k]);
       }
-      const bool fresh =
-          std::none_of(cell.begin(), cell.end(), [&](std::int32_t n) { return touched.count(n) > 0; });
+      const bool fresh = std::none_of(cell.begin(), cell.end(), [&](std::int32_t n) { return touched.count(n) > 0; });
       if (inner.size() != 2 || !fresh ||
           surface_edges.count({std::min(inner[0], inner[1]), std::max(inner[0], inner[1])}))
         continue;

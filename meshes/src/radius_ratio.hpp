@@ -7,8 +7,7 @@ namespace phynness::meshes {
 
 /// Radius ratio 3 r_in / r_circ of a tetrahedron with edges u, v, w from one node: 1 regular, 0 flat. r_in =
 /// 3 V / A, r_circ = |u^2 (v x w) + v^2 (w x u) + w^2 (u x v)| / (12 V).
-inline double radius_ratio(const Eigen::RowVector3d& u, const Eigen::RowVector3d& v,
-                           const Eigen::RowVector3d& w) {
+inline double radius_ratio(const Eigen::RowVector3d& u, const Eigen::RowVector3d& v, const Eigen::RowVector3d& w) {
   const Eigen::RowVector3d vw = v.cross(w), wu = w.cross(u), uv = u.cross(v);
   const double volume = u.dot(vw) / 6;
   const double total_area = (vw.norm() + wu.norm() + uv.norm() + (v - u).cross(w - u).norm()) / 2;

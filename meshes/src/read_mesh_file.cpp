@@ -13,8 +13,7 @@ std::string read_bytes(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, error))
     throw input_error("the mesh file is a folder", file.string(), "name a .msh, .vtk, .stl or .obj file");
   std::ifstream stream(file, std::ios::binary);
-  if (!stream)
-    throw input_error("cannot open the mesh file", file.string(), "check the path and its permissions");
+  if (!stream) throw input_error("cannot open the mesh file", file.string(), "check the path and its permissions");
   std::ostringstream bytes;
   if (stream.peek() != std::ifstream::traits_type::eof()) bytes << stream.rdbuf();
   if (stream.bad()) throw failure("cannot read the mesh file", file.string(), "check the disk");

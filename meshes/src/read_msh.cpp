@@ -14,10 +14,9 @@ void MshBuilder::add_element(std::int64_t tag, std::int64_t type, const std::vec
                              const std::vector<std::int64_t>& physical) {
   const int dimension = gmsh_element_type(type).dimension;
   if (dimension == 3 && type != gmsh_tetrahedron)
-    _scanner.fail(
-        "element " + std::to_string(tag) + " is not a 4-node tetrahedron",
-        "gmsh element type " + std::to_string(type) + " with " + std::to_string(node_tags.size()) + " nodes",
-        "mesh the body with first-order tetrahedra (gmsh -3 -order 1) and export it again");
+    _scanner.fail("element " + std::to_string(tag) + " is not a 4-node tetrahedron",
+                  "gmsh element type " + std::to_string(type) + " with " + std::to_string(node_tags.size()) + " nodes",
+                  "mesh the body with first-order tetrahedra (gmsh -3 -order 1) and export it again");
   _nodes.clear();
   for (const std::int64_t node : node_tags) {
     const auto found = _position.find(node);
@@ -41,8 +40,8 @@ RawMesh MshBuilder::finish() {
 }
 
 void read_physical_names(Scanner& scanner, MshBuilder& builder) {
-  const auto n = scanner.checked_count(scanner.number<std::int64_t>("the number of physical names"), 3,
-                                       "physical names");
+  const auto n =
+      scanner.checked_count(scanner.number<std::int64_t>("the number of physical names"), 3, "physical names");
   for (std::size_t i = 0; i < n; ++i) {
     const int dimension = scanner.number<int>("a physical group's dimension");
     const auto tag = scanner.number<std::int64_t>("a physical group's tag");
@@ -50,8 +49,7 @@ void read_physical_names(Scanner& scanner, MshBuilder& builder) {
     const std::size_t open = rest.find('"'), close = rest.rfind('"');
     if (dimension < 0 || dimension > 3 || open == rest.npos || close == open)
       scanner.fail("malformed physical name", std::string(rest), "write: dimension tag \"name\"");
-    if (close > open + 1)
-      builder.name_group(dimension, tag, std::string(rest.substr(open + 1, close - open - 1)));
+    if (close > open + 1) builder.name_group(dimension, tag, std::string(rest.substr(open + 1, close - open - 1)));
   }
 }
 
@@ -88,8 +86,7 @@ RawMesh read_msh_1(Scanner& scanner) {
       nodes_seen = true;
     } else if (section == "$ELM") {
       if (!nodes_seen) scanner.fail("$ELM stands before $NOD", "", "export the file again");
-      const auto n =
-          scanner.checked_count(scanner.number<std::int64_t>("the number of elements"), 12, "elements");
+      const auto n = scanner.checked_count(scanner.number<std::int64_t>("the number of elements"), 12, "elements");
       std::vector<std::int64_t> nodes;
       for (std::size_t i = 0; i < n; ++i) {
         const auto tag = scanner.number<std::int64_t>("an element's number");
@@ -136,23 +133,20 @@ RawMesh read_msh(const std::string& bytes, const std::string& source) {
   const int binary = scanner.number<int>("the file type (0 text, 1 binary)");
   const int size = scanner.number<int>("the data size");
   if ((binary != 0 && binary != 1) || size != 8)
-    scanner.fail("unsupported .msh file type or data size",
-                 std::to_string(binary) + " " + std::to_string(size),
+    scanner.fail("unsupported .msh file type or data size", std::to_string(binary) + " " + std::to_string(size),
                  "export the mesh as .msh 4.1 or 2.2 with 8-byte numbers");
   bool swap = false;
   if (binary == 1) {
     scanner.line();
     const auto one = scanner.raw<std::int32_t>("the byte order mark", false);
     if (one != 1 && one != 0x01000000)
-      scanner.fail("the byte order mark of the binary file is damaged", std::to_string(one),
-                   "export the file again");
+      scanner.fail("the byte order mark of the binary file is damaged", std::to_string(one), "export the file again");
     swap = one != 1;
   }
   expect_end(scanner, "$EndMeshFormat");
   if (version == "2" || version.starts_with("2.")) return read_msh_2(scanner, binary == 1, swap);
   if (version == "4.1") return read_msh_4(scanner, binary == 1, swap);
-  scanner.fail("unsupported .msh version", version,
-               "export the mesh as version 4.1 or 2.2 (gmsh -format msh41)");
+  scanner.fail("unsupported .msh version", version, "export the mesh as version 4.1 or 2.2 (gmsh -format msh41)");
 }
 
 }  // namespace phynness::meshes

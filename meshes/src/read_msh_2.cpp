@@ -9,12 +9,11 @@ void read_nodes(Scanner& scanner, MshBuilder& builder, bool binary, bool swap) {
   const auto n = scanner.checked_count(declared, binary ? 28 : 8, "nodes");
   if (binary) scanner.line();
   for (std::size_t i = 0; i < n; ++i) {
-    const std::int64_t tag = binary ? scanner.raw<std::int32_t>("a node's number", swap)
-                                    : scanner.number<std::int64_t>("a node's number");
+    const std::int64_t tag =
+        binary ? scanner.raw<std::int32_t>("a node's number", swap) : scanner.number<std::int64_t>("a node's number");
     std::array<double, 3> x;
     for (double& value : x)
-      value = binary ? scanner.raw<double>("a node's coordinate", swap)
-                     : scanner.number<double>("a node's coordinate");
+      value = binary ? scanner.raw<double>("a node's coordinate", swap) : scanner.number<double>("a node's coordinate");
     builder.add_node(tag, x);
   }
   expect_end(scanner, "$EndNodes");
@@ -34,8 +33,7 @@ void read_text_elements(Scanner& scanner, MshBuilder& builder, std::size_t n) {
     const auto tag = scanner.number<std::int64_t>("an element's number");
     const auto type = scanner.number<std::int64_t>("an element's type");
     nodes.resize(nodes_of(scanner, tag, type));
-    const auto n_tags =
-        scanner.checked_count(scanner.number<std::int64_t>("an element's number of tags"), 2, "tags");
+    const auto n_tags = scanner.checked_count(scanner.number<std::int64_t>("an element's number of tags"), 2, "tags");
     std::int64_t physical = 0;
     for (std::size_t k = 0; k < n_tags; ++k) {
       const auto value = scanner.number<std::int64_t>("an element's tag");
@@ -87,8 +85,7 @@ RawMesh read_msh_2(Scanner& scanner, bool binary, bool swap) {
       nodes_seen = true;
     } else if (section == "$Elements") {
       if (!nodes_seen) scanner.fail("$Elements stands before $Nodes", "", "export the file again");
-      const auto n =
-          scanner.checked_count(scanner.number<std::int64_t>("the number of elements"), 8, "elements");
+      const auto n = scanner.checked_count(scanner.number<std::int64_t>("the number of elements"), 8, "elements");
       if (binary)
         read_binary_elements(scanner, builder, n, swap);
       else

@@ -15,9 +15,7 @@ class Values {
   std::int64_t size(const char* what) {
     return _binary ? _scanner.raw<std::int64_t>(what, _swap) : _scanner.number<std::int64_t>(what);
   }
-  double real(const char* what) {
-    return _binary ? _scanner.raw<double>(what, _swap) : _scanner.number<double>(what);
-  }
+  double real(const char* what) { return _binary ? _scanner.raw<double>(what, _swap) : _scanner.number<double>(what); }
   std::size_t count(const char* what, std::size_t text_bytes, std::size_t binary_bytes) {
     const std::int64_t n = size(what);
     return _scanner.checked_count(n, _binary ? binary_bytes : text_bytes, what);
@@ -96,11 +94,9 @@ void read_elements(Values& values, MshBuilder& builder, const Physical& physical
     const std::int64_t type = values.integer("an element block's type");
     const auto info = gmsh_element_type(type);
     if (info.nodes == 0)
-      values.scanner().fail("an element block has an unknown type", std::to_string(type),
-                            "export the file again");
+      values.scanner().fail("an element block has an unknown type", std::to_string(type), "export the file again");
     const auto found = physical.find({dimension, entity});
-    const std::vector<std::int64_t> groups =
-        found == physical.end() ? std::vector<std::int64_t>{} : found->second;
+    const std::vector<std::int64_t> groups = found == physical.end() ? std::vector<std::int64_t>{} : found->second;
     const std::size_t count = values.count("elements of a block", 4, 16);
     nodes.resize(static_cast<std::size_t>(info.nodes));
     for (std::size_t i = 0; i < count; ++i) {

@@ -28,8 +28,7 @@ RawMesh read_obj(const std::string& bytes, const std::string& source) {
       auto& x = raw.nodes.emplace_back();
       for (double& value : x) {
         const std::string_view field = next_field(rest);
-        if (field.empty())
-          here.fail("a vertex has fewer than three coordinates", "", "export the file again");
+        if (field.empty()) here.fail("a vertex has fewer than three coordinates", "", "export the file again");
         value = here.parse<double>(field, "a vertex coordinate");
       }
     } else if (word == "f") {
@@ -53,8 +52,7 @@ RawMesh read_obj(const std::string& bytes, const std::string& source) {
     throw input_error(source + ": the file holds no faces", std::to_string(raw.nodes.size()) + " vertices",
                       "export the surface with its faces");
   if (polygons > 0)
-    raw.notes.push_back("split " + std::to_string(polygons) +
-                        " faces of more than three vertices into triangles");
+    raw.notes.push_back("split " + std::to_string(polygons) + " faces of more than three vertices into triangles");
   return raw;
 }
 

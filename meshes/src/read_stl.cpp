@@ -58,8 +58,7 @@ void read_binary(Scanner& scanner, RawMesh& raw) {
 
 void expect(Scanner& scanner, const char* word) {
   if (const std::string_view found = scanner.word(word); found != word)
-    scanner.fail(std::string("expected '") + word + "'", std::string(found.substr(0, 40)),
-                 "export the file again");
+    scanner.fail(std::string("expected '") + word + "'", std::string(found.substr(0, 40)), "export the file again");
 }
 
 void read_text(Scanner& scanner, RawMesh& raw) {
@@ -74,8 +73,7 @@ void read_text(Scanner& scanner, RawMesh& raw) {
       continue;
     }
     if (word != "facet")
-      scanner.fail("expected 'facet' or 'endsolid'", std::string(word.substr(0, 40)),
-                   "export the file again");
+      scanner.fail("expected 'facet' or 'endsolid'", std::string(word.substr(0, 40)), "export the file again");
     expect(scanner, "normal");
     for (int k = 0; k < 3; ++k) scanner.word("a triangle's normal");
     expect(scanner, "outer");

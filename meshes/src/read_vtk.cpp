@@ -23,8 +23,7 @@ class Numbers {
   }
   std::int64_t integer(const std::string& type, const char* what) {
     if (!_binary) return _scanner.closed_number<std::int64_t>(what);
-    return type == "vtktypeint64" ? _scanner.raw<std::int64_t>(what, swap)
-                                  : _scanner.raw<std::int32_t>(what, swap);
+    return type == "vtktypeint64" ? _scanner.raw<std::int64_t>(what, swap) : _scanner.raw<std::int32_t>(what, swap);
   }
   std::size_t count(const char* what, std::size_t binary_bytes) {
     return _scanner.checked_count(_scanner.number<std::int64_t>(what), _binary ? binary_bytes : 2, what);
@@ -49,8 +48,7 @@ std::vector<std::vector<std::int32_t>> read_cells(Scanner& scanner, Numbers& num
   std::vector<std::vector<std::int32_t>> cells;
   const auto point = [&](std::int64_t index) {
     if (index < 0 || static_cast<std::size_t>(index) >= n_points)
-      scanner.fail("a cell uses a point that is not in the file", std::to_string(index),
-                   "export the file again");
+      scanner.fail("a cell uses a point that is not in the file", std::to_string(index), "export the file again");
     return static_cast<std::int32_t>(index);
   };
   const std::size_t n = numbers.count("cells", 4), size = numbers.count("cell entries", 4);
@@ -164,8 +162,7 @@ RawMesh read_vtk(const std::string& bytes, const std::string& source) {
   if (dataset == "POLYDATA") types.assign(cells.size(), vtk_polygon);
   if (types.size() != cells.size())
     scanner.fail("the numbers of cells and of cell types differ",
-                 std::to_string(cells.size()) + " and " + std::to_string(types.size()),
-                 "export the file again");
+                 std::to_string(cells.size()) + " and " + std::to_string(types.size()), "export the file again");
   for (std::size_t c = 0; c < cells.size(); ++c) sort_cell(scanner, cells[c], c, types[c], raw);
   if (raw.tetrahedra.empty() && raw.triangles.empty())
     throw input_error(source + ": the file holds neither tetrahedra nor polygons",

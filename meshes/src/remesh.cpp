@@ -16,8 +16,7 @@ constexpr int max_rounds = 40, smooth_rounds = 12;
 
 std::vector<Edge> by_length(const ChangingSurface& surface, bool longest_first) {
   std::vector<std::tuple<double, Edge>> list;
-  for (const Edge& edge : surface.edges())
-    list.emplace_back((longest_first ? -1 : 1) * surface.length(edge), edge);
+  for (const Edge& edge : surface.edges()) list.emplace_back((longest_first ? -1 : 1) * surface.length(edge), edge);
   std::sort(list.begin(), list.end());
   std::vector<Edge> edges;
   for (const auto& entry : list) edges.push_back(std::get<1>(entry));

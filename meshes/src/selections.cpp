@@ -21,8 +21,7 @@ std::string first_of(const Nodes& nodes) {
 }  // namespace
 
 NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
-  if (mesh.nodes.rows() == 0)
-    throw input_error("cannot select nodes: the mesh is empty", "", "give a mesh with cells");
+  if (mesh.nodes.rows() == 0) throw input_error("cannot select nodes: the mesh is empty", "", "give a mesh with cells");
   for (const Selector& selector : scene.fixed)
     if (selector.choice->needs_fixed())
       throw input_error(at(selector.where) + "the fixed nodes are selected by what is not fixed",

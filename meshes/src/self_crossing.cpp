@@ -44,8 +44,7 @@ std::vector<std::array<std::int32_t, 2>> crossing_triangles(const Surface& surfa
   if (n == 0) return {};
   Points low(n, 3), high(n, 3);
   for (Eigen::Index t = 0; t < n; ++t) {
-    const Vector a = surface.nodes.row(surface.triangles(t, 0)),
-                 b = surface.nodes.row(surface.triangles(t, 1)),
+    const Vector a = surface.nodes.row(surface.triangles(t, 0)), b = surface.nodes.row(surface.triangles(t, 1)),
                  c = surface.nodes.row(surface.triangles(t, 2));
     low.row(t) = a.cwiseMin(b).cwiseMin(c);
     high.row(t) = a.cwiseMax(b).cwiseMax(c);
@@ -55,9 +54,8 @@ std::vector<std::array<std::int32_t, 2>> crossing_triangles(const Surface& surfa
   (high.colwise().maxCoeff() - low.colwise().minCoeff()).maxCoeff(&axis);
   std::vector<std::int32_t> order(static_cast<std::size_t>(n)), open;
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](std::int32_t p, std::int32_t q) {
-    return std::pair(low(p, axis), p) < std::pair(low(q, axis), q);
-  });
+  std::sort(order.begin(), order.end(),
+            [&](std::int32_t p, std::int32_t q) { return std::pair(low(p, axis), p) < std::pair(low(q, axis), q); });
   std::vector<std::array<std::int32_t, 2>> pairs;
   for (const std::int32_t t : order) {
     std::erase_if(open, [&](std::int32_t other) { return high(other, axis) < low(t, axis); });
@@ -78,8 +76,7 @@ void untangle(Surface& surface, std::vector<std::string>& notes) {
   const Points before = surface.nodes;
   std::vector<std::vector<std::int32_t>> neighbours(static_cast<std::size_t>(surface.nodes.rows()));
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t)
-    for (int k = 0; k < 3; ++k)
-      neighbours[surface.triangles(t, k)].push_back(surface.triangles(t, (k + 1) % 3));
+    for (int k = 0; k < 3; ++k) neighbours[surface.triangles(t, k)].push_back(surface.triangles(t, (k + 1) % 3));
   std::vector<char> moving(neighbours.size(), 0);
   for (int round = 0; round < most_rounds && !pairs.empty(); ++round) {
     for (const auto& pair : pairs)
@@ -103,8 +100,7 @@ void untangle(Surface& surface, std::vector<std::string>& notes) {
   }
   std::ostringstream text;
   if (!pairs.empty()) {
-    text << counted(at_first, "pair", "pairs") << " of triangles, first " << pairs[0][0] << " and "
-         << pairs[0][1];
+    text << counted(at_first, "pair", "pairs") << " of triangles, first " << pairs[0][0] << " and " << pairs[0][1];
     throw failure("the surface cuts through itself and smoothing does not untangle it", text.str(),
                   "repair the surface in the program that made it");
   }

@@ -77,8 +77,9 @@ void look_at_twins(RawMesh& raw, const Points& nodes, bool repair, MeshResult& r
   const std::string text =
       counted(twins.size(), "node lies", "nodes lie") + " exactly on another one (" + first_few(twins) + ")";
   if (!repair) {
-    result.warnings.push_back(text + ": a slit in the surface, unless they should have been merged; mesh.repair = true "
-                                     "merges them");
+    result.warnings.push_back(text +
+                              ": a slit in the surface, unless they should have been merged; mesh.repair = true "
+                              "merges them");
     return;
   }
   result.notes.push_back("repair: merged coincident nodes: " + text);
@@ -136,8 +137,7 @@ void require_areas(const Mesh& mesh, const std::string& source) {
   }
   if (!flat.empty())
     throw input_error(source + ": triangles without area",
-                      counted(flat.size(), "triangle", "triangles") + ": " + first_few(flat),
-                      "mesh the surface again");
+                      counted(flat.size(), "triangle", "triangles") + ": " + first_few(flat), "mesh the surface again");
 }
 
 void look_at_folds(const Mesh& mesh, const std::string& source, std::vector<std::string>& warnings) {
@@ -180,8 +180,7 @@ MeshResult checked_shell(const RawMesh& given, double scale_to_m, bool repair, c
   if (repair && topology.component_sizes.size() > 1) {
     const auto largest = std::max_element(topology.component_sizes.begin(), topology.component_sizes.end());
     const auto keep = static_cast<std::int32_t>(largest - topology.component_sizes.begin());
-    result.notes.push_back("repair: kept the largest of " +
-                           describe_components(topology.component_sizes, "triangles"));
+    result.notes.push_back("repair: kept the largest of " + describe_components(topology.component_sizes, "triangles"));
     std::vector<char> kept(raw.triangles.size(), 0);
     for (std::size_t t = 0; t < kept.size(); ++t) kept[t] = topology.component[t] == keep;
     reduce(raw, kept, result.notes);
@@ -260,8 +259,10 @@ void check_wall(MeshResult& result, double thickness_m, const std::string& sourc
     throw input_error(source + ": the wall is so thick that its inner face meets itself where the surface bends", where,
                       "make it thinner, round the bend, or simulate a solid, without thickness_m");
   if (thinnest < thick_layer)
-    result.warnings.push_back("the wall is thicker than half the radius of a bend: a shell is thin, a solid would be "
-                              "more accurate; " + where);
+    result.warnings.push_back(
+        "the wall is thicker than half the radius of a bend: a shell is thin, a solid would be "
+        "more accurate; " +
+        where);
 }
 
 }  // namespace phynness::meshes

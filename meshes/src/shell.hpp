@@ -14,8 +14,8 @@ namespace phynness::meshes {
 /// @throws Error naming the defect with its count
 MeshResult checked_shell(const RawMesh& raw, double scale_to_m, bool repair, const std::string& source);
 
-/// Refuses a wall that is thicker than the surface is long or bends more sharply than it is thick, and warns of one that is
-/// thicker than half the radius of a bend.
+/// Refuses a wall that is thicker than the surface is long or bends more sharply than it is thick, and warns of one
+/// that is thicker than half the radius of a bend.
 void check_wall(MeshResult& shell, double thickness_m, const std::string& source);
 
 }  // namespace phynness::meshes

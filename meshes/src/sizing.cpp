@@ -46,8 +46,8 @@ void require_affordable(const Extent& extent, double edge_m, const std::string& 
   if (n <= most_nodes) return;
   std::ostringstream value, remedy;
   value << "edge length " << edge_m << " m gives about " << n << " nodes";
-  remedy << "at most " << most_nodes << " nodes are meshed: use an edge length above "
-         << edge_for(extent, most_nodes) << " m, or check mesh.scale_to_m";
+  remedy << "at most " << most_nodes << " nodes are meshed: use an edge length above " << edge_for(extent, most_nodes)
+         << " m, or check mesh.scale_to_m";
   throw input_error(place + ": the mesh would be too big", value.str(), remedy.str());
 }
 
@@ -87,8 +87,8 @@ MeshResult meet_node_target(int target, const Extent& extent, const std::string&
   }
   if (!best) throw *last_error;
   std::ostringstream note;
-  note << "wanted " << target << " nodes, got " << best->mesh.n_nodes() << " with edge length " << best_edge
-       << " m (" << meshings << (meshings == 1 ? " meshing)" : " meshings)");
+  note << "wanted " << target << " nodes, got " << best->mesh.n_nodes() << " with edge length " << best_edge << " m ("
+       << meshings << (meshings == 1 ? " meshing)" : " meshings)");
   best->notes.push_back(note.str());
   if (miss(*best) > far_off * target)
     best->warnings.push_back(place + ": target_nodes is missed by more than 5 %: " +
@@ -107,8 +107,7 @@ double Drain::area_m2() const {
 }
 
 double Solid::area_m2() const {
-  if (shape == Shape::block)
-    return 2 * (size_m[0] * size_m[1] + size_m[1] * size_m[2] + size_m[2] * size_m[0]);
+  if (shape == Shape::block) return 2 * (size_m[0] * size_m[1] + size_m[1] * size_m[2] + size_m[2] * size_m[0]);
   const double hole = shape == Shape::tube ? inner_radius_m : 0;
   return 2 * std::numbers::pi * ((radius_m + hole) * length_m + radius_m * radius_m - hole * hole);
 }

@@ -107,8 +107,7 @@ double area(const Points& nodes, const Triangles& triangles) {
 double mean_edge(const Points& nodes, const Triangles& triangles) {
   double sum = 0;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t)
-    for (int k = 0; k < 3; ++k)
-      sum += (nodes.row(triangles(t, k)) - nodes.row(triangles(t, (k + 1) % 3))).norm();
+    for (int k = 0; k < 3; ++k) sum += (nodes.row(triangles(t, k)) - nodes.row(triangles(t, (k + 1) % 3))).norm();
   return triangles.rows() == 0 ? 0 : sum / static_cast<double>(3 * triangles.rows());
 }
 
@@ -123,30 +122,28 @@ Surface checked_surface(const RawMesh& raw, double scale_to_m, bool repair, cons
   Triangles triangles = to_matrix(raw.triangles);
   drop_useless(triangles, repair, notes);
   if (triangles.rows() == 0)
-    throw input_error(source + ": the surface has no triangle with three different corners",
-                      counted(raw.triangles.size(), "triangle", "triangles") + ", " +
-                          counted(raw.nodes.size(), "vertex", "vertices"),
-                      "export a closed surface");
+    throw input_error(
+        source + ": the surface has no triangle with three different corners",
+        counted(raw.triangles.size(), "triangle", "triangles") + ", " + counted(raw.nodes.size(), "vertex", "vertices"),
+        "export a closed surface");
   SurfaceTopology topology = surface_topology(triangles);
 
   if (repair && topology.component_sizes.size() > 1) {
     const auto largest = std::max_element(topology.component_sizes.begin(), topology.component_sizes.end());
     const auto keep = static_cast<std::int32_t>(largest - topology.component_sizes.begin());
-    notes.push_back("repair: kept the largest of " +
-                    describe_components(topology.component_sizes, "triangles"));
+    notes.push_back("repair: kept the largest of " + describe_components(topology.component_sizes, "triangles"));
     triangles = filtered(triangles, [&](Eigen::Index t) { return topology.component[t] == keep; });
     topology = surface_topology(triangles);
   }
   if (const std::string defects = describe_defects(topology, true); !defects.empty())
-    throw input_error(
-        source + ": the surface is not one closed manifold, so it has no inside to fill",
-        defects + list_inward(nodes, triangles, topology),
-        topology.closed_manifold()
-            ? "keep one component, or set mesh.repair = true to keep the largest"
-            : std::string("close the holes and separate what touches in the program that made the file") +
-                  (repair || topology.component_sizes.size() < 2
-                       ? ""
-                       : "; mesh.repair = true keeps the largest component, if that one is sound"));
+    throw input_error(source + ": the surface is not one closed manifold, so it has no inside to fill",
+                      defects + list_inward(nodes, triangles, topology),
+                      topology.closed_manifold()
+                          ? "keep one component, or set mesh.repair = true to keep the largest"
+                          : std::string("close the holes and separate what touches in the program that made the file") +
+                                (repair || topology.component_sizes.size() < 2
+                                     ? ""
+                                     : "; mesh.repair = true keeps the largest component, if that one is sound"));
 
   const std::int32_t turned = orient_consistently(triangles, topology);
   if (turned < 0)

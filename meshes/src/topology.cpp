@@ -90,8 +90,7 @@ std::vector<std::int32_t> pinched(const Triangles& triangles, const std::vector<
   fans.erase(std::unique(fans.begin(), fans.end()), fans.end());
   std::vector<std::int32_t> nodes;
   for (std::size_t i = 1; i < fans.size(); ++i)
-    if (fans[i][0] == fans[i - 1][0] && (nodes.empty() || nodes.back() != fans[i][0]))
-      nodes.push_back(fans[i][0]);
+    if (fans[i][0] == fans[i - 1][0] && (nodes.empty() || nodes.back() != fans[i][0])) nodes.push_back(fans[i][0]);
   return nodes;
 }
 
@@ -110,8 +109,7 @@ SurfaceTopology surface_topology(const Triangles& triangles) {
   for_each_edge(edges, [&](std::size_t i, std::size_t j) {
     if (j - i == 1) topology.open_edges.push_back(edges[i].edge);
     if (j - i > 2) topology.non_manifold_edges.push_back(edges[i].edge);
-    if (j - i == 2 && edges[i].forward == edges[i + 1].forward)
-      topology.inconsistent_edges.push_back(edges[i].edge);
+    if (j - i == 2 && edges[i].forward == edges[i + 1].forward) topology.inconsistent_edges.push_back(edges[i].edge);
   });
   topology.pinched_nodes = pinched(triangles, edges);
   const auto n_nodes = static_cast<std::size_t>(triangles.rows() == 0 ? 0 : triangles.maxCoeff() + 1);
@@ -191,8 +189,7 @@ CellTopology cell_topology(const Cells& cells, Eigen::Index n_nodes) {
       faces.push_back({key, c, even});
     }
   }
-  number_sets(sets, first_nodes, topology.component, topology.component_sizes,
-              static_cast<std::size_t>(n_nodes));
+  number_sets(sets, first_nodes, topology.component, topology.component_sizes, static_cast<std::size_t>(n_nodes));
   std::sort(faces.begin(), faces.end(),
             [](const Face& p, const Face& q) { return std::tie(p.key, p.cell) < std::tie(q.key, q.cell); });
   for (std::size_t i = 0; i < faces.size();) {

@@ -11,15 +11,13 @@ namespace phynness::meshes {
 using Edge = std::array<std::int32_t, 2>;  ///< smaller node first
 
 struct SurfaceTopology {
-  std::vector<Edge> open_edges;             ///< edges of one triangle
-  std::vector<Edge> non_manifold_edges;     ///< edges of more than two triangles
-  std::vector<std::int32_t> pinched_nodes;  ///< nodes whose triangles form more than one fan
-  std::vector<Edge> inconsistent_edges;     ///< both triangles run along the edge the same way
-  std::vector<std::int32_t> component;      ///< of each triangle; triangles that share a node belong together
+  std::vector<Edge> open_edges;              ///< edges of one triangle
+  std::vector<Edge> non_manifold_edges;      ///< edges of more than two triangles
+  std::vector<std::int32_t> pinched_nodes;   ///< nodes whose triangles form more than one fan
+  std::vector<Edge> inconsistent_edges;      ///< both triangles run along the edge the same way
+  std::vector<std::int32_t> component;       ///< of each triangle; triangles that share a node belong together
   std::vector<std::size_t> component_sizes;  ///< triangles, by component number
-  bool closed_manifold() const {
-    return open_edges.empty() && non_manifold_edges.empty() && pinched_nodes.empty();
-  }
+  bool closed_manifold() const { return open_edges.empty() && non_manifold_edges.empty() && pinched_nodes.empty(); }
 };
 SurfaceTopology surface_topology(const Triangles& triangles);
 
@@ -31,9 +29,8 @@ std::int32_t orient_consistently(Triangles& triangles, const SurfaceTopology& to
 struct CellTopology {
   std::vector<std::int32_t> component;       ///< of each cell; cells that share a node belong together
   std::vector<std::size_t> component_sizes;  ///< cells, by component number
-  std::vector<std::int32_t>
-      folded_cells;  ///< lie on the same side of a face as their neighbour: they overlap
-  std::vector<std::int32_t> crowded_cells;  ///< share a face with more than one other cell
+  std::vector<std::int32_t> folded_cells;    ///< lie on the same side of a face as their neighbour: they overlap
+  std::vector<std::int32_t> crowded_cells;   ///< share a face with more than one other cell
 };
 /// @pre cells have 4 columns and positive orientation
 CellTopology cell_topology(const Cells& cells, Eigen::Index n_nodes);

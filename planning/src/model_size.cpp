@@ -1,4 +1,5 @@
-// Walks the grammar of models (phynness/schema/model_grammar.hpp) over a model that knows its sizes but not its numbers.
+// Walks the grammar of models (phynness/schema/model_grammar.hpp) over a model that knows its sizes but not its
+// numbers.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -11,8 +12,8 @@
 namespace phynness {
 namespace {
 
-/// Characters of a number in hexadecimal: half a sign, 1 and a point, the digits of 52 or of 23 bits less the zeros at their
-/// end, and an exponent between p-1 and p-9, which fitted numbers mostly have.
+/// Characters of a number in hexadecimal: half a sign, 1 and a point, the digits of 52 or of 23 bits less the zeros at
+/// their end, and an exponent between p-1 and p-9, which fitted numbers mostly have.
 constexpr double full_characters = 0.5 + 2 + 12.93 + 3, float_characters = 0.5 + 2 + 5.86 + 3;
 
 /// A table of numbers that training will find.
@@ -32,8 +33,11 @@ struct PlannedNetwork {
   double spread = 0.75;
   Unknown center_displacement, center_output, weights;
   PlannedNetwork(int neurons = 0, int n_inputs = 3)
-      : input_center{n_inputs}, input_half_range{n_inputs}, center_displacement{neurons},
-        center_output{n_inputs == 6 ? neurons : 0}, weights{neurons, 3} {}
+      : input_center{n_inputs},
+        input_half_range{n_inputs},
+        center_displacement{neurons},
+        center_output{n_inputs == 6 ? neurons : 0},
+        weights{neurons, 3} {}
 };
 
 struct PlannedFirstNeurons {
@@ -143,7 +147,9 @@ class TextCount : public ModelStores {
   template <class Store>
   void shape(const char*, const Store&, std::int64_t, std::int64_t) {}
   template <class Store>
-  auto get(const Store& store, std::int64_t i, std::int64_t k) const { return cell(store, i, k); }
+  auto get(const Store& store, std::int64_t i, std::int64_t k) const {
+    return cell(store, i, k);
+  }
   /// The number that is asked for next is not known.
   double get(const Unknown& table, std::int64_t, std::int64_t) {
     _unknown = &table;
@@ -193,8 +199,7 @@ void plan_response(const TrainingSpec& spec, const PlannedModel& model, PlannedN
   // Training rounds to float32 what was stored so.
   node.linear = {Unknown{3, 3}, floats(n_output, 9)};
   node.conservative = PlannedForce(std::min<std::int64_t>(spec.force_centers, states));
-  node.modal =
-      PlannedModes(n_centers + schema::n_linear_terms, model.shared.modes.entries.n_cols, n_near, 3, m);
+  node.modal = PlannedModes(n_centers + schema::n_linear_terms, model.shared.modes.entries.n_cols, n_near, 3, m);
   for (const auto& field : model.fields)
     node.fields.emplace_back(n_centers + schema::n_field_terms, field.modes.entries.n_cols, n_near, 1, m);
   for (std::size_t l = 0; l + 1 < model.levels.size(); ++l) {

@@ -111,8 +111,7 @@ PackingTrial try_packing(const DatabaseHeader& whole, const std::vector<Ray>& ra
   const double responses = full.file_bytes - full.empty_bytes;
   trial.packed_bytes_per_ray = responses / full.n_rays;
   if (half) {
-    trial.packed_bytes_per_ray =
-        (responses - (half->file_bytes - half->empty_bytes)) / (full.n_rays - half->n_rays);
+    trial.packed_bytes_per_ray = (responses - (half->file_bytes - half->empty_bytes)) / (full.n_rays - half->n_rays);
     trial.header_bytes += responses - full.n_rays * trial.packed_bytes_per_ray;
   }
   return trial;

@@ -30,15 +30,15 @@ std::vector<double> expected_cost(const Points& points, const Points& fixed) {
 }  // namespace
 
 std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fixed_points,
-                                   const std::vector<char>& requested, std::size_t n_directions,
-                                   std::size_t wanted, std::uint64_t seed) {
+                                   const std::vector<char>& requested, std::size_t n_directions, std::size_t wanted,
+                                   std::uint64_t seed) {
   assert(requested.size() == static_cast<std::size_t>(active_points.rows()) * n_directions);
   // Nodes that are asked for nothing, as all their rays are mirror images, take no part.
   std::vector<std::size_t> order, n_requested;
   for (std::size_t a = 0; a < static_cast<std::size_t>(active_points.rows()); ++a) {
     const auto first = requested.begin() + static_cast<std::ptrdiff_t>(a * n_directions);
-    n_requested.push_back(static_cast<std::size_t>(
-        std::count(first, first + static_cast<std::ptrdiff_t>(n_directions), char{1})));
+    n_requested.push_back(
+        static_cast<std::size_t>(std::count(first, first + static_cast<std::ptrdiff_t>(n_directions), char{1})));
     if (n_requested.back() > 0) order.push_back(a);
   }
   const std::size_t n_nodes = order.size();
@@ -47,8 +47,7 @@ std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fi
   const std::size_t run = std::min(n_directions, std::max(run_length, (wanted + n_nodes - 1) / n_nodes));
   const std::size_t n_draws = std::min(n_nodes, std::max<std::size_t>(1, wanted / run));
   const auto size = expected_cost(active_points, fixed_points);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
   double sum = 0;
   for (const std::size_t a : order) sum += size[a];
   const double step = sum / static_cast<double>(n_draws);
@@ -58,8 +57,7 @@ std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fi
   std::size_t next_direction = draw(random, n_directions), place = 0;
   double passed = size[order[0]];
   for (std::size_t k = 0; k < n_draws; ++k) {
-    while (passed <= offset + static_cast<double>(k) * step && place + 1 < n_nodes)
-      passed += size[order[++place]];
+    while (passed <= offset + static_cast<double>(k) * step && place + 1 < n_nodes) passed += size[order[++place]];
     const std::size_t active = order[place];
     std::vector<std::int32_t> directions;
     for (std::size_t i = 0; i < n_directions && directions.size() < run; ++i) {
@@ -110,8 +108,8 @@ std::optional<double> RaySample::relative_error() const {
   return std::sqrt(squares * n / (n - 1)) / weight / mean;
 }
 
-RayWork work_like(const RaySample& sample, const std::vector<RayIndex>& rays,
-                  const std::vector<char>& requested, std::size_t n_directions, std::uint64_t seed) {
+RayWork work_like(const RaySample& sample, const std::vector<RayIndex>& rays, const std::vector<char>& requested,
+                  std::size_t n_directions, std::uint64_t seed) {
   RayWork work;
   work.rays = rays;
   work.seconds.assign(rays.size(), 0.0);

@@ -20,8 +20,7 @@ Limit limit_of_the_end(const Schedule& many, const RayWork& work, const MachineC
 
 }  // namespace
 
-Limit limited_by(const Schedule& one_rank, const Schedule& many, const RayWork& work,
-                 const MachineCosts& machine) {
+Limit limited_by(const Schedule& one_rank, const Schedule& many, const RayWork& work, const MachineCosts& machine) {
   const auto &a = one_rank.spent, &b = many.spent;
   const std::pair<double, Limit> excess[] = {
       {b.start - a.start, Limit::start},          {b.node_setup - a.node_setup, Limit::node_setup},

@@ -42,10 +42,7 @@ struct Event {
 class Simulation {
  public:
   Simulation(const RayWork& work, const MachineCosts& machine, int ranks)
-      : _work(work),
-        _machine(machine),
-        _starts(ray_tasks(work.rays, ranks)),
-        _ranks(static_cast<std::size_t>(ranks)) {
+      : _work(work), _machine(machine), _starts(ray_tasks(work.rays, ranks)), _ranks(static_cast<std::size_t>(ranks)) {
     _schedule.ranks = ranks;
   }
 
@@ -63,8 +60,8 @@ class Simulation {
     }
     for (const double time : _ends) _schedule.solved_s = std::max(_schedule.solved_s, time);
     for (const double time : _ends) _schedule.spent.tail += _schedule.solved_s - time;
-    const double packing = _schedule.ranks * _machine.pack_log_open_s +
-                           static_cast<double>(_work.n_rays()) * _machine.pack_s_per_ray;
+    const double packing =
+        _schedule.ranks * _machine.pack_log_open_s + static_cast<double>(_work.n_rays()) * _machine.pack_s_per_ray;
     _schedule.spent.packing = packing * _schedule.ranks;
     _schedule.wall_s = _schedule.solved_s + packing;
     return std::move(_schedule);
@@ -82,8 +79,7 @@ class Simulation {
     Rank& rank = _ranks[static_cast<std::size_t>(event.rank)];
     double now = event.time;
     if (rank.next == rank.end) {
-      now = _counter.serve(now + _machine.fetch_latency_s / 2, _machine.fetch_service_s) +
-            _machine.fetch_latency_s / 2;
+      now = _counter.serve(now + _machine.fetch_latency_s / 2, _machine.fetch_service_s) + _machine.fetch_latency_s / 2;
       _schedule.spent.fetching += now - event.time;
       const std::size_t task = _schedule.tasks.size();
       if (task + 1 >= _starts.size()) {

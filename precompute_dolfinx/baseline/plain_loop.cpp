@@ -83,8 +83,8 @@ struct PlainLoop::Impl {
     });
     PetscCall(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
     PetscCall(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
-    PetscCall(MatZeroRowsColumns(matrix, static_cast<PetscInt>(self.held.size()), self.held.data(), 1.0,
-                                 nullptr, nullptr));
+    PetscCall(
+        MatZeroRowsColumns(matrix, static_cast<PetscInt>(self.held.size()), self.held.data(), 1.0, nullptr, nullptr));
     ++self.counts.tangents;
     ++self.counts.factorizations;
     ++self.counts.substitutions;
@@ -126,15 +126,14 @@ SolverCounts PlainLoop::counts() const { return _impl->counts; }
 std::vector<PlainState> PlainLoop::ray(std::int32_t node, const Vec3& full_depth_m, int increments) {
   auto& s = *_impl;
   const auto constraint = tool_constraint(
-      s.body, {tool_weights(s.body, s.scene.probe.kind, s.scene.probe.tool_radius_m / s.scaling.length_m,
-                            node, s.fixed)});
+      s.body,
+      {tool_weights(s.body, s.scene.probe.kind, s.scene.probe.tool_radius_m / s.scaling.length_m, node, s.fixed)});
   s.held.assign(s.fixed_dofs.begin(), s.fixed_dofs.end());
   s.held.insert(s.held.end(), constraint.dofs.begin(), constraint.dofs.end());
   s.is_free.assign(s.body.n_dofs(), 1);
   for (const auto dof : s.held) s.is_free[dof] = 0;
 
-  const Eigen::Vector3d depth =
-      Eigen::Vector3d(full_depth_m[0], full_depth_m[1], full_depth_m[2]) / s.scaling.length_m;
+  const Eigen::Vector3d depth = Eigen::Vector3d(full_depth_m[0], full_depth_m[1], full_depth_m[2]) / s.scaling.length_m;
   std::vector<double> state(s.body.n_dofs(), 0.0);
   std::vector<PlainState> out;
   for (int i = 1; i <= increments; ++i) {

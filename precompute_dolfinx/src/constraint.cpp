@@ -10,23 +10,20 @@ std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, dou
   for (int i = 0; i < body.n_nodes(); ++i)
     if (fixed[i]) fixed_nodes.push_back(i);
   const bool patch = kind == ProbeKind::patch;
-  const auto touched = touched_nodes(body.points().topRows(body.n_nodes()), body.surface(), fixed_nodes, node,
-                                     patch ? radius : 0.0);
+  const auto touched =
+      touched_nodes(body.points().topRows(body.n_nodes()), body.surface(), fixed_nodes, node, patch ? radius : 0.0);
   std::vector<double> weights(body.n_points(), 0.0);
   for (std::size_t i = 0; i < touched.nodes.size(); ++i) weights[touched.nodes[i]] = touched.weights[i];
   for (int p = body.n_nodes(); p < body.n_points(); ++p) {
     const auto [a, b] = body.edge(p);
     if (fixed[p] || !body.on_surface(p) || (weights[a] == 0 && weights[b] == 0)) continue;
     weights[p] =
-        patch
-            ? patch_weight((body.points().row(p) - body.points().row(node)).squaredNorm() / (radius * radius))
-            : 0.5;
+        patch ? patch_weight((body.points().row(p) - body.points().row(node)).squaredNorm() / (radius * radius)) : 0.5;
   }
   return weights;
 }
 
-Constraint tool_constraint(const Discretization& body,
-                           const std::vector<std::vector<double>>& weights_of_tools) {
+Constraint tool_constraint(const Discretization& body, const std::vector<std::vector<double>>& weights_of_tools) {
   const auto n_tools = static_cast<int>(weights_of_tools.size());
   std::vector<int> touched;
   for (int p = 0; p < body.n_points(); ++p)

@@ -26,8 +26,7 @@ std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, dou
                                  const std::vector<char>& fixed);
 
 /// Several tools at once: parameters 3 t + k are the components of tool t's displacement.
-Constraint tool_constraint(const Discretization& body,
-                           const std::vector<std::vector<double>>& weights_of_tools);
+Constraint tool_constraint(const Discretization& body, const std::vector<std::vector<double>>& weights_of_tools);
 
 /// Points held at zero: fixed nodes, and middles of edges between two of them.
 std::vector<char> fixed_points(const Discretization& body, std::span<const std::int32_t> fixed_nodes);

@@ -41,8 +41,7 @@ struct Discretization::Dolfinx {
   }
 
   /// What a kernel reads of a cell: its state and, of a shell, what it is at rest.
-  void gather(std::span<const std::int32_t> dofs, std::span<const double> state,
-              std::vector<double>& values) const {
+  void gather(std::span<const std::int32_t> dofs, std::span<const double> state, std::vector<double>& values) const {
     values.clear();
     for (const auto i : dofs) values.push_back(state[i]);
     if (!rest_values.empty())
@@ -53,8 +52,7 @@ struct Discretization::Dolfinx {
   void set(std::span<const double> state) { api::set_values(*w, state); }
 };
 
-Discretization::Discretization(const Mesh& mesh, const FormSet& forms)
-    : _dolfinx(std::make_unique<Dolfinx>()) {
+Discretization::Discretization(const Mesh& mesh, const FormSet& forms) : _dolfinx(std::make_unique<Dolfinx>()) {
   auto& d = *_dolfinx;
   d.forms = forms;
   d.mesh = api::create_mesh(mesh.nodes, mesh.cells);
@@ -88,16 +86,14 @@ void Discretization::number_points(const Mesh& mesh) {
   const auto& d = *_dolfinx;
   const bool mixed = d.forms.element->mixed, shell = d.forms.element->is_shell;
   std::vector<std::shared_ptr<const api::Space>> component;
-  for (int k = 0; k < (shell ? 6 : mixed ? 4 : 0); ++k)
-    component.push_back(api::mixed_component(*d.space, k, shell));
+  for (int k = 0; k < (shell ? 6 : mixed ? 4 : 0); ++k) component.push_back(api::mixed_component(*d.space, k, shell));
 
   _point_dofs.assign(_n_nodes, {-1, -1, -1});
   std::vector<std::int32_t> pressure(mixed ? _n_nodes : 0, -1);
   std::map<std::array<std::int32_t, 2>, std::int32_t> edge_point;
   for (int cell = 0; cell < _n_cells; ++cell) {
     const auto nodes = api::cell_nodes(*d.mesh, cell);
-    const auto blocks =
-        component.empty() ? api::cell_blocks(*d.space, cell) : api::cell_blocks(*component[0], cell);
+    const auto blocks = component.empty() ? api::cell_blocks(*d.space, cell) : api::cell_blocks(*component[0], cell);
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       std::int32_t point;
       if (i < nodes.size()) {
@@ -106,8 +102,7 @@ void Discretization::number_points(const Mesh& mesh) {
         const auto& ends = api::edge_vertices(nodes.size())[i - nodes.size()];
         std::array<std::int32_t, 2> edge{nodes[ends[0]], nodes[ends[1]]};
         if (edge[0] > edge[1]) std::swap(edge[0], edge[1]);
-        const auto [entry, is_new] =
-            edge_point.try_emplace(edge, static_cast<std::int32_t>(_point_dofs.size()));
+        const auto [entry, is_new] = edge_point.try_emplace(edge, static_cast<std::int32_t>(_point_dofs.size()));
         point = entry->second;
         if (is_new) {
           _edges.push_back(edge);
@@ -115,8 +110,7 @@ void Discretization::number_points(const Mesh& mesh) {
         }
       }
       for (int k = 0; k < 3; ++k)
-        _point_dofs[point][k] =
-            component.empty() ? 3 * blocks[i] + k : api::cell_blocks(*component[k], cell)[i];
+        _point_dofs[point][k] = component.empty() ? 3 * blocks[i] + k : api::cell_blocks(*component[k], cell)[i];
       if (shell && i >= nodes.size()) {
         _director_dofs.resize(_edges.size());
         for (int k = 0; k < 3; ++k)
@@ -229,8 +223,8 @@ double Discretization::cell_volume(int cell) const {
   return std::abs(edges.determinant()) / 6;
 }
 
-void Discretization::element_tangents(
-    std::span<const double> state, const std::function<void(std::int32_t, std::span<const double>)>& take) {
+void Discretization::element_tangents(std::span<const double> state,
+                                      const std::function<void(std::int32_t, std::span<const double>)>& take) {
   _dolfinx->set(state);
   const auto& passes = _dolfinx->passes;
   if (passes.size() == 1) return api::for_each_element_matrix(passes.front().tangent, take);

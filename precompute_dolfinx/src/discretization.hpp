@@ -16,10 +16,9 @@ namespace phynness {
 /// dolfinx's own messages: errors only.
 void quiet_logging();
 
-/// A state is one vector of n_dofs() values: displacements and, for mixed elements, pressures; of a shell, displacements
-/// of its middle surface and changes of directors, which live at the middles of edges.
-/// Points are where displacements live: the mesh's nodes in their order and then, for quadratic elements, the
-/// middles of edges.
+/// A state is one vector of n_dofs() values: displacements and, for mixed elements, pressures; of a shell,
+/// displacements of its middle surface and changes of directors, which live at the middles of edges. Points are where
+/// displacements live: the mesh's nodes in their order and then, for quadratic elements, the middles of edges.
 class Discretization {
  public:
   /// @param mesh  lengths in units of Scaling::length_m
@@ -65,8 +64,7 @@ class Discretization {
                         const std::function<void(std::int32_t, std::span<const double>)>& take);
   /// A functional (a form without arguments) cell by cell: integrals over each. @param out n_cells,
   /// overwritten
-  void cell_integrals(const ufcx_form& functional, std::span<const double> state,
-                      std::span<double> out) const;
+  void cell_integrals(const ufcx_form& functional, std::span<const double> state, std::span<double> out) const;
   /// Nodes of a cell, in the mesh's numbers, and its volume at rest in units of length_m^3. @pre no shell
   std::array<std::int32_t, 4> cell_nodes(int cell) const;
   double cell_volume(int cell) const;

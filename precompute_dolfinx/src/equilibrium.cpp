@@ -10,8 +10,8 @@
 
 namespace phynness {
 
-Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs,
-                         const SolverSpec& options, LinearSolver* shared)
+Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options,
+                         LinearSolver* shared)
     : _impl(std::make_unique<Impl>(body, fixed_dofs, options, shared)) {
   prescribe({{}, Eigen::MatrixXd(0, 0)});
 }
@@ -50,8 +50,7 @@ SolverCounts Equilibrium::counts() const { return _impl->counts; }
 const Constraint& Equilibrium::constraint() const { return _impl->constraint; }
 
 void Equilibrium::set_load(std::vector<double> load) {
-  _impl->load_norm =
-      Eigen::Map<const Eigen::VectorXd>(load.data(), static_cast<Eigen::Index>(load.size())).norm();
+  _impl->load_norm = Eigen::Map<const Eigen::VectorXd>(load.data(), static_cast<Eigen::Index>(load.size())).norm();
   _impl->load = std::move(load);
 }
 
@@ -89,8 +88,7 @@ bool Equilibrium::Impl::stays_at_saddle(SNESConvergedReason reason, bool check) 
   const bool search_failed = reason == SNES_DIVERGED_LINE_SEARCH || reason == SNES_DIVERGED_LOCAL_MIN;
   if (reason < 0 ? !search_failed || !factors_are_convex : !check) return false;
   // The factors may be those of a state some steps before.
-  return factorize_exact() && negative_pivots() > 0 &&
-         (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
+  return factorize_exact() && negative_pivots() > 0 && (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
 }
 
 Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stability) {
@@ -141,8 +139,7 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stab
   return outcome;
 }
 
-Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
-                                                  const Eigen::MatrixXd& directions) {
+Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state, const Eigen::MatrixXd& directions) {
   auto& s = *_impl;
   s.state.assign(state.begin(), state.end());
   const auto coupling = s.tangent.assemble(s.body, s.state, s.constraint, s.prescribed);

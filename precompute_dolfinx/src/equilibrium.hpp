@@ -66,8 +66,7 @@ class Equilibrium {
   /// of `guess` with the factors that solve() left: a predictor's velocity, a fifth of the price of
   /// linearize().
   /// @param guess  n_dofs; its prescribed dofs are overwritten
-  Eigen::VectorXd velocity(std::span<const double> state, const Eigen::VectorXd& direction,
-                           Eigen::VectorXd guess);
+  Eigen::VectorXd velocity(std::span<const double> state, const Eigen::VectorXd& direction, Eigen::VectorXd guess);
 
   /// At the state that solve() has just converged to, as the latest tangent has it that was factorized on the
   /// way there; factorizes another if that one was made convex. Beyond those of the pressure block. Nothing

@@ -94,8 +94,7 @@ double Equilibrium::Impl::residual_of_rounding() {
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(body.n_dofs());
   body.element_tangents(std::vector<double>(body.n_dofs(), 0.0),
                         [&](std::int32_t cell, std::span<const double> element) {
-                          for (int i = 0; i < m; ++i)
-                            diagonal[body.element_dofs(cell)[i]] += element[i * m + i];
+                          for (int i = 0; i < m; ++i) diagonal[body.element_dofs(cell)[i]] += element[i * m + i];
                         });
   const Eigen::RowVector3d extent = body.points().colwise().maxCoeff() - body.points().colwise().minCoeff();
   return std::numeric_limits<double>::epsilon() / 2 * diagonal.norm() * extent.norm();

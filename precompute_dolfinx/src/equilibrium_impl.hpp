@@ -78,9 +78,7 @@ struct Equilibrium::Impl {
   double residual_of_rounding();
   void evaluate_residual();
   double free_norm() const;
-  Convexity convexity() const {
-    return !convex ? Convexity::none : strictly ? Convexity::strictly : Convexity::nearly;
-  }
+  Convexity convexity() const { return !convex ? Convexity::none : strictly ? Convexity::strictly : Convexity::nearly; }
   /// At `state`, without the load's share of the work.
   double energy_and_load();
   /// What steps descend, at `state`, of which `residual` is: the stored energy, with the pressures that the
@@ -98,8 +96,7 @@ struct Equilibrium::Impl {
 
   static PetscErrorCode form_function(SNES, Vec, Vec, void*);
   static PetscErrorCode form_jacobian(SNES, Vec, Mat, Mat, void*);
-  static PetscErrorCode test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal,
-                                         SNESConvergedReason*, void*);
+  static PetscErrorCode test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal, SNESConvergedReason*, void*);
   static PetscErrorCode set_up_factors(PC);
   static PetscErrorCode apply_factors(PC, Vec, Vec);
   /// One step along the direction that SNES has computed (newton_step.cpp).

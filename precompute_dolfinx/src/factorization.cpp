@@ -56,9 +56,8 @@ bool Factorization::refactorize(Mat matrix) {
   PHYNNESS_PETSC(MatMumpsGetInfog(_factors, 1, &reason));
   constexpr PetscInt numerically_singular = -10;
   if (reason == numerically_singular) return false;
-  throw failure(
-      "MUMPS could not factorize a tangent", "INFOG(1) = " + std::to_string(reason),
-      "mostly this is memory (-8, -9, -13, -19): give each rank more, or use fewer ranks on each machine");
+  throw failure("MUMPS could not factorize a tangent", "INFOG(1) = " + std::to_string(reason),
+                "mostly this is memory (-8, -9, -13, -19): give each rank more, or use fewer ranks on each machine");
 }
 
 bool Factorization::factorize(Mat matrix) {

@@ -27,8 +27,8 @@ inline Fault injected_fault(FaultSite site) {
   const Fault fault = fault_hook(site);
   if (fault == Fault::bad_alloc) throw std::bad_alloc();
   if (fault == Fault::petsc_error)
-    PHYNNESS_PETSC(PetscError(PETSC_COMM_SELF, __LINE__, __func__, __FILE__, PETSC_ERR_LIB,
-                              PETSC_ERROR_INITIAL, "injected by a test"));
+    PHYNNESS_PETSC(PetscError(PETSC_COMM_SELF, __LINE__, __func__, __FILE__, PETSC_ERR_LIB, PETSC_ERROR_INITIAL,
+                              "injected by a test"));
   return fault;
 }
 

@@ -34,8 +34,7 @@ FormSet form_set(const Material& material, Element element, double modulus_Pa, d
   for (std::size_t i = 0; i < law.parameters.size(); ++i)
     set.constants[law.parameters[i].constant] =
         material.parameters.at(i) / (law.parameters[i].is_modulus ? modulus_Pa : 1);
-  for (const auto& constant : law.derived)
-    set.constants[constant.name] = constant.value(material.parameters.data());
+  for (const auto& constant : law.derived) set.constants[constant.name] = constant.value(material.parameters.data());
   set.checks_jacobian = !law.linear;
   return set;
 }

@@ -20,7 +20,7 @@ struct CompiledForms {
   const ufcx_form* residual = nullptr;
   const ufcx_form* tangent = nullptr;
   std::array<const ufcx_form*, every_field.size()> fields{};  ///< functionals: integrals, not negative in any cell
-  const ufcx_expression* jacobian = nullptr;  ///< J = det F at the quadrature points
+  const ufcx_expression* jacobian = nullptr;                  ///< J = det F at the quadrature points
   /// Shells only, added to the first three: what keeps directors at their length.
   const ufcx_form *gauge_energy = nullptr, *gauge_residual = nullptr, *gauge_tangent = nullptr;
 };

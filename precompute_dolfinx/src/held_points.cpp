@@ -12,13 +12,12 @@ constexpr int most_solves = 25;
 
 /// Weights of the touched nodes in the tools' points: 3 n_tools x 3 n_nodes.
 Eigen::MatrixXd point_weights(const std::vector<PointTool>& tools, const std::vector<std::int32_t>& nodes) {
-  Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(tools.size()),
-                                                  3 * static_cast<Eigen::Index>(nodes.size()));
+  Eigen::MatrixXd weights =
+      Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(tools.size()), 3 * static_cast<Eigen::Index>(nodes.size()));
   for (std::size_t t = 0; t < tools.size(); ++t)
     for (std::size_t i = 0; i < tools[t].nodes.size(); ++i) {
       const auto at = std::find(nodes.begin(), nodes.end(), tools[t].nodes[i]) - nodes.begin();
-      for (int k = 0; k < 3; ++k)
-        weights(3 * static_cast<Eigen::Index>(t) + k, 3 * at + k) += tools[t].weights[i];
+      for (int k = 0; k < 3; ++k) weights(3 * static_cast<Eigen::Index>(t) + k, 3 * at + k) += tools[t].weights[i];
     }
   return weights;
 }

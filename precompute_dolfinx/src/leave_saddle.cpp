@@ -57,23 +57,20 @@ bool Equilibrium::Impl::leave_saddle() {
   quasi_newton.clear();
   pressures.set(tangent.matrix());
   if (!factorize() || (!pressures.empty() && !pressures.is_definite())) return false;
-  const auto found = most_negative_curvature(
-      *linear, tangent.exact(), generic_force(body, tangent.unknown_of(), is_free, tangent.n_unknowns()));
+  const auto found = most_negative_curvature(*linear, tangent.exact(),
+                                             generic_force(body, tangent.unknown_of(), is_free, tangent.n_unknowns()));
   if (found.direction.size() == 0) return false;
 
   double largest = 0;
   for (int p = 0; p < body.n_points(); ++p)
     for (const auto dof : body.dofs(p))
-      if (dof >= 0 && is_free[dof])
-        largest = std::max(largest, std::abs(found.direction[tangent.unknown_of()[dof]]));
+      if (dof >= 0 && is_free[dof]) largest = std::max(largest, std::abs(found.direction[tangent.unknown_of()[dof]]));
   if (!(largest > 0)) return false;
   const auto merit_at = [&](double length) {
     state = saddle;
-    for (int i = 0; i < tangent.n_unknowns(); ++i)
-      state[tangent.dof_of()[i]] += length / largest * found.direction[i];
+    for (int i = 0; i < tangent.n_unknowns(); ++i) state[tangent.dof_of()[i]] += length / largest * found.direction[i];
     evaluate_residual();
-    const bool valid =
-        std::isfinite(free_norm()) && (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
+    const bool valid = std::isfinite(free_norm()) && (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
     return valid ? merit() : std::numeric_limits<double>::infinity();
   };
   // In units of the body: from far above rounding to what bends it visibly.

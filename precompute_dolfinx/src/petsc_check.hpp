@@ -24,9 +24,9 @@ inline void petsc_check(PetscErrorCode code, const char* call) {
   if (code == 0) return;
   const char* text = nullptr;
   PetscErrorMessage(code, &text, nullptr);
-  throw failure(std::string("PETSc failed in ") + call, text ? text : "error " + std::to_string(code),
-                "its own message is in " + solver_log_file() +
-                    "; run on a smaller scene to tell a resource limit from a defect");
+  throw failure(
+      std::string("PETSc failed in ") + call, text ? text : "error " + std::to_string(code),
+      "its own message is in " + solver_log_file() + "; run on a smaller scene to tell a resource limit from a defect");
 }
 
 /// Owns a PETSc object; `Destroy` is its destructor function.

@@ -20,9 +20,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 double peak_memory_bytes() {
   rusage usage{};
@@ -67,8 +65,7 @@ class RaysOfNodes {
 
   Ray solve(const RayIndex& ray) {
     const auto node = _header.sets.active[static_cast<std::size_t>(ray.active)];
-    SolverLog::instance().set_context("node " + std::to_string(node) + ", direction " +
-                                      std::to_string(ray.direction));
+    SolverLog::instance().set_context("node " + std::to_string(node) + ", direction " + std::to_string(ray.direction));
     if (!touch(ray.active, node)) return failed_ray(_header, ray.active, ray.direction);
     return solve_ray(_solver, _header, ray.active, ray.direction);
   }
@@ -132,8 +129,7 @@ class RayLog {
 /// @param done       told after every ray
 void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
                  const std::vector<char>& requested, const std::vector<RayIndex>& rays, WorkCounter& counter,
-                 int n_teams, const std::function<void()>& done, const std::function<bool()>& stop,
-                 Share& share) {
+                 int n_teams, const std::function<void()>& done, const std::function<bool()>& stop, Share& share) {
   const auto tasks = ray_tasks(rays, n_teams);
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
   RaysOfNodes nodes(solver, header);
@@ -163,8 +159,7 @@ void rethrow(const std::exception_ptr& trouble) {
   try {
     std::rethrow_exception(trouble);
   } catch (const Error& error) {
-    throw Error(error.kind(), std::string(error.what()) + " (finished rays are kept: go on with --resume)",
-                "", "");
+    throw Error(error.kind(), std::string(error.what()) + " (finished rays are kept: go on with --resume)", "", "");
   }
 }
 
@@ -176,8 +171,7 @@ bool on_any_rank(bool here) {
 
 /// What all ranks did.
 void add_up(const SolverSession& session, const Share& share, double core_seconds, PrecomputeReport& report) {
-  std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations,
-                           share.library_errors};
+  std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations, share.library_errors};
   MPI_Allreduce(MPI_IN_PLACE, totals, 5, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   report.rays = totals[0];
   report.increments = report.increments_solved = totals[1];
@@ -194,8 +188,8 @@ void add_up(const SolverSession& session, const Share& share, double core_second
 }
 
 /// What the finished file holds, rays of earlier runs included.
-void count_finished(const std::filesystem::path& file, const DatabaseHeader& header,
-                    const MirroredRays& mirrored, PrecomputeReport& report) {
+void count_finished(const std::filesystem::path& file, const DatabaseHeader& header, const MirroredRays& mirrored,
+                    PrecomputeReport& report) {
   const auto database = Database::open(file);
   const auto summary = summarize(database);
   report.increments = report.increments_solved = report.failed = 0;
@@ -226,8 +220,7 @@ std::string what(const std::exception_ptr& trouble) {
 }
 
 /// Does a rank's work; what stops it is returned once the others know that it takes no more.
-std::exception_ptr guarded(WorkCounter& counter, int rank,
-                           const std::function<void(const std::string&)>& warn,
+std::exception_ptr guarded(WorkCounter& counter, int rank, const std::function<void(const std::string&)>& warn,
                            const std::function<void()>& work) {
   try {
     work();
@@ -261,10 +254,9 @@ DatabaseHeader database_header(const Scene& scene, const Mesh& mesh, const NodeS
   return header;
 }
 
-PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh,
-                            const NodeSets& sets, const PrecomputeTarget& target,
-                            const PrecomputeProgress& progress, const std::function<bool()>& stop,
-                            const std::function<void(const std::string&)>& warn) {
+PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh, const NodeSets& sets,
+                            const PrecomputeTarget& target, const PrecomputeProgress& progress,
+                            const std::function<bool()>& stop, const std::function<void(const std::string&)>& warn) {
   const auto start = Clock::now();
   WorkClock core;
   core.start();

@@ -56,8 +56,7 @@ Eigen::VectorXd PressureBlock::part(Vec unknowns) const {
   const PetscScalar* values = nullptr;
   Eigen::VectorXd out(static_cast<Eigen::Index>(_unknowns.size()));
   PHYNNESS_PETSC(VecGetArrayRead(unknowns, &values));
-  for (std::size_t i = 0; i < _unknowns.size(); ++i)
-    out[static_cast<Eigen::Index>(i)] = values[_unknowns[i]];
+  for (std::size_t i = 0; i < _unknowns.size(); ++i) out[static_cast<Eigen::Index>(i)] = values[_unknowns[i]];
   PHYNNESS_PETSC(VecRestoreArrayRead(unknowns, &values));
   return out;
 }

@@ -26,15 +26,13 @@ struct ProbeSolver::Impl {
       : scene(s),
         scaling(Scaling::of(mesh, s.material)),
         body(without_dimension(mesh, scaling.length_m),
-             form_set(s.material, s.solver.element, scaling.modulus_Pa,
-                      s.mesh.thickness_m / scaling.length_m)),
+             form_set(s.material, s.solver.element, scaling.modulus_Pa, s.mesh.thickness_m / scaling.length_m)),
         fixed(fixed_points(body, sets.fixed)),
         equilibrium(body, fixed_dofs(body, fixed), s.solver, team && team->size() > 1 ? team : nullptr),
         rays(body, equilibrium, s.solver),
         fields(body, s.database.fields) {
     if (!hold_the_body(mesh, sets.fixed))
-      throw input_error("the fixed nodes do not hold the body",
-                        std::to_string(sets.fixed.size()) + " fixed nodes",
+      throw input_error("the fixed nodes do not hold the body", std::to_string(sets.fixed.size()) + " fixed nodes",
                         "fix at least three nodes that are not on one line");
   }
 
@@ -62,8 +60,7 @@ struct ProbeSolver::Impl {
   Eigen::VectorXd parameters(const std::vector<Vec3>& displacement_m) const {
     Eigen::VectorXd q(static_cast<Eigen::Index>(3 * displacement_m.size()));
     for (std::size_t t = 0; t < displacement_m.size(); ++t)
-      for (int k = 0; k < 3; ++k)
-        q[static_cast<Eigen::Index>(3 * t) + k] = displacement_m[t][k] / scaling.length_m;
+      for (int k = 0; k < 3; ++k) q[static_cast<Eigen::Index>(3 * t) + k] = displacement_m[t][k] / scaling.length_m;
     return q;
   }
 
@@ -89,16 +86,15 @@ void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
     const auto node = nodes[t];
     const auto value = "node " + std::to_string(node);
     if (node < 0 || node >= s.body.n_nodes())
-      throw input_error("no such node", value,
-                        "nodes are numbered 0 to " + std::to_string(s.body.n_nodes() - 1));
+      throw input_error("no such node", value, "nodes are numbered 0 to " + std::to_string(s.body.n_nodes() - 1));
     if (!s.body.on_surface(node))
       throw input_error("the touched node is inside the body", value, "touch a node of the surface");
     if (s.fixed[node]) throw input_error("the touched node is fixed", value, "touch a node that can move");
     if (std::find(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(t), node) !=
         nodes.begin() + static_cast<std::ptrdiff_t>(t))
       throw input_error("two tools hold the same node", value, "give each tool a node of its own");
-    s.weights.push_back(tool_weights(s.body, s.scene.probe.kind,
-                                     s.scene.probe.tool_radius_m / s.scaling.length_m, node, s.fixed));
+    s.weights.push_back(
+        tool_weights(s.body, s.scene.probe.kind, s.scene.probe.tool_radius_m / s.scaling.length_m, node, s.fixed));
   }
   for (std::size_t t = 0; t < nodes.size(); ++t)
     for (std::size_t other = 0; other < nodes.size(); ++other)
@@ -112,8 +108,7 @@ void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
   s.rest_SI.stiffness_N_per_m = s.rest.tangent * s.scaling.stiffness_N_per_m();
   s.rest_SI.sensitivity.resize(3 * s.body.n_nodes(), s.rest.sensitivity.cols());
   for (int i = 0; i < s.body.n_nodes(); ++i)
-    for (int k = 0; k < 3; ++k)
-      s.rest_SI.sensitivity.row(3 * i + k) = s.rest.sensitivity.row(s.body.dofs(i)[k]);
+    for (int k = 0; k < 3; ++k) s.rest_SI.sensitivity.row(3 * i + k) = s.rest.sensitivity.row(s.body.dofs(i)[k]);
 }
 
 const RestResponse& ProbeSolver::rest() const { return _impl->rest_SI; }
@@ -142,8 +137,8 @@ std::vector<std::pair<std::int32_t, double>> ProbeSolver::prescribed(std::size_t
   return nodes;
 }
 
-void ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values,
-                         bool tangents, const std::function<bool(std::size_t, const Response&)>& take) {
+void ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values, bool tangents,
+                         const std::function<bool(std::size_t, const Response&)>& take) {
   auto& s = *_impl;
   const std::size_t n_tools = s.weights.size();
   if (displacement_m.size() != n_tools) throw std::logic_error("follow: one displacement per touched tool");
@@ -167,8 +162,7 @@ void ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vec
                   }
                   for (std::size_t t = 0; t < n_tools; ++t)
                     for (int k = 0; k < 3; ++k)
-                      response.force_N[t][k] =
-                          point.force[static_cast<Eigen::Index>(3 * t) + k] * s.scaling.force_N();
+                      response.force_N[t][k] = point.force[static_cast<Eigen::Index>(3 * t) + k] * s.scaling.force_N();
                   response.energy_J = point.energy * s.scaling.energy_J();
                   response.tangent_N_per_m = point.tangent * s.scaling.stiffness_N_per_m();
                   response.negative_pivots = point.negative_pivots;

@@ -35,10 +35,9 @@ Prediction RaySolver::predict(const Path& path, const Eigen::VectorXd& direction
       candidate.state[constraint.dofs[i]] = prescribed[static_cast<Eigen::Index>(i)];
     to.state.assign(candidate.state.begin(), candidate.state.end());
     const bool mixed = !_body.pressure_dofs().empty();
-    const double energy = !mixed ? _body.energy(to.state)
-                          : check_J && !(_body.min_jacobian(to.state) > 0)
-                              ? std::numeric_limits<double>::infinity()
-                              : 0;
+    const double energy = !mixed                                           ? _body.energy(to.state)
+                          : check_J && !(_body.min_jacobian(to.state) > 0) ? std::numeric_limits<double>::infinity()
+                                                                           : 0;
     if (k == 1 ? energy < lowest || predicted.state.size() == 0 : energy < lowest) {
       lowest = energy;
       predicted = std::move(candidate);
@@ -53,16 +52,15 @@ Status RaySolver::linearize(const Eigen::VectorXd& direction, const Prediction& 
                             PathPoint& to) {
   if (all_tangents || to.jumped) {
     const auto n_parameters = direction.size();
-    const auto linear =
-        _equilibrium.linearize(to.state, Eigen::MatrixXd::Identity(n_parameters, n_parameters));
+    const auto linear = _equilibrium.linearize(to.state, Eigen::MatrixXd::Identity(n_parameters, n_parameters));
     if (linear.status != Status::converged || !linear.sensitivity.allFinite()) return Status::factorization;
     to.velocity = linear.sensitivity * direction;
     to.tangent = linear.tangent;
     to.negative_pivots = linear.negative_pivots;
   } else {
     const Eigen::Map<const Eigen::VectorXd> state(to.state.data(), predicted.state.size());
-    to.velocity = _equilibrium.velocity(to.state, direction,
-                                        predicted.velocity + predicted.growth * (state - predicted.state));
+    to.velocity =
+        _equilibrium.velocity(to.state, direction, predicted.velocity + predicted.growth * (state - predicted.state));
     to.tangent.resize(0, 0);
     const auto pivots = to.velocity.allFinite() ? _equilibrium.negative_pivots(to.state) : std::nullopt;
     if (!pivots) return Status::factorization;
@@ -117,8 +115,8 @@ PathStep RaySolver::attempt(const Path& path, const Eigen::VectorXd& direction, 
   return step;
 }
 
-void RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction,
-                       const std::vector<double>& s_values, bool all_tangents,
+void RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, const std::vector<double>& s_values,
+                       bool all_tangents,
                        const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take) {
   Path path;
   PathPoint start;
@@ -136,8 +134,7 @@ void RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction,
       h = std::min(h, s_values[i] - path.last().s);
       const bool last = path.last().s + h * (1 + 1e-9) >= s_values[i];
       PathPoint to;
-      const auto step =
-          attempt(path, direction, last ? s_values[i] : path.last().s + h, all_tangents && last, to);
+      const auto step = attempt(path, direction, last ? s_values[i] : path.last().s + h, all_tangents && last, to);
       total.iterations += step.iterations;
       if (step.status == Status::converged) {
         path.append(std::move(to));

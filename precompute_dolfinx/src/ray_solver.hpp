@@ -37,22 +37,18 @@ class RaySolver {
   /// Status::after_failure.
   /// @param all_tangents  compute the whole tangent at every value, not only its product with the direction
   void follow(const Rest& rest, const Eigen::VectorXd& direction, const std::vector<double>& s_values,
-              bool all_tangents,
-              const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take);
+              bool all_tangents, const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take);
 
  private:
   /// Where the path seems to go on at s; the same with the prescribed displacements in `to`.
   Prediction predict(const Path& path, const Eigen::VectorXd& direction, double s, PathPoint& to);
   /// Velocity and stability of the equilibrium in `to`.
-  Status linearize(const Eigen::VectorXd& direction, const Prediction& predicted, bool all_tangents,
-                   PathPoint& to);
+  Status linearize(const Eigen::VectorXd& direction, const Prediction& predicted, bool all_tangents, PathPoint& to);
   /// Tries to go from the last point of `path` to parameter s; `to` is complete only if converged.
-  PathStep advance(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
-                   PathPoint& to);
+  PathStep advance(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents, PathPoint& to);
   /// advance(), where an exception is an outcome like others: the next, shorter step may do without what
   /// failed.
-  PathStep attempt(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents,
-                   PathPoint& to);
+  PathStep attempt(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents, PathPoint& to);
 
   Discretization& _body;
   Equilibrium& _equilibrium;

@@ -33,8 +33,8 @@ void store(const Response& response, std::size_t i, const DatabaseHeader& header
 /// @param n_stored  increments that have their result, and keep it if this throws
 void follow_ray(ProbeSolver& solver, const DatabaseHeader& header, Ray& ray, std::size_t& n_stored) {
   double before = cpu_seconds();
-  solver.follow({header.directions[static_cast<std::size_t>(ray.direction)]}, header.magnitudes_m,
-                header.tangents, [&](std::size_t i, const Response& response) {
+  solver.follow({header.directions[static_cast<std::size_t>(ray.direction)]}, header.magnitudes_m, header.tangents,
+                [&](std::size_t i, const Response& response) {
                   const double now = cpu_seconds();
                   store(response, i, header, now - before, ray);
                   before = now;
@@ -90,8 +90,7 @@ Ray failed_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t d
   return ray;
 }
 
-Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t active,
-              std::int32_t direction) {
+Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t active, std::int32_t direction) {
   Ray ray = empty_ray(header, active, direction);
   std::size_t n_stored = 0;
   try {

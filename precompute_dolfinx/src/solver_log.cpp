@@ -22,8 +22,7 @@ PetscErrorCode on_petsc_error(MPI_Comm, int line, const char* function, const ch
     text = std::string("PETSc: ") + (general ? general : "error") +
            (message && *message ? std::string(": ") + message : "") + "\n";
   }
-  text += std::string("  in ") + (function ? function : "?") + ", " + (file ? file : "?") + ":" +
-          std::to_string(line);
+  text += std::string("  in ") + (function ? function : "?") + ", " + (file ? file : "?") + ":" + std::to_string(line);
   SolverLog::instance().write(text);
   return code;
 } catch (...) {  // no memory for the text
@@ -34,8 +33,7 @@ PetscErrorCode on_petsc_error(MPI_Comm, int line, const char* function, const ch
 
 SolverLog::SolverLog() {
   std::error_code ignored;
-  _file = std::filesystem::temp_directory_path(ignored) /
-          ("phynness-solver-" + std::to_string(::getpid()) + ".log");
+  _file = std::filesystem::temp_directory_path(ignored) / ("phynness-solver-" + std::to_string(::getpid()) + ".log");
 }
 
 SolverLog& SolverLog::instance() {

@@ -19,8 +19,7 @@ SolverSession::SolverSession() {
   send_petsc_errors_to_log();
   quiet_logging();
   // Two threads on matrices of a few thousand rows cost more than they give, and ranks fill the cores.
-  if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))
-    reinterpret_cast<void (*)(int)>(symbol)(1);
+  if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<void (*)(int)>(symbol)(1);
   MPI_Comm_rank(MPI_COMM_WORLD, &_rank);
   MPI_Comm_size(MPI_COMM_WORLD, &_size);
 }
@@ -65,8 +64,7 @@ std::vector<double> SolverSession::gather(const std::vector<double>& values) con
     total += counts[r];
   }
   std::vector<double> all(_rank == 0 ? total : 0);
-  MPI_Gatherv(values.data(), n, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0,
-              MPI_COMM_WORLD);
+  MPI_Gatherv(values.data(), n, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, 0, MPI_COMM_WORLD);
   return all;
 }
 

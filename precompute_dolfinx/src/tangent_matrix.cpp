@@ -86,16 +86,14 @@ TangentMatrix::TangentMatrix(Discretization& body, const std::vector<std::int32_
 bool TangentMatrix::is_finite() const {
   const PetscScalar* values = nullptr;
   PHYNNESS_PETSC(MatSeqAIJGetArrayRead(_matrix, &values));
-  const bool finite =
-      Eigen::Map<const Eigen::VectorXd>(values, static_cast<Eigen::Index>(_column.size())).allFinite();
+  const bool finite = Eigen::Map<const Eigen::VectorXd>(values, static_cast<Eigen::Index>(_column.size())).allFinite();
   PHYNNESS_PETSC(MatSeqAIJRestoreArrayRead(_matrix, &values));
   return finite;
 }
 
 TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<const double> state,
                                                 const Constraint& constraint,
-                                                const std::vector<std::int32_t>& prescribed,
-                                                Convexity convexity) {
+                                                const std::vector<std::int32_t>& prescribed, Convexity convexity) {
   const bool convex = convexity != Convexity::none;
   PetscScalar *values = nullptr, *convex_values = nullptr;
   if (convex && !_exact) PHYNNESS_PETSC(MatDuplicate(_matrix, MAT_DO_NOT_COPY_VALUES, _exact.address()));

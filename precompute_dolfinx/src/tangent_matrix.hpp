@@ -50,8 +50,7 @@ class TangentMatrix {
   PetscMat _matrix, _exact;
   std::vector<std::int32_t> _dof_of, _unknown_of;
   std::vector<PetscInt> _row_start, _column;
-  std::vector<std::int32_t>
-      _position;  ///< per cell and entry of its element matrix: where in the values, or -1
+  std::vector<std::int32_t> _position;    ///< per cell and entry of its element matrix: where in the values, or -1
   std::vector<std::int32_t> _transposed;  ///< per stored entry (i,j): where (j,i) is
 };
 

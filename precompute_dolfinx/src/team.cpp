@@ -23,8 +23,7 @@ void wait_for_the_others(MPI_Request& request, const std::string& trouble) {
   for (int arrived = 0; !arrived;) {
     MPI_Test(&request, &arrived, MPI_STATUS_IGNORE);
     if (!arrived && Clock::now() - start > longest) {
-      std::fprintf(stderr,
-                   "error: a team cannot go on: %s\n  remedy: finished rays are kept: go on with --resume\n",
+      std::fprintf(stderr, "error: a team cannot go on: %s\n  remedy: finished rays are kept: go on with --resume\n",
                    trouble.c_str());
       MPI_Abort(MPI_COMM_WORLD, 1);
     }
@@ -86,9 +85,8 @@ Team::Share::Share(MPI_Comm comm, std::int64_t n, Mat matrix) : _comm(comm) {
   const std::vector<PetscInt> column(received.begin(), received.end());
   _values.assign(column.size(), 0.0);
   const auto rows = static_cast<PetscInt>(length.size());
-  PHYNNESS_PETSC(MatCreateMPIAIJWithArrays(_comm, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE,
-                                           row_start.data(), column.data(), _values.data(),
-                                           _matrix.address()));
+  PHYNNESS_PETSC(MatCreateMPIAIJWithArrays(_comm, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, row_start.data(),
+                                           column.data(), _values.data(), _matrix.address()));
   PHYNNESS_PETSC(MatSetOption(_matrix, MAT_SYMMETRIC, PETSC_TRUE));
   PHYNNESS_PETSC(MatSetOption(_matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   PHYNNESS_PETSC(MatCreateVecs(_matrix, _x.address(), _b.address()));
@@ -111,15 +109,14 @@ bool Team::Share::solve(Vec b, Vec x) {
   PHYNNESS_PETSC(VecGetLocalSize(_b, &rows));
   if (_leads) PHYNNESS_PETSC(VecGetArrayRead(b, &from));
   PHYNNESS_PETSC(VecGetArray(_b, &mine));
-  MPI_Scatterv(from, _n_rows.data(), _first_row.data(), MPIU_SCALAR, mine, static_cast<int>(rows),
-               MPIU_SCALAR, 0, _comm);
+  MPI_Scatterv(from, _n_rows.data(), _first_row.data(), MPIU_SCALAR, mine, static_cast<int>(rows), MPIU_SCALAR, 0,
+               _comm);
   PHYNNESS_PETSC(VecRestoreArray(_b, &mine));
   if (_leads) PHYNNESS_PETSC(VecRestoreArrayRead(b, &from));
   const bool good = _factorization.solve(_b, _x);
   if (_leads) PHYNNESS_PETSC(VecGetArray(x, &to));
   PHYNNESS_PETSC(VecGetArray(_x, &mine));
-  MPI_Gatherv(mine, static_cast<int>(rows), MPIU_SCALAR, to, _n_rows.data(), _first_row.data(), MPIU_SCALAR,
-              0, _comm);
+  MPI_Gatherv(mine, static_cast<int>(rows), MPIU_SCALAR, to, _n_rows.data(), _first_row.data(), MPIU_SCALAR, 0, _comm);
   PHYNNESS_PETSC(VecRestoreArray(_x, &mine));
   if (_leads) PHYNNESS_PETSC(VecRestoreArray(x, &to));
   return good;

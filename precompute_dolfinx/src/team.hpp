@@ -47,8 +47,7 @@ class Team : public LinearSolver {
   /// @throws Error on the leader, if a member met one
   std::int64_t obey(Order order, std::int64_t n, Mat matrix, Vec b, Vec x);
   std::int64_t do_share(Order order, std::int64_t n, Mat matrix, Vec b, Vec x);
-  std::int64_t command(Order order, std::int64_t n = 0, Mat matrix = nullptr, Vec b = nullptr,
-                       Vec x = nullptr);
+  std::int64_t command(Order order, std::int64_t n = 0, Mat matrix = nullptr, Vec b = nullptr, Vec x = nullptr);
 
   MPI_Comm _comm = MPI_COMM_NULL;
   int _rank = 0, _size = 1;

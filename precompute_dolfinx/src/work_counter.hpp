@@ -14,8 +14,8 @@ class WorkCounter {
   explicit WorkCounter(MPI_Comm comm) : _comm(comm) {
     int rank = 0;
     MPI_Comm_rank(comm, &rank);
-    MPI_Win_allocate(rank == 0 ? 2 * sizeof(std::int64_t) : 0, sizeof(std::int64_t), MPI_INFO_NULL, comm,
-                     &_values, &_window);
+    MPI_Win_allocate(rank == 0 ? 2 * sizeof(std::int64_t) : 0, sizeof(std::int64_t), MPI_INFO_NULL, comm, &_values,
+                     &_window);
     if (rank == 0) _values[0] = _values[1] = 0;
     MPI_Barrier(comm);
     MPI_Win_lock_all(0, _window);

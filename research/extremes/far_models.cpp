@@ -18,8 +18,7 @@ study::StudyData moved(study::StudyData data, const RowVector3d& by) {
   data.header.mesh.nodes.rowwise() += by;
   data.header.mesh_hash = mesh_hash(data.header.mesh);
   for (auto& node : data.probed)
-    for (int k = 0; k < 3; ++k)
-      node.point[static_cast<std::size_t>(k)] = data.header.mesh.nodes(node.node, k);
+    for (int k = 0; k < 3; ++k) node.point[static_cast<std::size_t>(k)] = data.header.mesh.nodes(node.node, k);
   return data;
 }
 
@@ -27,8 +26,8 @@ study::StudyData moved(study::StudyData data, const RowVector3d& by) {
 struct FineSurface {
   explicit FineSurface(const LoadedModel& model) : surface(model.runtime(), 1) {}
   Eigen::MatrixXd points() const {
-    return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-               surface.points().data(), surface.n_vertices(), 3)
+    return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(surface.points().data(),
+                                                                                      surface.n_vertices(), 3)
         .cast<double>();
   }
   rt::Surface surface;
@@ -39,8 +38,7 @@ double largest_difference(const LoadedModel& here, const LoadedModel& there, boo
   double difference = 0, size = 0;
   for (int i = 0; i < 300; ++i) {
     const auto& nodes = here.model().nodes;
-    const auto node =
-        nodes[static_cast<std::size_t>(uniform(random) * static_cast<double>(nodes.size()))].node;
+    const auto node = nodes[static_cast<std::size_t>(uniform(random) * static_cast<double>(nodes.size()))].node;
     const Vec3 e = on_sphere(random);
     const double d = here.model().max_displacement_m * uniform(random);
     const auto a = here.respond({node}, {{d * e[0], d * e[1], d * e[2]}}),

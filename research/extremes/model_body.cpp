@@ -28,15 +28,13 @@ ModelBody solve_body(const std::string& scene_name, double depth_m, int most_act
   const auto n_nodes = static_cast<std::int32_t>(header.sets.active.size());
   for (std::int32_t a = 0; a < n_nodes; ++a) {
     std::vector<std::pair<std::int32_t, std::int32_t>> which;
-    for (std::size_t e = 0; e < header.directions.size(); ++e)
-      which.emplace_back(a, static_cast<std::int32_t>(e));
+    for (std::size_t e = 0; e < header.directions.size(); ++e) which.emplace_back(a, static_cast<std::int32_t>(e));
     const std::int32_t node = header.sets.active[static_cast<std::size_t>(a)];
     const auto x = header.mesh.nodes.row(node);
-    body.data.probed.push_back(
-        {node,
-         {x[0], x[1], x[2]},
-         touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, 0),
-         solve_rays(solver, header, which, {}, {}).rays});
+    body.data.probed.push_back({node,
+                                {x[0], x[1], x[2]},
+                                touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, 0),
+                                solve_rays(solver, header, which, {}, {}).rays});
     progress.update(a + 1, n_nodes);
   }
   return body;
@@ -51,8 +49,8 @@ TrainingSpec training_of(const Scene& scene, Family family) {
 LoadedModel train_on(const study::StudyData& data, const TrainingSpec& spec) {
   TrainingReport report;
   const ResponseSource source{&data.header,
-                              [&](std::int32_t a) { return data.probed[static_cast<std::size_t>(a)].rays; },
-                              0, "the study's body"};
+                              [&](std::int32_t a) { return data.probed[static_cast<std::size_t>(a)].rays; }, 0,
+                              "the study's body"};
   return LoadedModel(train(source, spec, report), data.header.mesh, "the study's model");
 }
 

@@ -1,8 +1,8 @@
 // A body that is solved, trained and asked in memory: the demo's liver, unless said otherwise.
 #pragma once
 
-#include <phynness/precompute/probe_solver.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/validation.hpp>
 #include <string>
 #include <vector>

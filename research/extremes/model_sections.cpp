@@ -71,8 +71,8 @@ void rest(const SolverSession&) {
     int n = 0;
     for (const auto node : probed_nodes(body)) {
       const auto a = static_cast<std::size_t>(position(body.data.header.sets.active, node));
-      at_rest = std::max(at_rest, vector(model.force(node, {0, 0, 0})).norm() /
-                                      study::largest_force_N(body.data.probed[a].rays));
+      at_rest = std::max(
+          at_rest, vector(model.force(node, {0, 0, 0})).norm() / study::largest_force_N(body.data.probed[a].rays));
       solver.touch({node});
       const Eigen::Matrix3d K = solver.rest().stiffness_N_per_m;
       for (int k = 0; k < 3; ++k)
@@ -127,8 +127,7 @@ void extrapolation(const SolverSession&) {
         const Points u = at_output(r.displacement_m, output);
         Compared zero;
         zero.u = Points::Zero(u.rows(), 3);
-        Compared all[] = {said(modal, node, d), said(rbfn, node, d), linear_theory(solver.rest(), output, d),
-                          zero};
+        Compared all[] = {said(modal, node, d), said(rbfn, node, d), linear_theory(solver.rest(), output, d), zero};
         for (std::size_t k = 0; k < std::size(names); ++k) {
           all[k].force_FE = vector(r.force_N[0]);
           all[k].u_FE = u;
@@ -138,8 +137,7 @@ void extrapolation(const SolverSession&) {
       });
     }
     for (std::size_t k = 0; k < std::size(names); ++k)
-      for (std::size_t i = 0; i < std::size(factors); ++i)
-        errors[k][i].add_node(said_of[k][i], position(output, node));
+      for (std::size_t i = 0; i < std::size(factors); ++i) errors[k][i].add_node(said_of[k][i], position(output, node));
   }
   fmt::print("{:<8}{:>6}{:>8}{:>9}{:>25}{:>25}\n", "", "|d|/R", "solved", "warned", "force", "displacement");
   for (std::size_t k = 0; k < std::size(names); ++k)
@@ -189,8 +187,7 @@ void missing(const SolverSession& session) {
     print(name(family), "all of one node", model_errors(model, others).inside);
     double f[3];
     const double d[3] = {0, 0, 0.001};
-    fmt::print("        at that node: {}\n",
-               model.data().force(lost, d, f).message());
+    fmt::print("        at that node: {}\n", model.data().force(lost, d, f).message());
   }
 }
 
@@ -200,15 +197,13 @@ void floats(const SolverSession&) {
       "\nIn float: images of the demo's models against the runtime's double at 2,000 golden queries, "
       "largest\n"
       "difference over the largest answer\n");
-  fmt::print("{:<8}{:<24}{:>12}{:>14}{:>12}{:>14}\n", "family", "", "force", "displacement", "bytes",
-             "double");
+  fmt::print("{:<8}{:<24}{:>12}{:>14}{:>12}{:>14}\n", "family", "", "force", "displacement", "bytes", "double");
   const auto row = [&](const std::string& what, const TrainingSpec& spec) {
     const auto model = train_on(body.data, spec);
-    const auto image = model_image(model.model(), {false, true}),
-               exact = model_image(model.model(), {false, false});
+    const auto image = model_image(model.model(), {false, true}), exact = model_image(model.model(), {false, false});
     const auto queries = golden_queries(model, image, 2000), in_double = golden_queries(model, exact, 2000);
-    fmt::print("{:<8}{:<24}{:>12.1e}{:>14.1e}{:>12}{:>14}\n", name(spec.family), what,
-               queries.force_deviation, queries.deformation_deviation, image.bytes.size(),
+    fmt::print("{:<8}{:<24}{:>12.1e}{:>14.1e}{:>12}{:>14}\n", name(spec.family), what, queries.force_deviation,
+               queries.deformation_deviation, image.bytes.size(),
                fmt::format("{:.0e}, {:.0e}", in_double.force_deviation, in_double.deformation_deviation));
     std::fflush(stdout);
   };

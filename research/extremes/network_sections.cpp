@@ -75,8 +75,7 @@ NetworkPoints points_of(const std::vector<Truth>& truths, const TrainingTables& 
     }
   }
   points.outputs.resize(static_cast<Eigen::Index>(outputs.size()), 3);
-  for (std::size_t i = 0; i < outputs.size(); ++i)
-    points.outputs.row(static_cast<Eigen::Index>(i)) = outputs[i];
+  for (std::size_t i = 0; i < outputs.size(); ++i) points.outputs.row(static_cast<Eigen::Index>(i)) = outputs[i];
   return points;
 }
 
@@ -140,8 +139,8 @@ void overfitting(const SolverSession&) {
           mean.fresh += one.fresh / static_cast<double>(training.size());
           worst = std::max(worst, one.fresh);
         }
-        fmt::print("{:>12}{:>12.3g}{:>8.3g}{:>8.3g}", grown < n ? fmt::format("({})", grown) : "",
-                   100 * mean.training, 100 * mean.fresh, 100 * worst);
+        fmt::print("{:>12}{:>12.3g}{:>8.3g}{:>8.3g}", grown < n ? fmt::format("({})", grown) : "", 100 * mean.training,
+                   100 * mean.fresh, 100 * worst);
       }
       fmt::print("\n");
       std::fflush(stdout);

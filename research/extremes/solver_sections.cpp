@@ -107,8 +107,7 @@ void displacements(const SolverSession&) {
         const auto d = times(size * h_m, e);
         const auto r = solver.solve({d}, std::max(1, static_cast<int>(std::ceil(3 * size))));
         if (r.status == Status::converged)
-          fmt::print("{:>18.9f}{:>12}", force(r).norm() / (K * Vector3d(d[0], d[1], d[2])).norm(),
-                     r.iterations);
+          fmt::print("{:>18.9f}{:>12}", force(r).norm() / (K * Vector3d(d[0], d[1], d[2])).norm(), r.iterations);
         else
           fmt::print("{:>18}{:>12}", name(r.status), r.iterations);
       }
@@ -126,8 +125,7 @@ void origin(const SolverSession&) {
   fmt::print("{:<14}", "away");
   for (const auto element : elements) fmt::print("{:>14}", name(element));
   fmt::print("\n");
-  const auto file =
-      std::filesystem::temp_directory_path() / fmt::format("phynness_extremes_{}.msh", getpid());
+  const auto file = std::filesystem::temp_directory_path() / fmt::format("phynness_extremes_{}.msh", getpid());
   const auto forces = [&](Element element, double away_m) {
     auto body = pressed(robustness::cube(law_named("neo-hookean"), element, 200));
     body.scene.solver.relative_tolerance = 1e-11;

@@ -121,20 +121,19 @@ void tools(const SolverSession&) {
         over.push_back(worse / alone);
         const bool one_place = together && apart_m < 1e-5;
         if (!together && apart_m < 1e-3) continue;  // displacements that no body follows
-        const auto truth = hold_points(
-            solver, one_place ? std::vector{held(tool[0])} : std::vector{held(tool[0]), held(tool[1])},
-            body.scene.probe.increments);
+        const auto truth =
+            hold_points(solver, one_place ? std::vector{held(tool[0])} : std::vector{held(tool[0]), held(tool[1])},
+                        body.scene.probe.increments);
         if (truth.response.status != Status::converged) continue;
         ++solved;
         Vector3d sum(0, 0, 0);
         for (const auto& f : truth.response.force_N) sum += Vector3d(f[0], f[1], f[2]);
         error.push_back((total(both.force_N) - sum).norm() / sum.norm());
       }
-      fmt::print(
-          "{:<10}{:>10}{:>11}{:>20}{:>9}{:>20}\n", together ? "together" : "apart",
-          fmt::format("{:g} mm", 1e3 * apart_m), unsettled,
-          fmt::format("{:.2f}, {:.3g}", median(over), largest(over)), solved,
-          error.empty() ? "-" : fmt::format("{:.3g}, {:.3g}", 100 * median(error), 100 * largest(error)));
+      fmt::print("{:<10}{:>10}{:>11}{:>20}{:>9}{:>20}\n", together ? "together" : "apart",
+                 fmt::format("{:g} mm", 1e3 * apart_m), unsettled,
+                 fmt::format("{:.2f}, {:.3g}", median(over), largest(over)), solved,
+                 error.empty() ? "-" : fmt::format("{:.3g}, {:.3g}", 100 * median(error), 100 * largest(error)));
       std::fflush(stdout);
     }
 }

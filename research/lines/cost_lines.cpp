@@ -70,8 +70,7 @@ struct Series {
   }
 };
 
-constexpr int n_own = 16, n_shared = 64, n_near = 30, n_centers = 78, n_neurons = 200,
-              n_force_neurons = 100;
+constexpr int n_own = 16, n_shared = 64, n_near = 30, n_centers = 78, n_neurons = 200, n_force_neurons = 100;
 
 std::vector<Series> measure() {
   std::vector<Series> all;
@@ -148,13 +147,11 @@ nlohmann::json compare_with_limits() {
       {fmt::format("force, {} neurons", n_force_neurons), 1e-3 * networks.force_ns(),
        n_force_neurons * (gaussian + sums), n_force_neurons * 6 * bytes, single},
       {fmt::format("deformation {} x {}, rbfn", bench::n_output, n_neurons), networks.prepared_us(),
-       nodes * n_neurons * sums + n_neurons * gaussian,
-       nodes * n_neurons * bytes, single},
+       nodes * n_neurons * sums + n_neurons * gaussian, nodes * n_neurons * bytes, single},
       {fmt::format("force, {} centers, modal", n_centers), 1e-3 * modal.force_ns(), (n_centers + 1) * center,
        (n_centers + 1) * 6 * bytes, single},
       {fmt::format("deformation {}, {} modes", bench::n_output, n_own), modal.prepared_us(),
-       nodes * 3 * n_own * 2 + n_centers * (11 + 2 * n_own),
-       nodes * 3 * n_own * 4, true}};
+       nodes * 3 * n_own * 2 + n_centers * (11 + 2 * n_own), nodes * 3 * n_own * 4, true}};
   std::printf("  %-28s %9s %9s %12s %16s\n", "", "us", "kflop", "of the peak", "of reading it");
   nlohmann::json json;
   json["double_gflops"] = limits.double_gflops;
@@ -165,18 +162,16 @@ nlohmann::json compare_with_limits() {
     const double arithmetic = 1e-3 * work.flops / peak, reading = 1e-3 * work.bytes / rate;
     std::printf("  %-28s %9.3f %9.1f %10.0f %% %7.0f %% of %.0f GB/s\n", work.what.c_str(), work.time_us,
                 1e-3 * work.flops, 100 * arithmetic / work.time_us, 100 * reading / work.time_us, rate);
-    json[work.what] = {{"us", work.time_us},
-                       {"of_arithmetic", arithmetic / work.time_us},
-                       {"of_reading", reading / work.time_us}};
+    json[work.what] = {
+        {"us", work.time_us}, {"of_arithmetic", arithmetic / work.time_us}, {"of_reading", reading / work.time_us}};
   }
   return json;
 }
 
 void plot(const std::string& file, const std::vector<Series>& all) {
-  std::string script =
-      "set terminal svg size 1200,700 background '#ffffff' font 'sans,12'\nset output " +
-      report::quoted(file) +
-      "\nset multiplot layout 2,3\nset grid\nset key top left\nset xrange [0:*]\nset yrange [0:*]\n";
+  std::string script = "set terminal svg size 1200,700 background '#ffffff' font 'sans,12'\nset output " +
+                       report::quoted(file) +
+                       "\nset multiplot layout 2,3\nset grid\nset key top left\nset xrange [0:*]\nset yrange [0:*]\n";
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Series& series = all[i];
     const auto [constant, slope] = series.line();
@@ -188,9 +183,8 @@ void plot(const std::string& file, const std::vector<Series>& all) {
     };
     const std::string label = "$series" + std::to_string(i);
     script += label + " << END\n" + data(series.time) + "END\nset title '" + series.name + "'\nset xlabel '" +
-              series.axis + "'\nset ylabel '" + series.unit + "'\nplot " + label +
-              " with points pt 7 notitle, " + std::to_string(constant) + " + " + std::to_string(slope) +
-              " * x with lines notitle\n";
+              series.axis + "'\nset ylabel '" + series.unit + "'\nplot " + label + " with points pt 7 notitle, " +
+              std::to_string(constant) + " + " + std::to_string(slope) + " * x with lines notitle\n";
   }
   report::gnuplot(script, file, "leave --plot out");
 }

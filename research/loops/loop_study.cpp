@@ -28,15 +28,12 @@ class Paths {
     std::vector<std::int32_t> active;
     for (const auto& node : model.model().nodes) active.push_back(node.node);
     const auto& surface = model.model().surface;
-    const auto is_active = [&](std::int32_t node) {
-      return std::binary_search(active.begin(), active.end(), node);
-    };
+    const auto is_active = [&](std::int32_t node) { return std::binary_search(active.begin(), active.end(), node); };
     for (Eigen::Index t = 0; t < surface.rows(); ++t)
       if (is_active(surface(t, 0)) && is_active(surface(t, 1)) && is_active(surface(t, 2)))
         _triangles.push_back({surface(t, 0), surface(t, 1), surface(t, 2)});
     for (const auto& triangle : _triangles)
-      for (std::size_t k = 0; k < 3; ++k)
-        _neighbor[{triangle[k], triangle[(k + 1) % 3]}] = triangle[(k + 2) % 3];
+      for (std::size_t k = 0; k < 3; ++k) _neighbor[{triangle[k], triangle[(k + 1) % 3]}] = triangle[(k + 2) % 3];
   }
 
   bool has_points() const { return !_triangles.empty(); }
@@ -78,8 +75,7 @@ class Paths {
     for (const auto& triangle : ring)
       for (int i = 0; i < steps_per_triangle; ++i) {
         const double s = static_cast<double>(i) / steps_per_triangle;
-        const State state =
-            slid_to({center, triangle[1], triangle[2]}, {1 - radius, radius * (1 - s), radius * s}, d);
+        const State state = slid_to({center, triangle[1], triangle[2]}, {1 - radius, radius * (1 - s), radius * s}, d);
         loop.energy = std::max(loop.energy, std::abs(state.energy));
         if (last.u.size() > 0)
           loop.work += work_between(last, state);
@@ -184,10 +180,8 @@ class Paths {
     return ring;
   }
 
-  State slid_to(const std::array<std::int32_t, 3>& nodes, const std::array<double, 3>& weights,
-                const Vector& d) {
-    const phn_tool tool{
-        {nodes[0], nodes[1], nodes[2]}, {weights[0], weights[1], weights[2]}, {d[0], d[1], d[2]}};
+  State slid_to(const std::array<std::int32_t, 3>& nodes, const std::array<double, 3>& weights, const Vector& d) {
+    const phn_tool tool{{nodes[0], nodes[1], nodes[2]}, {weights[0], weights[1], weights[2]}, {d[0], d[1], d[2]}};
     State state;
     Vector force;
     state.energy = coupled(tool, force);
@@ -215,8 +209,7 @@ class Paths {
   const LoadedModel& _model;
   std::mt19937_64 _random;
   std::vector<std::array<std::int32_t, 3>> _triangles;
-  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t>
-      _neighbor;  ///< of a directed edge: third corner
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> _neighbor;  ///< of a directed edge: third corner
 };
 
 /// Prints quantiles and a histogram by decades of |work| / energy.
@@ -239,8 +232,7 @@ nlohmann::ordered_json report(const char* what, const std::vector<Loop>& loops) 
                 std::string(static_cast<std::size_t>(60 * n) / ratio.size(), '#').c_str());
     histogram["1e" + std::to_string(decade)] = n;
   }
-  return {
-      {"median", quantile(0.5)}, {"p95", quantile(0.95)}, {"max", ratio.back()}, {"by_decade", histogram}};
+  return {{"median", quantile(0.5)}, {"p95", quantile(0.95)}, {"max", ratio.back()}, {"by_decade", histogram}};
 }
 
 nlohmann::ordered_json report_slides(Paths& paths, int n) {
@@ -260,16 +252,14 @@ nlohmann::ordered_json report_slides(Paths& paths, int n) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app(
-      "Work over closed paths, integrated from the forces of a model, over the largest energy on the path");
+  CLI::App app("Work over closed paths, integrated from the forces of a model, over the largest energy on the path");
   std::string directory, json_file;
   int loops = 1000, steps = 200, slides = 0;
   std::uint64_t seed = 1;
   app.add_option("MODEL_DIR", directory)->required();
   app.add_option("--loops", loops, "of each kind")->check(CLI::Range(1, 1'000'000));
   app.add_option("--steps", steps, "of a sliding tool in each triangle")->check(CLI::Range(2, 100'000));
-  app.add_option("--slides", slides, "small ones over edges and nodes, of each size")
-      ->check(CLI::Range(0, 10'000'000));
+  app.add_option("--slides", slides, "small ones over edges and nodes, of each size")->check(CLI::Range(0, 10'000'000));
   app.add_option("--seed", seed);
   app.add_option("--json", json_file);
   CLI11_PARSE(app, argc, argv);

@@ -35,8 +35,7 @@ void fail(Ray& ray, std::size_t from) {
     first = false;
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     std::fill_n(ray.force.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, nan);
-    std::fill_n(ray.displacement.begin() + static_cast<std::ptrdiff_t>(per_increment * i), per_increment,
-                nan);
+    std::fill_n(ray.displacement.begin() + static_cast<std::ptrdiff_t>(per_increment * i), per_increment, nan);
   }
 }
 
@@ -47,8 +46,7 @@ double largest_displacement_m(const DatabaseHeader& header, const StudyNode& nod
     for (std::size_t i = 0; i < ray.status.size(); ++i) {
       if (ray.status[i] != Status::converged) continue;
       for (std::size_t o = 0; o < n_output; ++o)
-        if (!std::binary_search(node.prescribed.nodes.begin(), node.prescribed.nodes.end(),
-                                header.sets.output[o]))
+        if (!std::binary_search(node.prescribed.nodes.begin(), node.prescribed.nodes.end(), header.sets.output[o]))
           largest = std::max(largest, length(&ray.displacement[3 * (i * n_output + o)]));
     }
   return largest;
@@ -57,8 +55,7 @@ double largest_displacement_m(const DatabaseHeader& header, const StudyNode& nod
 void add_noise(const DatabaseHeader& header, StudyNode& node, std::vector<Ray>& rays, double level,
                std::uint64_t seed) {
   std::mt19937_64 random(seed + static_cast<std::uint64_t>(node.node));
-  const double force = level * largest_force_N(node.rays),
-               displacement = level * largest_displacement_m(header, node);
+  const double force = level * largest_force_N(node.rays), displacement = level * largest_displacement_m(header, node);
   for (Ray& ray : rays) {
     for (double& f : ray.force) f += force * normal(random);
     for (double& u : ray.displacement) u += displacement * normal(random);
@@ -75,8 +72,7 @@ double largest_force_N(const std::vector<Ray>& rays) {
   return largest;
 }
 
-StudyData read_data(const Database& database, std::vector<std::int32_t> probed, int n_others,
-                    double tool_radius_m) {
+StudyData read_data(const Database& database, std::vector<std::int32_t> probed, int n_others, double tool_radius_m) {
   std::sort(probed.begin(), probed.end());
   StudyData data;
   data.header = database.header();
@@ -85,11 +81,10 @@ StudyData read_data(const Database& database, std::vector<std::int32_t> probed, 
   const auto read = [&](std::int32_t index) {
     const std::int32_t node = active[static_cast<std::size_t>(index)];
     const auto x = header.mesh.nodes.row(node);
-    StudyNode read{
-        node,
-        {x[0], x[1], x[2]},
-        touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, tool_radius_m),
-        database.rays(index)};
+    StudyNode read{node,
+                   {x[0], x[1], x[2]},
+                   touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, tool_radius_m),
+                   database.rays(index)};
     for (Ray& ray : read.rays) {
       ray.energy.clear();
       ray.tangent.clear();
@@ -97,8 +92,8 @@ StudyData read_data(const Database& database, std::vector<std::int32_t> probed, 
     return read;
   };
   for (const auto node : probed)
-    data.probed.push_back(read(
-        static_cast<std::int32_t>(std::lower_bound(active.begin(), active.end(), node) - active.begin())));
+    data.probed.push_back(
+        read(static_cast<std::int32_t>(std::lower_bound(active.begin(), active.end(), node) - active.begin())));
   const auto n_active = static_cast<std::int64_t>(active.size());
   const auto n = std::min<std::int64_t>(n_others, n_active);
   for (std::int64_t i = 0; i < n; ++i) {

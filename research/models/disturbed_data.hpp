@@ -22,8 +22,7 @@ struct StudyData {
 };
 
 /// Reads the given mesh nodes and `n_others` more, spread over the list of active nodes.
-StudyData read_data(const Database& database, std::vector<std::int32_t> probed, int n_others,
-                    double tool_radius_m);
+StudyData read_data(const Database& database, std::vector<std::int32_t> probed, int n_others, double tool_radius_m);
 
 /// Those increments alone, counted from 0, ascending.
 StudyData with_increments(StudyData data, const std::vector<std::size_t>& kept);

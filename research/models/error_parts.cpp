@@ -50,8 +50,7 @@ class ForceInterpolation {
     MatrixXd kernel(3 * n, 3 * n), tail(3 * n, 9);
     VectorXd values = VectorXd::Zero(3 * n);
     for (Index i = 0; i < n; ++i) {
-      for (Index j = 0; j < n; ++j)
-        kernel.block<3, 3>(3 * i, 3 * j) = force_kernel(_x.row(i) - _x.row(j), shape);
+      for (Index j = 0; j < n; ++j) kernel.block<3, 3>(3 * i, 3 * j) = force_kernel(_x.row(i) - _x.row(j), shape);
       tail.middleRows<3>(3 * i) = force_tail(_x.row(i));
       if (i > 0) values.segment<3>(3 * i) = states.force.row(i - 1);
     }
@@ -156,13 +155,10 @@ void parts_of_force(const Model& model, const ActiveNodeModel& node, const NodeF
   double largest = 0;
   for (const auto& state : fresh) largest = std::max(largest, vector(state.force_FE).norm());
   const double largest_trained = std::sqrt(fit.states.force.rowwise().squaredNorm().maxCoeff());
-  const auto force = [&](const Vector3d& x) {
-    return evaluate_force(node.conservative, model.displacements, R, x);
-  };
+  const auto force = [&](const Vector3d& x) { return evaluate_force(node.conservative, model.displacements, R, x); };
   for (Index i = 0; i < fit.states.x.rows(); ++i)
-    parts.force_regression +=
-        (force(fit.states.x.row(i).transpose()) - fit.states.force.row(i).transpose()).norm() /
-        largest_trained / static_cast<double>(fit.states.x.rows());
+    parts.force_regression += (force(fit.states.x.row(i).transpose()) - fit.states.force.row(i).transpose()).norm() /
+                              largest_trained / static_cast<double>(fit.states.x.rows());
   const ForceInterpolation limit(fit.states, node.conservative.shape);
   for (const auto& state : fresh) {
     const Vector3d x = vector(state.d) / R, f = vector(state.force_FE);
@@ -195,10 +191,10 @@ void parts_of_field(const Model& model, const StudyNode& data, const NodeFit& fi
     const VectorXd field = counted(u, counts);
     fields.row(i) = field;
     largest_trained = std::max(largest_trained, largest_length(field));
-    regression += mean_length(stored.field(stored.amplitudes(fit.states.x.row(i).transpose()) -
-                                           stored.projected(field)),
-                              counts) /
-                  static_cast<double>(n);
+    regression +=
+        mean_length(stored.field(stored.amplitudes(fit.states.x.row(i).transpose()) - stored.projected(field)),
+                    counts) /
+        static_cast<double>(n);
   }
   parts.regression = regression / largest_trained;
   const FieldInterpolation limit(fit.states.x, fields, model.shared.shape);
@@ -211,22 +207,22 @@ void parts_of_field(const Model& model, const StudyNode& data, const NodeFit& fi
     parts.total += weight * share(stored.field(said) - truth[i]);
     parts.interpolation += weight * share(limit(x) - truth[i]);
     const Points rows = runtime.respond({data.node}, {fresh[i].d}).displacement_m;
-    parts.float_rounding = std::max(
-        parts.float_rounding, largest_length(counted(rows.data(), counts) - stored.field(said)) / largest);
+    parts.float_rounding =
+        std::max(parts.float_rounding, largest_length(counted(rows.data(), counts) - stored.field(said)) / largest);
   }
 }
 
 }  // namespace
 
-std::vector<ErrorParts> error_parts(const StudyData& data, const StudiedModal& studied,
-                                    const LoadedModel& model, const std::vector<NodeProbes>& probes) {
+std::vector<ErrorParts> error_parts(const StudyData& data, const StudiedModal& studied, const LoadedModel& model,
+                                    const std::vector<NodeProbes>& probes) {
   std::vector<ErrorParts> all;
   for (std::size_t i = 0; i < studied.model.nodes.size(); ++i) {
     const auto& node = studied.model.nodes[i];
     const auto fresh =
         std::find_if(probes.begin(), probes.end(), [&](const NodeProbes& p) { return p.node == node.node; });
-    const auto of = std::find_if(data.probed.begin(), data.probed.end(),
-                                 [&](const StudyNode& n) { return n.node == node.node; });
+    const auto of =
+        std::find_if(data.probed.begin(), data.probed.end(), [&](const StudyNode& n) { return n.node == node.node; });
     if (fresh == probes.end() || fresh->states[0].empty()) continue;
     ErrorParts parts;
     parts.node = node.node;
@@ -234,8 +230,7 @@ std::vector<ErrorParts> error_parts(const StudyData& data, const StudiedModal& s
     parts.distance_to_fixed_m = std::numeric_limits<double>::infinity();
     const auto& points = data.header.mesh.nodes;
     for (const auto f : data.header.sets.fixed)
-      parts.distance_to_fixed_m =
-          std::min(parts.distance_to_fixed_m, (points.row(f) - points.row(node.node)).norm());
+      parts.distance_to_fixed_m = std::min(parts.distance_to_fixed_m, (points.row(f) - points.row(node.node)).norm());
     parts_of_force(studied.model, node, studied.fits[i], fresh->states[0], parts);
     parts_of_field(studied.model, *of, studied.fits[i], *fresh, model, parts);
     all.push_back(parts);

@@ -26,7 +26,7 @@ struct ErrorParts {
   double float_rounding = 0;  ///< largest difference of the runtime from the same sums in double
 };
 
-std::vector<ErrorParts> error_parts(const StudyData& data, const StudiedModal& studied,
-                                    const LoadedModel& model, const std::vector<NodeProbes>& probes);
+std::vector<ErrorParts> error_parts(const StudyData& data, const StudiedModal& studied, const LoadedModel& model,
+                                    const std::vector<NodeProbes>& probes);
 
 }  // namespace phynness::study

@@ -44,9 +44,8 @@ Fresh within(const Fresh& fresh, double depth_m) {
   for (auto* list : {&some.all, &some.calm})
     for (auto& node : *list) {
       node.states[1].clear();
-      std::erase_if(node.states[0], [&](const ProbedState& s) {
-        return Eigen::Vector3d(s.d[0], s.d[1], s.d[2]).norm() > depth_m;
-      });
+      std::erase_if(node.states[0],
+                    [&](const ProbedState& s) { return Eigen::Vector3d(s.d[0], s.d[1], s.d[2]).norm() > depth_m; });
     }
   return some;
 }
@@ -87,8 +86,7 @@ class Study {
   void modal(const std::string& name, const StudyData& data, const ForcedShapes& forced = {}) {
     modal(name, data, _fresh, forced);
   }
-  void modal(const std::string& name, const StudyData& data, const Fresh& fresh,
-             const ForcedShapes& forced = {}) {
+  void modal(const std::string& name, const StudyData& data, const Fresh& fresh, const ForcedShapes& forced = {}) {
     row("modal", name, [&](Row& row) {
       const auto studied = train_modal(data, _spec, forced);
       const auto model = loaded(studied.model, data.header.mesh);
@@ -251,13 +249,13 @@ struct Solved {
   std::int64_t failed = 0;
 
   bool snaps(const std::vector<std::int32_t>& active, std::int32_t node) const {
-    return ratios[static_cast<std::size_t>(std::lower_bound(active.begin(), active.end(), node) -
-                                           active.begin())] > snap_ratio;
+    return ratios[static_cast<std::size_t>(std::lower_bound(active.begin(), active.end(), node) - active.begin())] >
+           snap_ratio;
   }
 };
 
-Solved solve(const SolverSession& session, const Options& options, const Scene& scene,
-             const Database& database, double tool_radius_m) {
+Solved solve(const SolverSession& session, const Options& options, const Scene& scene, const Database& database,
+             double tool_radius_m) {
   const auto skeleton = loaded(without_response(database, tool_radius_m), database.header().mesh);
   const auto plan = plan_probes(skeleton, scene.probe.directions, options.probes,
                                 static_cast<std::uint64_t>(options.seed), options.nodes);
@@ -266,9 +264,8 @@ Solved solve(const SolverSession& session, const Options& options, const Scene& 
   {
     cli::Progress progress("solve", "rays");
     solve_probes(
-        session, scene, skeleton, plan,
-        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, {},
-        [&](std::size_t, NodeProbes&& found) { solved.fresh.all.push_back(std::move(found)); });
+        session, scene, skeleton, plan, [&](std::int64_t done, std::int64_t total) { progress.update(done, total); },
+        {}, [&](std::size_t, NodeProbes&& found) { solved.fresh.all.push_back(std::move(found)); });
   }
   for (const auto& node : solved.fresh.all) {
     if (!solved.snaps(database.header().sets.active, node.node)) solved.fresh.calm.push_back(node);
@@ -292,8 +289,7 @@ json report_linear(const Fresh& fresh) {
 }
 
 /// @return where the error of family modal comes from
-json report_parts(Study& study, const StudyData& data, const Solved& solved,
-                  const std::vector<std::int32_t>& active) {
+json report_parts(Study& study, const StudyData& data, const Solved& solved, const std::vector<std::int32_t>& active) {
   json out = json::object();
   const auto half = every_second(data.header.magnitudes_m.size());
   for (const auto& [name, some] :
@@ -336,14 +332,12 @@ int run(int argc, char** argv) {
 
   fmt::print("{}, {}, K/mu = {:.4g}, {} probes, R = {:.4g} mm, {} directions x {} increments\n", scene.title,
              name(scene.solver.element), scene.material.bulk_to_shear(), name(scene.probe.kind),
-             1e3 * scene.probe.max_displacement_m, data.header.directions.size(),
-             data.header.magnitudes_m.size());
+             1e3 * scene.probe.max_displacement_m, data.header.directions.size(), data.header.magnitudes_m.size());
   fmt::print(
       "{} probes at {} nodes, {} failed; of {} active nodes {} snap (largest force over {} times the "
       "median)\n\n",
       options.probes, solved.probed.size(), solved.failed, active.size(),
-      std::count_if(solved.ratios.begin(), solved.ratios.end(), [](double r) { return r > snap_ratio; }),
-      snap_ratio);
+      std::count_if(solved.ratios.begin(), solved.ratios.end(), [](double r) { return r > snap_ratio; }), snap_ratio);
   json out{{"element", name(scene.solver.element)},
            {"bulk_to_shear", scene.material.bulk_to_shear()},
            {"probe", name(scene.probe.kind)},

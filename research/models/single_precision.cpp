@@ -15,10 +15,10 @@ constexpr int n_displacements = 1000, n_loops = 10, n_parts = 80;
 
 // Gauss-Legendre on [-1, 1], ten points in each of 80 parts of an edge: exact to 1e-12 for shapes of 0.03 and
 // more.
-constexpr double gauss_point[] = {0.14887433898163121, 0.43339539412924719, 0.67940956829902441,
-                                  0.86506336668898451, 0.97390652851717172};
-constexpr double gauss_weight[] = {0.29552422471475287, 0.26926671930999636, 0.21908636251598204,
-                                   0.14945134915058059, 0.06667134430868814};
+constexpr double gauss_point[] = {0.14887433898163121, 0.43339539412924719, 0.67940956829902441, 0.86506336668898451,
+                                  0.97390652851717172};
+constexpr double gauss_weight[] = {0.29552422471475287, 0.26926671930999636, 0.21908636251598204, 0.14945134915058059,
+                                   0.06667134430868814};
 
 Vector3d in_ball(std::mt19937_64& random) {
   const auto uniform = [&] { return 2 * static_cast<double>(random() >> 11) * 0x1p-53 - 1; };
@@ -73,8 +73,7 @@ double work_of(const Potential<Real>& potential, const std::array<Vector3d, 4>& 
     for (int part = 0; part < n_parts; ++part)
       for (int p = 0; p < 5; ++p)
         for (const double t : {gauss_point[p], -gauss_point[p]})
-          work += gauss_weight[p] / 2 *
-                  potential.force(corners[i] + (part + 0.5) * step + t / 2 * step).dot(step);
+          work += gauss_weight[p] / 2 * potential.force(corners[i] + (part + 0.5) * step + t / 2 * step).dot(step);
   }
   return work;
 }
@@ -99,8 +98,7 @@ SinglePrecision single_precision(const Model& model, std::uint64_t seed) {
     sum += mean / largest;
     found.force_max = std::max(found.force_max, worst / largest);
     for (int loop = 0; loop < n_loops; ++loop) {
-      const std::array<Vector3d, 4> corners{in_ball(random), in_ball(random), in_ball(random),
-                                            in_ball(random)};
+      const std::array<Vector3d, 4> corners{in_ball(random), in_ball(random), in_ball(random), in_ball(random)};
       double stored = 0;
       for (const auto& corner : corners)
         stored = std::max(stored, std::abs(exact.energy(corner)) / model.max_displacement_m);

@@ -35,14 +35,12 @@ StudiedModal train_modal(const StudyData& data, const TrainingSpec& spec, const 
   model.displacements = tables.displacements;
   std::vector<NodeModes> basis;
   for (const auto* list : {&data.others, &data.probed})
-    for (const auto& node : *list)
-      basis.push_back(node_modes(tables, node.prescribed, node.rays, spec.modes));
+    for (const auto& node : *list) basis.push_back(node_modes(tables, node.prescribed, node.rays, spec.modes));
   model.shared.modes = scaled_table(shared_basis(basis, spec.shared_modes, spec.seed));
   const auto some = some_of(basis, n_center_nodes);
-  const auto centers =
-      forced.amplitude > 0
-          ? amplitude_centers_of_shape(tables, some, spec.amplitude_centers, forced.amplitude)
-          : choose_amplitude_centers(tables, some, spec.amplitude_centers);
+  const auto centers = forced.amplitude > 0
+                           ? amplitude_centers_of_shape(tables, some, spec.amplitude_centers, forced.amplitude)
+                           : choose_amplitude_centers(tables, some, spec.amplitude_centers);
   model.shared.centers = centers.row;
   model.shared.shape = centers.shape;
   for (const auto& node : data.probed) {
@@ -72,8 +70,7 @@ Model train_rbfn(const StudyData& data, TrainingSpec spec, double& diagonal_rati
   for (const auto& node : some_of(data.others, n_search_nodes))
     search.push_back({node.node, node.prescribed, node.rays});
   if (!(spec.force_spread > 0)) spec.force_spread = search_force_spread(tables, search, spec);
-  if (!(spec.deformation_spread > 0))
-    spec.deformation_spread = search_deformation_spread(tables, search, spec);
+  if (!(spec.deformation_spread > 0)) spec.deformation_spread = search_deformation_spread(tables, search, spec);
   // As training does where no node has points enough for a search.
   if (!(spec.force_spread > 0)) spec.force_spread = 1;
   if (!(spec.deformation_spread > 0)) spec.deformation_spread = 1;
@@ -81,8 +78,7 @@ Model train_rbfn(const StudyData& data, TrainingSpec spec, double& diagonal_rati
   for (const auto& node : data.probed) {
     auto training = train_node(tables, node.node, node.point, node.prescribed, node.rays, spec);
     if (!training.trained) continue;
-    diagonal_ratio =
-        std::max({diagonal_ratio, training.force.diagonal_ratio, training.deformation.diagonal_ratio});
+    diagonal_ratio = std::max({diagonal_ratio, training.force.diagonal_ratio, training.deformation.diagonal_ratio});
     model.nodes.push_back(std::move(training.model));
   }
   require_a_node(model);
@@ -95,8 +91,7 @@ Model without_response(const Database& database, double tool_radius_m) {
   const TrainingTables tables = training_tables(header);
   Model model = model_of_database(header, Family::modal, "");
   model.displacements = tables.displacements;
-  model.shared.modes =
-      scaled_table(Eigen::MatrixXd(3 * static_cast<Eigen::Index>(header.sets.output.size()), 0));
+  model.shared.modes = scaled_table(Eigen::MatrixXd(3 * static_cast<Eigen::Index>(header.sets.output.size()), 0));
   auto status = statuses.begin();
   for (const auto node : header.sets.active) {
     std::vector<Ray> rays(header.directions.size());
@@ -117,8 +112,6 @@ Model without_response(const Database& database, double tool_radius_m) {
   return model;
 }
 
-LoadedModel loaded(const Model& model, const Mesh& mesh) {
-  return LoadedModel(model, mesh, "the study's model");
-}
+LoadedModel loaded(const Model& model, const Mesh& mesh) { return LoadedModel(model, mesh, "the study's model"); }
 
 }  // namespace phynness::study

@@ -1,8 +1,8 @@
 // Models of the probed nodes alone, from the public pieces that training is made of.
 #pragma once
 
-#include <phynness/training/training.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
+#include <phynness/training/training.hpp>
 
 #include "disturbed_data.hpp"
 

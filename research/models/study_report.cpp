@@ -16,17 +16,14 @@ json to_json(const ErrorStatistics& s) {
   return {{"median", s.median}, {"mean", s.mean}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
 }
 json to_json(const GroupErrors& e) {
-  return {{"force", to_json(e.force)},
-          {"displacement", to_json(e.displacement)},
-          {"field_l2", to_json(e.field_l2)}};
+  return {{"force", to_json(e.force)}, {"displacement", to_json(e.displacement)}, {"field_l2", to_json(e.field_l2)}};
 }
 
 void print_modal_head() {
-  fmt::print("\n{:<38} {:>13} {:>7} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "family modal",
-             "force shapes", "ampl.", "cancels", "condition", "cond.", "float32", "float32", "loop work",
-             "loop work");
-  fmt::print("{:<38} {:>13} {:>7} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "", "", "shape", "by",
-             "force", "ampl.", "mean", "max", "double", "float32");
+  fmt::print("\n{:<38} {:>13} {:>7} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "family modal", "force shapes",
+             "ampl.", "cancels", "condition", "cond.", "float32", "float32", "loop work", "loop work");
+  fmt::print("{:<38} {:>13} {:>7} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "", "", "shape", "by", "force", "ampl.",
+             "mean", "max", "double", "float32");
 }
 
 }  // namespace
@@ -46,8 +43,7 @@ void print_errors(const std::string& name, const PredictorErrors& all, const Pre
   }
   for (const auto* s : {&all.outside.force, &all.outside.displacement}) percent(*s, s->mean);
   fmt::print(" |");
-  for (const auto* s :
-       {&calm.inside.force, &calm.inside.displacement, &calm.outside.force, &calm.outside.displacement})
+  for (const auto* s : {&calm.inside.force, &calm.inside.displacement, &calm.outside.force, &calm.outside.displacement})
     percent(*s, s->mean);
   fmt::print(" |");
   for (const std::size_t k : {0, 1}) {
@@ -60,13 +56,12 @@ void print_errors(const std::string& name, const PredictorErrors& all, const Pre
 }
 
 void print_head() {
-  fmt::print("{:<44} | {:^31} | {:^31} | {:^15} | {:^31} | {:^15}\n", "errors of eq. (17) in %",
-             "force inside", "displacement inside", "means beyond", "means, without nodes that snap",
-             "mean, med. node");
+  fmt::print("{:<44} | {:^31} | {:^31} | {:^15} | {:^31} | {:^15}\n", "errors of eq. (17) in %", "force inside",
+             "displacement inside", "means beyond", "means, without nodes that snap", "mean, med. node");
   fmt::print("{:<44} |", "");
   for (int i = 0; i < 2; ++i) fmt::print(" {:>7} {:>7} {:>7} {:>7} |", "median", "mean", "p95", "max");
-  fmt::print(" {:>7} {:>7} | {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7}\n", "force", "displ.", "f in", "u in",
-             "f out", "u out", "force", "displ.");
+  fmt::print(" {:>7} {:>7} | {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7}\n", "force", "displ.", "f in", "u in", "f out",
+             "u out", "force", "displ.");
 }
 
 void print_row(const Row& row) {
@@ -74,8 +69,7 @@ void print_row(const Row& row) {
     fmt::print("{:<44} | refused: {}\n", row.family + " " + row.name, row.refused);
     return;
   }
-  print_errors(row.family + " " + row.name + (row.finite ? "" : " (NOT FINITE)"), row.all, row.calm,
-               row.by_node);
+  print_errors(row.family + " " + row.name + (row.finite ? "" : " (NOT FINITE)"), row.all, row.calm, row.by_node);
 }
 
 void print_numbers(const std::vector<Row>& rows) {
@@ -84,22 +78,20 @@ void print_numbers(const std::vector<Row>& rows) {
   for (const auto& r : rows)
     if (r.family == "modal" && r.refused.empty())
       fmt::print("{:<38} {:>13} {:7.3g} {:9.1e} {:9.1e} {:9.1e} {:9.1e} {:9.1e} {:9.1e} {:9.1e}\n", r.name,
-                 fmt::format("{:.3g}-{:.3g}", r.smallest_shape, r.largest_shape), r.amplitude_shape,
-                 r.cancellation, r.force_condition, r.amplitude_condition, r.single.force_mean,
-                 r.single.force_max, r.single.loop_double, r.single.loop_float);
+                 fmt::format("{:.3g}-{:.3g}", r.smallest_shape, r.largest_shape), r.amplitude_shape, r.cancellation,
+                 r.force_condition, r.amplitude_condition, r.single.force_mean, r.single.force_max,
+                 r.single.loop_double, r.single.loop_float);
   for (const auto& r : rows)
     if (r.family == "rbfn" && r.refused.empty())
       fmt::print("{:<38} largest over smallest diagonal entry of the factor {:.1e}\n", "rbfn " + r.name,
                  r.diagonal_ratio);
 }
 
-void print_parts(const std::string& name, const std::vector<ErrorParts>& parts,
-                 const std::vector<char>& snaps) {
+void print_parts(const std::string& name, const std::vector<ErrorParts>& parts, const std::vector<char>& snaps) {
   fmt::print("\nfamily modal, {}: parts of the means inside, %\n", name);
   fmt::print("{:<8} {:>6} {:>9} | {:^26} | {:^44} | {:>9}\n", "", "", "", "force", "displacement", "runtime");
-  fmt::print("{:<8} {:>6} {:>9} | {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8} {:>8} {:>8} | {:>9}\n", "node",
-             "to fix.", "largest", "regress.", "interp.", "total", "truncat.", "regress.", "ampl.", "interp.",
-             "total", "float");
+  fmt::print("{:<8} {:>6} {:>9} | {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8} {:>8} {:>8} | {:>9}\n", "node", "to fix.",
+             "largest", "regress.", "interp.", "total", "truncat.", "regress.", "ampl.", "interp.", "total", "float");
   fmt::print("{:<8} {:>6} {:>9} |\n", "", "mm", "N");
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const auto& p = parts[i];
@@ -113,9 +105,7 @@ void print_parts(const std::string& name, const std::vector<ErrorParts>& parts,
   fmt::print("* snaps: largest force more than {} times the median active node's\n", snap_ratio);
 }
 
-json to_json(const PredictorErrors& e) {
-  return {{"inside", to_json(e.inside)}, {"outside", to_json(e.outside)}};
-}
+json to_json(const PredictorErrors& e) { return {{"inside", to_json(e.inside)}, {"outside", to_json(e.outside)}}; }
 json to_json(const Row& r) {
   json out{{"family", r.family}, {"row", r.name}};
   if (!r.refused.empty()) {

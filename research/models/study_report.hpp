@@ -38,8 +38,7 @@ void print_row(const Row& row);
 /// Conditioning and single precision.
 void print_numbers(const std::vector<Row>& rows);
 /// @param snaps  per entry of `parts`
-void print_parts(const std::string& name, const std::vector<ErrorParts>& parts,
-                 const std::vector<char>& snaps);
+void print_parts(const std::string& name, const std::vector<ErrorParts>& parts, const std::vector<char>& snaps);
 
 nlohmann::json to_json(const PredictorErrors& e);
 nlohmann::json to_json(const Row& r);

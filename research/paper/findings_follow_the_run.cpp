@@ -31,9 +31,7 @@ CaseResult measured(const std::vector<double>& x, const std::vector<double>& hel
   return result;
 }
 
-bool says(const std::string& sentence, const std::string& part) {
-  return sentence.find(part) != std::string::npos;
-}
+bool says(const std::string& sentence, const std::string& part) { return sentence.find(part) != std::string::npos; }
 
 TEST(Findings, NameTheBestSpreadOfThisRun) {
   const auto falling = measured({0.5, 1, 2}, {0.03, 0.02, 0.01}, {0.03, 0.01, 0.02}),

@@ -21,27 +21,23 @@ class Study : public CommandLine {
     if (shell("command -v gnuplot").exit_status != 0) GTEST_SKIP() << "no gnuplot";
     std::filesystem::create_directories(folder / "scenes");
     const auto scene = small_scene();
-    auto linear =
-        changed(changed(scene, "\"neo-hookean\"", "\"linear\""), "directions = 26", "directions = 3");
+    auto linear = changed(changed(scene, "\"neo-hookean\"", "\"linear\""), "directions = 26", "directions = 3");
     write_file(folder / "scenes/liver_case1.toml", changed(linear, "increments = 2", "increments = 1"));
     write_file(folder / "scenes/liver_case3.toml", scene);
     write_file(folder / "scenes/penrose_case4.toml", scene);
-    write_file(
-        folder / "sizes.json",
-        "{\"nodes\": 2, \"probes_per_node\": 3, \"neurons\": [5, 20, 100, 200, 300], \"histogram_neurons\": "
-        "[5, 10, 20], \"spreads\": [0.75, 1.5], \"samples\": [100, 300], \"force_neurons\": [5, 10, 20], "
-        "\"curve_neurons\": [5, 10, 20], \"study_neurons\": 20, \"training_pairs\": 400, \"test_pairs\": "
-        "200, "
-        "\"curve_points\": 4, \"tool_pairs\": 2}");
+    write_file(folder / "sizes.json",
+               "{\"nodes\": 2, \"probes_per_node\": 3, \"neurons\": [5, 20, 100, 200, 300], \"histogram_neurons\": "
+               "[5, 10, 20], \"spreads\": [0.75, 1.5], \"samples\": [100, 300], \"force_neurons\": [5, 10, 20], "
+               "\"curve_neurons\": [5, 10, 20], \"study_neurons\": 20, \"training_pairs\": 400, \"test_pairs\": "
+               "200, "
+               "\"curve_points\": 4, \"tool_pairs\": 2}");
   }
   static std::string changed(std::string text, const std::string& from, const std::string& to) {
     const auto at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
     return text.replace(at, from.size(), to);
   }
-  Outcome program(const std::string& arguments) const {
-    return shell("'" PHYNNESS_PAPER_STUDY "' " + arguments);
-  }
+  Outcome program(const std::string& arguments) const { return shell("'" PHYNNESS_PAPER_STUDY "' " + arguments); }
   Outcome study(const std::string& more = "") const {
     return program("--scenes scenes --sizes sizes.json -o out " + more);
   }
@@ -144,9 +140,7 @@ void Study::expect_pair(const nlohmann::json& report) const {
         tools << (k ? "," : "") << depth.at("depth_m").get<double>() * pair.at(direction).at(k).get<double>();
     }
     ASSERT_EQ(phynness("solve out/case-3/database.h5" + tools.str() + " --deformation s.csv").exit_status, 0);
-    ASSERT_EQ(
-        phynness("eval out/case-3/networks --tools paper" + tools.str() + " --deformation e.csv").exit_status,
-        0);
+    ASSERT_EQ(phynness("eval out/case-3/networks --tools paper" + tools.str() + " --deformation e.csv").exit_status, 0);
     solved.push_back(field("s.csv"));
     said.push_back(field("e.csv"));
   }
@@ -179,9 +173,9 @@ void Study::expect_page() const {
     for (auto at = page.find(what); at != std::string::npos; at = page.find(what, at + 1)) ++n;
     return n;
   };
-  for (const char* part : {"Table 1", "Table 2", "Figure 6:", "Figure 7:", "Figure 8:", "Figure 9:",
-                           "Figure 10:", "Figure 11:", "Figure 12:", "Figure 13:", "Figure 14:", "Figure 15:",
-                           "P1 and p1-p1", "not run: there is no scenes/liver_case2.toml", "Errata"})
+  for (const char* part : {"Table 1", "Table 2", "Figure 6:", "Figure 7:", "Figure 8:", "Figure 9:", "Figure 10:",
+                           "Figure 11:", "Figure 12:", "Figure 13:", "Figure 14:", "Figure 15:", "P1 and p1-p1",
+                           "not run: there is no scenes/liver_case2.toml", "Errata"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(page.find("Quick study"), std::string::npos);
   EXPECT_GE(count("<svg"), 25U);
@@ -193,12 +187,11 @@ void Study::expect_page() const {
     std::printf("no chromium: the page was not opened in a browser\n");
     return;
   }
-  const auto seen = shell(
-      "timeout 60 chromium --headless --no-sandbox --disable-gpu --enable-logging=stderr --dump-dom file://" +
-      (folder / "out/paper.html").string() + " 2> log.txt > dom.html");
+  const auto seen =
+      shell("timeout 60 chromium --headless --no-sandbox --disable-gpu --enable-logging=stderr --dump-dom file://" +
+            (folder / "out/paper.html").string() + " 2> log.txt > dom.html");
   ASSERT_EQ(seen.exit_status, 0);
-  EXPECT_EQ(read_file(folder / "log.txt").find("CONSOLE"), std::string::npos)
-      << read_file(folder / "log.txt");
+  EXPECT_EQ(read_file(folder / "log.txt").find("CONSOLE"), std::string::npos) << read_file(folder / "log.txt");
   EXPECT_NE(read_file(folder / "dom.html").find("<path"), std::string::npos);
 }
 
@@ -222,8 +215,7 @@ TEST_F(Study, HasEveryTableAndFigureAndGoesOnWhereItWas) {
   auto before = report.at("cases").at("3").at("measured"),
        after = json("out/paper.json").at("cases").at("3").at("measured");
   // What is finished stays on the page, asked for or not.
-  EXPECT_EQ(json("out/paper.json").at("cases").at("1").at("measured"),
-            report.at("cases").at("1").at("measured"));
+  EXPECT_EQ(json("out/paper.json").at("cases").at("1").at("measured"), report.at("cases").at("1").at("measured"));
   EXPECT_EQ(json("out/paper.json").at("cases").at("4").at("not_run"), "not asked for (--cases)");
   for (auto* measured : {&before, &after}) {
     measured->erase("seconds");

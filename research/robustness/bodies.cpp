@@ -1,8 +1,8 @@
 #include "bodies.hpp"
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <fmt/format.h>
 #include <phynness/meshes/meshes.hpp>
 #include <set>
 
@@ -17,15 +17,12 @@ Mesh around(const Mesh& mesh, std::int32_t node) {
   Mesh part;
   part.nodes = mesh.nodes;
   part.cells.resize(static_cast<Eigen::Index>(rows.size()), 4);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    part.cells.row(static_cast<Eigen::Index>(i)) = mesh.cells.row(rows[i]);
+  for (std::size_t i = 0; i < rows.size(); ++i) part.cells.row(static_cast<Eigen::Index>(i)) = mesh.cells.row(rows[i]);
   return part;
 }
 
 double height_over_face(const Mesh& mesh, Eigen::Index cell, int corner, Eigen::RowVector3d& normal) {
-  const auto at = [&](int k) -> Eigen::RowVector3d {
-    return mesh.nodes.row(mesh.cells(cell, (corner + k) % 4));
-  };
+  const auto at = [&](int k) -> Eigen::RowVector3d { return mesh.nodes.row(mesh.cells(cell, (corner + k) % 4)); };
   normal = (at(2) - at(1)).cross(at(3) - at(1)).normalized();
   return (at(0) - at(1)).dot(normal);
 }
@@ -53,9 +50,8 @@ Body cube(Law law, Element element, double bulk_to_shear, double edge_m, double 
   const double c01_Pa = shear_modulus_Pa / 22;
   scene.material =
       law == law_named("mooney-rivlin")
-          ? material_of(
-                law,
-                {{"c10_Pa", shear_modulus_Pa / 2 - c01_Pa}, {"c01_Pa", c01_Pa}, {"bulk_modulus_Pa", bulk_Pa}})
+          ? material_of(law,
+                        {{"c10_Pa", shear_modulus_Pa / 2 - c01_Pa}, {"c01_Pa", c01_Pa}, {"bulk_modulus_Pa", bulk_Pa}})
           : material_of(law, {{"shear_modulus_Pa", shear_modulus_Pa}, {"bulk_modulus_Pa", bulk_Pa}});
   scene.solver.element = element;
   scene.fixed = parse_selection(fmt::format(

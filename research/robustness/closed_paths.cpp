@@ -115,8 +115,7 @@ std::vector<Circle> circles(const Vector3& inward, double radius) {
           [=](double a) -> Vector3 { return slant * (inward + std::cos(a) * t + std::sin(a) * b); }};
 }
 
-void walk(Walker& walker, std::int32_t node, const Circle& at, int n_points, const Radial& radial,
-          PathTally& tally) {
+void walk(Walker& walker, std::int32_t node, const Circle& at, int n_points, const Radial& radial, PathTally& tally) {
   ++tally.paths;
   constexpr int steps_to_the_circle = 6;
   for (int i = 1; i <= steps_to_the_circle; ++i)
@@ -162,8 +161,7 @@ void walk(Walker& walker, std::int32_t node, const Circle& at, int n_points, con
 
 }  // namespace
 
-PathTally walk_circles(const Body& body, const std::vector<std::int32_t>& nodes, double radius_m,
-                       int n_points) {
+PathTally walk_circles(const Body& body, const std::vector<std::int32_t>& nodes, double radius_m, int n_points) {
   Walker walker(body);
   ProbeSolver solver(body.scene, body.mesh, body.sets);
   const Points normals = node_normals(body.mesh);

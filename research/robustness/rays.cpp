@@ -41,8 +41,7 @@ void add_ray(ProbeSolver& solver, std::int32_t node, const Vec3& direction, cons
 Tally follow_rays(const Body& body, const std::vector<std::int32_t>& nodes) {
   const ProbeSpec& probe = body.scene.probe;
   std::vector<double> depths;
-  for (int i = 1; i <= probe.increments; ++i)
-    depths.push_back(probe.max_displacement_m * i / probe.increments);
+  for (int i = 1; i <= probe.increments; ++i) depths.push_back(probe.max_displacement_m * i / probe.increments);
   Tally tally;
   tally.reached.assign(depths.size(), 0);
   const double start = cpu_ms();
@@ -55,8 +54,7 @@ Tally follow_rays(const Body& body, const std::vector<std::int32_t>& nodes) {
       if (probe.directions == Directions::hemisphere && outward > 1e-9) continue;
       add_ray(solver, nodes[n], e, depths, tally);
     }
-    std::fprintf(stderr, "\r  node %zu of %zu, %.0f s of CPU ", n + 1, nodes.size(),
-                 1e-3 * (cpu_ms() - start));
+    std::fprintf(stderr, "\r  node %zu of %zu, %.0f s of CPU ", n + 1, nodes.size(), 1e-3 * (cpu_ms() - start));
   }
   std::fprintf(stderr, "\r%40s\r", "");
   tally.cpu_ms = cpu_ms() - start;
@@ -66,8 +64,8 @@ Tally follow_rays(const Body& body, const std::vector<std::int32_t>& nodes) {
 void print_header(const char* what, const std::vector<std::string>& depths) {
   std::printf("\n%-34s %5s", what, "rays");
   for (const auto& depth : depths) std::printf(" %8s", depth.c_str());
-  std::printf("  %8s %8s %9s %9s %9s %9s %10s %7s %8s\n", "J > 0", "inc. cut", "inverted", "diverged",
-              "factoriz.", "not finite", "indefinite", "min J", "ms/inc.");
+  std::printf("  %8s %8s %9s %9s %9s %9s %10s %7s %8s\n", "J > 0", "inc. cut", "inverted", "diverged", "factoriz.",
+              "not finite", "indefinite", "min J", "ms/inc.");
 }
 
 void print_row(const std::string& what, const Tally& t, const std::vector<std::size_t>& depths) {
@@ -75,16 +73,16 @@ void print_row(const std::string& what, const Tally& t, const std::vector<std::s
   for (const auto i : depths) std::printf(" %7.1f%%", 100.0 * t.reached[i] / std::max(1, t.rays));
   const auto count = [&](Status status) { return t.reasons.count(status) ? t.reasons.at(status) : 0; };
   std::printf("  %7.1f%% %8d %9d %9d %9d %10d %9.1f%% %7.3f %8.1f\n", 100.0 * t.upright / std::max(1, t.rays),
-              t.increments_cut, count(Status::inverted), count(Status::diverged),
-              count(Status::factorization), count(Status::not_finite),
-              100.0 * t.indefinite / std::max(1, t.states), t.min_jacobian, t.cpu_ms / std::max(1, t.states));
+              t.increments_cut, count(Status::inverted), count(Status::diverged), count(Status::factorization),
+              count(Status::not_finite), 100.0 * t.indefinite / std::max(1, t.states), t.min_jacobian,
+              t.cpu_ms / std::max(1, t.states));
   std::fflush(stdout);
 }
 
 void print_failures(const Tally& tally) {
   for (const auto& f : tally.failures)
-    std::printf("    node %d, direction (%.2f, %.2f, %.2f): %s at %.4g m\n", f.node, f.direction[0],
-                f.direction[1], f.direction[2], name(f.reason), f.depth_m);
+    std::printf("    node %d, direction (%.2f, %.2f, %.2f): %s at %.4g m\n", f.node, f.direction[0], f.direction[1],
+                f.direction[2], name(f.reason), f.depth_m);
 }
 
 }  // namespace phynness::robustness

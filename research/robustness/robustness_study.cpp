@@ -45,12 +45,10 @@ void incompressibility(const Options& options) {
   print_header("neo-Hookean cube, 26 directions", element_size_names);
   for (const Element element : elements)
     for (const double ratio : {10.0, 200.0, 2000.0, 23000.0})
-      cube_row(text("K/mu %6.0f  ", ratio) + name(element), cube(law_named("neo-hookean"), element, ratio),
-               options);
+      cube_row(text("K/mu %6.0f  ", ratio) + name(element), cube(law_named("neo-hookean"), element, ratio), options);
   print_header("Mooney-Rivlin cube, 26 directions", element_size_names);
   for (const Element element : elements)
-    cube_row(text("K/mu %6.0f  ", 23000) + name(element), cube(law_named("mooney-rivlin"), element, 23000),
-             options);
+    cube_row(text("K/mu %6.0f  ", 23000) + name(element), cube(law_named("mooney-rivlin"), element, 23000), options);
 }
 
 void compression(const Options& options) {
@@ -69,8 +67,7 @@ void slivers(const Options& options) {
   for (const Element element : elements) {
     auto body = cube(law_named("neo-hookean"), element, 200);
     const int n = add_slivers(body.mesh, 5, quality);
-    cube_row(std::to_string(n) + " cells of " + text("%.3f  ", measure_quality(body.mesh).min_quality) +
-                 name(element),
+    cube_row(std::to_string(n) + " cells of " + text("%.3f  ", measure_quality(body.mesh).min_quality) + name(element),
              body, options);
   }
 }
@@ -95,8 +92,8 @@ void units(const Options& options) {
     }
     return all;
   };
-  for (const Law law : {law_named("neo-hookean"), law_named("st-venant-kirchhoff"),
-                        law_named("mooney-rivlin"), law_named("linear")})
+  for (const Law law :
+       {law_named("neo-hookean"), law_named("st-venant-kirchhoff"), law_named("mooney-rivlin"), law_named("linear")})
     for (const Element element : elements) {
       const double ratio = 200;
       std::printf("%-34s", (std::string(name(law)) + "  " + name(element)).c_str());
@@ -107,8 +104,7 @@ void units(const Options& options) {
         for (const double modulus_Pa : {1.0, 1e9}) {
           const auto scaled = forces(law, element, ratio, edge_m, modulus_Pa);
           double error = 0;
-          for (std::size_t i = 0; i < scaled.size(); ++i)
-            error = std::max(error, (scaled[i] - reference[i]).norm());
+          for (std::size_t i = 0; i < scaled.size(); ++i) error = std::max(error, (scaled[i] - reference[i]).norm());
           std::printf(" %10.1e", error / size);
         }
       std::printf("\n");
@@ -124,9 +120,8 @@ void paper(const Options& options) {
     auto body = load(std::string(PHYNNESS_SCENES) + "/" + scene);
     if (element) body.scene.solver.element = *element;
     const auto n = static_cast<std::size_t>(body.scene.probe.increments);
-    const std::vector<std::size_t> thirds = n == 1
-                                                ? std::vector<std::size_t>{0, 0, 0}
-                                                : std::vector<std::size_t>{n / 3 - 1, 2 * n / 3 - 1, n - 1};
+    const std::vector<std::size_t> thirds =
+        n == 1 ? std::vector<std::size_t>{0, 0, 0} : std::vector<std::size_t>{n / 3 - 1, 2 * n / 3 - 1, n - 1};
     const auto tally = follow_rays(body, draw_nodes(body.sets, n_nodes, seed));
     print_row(std::string(what) + "  " + name(body.scene.solver.element), tally, thirds);
     if (options.failures) print_failures(tally);
@@ -139,14 +134,14 @@ void paper(const Options& options) {
 }
 
 void paths(const Options& options) {
-  std::printf("\n%-34s %6s %5s %7s %11s %15s %12s %12s %12s\n", "closed paths (two circles a node)", "paths",
-              "open", "points", "indefinite", "path-dependent", "vs radial", "loop gap", "work/energy");
+  std::printf("\n%-34s %6s %5s %7s %11s %15s %12s %12s %12s\n", "closed paths (two circles a node)", "paths", "open",
+              "points", "indefinite", "path-dependent", "vs radial", "loop gap", "work/energy");
   const auto row = [&](const std::string& what, const Body& body, double radius_m) {
     constexpr int n_points = 48;
     const auto t = walk_circles(body, draw_nodes(body.sets, options.path_nodes, seed), radius_m, n_points);
-    std::printf("%-34s %6d %5d %7d %10.1f%% %8d of %3d %12.1e %12.1e %12.1e\n", what.c_str(), t.paths, t.open,
-                t.points, 100.0 * t.indefinite / std::max(1, t.points), t.different, t.compared,
-                t.largest_difference, t.largest_gap, t.largest_work);
+    std::printf("%-34s %6d %5d %7d %10.1f%% %8d of %3d %12.1e %12.1e %12.1e\n", what.c_str(), t.paths, t.open, t.points,
+                100.0 * t.indefinite / std::max(1, t.points), t.different, t.compared, t.largest_difference,
+                t.largest_gap, t.largest_work);
     if (t.different > 0)
       std::printf(
           "    radial energy higher in %d, found by four times the increments in %d; worst at node %d, "
@@ -191,8 +186,7 @@ int run(int argc, char** argv) {
   for (const auto& [section, work] : sections) names.push_back(section);
   app.add_option("SECTION", wanted, "which tables (default: all)")->check(CLI::IsMember(names));
   app.add_option("--nodes", options.nodes, "nodes of the cube that are probed")->check(CLI::Range(1, 1000));
-  app.add_option("--paper-nodes", options.paper_nodes,
-                 "nodes of the liver that are probed (Case 1: ten times as many)")
+  app.add_option("--paper-nodes", options.paper_nodes, "nodes of the liver that are probed (Case 1: ten times as many)")
       ->check(CLI::Range(1, 1000));
   app.add_flag("--failures", options.failures, "name every ray that stops short, with its reason");
   app.add_option("--path-nodes", options.path_nodes, "nodes with closed paths")->check(CLI::Range(1, 1000));

@@ -40,7 +40,8 @@ class Arena {
   std::size_t needed() const { return _used + alignment - 1; }
 
  private:
-  /// Half of what addresses can tell: sums of an array and what was taken before do not wrap, on devices of 32 bits neither.
+  /// Half of what addresses can tell: sums of an array and what was taken before do not wrap, on devices of 32 bits
+  /// neither.
   static constexpr std::size_t largest = static_cast<std::size_t>(PTRDIFF_MAX) - 2 * alignment;
 
   /// Not in the header: it is called some seventy times.

@@ -21,7 +21,7 @@ struct Conservative {
   Real max_displacement;        ///< R [m]
   Real shape;                   ///< without unit
   Real stiffness[6];            ///< K, xx xy xz yy yz zz [N/m]
-  const int32_t* center;   ///< n_centers, rows of the displacements
+  const int32_t* center;        ///< n_centers, rows of the displacements
   const double* displacements;  ///< over R, rows of 3; of the model
   /// n_centers x 3 [N], in the smaller of the two types that holds them exactly; the other is null.
   const float* short_coefficient;
@@ -85,8 +85,7 @@ template <class Net, class Real>
 Real conservative_energy(const Net& net, const Real* x) {
   const Real s2 = net.shape * net.shape;
   Real sum = 0;
-  for_each_center(net, x,
-                  [&](const Real* y, const Real* b) { sum += square_root(dot(y, y) + s2) * dot(y, b); });
+  for_each_center(net, x, [&](const Real* y, const Real* b) { sum += square_root(dot(y, y) + s2) * dot(y, b); });
   const Real d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
   Real kd[3];
   multiply_symmetric(net.stiffness, d, kd);
@@ -107,8 +106,7 @@ void conservative_stiffness(const Net& net, const Real* x, Real* stiffness) {
   });
   const Real* k = net.stiffness;
   for (int i = 0; i < 3; ++i) {
-    for (int j = i; j < 3; ++j)
-      stiffness[3 * i + j] = stiffness[3 * j + i] = *k++ + sum[i][j] / net.max_displacement;
+    for (int j = i; j < 3; ++j) stiffness[3 * i + j] = stiffness[3 * j + i] = *k++ + sum[i][j] / net.max_displacement;
   }
 }
 

@@ -67,8 +67,7 @@ void write_state(const phn_contact& contact, const ToolContact& tool, phn_contac
 /// What a step does to the contact; its outputs are not yet written. @return a status of phynness.h
 int step(phn_contact* contact, phn_data* data, std::int32_t n_tools, const phn_contact_tool* tools,
          const phn_contact_state* states, const phn_coupled* place, phn_coupled& result) {
-  if (contact == nullptr || data == nullptr || data->model != contact->model || n_tools < 0)
-    return PHN_ERROR_ARGUMENT;
+  if (contact == nullptr || data == nullptr || data->model != contact->model || n_tools < 0) return PHN_ERROR_ARGUMENT;
   if (n_tools > 0 && (tools == nullptr || states == nullptr)) return PHN_ERROR_ARGUMENT;
   if (overlap(states, sizeof *states * static_cast<std::size_t>(n_tools), place, sizeof *place))
     return PHN_ERROR_OVERLAP;
@@ -89,8 +88,7 @@ void find_nearest(const phn_contact& contact, const double* x, phn_tool& tool, d
   const double far = 1e3 * largest_distance * surface.size;
   ToolContact found = {};
   double near[3];
-  for (int k = 0; k < 3; ++k)
-    near[k] = surface.middle[k] + std::fmax(-far, std::fmin(far, x[k] - surface.middle[k]));
+  for (int k = 0; k < 3; ++k) near[k] = surface.middle[k] + std::fmax(-far, std::fmin(far, x[k] - surface.middle[k]));
   nearest(surface, contact.volumes, 0, near, found.at);
   tool = held_by(contact, found);
   point_at(surface, surface.placed, found.at, 0, point);

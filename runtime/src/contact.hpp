@@ -16,9 +16,9 @@ struct ToolInput {
 };
 
 struct ToolContact {
-  bool known;      ///< it has been somewhere before
-  bool anchored;   ///< it has a proxy: in contact, or inside a surface that others have pushed away
-  bool felt;       ///< in contact
+  bool known;     ///< it has been somewhere before
+  bool anchored;  ///< it has a proxy: in contact, or inside a surface that others have pushed away
+  bool felt;      ///< in contact
   std::int32_t mode;
   double radius, place[3];  ///< of the last step; free tools are outside there, or inside since they came to be
   SurfacePoint at;          ///< the proxy

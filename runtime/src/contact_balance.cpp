@@ -6,9 +6,9 @@ namespace PHN_RUNTIME {
 namespace {
 
 constexpr int most_slides = 8, fewest_slides = 2;  // of one tool; of many, which cost more each
-constexpr double cone_tolerance = 1e-4;    ///< of the force
-constexpr double longest_slide = 2;        ///< in displacements of the touched point
-constexpr double same_place = 1e-4;        ///< tools closer than this are at one place, in sizes of the body
+constexpr double cone_tolerance = 1e-4;            ///< of the force
+constexpr double longest_slide = 2;                ///< in displacements of the touched point
+constexpr double same_place = 1e-4;                ///< tools closer than this are at one place, in sizes of the body
 constexpr int most_shortened = 3, most_pulling = 3;
 
 /// Solves M x = b for a matrix that resists: -M has a positive trace and determinant.
@@ -131,8 +131,8 @@ class Balance {
         const std::int32_t node = only_node(a.at);
         if (norm(apart) > same_place * _surface.size && (node < 0 || node != only_node(b.at))) continue;
         const bool a_grasps = _inputs[s].mode == PHN_TOOL_GRASP, b_grasps = _inputs[t].mode == PHN_TOOL_GRASP;
-        const bool a_stays =
-            a_grasps != b_grasps ? a_grasps
+        const bool a_stays = a_grasps != b_grasps
+                                 ? a_grasps
                                  : a_grasps || dot(a.displacement, a.normal) <= dot(b.displacement, b.normal);
         (a_stays ? b : a).active = false;
         if (a_grasps && b_grasps) warned = PHN_WARNING_UNSETTLED;

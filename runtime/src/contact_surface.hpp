@@ -18,13 +18,13 @@ inline constexpr double largest_distance = 1e3;  ///< of tools and displacements
 
 struct ContactSurface {
   std::int32_t n_vertices, n_triangles;
-  double size, middle[3];       ///< of the box around all vertices; its diagonal [m]
-  std::int32_t* triangle;       ///< n_triangles x 3 vertices: those that can be touched
-  std::int32_t* neighbor;       ///< n_triangles x 3: behind the edge opposite to the corner; -1: none
-  std::int32_t* node;           ///< n_vertices: in the mesh
-  std::int32_t* active;         ///< n_vertices: position among the active nodes, or -1: fixed or unused
-  double *rest, *placed;        ///< n_vertices x 3: at rest and displaced by the last field [m]
-  double* offset;               ///< n_vertices x 3: way of the vertex per radius of the tool
+  double size, middle[3];  ///< of the box around all vertices; its diagonal [m]
+  std::int32_t* triangle;  ///< n_triangles x 3 vertices: those that can be touched
+  std::int32_t* neighbor;  ///< n_triangles x 3: behind the edge opposite to the corner; -1: none
+  std::int32_t* node;      ///< n_vertices: in the mesh
+  std::int32_t* active;    ///< n_vertices: position among the active nodes, or -1: fixed or unused
+  double *rest, *placed;   ///< n_vertices x 3: at rest and displaced by the last field [m]
+  double* offset;          ///< n_vertices x 3: way of the vertex per radius of the tool
 };
 
 /// A point of the surface: barycentric, >= 0, sum 1.

@@ -40,8 +40,7 @@ bool has_deformation(const phn_model& model, const ActiveNode& node) {
   return with_response(model, node, [](const auto& response) { return has_deformation(response); });
 }
 
-void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t active, const double* d,
-                          double* field) {
+void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t active, const double* d, double* field) {
   const ActiveNode& node = model.active[active];
   double* basis = data.scratch + model.n_scratch - model.n_basis;
   basis_of(model, node, d, basis, data.scratch);

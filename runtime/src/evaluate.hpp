@@ -9,10 +9,10 @@ struct phn_data {
   const phn_model* model;
   const phn_model* level;  ///< what is evaluated
   std::int32_t max_tools;
-  double* scratch;     ///< model.n_scratch: what a deformation computes once for all output nodes
-  double* field;       ///< n_output x 3: the field of one tool
-  double* nearest;     ///< n_output: distance to the nearest tool [m]
-  double* weight_sum;  ///< n_output: sum of nearest / distance over the tools
+  double* scratch;            ///< model.n_scratch: what a deformation computes once for all output nodes
+  double* field;              ///< n_output x 3: the field of one tool
+  double* nearest;            ///< n_output: distance to the nearest tool [m]
+  double* weight_sum;         ///< n_output: sum of nearest / distance over the tools
   std::int32_t* asked_nodes;  ///< max_tools: of the deformation that is asked for,
   double* asked;              ///< and max_tools x 3 displacements, copied: its output may be their memory
   PHN_RUNTIME::Coupling coupling;
@@ -40,8 +40,7 @@ bool has_deformation(const phn_model& model, const ActiveNode& node);
 /// Field of one tool at all output nodes, nodes moved by the probe itself included.
 /// @param active  position among the active nodes. @pre has_deformation(model, model.active[active])
 /// @param data    its scratch and prepared nodes are used; @param field n_output x 3 [m]
-void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t active, const double* d,
-                          double* field);
+void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t active, const double* d, double* field);
 
 /// Whether d is beyond what was trained; a linear model is exact at any depth, until components are cut.
 bool outside(const phn_model& model, const ActiveNode& node, const double* d);

@@ -2,9 +2,9 @@
 //
 //   response_force, response_energy, response_stiffness   of one node
 //   has_deformation, basis_size                           whether the node has a basis, and how large
-//   response_basis, response_gradient, response_field     the basis at a displacement, its derivatives, the field of a basis
-//   worth_preparing, prepare_response                     what a deformation needs that does not depend on the displacement
-//   vertex_sum                                            sums what vertices do (local_response.hpp)
+//   response_basis, response_gradient, response_field     the basis at a displacement, its derivatives, the field of a
+//   basis worth_preparing, prepare_response                     what a deformation needs that does not depend on the
+//   displacement vertex_sum                                            sums what vertices do (local_response.hpp)
 //
 // in a folder of its own.
 #pragma once

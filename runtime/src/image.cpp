@@ -63,8 +63,7 @@ int stiffness(const ImageHeader<Real>* image, int32_t node, const Real* d, Real*
   const int refused = ask(image, node, d, out, query);
   if (refused != PHN_OK) return refuse(refused, out, 9);
   if (!traits(*image).has_energy) return refuse(PHN_ERROR_UNDEFINED, out, 9);
-  with_response(*image, *query.node,
-                [&](const auto& response) { response_stiffness(*image, response, query.d, out); });
+  with_response(*image, *query.node, [&](const auto& response) { response_stiffness(*image, response, query.d, out); });
   return answered(*image, query);
 }
 
@@ -95,47 +94,45 @@ int deform(const ImageHeader<Real>* image, Real* scratch, int32_t node, const Re
 }  // namespace
 
 // NAME is phn_image or phn_imagef; both are headers under another name, so that C compilers tell them apart.
-#define PHN_IMAGE_FUNCTIONS(NAME, Real)                                                                             \
-  static const ImageHeader<Real>* header(const NAME* image) {                                                       \
-    return reinterpret_cast<const ImageHeader<Real>*>(image);                                                       \
-  }                                                                                                                 \
-  extern "C" {                                                                                                      \
-  int32_t NAME##_n_active(const NAME* image) {                                                                      \
-    return image ? static_cast<int32_t>(header(image)->active_nodes.n) : 0;                                         \
-  }                                                                                                                 \
-  const int32_t* NAME##_active_nodes(const NAME* image) {                                                           \
-    return image ? at<int32_t>(*header(image), header(image)->active_nodes) : nullptr;                              \
-  }                                                                                                                 \
-  const Real* NAME##_active_points(const NAME* image) {                                                             \
-    return image ? at<Real>(*header(image), header(image)->active_points) : nullptr;                                \
-  }                                                                                                                 \
-  int32_t NAME##_n_output(const NAME* image) {                                                                      \
-    return image ? static_cast<int32_t>(header(image)->output_nodes.n) : 0;                                         \
-  }                                                                                                                 \
-  const int32_t* NAME##_output_nodes(const NAME* image) {                                                           \
-    return image ? at<int32_t>(*header(image), header(image)->output_nodes) : nullptr;                              \
-  }                                                                                                                 \
-  const Real* NAME##_output_points(const NAME* image) {                                                             \
-    return image ? at<Real>(*header(image), header(image)->output_points) : nullptr;                                \
-  }                                                                                                                 \
-  int NAME##_force(const NAME* image, int32_t node, const Real d[3], Real force_N[3]) {                             \
-    return force(header(image), node, d, force_N);                                                                  \
-  }                                                                                                                 \
-  int NAME##_energy(const NAME* image, int32_t node, const Real d[3], Real* energy_J) {                             \
-    return energy(header(image), node, d, energy_J);                                                                \
-  }                                                                                                                 \
-  int NAME##_stiffness(const NAME* image, int32_t node, const Real d[3], Real stiffness_N_per_m[9]) {               \
-    return stiffness(header(image), node, d, stiffness_N_per_m);                                                    \
-  }                                                                                                                 \
-  int NAME##_trained_depth(const NAME* image, int32_t node, const Real d[3], Real* depth_m) {                       \
-    return depth(header(image), node, d, depth_m);                                                                  \
-  }                                                                                                                 \
-  size_t NAME##_scratch_size(const NAME* image) {                                                                   \
-    return image ? header(image)->n_scratch * sizeof(Real) : 0;                                                     \
-  }                                                                                                                 \
-  int NAME##_deform(const NAME* image, Real* scratch, int32_t node, const Real d[3], Real* out) {                   \
-    return deform(header(image), scratch, node, d, out);                                                            \
-  }                                                                                                                 \
+#define PHN_IMAGE_FUNCTIONS(NAME, Real)                                                                         \
+  static const ImageHeader<Real>* header(const NAME* image) {                                                   \
+    return reinterpret_cast<const ImageHeader<Real>*>(image);                                                   \
+  }                                                                                                             \
+  extern "C" {                                                                                                  \
+  int32_t NAME##_n_active(const NAME* image) {                                                                  \
+    return image ? static_cast<int32_t>(header(image)->active_nodes.n) : 0;                                     \
+  }                                                                                                             \
+  const int32_t* NAME##_active_nodes(const NAME* image) {                                                       \
+    return image ? at<int32_t>(*header(image), header(image)->active_nodes) : nullptr;                          \
+  }                                                                                                             \
+  const Real* NAME##_active_points(const NAME* image) {                                                         \
+    return image ? at<Real>(*header(image), header(image)->active_points) : nullptr;                            \
+  }                                                                                                             \
+  int32_t NAME##_n_output(const NAME* image) {                                                                  \
+    return image ? static_cast<int32_t>(header(image)->output_nodes.n) : 0;                                     \
+  }                                                                                                             \
+  const int32_t* NAME##_output_nodes(const NAME* image) {                                                       \
+    return image ? at<int32_t>(*header(image), header(image)->output_nodes) : nullptr;                          \
+  }                                                                                                             \
+  const Real* NAME##_output_points(const NAME* image) {                                                         \
+    return image ? at<Real>(*header(image), header(image)->output_points) : nullptr;                            \
+  }                                                                                                             \
+  int NAME##_force(const NAME* image, int32_t node, const Real d[3], Real force_N[3]) {                         \
+    return force(header(image), node, d, force_N);                                                              \
+  }                                                                                                             \
+  int NAME##_energy(const NAME* image, int32_t node, const Real d[3], Real* energy_J) {                         \
+    return energy(header(image), node, d, energy_J);                                                            \
+  }                                                                                                             \
+  int NAME##_stiffness(const NAME* image, int32_t node, const Real d[3], Real stiffness_N_per_m[9]) {           \
+    return stiffness(header(image), node, d, stiffness_N_per_m);                                                \
+  }                                                                                                             \
+  int NAME##_trained_depth(const NAME* image, int32_t node, const Real d[3], Real* depth_m) {                   \
+    return depth(header(image), node, d, depth_m);                                                              \
+  }                                                                                                             \
+  size_t NAME##_scratch_size(const NAME* image) { return image ? header(image)->n_scratch * sizeof(Real) : 0; } \
+  int NAME##_deform(const NAME* image, Real* scratch, int32_t node, const Real d[3], Real* out) {               \
+    return deform(header(image), scratch, node, d, out);                                                        \
+  }                                                                                                             \
   }
 
 PHN_IMAGE_FUNCTIONS(phn_image, double)

@@ -37,9 +37,8 @@ schema::FamilyTraits traits(const ImageHeader<Real>& image) {
 /// @param d  cut, unless `whole` is false
 template <class Real>
 int image_warnings(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, bool whole, const Real* d) {
-  const bool outside =
-      !whole || (!traits(image).proportional &&
-                 square_root(dot(d, d)) > depth_slack<Real> * trained_depth(image, node, d));
+  const bool outside = !whole || (!traits(image).proportional &&
+                                  square_root(dot(d, d)) > depth_slack<Real> * trained_depth(image, node, d));
   return (outside ? PHN_WARNING_OUTSIDE : 0) | (node.incomplete ? PHN_WARNING_INCOMPLETE : 0);
 }
 
@@ -65,8 +64,7 @@ bool image_has_deformation(const ImageHeader<Real>& image, const image::ActiveNo
 template <class Real>
 void image_field_at(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d, Real* scratch,
                     Real* field) {
-  with_response(image, node,
-                [&](const auto& response) { response_field(image, response, d, scratch, field); });
+  with_response(image, node, [&](const auto& response) { response_field(image, response, d, scratch, field); });
   const auto* moved = at<uint16_t>(image, node.prescribed);
   const Real* weight = at<Real>(image, node.prescribed_weight);
   for (uint32_t p = 0; p < node.prescribed.n; ++p) {

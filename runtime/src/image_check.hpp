@@ -1,5 +1,5 @@
-// What phn_image_open looks at: identity, bytes, that every table lies inside, every index in its table, and every number
-// in bounds that keep sums finite.
+// What phn_image_open looks at: identity, bytes, that every table lies inside, every index in its table, and every
+// number in bounds that keep sums finite.
 #pragma once
 
 #include "image.hpp"
@@ -43,7 +43,8 @@ class ImageCheck {
     const auto* node = at<int32_t>(_image, found);
     for (uint32_t i = 1; i < found.n; ++i) require(node[i] > node[i - 1]);
   }
-  /// |value| <= bound, which NaN is not. Sizes are compared as integers, of doubles the upper halves: cheap without an FPU.
+  /// |value| <= bound, which NaN is not. Sizes are compared as integers, of doubles the upper halves: cheap without an
+  /// FPU.
   void within(const Real* value, uint32_t n, double bound) {
     constexpr uint32_t n_words = sizeof(Real) / sizeof(uint32_t);
     const auto size = [](const Real* at) {
@@ -124,7 +125,8 @@ class ImageCheck {
     scaled(modal.mixing, n_shared, m);
     indices(modal.near, _image.output_nodes.n);
     scaled(modal.near_modes, 3 * modal.near.n, m);
-    require(m == 0 || static_cast<uint64_t>(n_centers) + 3 + n_shared + 2 * static_cast<uint64_t>(m) <= _image.n_scratch);
+    require(m == 0 ||
+            static_cast<uint64_t>(n_centers) + 3 + n_shared + 2 * static_cast<uint64_t>(m) <= _image.n_scratch);
   }
   template <class Response>
   void response_of(const Response* type, uint32_t offset) {

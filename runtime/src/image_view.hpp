@@ -1,5 +1,5 @@
-// What the evaluation of every family finds in an image (image_layout.hpp). Like everything that image.hpp includes, this
-// file includes no header of a C++ library and calls no function of one.
+// What the evaluation of every family finds in an image (image_layout.hpp). Like everything that image.hpp includes,
+// this file includes no header of a C++ library and calls no function of one.
 #pragma once
 
 #include <phynness/phynness_image.h>
@@ -56,8 +56,7 @@ Real trained_depth(const ImageHeader<Real>& image, const image::ActiveNode<Real>
 /// d over max_displacement. @param d  cut
 template <class Real>
 void scale_displacement(const ImageHeader<Real>& image, const Real* d, Real* x) {
-  for (int k = 0; k < 3; ++k)
-    x[k] = cut(d[k] / image.max_displacement, static_cast<Real>(image::largest_displacement));
+  for (int k = 0; k < 3; ++k) x[k] = cut(d[k] / image.max_displacement, static_cast<Real>(image::largest_displacement));
 }
 
 }  // namespace PHN_RUNTIME

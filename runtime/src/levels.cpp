@@ -111,8 +111,7 @@ int measure_levels(const phn_model* model, phn_data* data, double (*clock_us)(vo
   };
   // A node that has a deformation, if there is one.
   int32_t touched = node(n / 2);
-  for (int32_t i = 0; i < model->n_active && !has_deformation(*model, model->active[touched]); ++i)
-    touched = i;
+  for (int32_t i = 0; i < model->n_active && !has_deformation(*model, model->active[touched]); ++i) touched = i;
   const bool deforms = has_deformation(*model, model->active[touched]);
   Stopwatch watch(clock_us, user);
   bool good = true;
@@ -138,8 +137,8 @@ int measure_levels(const phn_model* model, phn_data* data, double (*clock_us)(vo
 }
 
 /// @return a level, or a status of phynness.h
-int32_t best_level(const phn_model* model, const phn_level_time* times, double n_forces,
-                   double n_deformations, double budget_us) {
+int32_t best_level(const phn_model* model, const phn_level_time* times, double n_forces, double n_deformations,
+                   double budget_us) {
   if (model == nullptr || times == nullptr || !(n_forces >= 0) || !(n_deformations >= 0) || !std::isfinite(n_forces) ||
       !std::isfinite(n_deformations) || !(budget_us >= 0))
     return PHN_ERROR_ARGUMENT;
@@ -195,8 +194,7 @@ int phn_calibrate(const phn_model* model, phn_data* data, double (*clock_us)(voi
   if (model == nullptr || times == nullptr) return PHN_ERROR_ARGUMENT;
   phn_level_time measured[largest_level_count] = {};
   const int status = measure_levels(model, data, clock_us, user, measured);
-  for (int32_t l = 0; l < model->n_levels; ++l)
-    times[l] = status == PHN_OK ? measured[l] : phn_level_time{0, 0};
+  for (int32_t l = 0; l < model->n_levels; ++l) times[l] = status == PHN_OK ? measured[l] : phn_level_time{0, 0};
   return status;
 }
 

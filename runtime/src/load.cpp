@@ -43,15 +43,25 @@ class ModelLoader {
   static bool has_place(const ModelStore&, std::int32_t) { return true; }
 
   template <class Store>
-  static std::int64_t rows(const Store& store) { return store.rows(); }
+  static std::int64_t rows(const Store& store) {
+    return store.rows();
+  }
   template <class Store>
-  static std::int64_t cols(const Store& store) { return store.cols(); }
+  static std::int64_t cols(const Store& store) {
+    return store.cols();
+  }
   template <class Store>
-  static auto& item(Store& store, std::int64_t i) { return store.item(i); }
+  static auto& item(Store& store, std::int64_t i) {
+    return store.item(i);
+  }
   template <class Store>
-  static double get(const Store&, std::int64_t, std::int64_t) { return 0; }
+  static double get(const Store&, std::int64_t, std::int64_t) {
+    return 0;
+  }
   template <class Store, class Value>
-  void set(Store& store, std::int64_t i, std::int64_t k, Value value) { store.set(_load, i, k, value); }
+  void set(Store& store, std::int64_t i, std::int64_t k, Value value) {
+    store.set(_load, i, k, value);
+  }
   template <class Store>
   void shape(const char*, Store& store, std::int64_t rows, std::int64_t cols) {
     const bool sound = good();
@@ -275,9 +285,8 @@ void ModelLoader::respond(schema::ModalGrammar, NodeStore& node, ActiveNode& mad
     const NodeLevelStore& level = node.levels.part[l];
     ModalResponse response = full;
     static_cast<ModalTables&>(response) = with_weights(full, level.weights);
-    smaller[l].modal = place_at(response, level.conservative, [&](std::size_t f) {
-      return with_weights(of_field[f], level.field_weights.part[f]);
-    });
+    smaller[l].modal = place_at(response, level.conservative,
+                                [&](std::size_t f) { return with_weights(of_field[f], level.field_weights.part[f]); });
   }
 }
 
@@ -364,17 +373,6 @@ int ModelLoader::finish(phn_model* placed) {
 }
 
 }  // namespace
-
-std::int32_t find_vertex(const phn_model& model, std::int32_t node) {
-  const std::int32_t output = find_sorted(model.output_nodes, model.n_output, node);
-  if (output >= 0) return output;
-  const std::int32_t fixed = find_sorted(model.fixed_nodes, model.n_fixed, node);
-  return fixed < 0 ? -1 : model.n_output + fixed;
-}
-
-std::int32_t find_active(const phn_model& model, std::int32_t node) {
-  return find_sorted(model.active_nodes, model.n_active, node);
-}
 
 int load_model(const char* text, std::size_t length, Arena& arena, const phn_model** result, std::size_t& wrong_byte) {
   *result = nullptr;

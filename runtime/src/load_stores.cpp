@@ -101,7 +101,8 @@ void SharedTableStore::Entries::shape(Load& load, std::int64_t rows, std::int64_
   constexpr std::int64_t block = rows_per_block;
   const auto n_values = static_cast<std::size_t>((rows + block - 1) / block * block * cols);
   at = load.arena.take<float>(load.in.good() ? n_values : 0);
-  for (std::size_t i = 0; load.has_memory() && load.in.good() && i < n_values; ++i) at[i] = 0;  // fills up the last block
+  for (std::size_t i = 0; load.has_memory() && load.in.good() && i < n_values; ++i)
+    at[i] = 0;  // fills up the last block
 }
 
 void AmplitudeCenters::shape(Load& load, std::int64_t rows, std::int64_t) {

@@ -1,5 +1,5 @@
-// Where the loader puts the numbers of a model.txt (phynness/schema/model_grammar.hpp), in the layout that evaluation wants.
-// Without memory nothing is stored, only counted.
+// Where the loader puts the numbers of a model.txt (phynness/schema/model_grammar.hpp), in the layout that evaluation
+// wants. Without memory nothing is stored, only counted.
 #pragma once
 
 #include <cmath>

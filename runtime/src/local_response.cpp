@@ -41,8 +41,7 @@ std::int32_t basis_size(const phn_model& model, const ActiveNode& node) {
 }
 
 void basis_of(const phn_model& model, const ActiveNode& node, const double* d, double* basis, double* scratch) {
-  with_response(model, node,
-                [&](const auto& response) { response_basis(model, response, d, basis, scratch); });
+  with_response(model, node, [&](const auto& response) { response_basis(model, response, d, basis, scratch); });
 }
 
 void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, double* gradient, double* scratch,
@@ -58,9 +57,8 @@ void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, doub
 
 void basis_and_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* basis,
                         double* gradient, double* scratch) {
-  with_response(model, node, [&](const auto& response) {
-    response_gradient(model, response, d, basis, gradient, scratch);
-  });
+  with_response(model, node,
+                [&](const auto& response) { response_gradient(model, response, d, basis, gradient, scratch); });
 }
 
 void clear_local(const phn_model& model, const ActiveNode& node, LocalResponse& local) {
@@ -99,9 +97,8 @@ Vector local_displacement(const LocalResponse& local, double share, const Vector
 
 void field_of_basis(const phn_model& model, const ActiveNode& node, const PreparedNode* prepared, double share,
                     const double* d, const double* basis, double* scratch, double* field) {
-  with_response(model, node, [&](const auto& response) {
-    response_field(model, response, prepared, share, basis, scratch, field);
-  });
+  with_response(model, node,
+                [&](const auto& response) { response_field(model, response, prepared, share, basis, scratch, field); });
   for (std::int32_t p = 0; p < node.n_prescribed; ++p) {
     for (int k = 0; k < 3; ++k) field[3 * node.prescribed[p] + k] = node.prescribed_weight[p] * d[k];
   }

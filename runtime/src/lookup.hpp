@@ -1,5 +1,5 @@
-// What models in memory and images in flash look up alike: a node in a list, the depth trained in a direction; and cutting.
-// No header of a C++ library: images need it, too.
+// What models in memory and images in flash look up alike: a node in a list, the depth trained in a direction; and
+// cutting. No header of a C++ library: images need it, too.
 #pragma once
 
 #include <stdint.h>
@@ -9,10 +9,11 @@
 
 namespace PHN_RUNTIME {
 
-/// How much longer than the trained depth a displacement may be and count as inside: the deepest increment itself is inside,
-/// however its direction was rounded.
+/// How much longer than the trained depth a displacement may be and count as inside: the deepest increment itself is
+/// inside, however its direction was rounded.
 template <class Real>
-inline constexpr Real depth_slack = sizeof(Real) == sizeof(float) ? static_cast<Real>(1 + 1e-6f) : static_cast<Real>(1 + 1e-9);
+inline constexpr Real depth_slack = sizeof(Real) == sizeof(float) ? static_cast<Real>(1 + 1e-6f)
+                                                                  : static_cast<Real>(1 + 1e-9);
 
 /// @pre value is a number
 template <class Real>
@@ -38,8 +39,8 @@ inline int32_t find_sorted(const int32_t* list, int32_t n, int32_t node) {
 }
 
 /// Depth [m] trained in the direction nearest to d; at rest the least positive one.
-/// @param directions  n x 3, unit; @param depths n; @param d 3, so large or small that its products with them are normal
-/// numbers, or 0
+/// @param directions  n x 3, unit; @param depths n; @param d 3, so large or small that its products with them are
+/// normal numbers, or 0
 template <class Real>
 Real depth_along(const Real* directions, const Real* depths, int32_t n, const Real* d) {
   const bool moves = d[0] != 0 || d[1] != 0 || d[2] != 0;

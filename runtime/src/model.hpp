@@ -51,7 +51,7 @@ struct LinearResponse {
 /// below and those of formats/model.md (coefficients 1e100, tables 1e6, 1024 modes) forces and energies stay
 /// below 1e300, and sums of shared modes below 1e37: no float overflows.
 inline constexpr double largest_modal = schema::largest_modal_displacement;
-inline constexpr double largest_center = 1e3;  ///< per component of a center, in max_displacement_m
+inline constexpr double largest_center = 1e3;             ///< per component of a center, in max_displacement_m
 inline constexpr double largest_max_displacement = 1e90;  ///< of a modal model, and one over its least [m]
 
 /// Amplitudes of an active node and the modes that they multiply. Tables are 16-bit integers, row by row,
@@ -68,15 +68,15 @@ struct ModalTables {
   const std::int16_t* near_mode;  ///< 3 n_near rows of n_columns, of a field n_near
 };
 
-/// Forces of more centers read them from a table of their own, which costs 48 bytes a center (24 in float) and saves half of
-/// the time; those of fewer gather them, so that small models stay small.
+/// Forces of more centers read them from a table of their own, which costs 48 bytes a center (24 in float) and saves
+/// half of the time; those of fewer gather them, so that small models stay small.
 inline constexpr std::int32_t most_gathered = 2 * at_once - 1;
 
-/// What the force sums, in whole blocks: x, y and z of the centers, those of the coefficients; after the centers the one at 0
-/// with the coefficient -sum_i b_i, and zeros.
+/// What the force sums, in whole blocks: x, y and z of the centers, those of the coefficients; after the centers the
+/// one at 0 with the coefficient -sum_i b_i, and zeros.
 struct ForceTable {
-  const Real* centers;         ///< over max_displacement, and [N]; null: to be gathered
-  double at_rest[3];           ///< added so that this sum, in its own order, vanishes at d = 0 [N]
+  const Real* centers;  ///< over max_displacement, and [N]; null: to be gathered
+  double at_rest[3];    ///< added so that this sum, in its own order, vanishes at d = 0 [N]
 };
 
 /// Force, deformation (n_modes = 0: none) and fields of an active node of a modal model.
@@ -155,18 +155,18 @@ struct phn_model {
   phynness::Family family;
   const char *title, *mesh_hash;  ///< end with 0
   std::int32_t n_nodes, n_active, n_output, n_fixed, n_triangles, n_directions;
-  std::size_t n_scratch;  ///< doubles that a deformation needs besides its result, its basis at the end
-  std::size_t n_field_scratch;  ///< doubles that a field needs
-  std::size_t n_basis;    ///< the largest basis_size of a node
+  std::size_t n_scratch;         ///< doubles that a deformation needs besides its result, its basis at the end
+  std::size_t n_field_scratch;   ///< doubles that a field needs
+  std::size_t n_basis;           ///< the largest basis_size of a node
   std::size_t prepared_neurons;  ///< most neurons of a deformation; 0 in other families than rbfn
-  std::int32_t prepared_modes;  ///< most modes of a node that is worth preparing (prepared.hpp); 0 in other families
-  std::size_t prepared_near;    ///< most entries of near_mode of such a node
+  std::int32_t prepared_modes;   ///< most modes of a node that is worth preparing (prepared.hpp); 0 in other families
+  std::size_t prepared_near;     ///< most entries of near_mode of such a node
   const std::int32_t *active_nodes, *output_nodes;
   const double* output_points;  ///< n_output x 3
   const std::int32_t* fixed_nodes;
   const double* fixed_points;     ///< n_fixed x 3
   const std::int32_t* triangles;  ///< n_triangles x 3 vertices: output nodes, then, from n_output on, fixed ones
-  const double* directions;     ///< n_directions x 3
+  const double* directions;       ///< n_directions x 3
   double max_displacement;
   double first_increment;  ///< [m]: length of the first row of displacements
   std::int32_t n_displacements;

@@ -38,14 +38,11 @@ double distance_between(const double* a, const double* b) {
 
 void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,
                  const double* displacements, double* out) {
-  const auto tool = [&](std::int32_t t) -> const ActiveNode& {
-    return model.active[find_active(model, nodes[t])];
-  };
+  const auto tool = [&](std::int32_t t) -> const ActiveNode& { return model.active[find_active(model, nodes[t])]; };
   for (std::int32_t o = 0; o < model.n_output; ++o) {
     const double* point = &model.output_points[3 * o];
     double nearest = distance_between(point, tool(0).point);
-    for (std::int32_t t = 1; t < n_tools; ++t)
-      nearest = std::fmin(nearest, distance_between(point, tool(t).point));
+    for (std::int32_t t = 1; t < n_tools; ++t) nearest = std::fmin(nearest, distance_between(point, tool(t).point));
     // (16) with numerator and denominator multiplied by the smallest distance: every term lies in [0, 1].
     double sum = 0;
     for (std::int32_t t = 0; t < n_tools; ++t) {

@@ -263,8 +263,7 @@ int phn_prepare(const phn_model* model, phn_data* data, int32_t node) {
   return PHN_OK;
 }
 
-int phn_field(const phn_model* model, phn_data* data, int32_t node, const double d[3], int32_t field,
-              double* out) {
+int phn_field(const phn_model* model, phn_data* data, int32_t node, const double d[3], int32_t field, double* out) {
   if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
   if (field < 0 || field >= model->n_fields) return refuse(PHN_ERROR_ARGUMENT, out, model->n_output);
   Asked asked;

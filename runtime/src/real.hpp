@@ -1,6 +1,6 @@
 // The number that the loops of forces and of family rbfn compute in: phynness::runtime is built with double,
-// phynness::runtime_float, from the same files, with float. Arguments, results, energies, stiffnesses, amplitudes, coupled
-// tools and contact are double in both; modes and fine surfaces are float in both.
+// phynness::runtime_float, from the same files, with float. Arguments, results, energies, stiffnesses, amplitudes,
+// coupled tools and contact are double in both; modes and fine surfaces are float in both.
 #pragma once
 
 #include <cfloat>
@@ -13,8 +13,8 @@ namespace PHN_RUNTIME {
 
 #ifdef PHYNNESS_FLOAT
 using Real = float;
-/// Weights and coefficients that models may hold, and inputs of networks, which are cut there: sums of them times kernels
-/// stay finite.
+/// Weights and coefficients that models may hold, and inputs of networks, which are cut there: sums of them times
+/// kernels stay finite.
 inline constexpr double largest_weight = 1e25, largest_input = 1e15;
 /// Sums of sizes of coefficients of a force: kernels of inputs that are cut stay below 1e7.
 inline constexpr double largest_weight_sum = 1e30;
@@ -26,8 +26,8 @@ inline constexpr double largest_weight = DBL_MAX, largest_input = DBL_MAX;
 inline constexpr double largest_weight_sum = DBL_MAX, largest_displacement_sum = DBL_MAX;
 #endif
 
-/// Neurons or centers at a time, whatever the width of registers: sums are the same everywhere. Arrays of them are filled
-/// up to whole multiples with what counts nothing.
+/// Neurons or centers at a time, whatever the width of registers: sums are the same everywhere. Arrays of them are
+/// filled up to whole multiples with what counts nothing.
 inline constexpr std::int32_t at_once = 16;
 constexpr std::int32_t whole_blocks(std::int32_t n) { return (n + at_once - 1) / at_once * at_once; }
 

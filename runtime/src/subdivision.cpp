@@ -150,8 +150,7 @@ void refine(const SurfaceLevel& level, const float* coarse, float* fine, int str
     const Row a = load(coarse, edge.end[0]), b = load(coarse, edge.end[1]), c = load(coarse, edge.opposite[0]),
               d = load(coarse, edge.opposite[1]);
     Row sum;
-    for (int k = 0; k < 4; ++k)
-      sum.value[k] = 0.375f * (a.value[k] + b.value[k]) + 0.125f * (c.value[k] + d.value[k]);
+    for (int k = 0; k < 4; ++k) sum.value[k] = 0.375f * (a.value[k] + b.value[k]) + 0.125f * (c.value[k] + d.value[k]);
     if (e + 1 < level.n_edges) {
       std::memcpy(fine, &sum, sizeof sum);
     } else {

@@ -80,13 +80,11 @@ std::size_t out_bytes(const phn_surface& surface) {
 
 /// Checks the arguments of a deformation: memory first, numbers second. @return a status of phynness.h
 int check_field(const phn_surface& surface, const float* scratch, const double* field, const float* out) {
-  const bool complete =
-      (scratch != nullptr || surface.n_scratch == 0) && (field != nullptr || surface.n_output == 0);
+  const bool complete = (scratch != nullptr || surface.n_scratch == 0) && (field != nullptr || surface.n_output == 0);
   if (!complete) return PHN_ERROR_ARGUMENT;
   const std::size_t n = 3 * static_cast<std::size_t>(surface.n_output);
   const std::size_t field_bytes = n * sizeof *field, scratch_bytes = surface.n_scratch * sizeof *scratch;
-  if (overlap(field, field_bytes, out, out_bytes(surface)) ||
-      overlap(scratch, scratch_bytes, field, field_bytes) ||
+  if (overlap(field, field_bytes, out, out_bytes(surface)) || overlap(scratch, scratch_bytes, field, field_bytes) ||
       overlap(scratch, scratch_bytes, out, out_bytes(surface)))
     return PHN_ERROR_OVERLAP;
   for (std::size_t i = 0; i < n; ++i) {
@@ -155,9 +153,7 @@ int32_t phn_surface_n_vertices(const phn_surface* surface) { return surface ? su
 int32_t phn_surface_n_triangles(const phn_surface* surface) { return surface ? surface->n_triangles : 0; }
 const int32_t* phn_surface_triangles(const phn_surface* surface) { return surface ? surface->triangles : nullptr; }
 const float* phn_surface_points(const phn_surface* surface) { return surface ? surface->points : nullptr; }
-size_t phn_surface_scratch_size(const phn_surface* surface) {
-  return surface ? surface->n_scratch * sizeof(float) : 0;
-}
+size_t phn_surface_scratch_size(const phn_surface* surface) { return surface ? surface->n_scratch * sizeof(float) : 0; }
 
 int phn_surface_deform(const phn_surface* surface, float* scratch, const double* field, float* out) {
   if (surface == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;

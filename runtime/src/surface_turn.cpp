@@ -18,8 +18,7 @@ double triangle_turn(const phn_model& model, const std::int32_t* vertex, Matrix*
   weight_gradients(corner, gradient, normal.x);
   for (int i = 0; i < 3; ++i) {
     const Vector tilt = cross(vector_at(gradient[i]), normal), spin = cross(normal, vector_at(gradient[i]));
-    for (int k = 0; k < 9; ++k)
-      maps[i].a[k] = area * (tilt[k / 3] * normal[k % 3] + normal[k / 3] * spin[k % 3] / 2);
+    for (int k = 0; k < 9; ++k) maps[i].a[k] = area * (tilt[k / 3] * normal[k % 3] + normal[k / 3] * spin[k % 3] / 2);
   }
   return area;
 }

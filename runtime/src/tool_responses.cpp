@@ -60,8 +60,7 @@ void ToolResponses::prepare(std::int32_t s) {
   point.stiffness = symmetric_part(inverse);
   find_roots(point);
   point.own = {};
-  for (std::int32_t i = 0; i < point.n_nodes; ++i)
-    point.contribution[i] = point.weight[i] * (compliance[i] * inverse);
+  for (std::int32_t i = 0; i < point.n_nodes; ++i) point.contribution[i] = point.weight[i] * (compliance[i] * inverse);
   for (std::int32_t i = 0; i < point.n_nodes; ++i) {
     point.reach[i] = {};
     for (std::int32_t j = 0; j < point.n_nodes; ++j) point.reach[i] += between[i][j] * point.contribution[j];
@@ -176,7 +175,8 @@ void ToolResponses::add_derivatives(std::int32_t t, std::int32_t i) {
   // d(share)/dp of share = q . e / e . e
   Vector by_share = {};
   if (square > 0)
-    by_share = (transposed_times(to_q, e) + transposed_times(to_e, q) - (2 * share) * transposed_times(to_e, e)) / square;
+    by_share =
+        (transposed_times(to_q, e) + transposed_times(to_e, q) - (2 * share) * transposed_times(to_e, e)) / square;
   const Matrix left = to_q - share * to_e - outer(e, by_share);
   basis_and_gradient(_model, by, e.x, _c.basis, _c.gradient, _c.kernel);
   for (std::int32_t s = 0; s < n_places(); ++s) {

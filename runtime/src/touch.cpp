@@ -92,8 +92,8 @@ int find_nearest(const phn_model& model, const double* x, phn_tool& tool, double
 }
 
 /// Forces stay in the data, whose caller writes them. @return a status of phynness.h
-int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const phn_tool* tools,
-           const double* forces, const phn_coupled* place, phn_coupled& result) {
+int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const phn_tool* tools, const double* forces,
+           const phn_coupled* place, phn_coupled& result) {
   if (n_tools < 0 || model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
   if (n_tools > 0 && (tools == nullptr || forces == nullptr)) return PHN_ERROR_ARGUMENT;
   if (overlap(forces, 3 * sizeof *forces * static_cast<std::size_t>(n_tools), place, sizeof *place))
@@ -102,8 +102,8 @@ int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const p
   if (n_tools > most_coupled) return PHN_ERROR_TOO_MANY_TOOLS;
   if (n_tools > c.max_tools) return PHN_ERROR_TOOLS;
   c.n_tools = 0;
-  const double largest = phynness::schema::traits(model->family).proportional ? largest_linear
-                                                                              : largest_coupled * model->max_displacement;
+  const double largest =
+      phynness::schema::traits(model->family).proportional ? largest_linear : largest_coupled * model->max_displacement;
   Vector targets[most_coupled];
   for (std::int32_t t = 0; t < n_tools; ++t) {
     const int refused = find_point(*model, tools[t], c.point[t]);

@@ -1,5 +1,5 @@
-// Vectors, matrices of 3 x 3, and dense systems of a few unknowns. Sums are written out in one order: results are the same bits
-// everywhere.
+// Vectors, matrices of 3 x 3, and dense systems of a few unknowns. Sums are written out in one order: results are the
+// same bits everywhere.
 #pragma once
 
 #include <cmath>
@@ -169,8 +169,9 @@ inline void rotate_pair(double* a, std::int32_t n, std::int32_t p, std::int32_t 
   }
 }
 
-/// Eigenvalues of a symmetric n x n matrix, which is replaced by them on its diagonal, and eigenvectors in columns: cyclic
-/// Jacobi rotations, until what is off the diagonal is rounding, ten sweeps at most (3 x 3: six, 24 x 24: eight).
+/// Eigenvalues of a symmetric n x n matrix, which is replaced by them on its diagonal, and eigenvectors in columns:
+/// cyclic Jacobi rotations, until what is off the diagonal is rounding, ten sweeps at most (3 x 3: six, 24 x 24:
+/// eight).
 inline void diagonalize(double* a, std::int32_t n, double* vectors) {
   for (std::int32_t i = 0; i < n * n; ++i) vectors[i] = i % (n + 1) == 0 ? 1 : 0;
   for (int sweep = 0; sweep < 10; ++sweep) {

@@ -45,8 +45,7 @@ TEST_P(PatchTest, InteriorEnergyForceAndPressureMatchTheHomogeneousState) {
                 ++taken;
                 const Eigen::Matrix3d F = Eigen::Matrix3d::Identity() + point.s * H;
                 const auto expected = homogeneous_state(body, material, F);
-                EXPECT_LT((as_vector(point.state) - as_vector(expected)).lpNorm<Eigen::Infinity>(),
-                          tolerance);
+                EXPECT_LT((as_vector(point.state) - as_vector(expected)).lpNorm<Eigen::Infinity>(), tolerance);
                 EXPECT_NEAR(point.energy, V * energy_density(material, F), tolerance);
                 const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> P = V * first_piola(material, F);
                 EXPECT_LT((point.force - Eigen::Map<const Eigen::VectorXd>(P.data(), 9)).norm(), tolerance);

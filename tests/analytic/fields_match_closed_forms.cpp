@@ -77,8 +77,7 @@ TEST_P(Fields, EnergyOfTheCellsAddsUpToTheStoredEnergyAtEquilibrium) {
   for (int p = 0; p < body.n_points(); ++p)
     if (body.points()(p, 0) == 0) held.insert(held.end(), body.dofs(p).begin(), body.dofs(p).end());
   Equilibrium equilibrium(body, held, spec);
-  const auto load =
-      dead_traction(body, mesh, {0.02, 0.03, -0.06}, [](const Vector3& X) { return X[0] == 1; });
+  const auto load = dead_traction(body, mesh, {0.02, 0.03, -0.06}, [](const Vector3& X) { return X[0] == 1; });
   std::vector<double> state(body.n_dofs(), 0.0);
   solve_in_steps(equilibrium, load, 4, state);
   const auto means = NodalFields(body, {Field::energy_density}).in_cells(body, state);
@@ -148,8 +147,7 @@ TEST_P(FieldsOfElement, InABarTheVonMisesStressIsTheAxialOne) {
     return Eigen::Vector2d(values.row(0).transpose());
   };
   const Eigen::Matrix3d doubled = Eigen::Vector3d(2, std::sqrt(0.1), std::sqrt(0.1)).asDiagonal();
-  EXPECT_NEAR(stress_and_energy(hookean(law_named("st-venant-kirchhoff"), 1, 0.3), doubled)[0], 30,
-              30 * rounding * 10);
+  EXPECT_NEAR(stress_and_energy(hookean(law_named("st-venant-kirchhoff"), 1, 0.3), doubled)[0], 30, 30 * rounding * 10);
   const Eigen::Matrix3d strained = Eigen::Vector3d(1.2, 0.94, 0.94).asDiagonal();
   const auto bar = stress_and_energy(hookean(law_named("linear"), 1, 0.3), strained);
   EXPECT_NEAR(bar[0], 0.2, 0.2 * rounding * 10);

@@ -23,8 +23,7 @@ Eigen::Vector2d difference(ProbeSolver& solver, const Vec3& d) {
   Eigen::Vector2d largest;
   for (int f = 0; f < 2; ++f) {
     EXPECT_GT(response.fields.col(f).minCoeff(), -1e-12 * response.fields.col(f).maxCoeff());
-    largest[f] =
-        (linear.col(f) - response.fields.col(f)).cwiseAbs().maxCoeff() / response.fields.col(f).maxCoeff();
+    largest[f] = (linear.col(f) - response.fields.col(f)).cwiseAbs().maxCoeff() / response.fields.col(f).maxCoeff();
   }
   return largest;
 }

@@ -28,8 +28,7 @@ double deviation(const Material& material, Element element, double length, doubl
   const auto mesh = irregular(block_mesh({3, 2, 2}, {length, 1, 1}), 0.1, random);
   Discretization body(mesh, form_set(material, element, 1));
   Equilibrium equilibrium(body, rollers(body), tight(element));
-  const auto load =
-      dead_traction(body, mesh, {traction, 0, 0}, [&](const Vector3& X) { return X[0] == length; });
+  const auto load = dead_traction(body, mesh, {traction, 0, 0}, [&](const Vector3& X) { return X[0] == length; });
   std::vector<double> state(body.n_dofs(), 0.0);
   solve_in_steps(equilibrium, load, 10, state);
   const auto expected = state_of(body, [&](const Vector3& X) {
@@ -77,8 +76,7 @@ TEST_P(UniaxialOfElement, StVenantKirchhoffBarDoublesItsLength) {
 }
 
 TEST_P(UniaxialOfElement, HookeanBarTakesPoissonsRatio) {
-  EXPECT_LT(deviation(hookean(law_named("linear"), 1, 0.3), GetParam(), 2, 0.2, 1.2, 1 - 0.3 * 0.2),
-            tolerance);
+  EXPECT_LT(deviation(hookean(law_named("linear"), 1, 0.3), GetParam(), 2, 0.2, 1.2, 1 - 0.3 * 0.2), tolerance);
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, UniaxialOfElement, ::testing::ValuesIn(every_element), element_name);
@@ -110,8 +108,7 @@ TEST_P(UniaxialOfMixedElement, MooneyRivlinCubeReachesTheIncompressibleLimit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, UniaxialOfMixedElement,
-                         ::testing::Values(element_named("taylor-hood"), element_named("p1-p1")),
-                         element_name);
+                         ::testing::Values(element_named("taylor-hood"), element_named("p1-p1")), element_name);
 
 class Uniaxial : public ::testing::TestWithParam<Case> {};
 
@@ -121,8 +118,7 @@ TEST_P(Uniaxial, TensionAndCompressionMatchTheTwoScalarEquations) {
   for (const double traction : {1.0, -0.3}) {
     const auto stretch = uniaxial_stretches(material, traction);
     EXPECT_GT((stretch[0] - 1) / traction, 0.2);  // a sizeable strain, or the test says little
-    EXPECT_LT(deviation(material, GetParam().element, 1, traction, stretch[0], stretch[1]), tolerance)
-        << traction;
+    EXPECT_LT(deviation(material, GetParam().element, 1, traction, stretch[0], stretch[1]), tolerance) << traction;
   }
 }
 

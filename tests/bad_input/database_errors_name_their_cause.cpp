@@ -79,10 +79,8 @@ TEST_F(BadDatabase, with_any_changed_byte_gives_the_right_numbers_or_none) {
   constexpr std::size_t heap_bytes = 4096;
   const std::string_view signature = "GCOL", text(whole.data(), whole.size());
   for (auto at = text.find(signature); at != text.npos; at = text.find(signature, at + 1))
-    std::fill_n(in_heap.begin() + static_cast<std::ptrdiff_t>(at), std::min(heap_bytes, whole.size() - at),
-                char{1});
-  ASSERT_LT(std::count(in_heap.begin(), in_heap.end(), char{1}),
-            static_cast<std::ptrdiff_t>(whole.size() / 2));
+    std::fill_n(in_heap.begin() + static_cast<std::ptrdiff_t>(at), std::min(heap_bytes, whole.size() - at), char{1});
+  ASSERT_LT(std::count(in_heap.begin(), in_heap.end(), char{1}), static_cast<std::ptrdiff_t>(whole.size() / 2));
 
   int refused = 0, read = 0;
   constexpr std::size_t stride = 29;  // prime, so that every place within a field has its turn
@@ -118,8 +116,7 @@ TEST_F(BadDatabase, begun_in_a_folder_that_is_missing_or_not_writable) {
                   {"does not exist", "mkdir"});
   fs::permissions(folder(), fs::perms::owner_read | fs::perms::owner_exec);
   if (::access(folder().c_str(), W_OK) == 0) GTEST_SKIP() << "permissions do not bind this user (root)";
-  expect_contains(refusal([&] { DatabaseWriter::create(file, header, false); }),
-                  {"not writable", folder().c_str()});
+  expect_contains(refusal([&] { DatabaseWriter::create(file, header, false); }), {"not writable", folder().c_str()});
 }
 
 TEST_F(BadDatabase, begun_without_anything_to_probe) {

@@ -78,8 +78,7 @@ TEST_F(WrongNumbers, coordinates_and_cells_are_refused_even_under_the_right_hash
   expect_contains(refused([](auto& h) { h.mesh.nodes(2, 1) = nan; }), {"/mesh/nodes", "entry [2, 1]", "nan"});
   expect_contains(refused([](auto& h) { h.mesh.nodes *= 1e200; }), {"/mesh/nodes", "diagonal"});
   expect_contains(refused([](auto& h) { h.mesh.nodes.setZero(); }), {"/mesh/nodes", "diagonal"});
-  expect_contains(refused([](auto& h) { h.mesh.cells(1, 3) = 6; }),
-                  {"/mesh/cells", "entry [1, 3]", "6 of 6"});
+  expect_contains(refused([](auto& h) { h.mesh.cells(1, 3) = 6; }), {"/mesh/cells", "entry [1, 3]", "6 of 6"});
   expect_contains(refused([](auto& h) { h.mesh.cells = Cells::Zero(2, 5); }), {"/mesh/cells", "3 or 4"});
   expect_contains(refused([](auto& h) { h.mesh_hash = "not a hash"; }), {"mesh_hash", "not a hash"});
   expect_contains(refused([](auto& h) {
@@ -101,8 +100,8 @@ TEST_F(WrongNumbers, responses_that_cannot_be) {
     write_packed_again();
   };
   // Entry 3: the second increment of the first ray and more; all of the first two converged in the second.
-  for (const char* name : {"/responses/force", "/responses/energy", "/responses/displacement",
-                           "/responses/tangent", "/responses/min_jacobian"}) {
+  for (const char* name : {"/responses/force", "/responses/energy", "/responses/displacement", "/responses/tangent",
+                           "/responses/min_jacobian"}) {
     const std::size_t second_ray = std::string_view(name).ends_with("energy") ? 3 : 40;
     set(name, std::string_view(name).ends_with("jacobian") ? 3 : second_ray, nan);
     expect_named(name, "nan");

@@ -122,15 +122,13 @@ TEST_F(ForeignObjects, that_are_elsewhere) {
     });
     expect_contains(open_error(), {"/mesh/surface", part});
   };
-  expect_refused("link to another place", [](hid_t id) {
-    H5Lcreate_soft("/mesh/cells", id, "/mesh/surface", H5P_DEFAULT, H5P_DEFAULT);
-  });
+  expect_refused("link to another place",
+                 [](hid_t id) { H5Lcreate_soft("/mesh/cells", id, "/mesh/surface", H5P_DEFAULT, H5P_DEFAULT); });
   expect_refused("link to another place", [&](hid_t id) {
     H5Lcreate_external(file.c_str(), "/mesh/cells", id, "/mesh/surface", H5P_DEFAULT, H5P_DEFAULT);
   });
-  expect_refused("is a group", [](hid_t id) {
-    H5Gclose(H5Gcreate2(id, "/mesh/surface", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
-  });
+  expect_refused("is a group",
+                 [](hid_t id) { H5Gclose(H5Gcreate2(id, "/mesh/surface", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)); });
   const hid_t external = H5Pcreate(H5P_DATASET_CREATE), virtual_ = H5Pcreate(H5P_DATASET_CREATE);
   const std::array<hsize_t, 2> shape{2, 3};
   const hid_t space = H5Screate_simple(2, shape.data(), nullptr);

@@ -31,8 +31,7 @@ TEST_P(DeepScene, IsRefusedWithItsLine) {
   for (const std::size_t n : {std::size_t{80}, std::size_t{20000}, std::size_t{200000}}) {
     const std::string message = refusal(text(n));
     const std::string line = std::to_string(line_of(text(n), GetParam().part + GetParam().part));
-    EXPECT_EQ(message.find("body.toml:" + line + ": keys, tables or arrays are nested too deeply"), 0u)
-        << message;
+    EXPECT_EQ(message.find("body.toml:" + line + ": keys, tables or arrays are nested too deeply"), 0u) << message;
     EXPECT_NE(message.find("\n  remedy: shorten the dotted key"), std::string::npos) << message;
   }
 }
@@ -76,16 +75,14 @@ TEST(DeepScenes, AddUp) {
 // A text is read once, however many strings it opens: four million quotes take no longer than as many
 // letters.
 TEST(DeepScenes, AreFoundInOnePass) {
-  for (const char* quote : {"\"", "'", "\"\"\"\n", "[", "a.b\n"})
-    refusal(good_scene + repeated(quote, 4000000));
+  for (const char* quote : {"\"", "'", "\"\"\"\n", "[", "a.b\n"}) refusal(good_scene + repeated(quote, 4000000));
 }
 
 // Strings and comments are text: a title of dots, a comment of brackets, quotes of the other kind.
 TEST(DeepScenes, AreNotMadeByStringsAndComments) {
   const std::string dots = repeated("[{.", 5000), title = "title = \"test\"";
   for (const std::string& given :
-       {"title = \"" + dots + "\"", "title = '" + dots + "'",
-        "title = \"\"\"\n" + dots + "\n\"" + dots + "\"\"\"",
+       {"title = \"" + dots + "\"", "title = '" + dots + "'", "title = \"\"\"\n" + dots + "\n\"" + dots + "\"\"\"",
         "title = '''\n" + dots + "\n''" + dots + "'''''", "title = \"\\\"" + dots + "\\\\\" # \"" + dots,
         "title = '\\' # '" + dots, "title = \"\"\"\\\"\"\"" + dots + "\\\\\"\"\"\"\" # " + dots}) {
     const std::string text = with(good_scene, title, "# " + dots + "\"\"\"\n" + given);
@@ -93,8 +90,8 @@ TEST(DeepScenes, AreNotMadeByStringsAndComments) {
   }
   // A file with many short keys and numbers in arrays is flat.
   const std::string nodes = "fixed = { nodes = [" + repeated("1,\n", 20000) + "2] }";
-  EXPECT_NO_THROW(parsed(
-      with(good_scene, "fixed = { box = { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] } }", nodes)));
+  EXPECT_NO_THROW(
+      parsed(with(good_scene, "fixed = { box = { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] } }", nodes)));
 }
 
 }  // namespace

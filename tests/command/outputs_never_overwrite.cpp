@@ -15,9 +15,9 @@ namespace fs = std::filesystem;
 
 /// Texts that are not names of files. A new option that names a file is declared, with add_path() of
 /// cli/command_files.hpp.
-const std::set<std::string> texts{"--shard",  "--displacement", "--point",     "--tools",
-                                  "--family", "--max-error",    "--max-time",  "--max-size",
-                                  "--error-by", "--increment",  "--name"};
+const std::set<std::string> texts{"--shard",    "--displacement", "--point",    "--tools",
+                                  "--family",   "--max-error",    "--max-time", "--max-size",
+                                  "--error-by", "--increment",    "--name"};
 
 /// A subcommand with the inputs that it is given.
 struct Use {
@@ -31,17 +31,16 @@ class Overwriting : public CommandLine {
   /// A scene in one folder whose mesh lies in another, and a database, shards and a model made of it.
   void SetUp() override {
     CommandLine::SetUp();
-    for (const char* name : {"scenes", "parts", "fresh", "fresh/there"})
-      fs::create_directory(folder / name);
+    for (const char* name : {"scenes", "parts", "fresh", "fresh/there"}) fs::create_directory(folder / name);
     write_file(folder / "block.toml", small_scene());
     auto text = small_scene();
     const auto from = text.find("shape = "), to = text.find("[material]");
     text.replace(from, to - from, "file = \"../parts/body.msh\"\n");
     write_file(folder / "scenes/scene.toml", text);
-    for (const char* line : {"mesh block.toml -o parts/body.msh", "precompute scenes/scene.toml -o d.h5",
-                             "precompute scenes/scene.toml -o s.h5 --shard 0/2",
-                             "precompute scenes/scene.toml -o s.h5 --shard 1/2",
-                             "train scenes/scene.toml d.h5 -o model", "info d.h5 --json fresh/info.json"}) {
+    for (const char* line :
+         {"mesh block.toml -o parts/body.msh", "precompute scenes/scene.toml -o d.h5",
+          "precompute scenes/scene.toml -o s.h5 --shard 0/2", "precompute scenes/scene.toml -o s.h5 --shard 1/2",
+          "train scenes/scene.toml d.h5 -o model", "info d.h5 --json fresh/info.json"}) {
       const auto made = phynness(line);
       ASSERT_EQ(made.exit_status, 0) << line << "\n" << made.err;
     }
@@ -55,8 +54,7 @@ class Overwriting : public CommandLine {
     std::map<std::string, std::string> all;
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
       const auto name = entry.path().lexically_relative(folder).string();
-      if (entry.is_regular_file() && name != "stdout.txt" && name != "stderr.txt")
-        all[name] = read_file(entry.path());
+      if (entry.is_regular_file() && name != "stdout.txt" && name != "stderr.txt") all[name] = read_file(entry.path());
     }
     return all;
   }
@@ -83,8 +81,7 @@ class Overwriting : public CommandLine {
   std::vector<std::pair<std::string, std::vector<std::string>>> values(const std::string& option) const {
     const std::vector<std::string> scene{"scenes/scene.toml", "parts/body.msh"}, database{"d.h5"},
         model{"model/model.txt", "model/mesh.txt", "model"},
-        shards{"s.shard-0-of-2.h5", "s.shard-1-of-2.h5", "s.shard-1-of-2.h5.log",
-               "s.shard-0-of-2.h5.log/rank-0000"};
+        shards{"s.shard-0-of-2.h5", "s.shard-1-of-2.h5", "s.shard-1-of-2.h5.log", "s.shard-0-of-2.h5.log/rank-0000"};
     if (option == "SCENE") return {{"scenes/scene.toml", scene}};
     if (option == "SCENE or database") return {{"scenes/scene.toml", scene}, {"d.h5", database}};
     if (option == "DATABASE") return {{"d.h5", database}};
@@ -142,8 +139,7 @@ class Overwriting : public CommandLine {
     EXPECT_EQ(outcome.exit_status, 2) << words << "\n" << outcome.err;
     // A plot is refused earlier by a name that does not end in .svg or .png.
     const bool by_name = outcome.err.find("a plot is .svg or .png") != std::string::npos;
-    for (const auto& part :
-         {std::string(by_name ? "error: " : "would overwrite"), std::string("\n  remedy: "), option})
+    for (const auto& part : {std::string(by_name ? "error: " : "would overwrite"), std::string("\n  remedy: "), option})
       EXPECT_NE(outcome.err.find(part), std::string::npos) << words << "\n" << part << "\n" << outcome.err;
     EXPECT_EQ(outcome.out, "") << words;
     ASSERT_TRUE(files() == before) << words << ": files are not as they were";
@@ -151,11 +147,8 @@ class Overwriting : public CommandLine {
 
   /// Other names of what `path` is; links are made where they are needed.
   std::vector<std::string> spellings(const std::string& path) {
-    std::vector<std::string> all{path, "./fresh/.././" + path, (folder / path).string(),
-                                 "fresh/there/../../" + path};
-    const auto link = [&](const char* name) {
-      return "fresh/" + std::string(name) + std::to_string(links++);
-    };
+    std::vector<std::string> all{path, "./fresh/.././" + path, (folder / path).string(), "fresh/there/../../" + path};
+    const auto link = [&](const char* name) { return "fresh/" + std::string(name) + std::to_string(links++); };
     all.push_back(link("symbolic"));
     fs::create_symlink(fs::path("..") / path, folder / all.back());
     const auto around = link("folder");
@@ -271,12 +264,11 @@ TEST_F(Overwriting, OfFilesThatAreNamedLaterIsRefused) {
 
 TEST_F(Overwriting, IsNotSeenWhereThereIsNone) {
   const auto eval = "eval model --node " + node + " --displacement 0,0,-0.001 ";
-  for (const auto& words : {eval + "--json /dev/null --deformation /dev/null",
-                            eval + "--json fresh/a.json --deformation fresh/a.csv",
-                            std::string("mesh scenes/scene.toml -o scenes/scene.msh --json parts/body.json"),
-                            std::string("train scenes/scene.toml d.h5 -o . --json train.json"),
-                            std::string("export model -o . --json sizes.json"),
-                            std::string("run block.toml -o . --json run.json")}) {
+  for (const auto& words :
+       {eval + "--json /dev/null --deformation /dev/null", eval + "--json fresh/a.json --deformation fresh/a.csv",
+        std::string("mesh scenes/scene.toml -o scenes/scene.msh --json parts/body.json"),
+        std::string("train scenes/scene.toml d.h5 -o . --json train.json"),
+        std::string("export model -o . --json sizes.json"), std::string("run block.toml -o . --json run.json")}) {
     const auto outcome = phynness(words);
     EXPECT_EQ(outcome.exit_status, 0) << words << "\n" << outcome.err;
   }
@@ -289,8 +281,7 @@ TEST_F(Overwriting, CannotBeDoneByAnOptionThatIsNotDeclared) {
       for (const auto& option : offered(command).of_type("TEXT")) {
         ++n;
         EXPECT_TRUE(texts.contains(option.name))
-            << command << " " << option.name
-            << ": declare it with add_path(), or list it here as a plain text";
+            << command << " " << option.name << ": declare it with add_path(), or list it here as a plain text";
         // Whatever the command makes of such a value, it does not write there.
         const auto before = files();
         phynness(line(use, {}) + " " + option.name + " scenes/scene.toml");

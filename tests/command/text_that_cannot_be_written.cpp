@@ -32,13 +32,11 @@ class UnwritableText : public CommandLine {
   /// A precompute and a training with this redirection of their streams end with this status, and completely.
   void expect_complete(const std::string& redirection, int status) {
     for (const char* left : {"d.h5", "d.h5.log", "m"}) fs::remove_all(folder / left);
-    const auto outcome =
-        shell("( \"$PHYNNESS\" precompute scene.toml -o d.h5 --json d.json ) " + redirection +
-              "; echo $? >status1; ( \"$PHYNNESS\" train scene.toml whole.h5 -o m --json m.json ) " +
-              redirection + "; echo $? >status2");
+    const auto outcome = shell("( \"$PHYNNESS\" precompute scene.toml -o d.h5 --json d.json ) " + redirection +
+                               "; echo $? >status1; ( \"$PHYNNESS\" train scene.toml whole.h5 -o m --json m.json ) " +
+                               redirection + "; echo $? >status2");
     for (const char* name : {"status1", "status2"})
-      EXPECT_EQ(read_file(folder / name), std::to_string(status) + "\n") << redirection << "\n"
-                                                                         << outcome.err;
+      EXPECT_EQ(read_file(folder / name), std::to_string(status) + "\n") << redirection << "\n" << outcome.err;
     ASSERT_EQ(phynness("info d.h5 --json info.json").exit_status, 0) << redirection;
     auto made = json("info.json"), whole = json("whole.json");
     EXPECT_EQ(made, whole) << redirection;
@@ -70,8 +68,7 @@ TEST_F(UnwritableText, OnStderrChangesNothing) {
 TEST_F(UnwritableText, OnStdoutIsReportedWhenTheWorkIsDone) {
   for (const char* redirection : {">/dev/full", ">&-", ">/dev/full 2>/dev/full", "<&- >&- 2>&-"})
     expect_complete(redirection, 1);
-  for (const char* words :
-       {"--help", "--version", "mesh --help", "info whole", "info scene.toml", "bench whole"})
+  for (const char* words : {"--help", "--version", "mesh --help", "info whole", "info scene.toml", "bench whole"})
     for (const char* redirection : {" >/dev/full", " >&-"}) {
       const auto outcome = phynness(std::string(words) + redirection);
       EXPECT_EQ(outcome.exit_status, 1) << words << redirection;
@@ -101,8 +98,7 @@ TEST_F(UnwritableText, EndsNoStageOfARun) {
 
 TEST(Text, IsPrintedInOnePlace) {
   // What throws or aborts where a stream cannot be written is in no source of the command and its libraries.
-  const std::regex printing(
-      R"((fmt::(v?print|vprint)\(|std::(cout|cerr|clog)\b|\bstd::(printf|puts|putchar)\())");
+  const std::regex printing(R"((fmt::(v?print|vprint)\(|std::(cout|cerr|clog)\b|\bstd::(printf|puts|putchar)\())");
   int sources = 0;
   for (const char* part : {"cli", "drawing", "embedding", "evaluation", "formats", "meshes", "planning",
                            "precompute_dolfinx", "runtime", "training", "tuning", "validation"})

@@ -21,8 +21,7 @@ struct Skin {
   int n_fixed = 0;  ///< the last points
 
   int midpoint(std::map<std::pair<int, int>, int>& known, int a, int b) {
-    const auto [at, is_new] =
-        known.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<int>(points.size()));
+    const auto [at, is_new] = known.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<int>(points.size()));
     const Vector3d sum = points[static_cast<std::size_t>(a)] + points[static_cast<std::size_t>(b)];
     if (is_new) points.push_back(sum.normalized());
     return at->second;
@@ -167,8 +166,7 @@ inline Model bent_model(const Skin& shape) {
     node.conservative.stiffness = node.linear.stiffness;
     node.conservative.centers = {1, 4, 7};
     node.conservative.coefficients.resize(3, 3);
-    for (Eigen::Index i = 0; i < 9; ++i)
-      node.conservative.coefficients(i / 3, i % 3) = static_cast<float>(b[i]);
+    for (Eigen::Index i = 0; i < 9; ++i) node.conservative.coefficients(i / 3, i % 3) = static_cast<float>(b[i]);
     Eigen::MatrixXd weights = Eigen::MatrixXd::Zero(7, 3);
     for (Eigen::Index r = 0; r < 4; ++r) weights.row(r).setConstant(w[r]);
     weights.bottomRows<3>() = model.max_displacement_m * Eigen::Matrix3d::Identity();

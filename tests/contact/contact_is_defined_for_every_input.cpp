@@ -8,8 +8,7 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-constexpr double inf = std::numeric_limits<double>::infinity(),
-                 nan = std::numeric_limits<double>::quiet_NaN(),
+constexpr double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN(),
                  tiny = std::numeric_limits<double>::denorm_min(), huge = std::numeric_limits<double>::max();
 
 bool finite(const phn_contact_state& s) {
@@ -42,18 +41,15 @@ TEST_P(EveryFamily, AnswersAreFinite) {
     std::vector<phn_contact_tool> tools(static_cast<std::size_t>(i % 5));
     bool good = true;
     for (auto& tool : tools) {
-      tool = {{draw(0.06), draw(0.06), draw(0.06)},
-              std::abs(draw(0.01)),
-              std::abs(draw(1)),
-              (i * 7 + i / 3) % 3,
-              i % 2};
+      tool = {
+          {draw(0.06), draw(0.06), draw(0.06)}, std::abs(draw(0.01)), std::abs(draw(1)), (i * 7 + i / 3) % 3, i % 2};
       for (const double x : {tool.center[0], tool.center[1], tool.center[2], tool.radius, tool.friction})
         good = good && std::isfinite(x);
     }
     std::vector<phn_contact_state> states(tools.size());
     phn_coupled coupled = {nan, nan};
-    const int status = phn_contact_step(touch.contact, loaded.data, static_cast<int>(tools.size()),
-                                        tools.data(), states.data(), &coupled);
+    const int status = phn_contact_step(touch.contact, loaded.data, static_cast<int>(tools.size()), tools.data(),
+                                        states.data(), &coupled);
     ASSERT_EQ(status, good ? std::max(status, 0) : PHN_ERROR_NOT_FINITE);
     ASSERT_TRUE(std::isfinite(coupled.energy) && std::isfinite(coupled.residual));
     for (std::size_t t = 0; t < tools.size(); ++t) {
@@ -98,22 +94,19 @@ TEST(Contact, MisuseIsNamed) {
   const std::vector<phn_contact_tool> tools(10000, tool_at({0, 0, 0.04}, 0.004));
   std::vector<phn_contact_state> states(10000);
   for (auto& s : states) s.force[0] = s.proxy[1] = nan;
-  EXPECT_EQ(phn_contact_step(touch.contact, data, 10000, tools.data(), states.data(), nullptr),
-            PHN_ERROR_TOOLS);
+  EXPECT_EQ(phn_contact_step(touch.contact, data, 10000, tools.data(), states.data(), nullptr), PHN_ERROR_TOOLS);
   for (const auto& s : states) ASSERT_TRUE(finite(s) && s.force[0] == 0 && s.held.nodes[0] == -1);
   EXPECT_EQ(phn_contact_step(touch.contact, data, 3, tools.data(), states.data(), nullptr), PHN_ERROR_TOOLS);
-  EXPECT_EQ(phn_contact_step(touch.contact, data, -1, tools.data(), states.data(), nullptr),
-            PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_contact_step(touch.contact, data, -1, tools.data(), states.data(), nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_contact_step(touch.contact, data, 1, nullptr, states.data(), nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_contact_step(touch.contact, data, 1, tools.data(), nullptr, nullptr), PHN_ERROR_ARGUMENT);
-  EXPECT_EQ(phn_contact_step(touch.contact, nullptr, 1, tools.data(), states.data(), nullptr),
-            PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_contact_step(touch.contact, nullptr, 1, tools.data(), states.data(), nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_contact_step(nullptr, data, 1, tools.data(), states.data(), nullptr), PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_contact_step(touch.contact, bent_ball().data, 1, tools.data(), states.data(), nullptr),
             PHN_ERROR_ARGUMENT);
   EXPECT_EQ(phn_contact_step(touch.contact, data, 0, nullptr, nullptr, nullptr), PHN_OK);
-  for (const phn_contact_tool& bad : {tool_at({0, 0, 0}, -1), tool_at({0, 0, 0}, 1, 3),
-                                      tool_at({0, 0, 0}, 1, -1), tool_at({0, 0, 0}, 1, PHN_TOOL_PRESS, -0.1)})
+  for (const phn_contact_tool& bad : {tool_at({0, 0, 0}, -1), tool_at({0, 0, 0}, 1, 3), tool_at({0, 0, 0}, 1, -1),
+                                      tool_at({0, 0, 0}, 1, PHN_TOOL_PRESS, -0.1)})
     EXPECT_EQ(phn_contact_step(touch.contact, data, 1, &bad, states.data(), nullptr), PHN_ERROR_ARGUMENT);
   std::size_t bytes = 1;
   phn_contact* contact = nullptr;
@@ -178,8 +171,7 @@ TEST(Contact, AnySurfaceIsSearchedOrRefused) {
     for (std::size_t shift = 0; shift < 64; shift += 7) {
       std::vector<char> exact(bytes + shift);
       ASSERT_EQ(phn_contact_init(exact.data() + shift, bytes, loaded.model, 1, &contact), PHN_OK);
-      ASSERT_EQ(phn_contact_init(exact.data() + shift, bytes - 64, loaded.model, 1, &contact),
-                PHN_ERROR_BUFFER);
+      ASSERT_EQ(phn_contact_init(exact.data() + shift, bytes - 64, loaded.model, 1, &contact), PHN_ERROR_BUFFER);
     }
     Touch touch(loaded);
     Numbers numbers;

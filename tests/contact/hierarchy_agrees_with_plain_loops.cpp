@@ -18,8 +18,7 @@ std::array<Vector3d, 3> corners(const runtime::ContactSurface& s, int triangle, 
 }
 
 /// The first front that the way crosses, triangle by triangle, by solving for the crossing point; -1: none.
-double plain_sweep(const runtime::ContactSurface& s, double radius, const Vector3d& from,
-                   const Vector3d& to) {
+double plain_sweep(const runtime::ContactSurface& s, double radius, const Vector3d& from, const Vector3d& to) {
   double first = 2;
   for (int t = 0; t < s.n_triangles; ++t) {
     const auto [a, b, c] = corners(s, t, radius);
@@ -61,13 +60,10 @@ TEST_P(Hierarchy, AgreesWithTheLoopOverAllTriangles) {
       ASSERT_EQ(phn_contact_refit(touch.contact, field.data()), PHN_OK);
     }
     const double radius = i % 3 == 0 ? 0 : 0.003 * (1 + numbers.next());
-    const auto point = [&] {
-      return Vector3d(0.08 * Vector3d(numbers.next(), numbers.next(), numbers.next()));
-    };
+    const auto point = [&] { return Vector3d(0.08 * Vector3d(numbers.next(), numbers.next(), numbers.next())); };
     const Vector3d from = point(), to = i % 4 == 0 ? point() : Vector3d(from + 0.1 * point());
     runtime::SurfacePoint at = {};
-    const double part =
-                     runtime::sweep(surface, touch.contact->volumes, radius, from.data(), to.data(), 0, at),
+    const double part = runtime::sweep(surface, touch.contact->volumes, radius, from.data(), to.data(), 0, at),
                  plain = plain_sweep(surface, radius, from, to);
     n_hits += plain >= 0;
     if (std::abs(part - plain) > 1e-9) {

@@ -63,9 +63,7 @@ TEST_P(Pressing, NeverPullsAndStaysInTheCone) {
 // Claim: inside the cone the point sticks, to the bit; pushed beyond it goes on sticking where it came to.
 TEST(Pressing, SticksInsideTheCone) {
   Touch touch(bent_ball());
-  const auto pressed = [&](double x) {
-    return touch.step(tool_at({x, 0.001, 0.051}, 0.004, PHN_TOOL_PRESS, 0.5));
-  };
+  const auto pressed = [&](double x) { return touch.step(tool_at({x, 0.001, 0.051}, 0.004, PHN_TOOL_PRESS, 0.5)); };
   touch.step(tool_at({0, 0.001, 0.06}, 0.004, PHN_TOOL_PRESS, 0.5));
   const auto first = pressed(0), near = pressed(0.0003), far = pressed(0.004), back = pressed(0.0038);
   const auto same = [](const phn_tool& a, const phn_tool& b) {

@@ -5,8 +5,7 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-void expect_defined(const std::vector<phn_contact_state>& states,
-                    const std::vector<phn_contact_tool>& tools) {
+void expect_defined(const std::vector<phn_contact_state>& states, const std::vector<phn_contact_tool>& tools) {
   for (std::size_t t = 0; t < tools.size(); ++t) {
     const Vector3d f = vector(states[t].force), n = vector(states[t].normal);
     ASSERT_TRUE(f.allFinite() && n.allFinite());
@@ -38,10 +37,8 @@ TEST(SeveralTools, AreOneProblem) {
   ASSERT_GE(phn_couple(touch.loaded.model, touch.loaded.data, 3, held.data(), forces.data(), nullptr), 0);
   for (std::size_t t = 0; t < 3; ++t) {
     EXPECT_EQ(states[t].in_contact, 1);
-    EXPECT_LT(
-        (forces.segment<3>(3 * static_cast<Eigen::Index>(t)) - vector(states[t].force) / states[t].scale)
-            .norm(),
-        states[t].unbalanced + 1e-12);
+    EXPECT_LT((forces.segment<3>(3 * static_cast<Eigen::Index>(t)) - vector(states[t].force) / states[t].scale).norm(),
+              states[t].unbalanced + 1e-12);
     EXPECT_LT(states[t].unbalanced, 1e-3 * vector(states[t].force).norm());
   }
 }

@@ -19,11 +19,9 @@ Largest slide(const LoadedModel& loaded, double mu, double beside, int n_steps) 
     return Vector3d((0.054 - depth) * std::sin(turn), beside, (0.054 - depth) * std::cos(turn));
   };
   touch.step(tool_at(place(-0.1, -0.005), 0.004, PHN_TOOL_PRESS, mu));
-  for (int i = 0; i <= 20; ++i)
-    last = touch.step(tool_at(place(-0.1, 0.003 * i / 20), 0.004, PHN_TOOL_PRESS, mu));
+  for (int i = 0; i <= 20; ++i) last = touch.step(tool_at(place(-0.1, 0.003 * i / 20), 0.004, PHN_TOOL_PRESS, mu));
   for (int i = 1; i <= n_steps; ++i) {
-    const auto state =
-        touch.step(tool_at(place(-0.1 + 1.05 * i / n_steps, 0.003), 0.004, PHN_TOOL_PRESS, mu));
+    const auto state = touch.step(tool_at(place(-0.1 + 1.05 * i / n_steps, 0.003), 0.004, PHN_TOOL_PRESS, mu));
     EXPECT_EQ(state.in_contact, 1);
     most.force = std::max(most.force, (vector(state.force) - vector(last.force)).norm());
     most.proxy = std::max(most.proxy, (vector(state.proxy) - vector(last.proxy)).norm());

@@ -11,8 +11,7 @@ struct Path {
 
 /// Work of the tool along straight legs between corners, from outside to outside: mean force times way, step
 /// by step.
-Path follow(const LoadedModel& loaded, const std::vector<Vector3d>& corners, double mu, int unguarded,
-            double step) {
+Path follow(const LoadedModel& loaded, const std::vector<Vector3d>& corners, double mu, int unguarded, double step) {
   Touch touch(loaded);
   Path path;
   Vector3d c = corners.front(), f(0, 0, 0);
@@ -103,8 +102,7 @@ TEST(Energy, UnguardedToolsGainWithoutFriction) {
     const auto corners = round_trip(numbers);
     const Path path = follow(bent_ball(), corners, 0, 1, 1e-4);
     least = std::min(least, path.least / path.stored);
-    EXPECT_EQ(follow(bent_ball(), corners, 0.5, 1, 1e-4).work,
-              follow(bent_ball(), corners, 0.5, 0, 1e-4).work);
+    EXPECT_EQ(follow(bent_ball(), corners, 0.5, 1, 1e-4).work, follow(bent_ball(), corners, 0.5, 0, 1e-4).work);
   }
   EXPECT_LT(least, -1e-2);
 }

@@ -83,8 +83,8 @@ TEST_P(Orders, AreThoseOfTheElement) {
   const auto& [element, coarse, expected_H1, expected_L2] = GetParam();
   const auto at_h = errors(element, coarse), at_half_h = errors(element, 2 * coarse);
   const double H1 = std::log2(at_h.H1 / at_half_h.H1), L2 = std::log2(at_h.L2 / at_half_h.L2);
-  std::printf("%s: H1 %.3e -> %.3e, order %.2f; L2 %.3e -> %.3e, order %.2f\n", name(element), at_h.H1,
-              at_half_h.H1, H1, at_h.L2, at_half_h.L2, L2);
+  std::printf("%s: H1 %.3e -> %.3e, order %.2f; L2 %.3e -> %.3e, order %.2f\n", name(element), at_h.H1, at_half_h.H1,
+              H1, at_h.L2, at_half_h.L2, L2);
   EXPECT_GT(H1, expected_H1[0]);
   EXPECT_LT(H1, expected_H1[1]);
   EXPECT_GT(L2, expected_L2[0]);

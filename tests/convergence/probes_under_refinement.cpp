@@ -12,8 +12,7 @@ namespace phynness::test {
 namespace {
 
 ProbeBlock refined(Element element, ProbeKind kind, double bulk_to_shear, int times) {
-  auto block =
-      probe_block({law_named("neo-hookean"), element}, bulk_to_shear, {4 * times, 4 * times, 3 * times});
+  auto block = probe_block({law_named("neo-hookean"), element}, bulk_to_shear, {4 * times, 4 * times, 3 * times});
   block.scene.probe.kind = kind;
   block.scene.probe.tool_radius_m = 0.04;
   return block;
@@ -49,8 +48,8 @@ TEST_P(ForceOfANode, FallsWithoutEndUnderRefinement) {
   EXPECT_LT(at_quarter, 0.6 * at_half);
 }
 
-INSTANTIATE_TEST_SUITE_P(Elements, ForceOfANode,
-                         ::testing::Values(element_named("P1"), element_named("p1-p1")), element_name);
+INSTANTIATE_TEST_SUITE_P(Elements, ForceOfANode, ::testing::Values(element_named("P1"), element_named("p1-p1")),
+                         element_name);
 
 TEST(StiffnessAtANode, ShowsP1LockedAtTheLiversIncompressibility) {
   // K/mu = 200, on one mesh: P1 is at least three times as stiff as any other element, which differ by no

@@ -35,12 +35,11 @@ TEST_P(CondensedTangent, IsTheDifferenceQuotientOfNeighbouringSolves) {
 
   const Vector3 d(0.06, 0.04, -0.08);
   std::vector<double> state;
-  rays.follow(rays.rest(), d, {0.5, 1.0}, false,
-              [&](std::size_t, const PathStep& step, const PathPoint& point) {
-                EXPECT_EQ(step.status, Status::converged);
-                state = point.state;
-                return true;
-              });
+  rays.follow(rays.rest(), d, {0.5, 1.0}, false, [&](std::size_t, const PathStep& step, const PathPoint& point) {
+    EXPECT_EQ(step.status, Status::converged);
+    state = point.state;
+    return true;
+  });
   const auto linear = equilibrium.linearize(state, Eigen::Matrix3d::Identity());
   ASSERT_EQ(linear.status, Status::converged);
 

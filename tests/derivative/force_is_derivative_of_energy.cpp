@@ -54,8 +54,7 @@ void expect_conservative(ProbeSolver& solver, const std::vector<Vec3>& direction
     EXPECT_NEAR(work, E[i + 1], 1e-5 * E.back()) << "increment " << i + 1;
   }
   for (int i = 3; i <= increments - 3; ++i) {
-    const double dE_ds =
-        (45 * (E[i + 1] - E[i - 1]) - 9 * (E[i + 2] - E[i - 2]) + (E[i + 3] - E[i - 3])) / (60 * h);
+    const double dE_ds = (45 * (E[i + 1] - E[i - 1]) - 9 * (E[i + 2] - E[i - 2]) + (E[i + 3] - E[i - 3])) / (60 * h);
     EXPECT_NEAR(f[i], dE_ds, 1e-6 * f.back()) << "increment " << i;
   }
 }

@@ -30,12 +30,10 @@ class Forms : public ::testing::TestWithParam<Case> {
 
   /// A state with J > 0 everywhere, and a direction of unit length to vary it along.
   void SetUp() override {
-    _body = std::make_unique<Discretization>(
-        _mesh, form_set(unit_material(GetParam().law, 10), GetParam().element, 1));
+    _body = std::make_unique<Discretization>(_mesh, form_set(unit_material(GetParam().law, 10), GetParam().element, 1));
     _state = state_of(*_body, [&](const Vector3& X) -> Vector3 {
       const Vector3 noise(_random(), _random(), _random());
-      return Vector3(0.2 * X[0] + 0.3 * X[1], -0.1 * X[1] + 0.1 * X[2], 0.15 * X[2] - 0.2 * X[0]) +
-             0.02 * noise;
+      return Vector3(0.2 * X[0] + 0.3 * X[1], -0.1 * X[1] + 0.1 * X[2], 0.15 * X[2] - 0.2 * X[0]) + 0.02 * noise;
     });
     for (const auto dof : _body->pressure_dofs()) _state[dof] = _random();
     ASSERT_GT(_body->min_jacobian(_state), 0.3);

@@ -25,8 +25,7 @@ struct Count {
 Count count_negative(const Eigen::MatrixXd& symmetric) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric, Eigen::EigenvaluesOnly);
   const auto& values = solver.eigenvalues();
-  return {static_cast<int>((values.array() < 0).count()),
-          values.cwiseAbs().minCoeff() / values.cwiseAbs().maxCoeff()};
+  return {static_cast<int>((values.array() < 0).count()), values.cwiseAbs().minCoeff() / values.cwiseAbs().maxCoeff()};
 }
 
 /// Tangent on the free displacements: rows of neither fixed nor prescribed dofs, pressures eliminated.
@@ -53,8 +52,7 @@ class Column : public ::testing::TestWithParam<Element> {
   void SetUp() override {
     _spec.element = GetParam();
     const auto mesh = block_mesh({1, 1, 8}, {1, 1, 8});
-    _body = std::make_unique<Discretization>(
-        mesh, form_set(unit_material(law_named("neo-hookean"), 5), GetParam(), 1));
+    _body = std::make_unique<Discretization>(mesh, form_set(unit_material(law_named("neo-hookean"), 5), GetParam(), 1));
     std::vector<std::int32_t> fixed;
     Constraint top;
     for (int p = 0; p < _body->n_points(); ++p)
@@ -82,8 +80,7 @@ TEST_P(Column, CompressedHomogeneouslyHasAsManyAsDenseAlgebraCounts) {
   int most = 0;
   for (const double shortening : {0.05, 0.5, 1.0, 2.0, 3.0}) {
     auto state = std::vector<double>(_body->n_dofs(), 0.0);
-    for (int p = 0; p < _body->n_points(); ++p)
-      state[_body->dofs(p)[2]] = -shortening / 8 * _body->points()(p, 2);
+    for (int p = 0; p < _body->n_points(); ++p) state[_body->dofs(p)[2]] = -shortening / 8 * _body->points()(p, 2);
     const auto [negative, closest] = count_negative(stiffness_of_free_displacements(*_body, state, _held));
     EXPECT_GT(closest, 1e-9);
     const auto linear = _equilibrium->linearize(state, Eigen::MatrixXd(1, 0));
@@ -141,8 +138,8 @@ TEST_P(AtRest, ThereAreNone) {
   for (const double bulk_to_shear : {2.0, 200.0, 20000.0}) {
     Discretization body(mesh, form_set(unit_material(GetParam().law, bulk_to_shear), GetParam().element, 1));
     Equilibrium equilibrium(body, rollers(body), spec);
-    equilibrium.prescribe(tool_constraint(body, {tool_weights(body, ProbeKind::node, 0, mesh.n_nodes() - 1,
-                                                              std::vector<char>(body.n_points(), 0))}));
+    equilibrium.prescribe(tool_constraint(
+        body, {tool_weights(body, ProbeKind::node, 0, mesh.n_nodes() - 1, std::vector<char>(body.n_points(), 0))}));
     EXPECT_EQ(RaySolver(body, equilibrium, spec).rest().negative_pivots, 0) << "K/mu " << bulk_to_shear;
   }
 }

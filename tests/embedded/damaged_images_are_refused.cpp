@@ -30,8 +30,7 @@ struct Bytes {
   int open() { return open(size()); }
   int open_sealed() {
     const auto* word = reinterpret_cast<const std::uint32_t*>(data());
-    header().checksum =
-        image::checksum(word + image::n_unchecked_words, size() / 4 - image::n_unchecked_words);
+    header().checksum = image::checksum(word + image::n_unchecked_words, size() / 4 - image::n_unchecked_words);
     return open();
   }
 
@@ -101,8 +100,7 @@ void words_never_harm(const Model& model) {
       std::vector<std::uint64_t> words = good.words;
       auto* word = reinterpret_cast<std::uint32_t*>(words.data());
       word[w] = value;
-      word[4] =
-          image::checksum(word + image::n_unchecked_words, made.bytes.size() / 4 - image::n_unchecked_words);
+      word[4] = image::checksum(word + image::n_unchecked_words, made.bytes.size() / 4 - image::n_unchecked_words);
       const typename Image<Real>::Type* image = nullptr;
       if (Image<Real>::open(words.data(), made.bytes.size(), &image) != PHN_OK) continue;
       std::vector<Real> scratch(Image<Real>::scratch(image) < 100000 ? Image<Real>::scratch(image) : 0);
@@ -144,8 +142,7 @@ TEST_P(Damaged, NumbersOutOfBoundsAreRefused) {
   };
   const auto& header = bytes.header();
   const bool modal = GetParam() == Family::modal;
-  for (const auto table : {header.active_points, header.output_points, header.directions})
-    refused(table, 1e12F);
+  for (const auto table : {header.active_points, header.output_points, header.directions}) refused(table, 1e12F);
   refused(header.displacements, modal ? 1e6F : 1e12F);
   refused(header.modes.scale, 31);
   refused(header.amplitude_at_rest, 1e7F);

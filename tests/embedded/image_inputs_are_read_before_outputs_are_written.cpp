@@ -15,16 +15,14 @@ class ImageOverlap : public ::testing::TestWithParam<Family> {
     using Type = typename Image<Real>::Type;
     using Places = std::vector<char*>;
     const Type* image = opened.image;
-    const std::size_t bytes = 8 * opened.words.size(),
-                      n_field = 3 * static_cast<std::size_t>(opened.n_output());
+    const std::size_t bytes = 8 * opened.words.size(), n_field = 3 * static_cast<std::size_t>(opened.n_output());
     const std::vector<Real> d = {Real(0.002), Real(-0.001), Real(0.003)};
     // An image has the address of its bytes: told is how far it is from these.
     rows.push_back({prefix + "_open",
                     {input("memory", opened.words), output<const Type*>("image")},
                     [=](const Places& at) {
                       const int status = Image<Real>::open(at[0], bytes, as<const Type*>(at[1]));
-                      if (status == PHN_OK)
-                        *as<std::uintptr_t>(at[1]) -= reinterpret_cast<std::uintptr_t>(at[0]);
+                      if (status == PHN_OK) *as<std::uintptr_t>(at[1]) -= reinterpret_cast<std::uintptr_t>(at[0]);
                       return status;
                     },
                     true});
@@ -55,8 +53,7 @@ class ImageOverlap : public ::testing::TestWithParam<Family> {
     add_rows("phn_imagef", floats);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Families, ImageOverlap,
-                         ::testing::Values(Family::rbfn, Family::linear, Family::modal),
+INSTANTIATE_TEST_SUITE_P(Families, ImageOverlap, ::testing::Values(Family::rbfn, Family::linear, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });
 
 TEST_P(ImageOverlap, TableHoldsEveryFunctionOfTheHeader) {

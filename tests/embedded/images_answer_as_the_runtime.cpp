@@ -29,8 +29,7 @@ std::vector<Vec3> near_displacements() {
     }
   }
   Numbers numbers;
-  for (int i = 0; i < 40; ++i)
-    all.push_back({0.01 * numbers.next(), 0.01 * numbers.next(), 0.01 * numbers.next()});
+  for (int i = 0; i < 40; ++i) all.push_back({0.01 * numbers.next(), 0.01 * numbers.next(), 0.01 * numbers.next()});
   return all;
 }
 
@@ -105,8 +104,7 @@ void answers_are_the_runtimes(const std::vector<Vec3>& displacements) {
     }
     for (const auto& difference : {force, energy, stiffness, depth})
       EXPECT_LT(difference.relative(), tolerance<Real>) << name(family);
-    EXPECT_LT(field.relative(), std::max(family == Family::modal ? 1e-6 : 0.0, tolerance<Real>))
-        << name(family);
+    EXPECT_LT(field.relative(), std::max(family == Family::modal ? 1e-6 : 0.0, tolerance<Real>)) << name(family);
   }
 }
 
@@ -122,8 +120,7 @@ TYPED_TEST(Answers, AreZeroAtRest) {
     Real force[3], energy;
     Image<Real>::force(opened.image, node.node, rest, force);
     Image<Real>::energy(opened.image, node.node, rest, &energy);
-    std::vector<Real> u(3 * static_cast<std::size_t>(opened.n_output())),
-        scratch(Image<Real>::scratch(opened.image));
+    std::vector<Real> u(3 * static_cast<std::size_t>(opened.n_output())), scratch(Image<Real>::scratch(opened.image));
     Image<Real>::deform(opened.image, scratch.data(), node.node, rest, u.data());
     EXPECT_EQ(force[0], 0);
     EXPECT_EQ(force[1], 0);
@@ -163,8 +160,7 @@ TYPED_TEST(Answers, ToBadQuestionsAreZeros) {
 // Claim: of a model with levels an image holds the full one, byte by byte.
 TEST(ModelImage, HoldsTheFullLevel) {
   const Model model = small_modal_model();
-  EXPECT_EQ(model_image(with_levels(model), {false, false}).bytes,
-            model_image(model, {false, false}).bytes);
+  EXPECT_EQ(model_image(with_levels(model), {false, false}).bytes, model_image(model, {false, false}).bytes);
 }
 
 /// Why an image cannot be made; empty if it can.

@@ -27,8 +27,7 @@ Model model_of(Family family) {
   for (Eigen::Index i = n_known; i < 2 * n_directions; ++i)
     for (int k = 0; k < 3; ++k)
       model.displacements(i, k) =
-          (i % 2 == 0 ? 0.005 : 0.01) *
-          model.directions[static_cast<std::size_t>(i / 2)][static_cast<std::size_t>(k)];
+          (i % 2 == 0 ? 0.005 : 0.01) * model.directions[static_cast<std::size_t>(i / 2)][static_cast<std::size_t>(k)];
   for (auto& node : model.nodes) node.trained_depth_m.assign(model.directions.size(), 0.01);
   return model;
 }

@@ -51,8 +51,7 @@ class DamagedLog : public DatabaseTest {
 
 TEST_F(DamagedLog, a_changed_byte_drops_its_record_only) {
   for (const std::size_t victim : {0, 4, 20})
-    for (const std::size_t offset :
-         {std::size_t{0}, std::size_t{5}, std::size_t{9}, record / 2, record - 1}) {
+    for (const std::size_t offset : {std::size_t{0}, std::size_t{5}, std::size_t{9}, record / 2, record - 1}) {
       auto changed = whole;
       changed[opening + victim * record + offset] ^= 0x10;
       write_bytes(first_log(), changed);
@@ -109,8 +108,7 @@ TEST_F(DamagedLog, a_log_of_an_older_version_is_refused_by_name) {
   std::vector<char> older = whole;
   older[7] = '1';
   std::uint64_t sum = 0xcbf29ce484222325ULL;
-  for (std::size_t i = 0; i + 8 < opening; ++i)
-    sum = (sum ^ static_cast<unsigned char>(older[i])) * 0x100000001b3ULL;
+  for (std::size_t i = 0; i + 8 < opening; ++i) sum = (sum ^ static_cast<unsigned char>(older[i])) * 0x100000001b3ULL;
   for (std::size_t i = 0; i < 8; ++i) older[opening - 8 + i] = static_cast<char>(sum >> (8 * i));
   write_bytes(first_log(), older);
   expect_contains(refusal([&] { DatabaseWriter::logged(file, header); }), {"rank-0000", "format version"});

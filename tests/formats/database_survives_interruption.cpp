@@ -101,8 +101,7 @@ TEST_F(Interruption, finished_work_is_never_overwritten) {
   expect_contains(refusal([&] { DatabaseWriter::create(file, header, false); }),
                   {"exists already", file.c_str(), "--resume"});
   DatabaseWriter::pack(file, header);
-  expect_contains(refusal([&] { DatabaseWriter::create(file, header, false); }),
-                  {"exists already", "--resume"});
+  expect_contains(refusal([&] { DatabaseWriter::create(file, header, false); }), {"exists already", "--resume"});
   DatabaseWriter::create(file, header, true);
   EXPECT_TRUE(Database::is_complete(file));
   // Any file counts, not only databases.
@@ -148,10 +147,12 @@ TEST_F(Interruption, resuming_on_another_mesh_or_selection_is_refused) {
                   {"another mesh", mesh_hash(other.mesh).c_str(), mesh_hash(small_header(false).mesh).c_str()});
   other = small_header(false);
   other.sets.active = {1, 2, 3};
-  expect_contains(refusal([&] { DatabaseWriter::create(file, other, true); }), {"active nodes", "3 in the file, 3 now, but not the same"});
+  expect_contains(refusal([&] { DatabaseWriter::create(file, other, true); }),
+                  {"active nodes", "3 in the file, 3 now, but not the same"});
   other = small_header(false);
   other.sets.output = {1, 2};
-  expect_contains(refusal([&] { DatabaseWriter::create(file, other, true); }), {"output nodes", "4 in the file, 2 now"});
+  expect_contains(refusal([&] { DatabaseWriter::create(file, other, true); }),
+                  {"output nodes", "4 in the file, 2 now"});
   other = small_header(false);
   other.tangents = false;
   expect_contains(refusal([&] { DatabaseWriter::create(file, other, true); }),
@@ -166,8 +167,7 @@ TEST_F(Interruption, a_log_of_another_mesh_is_refused_by_name) {
   other.mesh.nodes(5, 0) += 1e-9;
   DatabaseWriter::create(file, header, false);
   { DatabaseWriter stranger(file, other, 3); }
-  expect_contains(refusal([&] { DatabaseWriter::logged(file, header); }),
-                  {"rank-0003", "another scene or mesh"});
+  expect_contains(refusal([&] { DatabaseWriter::logged(file, header); }), {"rank-0003", "another scene or mesh"});
 }
 
 TEST_F(Interruption, a_ray_logged_twice_counts_once) {

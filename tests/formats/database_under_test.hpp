@@ -123,8 +123,7 @@ class DatabaseTest : public testing::Test {
     const auto rays = all_rays(header);
     for (int rank = 0; rank < n_logs; ++rank) {
       DatabaseWriter writer(file, header, rank);
-      for (std::size_t i = static_cast<std::size_t>(rank); i < rays.size();
-           i += static_cast<std::size_t>(n_logs))
+      for (std::size_t i = static_cast<std::size_t>(rank); i < rays.size(); i += static_cast<std::size_t>(n_logs))
         writer.append(rays[i]);
       writer.close();
     }

@@ -60,9 +60,7 @@ TEST_F(StoredFields, AreTheSameOnResumeAndMerge) {
   // The header is gone, the logs are not: they say themselves that they hold something else.
   fs::remove(file);
   DatabaseWriter::create(file, header_with({Field::energy_density}), true);
-  EXPECT_NE(refusal([&] {
-              DatabaseWriter::logged(file, header_with({Field::energy_density}));
-            }).find("another scene"),
+  EXPECT_NE(refusal([&] { DatabaseWriter::logged(file, header_with({Field::energy_density})); }).find("another scene"),
             std::string::npos);
 }
 
@@ -119,8 +117,7 @@ TEST(MirroredFields, AreThoseOfTheImageNode) {
       const std::size_t other[3] = {1, 0, 2};
       for (std::size_t f = 0; f < 2; ++f)
         for (std::size_t i = 0; i < 3; ++i)
-          for (std::size_t o = 0; o < 3; ++o)
-            EXPECT_EQ(image.fields[f][3 * i + o], solved.fields[f][3 * i + other[o]]);
+          for (std::size_t o = 0; o < 3; ++o) EXPECT_EQ(image.fields[f][3 * i + o], solved.fields[f][3 * i + other[o]]);
     }
   EXPECT_LT(rays.n_solved(), 52);
 }

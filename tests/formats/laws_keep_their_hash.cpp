@@ -16,8 +16,7 @@ TEST_P(PhysicsHashOfALaw, IsThatOfItsFirstDatabases) {
   const auto& [name, law_and_moduli, lines, hash] = GetParam();
   // Every choice is written out, so that no default has a part in the hash.
   const auto scene =
-      parsed("[mesh]\nshape = \"block\"\ntarget_nodes = 60\nsize_m = [0.1, 0.1, 0.1]\n[material]\n" +
-             law_and_moduli +
+      parsed("[mesh]\nshape = \"block\"\ntarget_nodes = 60\nsize_m = [0.1, 0.1, 0.1]\n[material]\n" + law_and_moduli +
              "\n[solver]\nelement = \"P1\"\nrelative_tolerance = 1e-8\nmax_iterations = 40\n"
              "max_cutbacks = 6\n[nodes]\nfixed = { group = \"base\" }\nactive = \"free-surface\"\n"
              "output = \"free-surface\"\n[probe]\nkind = \"node\"\ndirections = 26\nincrements = 4\n"
@@ -48,8 +47,7 @@ INSTANTIATE_TEST_SUITE_P(
                            "material.law = neo-hookean\nmaterial.shear_modulus_Pa = "
                            "501.67224080267556\nmaterial.lame_lambda_Pa = 49665.55183946488\n",
                            "53bf70f412de1935"},
-                    Pinned{"mooney_rivlin",
-                           "law = \"mooney-rivlin\"\nc10_Pa = 2.0\nc01_Pa = 0.2\nd1_per_Pa = 1e-5",
+                    Pinned{"mooney_rivlin", "law = \"mooney-rivlin\"\nc10_Pa = 2.0\nc01_Pa = 0.2\nd1_per_Pa = 1e-5",
                            "material.law = mooney-rivlin\nmaterial.c10_Pa = 2\nmaterial.c01_Pa = "
                            "0.2\nmaterial.bulk_modulus_Pa = 99999.99999999999\n",
                            "ac6752d123790f7a"}),

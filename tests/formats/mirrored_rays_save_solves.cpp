@@ -76,8 +76,7 @@ TEST(MirroredRays, AreReflectedExactly) {
       const double sign = k == 0 ? -1 : 1;
       EXPECT_EQ(image.force[3 * i + k], sign * solved.force[3 * i + k]);
       for (std::size_t o = 0; o < 3; ++o)
-        EXPECT_EQ(image.displacement[3 * (3 * i + o) + k],
-                  sign * solved.displacement[3 * (3 * i + other[o]) + k]);
+        EXPECT_EQ(image.displacement[3 * (3 * i + o) + k], sign * solved.displacement[3 * (3 * i + other[o]) + k]);
       for (std::size_t l = 0; l < 3; ++l)
         EXPECT_EQ(image.tangent[9 * i + 3 * k + l],
                   ((k == 0) != (l == 0) ? -1 : 1) * solved.tangent[9 * i + 3 * k + l]);
@@ -106,8 +105,7 @@ TEST_F(MirroredDatabase, NeedsTheSolvedRaysOnlyAndHoldsAll) {
   EXPECT_EQ(progress.rays_total, 43);
   const auto flags = DatabaseWriter::logged(file, h);
   EXPECT_EQ(std::count(flags.begin(), flags.end(), 1), 40);  // each has an image at node 2
-  EXPECT_NE(refusal([&] { DatabaseWriter::pack(file, h); }, Error::Kind::failure).find("23 of 43"),
-            std::string::npos);
+  EXPECT_NE(refusal([&] { DatabaseWriter::pack(file, h); }, Error::Kind::failure).find("23 of 43"), std::string::npos);
 
   DatabaseWriter::create(file, h, true);  // --resume
   append(h, 20, 43, 1);

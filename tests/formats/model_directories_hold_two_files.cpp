@@ -16,8 +16,7 @@ using namespace phynness::test;
 
 struct ModelFolder {
   ModelFolder()
-      : path(std::filesystem::temp_directory_path() /
-             ("phynness_model_" + std::to_string(std::random_device{}()))) {
+      : path(std::filesystem::temp_directory_path() / ("phynness_model_" + std::to_string(std::random_device{}()))) {
     mesh.nodes = Points::Random(20, 3);
     mesh.cells.resize(1, 4);
     mesh.cells << 0, 1, 2, 3;
@@ -40,8 +39,7 @@ TEST(ModelDirectory, HoldsExactlyTwoFiles) {
   write_model_dir(folder.path, folder.model, folder.mesh);
   write_model_dir(folder.path, folder.model, folder.mesh);
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path))
-    names.push_back(entry.path().filename());
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path)) names.push_back(entry.path().filename());
   std::sort(names.begin(), names.end());
   EXPECT_EQ(names, (std::vector<std::string>{"mesh.txt", "model.txt"}));
   const ModelDir found = read_model_dir(folder.path);

@@ -65,9 +65,9 @@ void expect_agreement(const Model& model, std::int32_t level) {
       std::vector<std::vector<double>> fields(model.fields.size(), std::vector<double>(model.output.size()));
       for (std::size_t f = 0; f < fields.size(); ++f) {
         if (node.fields[f].weights.cols() == 0) continue;
-        ASSERT_GE(phn_field(loaded.model, loaded.data, node.node, d.data(), static_cast<std::int32_t>(f),
-                            fields[f].data()),
-                  0);
+        ASSERT_GE(
+            phn_field(loaded.model, loaded.data, node.node, d.data(), static_cast<std::int32_t>(f), fields[f].data()),
+            0);
         mine.push_back({&fields[f], 1e-5, model.fields[f].scale});  // summed as floats, too
       }
       std::string line, word;

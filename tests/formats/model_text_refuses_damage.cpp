@@ -45,8 +45,7 @@ Model one_modal_node() {
 Model one_field_node() {
   Numbers numbers;
   Model model = one_modal_node();
-  model.fields = {
-      {"f", "Pa", 1, 2.5, random_table(static_cast<Eigen::Index>(model.output.size()), 1, 1, numbers)}};
+  model.fields = {{"f", "Pa", 1, 2.5, random_table(static_cast<Eigen::Index>(model.output.size()), 1, 1, numbers)}};
   ModalDeformation& of_node = model.nodes[0].fields.emplace_back();
   of_node.near = {3};
   of_node.weights = random_table(2 + 9, 1, 1, numbers);
@@ -133,34 +132,27 @@ TEST(ModelText, RefusalsSayWhatIsWrong) {
       {replaced(networks, "\nlevels 3", "\nlevels 4"), "expected 'level'"},
       {replaced(networks, "\nlevel 1p-1", "\nlevel -1p-1"), "is negative or beyond 1e100"},
       {replaced(networks, "\nlevel 1p-1", "\nlevel inf"), "not finite"},
-      {replaced(leveled, "\nlevel 1p-1 1p-2\namplitude_centers 2",
-                "\nlevel 1p-1 1p-2\namplitude_centers 5\n1\n1\n1"),
+      {replaced(leveled, "\nlevel 1p-1 1p-2\namplitude_centers 2", "\nlevel 1p-1 1p-2\namplitude_centers 5\n1\n1\n1"),
        "more centers than its model"},
-      {replaced(leveled, "\ndeformation 1\n", "\ndeformation 0\n"),
-       "modes of a level is out of range 1 ... 3"},
-      {replaced(leveled, "\ndeformation 1\n", "\ndeformation 4\n"),
-       "modes of a level is out of range 1 ... 3"},
+      {replaced(leveled, "\ndeformation 1\n", "\ndeformation 0\n"), "modes of a level is out of range 1 ... 3"},
+      {replaced(leveled, "\ndeformation 1\n", "\ndeformation 4\n"), "modes of a level is out of range 1 ... 3"},
       {replaced(leveled, "\nforce 2\n", "\nforce 3\n"), ""},
       {replaced(networks, "\ndeformation 3\n", "\ndeformation 10\n"), "more neurons than its model"},
   };
   for (const auto& [damaged, message] : level_cases) {
     EXPECT_NE(refusal(damaged), "accepted");
-    EXPECT_NE(refusal(damaged).find(message), std::string::npos)
-        << refusal(damaged) << "\nshould say: " << message;
+    EXPECT_NE(refusal(damaged).find(message), std::string::npos) << refusal(damaged) << "\nshould say: " << message;
   }
   for (const auto& [damaged, message] : modal_cases) {
     EXPECT_NE(refusal(damaged), "accepted");
-    EXPECT_NE(refusal(damaged).find(message), std::string::npos)
-        << refusal(damaged) << "\nshould say: " << message;
+    EXPECT_NE(refusal(damaged).find(message), std::string::npos) << refusal(damaged) << "\nshould say: " << message;
   }
   for (const auto& [damaged, message] : linear_cases) {
     EXPECT_NE(refusal(damaged), "accepted");
-    EXPECT_NE(refusal(damaged).find(message), std::string::npos)
-        << refusal(damaged) << "\nshould say: " << message;
+    EXPECT_NE(refusal(damaged).find(message), std::string::npos) << refusal(damaged) << "\nshould say: " << message;
   }
   for (const auto& [damaged, message] : cases) {
-    EXPECT_NE(refusal(damaged).find(message), std::string::npos)
-        << refusal(damaged) << "\nshould say: " << message;
+    EXPECT_NE(refusal(damaged).find(message), std::string::npos) << refusal(damaged) << "\nshould say: " << message;
   }
 }
 

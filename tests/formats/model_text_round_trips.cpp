@@ -174,14 +174,12 @@ TEST(ModelText, NetworksAreLaidOutAsDescribed) {
     const std::string word = line.substr(0, line.find(' '));
     layout += word.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string::npos ? word + ' ' : "#";
   }
-  const std::string transforms =
-      "input_center input_half_range output_center output_half_range spread bias #";
-  EXPECT_EQ(
-      layout,
-      "family title software mesh_hash physics_hash max_displacement_m mesh_nodes directions ####"
-      "displacements ########fixed ##output ############surface ####active node point prescribed #incomplete "
-      "trained_depth ####force " +
-          transforms + "deformation " + transforms + "checksum ");
+  const std::string transforms = "input_center input_half_range output_center output_half_range spread bias #";
+  EXPECT_EQ(layout,
+            "family title software mesh_hash physics_hash max_displacement_m mesh_nodes directions ####"
+            "displacements ########fixed ##output ############surface ####active node point prescribed #incomplete "
+            "trained_depth ####force " +
+                transforms + "deformation " + transforms + "checksum ");
 }
 
 struct CommaNumbers : std::numpunct<char> {

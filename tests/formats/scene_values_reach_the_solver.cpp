@@ -47,22 +47,20 @@ TEST(Material, of_the_papers_cases_three_and_four) {
   EXPECT_DOUBLE_EQ(three.shear_modulus_Pa, 500);
   EXPECT_NEAR(three.lame_lambda_Pa, 99'666.67, 0.01);
   EXPECT_NEAR(three.bulk_to_shear(), 200, 1e-9);
-  const Material four =
-      parsed(with(good_scene, law_and_moduli,
-                  "law = \"mooney-rivlin\"\nc10_Pa = 2\nc01_Pa = 0.2\nbulk_modulus_Pa = 1e5"))
-          .material;
+  const Material four = parsed(with(good_scene, law_and_moduli,
+                                    "law = \"mooney-rivlin\"\nc10_Pa = 2\nc01_Pa = 0.2\nbulk_modulus_Pa = 1e5"))
+                            .material;
   EXPECT_DOUBLE_EQ(four.shear_modulus_Pa, 4.4);
   EXPECT_EQ(four.parameters, (std::vector<double>{2, 0.2, 1e5}));
 }
 
 TEST(Material, may_be_auxetic_and_mooney_rivlin_may_lack_its_second_term) {
-  EXPECT_LT(parsed(with(good_scene, moduli, "youngs_modulus_Pa = 1e4\npoisson_ratio = -0.3"))
-                .material.lame_lambda_Pa,
+  EXPECT_LT(parsed(with(good_scene, moduli, "youngs_modulus_Pa = 1e4\npoisson_ratio = -0.3")).material.lame_lambda_Pa,
             0);
-  EXPECT_EQ(parsed(with(good_scene, law_and_moduli,
-                        "law = \"mooney-rivlin\"\nc10_Pa = 2\nc01_Pa = 0\nbulk_modulus_Pa = 1e5"))
-                .material.parameters[1],
-            0);
+  EXPECT_EQ(
+      parsed(with(good_scene, law_and_moduli, "law = \"mooney-rivlin\"\nc10_Pa = 2\nc01_Pa = 0\nbulk_modulus_Pa = 1e5"))
+          .material.parameters[1],
+      0);
 }
 
 TEST(Warnings, tell_of_locking_and_of_nothing_else) {
@@ -108,16 +106,13 @@ TEST(Selection, keeps_every_selector_with_its_line) {
 }
 
 TEST(Directions, may_be_written_as_number_or_text) {
-  EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = 3")).probe.directions,
-            Directions::three);
+  EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = 3")).probe.directions, Directions::three);
   EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = \"26\"")).probe.directions,
             Directions::twenty_six);
   EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = \"hemisphere\"")).probe.directions,
             Directions::hemisphere);
-  EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = 14")).probe.directions,
-            Directions::fourteen);
-  EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = 98")).probe.directions,
-            Directions::ninety_eight);
+  EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = 14")).probe.directions, Directions::fourteen);
+  EXPECT_EQ(parsed(with(good_scene, "directions = 26", "directions = 98")).probe.directions, Directions::ninety_eight);
 }
 
 TEST(Directions, are_distinct_unit_vectors_closed_under_sign) {
@@ -155,8 +150,7 @@ TEST(Directions, leave_no_gap) {
   for (const auto& [kind, gap] : kinds) {
     const auto all = exploratory_directions(kind);
     double widest = 0;
-    const int n =
-        200;  // along each edge of a face of the cube: half a degree, so at most 0.4 beside the middle
+    const int n = 200;  // along each edge of a face of the cube: half a degree, so at most 0.4 beside the middle
     for (int i = 0; i <= n; ++i)
       for (int j = 0; j <= n; ++j) {
         const double y = 2.0 * i / n - 1, z = 2.0 * j / n - 1, norm = std::sqrt(1 + y * y + z * z);
@@ -175,8 +169,7 @@ TEST(PhysicsHash, ignores_what_does_not_decide_a_solve) {
   EXPECT_EQ(physics_hash(parsed(with(good_scene, "samples = 1000", "samples = 9\nseed = 5"))), hash);
   EXPECT_EQ(physics_hash(parsed(with(good_scene, "title = \"test\"", "title = \"other\""))), hash);
   EXPECT_EQ(physics_hash(parsed(with(good_scene, "500.0", "5e2"))), hash);
-  EXPECT_EQ(physics_hash(parsed(good_scene + "[validation]\nprobes = 3\n[database]\ntangents = true\n")),
-            hash);
+  EXPECT_EQ(physics_hash(parsed(good_scene + "[validation]\nprobes = 3\n[database]\ntangents = true\n")), hash);
   EXPECT_EQ(physics_hash(parsed(good_scene + "[database]\nfields = [\"energy-density\"]\n")), hash);
 }
 
@@ -274,13 +267,11 @@ TEST(ShippedScenes, are_all_valid) {
 }
 
 TEST(MeshFile, is_found_from_the_scene_folder_and_may_be_absent_only_on_request) {
-  const std::string text =
-      with(good_scene, "shape = \"block\"", "file = \"sub/body.msh\"\nscale_to_m = 0.001");
+  const std::string text = with(good_scene, "shape = \"block\"", "file = \"sub/body.msh\"\nscale_to_m = 0.001");
   const Scene scene = parse_scene(text, "body.toml", "/nowhere", MeshFile::may_be_absent);
   EXPECT_EQ(scene.mesh.file, "/nowhere/sub/body.msh");
   EXPECT_EQ(scene.mesh.shape, Shape::none);
-  EXPECT_EQ(physics_hash(scene),
-            physics_hash(parse_scene(text, "body.toml", "/elsewhere", MeshFile::may_be_absent)));
+  EXPECT_EQ(physics_hash(scene), physics_hash(parse_scene(text, "body.toml", "/elsewhere", MeshFile::may_be_absent)));
   EXPECT_THROW(parse_scene(text, "body.toml", "/nowhere"), Error);
 }
 

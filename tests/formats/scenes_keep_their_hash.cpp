@@ -27,16 +27,15 @@ TEST(PhysicsHash, spells_every_selector_as_ever) {
   { nearest = { point_fraction = [1, 1, 0.3] } }, "surface", "free-surface", "free", "all" ])"));
   EXPECT_EQ(summary_line(scene, "nodes.fixed"),
             "nodes.fixed = box { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] }");
-  EXPECT_EQ(
-      summary_line(scene, "nodes.active"),
-      "nodes.active = box { min_m = [0, 0.001, -0.25], max_m = [1, 0.1, 0.5] } + sphere { center_fraction = "
-      "[0.5, 0.5, 1], radius_m = 0.01 } surface_only + plane { point_m = [0, 0, 1], normal = [0, 0, 1], "
-      "tolerance_m = 1e-06 } + plane { point_fraction = [0, 0, 1], normal = [0.7071067811865475, "
-      "0.7071067811865475, 0], tolerance_m = 0.001 } + half_space { point_m = [0, 0, 1], normal = [0, 0.6, "
-      "0.8] "
-      "} + group \"lobe\" + nodes [0, 7, 5] + nearest { point_fraction = [1, 1, 0.3] } + surface + "
-      "free-surface "
-      "+ free + all");
+  EXPECT_EQ(summary_line(scene, "nodes.active"),
+            "nodes.active = box { min_m = [0, 0.001, -0.25], max_m = [1, 0.1, 0.5] } + sphere { center_fraction = "
+            "[0.5, 0.5, 1], radius_m = 0.01 } surface_only + plane { point_m = [0, 0, 1], normal = [0, 0, 1], "
+            "tolerance_m = 1e-06 } + plane { point_fraction = [0, 0, 1], normal = [0.7071067811865475, "
+            "0.7071067811865475, 0], tolerance_m = 0.001 } + half_space { point_m = [0, 0, 1], normal = [0, 0.6, "
+            "0.8] "
+            "} + group \"lobe\" + nodes [0, 7, 5] + nearest { point_fraction = [1, 1, 0.3] } + surface + "
+            "free-surface "
+            "+ free + all");
   EXPECT_EQ(summary_line(scene, "nodes.output"), "nodes.output = free-surface");
   EXPECT_EQ(physics_hash(scene), "12377ff066aeb629");
 }

@@ -36,8 +36,7 @@ TEST_F(Shards, own_every_ray_once_and_are_even) {
       for (const int count : {1, 2, 3, 7, 64, 500, 20000}) {
         std::vector<int> rays(static_cast<std::size_t>(count), 0);
         const auto all = static_cast<std::size_t>(n_active * n_directions);
-        for (const int s :
-             shards_of_rays(std::vector<char>(all, 1), static_cast<std::size_t>(n_directions), count)) {
+        for (const int s : shards_of_rays(std::vector<char>(all, 1), static_cast<std::size_t>(n_directions), count)) {
           ASSERT_GE(s, 0);
           ASSERT_LT(s, count);
           ++rays[static_cast<std::size_t>(s)];
@@ -147,18 +146,14 @@ TEST_F(Shards, of_other_work_are_refused_with_what_differs) {
   scene.replace(scene.find("250.0"), 5, "300.0");
   const auto other_material = write_shard(small_header(false, scene), 1, 2);
   const auto merged = folder() / "merged.h5";
-  expect_contains(
-      refusal([&] {
-        merge_shards({first, other_material}, merged);
-      }),
-      {"material.shear_modulus_Pa: 600 in the file, 500 in", first.c_str(), other_material.c_str()});
+  expect_contains(refusal([&] {
+                    merge_shards({first, other_material}, merged);
+                  }),
+                  {"material.shear_modulus_Pa: 600 in the file, 500 in", first.c_str(), other_material.c_str()});
   auto mesh = header;
   mesh.mesh.nodes(5, 0) += 1e-9;
   const auto other_mesh = write_shard(mesh, 1, 3);
-  expect_contains(refusal([&] {
-                    merge_shards({first, other_mesh}, merged);
-                  }),
-                  {"another mesh", other_mesh.c_str()});
+  expect_contains(refusal([&] { merge_shards({first, other_mesh}, merged); }), {"another mesh", other_mesh.c_str()});
   EXPECT_FALSE(fs::exists(merged));
 }
 
@@ -185,16 +180,14 @@ TEST_F(Shards, are_resumed_as_the_shard_they_are) {
   auto other = header;
   other.shard = Shard{0, 3};
   expect_contains(refusal([&] { DatabaseWriter::create(shard, other, true); }), {"0/2 in the file, 0/3 now"});
-  expect_contains(refusal([&] { DatabaseWriter::create(shard, header, true); }),
-                  {"0/2 in the file, no shard now"});
+  expect_contains(refusal([&] { DatabaseWriter::create(shard, header, true); }), {"0/2 in the file, no shard now"});
 }
 
 TEST_F(Shards, are_written_i_of_n_from_zero) {
   EXPECT_EQ(parse_shard("3/8"), (Shard{3, 8}));
   for (const char* bad : {"", "3", "3/", "/8", "a/b", "3/8x", "3/0", " 3/8", "3/-8", "99999999999/8"})
     expect_contains(refusal([&] { parse_shard(bad); }), {"i/n", bad});
-  for (const char* bad : {"8/8", "-1/8"})
-    expect_contains(refusal([&] { parse_shard(bad); }), {"count from 0", "7/8"});
+  for (const char* bad : {"8/8", "-1/8"}) expect_contains(refusal([&] { parse_shard(bad); }), {"count from 0", "7/8"});
   const fs::path whole = "some/where.v2.h5";
   EXPECT_EQ(shard_file(whole, {3, 8}), "some/where.v2.shard-3-of-8.h5");
   EXPECT_EQ(database_of(shard_file(whole, {3, 8}), {3, 8}), whole);

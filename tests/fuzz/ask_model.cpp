@@ -33,8 +33,7 @@ class Asker {
     require(phn_data_init(_used.data(), _used.size(), _model, _max_tools, &_data) == PHN_OK,
             "data of the size asked for");
     phn_data* none = _data;
-    require(phn_data_init(_fresh.data(), _fresh.size() / 2, _model, _max_tools, &none) == PHN_ERROR_BUFFER &&
-                !none,
+    require(phn_data_init(_fresh.data(), _fresh.size() / 2, _model, _max_tools, &none) == PHN_ERROR_BUFFER && !none,
             "half the memory is refused");
   }
 
@@ -106,12 +105,10 @@ class Asker {
     const int status = call(_data, out.data());
     phn_data* fresh = nullptr;
     _fresh.fill();
-    require(phn_data_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK,
-            "data of its size");
+    require(phn_data_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK, "data of its size");
     require(phn_set_level(_model, fresh, phn_level_of(_data)) == PHN_OK, "a level that the data have");
     require(call(fresh, again.data()) == status, "the status does not depend on earlier calls");
-    require(n == 0 || std::memcmp(out.data(), again.data(), 8 * n) == 0,
-            "the answer does not depend on earlier calls");
+    require(n == 0 || std::memcmp(out.data(), again.data(), 8 * n) == 0, "the answer does not depend on earlier calls");
     require(status <= 0 || (status & ~allowed_warnings) == 0, "only documented warnings");
     require(status >= 0 ? finite(out.data(), n) : zero(out.data(), n), "finite, or zeros where refused");
     return status;
@@ -137,7 +134,8 @@ class Asker {
     });
     if (!right(status, node, d, false) || !zero(d, 3)) return;
     double energy;
-    if (phn_force(_model, _data, node, d, nullptr, &energy, nullptr) >= 0) require(zero(_out.data(), 3), "no force at rest");
+    if (phn_force(_model, _data, node, d, nullptr, &energy, nullptr) >= 0)
+      require(zero(_out.data(), 3), "no force at rest");
   }
   void energy() {
     const std::int32_t node = any_node();
@@ -185,8 +183,7 @@ class Asker {
       if (static_cast<std::size_t>(at) == _n_output || output[at] != nodes[t]) continue;
       const bool small = std::all_of(&d[3 * t], &d[3 * t] + 3, [](double x) { return std::fabs(x) < 1; });
       if (n > 1 || (_trained && small))
-        for (int k = 0; k < 3; ++k)
-          require(_out[3 * at + k] == d[3 * t + k], "a touched node moves by exactly d");
+        for (int k = 0; k < 3; ++k) require(_out[3 * at + k] == d[3 * t + k], "a touched node moves by exactly d");
     }
   }
   void prepare() {
@@ -210,8 +207,7 @@ class Asker {
     }
     require(std::fabs(sum - 1) < 1e-9, "weights of sum 1");
     double forces[3];
-    require(phn_couple(_model, _data, 1, &tool, forces, nullptr) != PHN_ERROR_ARGUMENT,
-            "a tool that may be used");
+    require(phn_couple(_model, _data, 1, &tool, forces, nullptr) != PHN_ERROR_ARGUMENT, "a tool that may be used");
   }
   phn_tool any_tool() {
     phn_tool tool{{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
@@ -242,20 +238,19 @@ class Asker {
     for (std::size_t t = 0; t < std::min<std::size_t>(size, 9); ++t) tools[t] = any_tool();
     const std::size_t n_forces = 3 * size;
     const int status =
-        answer(n_forces + 2 + 3 * _n_output, _out, warnings | PHN_WARNING_UNSETTLED,
-               [&](phn_data* data, double* out) {
-                 phn_coupled result;
-                 const int told = phn_couple(_model, data, n, tools.data(), out, &result);
-                 out[n_forces] = result.residual;
-                 out[n_forces + 1] = result.energy;
-                 double* field = out + n_forces + 2;
-                 const int deformed = phn_coupled_deform(_model, data, field);
-                 // After a refusal there are no tools: what was there before is gone, too.
-                 if (n >= 0 && n <= std::min(_max_tools, 8) && told < 0)
-                   require(deformed == PHN_OK, "nothing is held after a refusal");
-                 if (told < 0) std::fill(field, field + 3 * _n_output, 0);
-                 return told;
-               });
+        answer(n_forces + 2 + 3 * _n_output, _out, warnings | PHN_WARNING_UNSETTLED, [&](phn_data* data, double* out) {
+          phn_coupled result;
+          const int told = phn_couple(_model, data, n, tools.data(), out, &result);
+          out[n_forces] = result.residual;
+          out[n_forces + 1] = result.energy;
+          double* field = out + n_forces + 2;
+          const int deformed = phn_coupled_deform(_model, data, field);
+          // After a refusal there are no tools: what was there before is gone, too.
+          if (n >= 0 && n <= std::min(_max_tools, 8) && told < 0)
+            require(deformed == PHN_OK, "nothing is held after a refusal");
+          if (told < 0) std::fill(field, field + 3 * _n_output, 0);
+          return told;
+        });
     if (n < 0) require(status == PHN_ERROR_ARGUMENT, "a negative number of tools");
     if (n == 0) require(status == PHN_OK, "no tools");
     if (n > std::min(_max_tools, 8))
@@ -275,8 +270,7 @@ class Asker {
     } else {
       right(status, node, d, true);
     }
-    for (const double x : _out)
-      require(x >= 0 && (x == 0 || !zero(d, 3)), "fields are not negative, and 0 at rest");
+    for (const double x : _out) require(x >= 0 && (x == 0 || !zero(d, 3)), "fields are not negative, and 0 at rest");
   }
   void level() {
     const std::int32_t n = info_of(_model).n_levels, before = phn_level_of(_data),
@@ -285,8 +279,7 @@ class Asker {
     require(phn_set_level(_model, _data, wanted) == (there ? PHN_OK : PHN_ERROR_ARGUMENT), "set or refused");
     require(phn_level_of(_data) == (there ? wanted : before), "the level that was set");
     phn_level info;
-    require(phn_level_info(_model, wanted, &info) == (there ? PHN_OK : PHN_ERROR_ARGUMENT),
-            "told or refused");
+    require(phn_level_info(_model, wanted, &info) == (there ? PHN_OK : PHN_ERROR_ARGUMENT), "told or refused");
     require(info.error_force >= 0 && info.error_displacement >= 0, "errors are not negative");
     std::vector<phn_level_time> times(static_cast<std::size_t>(n));
     for (auto& time : times) time = {_script.number(), _script.number()};
@@ -317,8 +310,8 @@ class Asker {
     const int status = phn_surface_size(_model, levels, &bytes);
     if (status < 0) {
       require(bytes == 0, "no size where refused");
-      require(status == PHN_ERROR_ARGUMENT || status == PHN_ERROR_UNDEFINED ||
-                  status == PHN_ERROR_GEOMETRY || status == PHN_ERROR_TOO_LARGE,
+      require(status == PHN_ERROR_ARGUMENT || status == PHN_ERROR_UNDEFINED || status == PHN_ERROR_GEOMETRY ||
+                  status == PHN_ERROR_TOO_LARGE,
               "refused");
       return;
     }
@@ -392,8 +385,7 @@ class Asker {
     const auto tools = _script.raw<std::int32_t>();
     std::size_t bytes = 1;
     const int status = phn_data_size(_model, tools, &bytes);
-    require(status == (tools < 1 ? PHN_ERROR_ARGUMENT : PHN_OK) && (bytes == 0) == (tools < 1),
-            "a size for any tools");
+    require(status == (tools < 1 ? PHN_ERROR_ARGUMENT : PHN_OK) && (bytes == 0) == (tools < 1), "a size for any tools");
     require(phn_status_message(_script.raw<std::int32_t>()) != nullptr, "words for any status");
   }
 
@@ -424,8 +416,7 @@ LoadedText::LoadedText(const char* text, std::size_t length, std::size_t shift) 
   if (bytes > largest_memory) return;
   memory = std::make_unique<Memory>(bytes, shift);
   status = phn_model_init(memory->data(), bytes, text, length, &model, nullptr);
-  require(status == PHN_OK || status == PHN_ERROR_RANGE,
-          "what size accepts, init accepts or finds out of range");
+  require(status == PHN_OK || status == PHN_ERROR_RANGE, "what size accepts, init accepts or finds out of range");
   require((model != nullptr) == (status == PHN_OK), "a model or none");
   if (status != PHN_OK) return;
   const Memory less(bytes / 2, 0);
@@ -443,8 +434,7 @@ std::uint64_t LoadedText::hash() const {
 void look_at(const phn_model* model) {
   const auto ascending = [&](const std::int32_t* list, std::int32_t n) {
     for (std::int32_t i = 0; i < n; ++i)
-      require(list[i] >= 0 && list[i] < info_of(model).n_nodes && (i == 0 || list[i] > list[i - 1]),
-              "nodes ascend");
+      require(list[i] >= 0 && list[i] < info_of(model).n_nodes && (i == 0 || list[i] > list[i - 1]), "nodes ascend");
   };
   const std::int32_t n_output = info_of(model).n_output, n_fixed = info_of(model).n_fixed;
   ascending(info_of(model).active_nodes, info_of(model).n_active);

@@ -12,9 +12,7 @@ namespace phynness::fuzz {
 /// Bytes at any alignment that end where the heap's block ends, filled with what no number is.
 class Memory {
  public:
-  Memory(std::size_t bytes, std::size_t shift) : _all(new char[bytes + shift]), _bytes(bytes), _shift(shift) {
-    fill();
-  }
+  Memory(std::size_t bytes, std::size_t shift) : _all(new char[bytes + shift]), _bytes(bytes), _shift(shift) { fill(); }
   void fill() { std::memset(_all.get(), 0xff, _bytes + _shift); }
   char* data() const { return _all.get() + _shift; }
   std::size_t size() const { return _bytes; }

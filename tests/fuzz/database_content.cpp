@@ -105,9 +105,9 @@ void read_all(const Database& database) {
   const auto& header = database.header();
   const auto summary = summarize(database);
   require(std::isfinite(summary.seconds) && std::isfinite(summary.min_jacobian), "finite costs");
-  require(database.statuses().size() ==
-              header.sets.active.size() * header.directions.size() * header.magnitudes_m.size(),
-          "a status of every increment");
+  require(
+      database.statuses().size() == header.sets.active.size() * header.directions.size() * header.magnitudes_m.size(),
+      "a status of every increment");
   node_normals(header.mesh);
   const MirroredRays mirrored(header);
   require(mirrored.n_solved() > 0, "a ray that is solved");

@@ -109,9 +109,7 @@ void append(Input& input, const Values&... values) {
   };
   (one(values), ...);
 }
-inline void append_text(Input& input, std::string_view text) {
-  input.insert(input.end(), text.begin(), text.end());
-}
+inline void append_text(Input& input, std::string_view text) { input.insert(input.end(), text.begin(), text.end()); }
 
 }  // namespace phynness::fuzz
 
@@ -119,6 +117,5 @@ extern "C" {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 /// Changes bytes at random; libFuzzer's, or that of plain_main.cpp.
 std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
-std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
-                                    unsigned seed);
+std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size, unsigned seed);
 }

@@ -22,8 +22,7 @@ void seal(std::vector<std::uint64_t>& words, std::size_t bytes) {
   const auto length = static_cast<std::uint32_t>(bytes / 4 * 4);
   std::memcpy(at + bytes_at, &length, 4);
   const auto* word = reinterpret_cast<const std::uint32_t*>(words.data());
-  const std::uint32_t sum =
-      image::checksum(word + image::n_unchecked_words, length / 4 - image::n_unchecked_words);
+  const std::uint32_t sum = image::checksum(word + image::n_unchecked_words, length / 4 - image::n_unchecked_words);
   std::memcpy(at + checksum_at, &sum, 4);
 }
 
@@ -31,8 +30,7 @@ template <class Real>
 Real number(Script& script) {
   const double value = script.number();
   if (sizeof(Real) == 8) return static_cast<Real>(value);
-  return std::isfinite(value) && std::fabs(value) > 3e38 ? std::numeric_limits<Real>::max()
-                                                         : static_cast<Real>(value);
+  return std::isfinite(value) && std::fabs(value) > 3e38 ? std::numeric_limits<Real>::max() : static_cast<Real>(value);
 }
 
 template <class Real>
@@ -51,16 +49,14 @@ void open_and_ask(const std::vector<std::uint64_t>& words, std::size_t bytes, Sc
   const auto check = [&](int told, const std::vector<Real>& values) {
     require(told <= 3 && (told >= 0 || (told <= PHN_ERROR_ARGUMENT && told >= PHN_ERROR_UNDEFINED)),
             "a documented status");
-    for (const Real x : values)
-      require(told >= 0 ? std::isfinite(x) : x == 0, "finite, or zeros where refused");
+    for (const Real x : values) require(told >= 0 ? std::isfinite(x) : x == 0, "finite, or zeros where refused");
     return told >= 0;
   };
   const auto n_active = Image<Real>::n_active(image);
   const std::int32_t* active = Image<Real>::active_nodes(image);
   for (int i = 0; i < 12; ++i) {
     const bool any = n_active == 0 || script.below(8) == 0;
-    const std::int32_t node =
-        any ? script.raw<std::int32_t>() : active[script.raw<std::uint16_t>() % n_active];
+    const std::int32_t node = any ? script.raw<std::int32_t>() : active[script.raw<std::uint16_t>() % n_active];
     const Real d[3] = {number<Real>(script), number<Real>(script), number<Real>(script)};
     out.assign(3, 1);
     check(Image<Real>::force(image, node, d, out.data()), out);

@@ -137,8 +137,8 @@ std::vector<Input> seeds() {
   };
   add(8, write_mesh_text(small_mesh(), {0, 1}));
   add(0, write_mesh_text(small_mesh()));
-  for (const auto& text : {small_msh_1, small_msh_2, small_msh_4, small_msh_2_binary(false),
-                           small_msh_2_binary(true), small_msh_4_binary(false), small_msh_4_binary(true)})
+  for (const auto& text : {small_msh_1, small_msh_2, small_msh_4, small_msh_2_binary(false), small_msh_2_binary(true),
+                           small_msh_4_binary(false), small_msh_4_binary(true)})
     add(1, text);
   for (const auto& text : {small_vtk_4, small_vtk_5}) add(2, text);
   add(3,

@@ -123,9 +123,8 @@ std::vector<Input> seeds() {
   no_surface.surface.resize(0, 3);
   bare.nodes.clear();
   int i = 0;
-  for (const Model& model :
-       {small_model(2, 2), small_model(0, 1), small_linear_model(), small_modal_model(2, 2, 2, 2),
-        small_modal_model(0, 1, 0, 0), small_field_model(), no_surface, bare}) {
+  for (const Model& model : {small_model(2, 2), small_model(0, 1), small_linear_model(), small_modal_model(2, 2, 2, 2),
+                             small_modal_model(0, 1, 0, 0), small_field_model(), no_surface, bare}) {
     Input& input = all.emplace_back();
     append(input, static_cast<std::uint8_t>(1 + 2 * i), static_cast<std::uint64_t>(i));
     ++i;

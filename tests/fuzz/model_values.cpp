@@ -46,8 +46,7 @@ std::size_t for_each_group(Model& model, Change change_group) {
   };
   const auto matrix = [&](auto& m) { change(m.data(), static_cast<std::size_t>(m.size())); };
   const auto network = [&](RbfNetwork& net) {
-    for (auto* v : {&net.input_center, &net.input_half_range, &net.output_center, &net.output_half_range})
-      matrix(*v);
+    for (auto* v : {&net.input_center, &net.input_half_range, &net.output_center, &net.output_half_range}) matrix(*v);
     change(&net.spread, 1);
     matrix(net.weights);
     matrix(net.bias);
@@ -143,8 +142,7 @@ void change_structure(Model& model, Script& script) {
       if (!model.nodes.empty()) node().point = node().point;
       break;
     case 2:
-      if (!model.nodes.empty())
-        std::copy_n(model.output_points.row(script.below(12)).data(), 3, node().point.data());
+      if (!model.nodes.empty()) std::copy_n(model.output_points.row(script.below(12)).data(), 3, node().point.data());
       break;
     case 3:
       model.surface.resize(0, 3);

@@ -36,8 +36,8 @@ void run(const Input& input) {
 }  // namespace
 
 extern "C" {
-__attribute__((weak)) std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,
-                                                          std::size_t max_size, unsigned) {
+__attribute__((weak)) std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                                                          unsigned) {
   return LLVMFuzzerMutate(data, size, max_size);
 }
 

@@ -118,8 +118,7 @@ std::string with_repeated_piece(std::string text, Random& random, std::size_t ma
   if (text.empty()) return text;
   const std::size_t at = random.below(text.size()), n = std::min(text.size() - at, random.below(12) + 1);
   std::string piece = text.substr(at, n);
-  for (std::size_t k = random.below(15); k > 0 && 2 * piece.size() + text.size() < max_size; --k)
-    piece += piece;
+  for (std::size_t k = random.below(15); k > 0 && 2 * piece.size() + text.size() < max_size; --k) piece += piece;
   return text.insert(at, piece);
 }
 

@@ -77,8 +77,7 @@ Ray small_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t di
     for (std::size_t o = 0; o < n_output; ++o) {
       const bool touched = header.sets.output[o] == header.sets.active[static_cast<std::size_t>(active)];
       const double share = touched ? 1 : 0.2 + 0.1 * static_cast<double>(o) + magnitude;
-      for (std::size_t c = 0; c < 3; ++c)
-        ray.displacement.push_back(share * magnitude * header.directions[d][c]);
+      for (std::size_t c = 0; c < 3; ++c) ray.displacement.push_back(share * magnitude * header.directions[d][c]);
       for (auto& field : ray.fields) field.push_back(share * magnitude);
     }
   }

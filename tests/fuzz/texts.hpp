@@ -57,8 +57,7 @@ class TextMutator {
     return {from, to};
   }
   std::pair<std::size_t, std::size_t> line_at(std::size_t at) const {
-    const std::size_t before = at == 0 ? std::string::npos : _text.rfind('\n', at - 1),
-                      end = _text.find('\n', at);
+    const std::size_t before = at == 0 ? std::string::npos : _text.rfind('\n', at - 1), end = _text.find('\n', at);
     return {before == std::string::npos ? 0 : before + 1, end == std::string::npos ? _text.size() : end + 1};
   }
 
@@ -118,8 +117,7 @@ inline std::size_t change_text(std::uint8_t* data, std::size_t size, std::size_t
   Random random(seed);
   if (size <= prologue || random.below(4) == 0) return LLVMFuzzerMutate(data, size, max_size);
   std::string text(data + prologue, data + size);
-  for (std::size_t n = random.below(3) + 1; n > 0; --n)
-    text = TextMutator(std::move(text), random, words).changed();
+  for (std::size_t n = random.below(3) + 1; n > 0; --n) text = TextMutator(std::move(text), random, words).changed();
   text.resize(std::min(text.size(), max_size - prologue));
   std::copy(text.begin(), text.end(), data + prologue);
   return prologue + text.size();

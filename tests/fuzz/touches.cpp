@@ -48,8 +48,7 @@ class Hand {
     for (auto [memory, contact] : {std::pair(&_contact_memory, &_contact), std::pair(&_twin_memory, &_twin)})
       require(phn_contact_init(memory->data(), memory->size(), model, _max_tools, contact) == PHN_OK,
               "a contact of its size");
-    require(phn_data_init(_used.data(), _used.size(), model, _max_tools, &_data) == PHN_OK,
-            "data of its size");
+    require(phn_data_init(_used.data(), _used.size(), model, _max_tools, &_data) == PHN_OK, "data of its size");
     const Memory less(contact_bytes() / 2, 0);
     phn_contact* none = _contact;
     require(phn_contact_init(less.data(), less.size(), model, _max_tools, &none) == PHN_ERROR_BUFFER && !none,
@@ -67,8 +66,7 @@ class Hand {
       case 1:
         return nearest();
       case 2:
-        require(phn_contact_reset(_contact) == PHN_OK && phn_contact_reset(_twin) == PHN_OK,
-                "all tools are new");
+        require(phn_contact_reset(_contact) == PHN_OK && phn_contact_reset(_twin) == PHN_OK, "all tools are new");
         return;
       case 3:
         require(phn_set_level(_model, _data, _script.below(info_of(_model).n_levels)) == PHN_OK, "a level");
@@ -126,16 +124,14 @@ class Hand {
     const int status = phn_contact_step(_contact, _data, n, tools.data(), states.data(), &coupled);
     phn_data* fresh = nullptr;
     _fresh.fill();
-    require(phn_data_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK,
-            "data of its size");
+    require(phn_data_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK, "data of its size");
     require(phn_set_level(_model, fresh, phn_level_of(_data)) == PHN_OK, "a level that the data have");
     require(phn_contact_step(_twin, fresh, n, tools.data(), again.data(), &coupled_again) == status,
             "the status does not depend on earlier scratch");
     // Members, as between them there may be anything.
     for (std::size_t t = 0; t < size; ++t)
       require(values(states[t]) == values(again[t]), "the answer does not depend on earlier scratch");
-    require(coupled.energy == coupled_again.energy && coupled.residual == coupled_again.residual,
-            "nor the result");
+    require(coupled.energy == coupled_again.energy && coupled.residual == coupled_again.residual, "nor the result");
     require(std::isfinite(coupled.energy) && std::isfinite(coupled.residual), "a finite result");
     if (n < 0) return require(status == PHN_ERROR_ARGUMENT, "a negative number of tools");
     if (n > _max_tools) require(status == PHN_ERROR_TOOLS, "too many tools");
@@ -148,8 +144,7 @@ class Hand {
       std::copy(before, before + 8, _tools);  // tools stayed where they were
       return;
     }
-    require(status <= (PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE | PHN_WARNING_UNSETTLED),
-            "documented warnings");
+    require(status <= (PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE | PHN_WARNING_UNSETTLED), "documented warnings");
     phn_tool held[8];
     require(phn_contact_held(_contact, held) == n_held, "as many are held as touch");
     std::vector<double> field(3 * static_cast<std::size_t>(info_of(_model).n_output));
@@ -160,8 +155,8 @@ class Hand {
   static std::vector<double> values(const phn_contact_state& s) {
     std::vector<double> all{s.scale, s.unbalanced, double(s.in_contact)};
     for (int k = 0; k < 3; ++k) {
-      for (const double x : {s.force[k], s.proxy[k], s.normal[k], s.held.weights[k], s.held.displacement[k],
-                             double(s.held.nodes[k])})
+      for (const double x :
+           {s.force[k], s.proxy[k], s.normal[k], s.held.weights[k], s.held.displacement[k], double(s.held.nodes[k])})
         all.push_back(x);
     }
     return all;
@@ -171,8 +166,8 @@ class Hand {
     const auto all = values(state);
     require(finite(all.data(), all.size()), "a finite state");
     if (status < 0 || state.in_contact == 0) {
-      require(along(state.force, state.force) == 0 && along(state.normal, state.normal) == 0 &&
-                  state.scale == 0 && state.held.nodes[0] == -1,
+      require(along(state.force, state.force) == 0 && along(state.normal, state.normal) == 0 && state.scale == 0 &&
+                  state.held.nodes[0] == -1,
               "nothing without contact");
       return;
     }
@@ -194,8 +189,7 @@ class Hand {
     for (int k = 0; k < 3; ++k) tangential[k] = f[k] + push * state.normal[k];
     // Rounding of a force of size 1; the friction that the runtime reads ends at 1e6.
     require(push >= -1e-14, "pushes only");
-    require(std::sqrt(along(tangential, tangential)) <= std::min(tool.friction, 1e6) * push + 1e-9,
-            "in the cone");
+    require(std::sqrt(along(tangential, tangential)) <= std::min(tool.friction, 1e6) * push + 1e-9, "in the cone");
   }
 
   void refit() {
@@ -204,10 +198,8 @@ class Hand {
     for (std::size_t i = 0; i < field.size(); ++i)
       field[i] = i >= 12 ? field[i % 12] : kind == 0 ? _script.number() : 0.1 * near();
     const double* given = kind == 3 ? nullptr : field.data();
-    const int expected =
-        given == nullptr || finite(field.data(), field.size()) ? PHN_OK : PHN_ERROR_NOT_FINITE;
-    require(phn_contact_refit(_contact, given) == expected && phn_contact_refit(_twin, given) == expected,
-            "refitted");
+    const int expected = given == nullptr || finite(field.data(), field.size()) ? PHN_OK : PHN_ERROR_NOT_FINITE;
+    require(phn_contact_refit(_contact, given) == expected && phn_contact_refit(_twin, given) == expected, "refitted");
   }
 
   void nearest() {
@@ -219,8 +211,7 @@ class Hand {
     require(finite(point, 3) && finite(tool.weights, 3), "a finite point");
     double force[3];
     if (status == PHN_OK)
-      require(phn_couple(_model, _data, 1, &tool, force, nullptr) != PHN_ERROR_ARGUMENT,
-              "a tool that may be used");
+      require(phn_couple(_model, _data, 1, &tool, force, nullptr) != PHN_ERROR_ARGUMENT, "a tool that may be used");
   }
 
   const phn_model* _model;
@@ -251,8 +242,7 @@ using namespace phynness::fuzz;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Script script(data, size);
-  const LoadedText& loaded =
-      models()[static_cast<std::size_t>(script.below(static_cast<int>(models().size())))];
+  const LoadedText& loaded = models()[static_cast<std::size_t>(script.below(static_cast<int>(models().size())))];
   static const auto* before = [] {
     auto* hashes = new std::vector<std::uint64_t>;
     for (const auto& each : models()) hashes->push_back(each.hash());
@@ -260,7 +250,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }();
   Hand hand(loaded.model, script);
   for (int i = 0; i < 60 && !script.at_end(); ++i) hand.move();
-  require(loaded.hash() == (*before)[static_cast<std::size_t>(&loaded - models().data())],
-          "a model never changes");
+  require(loaded.hash() == (*before)[static_cast<std::size_t>(&loaded - models().data())], "a model never changes");
   return 0;
 }

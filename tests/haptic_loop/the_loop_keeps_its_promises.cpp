@@ -172,8 +172,7 @@ Model ball_of(double harder, Family family = Family::linear) {
 }
 
 struct TouchingLoop {
-  TouchingLoop(const Model& model, const LoopSettings& settings, double reach_m, double friction = 0,
-               int node = 4)
+  TouchingLoop(const Model& model, const LoopSettings& settings, double reach_m, double friction = 0, int node = 4)
       : loaded(write_model_text(model)),
         touching({0.004, friction, 0.002}, loaded.model, loaded.data, make_contact(), node),
         loop(settings, loaded.model, touching),
@@ -245,7 +244,8 @@ TEST(TouchingLoop, SettlesWhereCouplingAndTissueBalance) {
       ASSERT_EQ(touch.held.nodes[heaviest], 4);
       ASSERT_NEAR(touch.held.weights[heaviest], 1, 1e-9);  // the way down is straight, to rounding
       double of_node[3];
-      ASSERT_GE(phn_force(loop.loaded.model, loop.loaded.data, 4, touch.held.displacement, of_node, nullptr, nullptr), 0);
+      ASSERT_GE(phn_force(loop.loaded.model, loop.loaded.data, 4, touch.held.displacement, of_node, nullptr, nullptr),
+                0);
       // The device's z is the body's z; its x and y are turned about it.
       // The contact's guard counts work by trapezoids, which are exact in a linear body, and cuts what they
       // miss.

@@ -19,8 +19,7 @@ constexpr double h = 0.5, tolerance = 1e-13;
 const Eigen::Matrix3d rotation = Eigen::AngleAxisd(1.9, Vector3(1, -2, 0.5).normalized()).toRotationMatrix();
 
 Discretization irregular_cube(const Case& c, Random& random) {
-  return {irregular(block_mesh({2, 2, 2}, {1, 1, 1}), 0.1, random),
-          form_set(unit_material(c.law, 10), c.element, 1)};
+  return {irregular(block_mesh({2, 2, 2}, {1, 1, 1}), 0.1, random), form_set(unit_material(c.law, 10), c.element, 1)};
 }
 
 class Objectivity : public ::testing::TestWithParam<Case> {};
@@ -56,8 +55,7 @@ TEST_P(Objectivity, RotationOfADeformedStateTurnsTheForces) {
   body.residual(deformed, before);
   body.residual(rotated, after);
   for (int p = 0; p < body.n_points(); ++p)
-    EXPECT_LT((value_at(body, after, p) - rotation * value_at(body, before, p)).norm(),
-              10 * tolerance * h * h);
+    EXPECT_LT((value_at(body, after, p) - rotation * value_at(body, before, p)).norm(), 10 * tolerance * h * h);
   for (const auto dof : body.pressure_dofs()) EXPECT_NEAR(after[dof], before[dof], tolerance);
 }
 

@@ -22,12 +22,11 @@ std::string scene_text(const Case& c, double edge_m, double modulus_Pa) {
   text.precision(17);
   text << "[mesh]\nshape = \"block\"\nsize_m = [" << edge_m << ", " << 0.8 * edge_m << ", " << 0.6 * edge_m
        << "]\ntarget_size_m = " << 0.35 * edge_m << "\n"
-       << scene_lines(times(modulus_Pa, unit_material(c.law, 50))) << "[solver]\nelement = \""
-       << name(c.element)
+       << scene_lines(times(modulus_Pa, unit_material(c.law, 50))) << "[solver]\nelement = \"" << name(c.element)
        << "\"\n[nodes]\nfixed = { box = { min_fraction = [0, 0, 0], max_fraction = [1, 1, 0.01] } }\n"
        << "active = { nearest = { point_fraction = [0.4, 0.6, 1] }, surface_only = true }\n"
-       << "[probe]\nkind = \"patch\"\ntool_radius_m = " << 0.4 * edge_m
-       << "\nmax_displacement_m = " << 0.1 * edge_m << "\n";
+       << "[probe]\nkind = \"patch\"\ntool_radius_m = " << 0.4 * edge_m << "\nmax_displacement_m = " << 0.1 * edge_m
+       << "\n";
   return text.str();
 }
 

@@ -21,8 +21,7 @@ inline std::array<Eigen::Matrix3d, 4> some_states() {
 
 /// Energy and stress agree to rounding: a few dozen operations on numbers of the size of K. `first_piola` is
 /// what a hand derives from W; the declared energy is differentiated by complex steps.
-inline void expect_declared_as(const Material& material,
-                               const std::function<double(const Eigen::Matrix3d&)>& energy,
+inline void expect_declared_as(const Material& material, const std::function<double(const Eigen::Matrix3d&)>& energy,
                                const std::function<Eigen::Matrix3d(const Eigen::Matrix3d&)>& stress) {
   const double tolerance = 1e-14 * material.bulk_modulus_Pa;
   for (const auto& F : some_states()) {

@@ -35,8 +35,7 @@ TEST_P(EveryLaw, HasTheModuliAtRestThatItStates) {
   constexpr double step = 1e-4;
   const auto difference = [&](const Eigen::Matrix3d& direction) -> Eigen::Matrix3d {
     const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
-    return (first_piola(material, I + step * direction) - first_piola(material, I - step * direction)) /
-           (2 * step);
+    return (first_piola(material, I + step * direction) - first_piola(material, I - step * direction)) / (2 * step);
   };
   Eigen::Matrix3d shear = Eigen::Matrix3d::Zero();
   shear(0, 1) = 1;
@@ -49,8 +48,7 @@ TEST_P(EveryLaw, HasTheModuliAtRestThatItStates) {
 
 TEST_P(EveryLaw, DoesNotDependOnTheFrame) {
   if (GetParam()->linear) GTEST_SKIP() << "the linear theory takes a rotation for a strain";
-  const Eigen::Matrix3d R =
-      Eigen::AngleAxisd(1.9, Eigen::Vector3d(1, 2, -0.5).normalized()).toRotationMatrix();
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(1.9, Eigen::Vector3d(1, 2, -0.5).normalized()).toRotationMatrix();
   for (const auto& F : some_states()) {
     const double W = energy_density(material, F);
     EXPECT_NEAR(energy_density(material, R * F), W, 1e-13) << "not objective\n" << F;

@@ -7,9 +7,7 @@ namespace {
 
 constexpr double mu = 1.2, K = 20;
 
-double invariant(const Eigen::Matrix3d& F) {
-  return std::pow(F.determinant(), -2.0 / 3) * F.squaredNorm() - 3;
-}
+double invariant(const Eigen::Matrix3d& F) { return std::pow(F.determinant(), -2.0 / 3) * F.squaredNorm() - 3; }
 
 TEST(Gent, IsALogarithmOfWhatIsLeftOfTheChains) {
   constexpr double j_m = 2.5;

@@ -18,8 +18,7 @@ TEST(MooneyRivlin, IsEquationNine) {
         const Eigen::Matrix3d C = F.transpose() * F, F_T = F.inverse().transpose();
         const double J = F.determinant(), first = C.trace(), second = (first * first - C.squaredNorm()) / 2;
         return 2 * c10 * std::pow(J, -2.0 / 3) * (F - first / 3 * F_T) +
-               c01 * std::pow(J, -4.0 / 3) * (2 * (first * F - F * C) - 4.0 / 3 * second * F_T) +
-               K * (J - 1) * J * F_T;
+               c01 * std::pow(J, -4.0 / 3) * (2 * (first * F - F * C) - 4.0 / 3 * second * F_T) + K * (J - 1) * J * F_T;
       });
 }
 

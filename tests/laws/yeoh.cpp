@@ -9,9 +9,7 @@ namespace {
 
 TEST(Yeoh, IsAPolynomialInTheFirstInvariant) {
   constexpr double c10 = 0.5, c20 = -0.07, c30 = 0.03, K = 20;
-  const auto x = [](const Eigen::Matrix3d& F) {
-    return std::pow(F.determinant(), -2.0 / 3) * F.squaredNorm() - 3;
-  };
+  const auto x = [](const Eigen::Matrix3d& F) { return std::pow(F.determinant(), -2.0 / 3) * F.squaredNorm() - 3; };
   expect_declared_as(
       of_parameters(law_named("yeoh"), {c10, c20, c30, K}),
       [&](const Eigen::Matrix3d& F) {

@@ -19,7 +19,8 @@ Scene symmetric_scene(Shape shape, int axis) {
   plane.normal[static_cast<std::size_t>(axis)] = 1;
   scene.mesh.symmetry = plane;
   const char* const ends[] = {"[1, 0.3, 1]", "[1, 1, 0.3]", "[0.3, 1, 1]"};
-  scene.fixed = parse_selection("{ box = { min_fraction = [0, 0, 0], max_fraction = " + std::string(ends[axis]) + " } }");
+  scene.fixed =
+      parse_selection("{ box = { min_fraction = [0, 0, 0], max_fraction = " + std::string(ends[axis]) + " } }");
   scene.active = scene.output = parse_selection("\"free-surface\"");
   return scene;
 }
@@ -50,8 +51,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, MirroredShape,
                          ::testing::Combine(::testing::Values(Shape::block, Shape::cylinder, Shape::tube),
                                             ::testing::Values(0, 1, 2)),
                          [](const auto& info) {
-                           return std::string(name(std::get<0>(info.param))) + "_" +
-                                  "xyz"[std::get<1>(info.param)];
+                           return std::string(name(std::get<0>(info.param))) + "_" + "xyz"[std::get<1>(info.param)];
                          });
 
 /// Its slit is in the upper wall: no plane of symmetry across y.
@@ -86,8 +86,7 @@ TEST(MirroredShape, IsTheDrainThatItIsWithoutAPlane) {
     double sum = 0, outward = 0;
     for (Eigen::Index t = 0; t < mesh.cells.rows(); ++t) {
       const Eigen::Vector3d a = mesh.nodes.row(mesh.cells(t, 0)), b = mesh.nodes.row(mesh.cells(t, 1)),
-                            c = mesh.nodes.row(mesh.cells(t, 2)), n = (b - a).cross(c - a) / 2,
-                            m = (a + b + c) / 3;
+                            c = mesh.nodes.row(mesh.cells(t, 2)), n = (b - a).cross(c - a) / 2, m = (a + b + c) / 3;
       outward += n[0] * m[0] + n[1] * m[1] > 0 ? 1 : -1;  // the tube's axis is z
       sum += n.norm();
     }
@@ -156,22 +155,19 @@ TEST(SymmetricBody, IsRefusedIfCellsOrSetsAreNot) {
 
   scene.fixed = parse_selection("{ nodes = [1, 3, 5] }");
   message = error_of([&] { resolve_selections(scene, octahedron()); });
-  EXPECT_TRUE(contains(message, "fixed nodes are not symmetric") && contains(message, "node 1 is one"))
-      << message;
+  EXPECT_TRUE(contains(message, "fixed nodes are not symmetric") && contains(message, "node 1 is one")) << message;
   scene.fixed = octahedron_scene().fixed;
   for (auto* set : {&scene.active, &scene.output}) {
     Scene lopsided = scene;
     (set == &scene.active ? lopsided.active : lopsided.output) = parse_selection("{ nodes = [2] }");
     message = error_of([&] { resolve_selections(lopsided, octahedron()); });
-    EXPECT_TRUE(contains(message, "nodes are not symmetric") && contains(message, "image 1 is not"))
-        << message;
+    EXPECT_TRUE(contains(message, "nodes are not symmetric") && contains(message, "image 1 is not")) << message;
   }
 }
 
 /// Two tetrahedra on the side x >= 0 of the plane x = 0, in .msh 2.2: `x` of the node that is off the plane.
 std::string half_msh(const std::string& x) {
-  return msh_2("1 4 2 7 1 1 2 3 5\n2 4 2 7 1 1 3 4 5\n", 2,
-               "1 0 0 0\n2 0 1 0\n3 0 0 1\n4 0 -1 0\n5 " + x + " 0 0\n");
+  return msh_2("1 4 2 7 1 1 2 3 5\n2 4 2 7 1 1 3 4 5\n", 2, "1 0 0 0\n2 0 1 0\n3 0 0 1\n4 0 -1 0\n5 " + x + " 0 0\n");
 }
 
 Scene half_scene(const std::filesystem::path& file) {

@@ -55,8 +55,7 @@ TEST(BrokenFiles, SliversAreAWarningWithNumberAndQuality) {
   EXPECT_EQ(result.quality.n_cells, 1063);
   EXPECT_GT(result.quality.n_slivers, 0);
   const std::string warnings = joined(result.warnings);
-  EXPECT_TRUE(contains(warnings, std::to_string(result.quality.n_slivers) + " slivers, worst quality"))
-      << warnings;
+  EXPECT_TRUE(contains(warnings, std::to_string(result.quality.n_slivers) + " slivers, worst quality")) << warnings;
 }
 
 }  // namespace

@@ -24,23 +24,21 @@ TEST(Cells, SomeNegativeAreFlippedOneByOneWithANote) {
 
 TEST(Cells, OverlappingNeighboursAreInverted) {
   // Node 5 lies on the same side of the common face as node 1.
-  const std::string message = error_of([] {
-    import_bytes(msh_2(two_cells, 2, "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0.1 0.1 0.1\n"), ".msh");
-  });
+  const std::string message = error_of(
+      [] { import_bytes(msh_2(two_cells, 2, "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0.1 0.1 0.1\n"), ".msh"); });
   EXPECT_TRUE(contains(message, "inverted cells") && contains(message, "2 cells: 0, 1")) << message;
 }
 
 TEST(Cells, WithoutVolumeAreRefusedWithTheirNodes) {
-  const std::string message = error_of(
-      [] { import_bytes(msh_2(two_cells, 2, "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n5 1 1 1\n"), ".msh"); });
+  const std::string message =
+      error_of([] { import_bytes(msh_2(two_cells, 2, "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n5 1 1 1\n"), ".msh"); });
   EXPECT_TRUE(contains(message, "cell 0 has no volume") && contains(message, "nodes 0 1 2 3")) << message;
 }
 
 TEST(Cells, WithNanCoordinatesAreRefused) {
-  const std::string message = error_of(
-      [] { import_bytes(msh_2(two_cells, 2, "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 nan 1\n"), ".msh"); });
-  EXPECT_TRUE(contains(message, "cell 1") && contains(message, "not finite") && contains(message, "node 4"))
-      << message;
+  const std::string message =
+      error_of([] { import_bytes(msh_2(two_cells, 2, "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 nan 1\n"), ".msh"); });
+  EXPECT_TRUE(contains(message, "cell 1") && contains(message, "not finite") && contains(message, "node 4")) << message;
 }
 
 const char* twin_nodes = "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n6 1 0 0\n7 0 1 0\n8 0 0 1\n";
@@ -48,8 +46,7 @@ const char* unmerged_cells = "1 4 2 0 1 1 2 3 4\n2 4 2 0 1 6 5 7 8\n";
 
 TEST(Cells, UnmergedCoincidentNodesAreNamed) {
   const std::string message = error_of([] { import_bytes(msh_2(unmerged_cells, 2, twin_nodes, 8), ".msh"); });
-  EXPECT_TRUE(contains(message, "2 components") &&
-              contains(message, "3 nodes lie exactly on another one (5, 6, 7)"))
+  EXPECT_TRUE(contains(message, "2 components") && contains(message, "3 nodes lie exactly on another one (5, 6, 7)"))
       << message;
 }
 
@@ -60,8 +57,7 @@ TEST(Cells, RepairMergesCoincidentNodesByName) {
 }
 
 TEST(Cells, SeparatePiecesAreRefusedOrTheLargestIsKept) {
-  const std::string nodes =
-      "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n6 5 0 0\n7 6 0 0\n8 5 1 0\n9 5 0 1\n";
+  const std::string nodes = "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n6 5 0 0\n7 6 0 0\n8 5 1 0\n9 5 0 1\n";
   const std::string cells = std::string(two_cells) + "3 4 2 0 1 6 7 8 9\n";
   const std::string message = error_of([&] { import_bytes(msh_2(cells, 3, nodes, 9), ".msh"); });
   EXPECT_TRUE(contains(message, "2 components of 2 and 1 cells")) << message;

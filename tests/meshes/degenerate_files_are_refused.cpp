@@ -63,8 +63,7 @@ std::string stl(const Degenerate& file) {
 
 std::string vtk(const Degenerate& file) {
   std::ostringstream text;
-  text << "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS " << file.nodes.size()
-       << " double\n";
+  text << "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS " << file.nodes.size() << " double\n";
   for (const auto& x : file.nodes) text << x[0] << ' ' << x[1] << ' ' << x[2] << '\n';
   text << "POLYGONS " << file.triangles.size() << ' ' << 4 * file.triangles.size() << '\n';
   for (const auto& t : file.triangles) text << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << '\n';
@@ -140,14 +139,10 @@ INSTANTIATE_TEST_SUITE_P(Kinds, DegenerateFile, ::testing::ValuesIn(files),
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST(DegenerateFiles, SayWhatIsWrong) {
-  const auto obj_error = [](const Degenerate& file) {
-    return error_of([&] { import_bytes(obj(file), ".obj"); });
-  };
-  EXPECT_TRUE(
-      contains(obj_error(files[0]), "the surface has no triangle with three different corners: 1 triangle"))
+  const auto obj_error = [](const Degenerate& file) { return error_of([&] { import_bytes(obj(file), ".obj"); }); };
+  EXPECT_TRUE(contains(obj_error(files[0]), "the surface has no triangle with three different corners: 1 triangle"))
       << obj_error(files[0]);
-  EXPECT_TRUE(contains(obj_error(files[8]),
-                       "a vertex has coordinates that are too large: node 1 at (1e+300, 0, 0) m"))
+  EXPECT_TRUE(contains(obj_error(files[8]), "a vertex has coordinates that are too large: node 1 at (1e+300, 0, 0) m"))
       << obj_error(files[8]);
   EXPECT_TRUE(contains(obj_error(files[8]), "check mesh.scale_to_m"));
 }
@@ -156,10 +151,8 @@ TEST(DegenerateFiles, SayWhatIsWrong) {
 TEST(DegenerateFiles, WithoutAnythingAreRefused) {
   std::vector<std::string> notes;
   const RawMesh nothing;
-  EXPECT_TRUE(
-      contains(error_of([&] { meshes::checked_body(nothing, 1, true, "f"); }), "holds no tetrahedra"));
-  EXPECT_TRUE(
-      contains(error_of([&] { meshes::checked_surface(nothing, 1, true, "f", notes); }), "no triangle"));
+  EXPECT_TRUE(contains(error_of([&] { meshes::checked_body(nothing, 1, true, "f"); }), "holds no tetrahedra"));
+  EXPECT_TRUE(contains(error_of([&] { meshes::checked_surface(nothing, 1, true, "f", notes); }), "no triangle"));
   EXPECT_TRUE(contains(error_of([&] { meshes::checked_shell(nothing, 1, true, "f"); }), "no triangle"));
   EXPECT_TRUE(meshes::coincident_nodes(Points(0, 3)).empty());
   meshes::Surface surface;
@@ -171,8 +164,7 @@ TEST(DegenerateFiles, WithoutAnythingAreRefused) {
 // Repair merges what lies in one place: a cell smaller than that would keep no volume.
 TEST(DegenerateFiles, WithCellsSmallerThanOnePlaceAreRefused) {
   RawMesh raw;
-  raw.nodes = {{0, 0, 0}, {1, 0, 0},         {0, 1, 0},     {0, 0, 1},
-               {2, 0, 0}, {2 + 1e-10, 0, 0}, {2, 1e-10, 0}, {2, 0, 1e-10}};
+  raw.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 0, 0}, {2 + 1e-10, 0, 0}, {2, 1e-10, 0}, {2, 0, 1e-10}};
   raw.tetrahedra = {{0, 1, 2, 3}, {4, 5, 6, 7}};
   EXPECT_TRUE(contains(error_of([&] { meshes::checked_body(raw, 1, true, "f"); }), "so small that merging"));
 }

@@ -12,9 +12,8 @@ namespace {
 Mesh awkward_mesh() {
   Mesh mesh;
   mesh.nodes.resize(5, 3);
-  mesh.nodes << -0.0, 0.0, 0.1, 1.0 / 3, std::numeric_limits<double>::denorm_min(),
-      -std::numeric_limits<double>::min(), 1, std::numeric_limits<double>::max(), -1e-300, 3, -5e-324, 1e22,
-      0.1 + 0.2, 123456789.123456789, 2;
+  mesh.nodes << -0.0, 0.0, 0.1, 1.0 / 3, std::numeric_limits<double>::denorm_min(), -std::numeric_limits<double>::min(),
+      1, std::numeric_limits<double>::max(), -1e-300, 3, -5e-324, 1e22, 0.1 + 0.2, 123456789.123456789, 2;
   mesh.cells.resize(2, 4);
   mesh.cells << 0, 1, 2, 3, 1, 4, 2, 3;
   mesh.surface = boundary_triangles(mesh.cells);
@@ -25,9 +24,7 @@ Mesh awkward_mesh() {
 
 void expect_same(const Mesh& a, const Mesh& b) {
   ASSERT_EQ(a.nodes.rows(), b.nodes.rows());
-  EXPECT_EQ(
-      std::memcmp(a.nodes.data(), b.nodes.data(), sizeof(double) * static_cast<std::size_t>(a.nodes.size())),
-      0);
+  EXPECT_EQ(std::memcmp(a.nodes.data(), b.nodes.data(), sizeof(double) * static_cast<std::size_t>(a.nodes.size())), 0);
   EXPECT_EQ(a.cells, b.cells);
   EXPECT_EQ(a.surface, b.surface);
   EXPECT_EQ(a.groups, b.groups);
@@ -61,8 +58,7 @@ TEST(MeshText, EveryTruncationIsRefused) {
   const std::string text = write_mesh_text(awkward_mesh());
   for (std::size_t n = 0; n < text.size(); ++n)
     EXPECT_NE(error_of([&] { read_mesh_text(text.substr(0, n), "mesh.txt"); }), "") << n << " bytes";
-  EXPECT_TRUE(
-      contains(error_of([&] { read_mesh_text(text.substr(0, text.size() / 2), "mesh.txt"); }), "truncated"));
+  EXPECT_TRUE(contains(error_of([&] { read_mesh_text(text.substr(0, text.size() / 2), "mesh.txt"); }), "truncated"));
 }
 
 TEST(MeshText, EveryChangedByteIsRefused) {

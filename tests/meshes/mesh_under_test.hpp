@@ -24,8 +24,7 @@ class TemporaryFile {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
     std::string name = std::string(info->test_suite_name()) + "-" + info->name();
     std::replace(name.begin(), name.end(), '/', '-');  // of tests with parameters
-    path = std::filesystem::temp_directory_path() /
-           ("phynness-" + name + "-" + std::to_string(counter++) + extension);
+    path = std::filesystem::temp_directory_path() / ("phynness-" + name + "-" + std::to_string(counter++) + extension);
     std::ofstream file(path, std::ios::binary);
     file << bytes;
     if (!file.flush()) throw std::runtime_error("cannot write " + path.string());
@@ -63,9 +62,7 @@ std::string error_of(Work work) {
   return "";
 }
 
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
+inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 inline std::string joined(const std::vector<std::string>& lines) {
   std::string text;
@@ -82,8 +79,7 @@ inline MeshResult shape(Shape kind, int target_nodes = 0) {
 
 /// Two tetrahedra on a common face, in .msh 2.2; `cells` are the lines of the elements.
 inline std::string msh_2(const std::string& cells, int n_cells,
-                         const std::string& nodes = "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n",
-                         int n_nodes = 5) {
+                         const std::string& nodes = "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1\n", int n_nodes = 5) {
   return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(n_nodes) + "\n" + nodes +
          "$EndNodes\n$Elements\n" + std::to_string(n_cells) + "\n" + cells + "$EndElements\n";
 }

@@ -7,10 +7,9 @@ namespace {
 
 TEST(WriteMsh, RoundTripsToTheSameHashAndGroups) {
   Mesh mesh =
-      import_bytes(
-          msh_2("1 4 2 7 1 1 2 3 4\n2 4 2 0 1 2 5 3 4\n", 2,
-                "1 -0.1 1e-17 0.3333333333333333\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1.0000000000000002\n"),
-          ".msh")
+      import_bytes(msh_2("1 4 2 7 1 1 2 3 4\n2 4 2 0 1 2 5 3 4\n", 2,
+                         "1 -0.1 1e-17 0.3333333333333333\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 1 1.0000000000000002\n"),
+                   ".msh")
           .mesh;
   mesh.groups["tip of the lobe"] = {2, 4};
   NodeSets sets;

@@ -40,8 +40,7 @@ TEST(Readers, TurnPhysicalGroupsIntoNodeLists) {
 }
 
 TEST(Readers, SayWhenATagMeansTwoGroups) {
-  const MeshResult result =
-      import_bytes(msh_2("1 2 2 7 1 1 2 3\n2 4 2 7 1 1 2 3 4\n3 4 2 0 1 2 5 3 4\n", 3), ".msh");
+  const MeshResult result = import_bytes(msh_2("1 2 2 7 1 1 2 3\n2 4 2 7 1 1 2 3 4\n3 4 2 0 1 2 5 3 4\n", 3), ".msh");
   EXPECT_EQ(result.mesh.groups.at("surface 7"), (std::vector<std::int32_t>{0, 1, 2}));
   EXPECT_EQ(result.mesh.groups.at("volume 7"), (std::vector<std::int32_t>{0, 1, 2, 3}));
   EXPECT_EQ(result.mesh.groups.at("7"), (std::vector<std::int32_t>{0, 1, 2, 3}));

@@ -57,9 +57,8 @@ TEST(DamagedFiles, ChangedBytesGiveAnErrorOrASoundMesh) {
 }
 
 TEST(DamagedFiles, HugeCountsAreRefusedBeforeAnythingIsAllocated) {
-  const std::string message = error_of([] {
-    import_bytes("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n999999999999\n1 0 0 0\n$EndNodes\n", ".msh");
-  });
+  const std::string message = error_of(
+      [] { import_bytes("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n999999999999\n1 0 0 0\n$EndNodes\n", ".msh"); });
   EXPECT_TRUE(contains(message, "declares 999999999999 nodes")) << message;
 }
 
@@ -81,8 +80,7 @@ TEST(DamagedFiles, MessagesNameTheDefect) {
        "two nodes have the same number: 2"},
       {".msh", msh_2(two_cells, 2, "1 0 0 0\n2 1 0 0\n3 0 1,5 0\n4 0 0 1\n5 1 1 1\n"), "expected a number"},
       {".vtk", "<VTKFile type=\"UnstructuredGrid\">\n", "not a legacy VTK file"},
-      {".vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n",
-       "unsupported kind of data set"},
+      {".vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\n", "unsupported kind of data set"},
       {".obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n", "not defined above"},
       {".obj", "v 0 0 0\n", "no faces"},
       {".stl", "solid x\nendsolid x\n", "no triangles"},

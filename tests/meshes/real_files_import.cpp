@@ -18,8 +18,7 @@ class RealMeshes : public ::testing::TestWithParam<Expected> {};
 
 TEST_P(RealMeshes, ImportWithTheirCounts) {
   const Expected& expected = GetParam();
-  if (!std::filesystem::exists(real(expected.file)))
-    GTEST_SKIP() << "no such file here: " << real(expected.file);
+  if (!std::filesystem::exists(real(expected.file))) GTEST_SKIP() << "no such file here: " << real(expected.file);
   const MeshResult result = import_file(real(expected.file), expected.scale_to_m);
   EXPECT_EQ(result.quality.n_nodes, expected.nodes);
   EXPECT_EQ(result.quality.n_cells, expected.cells);

@@ -15,8 +15,7 @@ Mesh grid() {
   Mesh mesh;
   mesh.nodes.resize(27, 3);
   for (int i = 0; i < 27; ++i) mesh.nodes.row(i) << i % 3, i / 3 % 3, i / 9;
-  const int paths[6][2] = {{1, 3}, {1, 9}, {3, 1},
-                           {3, 9}, {9, 1}, {9, 3}};  // Kuhn's six tetrahedra of a cube
+  const int paths[6][2] = {{1, 3}, {1, 9}, {3, 1}, {3, 9}, {9, 1}, {9, 3}};  // Kuhn's six tetrahedra of a cube
   std::vector<std::array<int, 4>> cells;
   for (int c = 0; c < 8; ++c)
     for (const auto& [p, q] : paths) {
@@ -64,13 +63,11 @@ TEST(Selections, FractionsAreOfTheBoundingBox) {
 }
 
 TEST(Selections, Sphere) {
-  EXPECT_EQ(selected("{ sphere = { center_m = [1, 1, 1], radius_m = 1 } }"),
-            (Nodes{4, 10, 12, 13, 14, 16, 22}));
+  EXPECT_EQ(selected("{ sphere = { center_m = [1, 1, 1], radius_m = 1 } }"), (Nodes{4, 10, 12, 13, 14, 16, 22}));
 }
 
 TEST(Selections, PlaneTakesBothSidesWithinItsTolerance) {
-  EXPECT_EQ(selected("{ plane = { point_m = [0, 0, 1.5], normal = [0, 0, 2], tolerance_m = 0.5 } }").size(),
-            18u);
+  EXPECT_EQ(selected("{ plane = { point_m = [0, 0, 1.5], normal = [0, 0, 2], tolerance_m = 0.5 } }").size(), 18u);
   EXPECT_EQ(selected("{ plane = { point_m = [0, 0, 1], normal = [0, 0, -3] } }").size(), 9u);
 }
 
@@ -105,21 +102,16 @@ TEST(Selections, AListIsTheUnionOfItsSelectors) {
 TEST(Selections, OutputMayHoldFixedNodes) { EXPECT_EQ(selected("\"all\"").front(), 0); }
 
 TEST(Selections, MistakesAreNamedWithTheirLine) {
-  const auto message = [](const Scene& scene) {
-    return error_of([&] { resolve_selections(scene, grid()); });
-  };
+  const auto message = [](const Scene& scene) { return error_of([&] { resolve_selections(scene, grid()); }); };
   const Scene good = scene_with("\"all\"");
   EXPECT_EQ(message(good), "");
 
   auto text = message(scene_with("{ sphere = { center_m = [9, 9, 9], radius_m = 0.1 } }"));
   EXPECT_TRUE(contains(text, "scene.toml:6: a selector of the output nodes selects no node")) << text;
-  EXPECT_TRUE(contains(text, "sphere at (9, 9, 9) m, radius 0.100000 m") && contains(text, "(2, 2, 2) m"))
-      << text;
+  EXPECT_TRUE(contains(text, "sphere at (9, 9, 9) m, radius 0.100000 m") && contains(text, "(2, 2, 2) m")) << text;
 
   text = message(scene_with("\"all\"", "\"surface\""));
-  EXPECT_TRUE(contains(text, "scene.toml:5: active nodes that are also fixed") &&
-              contains(text, "9 nodes: 0"))
-      << text;
+  EXPECT_TRUE(contains(text, "scene.toml:5: active nodes that are also fixed") && contains(text, "9 nodes: 0")) << text;
 
   text = message(scene_with("{ group = \"hilum\" }"));
   EXPECT_TRUE(contains(text, "scene.toml:6: the mesh has no physical group for the output nodes: hilum") &&
@@ -127,8 +119,7 @@ TEST(Selections, MistakesAreNamedWithTheirLine) {
       << text;
 
   text = message(scene_with("{ nodes = [3, 27] }"));
-  EXPECT_TRUE(contains(text, "a node number of the output nodes is out of range: 27") &&
-              contains(text, "0 to 26"))
+  EXPECT_TRUE(contains(text, "a node number of the output nodes is out of range: 27") && contains(text, "0 to 26"))
       << text;
 
   Scene scene = good;

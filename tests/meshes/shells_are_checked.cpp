@@ -120,8 +120,8 @@ TEST(Shells, OfOneSideAreRefused) {
   for (int i = 0; i < n; ++i) {
     // The last pair of nodes meets the first one upside down.
     const int a = 2 * i + 1, b = 2 * i + 2, c = i + 1 < n ? a + 2 : 2, d = i + 1 < n ? b + 2 : 1;
-    text += "f " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\nf " +
-            std::to_string(b) + " " + std::to_string(d) + " " + std::to_string(c) + "\n";
+    text += "f " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\nf " + std::to_string(b) +
+            " " + std::to_string(d) + " " + std::to_string(c) + "\n";
   }
   const auto message = refusal(text);
   EXPECT_TRUE(contains(message, "one side only")) << message;
@@ -131,8 +131,7 @@ TEST(Shells, TrianglesWithoutAreaAreRefusedOrDropped) {
   const auto message = refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.5 0 0\nf 1 2 3\nf 1 4 2\n");
   EXPECT_TRUE(contains(message, "without area") && contains(message, "1 triangle: 1")) << message;
   const auto result = shell_of(obj(2, 2, flat) + "f 1 1 2\n", 0.01);
-  EXPECT_TRUE(contains(joined(result.notes), "dropped 1 triangle with two equal corners"))
-      << joined(result.notes);
+  EXPECT_TRUE(contains(joined(result.notes), "dropped 1 triangle with two equal corners")) << joined(result.notes);
   EXPECT_EQ(result.mesh.n_cells(), 8);
 }
 
@@ -164,8 +163,7 @@ TEST(Shells, AnEdgeOfFixedNodesHoldsThem) {
   // Displacements at two nodes of a line leave a body to turn about it; a clamped edge does not.
   const auto mesh = shell_of(obj(4, 3, flat), 0.01).mesh;
   EXPECT_TRUE(hold_the_body(mesh, std::vector<std::int32_t>{0, 1, 2, 3, 4}));
-  EXPECT_FALSE(hold_the_body(mesh, std::vector<std::int32_t>{0, 2, 4}))
-      << "no edge between them, all on a line";
+  EXPECT_FALSE(hold_the_body(mesh, std::vector<std::int32_t>{0, 2, 4})) << "no edge between them, all on a line";
   EXPECT_TRUE(hold_the_body(mesh, std::vector<std::int32_t>{0, 4, 12}));
   const auto solid = import_bytes(msh_2(two_cells, 2), ".msh").mesh;
   EXPECT_FALSE(hold_the_body(solid, std::vector<std::int32_t>{0, 1}));

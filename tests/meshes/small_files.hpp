@@ -64,8 +64,8 @@ inline std::string small_msh_4_binary(bool turned) {
   for (std::uint64_t i = 1; i <= 5; ++i) text += size(i);
   for (const auto& node : small_nodes)
     for (const double x : node) text += bytes_of(x, turned);
-  text += "\n$EndNodes\n$Elements\n" + size(1) + size(2) + size(1) + size(2) + integer(3) + integer(1) +
-          integer(4) + size(2);
+  text += "\n$EndNodes\n$Elements\n" + size(1) + size(2) + size(1) + size(2) + integer(3) + integer(1) + integer(4) +
+          size(2);
   for (std::uint64_t c = 0; c < 2; ++c) {
     text += size(c + 1);
     for (const std::int32_t node : small_cells[c]) text += size(static_cast<std::uint64_t>(node));
@@ -76,8 +76,7 @@ inline std::string small_msh_4_binary(bool turned) {
 /// Legacy VTK is big-endian whatever the machine.
 inline std::string small_vtk_binary() {
   const bool turned = std::endian::native == std::endian::little;
-  std::string text =
-      "# vtk DataFile Version 3.0\ntwo cells\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n";
+  std::string text = "# vtk DataFile Version 3.0\ntwo cells\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n";
   for (const auto& node : small_nodes)
     for (const double x : node) text += bytes_of(x, turned);
   text += "\nCELLS 2 10\n";

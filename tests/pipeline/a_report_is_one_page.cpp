@@ -32,9 +32,9 @@ class Report : public CommandLine {
 
 TEST_F(Report, HoldsWhatItPromises) {
   for (const char* part :
-       {"What was modelled", "What was solved, and what failed", "Errors",
-        "The worst forces inside the range", "Force against depth", "Where on the body the error is",
-        "Conservation and trust", "Size and time", "What made this", "Speed against accuracy, by level"})
+       {"What was modelled", "What was solved, and what failed", "Errors", "The worst forces inside the range",
+        "Force against depth", "Where on the body the error is", "Conservation and trust", "Size and time",
+        "What made this", "Speed against accuracy, by level"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   // Four histograms, a curve for each of some nodes, two views and their scale.
   EXPECT_GE(count("<svg"), 8U);
@@ -70,8 +70,7 @@ TEST_F(Report, IsReadByABrowserWithoutAnError) {
       "--dump-dom file://" +
       (folder / "r.html").string() + " 2> log.txt > dom.html");
   ASSERT_EQ(seen.exit_status, 0);
-  EXPECT_EQ(read_file(folder / "log.txt").find("CONSOLE"), std::string::npos)
-      << read_file(folder / "log.txt");
+  EXPECT_EQ(read_file(folder / "log.txt").find("CONSOLE"), std::string::npos) << read_file(folder / "log.txt");
   EXPECT_NE(read_file(folder / "dom.html").find("<polygon"), std::string::npos);
 }
 

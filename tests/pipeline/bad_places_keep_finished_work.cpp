@@ -58,18 +58,17 @@ TEST_F(BadPlace, DiskThatFillsUp) {
 
 TEST_F(BadPlace, ReadOnlyFolder) {
   if (!may_mount()) GTEST_SKIP() << "no mount namespaces here";
-  write_file(
-      folder / "script.sh",
-      "set -u; mkdir disk; mount -t tmpfs tmpfs disk\n"
-      "(export OMPI_MCA_ess_singleton_isolated=1; ulimit -f 120;\n"
-      " \"$PHYNNESS\" precompute scene.toml -o disk/database.h5 2>/dev/null)\n"
-      "test -s disk/database.h5.log/rank-0000 || exit\n"
-      "mount -o remount,ro disk\n"
-      "\"$PHYNNESS\" precompute scene.toml -o disk/new.h5 2>new.txt; echo $? >new.status\n"
-      "\"$PHYNNESS\" precompute scene.toml -o disk/database.h5 --resume 2>old.txt; echo $? >old.status\n"
-      "mount -o remount,rw disk\n"
-      "\"$PHYNNESS\" precompute scene.toml -o disk/database.h5 --resume || exit\n"
-      "cp disk/database.h5 database.h5\n");
+  write_file(folder / "script.sh",
+             "set -u; mkdir disk; mount -t tmpfs tmpfs disk\n"
+             "(export OMPI_MCA_ess_singleton_isolated=1; ulimit -f 120;\n"
+             " \"$PHYNNESS\" precompute scene.toml -o disk/database.h5 2>/dev/null)\n"
+             "test -s disk/database.h5.log/rank-0000 || exit\n"
+             "mount -o remount,ro disk\n"
+             "\"$PHYNNESS\" precompute scene.toml -o disk/new.h5 2>new.txt; echo $? >new.status\n"
+             "\"$PHYNNESS\" precompute scene.toml -o disk/database.h5 --resume 2>old.txt; echo $? >old.status\n"
+             "mount -o remount,rw disk\n"
+             "\"$PHYNNESS\" precompute scene.toml -o disk/database.h5 --resume || exit\n"
+             "cp disk/database.h5 database.h5\n");
   const auto script = shell("export PHYNNESS; unshare -rm sh script.sh");
   EXPECT_EQ(script.exit_status, 0) << script.err;
   for (const char* run : {"new", "old"}) {

@@ -35,8 +35,8 @@ class CommandLine : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder = std::filesystem::temp_directory_path() / (std::string("phynness-") + info->test_suite_name() +
-                                                       "-" + info->name() + "-" + std::to_string(getpid()));
+    folder = std::filesystem::temp_directory_path() /
+             (std::string("phynness-") + info->test_suite_name() + "-" + info->name() + "-" + std::to_string(getpid()));
     std::filesystem::create_directories(folder);
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
     setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
@@ -51,13 +51,11 @@ class CommandLine : public ::testing::Test {
     const auto full = "cd '" + folder.string() + "' && PHYNNESS='" PHYNNESS_COMMAND "' && { " + line +
                       "; } >stdout.txt 2>stderr.txt </dev/null";
     const int status = std::system(full.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-            read_file(folder / "stdout.txt"), read_file(folder / "stderr.txt")};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_file(folder / "stdout.txt"),
+            read_file(folder / "stderr.txt")};
   }
   Outcome phynness(const std::string& arguments) const { return shell("\"$PHYNNESS\" " + arguments); }
-  nlohmann::json json(const std::string& name) const {
-    return nlohmann::json::parse(read_file(folder / name));
-  }
+  nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(read_file(folder / name)); }
 
   /// A block of a few dozen nodes, fixed below, two nodes of its top touched: seconds, not minutes.
   static std::string small_scene(const std::string& element = "P1", int increments = 2) {
@@ -74,7 +72,8 @@ class CommandLine : public ::testing::Test {
            "[probe]\ndirections = 26\nincrements = " +
            std::to_string(increments) +
            "\nmax_displacement_m = 0.008\n"
-           "[training]\nfamily = \"rbfn\"\ndeformation_neurons = 40\nforce_neurons = 20\nforce_spread = 2.0\nsamples = 500\n"
+           "[training]\nfamily = \"rbfn\"\ndeformation_neurons = 40\nforce_neurons = 20\nforce_spread = 2.0\nsamples = "
+           "500\n"
            "[validation]\nprobes = 8\n";
   }
 

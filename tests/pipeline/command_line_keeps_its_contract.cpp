@@ -40,8 +40,7 @@ TEST_F(Contract, PipelineFromSceneToForce) {
   const auto eval = phynness("eval out/model" + tool + " --json eval.json --deformation eval.csv");
   ASSERT_EQ(eval.exit_status, 0) << eval.err;
   for (const char* source : {"scene.toml", "out/database.h5"}) {
-    const auto solve =
-        phynness("solve " + std::string(source) + tool + " --json solve.json --deformation solve.csv");
+    const auto solve = phynness("solve " + std::string(source) + tool + " --json solve.json --deformation solve.csv");
     ASSERT_EQ(solve.exit_status, 0) << solve.err;
     const auto e = json("eval.json"), s = json("solve.json");
     for (const auto& answer : {e, s}) {
@@ -90,8 +89,7 @@ TEST_F(Contract, PipelineFromSceneToForce) {
   write_file(folder / "other.toml", changed);
   EXPECT_EQ(phynness("validate other.toml out/model --probes 2").exit_status, 2);
   EXPECT_EQ(phynness("train other.toml out/database.h5 -o m2").exit_status, 2);
-  const auto refused =
-      shell("timeout 60 mpirun --oversubscribe -n 2 \"$PHYNNESS\" validate other.toml out/model");
+  const auto refused = shell("timeout 60 mpirun --oversubscribe -n 2 \"$PHYNNESS\" validate other.toml out/model");
   EXPECT_EQ(refused.exit_status, 2) << refused.err;
   EXPECT_NE(refused.err.find("another scene"), std::string::npos) << refused.err;
 }

@@ -12,8 +12,8 @@ namespace {
 class Ranks : public CommandLine {
  protected:
   Outcome precompute(int n_ranks, const std::string& options) {
-    return shell("mpirun --oversubscribe -n " + std::to_string(n_ranks) +
-                 " \"$PHYNNESS\" precompute scene.toml " + options);
+    return shell("mpirun --oversubscribe -n " + std::to_string(n_ranks) + " \"$PHYNNESS\" precompute scene.toml " +
+                 options);
   }
 
   void expect_equal(const std::string& file, const Database& one) {

@@ -63,8 +63,7 @@ TEST_F(FieldsOfAScene, AreTheSameColumnsOfEvalAndSolve) {
   ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal").exit_status, 0);
   ASSERT_EQ(phynness("info m --json info.json").exit_status, 0);
   EXPECT_EQ(json("info.json").at("fields"), (nlohmann::json{"von-mises-stress", "energy-density"}));
-  const auto tool =
-      " --node " + json("info.json").at("active").at(0).dump() + " --displacement 0.002,0.001,-0.005";
+  const auto tool = " --node " + json("info.json").at("active").at(0).dump() + " --displacement 0.002,0.001,-0.005";
   ASSERT_EQ(phynness("eval m" + tool + " --deformation e.csv --json e.json").exit_status, 0);
   ASSERT_EQ(phynness("solve d.h5" + tool + " --deformation s.csv --json s.json").exit_status, 0);
   std::string eval_header, solve_header;
@@ -96,8 +95,8 @@ TEST_F(FieldsOfAScene, AreStoredAsSolved) {
   const double depth = header.magnitudes_m.back();
   std::ostringstream tool;
   tool.precision(17);
-  tool << " --node " << header.sets.active[0] << " --displacement " << depth * e[0] << "," << depth * e[1]
-       << "," << depth * e[2];
+  tool << " --node " << header.sets.active[0] << " --displacement " << depth * e[0] << "," << depth * e[1] << ","
+       << depth * e[2];
   ASSERT_EQ(phynness("solve d.h5" + tool.str() + " --deformation s.csv").exit_status, 0);
   std::string heading;
   const auto solved = table("s.csv", heading);
@@ -107,11 +106,9 @@ TEST_F(FieldsOfAScene, AreStoredAsSolved) {
     double largest = 0;
     for (const auto& row : solved) largest = std::max(largest, row[7 + f]);
     // Rounded to float32 (6e-8), and solved to 1e-8 of the reactions.
-    for (std::size_t i = 0; i < n; ++i)
-      EXPECT_NEAR(rays[2].fields[f][last * n + i], solved[i][7 + f], 1e-6 * largest);
+    for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(rays[2].fields[f][last * n + i], solved[i][7 + f], 1e-6 * largest);
   }
-  const auto shown =
-      phynness("show d.h5 --node " + std::to_string(header.sets.active[0]) + " --direction 2 -o p.xdmf");
+  const auto shown = phynness("show d.h5 --node " + std::to_string(header.sets.active[0]) + " --direction 2 -o p.xdmf");
   ASSERT_EQ(shown.exit_status, 0) << shown.err;
   EXPECT_NE(read_file(folder / "p.xdmf").find("von_mises_stress_Pa"), std::string::npos);
   EXPECT_NE(shown.err.find("stored at output nodes only"), std::string::npos) << shown.err;
@@ -120,8 +117,7 @@ TEST_F(FieldsOfAScene, AreStoredAsSolved) {
 TEST_F(FieldsOfAScene, AreLeftOutByFamiliesThatDoNotModelThem) {
   const auto trained = phynness("train scene.toml d.h5 -o m --family rbfn");
   ASSERT_EQ(trained.exit_status, 0) << trained.err;
-  EXPECT_NE(trained.err.find("(von-mises-stress, energy-density) are not modelled"), std::string::npos)
-      << trained.err;
+  EXPECT_NE(trained.err.find("(von-mises-stress, energy-density) are not modelled"), std::string::npos) << trained.err;
   ASSERT_EQ(phynness("validate scene.toml m --probes 8 --json v.json").exit_status, 0);
   EXPECT_FALSE(json("v.json").at("inside").contains("fields"));
 }

@@ -32,8 +32,7 @@ TEST_F(Interrupted, KilledRunResumesToTheSameDatabase) {
   write_file(folder / "scene.toml", small_scene("P1", 6));
   ASSERT_EQ(phynness("precompute scene.toml -o whole.h5").exit_status, 0);
   const auto killed = shell(run_and_signal("KILL"));
-  ASSERT_NE(killed.exit_status, 0)
-      << "it finished before the signal came: the scene is too small for this test";
+  ASSERT_NE(killed.exit_status, 0) << "it finished before the signal came: the scene is too small for this test";
   EXPECT_FALSE(Database::is_complete(folder / "database.h5"));
   const auto info = phynness("info database.h5");
   EXPECT_EQ(info.exit_status, 0) << info.err;
@@ -49,8 +48,7 @@ TEST_F(Interrupted, KilledRunResumesToTheSameDatabase) {
   ASSERT_EQ(resumed.exit_status, 0) << resumed.err;
   EXPECT_GT(json("resumed.json").at("rays_resumed").get<int>(), 0);
   EXPECT_LT(json("resumed.json").at("rays_resumed").get<int>(), 52);
-  EXPECT_EQ(all_forces(Database::open(folder / "database.h5")),
-            all_forces(Database::open(folder / "whole.h5")));
+  EXPECT_EQ(all_forces(Database::open(folder / "database.h5")), all_forces(Database::open(folder / "whole.h5")));
 }
 
 TEST_F(Interrupted, SigtermEndsPolitelyAndResumes) {

@@ -11,17 +11,15 @@ class InterruptedValidation : public CommandLine {
     CommandLine::SetUp();
     auto scene = small_scene("P1", 2);
     const auto active = scene.find("active = [");
-    scene.replace(
-        active, scene.find("[probe]") - active,
-        "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
+    scene.replace(active, scene.find("[probe]") - active,
+                  "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
     write_file(folder / "scene.toml", scene);
     ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
   }
 
   /// More probes than a minute solves; SIGINT when the progress has counted to `count` in `unit`.
   Outcome interrupted(const std::string& unit, const std::string& options) const {
-    return shell("PHYNNESS_PROGRESS=1 \"$PHYNNESS\" validate scene.toml out/model --json part.json " +
-                 options +
+    return shell("PHYNNESS_PROGRESS=1 \"$PHYNNESS\" validate scene.toml out/model --json part.json " + options +
                  " 2>progress.txt & pid=$!; for i in $(seq 3000); do "
                  "grep -qE '[1-9][0-9]/[0-9]+ " +
                  unit +

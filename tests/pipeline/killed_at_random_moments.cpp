@@ -95,8 +95,7 @@ class Killed : public CommandLine {
     int while_solving = 0, databases = 0;
     for (int struck = 0; struck < kills || begun;) {
       // Ranks may outlive their mpirun for a moment.
-      while (!DatabaseLock::holder(database).empty())
-        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      while (!DatabaseLock::holder(database).empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
       const auto start_time = Clock::now();
       const pid_t child = start(command);
       int status = 0;
@@ -164,25 +163,23 @@ class KilledAlone : public Killed {
     Killed::SetUp();
   }
   void TearDown() override {
-    for (const char* name : {"OMPI_MCA_pml", "OMPI_MCA_btl", "OMPI_MCA_ess_singleton_isolated"})
-      unsetenv(name);
+    for (const char* name : {"OMPI_MCA_pml", "OMPI_MCA_btl", "OMPI_MCA_ess_singleton_isolated"}) unsetenv(name);
     Killed::TearDown();
   }
 };
 
 TEST_F(KilledAlone, ProcessEndsAtTheSameDatabase) {
   const auto database = folder / "database.h5";
-  torment({PHYNNESS_COMMAND, "precompute", "scene.toml", "-o", "database.h5", "--resume"}, database, 24,
-          kill_process, [&] { expect_whole_and_remove(database); });
+  torment({PHYNNESS_COMMAND, "precompute", "scene.toml", "-o", "database.h5", "--resume"}, database, 24, kill_process,
+          [&] { expect_whole_and_remove(database); });
 }
 
 TEST_F(KilledAlone, ShardEndsAtTheSameDatabase) {
   ASSERT_EQ(phynness("precompute scene.toml -o database.h5 --shard 0/2").exit_status, 0);
   const auto shard = folder / "database.shard-1-of-2.h5";
-  torment({PHYNNESS_COMMAND, "precompute", "scene.toml", "-o", "database.h5", "--shard", "1/2", "--resume"},
-          shard, 22, kill_process, [&] {
-            const auto merged =
-                phynness("merge database.shard-0-of-2.h5 database.shard-1-of-2.h5 -o database.h5");
+  torment({PHYNNESS_COMMAND, "precompute", "scene.toml", "-o", "database.h5", "--shard", "1/2", "--resume"}, shard, 22,
+          kill_process, [&] {
+            const auto merged = phynness("merge database.shard-0-of-2.h5 database.shard-1-of-2.h5 -o database.h5");
             ASSERT_EQ(merged.exit_status, 0) << merged.err;
             expect_whole_and_remove(folder / "database.h5");
             std::filesystem::remove(shard);
@@ -192,9 +189,8 @@ TEST_F(KilledAlone, ShardEndsAtTheSameDatabase) {
 
 TEST_F(Killed, RanksEndAtTheSameDatabase) {
   const auto database = folder / "database.h5";
-  const std::vector<std::string> command{"mpirun",         "--oversubscribe", "-n",         "3",
-                                         PHYNNESS_COMMAND, "precompute",      "scene.toml", "-o",
-                                         "database.h5",    "--resume"};
+  const std::vector<std::string> command{"mpirun",     "--oversubscribe", "-n", "3",           PHYNNESS_COMMAND,
+                                         "precompute", "scene.toml",      "-o", "database.h5", "--resume"};
   bool one = false;
   const auto kill_ranks = [&](pid_t mpirun, std::mt19937& random) {
     auto ranks = children_of(mpirun);

@@ -74,9 +74,8 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
   for (const char* element : {"P1", "p1-p1"}) {
     auto scene = linear_scene(element);
     const auto active = scene.find("active = [");
-    scene.replace(
-        active, scene.find("[probe]") - active,
-        "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
+    scene.replace(active, scene.find("[probe]") - active,
+                  "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
     write_file(folder / "scene.toml", scene);
     std::filesystem::remove_all(folder / "out");
     ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
@@ -130,9 +129,7 @@ TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
     EXPECT_EQ(json("ranks.json").at("points"), points);
     EXPECT_EQ(json("ranks.json").at("pairs"), pairs);
   }
-  EXPECT_EQ(
-      phynness("eval out/model --point 0.041,0.033,0.05 --displacement 0,0,0.001 --tools paper").exit_status,
-      2);
+  EXPECT_EQ(phynness("eval out/model --point 0.041,0.033,0.05 --displacement 0,0,0.001 --tools paper").exit_status, 2);
   EXPECT_EQ(phynness("eval out/model --point 0.041,0.033 --displacement 0,0,0.001").exit_status, 2);
   EXPECT_EQ(phynness("eval out/model --point 0.0,0.033,0.0 --displacement 0,0,0.001").exit_status, 2);
   EXPECT_EQ(phynness("solve scene.toml --point 0.03,0.033,0.0 --displacement 0,0,0.001").exit_status, 2);
@@ -168,16 +165,15 @@ TEST_F(LinearScenes, EvalWritesTheDeformedSurface) {
     std::getline(csv, line);
     for (std::size_t row = 0; levels == 0 && std::getline(csv, line); ++row) {
       double x[3], u[3];
-      ASSERT_EQ(std::sscanf(line.c_str(), "%*d,%lf,%lf,%lf,%lf,%lf,%lf", x, x + 1, x + 2, u, u + 1, u + 2),
-                6);
+      ASSERT_EQ(std::sscanf(line.c_str(), "%*d,%lf,%lf,%lf,%lf,%lf,%lf", x, x + 1, x + 2, u, u + 1, u + 2), 6);
       for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(vertices.at(row)[k], x[k] + u[k], 1e-7);
     }
   }
   EXPECT_GT(before, 0);
   EXPECT_EQ(phynness(eval + " --surface s.vtk --subdivide 1").exit_status, 0);
   EXPECT_EQ(read_file(folder / "s.vtk").substr(0, 5), "# vtk");
-  for (const char* wrong : {" --surface s.stl", " --subdivide 1", " --surface out/model/model.txt",
-                            " --surface u.csv", " --surface s.obj --subdivide 7"})
+  for (const char* wrong : {" --surface s.stl", " --subdivide 1", " --surface out/model/model.txt", " --surface u.csv",
+                            " --surface s.obj --subdivide 7"})
     EXPECT_NE(phynness(eval + wrong).exit_status, 0) << wrong;
 }
 

@@ -27,10 +27,9 @@ class MirroredResponses : public CommandLine,
                        probe);
     // Two nodes of a pair, and one on the plane.
     const auto from = text.find("active ="), to = text.find("[database]");
-    return text.replace(
-        from, to - from,
-        "active = [{ nearest = { point_fraction = [0, 0, 1] } }, { nearest = { point_fraction = [1, 0, "
-        "1] } },\n          { nearest = { point_fraction = [0.5, 1, 1] } }]\n");
+    return text.replace(from, to - from,
+                        "active = [{ nearest = { point_fraction = [0, 0, 1] } }, { nearest = { point_fraction = [1, 0, "
+                        "1] } },\n          { nearest = { point_fraction = [0.5, 1, 1] } }]\n");
   }
 };
 
@@ -75,8 +74,7 @@ TEST_P(MirroredResponses, AreThoseOfSolvingEverything) {
   const auto info = phynness("info mirrored.h5");
   EXPECT_NE(info.out.find("35 of 78 rays are mirror images"), std::string::npos) << info.out;
   for (const char* shard : {"0/2", "1/2"}) {
-    const auto part =
-        phynness(std::string("precompute scene.toml -o parts.h5 --json part.json --shard ") + shard);
+    const auto part = phynness(std::string("precompute scene.toml -o parts.h5 --json part.json --shard ") + shard);
     ASSERT_EQ(part.exit_status, 0) << part.err;
     // So few rays are dealt one by one.
     EXPECT_NEAR(json("part.json").at("rays").get<int>(), 43 / 2.0, 0.5) << shard;
@@ -90,8 +88,7 @@ TEST_P(MirroredResponses, AreThoseOfSolvingEverything) {
 
 INSTANTIATE_TEST_SUITE_P(Probes, MirroredResponses,
                          ::testing::Values(std::pair{"P1", "kind = \"node\"\n"},
-                                           std::pair{"taylor-hood",
-                                                     "kind = \"patch\"\ntool_radius_m = 0.03\n"}),
+                                           std::pair{"taylor-hood", "kind = \"patch\"\ntool_radius_m = 0.03\n"}),
                          [](const auto& info) { return info.index == 0 ? "node_P1" : "patch_taylor_hood"; });
 
 }  // namespace

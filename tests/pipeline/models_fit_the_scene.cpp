@@ -21,15 +21,12 @@ TEST_F(Families, ModalIsCloserToTheFiniteElementsThanAnyOther) {
   for (const std::string family : {"modal", "rbfn"}) {
     const auto trained = phynness("train scene.toml d.h5 -o " + family + " --family " + family);
     ASSERT_EQ(trained.exit_status, 0) << trained.err;
-    ASSERT_EQ(
-        phynness("validate scene.toml " + family + " --probes 80 --json " + family + ".json").exit_status, 0);
+    ASSERT_EQ(phynness("validate scene.toml " + family + " --probes 80 --json " + family + ".json").exit_status, 0);
   }
   const auto modal = json("modal.json"), rbfn = json("rbfn.json");
   for (const char* group : {"inside", "outside"})
     for (const char* what : {"force", "displacement"}) {
-      const auto mean = [&](const nlohmann::json& of) {
-        return of.at(group).at(what).at("mean").get<double>();
-      };
+      const auto mean = [&](const nlohmann::json& of) { return of.at(group).at(what).at("mean").get<double>(); };
       EXPECT_LT(mean(modal), mean(rbfn)) << group << " " << what;
       EXPECT_LT(mean(modal), 0.5 * mean(modal.at("linear"))) << group << " " << what;
     }
@@ -39,10 +36,8 @@ TEST_F(Families, EnergyIsTheWorkOfTheForce) {
   ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal").exit_status, 0);
   ASSERT_EQ(phynness("info m --json info.json").exit_status, 0);
   const auto node = json("info.json").at("active").at(0).dump();
-  ASSERT_EQ(phynness("eval m --node " + node + " --displacement 0.002,0,-0.005 --json e.json").exit_status,
-            0);
-  ASSERT_EQ(
-      phynness("solve d.h5 --node " + node + " --displacement 0.002,0,-0.005 --json s.json").exit_status, 0);
+  ASSERT_EQ(phynness("eval m --node " + node + " --displacement 0.002,0,-0.005 --json e.json").exit_status, 0);
+  ASSERT_EQ(phynness("solve d.h5 --node " + node + " --displacement 0.002,0,-0.005 --json s.json").exit_status, 0);
   const double model = json("e.json").at("energy"), solved = json("s.json").at("energy");
   // Trained on forces alone: its energy is the integral of forces that are right to about a percent.
   EXPECT_NEAR(model, solved, 0.02 * solved);
@@ -66,8 +61,7 @@ TEST_F(Families, ModelsOfForcesAloneSayThatTheyHaveNoDeformation) {
 }
 
 TEST_F(Families, TuneMeetsTheLimitsOrSaysWhy) {
-  const auto tuned =
-      phynness("tune scene.toml d.h5 -o m --max-error 5% --max-size 1MB --probes 40 --json t.json");
+  const auto tuned = phynness("tune scene.toml d.h5 -o m --max-error 5% --max-size 1MB --probes 40 --json t.json");
   ASSERT_EQ(tuned.exit_status, 0) << tuned.err;
   const auto report = json("t.json");
   const auto chosen = report.at("chosen").get<std::string>();
@@ -134,8 +128,7 @@ TEST_F(Families, TitlesAndPlacesArePlottedNotRun) {
   ASSERT_EQ(tuned.exit_status, 0) << tuned.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "it's.svg"));
   EXPECT_FALSE(std::filesystem::exists(folder / "ran"));
-  EXPECT_NE(read_file(folder / "it's.svg").find("touch ran"), std::string::npos)
-      << "the title is in the plot";
+  EXPECT_NE(read_file(folder / "it's.svg").find("touch ran"), std::string::npos) << "the title is in the plot";
 }
 
 TEST_F(Families, FewStatesMakeFewCentersNotWildForces) {

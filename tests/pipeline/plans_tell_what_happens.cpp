@@ -17,8 +17,8 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   write_file(folder / "scene.toml", small_scene());
   const auto planned = phynness("plan scene.toml --ranks 3 --rays 16 --json plan.json");
   ASSERT_EQ(planned.exit_status, 0) << planned.err;
-  for (const char* word : {"precompute takes about", "on 3 ranks", "CPU time", "memory", "database", "model",
-                           "ranks of use", "limit"})
+  for (const char* word :
+       {"precompute takes about", "on 3 ranks", "CPU time", "memory", "database", "model", "ranks of use", "limit"})
     EXPECT_NE(planned.out.find(word), std::string::npos) << word << "\n" << planned.out;
   const auto plan = json("plan.json");
   ASSERT_EQ(phynness("precompute scene.toml -o database.h5 --json run.json").exit_status, 0);
@@ -36,10 +36,8 @@ TEST_F(Plans, sizes_are_those_of_the_run) {
   // A prediction to choose a queue by; 16 rays stand for all.
   const auto close = [](double predicted, double actual) { EXPECT_NEAR(predicted, actual, 0.25 * actual); };
   close(plan["database_bytes"], run["database_bytes"]);
-  close(plan["model_text_bytes"],
-        static_cast<double>(std::filesystem::file_size(folder / "model/model.txt")));
-  EXPECT_EQ(plan["mesh_text_bytes"],
-            static_cast<double>(std::filesystem::file_size(folder / "model/mesh.txt")));
+  close(plan["model_text_bytes"], static_cast<double>(std::filesystem::file_size(folder / "model/model.txt")));
+  EXPECT_EQ(plan["mesh_text_bytes"], static_cast<double>(std::filesystem::file_size(folder / "model/mesh.txt")));
   EXPECT_GT(plan["memory_bytes_per_rank"].get<double>(), 1e7);
   EXPECT_EQ(plan["curve"].back()["ranks"], 10000);
   EXPECT_GE(plan["ranks_of_use"].get<int>(), plan["ranks_at_90_percent"].get<int>());
@@ -83,8 +81,7 @@ TEST_F(Plans, the_table_is_printed_on_request_with_the_numbers_for_machines) {
 
 /// The tasks of `plan` in a log: each whole, one after the other, in the order in which they are handed out.
 /// @return how many
-int tasks_in(const std::vector<RayIndex>& log, const Schedule& plan, const RayWork& work,
-             std::vector<int>& taken) {
+int tasks_in(const std::vector<RayIndex>& log, const Schedule& plan, const RayWork& work, std::vector<int>& taken) {
   int n_tasks = 0;
   std::size_t at = 0, task = 0;
   while (at < log.size()) {
@@ -122,8 +119,8 @@ TEST_F(Plans, tasks_are_those_of_precompute) {
   work.seconds.assign(work.rays.size(), 1);
   for (const int ranks : {1, 3}) {
     const std::string n = std::to_string(ranks);
-    const auto done = shell("mpirun --oversubscribe -n " + n + " \"$PHYNNESS\" precompute scene.toml -o run" +
-                            n + ".h5 --shard 0/1 --json run.json");
+    const auto done = shell("mpirun --oversubscribe -n " + n + " \"$PHYNNESS\" precompute scene.toml -o run" + n +
+                            ".h5 --shard 0/1 --json run.json");
     ASSERT_EQ(done.exit_status, 0) << done.err;
     ASSERT_EQ(phynness("plan whole.h5 --ranks " + n + " --json plan.json").exit_status, 0);
     const auto run = json("run.json");

@@ -19,17 +19,18 @@ TEST_P(RealMeshes, FromFileToForce) {
   const auto& mesh = GetParam();
   const auto path = std::filesystem::path(PHYNNESS_SHARED_DIR) / "meshes/real" / mesh.file;
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
-  write_file(
-      folder / "scene.toml",
-      "[mesh]\nfile = \"" + std::filesystem::canonical(path).string() + "\"\n" + mesh.mesh_keys +
-          "\n[material]\nlaw = \"neo-hookean\"\nc10_Pa = 250.0\nbulk_modulus_Pa = 10e3\n"
-          "[solver]\nelement = \"P1\"\n[nodes]\nfixed = { box = { min_fraction = [0,0,0], max_fraction = [0.3,1,1] } }\n"
-          "active = [{ nearest = { point_fraction = [0.9,0.5,1] }, surface_only = true },\n"
-          "          { nearest = { point_fraction = [0.7,0.5,0.9] }, surface_only = true }]\n"
-          "[probe]\ndirections = 3\nincrements = 2\nmax_displacement_m = " +
-          std::to_string(mesh.depth_m) +
-          "\n[training]\nfamily = \"rbfn\"\ndeformation_neurons = 20\nforce_neurons = 3\nforce_spread = 2.0\nsamples = 300\n"
-          "[validation]\nprobes = 4\n");
+  write_file(folder / "scene.toml",
+             "[mesh]\nfile = \"" + std::filesystem::canonical(path).string() + "\"\n" + mesh.mesh_keys +
+                 "\n[material]\nlaw = \"neo-hookean\"\nc10_Pa = 250.0\nbulk_modulus_Pa = 10e3\n"
+                 "[solver]\nelement = \"P1\"\n[nodes]\nfixed = { box = { min_fraction = [0,0,0], max_fraction = "
+                 "[0.3,1,1] } }\n"
+                 "active = [{ nearest = { point_fraction = [0.9,0.5,1] }, surface_only = true },\n"
+                 "          { nearest = { point_fraction = [0.7,0.5,0.9] }, surface_only = true }]\n"
+                 "[probe]\ndirections = 3\nincrements = 2\nmax_displacement_m = " +
+                 std::to_string(mesh.depth_m) +
+                 "\n[training]\nfamily = \"rbfn\"\ndeformation_neurons = 20\nforce_neurons = 3\nforce_spread = "
+                 "2.0\nsamples = 300\n"
+                 "[validation]\nprobes = 4\n");
   const auto run = phynness("run scene.toml -o out");
   ASSERT_EQ(run.exit_status, 0) << run.err << run.out;
   const auto validate = json("out/validate.json");
@@ -37,15 +38,13 @@ TEST_P(RealMeshes, FromFileToForce) {
   for (const auto& example : validate.at("examples")) {
     double work = 0;
     for (int k = 0; k < 3; ++k)
-      work += example.at("displacement").at(k).get<double>() *
-              example.at("force_finite_elements").at(k).get<double>();
+      work += example.at("displacement").at(k).get<double>() * example.at("force_finite_elements").at(k).get<double>();
     EXPECT_GT(work, 0) << "holding a deformed body takes work";
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RealMeshes,
-                         ::testing::Values(RealMesh{"liver_181", "liver_181.msh", "scale_to_m = 0.025",
-                                                    0.006},
+                         ::testing::Values(RealMesh{"liver_181", "liver_181.msh", "scale_to_m = 0.025", 0.006},
                                            RealMesh{"liver_507", "liver_507.msh", "scale_to_m = 0.1", 0.006},
                                            RealMesh{"liver_surface", "liver_surface.obj",
                                                     "scale_to_m = 0.025\ntarget_size_m = 0.02", 0.006},

@@ -21,11 +21,10 @@ inline void expect_same_results(const std::filesystem::path& one, const std::fil
     const auto x = a.rays(static_cast<std::int32_t>(i)), y = b.rays(static_cast<std::int32_t>(i));
     ASSERT_EQ(x.size(), y.size());
     for (std::size_t d = 0; d < x.size(); ++d) {
-      const bool same = x[d].status == y[d].status && x[d].force == y[d].force &&
-                        x[d].energy == y[d].energy && x[d].tangent == y[d].tangent &&
-                        x[d].negative_pivots == y[d].negative_pivots && x[d].iterations == y[d].iterations &&
-                        x[d].cutbacks == y[d].cutbacks && x[d].min_jacobian == y[d].min_jacobian &&
-                        x[d].displacement == y[d].displacement;
+      const bool same = x[d].status == y[d].status && x[d].force == y[d].force && x[d].energy == y[d].energy &&
+                        x[d].tangent == y[d].tangent && x[d].negative_pivots == y[d].negative_pivots &&
+                        x[d].iterations == y[d].iterations && x[d].cutbacks == y[d].cutbacks &&
+                        x[d].min_jacobian == y[d].min_jacobian && x[d].displacement == y[d].displacement;
       EXPECT_TRUE(same) << other << " differs at active node " << i << ", direction " << d;
     }
   }

@@ -33,8 +33,7 @@ TEST_F(Shards, OfProcessesAndRanksMergeToOneRun) {
   const auto early = phynness("merge database.shard-*.h5 -o database.h5 --json merge.json");
   EXPECT_EQ(early.exit_status, 1);
   EXPECT_NE(early.err.find("rays are missing: "), std::string::npos) << early.err;
-  EXPECT_NE(early.err.find("phynness precompute SCENE -o database.h5 --shard 1/3 --resume"),
-            std::string::npos)
+  EXPECT_NE(early.err.find("phynness precompute SCENE -o database.h5 --shard 1/3 --resume"), std::string::npos)
       << early.err;
   EXPECT_EQ(early.err.find("--shard 0/3"), std::string::npos) << early.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "database.h5"));

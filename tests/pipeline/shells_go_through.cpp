@@ -112,8 +112,7 @@ TEST_F(Shells, GoThroughThePipeline) {
              solved = json("s.json").at("tools").at(0).at("force").get<std::vector<double>>();
   const double size = std::hypot(solved[0], solved[1], solved[2]);
   EXPECT_GT(size, 0);
-  EXPECT_LT(std::hypot(modelled[0] - solved[0], modelled[1] - solved[1], modelled[2] - solved[2]),
-            0.02 * size);
+  EXPECT_LT(std::hypot(modelled[0] - solved[0], modelled[1] - solved[1], modelled[2] - solved[2]), 0.02 * size);
   // Energy is the work of the way: at most the final force along it where the wall stiffens, more where it
   // softens.
   EXPECT_GT(json("s.json").at("energy").get<double>(), 0);
@@ -129,8 +128,7 @@ TEST_F(Shells, GoThroughThePipeline) {
 // Both solves stop at 1e-10 of the reactions; the force follows with the norm of the sensitivities: 1e-8.
 TEST_F(Shells, OfASymmetricMeshSolveHalfOfTheirRays) {
   const auto scene =
-      small_drain(14, 1) +
-      "[solver]\nrelative_tolerance = 1e-10\n[database]\ndisplacement_precision = \"float64\"\n";
+      small_drain(14, 1) + "[solver]\nrelative_tolerance = 1e-10\n[database]\ndisplacement_precision = \"float64\"\n";
   write_scene(scene);
   const auto made = phynness("precompute scene.toml -o mirrored.h5 --json mirrored.json");
   ASSERT_EQ(made.exit_status, 0) << made.err;
@@ -175,9 +173,8 @@ TEST_F(Shells, RanksTeamsAndInterruptionsChangeNothing) {
 }
 
 TEST_F(Shells, OfTheLinearLawAreExact) {
-  auto scene =
-      changed(small_drain(3, 1), "\"mooney-rivlin\"\nc10_Pa = 2.0\nc01_Pa = 0.2\nbulk_modulus_Pa = 880.0",
-              "\"linear\"\nyoungs_modulus_Pa = 13.0\npoisson_ratio = 0.49");
+  auto scene = changed(small_drain(3, 1), "\"mooney-rivlin\"\nc10_Pa = 2.0\nc01_Pa = 0.2\nbulk_modulus_Pa = 880.0",
+                       "\"linear\"\nyoungs_modulus_Pa = 13.0\npoisson_ratio = 0.49");
   scene = changed(scene, "\"rbfn\"", "\"linear\"");
   write_scene(scene);
   const auto run = phynness("run scene.toml -o out");
@@ -195,8 +192,7 @@ TEST_F(Shells, PatchesAndPairsOfToolsAreSolved) {
   const auto database = Database::open(folder / "d.h5");
   const auto& active = database.header().sets.active;
   const auto node = std::to_string(active[0]);
-  ASSERT_EQ(phynness("solve d.h5 --node " + node + " --displacement 0,0.0015,0 --json s.json").exit_status,
-            0);
+  ASSERT_EQ(phynness("solve d.h5 --node " + node + " --displacement 0,0.0015,0 --json s.json").exit_status, 0);
   const auto once = database.rays(0)[1].force;
   const auto again = json("s.json").at("tools").at(0).at("force").get<std::vector<double>>();
   const double size = std::hypot(once[0], once[1], once[2]);

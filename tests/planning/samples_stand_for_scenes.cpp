@@ -43,8 +43,7 @@ TEST(RaySample, every_region_and_every_direction_counts_equally) {
 TEST(RaySample, the_seed_decides) {
   const auto choose = [](std::uint64_t seed) {
     std::vector<std::pair<int, int>> rays;
-    for (const auto& r :
-         choose_rays(line_of_points(500), Points(0, 3), std::vector<char>(500 * 26, 1), 26, 48, seed))
+    for (const auto& r : choose_rays(line_of_points(500), Points(0, 3), std::vector<char>(500 * 26, 1), 26, 48, seed))
       rays.emplace_back(r.active, r.direction);
     return rays;
   };
@@ -61,8 +60,7 @@ TEST(RaySample, small_scenes_and_rays_not_requested) {
   const auto rays = choose_rays(line_of_points(20), Points(0, 3), half, 26, 40, 1);
   EXPECT_EQ(rays.size(), 40u);
   for (const auto& r : rays) EXPECT_EQ(r.direction % 2, 0);
-  EXPECT_TRUE(
-      choose_rays(line_of_points(20), Points(0, 3), std::vector<char>(20 * 26, 0), 26, 40, 1).empty());
+  EXPECT_TRUE(choose_rays(line_of_points(20), Points(0, 3), std::vector<char>(20 * 26, 0), 26, 40, 1).empty());
 }
 
 TEST(RaySample, nodes_that_are_asked_for_nothing_take_no_part) {
@@ -173,12 +171,11 @@ TEST_F(PackingTrialTest, sizes_are_those_of_the_whole_database) {
   EXPECT_GT(trial.pack_s_per_ray, 0);
   // A record: 3 increments of status, force, energy, tangent, counts, J, seconds, displacements, and its
   // frame.
-  const double record = 3 * (1 + 8 * (3 + 1 + 9 + 2) + 4 * 3) +
-                        4.0 * 3 * 3 * static_cast<double>(header.sets.output.size()) + 8 + 16;
+  const double record =
+      3 * (1 + 8 * (3 + 1 + 9 + 2) + 4 * 3) + 4.0 * 3 * 3 * static_cast<double>(header.sets.output.size()) + 8 + 16;
   EXPECT_GT(trial.record_bytes, record);
   EXPECT_LT(trial.record_bytes, record + 20);  // the opening of the log, shared by 16 records
-  EXPECT_EQ(
-      std::distance(std::filesystem::directory_iterator(folder()), std::filesystem::directory_iterator()), 1);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder()), std::filesystem::directory_iterator()), 1);
 }
 
 TEST(ModelSize, follows_networks_and_nodes) {
@@ -212,8 +209,7 @@ TEST(ModelSize, follows_networks_and_nodes) {
   // A mode of a node is a row of integers, 2 to 7 characters each with their space, and its scales.
   const double numbers =
       3.0 * scene.training.near_nodes + scene.training.shared_modes + scene.training.amplitude_centers + 3;
-  const double per_mode =
-      (predict_model_size(scene, header).model_text_bytes - modal.model_text_bytes) / (5 * 4);
+  const double per_mode = (predict_model_size(scene, header).model_text_bytes - modal.model_text_bytes) / (5 * 4);
   EXPECT_GT(per_mode, 2);
   EXPECT_LT(per_mode, 7 * numbers + 3 * 25);
   scene.training.family = Family::linear;

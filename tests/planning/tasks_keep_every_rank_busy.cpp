@@ -72,8 +72,8 @@ double lost_rays(const std::vector<RayIndex>& rays, const std::vector<std::int64
   for (std::size_t t = 0; t + 1 < tasks.size(); ++t) {
     double cost = 0;
     for (auto i = static_cast<std::size_t>(tasks[t]); i < static_cast<std::size_t>(tasks[t + 1]); ++i)
-      cost += of_node[static_cast<std::size_t>(rays[i].active)] *
-              of_direction[static_cast<std::size_t>(rays[i].direction)];
+      cost +=
+          of_node[static_cast<std::size_t>(rays[i].active)] * of_direction[static_cast<std::size_t>(rays[i].direction)];
     total += cost;
     const double start = free_at.top();
     free_at.pop();

@@ -77,8 +77,7 @@ TEST_P(FlatCells, CostNoConvergence) {
     for (Eigen::Index c = 0; c < block.mesh.cells.rows(); ++c) {
       Eigen::Matrix3d edges;
       for (int k = 0; k < 3; ++k)
-        edges.row(k) =
-            block.mesh.nodes.row(block.mesh.cells(c, k + 1)) - block.mesh.nodes.row(block.mesh.cells(c, 0));
+        edges.row(k) = block.mesh.nodes.row(block.mesh.cells(c, k + 1)) - block.mesh.nodes.row(block.mesh.cells(c, 0));
       flattest = std::min(flattest, edges.determinant() / (0.1 / 6 * 0.02 * 0.015));
     }
     EXPECT_GT(flattest, 0);

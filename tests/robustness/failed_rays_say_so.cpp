@@ -29,8 +29,8 @@ TEST_P(DeepPush, OfStVenantKirchhoffEndsInvertedAndKeepsTheLastGoodIncrement) {
   const auto block = probe_block({law_named("st-venant-kirchhoff"), GetParam()}, 10, {6, 4, 4});
   const auto responses = ray(block, {0, 0, -0.028}, 12);
   ASSERT_EQ(responses.size(), 12u);  // every increment is reported
-  const auto first_bad = std::find_if(responses.begin(), responses.end(),
-                                      [](const Response& r) { return r.status != Status::converged; });
+  const auto first_bad =
+      std::find_if(responses.begin(), responses.end(), [](const Response& r) { return r.status != Status::converged; });
   ASSERT_NE(first_bad, responses.end());
   ASSERT_GT(first_bad - responses.begin(), 2);
   EXPECT_GT(first_bad->cutbacks, 0);
@@ -52,8 +52,7 @@ TEST_P(DeepPush, OfStVenantKirchhoffEndsInvertedAndKeepsTheLastGoodIncrement) {
 
 // P1-P1 and Taylor-Hood may stop with a line search that fails before the first cell turns: see the next
 // test.
-INSTANTIATE_TEST_SUITE_P(Elements, DeepPush, ::testing::Values(element_named("P1"), element_named("P2")),
-                         element_name);
+INSTANTIATE_TEST_SUITE_P(Elements, DeepPush, ::testing::Values(element_named("P1"), element_named("P2")), element_name);
 
 class DeepPushOfMixed : public ::testing::TestWithParam<Element> {};
 
@@ -76,8 +75,7 @@ TEST_P(DeepPushOfMixed, OfStVenantKirchhoffFailsWithAReason) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, DeepPushOfMixed,
-                         ::testing::Values(element_named("taylor-hood"), element_named("p1-p1")),
-                         element_name);
+                         ::testing::Values(element_named("taylor-hood"), element_named("p1-p1")), element_name);
 
 TEST(FailedSolve, ReportsTheFailureInsteadOfTheLastGoodState) {
   // solve() asks for one displacement: a state short of it is not an answer.
@@ -102,8 +100,7 @@ TEST(CallersWish, EndsARay) {
   int taken = 0;
   probe_block({law_named("neo-hookean"), element_named("P1")}, 10, {4, 4, 3})
       .touched()
-      .follow({{0, 0, -0.01}}, {0.2, 0.4, 0.6}, false,
-              [&](std::size_t, const Response&) { return ++taken < 2; });
+      .follow({{0, 0, -0.01}}, {0.2, 0.4, 0.6}, false, [&](std::size_t, const Response&) { return ++taken < 2; });
   EXPECT_EQ(taken, 2);
 }
 

@@ -44,8 +44,7 @@ class RandomFaults {
   Fault next(FaultSite site) {
     if (std::uniform_real_distribution<double>()(_random) >= _share * weight(site)) return Fault::none;
     static const std::map<FaultSite, std::vector<Fault>> kinds{
-        {FaultSite::factorization,
-         {Fault::singular, Fault::out_of_memory, Fault::petsc_error, Fault::bad_alloc}},
+        {FaultSite::factorization, {Fault::singular, Fault::out_of_memory, Fault::petsc_error, Fault::bad_alloc}},
         {FaultSite::substitution, {Fault::not_finite, Fault::petsc_error}},
         {FaultSite::residual, {Fault::not_finite, Fault::bad_alloc, Fault::petsc_error}},
         {FaultSite::tangent, {Fault::not_finite, Fault::bad_alloc, Fault::petsc_error}},
@@ -92,8 +91,8 @@ class Failures : public ::testing::TestWithParam<Element> {
   void TearDown() override { std::filesystem::remove_all(_folder); }
 
   PrecomputeReport run(const char* file, bool resume = false, const std::function<bool()>& stop = {}) {
-    return precompute(solver_session(), _block.scene, _block.mesh, _block.sets,
-                      {_folder / file, resume, {}, 1}, {}, stop);
+    return precompute(solver_session(), _block.scene, _block.mesh, _block.sets, {_folder / file, resume, {}, 1}, {},
+                      stop);
   }
   std::vector<Ray> rays(const char* file) {
     const auto database = Database::open(_folder / file);
@@ -103,8 +102,8 @@ class Failures : public ::testing::TestWithParam<Element> {
     return all;
   }
   std::string context(const Ray& ray) const {
-    return "node " + std::to_string(_block.sets.active[static_cast<std::size_t>(ray.active)]) +
-           ", direction " + std::to_string(ray.direction);
+    return "node " + std::to_string(_block.sets.active[static_cast<std::size_t>(ray.active)]) + ", direction " +
+           std::to_string(ray.direction);
   }
 
   ProbeBlock _block;
@@ -128,8 +127,7 @@ void expect_true_as_far_as_it_goes(const Ray& expected, const Ray& got) {
       continue;
     }
     EXPECT_FALSE(ended) << "converged after a failure";
-    for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)
-      EXPECT_NEAR(got.force[k], expected.force[k], 1e-6 * scale);
+    for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) EXPECT_NEAR(got.force[k], expected.force[k], 1e-6 * scale);
   }
 }
 
@@ -166,8 +164,8 @@ TEST_P(Failures, OfLibrariesEndOnlyTheRaysThatMeetThem) {
       EXPECT_TRUE(same_bits(got[i].displacement, clean[i].displacement));
     }
   }
-  std::printf("%d rays untouched, %d recovered, %d failed, %lld with library errors\n", untouched, recovered,
-              failed, static_cast<long long>(report.library_errors));
+  std::printf("%d rays untouched, %d recovered, %d failed, %lld with library errors\n", untouched, recovered, failed,
+              static_cast<long long>(report.library_errors));
   EXPECT_GT(untouched, 50);
   EXPECT_GT(recovered, 20);
   EXPECT_GT(failed, 2);
@@ -206,9 +204,7 @@ TEST_P(Failures, OfMumpsAreItsOwnAndLeaveNoTrace) {
 
 TEST_P(Failures, OfEveryFactorizationEndTheRunAndUseUpNoRay) {
   // A rank that can begin no ray must not record all rays as failed before others get to them.
-  fault_hook = [](FaultSite site) {
-    return site == FaultSite::factorization ? Fault::petsc_error : Fault::none;
-  };
+  fault_hook = [](FaultSite site) { return site == FaultSite::factorization ? Fault::petsc_error : Fault::none; };
   EXPECT_THROW(run("none.h5"), Error);
   fault_hook = {};
   const auto report = run("none.h5", true);

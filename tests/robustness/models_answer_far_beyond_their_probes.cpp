@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/sample_rays.hpp>
 #include <phynness/training/training.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
 
 #include "probe_block.hpp"
 
@@ -87,16 +87,14 @@ class Models : public ::testing::Test {
       } else {
         const Eigen::VectorXd all = rest.sensitivity * d;
         f.push_back({rest.stiffness_N_per_m * d, vector(r.force_N[0])});
-        u.push_back({at_output(Eigen::Map<const Points>(all.data(), all.size() / 3, 3)),
-                     at_output(r.displacement_m)});
+        u.push_back({at_output(Eigen::Map<const Points>(all.data(), all.size() / 3, 3)), at_output(r.displacement_m)});
       }
     }
     double largest_f = 0, largest_u = 0;
     for (const auto& [said, truth] : f) largest_f = std::max(largest_f, truth.norm());
     for (const auto& [said, truth] : u) largest_u = std::max(largest_u, truth.rowwise().norm().maxCoeff());
     for (const auto& [said, truth] : f) e.force += (said - truth).norm() / (largest_f * e.n);
-    for (const auto& [said, truth] : u)
-      e.displacement += (said - truth).rowwise().norm().mean() / (largest_u * e.n);
+    for (const auto& [said, truth] : u) e.displacement += (said - truth).rowwise().norm().mean() / (largest_u * e.n);
     return e;
   }
 

@@ -74,8 +74,7 @@ TEST_P(HugeStep, GivesTheForceOfTwelveSmallOnes) {
   auto block = probe_block(GetParam(), 10, {6, 4, 4});
   block.scene.solver.relative_tolerance = 1e-10;
   auto solver = block.touched();
-  const auto once = solver.solve({{0.002, 0.001, -0.028}}, 1),
-             twelve = solver.solve({{0.002, 0.001, -0.028}}, 12);
+  const auto once = solver.solve({{0.002, 0.001, -0.028}}, 1), twelve = solver.solve({{0.002, 0.001, -0.028}}, 12);
   ASSERT_EQ(once.status, Status::converged);
   ASSERT_EQ(twelve.status, Status::converged);
   EXPECT_LT((force(once) - force(twelve)).norm(), 1e-8 * force(twelve).norm());

@@ -45,10 +45,10 @@ struct Potential {
 };
 
 // Gauss-Legendre points and weights on [-1, 1], ten points.
-constexpr double gauss_point[] = {0.14887433898163121, 0.43339539412924719, 0.67940956829902441,
-                                  0.86506336668898451, 0.97390652851717172};
-constexpr double gauss_weight[] = {0.29552422471475287, 0.26926671930999636, 0.21908636251598204,
-                                   0.14945134915058059, 0.06667134430868814};
+constexpr double gauss_point[] = {0.14887433898163121, 0.43339539412924719, 0.67940956829902441, 0.86506336668898451,
+                                  0.97390652851717172};
+constexpr double gauss_weight[] = {0.29552422471475287, 0.26926671930999636, 0.21908636251598204, 0.14945134915058059,
+                                   0.06667134430868814};
 
 /// Work of force(x), in units of R, along closed polygons of 3 to 6 corners, over the largest energy on each;
 /// the worst of 1,000.
@@ -113,7 +113,8 @@ TEST(ClosedLoops, DoNoWorkThroughTheInterface) {
                   [&](const Vector3d& x) {
                     const Vector3d d = R * x;
                     Vector3d force;
-                    EXPECT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr), 0);
+                    EXPECT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr),
+                              0);
                     return Vector3d(R * force);
                   },
                   [&](const Vector3d& x) {

@@ -44,8 +44,7 @@ TEST(CoupledTools, AreExactInLinearBodies) {
     const Eigen::VectorXd u = body.compliance * B.transpose() * F;
     Eigen::VectorXd said(3 * n), field(21);
     phn_coupled result = {};
-    EXPECT_EQ(phn_couple(loaded.model, loaded.data, static_cast<int>(n), tools.data(), said.data(), &result),
-              PHN_OK);
+    EXPECT_EQ(phn_couple(loaded.model, loaded.data, static_cast<int>(n), tools.data(), said.data(), &result), PHN_OK);
     EXPECT_EQ(phn_coupled_deform(loaded.model, loaded.data, field.data()), PHN_OK);
     EXPECT_LT((said - F).norm(), 1e-10 * F.norm());
     EXPECT_LT((field - u).norm(), 1e-10 * u.norm());
@@ -55,8 +54,7 @@ TEST(CoupledTools, AreExactInLinearBodies) {
 }
 
 class CoupledToolsOf : public testing::TestWithParam<Family> {};
-INSTANTIATE_TEST_SUITE_P(Families, CoupledToolsOf,
-                         testing::Values(Family::rbfn, Family::linear, Family::modal),
+INSTANTIATE_TEST_SUITE_P(Families, CoupledToolsOf, testing::Values(Family::rbfn, Family::linear, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });
 
 // Claim: a tool at one node is that node's own answer, to the bit.
@@ -147,8 +145,7 @@ TEST(CoupledTools, AreFollowed) {
     const LoadedModel loaded(write_model_text(model));
     Eigen::Matrix3d forces;
     phn_coupled result = {};
-    EXPECT_EQ(phn_couple(loaded.model, loaded.data, 3, tools.data(), forces.data(), &result) &
-                  PHN_WARNING_UNSETTLED,
+    EXPECT_EQ(phn_couple(loaded.model, loaded.data, 3, tools.data(), forces.data(), &result) & PHN_WARNING_UNSETTLED,
               0);
     EXPECT_LT(result.residual, 1e-12);
     Points field(7, 3);
@@ -201,10 +198,8 @@ TEST_P(CoupledToolsOf, FieldsHaveNoJumpWhereNothingIsLeft) {
     phn_tool tools[3];
     for (int t = 0; t < 3; ++t) {
       tools[t] = tool(nodes[t], -1, -1, 1, 0, d[0], d[1], d[2]);
-      const auto output =
-          std::find(model.output.begin(), model.output.end(), nodes[t]) - model.output.begin();
-      for (int k = 0; k < 3 && t > 0; ++k)
-        tools[t].displacement[k] = alone(output, k) + apart * numbers.next();
+      const auto output = std::find(model.output.begin(), model.output.end(), nodes[t]) - model.output.begin();
+      for (int k = 0; k < 3 && t > 0; ++k) tools[t].displacement[k] = alone(output, k) + apart * numbers.next();
     }
     Eigen::Matrix3d forces;
     Points field(12, 3);
@@ -213,8 +208,7 @@ TEST_P(CoupledToolsOf, FieldsHaveNoJumpWhereNothingIsLeft) {
     return field;
   };
   const Points reference = field_beside(1e-9);
-  for (int side = 0; side < 20; ++side)
-    EXPECT_LT((field_beside(1e-9) - reference).norm(), 1e-5 * reference.norm());
+  for (int side = 0; side < 20; ++side) EXPECT_LT((field_beside(1e-9) - reference).norm(), 1e-5 * reference.norm());
 }
 
 // Claim: forces of several tools are the gradient of the energy that is said: no closed path of any of them
@@ -233,8 +227,7 @@ TEST(CoupledTools, ForcesAreTheGradientOfTheEnergy) {
     const auto n = static_cast<int>(tools.size());
     Eigen::VectorXd forces(3 * n), ignored(3 * n), gradient(3 * n);
     phn_coupled result = {};
-    ASSERT_EQ(phn_couple(loaded.model, loaded.data, n, tools.data(), forces.data(), nullptr) &
-                  PHN_WARNING_UNSETTLED,
+    ASSERT_EQ(phn_couple(loaded.model, loaded.data, n, tools.data(), forces.data(), nullptr) & PHN_WARNING_UNSETTLED,
               0);
     for (int i = 0; i < 3 * n; ++i) {
       double& d = tools[static_cast<std::size_t>(i / 3)].displacement[i % 3];
@@ -287,8 +280,7 @@ TEST(CoupledTools, AreTurnedByEachOther) {
     node.modal.weights = scaled_table(weights);
   }
   const Eigen::Vector3d d(0.01, 0, 0), e(0.003, 0.001, 0.002);
-  const phn_tool tools[2] = {tool(0, -1, -1, 1, 0, d[0], d[1], d[2]),
-                             tool(1, -1, -1, 1, 0, e[0], e[1], e[2])};
+  const phn_tool tools[2] = {tool(0, -1, -1, 1, 0, d[0], d[1], d[2]), tool(1, -1, -1, 1, 0, e[0], e[1], e[2])};
   const Eigen::AngleAxisd turned(2 * std::atan(0.7 * rad_per_m * d[0] / 2), axis);
   const Eigen::Matrix3d R = turned.toRotationMatrix(), K = stiffness.asDiagonal();
   const Eigen::Vector3d expected = R * K * R.transpose() * e, unturned = K * e;
@@ -311,8 +303,7 @@ TEST(CoupledTools, AreTurnedByEachOther) {
 TEST(CoupledTools, ThatDoNotMeetFeelWhatTheyFeelAlone) {
   const LinearBody body(7, false);
   const LoadedModel loaded(write_model_text(bent(body)));
-  const phn_tool tools[3] = {tool(1, -1, -1, 1, 0, 0.005, 0.004, -0.002),
-                             tool(4, -1, -1, 1, 0, -0.003, 0.006, 0.001),
+  const phn_tool tools[3] = {tool(1, -1, -1, 1, 0, 0.005, 0.004, -0.002), tool(4, -1, -1, 1, 0, -0.003, 0.006, 0.001),
                              tool(0, 2, 5, 0.3, 0.3, 0.002, 0.003, 0.006)};
   Eigen::Matrix3d together, alone;
   double energies = 0;

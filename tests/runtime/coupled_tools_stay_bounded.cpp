@@ -15,12 +15,10 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
-                 inf = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 
 class BoundedToolsOf : public testing::TestWithParam<Family> {};
-INSTANTIATE_TEST_SUITE_P(Families, BoundedToolsOf,
-                         testing::Values(Family::rbfn, Family::linear, Family::modal),
+INSTANTIATE_TEST_SUITE_P(Families, BoundedToolsOf, testing::Values(Family::rbfn, Family::linear, Family::modal),
                          [](const auto& info) { return std::string(name(info.param)); });
 
 // Claim: tools too near each other to follow each other's contradictions say so, and give forces that a
@@ -121,8 +119,8 @@ TEST_P(BoundedToolsOf, AnswerOrRefuseEveryInput) {
   const auto status = [&](std::vector<phn_tool> tools) {
     std::vector<double> forces(3 * tools.size() + 3, nan);
     phn_coupled result = {nan, nan};
-    const int said = phn_couple(loaded.model, loaded.data, static_cast<int>(tools.size()), tools.data(),
-                                forces.data(), &result);
+    const int said =
+        phn_couple(loaded.model, loaded.data, static_cast<int>(tools.size()), tools.data(), forces.data(), &result);
     for (std::size_t i = 0; i < 3 * tools.size(); ++i)
       EXPECT_TRUE(said < 0 ? forces[i] == 0 : std::isfinite(forces[i])) << said;
     EXPECT_TRUE(std::isfinite(result.residual) && std::isfinite(result.energy));
@@ -143,8 +141,7 @@ TEST_P(BoundedToolsOf, AnswerOrRefuseEveryInput) {
   EXPECT_EQ(status({tool(3, 5, 1000, 0.5, 0.25, 0.001, 0, 0)}), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(status({tool(0, 1, -1, 0.5, 0.5, 0.001, 0, 0)}), PHN_ERROR_NOT_ACTIVE);
   EXPECT_EQ(status({tool(3, 5, 15, 0.5, 0.25, 0.001, 0, 0)}), PHN_ERROR_UNDEFINED);
-  EXPECT_EQ(status({tool(3, -1, -1, 1, 0, 0.001, 0, 0), tool(3, -1, -1, 1, 0, 0.002, 0, 0)}),
-            PHN_ERROR_SAME_NODE);
+  EXPECT_EQ(status({tool(3, -1, -1, 1, 0, 0.001, 0, 0), tool(3, -1, -1, 1, 0, 0.002, 0, 0)}), PHN_ERROR_SAME_NODE);
   EXPECT_EQ(status(std::vector<phn_tool>(5, good)), PHN_ERROR_TOOLS);
   EXPECT_GE(status({good, good}), 0);  // one point twice: no answer fits unless the tools agree
   for (const double size : {1e-320, 1e-100, 1e-3, 1.0, 1e30, 1e300}) {

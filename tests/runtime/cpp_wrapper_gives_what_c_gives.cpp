@@ -77,8 +77,7 @@ TEST_P(Wrapper, GivesTheSameBits) {
       EXPECT_EQ(std::memcmp(&trusted, &expected_trust, sizeof trusted), 0);
       EXPECT_EQ(data.prepare(node), phn_prepare(c.model, c.data, node));
       std::vector<double> field(36, 1), expected_field(36, 2);
-      EXPECT_EQ(data.deform(node, at, field),
-                phn_deform(c.model, c.data, node, d, expected_field.data()));
+      EXPECT_EQ(data.deform(node, at, field), phn_deform(c.model, c.data, node, d, expected_field.data()));
       EXPECT_EQ(field, expected_field);
     }
   }
@@ -120,7 +119,8 @@ TEST_P(Wrapper, GivesTheSameBits) {
   for (const double z : {2.0, 1.0, 0.5, 0.4}) {
     const phn_contact_tool sphere{{0.3, 0.2, z}, 0.1, 0, PHN_TOOL_PRESS, 0};
     phn_contact_state state, expected_state;
-    EXPECT_EQ(contact.step(data, sphere, state), phn_contact_step(expected_contact, c.data, 1, &sphere, &expected_state, nullptr));
+    EXPECT_EQ(contact.step(data, sphere, state),
+              phn_contact_step(expected_contact, c.data, 1, &sphere, &expected_state, nullptr));
     EXPECT_EQ(std::memcmp(&state, &expected_state, sizeof state), 0);
   }
 }

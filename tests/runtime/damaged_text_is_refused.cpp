@@ -121,8 +121,8 @@ TEST_P(DamagedText, ParserSurvivesAnythingWithAGoodChecksum) {
   }
 }
 
-// Claim: a refused text tells where the wrong word begins, counted from 1, a damaged one where its checksum is; a good one
-// tells 0.
+// Claim: a refused text tells where the wrong word begins, counted from 1, a damaged one where its checksum is; a good
+// one tells 0.
 TEST(DefectsOfText, TellTheByteWhereTheyAre) {
   const std::string text = write_model_text(small_model());
   const auto wrong_byte = [](const std::string& of) {
@@ -137,8 +137,10 @@ TEST(DefectsOfText, TellTheByteWhereTheyAre) {
   EXPECT_EQ(wrong_byte(text), 0u);
   const struct {
     const char *from, *to, *wrong;
-  } cases[] = {{"family rbfn", "family spline", "spline"},    {"spread 1.", "spread 1,", "1,"},
-               {"mesh_nodes 20", "mesh_nodes 2x", "2x"},      {"force 5", "force 2000000000", "2000000000"},
+  } cases[] = {{"family rbfn", "family spline", "spline"},
+               {"spread 1.", "spread 1,", "1,"},
+               {"mesh_nodes 20", "mesh_nodes 2x", "2x"},
+               {"force 5", "force 2000000000", "2000000000"},
                {"\nsurface ", "\nsurfaces ", "surfaces "}};
   for (const auto& c : cases) {
     const std::string damaged = replaced(text, c.from, c.to);
@@ -191,8 +193,8 @@ TEST(DefectsOfText, OfModalModelsAreTold) {
   ASSERT_EQ(size_status(text), PHN_OK);
   EXPECT_EQ(size_status(replaced(text, "family modal", "family moda")), PHN_ERROR_FAMILY);
   EXPECT_EQ(size_status(replaced(text, "family modal", "family rbfn")), PHN_ERROR_SYNTAX);
-  for (const char* word : {"shape", "shared_modes", "modes", "amplitude_centers", "force", "stiffness",
-                           "deformation", "weights", "mixing", "near", "near_modes"}) {
+  for (const char* word : {"shape", "shared_modes", "modes", "amplitude_centers", "force", "stiffness", "deformation",
+                           "weights", "mixing", "near", "near_modes"}) {
     EXPECT_EQ(size_status(replaced(text, std::string("\n") + word + " ", "\nx ")), PHN_ERROR_SYNTAX) << word;
     EXPECT_EQ(size_status(first_number(text, word, "1,5")), PHN_ERROR_SYNTAX) << word;
   }
@@ -215,10 +217,9 @@ TEST(DefectsOfText, OfModalModelsAreTold) {
     EXPECT_EQ(size_status(first_number(text, word, "1p+5")), PHN_ERROR_RANGE) << word;  // 1e6 / 32767 = 30.5
     const std::size_t row = text.find('\n', text.find(std::string("\n") + word + " ") + 1) + 1;
     const std::size_t end = text.find_first_of(" \n", row);
-    for (const auto& [entry, status] :
-         {std::pair("32767", PHN_OK), std::pair("-32767", PHN_OK), std::pair("32768", PHN_ERROR_RANGE),
-          std::pair("-32768", PHN_ERROR_RANGE), std::pair("-", PHN_ERROR_SYNTAX),
-          std::pair("1p+0", PHN_ERROR_SYNTAX)}) {
+    for (const auto& [entry, status] : {std::pair("32767", PHN_OK), std::pair("-32767", PHN_OK),
+                                        std::pair("32768", PHN_ERROR_RANGE), std::pair("-32768", PHN_ERROR_RANGE),
+                                        std::pair("-", PHN_ERROR_SYNTAX), std::pair("1p+0", PHN_ERROR_SYNTAX)}) {
       EXPECT_EQ(size_status(with_checksum(body_of(text.substr(0, row) + entry + text.substr(end)))), status)
           << word << ' ' << entry;
     }
@@ -249,14 +250,12 @@ TEST(DefectsOfText, OfLevelsAreTold) {
   }
   // What a level has more of than the model that it belongs to.
   const auto refused = [](Model model, Model other) {
-    const std::string text = write_model_text(with_levels(model)),
-                      large = write_model_text(with_levels(other));
+    const std::string text = write_model_text(with_levels(model)), large = write_model_text(with_levels(other));
     const auto part = [](const std::string& of, const char* from, const char* to) {
       const std::size_t begin = of.find(from), end = of.find(to, begin + 1);
       return of.substr(begin, end - begin);
     };
-    EXPECT_EQ(size_status(replaced(text, part(text, "\nlevels ", "\nactive "),
-                                   part(large, "\nlevels ", "\nactive "))),
+    EXPECT_EQ(size_status(replaced(text, part(text, "\nlevels ", "\nactive "), part(large, "\nlevels ", "\nactive "))),
               PHN_ERROR_RANGE);
   };
   refused(small_modal_model(3, 5, 6, 2), small_modal_model(3, 5, 6, 8));
@@ -272,20 +271,15 @@ TEST(DefectsOfText, OfLevelsAreTold) {
   ASSERT_EQ(size_status(text), PHN_OK);
   // The smaller level of the first node: its force comes after the full deformation.
   const std::size_t level = text.find("\nforce ", text.find("\nforce ") + 1);
-  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(level + 7, 1, "6")))),
-            PHN_ERROR_SYNTAX);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(level + 7, 1, "6")))), PHN_ERROR_SYNTAX);
   const std::size_t modes = text.find("\ndeformation ", level);
-  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "4")))),
-            PHN_ERROR_RANGE);
-  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "0")))),
-            PHN_ERROR_RANGE);
-  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "2")))),
-            PHN_ERROR_SYNTAX);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "4")))), PHN_ERROR_RANGE);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "0")))), PHN_ERROR_RANGE);
+  EXPECT_EQ(size_status(with_checksum(body_of(std::string(text).replace(modes + 13, 1, "2")))), PHN_ERROR_SYNTAX);
   // A linear model has none.
   const std::string linear = write_model_text(small_linear_model());
-  EXPECT_EQ(
-      size_status(replaced(linear, "\nactive ", "\nlevels 2\nlevel 0p+0 0p+0\nlevel 0p+0 0p+0\nactive ")),
-      PHN_ERROR_SYNTAX);
+  EXPECT_EQ(size_status(replaced(linear, "\nactive ", "\nlevels 2\nlevel 0p+0 0p+0\nlevel 0p+0 0p+0\nactive ")),
+            PHN_ERROR_SYNTAX);
 }
 
 // Claim: coordinates beyond 1e30 m are refused wherever they stand; with those at the bound, whatever their

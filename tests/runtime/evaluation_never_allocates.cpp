@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
+#include <phynness/phynness_contact.h>
 #include <phynness/phynness_levels.h>
 #include <phynness/phynness_paper.h>
 #include <phynness/phynness_surface.h>
-#include <phynness/phynness_contact.h>
 
 #include <cstdlib>
 #include <new>

@@ -24,9 +24,8 @@ Eigen::VectorXd plain(const Model& model, const ActiveNodeModel& node, std::size
   const auto n_centers = static_cast<Eigen::Index>(model.shared.centers.size());
   Eigen::VectorXd basis(n_centers + 9);
   for (Eigen::Index i = 0; i < n_centers; ++i) {
-    const Vector3d c =
-        model.displacements.row(model.shared.centers[static_cast<std::size_t>(i)]).transpose() /
-        model.max_displacement_m;
+    const Vector3d c = model.displacements.row(model.shared.centers[static_cast<std::size_t>(i)]).transpose() /
+                       model.max_displacement_m;
     basis[i] = q(x - c, s) - q(x, s) - q(c, s) + s;
   }
   basis.segment<3>(n_centers) = x;
@@ -39,14 +38,12 @@ Eigen::VectorXd plain(const Model& model, const ActiveNodeModel& node, std::size
   const Eigen::VectorXd amounts = of_node.mixing.values() * a;
   Eigen::VectorXd values = model.fields[f].modes.values() * amounts;
   const Eigen::VectorXd near = of_node.near_modes.values() * a;
-  for (std::size_t i = 0; i < of_node.near.size(); ++i)
-    values[of_node.near[i]] = near[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < of_node.near.size(); ++i) values[of_node.near[i]] = near[static_cast<Eigen::Index>(i)];
   terms = model.fields[f].scale * (model.fields[f].modes.values().cwiseAbs() * amounts.cwiseAbs()).maxCoeff();
   return (model.fields[f].scale * values).cwiseMax(0);
 }
 
-const Vector3d probes[] = {
-    {0.004, -0.002, 0.001}, {0.01, 0, 0}, {-0.02, 0.03, 0.01}, {0, 0.005, 0}, {1, 1, -1}};
+const Vector3d probes[] = {{0.004, -0.002, 0.001}, {0.01, 0, 0}, {-0.02, 0.03, 0.01}, {0, 0.005, 0}, {1, 1, -1}};
 
 // Claim: a field is the formulas of formats/model.md. Shared modes are summed as floats: 1e-6 of the sizes of
 // the terms is 16 roundings of 6e-8, of which 6 modes make. (Values at near nodes are sums in double, and of
@@ -80,8 +77,7 @@ TEST(Fields, MatchPlainLoops) {
 
 // Claim: names and units are those of the text; what the model does not have is null or refused, with zeros.
 TEST(Fields, SayWhatTheyAre) {
-  const LoadedModel loaded(write_model_text(small_field_model())),
-      without(write_model_text(small_modal_model()));
+  const LoadedModel loaded(write_model_text(small_field_model())), without(write_model_text(small_modal_model()));
   EXPECT_STREQ(info_of(loaded.model).field_names[0], "von-mises-stress");
   EXPECT_STREQ(info_of(loaded.model).field_units[0], "Pa");
   EXPECT_STREQ(info_of(loaded.model).field_names[1], "energy-density");

@@ -1,7 +1,7 @@
-// Claim: every function of phynness.h and the headers beside it gives the same bits and status when an output lies in the
-// memory of an input, at any offset, as when it does not. Outputs that overlap each other, and those over
-// inputs that are too large to be copied, are refused and hold zeros. A function of the headers that has no
-// row here fails the test.
+// Claim: every function of phynness.h and the headers beside it gives the same bits and status when an output lies in
+// the memory of an input, at any offset, as when it does not. Outputs that overlap each other, and those over inputs
+// that are too large to be copied, are refused and hold zeros. A function of the headers that has no row here fails the
+// test.
 #include <phynness/phynness_contact.h>
 #include <phynness/phynness_surface.h>
 
@@ -22,8 +22,7 @@ constexpr phn_tool none = {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}};
 constexpr phn_contact_state no_contact = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 0, none, 0};
 
 constexpr std::array<std::size_t, 2> tool_hole = {sizeof none.nodes, offsetof(phn_tool, weights)};
-constexpr std::size_t held = offsetof(phn_contact_state, held),
-                      touches = offsetof(phn_contact_state, in_contact);
+constexpr std::size_t held = offsetof(phn_contact_state, held), touches = offsetof(phn_contact_state, in_contact);
 const std::vector<std::array<std::size_t, 2>> state_holes = {{held + tool_hole[0], held + tool_hole[1]},
                                                              {touches + 4, sizeof(phn_contact_state)}};
 
@@ -94,20 +93,19 @@ class Table {
                         return call(as<double>(at[0]), as<double>(at[1]));
                       }});
     };
-    rows.push_back({"phn_force",
-                    {input("d", d), output<double>("force", 3), output<double>("energy"), output<double>("stiffness", 9)},
-                    [=](const Places& at) {
-                      return phn_force(model, data, 8, as<double>(at[0]), as<double>(at[1]), as<double>(at[2]),
-                                       as<double>(at[3]));
-                    }});
+    rows.push_back(
+        {"phn_force",
+         {input("d", d), output<double>("force", 3), output<double>("energy"), output<double>("stiffness", 9)},
+         [=](const Places& at) {
+           return phn_force(model, data, 8, as<double>(at[0]), as<double>(at[1]), as<double>(at[2]), as<double>(at[3]));
+         }});
     row("force alone", "force", 3,
         [=](double* x, double* out) { return phn_force(model, data, 8, x, out, nullptr, nullptr); });
     row("energy alone", "energy", 1,
         [=](double* x, double* out) { return phn_force(model, data, 8, x, nullptr, out, nullptr); });
     row("stiffness alone", "stiffness", 9,
         [=](double* x, double* out) { return phn_force(model, data, 8, x, nullptr, nullptr, out); });
-    row("phn_field", "out", n_output(),
-        [=](double* x, double* out) { return phn_field(model, data, 8, x, 1, out); });
+    row("phn_field", "out", n_output(), [=](double* x, double* out) { return phn_field(model, data, 8, x, 1, out); });
     row("phn_deform", "out", 3 * n_output(),
         [=](double* x, double* out) { return phn_deform(model, data, 8, x, out); });
     rows.push_back({"phn_trust", {input("d", d), output<phn_trusted>("trusted")}, [=](const Places& at) {
@@ -115,25 +113,23 @@ class Table {
                     }});
     std::vector<phn_level_time> times;
     for (std::int32_t l = 0; l < info_of(model).n_levels; ++l) times.push_back({1.0 + l, 10.0 + l});
-    rows.push_back(
-        {"phn_budget", {input("times", times), output<std::int32_t>("level")}, [=](const Places& at) {
-           return phn_budget(model, as<phn_level_time>(at[0]), 1, 1, 11.5, as<std::int32_t>(at[1]));
-         }});
+    rows.push_back({"phn_budget", {input("times", times), output<std::int32_t>("level")}, [=](const Places& at) {
+                      return phn_budget(model, as<phn_level_time>(at[0]), 1, 1, 11.5, as<std::int32_t>(at[1]));
+                    }});
   }
 
   void deformations() {
     const phn_model* model = loaded.model;
     phn_data* data = loaded.data;
     const std::vector<std::int32_t> nodes = {8, 3, 15};
-    const std::vector<double> displacements = {0.002, -0.001, 0.003, -0.002, 0.001,
-                                               0.004, 0.001,  0.002, -0.003};
+    const std::vector<double> displacements = {0.002, -0.001, 0.003, -0.002, 0.001, 0.004, 0.001, 0.002, -0.003};
     for (const std::int32_t n : {1, 3}) {
-      rows.push_back({"phn_blend_paper",
-                      {input("nodes", nodes), input("displacements", displacements),
-                       output<double>("out", 3 * n_output())},
-                      [=](const Places& at) {
-                        return phn_blend_paper(model, data, n, as<std::int32_t>(at[0]), as<double>(at[1]), as<double>(at[2]));
-                      }});
+      rows.push_back(
+          {"phn_blend_paper",
+           {input("nodes", nodes), input("displacements", displacements), output<double>("out", 3 * n_output())},
+           [=](const Places& at) {
+             return phn_blend_paper(model, data, n, as<std::int32_t>(at[0]), as<double>(at[1]), as<double>(at[2]));
+           }});
     }
     const phn_surface* fine = surface;
     std::vector<double> field(3 * n_output());
@@ -163,8 +159,7 @@ class Table {
           {"phn_couple",
            {input("tools", given), output<double>("forces", 3 * given.size()), output<phn_coupled>("result")},
            [=](const Places& at) {
-             return phn_couple(model, data, n, as<phn_tool>(at[0]), as<double>(at[1]),
-                               as<phn_coupled>(at[2]));
+             return phn_couple(model, data, n, as<phn_tool>(at[0]), as<double>(at[1]), as<phn_coupled>(at[2]));
            }});
     }
   }
@@ -175,8 +170,7 @@ class Table {
     rows.push_back({"phn_contact_nearest",
                     {input("x", x), output("tool", 1, none, {tool_hole}), output<double>("point", 3)},
                     [=](const Places& at) {
-                      return phn_contact_nearest(touch, as<double>(at[0]), as<phn_tool>(at[1]),
-                                                 as<double>(at[2]));
+                      return phn_contact_nearest(touch, as<double>(at[0]), as<phn_tool>(at[1]), as<double>(at[2]));
                     }});
     // Both hold the surface, and are then moved.
     phn_tool tool;
@@ -194,8 +188,7 @@ class Table {
          [=](const Places& at) {
            phn_contact_state states[2];
            LoadedModel::check(phn_contact_reset(touch));
-           if (phn_contact_step(touch, data, 2, before.data(), states, nullptr) < 0 ||
-               states[0].in_contact != 1)
+           if (phn_contact_step(touch, data, 2, before.data(), states, nullptr) < 0 || states[0].in_contact != 1)
              return no_answer;
            return phn_contact_step(touch, data, 2, as<phn_contact_tool>(at[0]), as<phn_contact_state>(at[1]),
                                    as<phn_coupled>(at[2]));
@@ -218,7 +211,8 @@ INSTANTIATE_TEST_SUITE_P(Families, Overlap, ::testing::Values(Family::rbfn, Fami
 
 TEST_P(Overlap, TableHoldsEveryFunctionOfTheHeaders) {
   const Table table(GetParam());
-  for (const char* header : {"phynness.h", "phynness_contact.h", "phynness_levels.h", "phynness_paper.h", "phynness_surface.h"})
+  for (const char* header :
+       {"phynness.h", "phynness_contact.h", "phynness_levels.h", "phynness_paper.h", "phynness_surface.h"})
     expect_rows_of_all_functions(table.rows, headers + header);
 }
 
@@ -226,9 +220,8 @@ TEST_P(Overlap, GivesTheSameBitsOrIsRefused) {
   const Table table(GetParam());
   for (const Row& row : table.rows) {
     Overlaps overlaps(row);
-    const bool may_be_undefined =
-        row.function == "phn_force" || row.function == "energy alone" || row.function == "stiffness alone" ||
-        row.function == "phn_field";
+    const bool may_be_undefined = row.function == "phn_force" || row.function == "energy alone" ||
+                                  row.function == "stiffness alone" || row.function == "phn_field";
     EXPECT_GE(overlaps.status(), may_be_undefined ? PHN_ERROR_UNDEFINED : PHN_OK) << row.function;
     EXPECT_LT(overlaps.status(), no_answer) << row.function;
     overlaps.check();

@@ -122,8 +122,7 @@ TEST_P(Levels, AreKeptByCoupledTools) {
 // third of the range; 1e-5 in float, whose rounding is larger.
 TEST(LevelsOfModalModels, DoNoWorkOverClosedPaths) {
   const LoadedModel loaded(write_model_text(with_levels(small_modal_model())));
-  constexpr double at[] = {-0.7745966692414834, 0, 0.7745966692414834},
-                   weight[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
+  constexpr double at[] = {-0.7745966692414834, 0, 0.7745966692414834}, weight[] = {5.0 / 9, 8.0 / 9, 5.0 / 9};
   constexpr int pieces = 200;
   constexpr double tolerance = in_float ? 1e-5 : 1e-9;
   for (std::int32_t level = 0; level < 3; ++level) {
@@ -148,8 +147,7 @@ TEST(LevelsOfModalModels, DoNoWorkOverClosedPaths) {
         ASSERT_GE(phn_force(loaded.model, loaded.data, node, from, nullptr, &e_from, nullptr), 0);
         ASSERT_GE(phn_force(loaded.model, loaded.data, node, to, nullptr, &e_to, nullptr), 0);
         largest = std::fmax(largest, std::fabs(e_from));
-        EXPECT_NEAR(work, e_to - e_from, tolerance * std::fabs(e_from) + tolerance * std::fabs(e_to))
-            << level;
+        EXPECT_NEAR(work, e_to - e_from, tolerance * std::fabs(e_from) + tolerance * std::fabs(e_to)) << level;
         sum += work;
       }
       EXPECT_LE(std::fabs(sum), tolerance * largest) << "level " << level << ", node " << node;

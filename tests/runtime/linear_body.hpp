@@ -69,9 +69,8 @@ inline Model bent(const LinearBody& body) {
   Numbers numbers;
   Model model = body.model;
   model.family = Family::modal;
-  model.shared = {scaled_table(Eigen::MatrixXd(static_cast<Eigen::Index>(3 * model.output.size()), 0)),
-                  {0, 3, 5, 6},
-                  0.5};
+  model.shared = {
+      scaled_table(Eigen::MatrixXd(static_cast<Eigen::Index>(3 * model.output.size()), 0)), {0, 3, 5, 6}, 0.5};
   for (ActiveNodeModel& node : model.nodes) {
     node.conservative.shape = 0.3;
     node.conservative.stiffness = node.linear.stiffness;
@@ -84,8 +83,7 @@ inline Model bent(const LinearBody& body) {
     Eigen::MatrixXd modes(3 * node.linear.unit_responses.rows(), 3);
     for (Eigen::Index o = 0; o < node.linear.unit_responses.rows(); ++o) {
       for (int k = 0; k < 3; ++k) {
-        for (int axis = 0; axis < 3; ++axis)
-          modes(3 * o + k, axis) = node.linear.unit_responses(o, 3 * axis + k);
+        for (int axis = 0; axis < 3; ++axis) modes(3 * o + k, axis) = node.linear.unit_responses(o, 3 * axis + k);
       }
       node.modal.near.push_back(static_cast<std::int32_t>(o));
     }
@@ -96,8 +94,8 @@ inline Model bent(const LinearBody& body) {
   return model;
 }
 
-inline phn_tool tool(std::int32_t a, std::int32_t b, std::int32_t c, double wa, double wb, double dx,
-                     double dy, double dz) {
+inline phn_tool tool(std::int32_t a, std::int32_t b, std::int32_t c, double wa, double wb, double dx, double dy,
+                     double dz) {
   return {{a, b, c}, {wa, wb, 1 - wa - wb}, {dx, dy, dz}};
 }
 

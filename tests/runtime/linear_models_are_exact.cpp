@@ -34,8 +34,7 @@ TEST(LinearRuntime, EqualsHostEvaluation) {
       const Answer a = answer(loaded, node.node, d);
       EXPECT_LE((a.force - node.linear.stiffness * d).norm(), 1e-15 * 100 * d.norm());
       for (Eigen::Index o = 0; o < a.u.rows(); ++o) {
-        const Eigen::Matrix3d axes =
-            Eigen::Map<const Eigen::Matrix3d>(node.linear.unit_responses.row(o).data());
+        const Eigen::Matrix3d axes = Eigen::Map<const Eigen::Matrix3d>(node.linear.unit_responses.row(o).data());
         EXPECT_LE((a.u.row(o).transpose() - axes * d).norm(), 2e-15 * d.norm());
         for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
           if (node.prescribed[i] == model.output[static_cast<std::size_t>(o)]) {

@@ -14,9 +14,7 @@ using Eigen::Vector3d;
 
 // The formulas of formats/model.md as printed there, term by term, from the host's model.
 double q(const Vector3d& y, double s) { return std::sqrt(y.squaredNorm() + s * s); }
-Matrix3d phi(const Vector3d& y, double s) {
-  return q(y, s) * Matrix3d::Identity() + y * y.transpose() / q(y, s);
-}
+Matrix3d phi(const Vector3d& y, double s) { return q(y, s) * Matrix3d::Identity() + y * y.transpose() / q(y, s); }
 Vector3d g(const Vector3d& y, double s) { return q(y, s) * y; }
 Matrix3d h(const Vector3d& y, const Vector3d& b, double s) {
   return (b * y.transpose() + y * b.transpose() +
@@ -36,9 +34,7 @@ struct Response {
 
 Response plain(const Model& model, const ActiveNodeModel& node, const Vector3d& d) {
   const double R = model.max_displacement_m;
-  const auto center = [&](std::int32_t row) {
-    return Vector3d(model.displacements.row(row).transpose() / R);
-  };
+  const auto center = [&](std::int32_t row) { return Vector3d(model.displacements.row(row).transpose() / R); };
   const Vector3d x = d / R, zero(0, 0, 0);
   const ConservativeNetwork& net = node.conservative;
   const double s = net.shape;
@@ -200,8 +196,7 @@ TEST(ModalRuntime, SeveralToolsAreBlended) {
   for (Eigen::Index o = 0; o < 12; ++o) {
     const double to_first = (model.output_points.row(o) - model.output_points.row(3 - 2)).norm();
     const double to_second = (model.output_points.row(o) - model.output_points.row(8 - 2)).norm();
-    Eigen::RowVector3d expected =
-        (first.row(o) * to_second + second.row(o) * to_first) / (to_first + to_second);
+    Eigen::RowVector3d expected = (first.row(o) * to_second + second.row(o) * to_first) / (to_first + to_second);
     if (to_first == 0) expected = first.row(o);
     if (to_second == 0) expected = second.row(o);
     // Rounding of a weighted sum in double.

@@ -55,8 +55,8 @@ struct RandomNetwork {
     kernels.of_coordinates(net, static_cast<std::int32_t>(n_output), points.data(), values.table.data());
     values.field.resize(3 * n_output);
     std::vector<double> scratch(3 * n);
-    kernels.field(net, static_cast<std::int32_t>(n_output), values.table.data(),
-                  values.of_displacement.data(), 0.7, scratch.data(), values.field.data());
+    kernels.field(net, static_cast<std::int32_t>(n_output), values.table.data(), values.of_displacement.data(), 0.7,
+                  scratch.data(), values.field.data());
     return values;
   }
 

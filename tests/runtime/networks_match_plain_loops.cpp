@@ -70,8 +70,7 @@ TEST(Runtime, ListsAreTheModels) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(info_of(loaded.model).active_nodes[i], model.nodes[i].node);
   for (int i = 0; i < 12; ++i) {
     EXPECT_EQ(info_of(loaded.model).output_nodes[i], model.output[i]);
-    for (int k = 0; k < 3; ++k)
-      EXPECT_EQ(info_of(loaded.model).output_points[3 * i + k], model.output_points(i, k));
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(info_of(loaded.model).output_points[3 * i + k], model.output_points(i, k));
   }
 }
 

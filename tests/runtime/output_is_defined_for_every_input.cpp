@@ -15,8 +15,7 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
-                 inf = std::numeric_limits<double>::infinity();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
 constexpr double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
 
 class EveryInputOf : public testing::TestWithParam<Family> {};
@@ -45,7 +44,8 @@ TEST_P(EveryInputOf, NeverNaNOut) {
         for (const double k : stiffness) EXPECT_TRUE(derivatives ? std::isfinite(k) : k == 0);
         const Trust trust(loaded.model, 5, d);
         EXPECT_EQ(trust.status < 0, !finite);
-        EXPECT_TRUE(std::isfinite(trust.trained_depth) && std::isfinite(trust.distance) && std::isfinite(trust.relative));
+        EXPECT_TRUE(std::isfinite(trust.trained_depth) && std::isfinite(trust.distance) &&
+                    std::isfinite(trust.relative));
         const std::int32_t tools[] = {5, 8};
         for (const int n_tools : {1, 2}) {
           Points u = Points::Constant(12, 3, nan);
@@ -76,8 +76,7 @@ TEST(EveryInput, TheLargestModalModelStaysFinite) {
       table.entries.setConstant(32767);
     };
     ActiveNodeModel& node = model.nodes[0];
-    for (ScaledTable* table :
-         {&model.shared.modes, &node.modal.weights, &node.modal.mixing, &node.modal.near_modes})
+    for (ScaledTable* table : {&model.shared.modes, &node.modal.weights, &node.modal.mixing, &node.modal.near_modes})
       fill(*table);
     node.conservative.coefficients.setConstant(in_float ? 1e25 : 1e100);
     node.conservative.stiffness.setConstant(1e100);
@@ -115,8 +114,7 @@ TEST(EveryInput, NetworksStayInTheRangeOfTheirNumbers) {
       ActiveNodeModel& node = model.nodes[0];
       node.force.output_half_range.setConstant(1e200);
       node.deformation.output_half_range.setConstant(1e20);
-      (smaller_level ? node.levels[0].deformation.weights : node.deformation.weights)
-          .setConstant(reach / 1e21);
+      (smaller_level ? node.levels[0].deformation.weights : node.deformation.weights).setConstant(reach / 1e21);
       const std::string text = write_model_text(model);
       std::size_t bytes = 0;
       if (in_float && reach > 1e37) {
@@ -146,11 +144,8 @@ TEST(EveryInput, NetworksStayInTheRangeOfTheirNumbers) {
 // after.
 TEST(EveryInput, SizesDoNotWrap) {
   constexpr std::size_t most = std::numeric_limits<std::size_t>::max();
-  const std::pair<std::size_t, std::size_t> too_many[] = {{most, 1},
-                                                          {most / 8 + 2, 1},
-                                                          {most / 16, 2},
-                                                          {std::size_t(1) << 40, std::size_t(1) << 40},
-                                                          {3, most / 3}};
+  const std::pair<std::size_t, std::size_t> too_many[] = {
+      {most, 1}, {most / 8 + 2, 1}, {most / 16, 2}, {std::size_t(1) << 40, std::size_t(1) << 40}, {3, most / 3}};
   for (const auto& [n, per] : too_many) {
     runtime::Arena arena;
     arena.take<double>(1000);
@@ -260,8 +255,7 @@ TEST_P(EveryInputOf, SizesSufficeAtAnyAlignment) {
   }
   for (std::size_t less = 64; less <= bytes; less += 97) {
     const phn_model* model = nullptr;
-    EXPECT_EQ(phn_model_init(memory.data(), bytes - less, text.data(), text.size(), &model, nullptr),
-              PHN_ERROR_BUFFER);
+    EXPECT_EQ(phn_model_init(memory.data(), bytes - less, text.data(), text.size(), &model, nullptr), PHN_ERROR_BUFFER);
     EXPECT_EQ(model, nullptr);
   }
 }

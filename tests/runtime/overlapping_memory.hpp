@@ -63,7 +63,7 @@ struct Row {
   std::string function;
   std::vector<Argument> arguments;
   std::function<int(const std::vector<char*>&)> call;  ///< takes the places of the arguments, in their order
-  bool large_inputs = false;  ///< inputs that are not copied: outputs over them are refused
+  bool large_inputs = false;                           ///< inputs that are not copied: outputs over them are refused
 };
 
 template <class T>
@@ -90,8 +90,7 @@ inline std::map<std::string, std::set<std::string>> pointers_of(const std::strin
       if (!std::regex_match(one, part, std::regex(R"( ?(const )?(\w+) (\**)(\w+)(\[\d*\])? ?)"))) continue;
       const std::string stars = part[3].str() + (part[5].matched ? "*" : "");
       const std::regex object("phn_(model|data|surface|contact|imagef?)");
-      if (stars.empty() || part[4] == "user" ||
-          (stars.size() == 1 && std::regex_match(part[2].str(), object)))
+      if (stars.empty() || part[4] == "user" || (stars.size() == 1 && std::regex_match(part[2].str(), object)))
         continue;
       pointers.insert((part[1].matched && stars.size() == 1 ? "const " : "") + part[4].str());
     }
@@ -108,10 +107,8 @@ inline void expect_rows_of_all_functions(const std::vector<Row>& rows, const std
     const bool writes = std::any_of(pointers.begin(), pointers.end(),
                                     [](const auto& p) { return p[0] != 'c' || p.find("const ") != 0; });
     if (!writes || pointers.size() < 2) continue;
-    const auto row =
-        std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.function == function; });
-    ASSERT_NE(row, rows.end()) << function << " of " << header
-                               << " has no row: add it to the table of this test";
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.function == function; });
+    ASSERT_NE(row, rows.end()) << function << " of " << header << " has no row: add it to the table of this test";
   }
   for (const Row& row : rows) {
     const auto declared = functions.find(row.function);
@@ -157,23 +154,19 @@ class Overlaps {
     for (auto& memory : _apart) places.push_back(aligned(memory));
     return places;
   }
-  std::vector<char> bytes(const Places& places, std::size_t i) const {
-    return {places[i], places[i] + size(i)};
-  }
+  std::vector<char> bytes(const Places& places, std::size_t i) const { return {places[i], places[i] + size(i)}; }
   /// Fills outputs with rubbish, then inputs with their values.
   int call(const Places& places) const {
     for (std::size_t i = 0; i < places.size(); ++i) std::memset(places[i], 0x25, size(i));
     for (std::size_t i = 0; i < places.size(); ++i) {
-      if (_row.arguments[i].given == Given::input)
-        std::memcpy(places[i], _row.arguments[i].value.data(), size(i));
+      if (_row.arguments[i].given == Given::input) std::memcpy(places[i], _row.arguments[i].value.data(), size(i));
     }
     return _row.call(places);
   }
 
   /// Whether an output is as expected but for padding, and where another one lies that may have been written
   /// later.
-  bool holds(const Places& places, std::size_t i, const std::vector<char>& expected,
-             std::size_t other) const {
+  bool holds(const Places& places, std::size_t i, const std::vector<char>& expected, std::size_t other) const {
     for (std::size_t k = 0; k < expected.size(); ++k) {
       const char* at = places[i] + k;
       const bool hidden = other != i && at >= places[other] && at < places[other] + size(other);
@@ -186,8 +179,7 @@ class Overlaps {
   void check_pair(std::size_t a, std::size_t b) {
     const Argument &fixed = _row.arguments[a], &sliding = _row.arguments[b];
     const std::size_t align = sliding.align;
-    const std::size_t before = (size(b) + slack - 1) / slack * slack,
-                      behind = (size(a) + align - 1) / align * align;
+    const std::size_t before = (size(b) + slack - 1) / slack * slack, behind = (size(a) + align - 1) / align * align;
     const std::size_t step = std::max(align, (before + behind) / 50 / align * align);
     std::vector<char> both(before + behind + size(b) + 2 * slack);
     std::vector<std::size_t> offsets = {before, before + behind};
@@ -196,8 +188,7 @@ class Overlaps {
       Places places = apart();
       places[a] = aligned(both) + before;
       places[b] = aligned(both) + offset;
-      const bool overlaps =
-          size(a) > 0 && size(b) > 0 && offset + size(b) > before && offset < before + size(a);
+      const bool overlaps = size(a) > 0 && size(b) > 0 && offset + size(b) > before && offset < before + size(a);
       const bool refused =
           overlaps && (fixed.given != Given::input || sliding.given == Given::memory || _row.large_inputs);
       SCOPED_TRACE(_row.function + ": " + sliding.name + " begins " + std::to_string(offset) + " - " +

@@ -20,8 +20,7 @@ Model large_model(int n_modes = 5, int n_shared = 12) {
   model.output.clear();
   for (int i = 0; i < 400; ++i) model.output.push_back(i + 2);
   model.output_points.resize(400, 3);
-  for (Eigen::Index i = 0; i < model.output_points.size(); ++i)
-    model.output_points.data()[i] = 0.05 * numbers.next();
+  for (Eigen::Index i = 0; i < model.output_points.size(); ++i) model.output_points.data()[i] = 0.05 * numbers.next();
   model.shared.modes = random_table(1200, n_shared, 0.5, numbers);
   return model;
 }
@@ -31,8 +30,8 @@ std::vector<Model> models() {
 }
 
 /// What a node says that was never touched before.
-Points fresh_field(const phn_model* model, std::int32_t max_tools, std::int32_t n_tools,
-                   const std::int32_t* nodes, const double* d) {
+Points fresh_field(const phn_model* model, std::int32_t max_tools, std::int32_t n_tools, const std::int32_t* nodes,
+                   const double* d) {
   std::size_t bytes = 0;
   EXPECT_EQ(phn_data_size(model, max_tools, &bytes), PHN_OK);
   std::vector<char> memory(bytes);
@@ -95,22 +94,20 @@ Eigen::VectorXd values_by(const runtime::ModalKernels& kernels, const LoadedMode
   const runtime::SharedModes& centers = loaded.model->shared;
   const double x[] = {0.3, -0.7, 0.2};
   const std::int32_t n_basis = centers.n_centers + (&shared == &centers ? 3 : 9);
-  Eigen::VectorXd basis = Eigen::VectorXd::LinSpaced(n_basis, -1, 1), amplitude(tables.n_modes),
-                  values(shared.n_rows);
+  Eigen::VectorXd basis = Eigen::VectorXd::LinSpaced(n_basis, -1, 1), amplitude(tables.n_modes), values(shared.n_rows);
   kernels.basis(centers, x, basis.data());
   kernels.amplitudes(tables, n_basis, basis.data(), amplitude.data());
   kernels.field(shared, tables, prepared, amplitude.data(), loaded.data->scratch, values.data());
   return values;
 }
 
-void expect_same_bits(const LoadedModel& loaded, const runtime::SharedTable& shared,
-                      const runtime::ModalTables& tables, const runtime::PreparedNode* prepared) {
+void expect_same_bits(const LoadedModel& loaded, const runtime::SharedTable& shared, const runtime::ModalTables& tables,
+                      const runtime::PreparedNode* prepared) {
   using namespace phynness::runtime;
   const auto expected = values_by(*modal_kernels(0), loaded, shared, tables, prepared);
   for (int set = 1; set < n_instruction_sets; ++set) {
     if (modal_kernels(set) == nullptr) continue;
-    EXPECT_EQ(values_by(*modal_kernels(set), loaded, shared, tables, prepared), expected)
-        << modal_kernels(set)->name;
+    EXPECT_EQ(values_by(*modal_kernels(set), loaded, shared, tables, prepared), expected) << modal_kernels(set)->name;
   }
 }
 

@@ -38,8 +38,7 @@ inline RbfNetwork random_network(const Model& model, int n_neurons, bool deforms
     net.input_half_range[k] = (k < 3 ? 0.01 : 0.05) * (1 + 0.1 * numbers.next());
   }
   net.output_center = Eigen::Vector3d(numbers.next(), numbers.next(), numbers.next()) * 0.001;
-  net.output_half_range =
-      Eigen::Vector3d(1.1 + numbers.next(), 1.1 + numbers.next(), 1.1 + numbers.next()) * 0.01;
+  net.output_half_range = Eigen::Vector3d(1.1 + numbers.next(), 1.1 + numbers.next(), 1.1 + numbers.next()) * 0.01;
   net.spread = 0.8;
   net.bias = Eigen::Vector3d(numbers.next(), numbers.next(), numbers.next());
   net.weights.resize(n_neurons, 3);
@@ -66,8 +65,7 @@ inline Model small_model(int n_deformation = 9, int n_force = 5) {
   model.max_displacement_m = 0.01;
   model.displacements.resize(8, 3);
   for (int i = 0; i < 8; ++i) {
-    for (int k = 0; k < 3; ++k)
-      model.displacements(i, k) = (i % 2 == 0 ? 0.005 : 0.01) * model.directions[i / 2][k];
+    for (int k = 0; k < 3; ++k) model.displacements(i, k) = (i % 2 == 0 ? 0.005 : 0.01) * model.directions[i / 2][k];
   }
   model.n_mesh_nodes = 20;
   model.fixed = {0, 1};
@@ -121,8 +119,7 @@ inline Model small_linear_model() {
       for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
         if (node.prescribed[i] != model.output[static_cast<std::size_t>(o)]) continue;
         node.linear.unit_responses.row(o).setZero();
-        for (int axis = 0; axis < 3; ++axis)
-          node.linear.unit_responses(o, 4 * axis) = node.prescribed_weight[i];
+        for (int axis = 0; axis < 3; ++axis) node.linear.unit_responses(o, 4 * axis) = node.prescribed_weight[i];
       }
     }
   }
@@ -143,8 +140,7 @@ inline Model small_modal_model(int n_modes = 3, int n_force = 5, int n_shared = 
   Numbers numbers;
   Model model = small_model(0, 0);
   model.family = Family::modal;
-  model.shared.modes =
-      random_table(3 * static_cast<Eigen::Index>(model.output.size()), n_shared, 0.5, numbers);
+  model.shared.modes = random_table(3 * static_cast<Eigen::Index>(model.output.size()), n_shared, 0.5, numbers);
   for (int i = 0; i < n_amplitudes; ++i) model.shared.centers.push_back((3 * i + 1) % 8);
   for (ActiveNodeModel& node : model.nodes) {
     node.force = node.deformation = RbfNetwork();
@@ -271,8 +267,7 @@ inline Model level_alone(const Model& model, std::size_t l) {
     first_modes(level.weights, node.modal);
     for (std::size_t f = 0; f < node.fields.size(); ++f) first_modes(level.field_weights[f], node.fields[f]);
   }
-  if (model.family == Family::modal && l + 1 < model.levels.size())
-    alone.shared.centers = model.levels[l].centers;
+  if (model.family == Family::modal && l + 1 < model.levels.size()) alone.shared.centers = model.levels[l].centers;
   return alone;
 }
 

@@ -60,8 +60,7 @@ struct NaiveSurface {
     }
     std::vector<Corners> children;
     for (const auto& [a, b, c] : triangles) {
-      const int ab = middle[std::minmax(a, b)], bc = middle[std::minmax(b, c)],
-                ca = middle[std::minmax(c, a)];
+      const int ab = middle[std::minmax(a, b)], bc = middle[std::minmax(b, c)], ca = middle[std::minmax(c, a)];
       for (const Corners& child : {Corners{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}})
         children.push_back(child);
     }
@@ -79,8 +78,8 @@ Body liver_sized() {
   for (int r = 1; r <= n_rings; ++r) {
     for (int i = 0; i < n; ++i) {
       const double polar = std::numbers::pi * r / (n_rings + 1), turn = 2 * std::numbers::pi * i / n;
-      body.points.push_back({0.10 * std::sin(polar) * std::cos(turn), 0.07 * std::sin(polar) * std::sin(turn),
-                             0.04 * std::cos(polar)});
+      body.points.push_back(
+          {0.10 * std::sin(polar) * std::cos(turn), 0.07 * std::sin(polar) * std::sin(turn), 0.04 * std::cos(polar)});
     }
   }
   body.points.push_back({0, 0, -0.04});
@@ -122,8 +121,8 @@ TEST(Surfaces, AreThoseOfThePlainScheme) {
       const Points u = fine.deform(field);
       for (int t = 0; t < fine.n_triangles; ++t) {
         for (int k = 0; k < 3; ++k) {
-          const auto naive = static_cast<std::size_t>(
-              points.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)]);
+          const auto naive =
+              static_cast<std::size_t>(points.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)]);
           ASSERT_LE((fine.point(fine.corner(t, k)) - points.values[naive]).norm(), 5 * rounding);
           ASSERT_LE((u.row(fine.corner(t, k)) - moved.values[naive]).norm(), rounding);
         }
@@ -147,8 +146,7 @@ TEST(Surfaces, HaveThePapersCounts) {
     EXPECT_EQ(fine.n_triangles, 1188 << (2 * levels));
     std::set<std::pair<int, int>> directed;
     for (int t = 0; t < fine.n_triangles; ++t) {
-      for (int k = 0; k < 3; ++k)
-        EXPECT_TRUE(directed.insert({fine.corner(t, k), fine.corner(t, (k + 1) % 3)}).second);
+      for (int k = 0; k < 3; ++k) EXPECT_TRUE(directed.insert({fine.corner(t, k), fine.corner(t, (k + 1) % 3)}).second);
     }
     for (const auto& [a, b] : directed) ASSERT_TRUE(directed.count({b, a}));
   }
@@ -165,11 +163,8 @@ TEST(Surfaces, CommuteWithAffineMaps) {
     for (const bool constant : {true, false}) {
       FineSurface fine(body, 4);
       Points field(body.n_output(), 3);
-      const auto image = [&](const RowVector3d& x) {
-        return constant ? shift : RowVector3d(x * map + shift);
-      };
-      for (int i = 0; i < body.n_output(); ++i)
-        field.row(i) = image(body.points[static_cast<std::size_t>(i)]);
+      const auto image = [&](const RowVector3d& x) { return constant ? shift : RowVector3d(x * map + shift); };
+      for (int i = 0; i < body.n_output(); ++i) field.row(i) = image(body.points[static_cast<std::size_t>(i)]);
       const Points u = fine.deform(field);
       for (int v = 0; v < fine.n_vertices; ++v)
         ASSERT_LE((u.row(v) - image(fine.point(v))).norm(), (constant ? 1 : 10) * rounding);

@@ -27,8 +27,7 @@ Model fan(int n) {
     model.output.push_back(i);
     const double angle = 2 * M_PI * std::pow(i / (n + 1.0), 1.3);
     if (i > 0)
-      model.output_points.row(i) << 0.03 * std::cos(angle), 0.02 * std::sin(angle),
-          0.004 * std::cos(3 * angle);
+      model.output_points.row(i) << 0.03 * std::cos(angle), 0.02 * std::sin(angle), 0.004 * std::cos(3 * angle);
     if (i > 0) model.surface.row(i - 1) << 0, i, i % n + 1;
   }
   model.nodes.resize(3);
@@ -53,12 +52,11 @@ struct Turned {
 
 /// The rotation that displacements of the vertices make around some of them.
 template <class Displacement>
-Turned turn_of(const phn_model& model, const std::vector<std::int32_t>& vertices,
-               const std::vector<double>& weights, const Displacement& u) {
+Turned turn_of(const phn_model& model, const std::vector<std::int32_t>& vertices, const std::vector<double>& weights,
+               const Displacement& u) {
   Turned turned;
   runtime::SurfaceTurn part = {};
-  while (runtime::next_turn(model, static_cast<std::int32_t>(vertices.size()), vertices.data(),
-                            weights.data(), part)) {
+  while (runtime::next_turn(model, static_cast<std::int32_t>(vertices.size()), vertices.data(), weights.data(), part)) {
     for (std::int32_t i = 0; i < part.n; ++i) {
       const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> map(part.map[i].a);
       turned.by += map * u(Vector3d(Eigen::Map<const Vector3d>(model.output_points + 3 * part.vertex[i])));
@@ -80,11 +78,9 @@ TEST(SurfaceTurn, IsThatOfARigidBody) {
       const Turned turned = turn_of(*loaded.model, {0, 1, 2}, weights, rigid);
       EXPECT_LT((turned.by - w).norm(), 1e-13) << n;
       EXPECT_EQ(turned.parts > 1, n > 48) << n;
-      EXPECT_LT(turn_of(*loaded.model, {0, 1, 2}, weights, [](const Vector3d&) { return Vector3d(1, 2, 3); })
-                    .by.norm(),
+      EXPECT_LT(turn_of(*loaded.model, {0, 1, 2}, weights, [](const Vector3d&) { return Vector3d(1, 2, 3); }).by.norm(),
                 1e-11);  // gradients of 1 / 3 mm
-      EXPECT_LT(turn_of(*loaded.model, {0, 1, 2}, weights, [](const Vector3d& x) { return x; }).by.norm(),
-                1e-13);
+      EXPECT_LT(turn_of(*loaded.model, {0, 1, 2}, weights, [](const Vector3d& x) { return x; }).by.norm(), 1e-13);
     }
   }
 }
@@ -110,8 +106,7 @@ TEST(Rotate, IsARotationWithADerivative) {
   const auto random = [&] { return Vector3d(numbers.next(), numbers.next(), numbers.next()); };
   for (const double size : {0.0, 1e-9, 0.1, 1.0, 30.0, 1e100}) {
     const Vector3d v = size * random().normalized(), x = random(), g = random();
-    const Eigen::AngleAxisd rotation(2 * std::atan(v.norm()),
-                                     size > 0 ? v.normalized() : Vector3d::UnitX().eval());
+    const Eigen::AngleAxisd rotation(2 * std::atan(v.norm()), size > 0 ? v.normalized() : Vector3d::UnitX().eval());
     Vector3d there, back, gradient;
     there = eigen(runtime::rotated(small(v), small(x)));
     back = eigen(runtime::rotated_back(small(v), small(there)));

@@ -94,8 +94,7 @@ TEST_P(TrainedDistance, IsThatOfPlainLoops) {
     const Eigen::RowVector3d d = 0.02 * Eigen::RowVector3d(numbers.next(), numbers.next(), numbers.next());
     double least = d.norm();
     for (Eigen::Index row = 0; row < 104; ++row)
-      if (model.displacements.row(row).norm() <=
-          node.trained_depth_m[static_cast<std::size_t>(row / 4)] + 1e-9)
+      if (model.displacements.row(row).norm() <= node.trained_depth_m[static_cast<std::size_t>(row / 4)] + 1e-9)
         least = std::min(least, (d - model.displacements.row(row)).norm());
     EXPECT_NEAR(ask(loaded, node.node, d[0], d[1], d[2]).distance, least, 1e-15);
   }

@@ -18,8 +18,7 @@ TEST(ShellBenchmarks, CantileverUnderEndShear) {
   const ThinShell law{1.2e6, 0, 0.1};
   const auto mesh = strip(10, 1, {16, 1});
   Discretization body(mesh, law.forms());
-  Equilibrium equilibrium(body, shell_dofs(body, [](const Vector3& X, int) { return X[0] < 1e-9; }),
-                          shell_solver());
+  Equilibrium equilibrium(body, shell_dofs(body, [](const Vector3& X, int) { return X[0] < 1e-9; }), shell_solver());
   std::vector<double> load(body.n_dofs(), 0.0), state(body.n_dofs(), 0.0);
   std::vector<int> tip;
   for (int p = 0; p < body.n_points(); ++p)
@@ -53,8 +52,7 @@ TEST(ShellBenchmarks, CantileverUnderEndMoment) {
   const double L = 12, EI = 1.2e6 * 1e-3 / 12;
   const auto mesh = strip(L, 1, {24, 1});
   Discretization body(mesh, law.forms());
-  Equilibrium equilibrium(body, shell_dofs(body, [](const Vector3& X, int) { return X[0] < 1e-9; }),
-                          shell_solver());
+  Equilibrium equilibrium(body, shell_dofs(body, [](const Vector3& X, int) { return X[0] < 1e-9; }), shell_solver());
   Constraint end;
   end.dofs = shell_dofs(
       body, [&](const Vector3& X, int) { return X[0] > L - 1e-9; }, false, true);
@@ -65,8 +63,7 @@ TEST(ShellBenchmarks, CantileverUnderEndMoment) {
   constexpr int steps = 40;
   for (int step = 1; step <= steps; ++step) {
     const double angle = 2 * std::numbers::pi * step / steps;
-    const Vector3 director(-std::sin(angle), 0, std::cos(angle)),
-        slope(-std::cos(angle), 0, -std::sin(angle));
+    const Vector3 director(-std::sin(angle), 0, std::cos(angle)), slope(-std::cos(angle), 0, -std::sin(angle));
     for (int k = 0; k < 3; ++k) state[end.dofs[k]] = director[k] - (k == 2);
     const auto outcome = equilibrium.solve(state);
     ASSERT_EQ(outcome.status, Status::converged) << step;
@@ -77,8 +74,8 @@ TEST(ShellBenchmarks, CantileverUnderEndMoment) {
       if (body.points()(p, 0) > L - 1e-9) u += state[body.dofs(p)[0]] / 2, w += state[body.dofs(p)[2]] / 2;
     const double radius = L / angle;
     const double exact_u = radius * std::sin(angle) - L, exact_w = radius * (1 - std::cos(angle));
-    std::printf("angle %.2f: moment %.3f (%.3f), u %.3f (%.3f), w %.3f (%.3f)\n", angle, moment, expected, u,
-                exact_u, w, exact_w);
+    std::printf("angle %.2f: moment %.3f (%.3f), u %.3f (%.3f), w %.3f (%.3f)\n", angle, moment, expected, u, exact_u,
+                w, exact_w);
     EXPECT_NEAR(moment, expected, one_per_cent * expected);
     EXPECT_NEAR(u, exact_u, one_per_cent * L);
     EXPECT_NEAR(w, exact_w, one_per_cent * L);

@@ -20,8 +20,7 @@ Mesh shell_mesh(std::array<int, 2> n, At&& at) {
   mesh.cells.resize(2 * n[0] * n[1], 3);
   for (int j = 0; j <= n[1]; ++j)
     for (int i = 0; i <= n[0]; ++i)
-      mesh.nodes.row(j * (n[0] + 1) + i) =
-          at(static_cast<double>(i) / n[0], static_cast<double>(j) / n[1]).transpose();
+      mesh.nodes.row(j * (n[0] + 1) + i) = at(static_cast<double>(i) / n[0], static_cast<double>(j) / n[1]).transpose();
   for (int j = 0, t = 0; j < n[1]; ++j)
     for (int i = 0; i < n[0]; ++i) {
       const int a = j * (n[0] + 1) + i, b = a + n[0] + 1;
@@ -65,8 +64,7 @@ struct ThinShell {
 inline SolverSpec shell_solver() {
   SolverSpec spec;
   spec.element = element_named("shell");
-  spec.max_iterations =
-      300;  // thin shells under dead loads: what is stiff changes its direction at every step
+  spec.max_iterations = 300;  // thin shells under dead loads: what is stiff changes its direction at every step
   return spec;
 }
 

@@ -39,10 +39,8 @@ Mesh arch(int n) {
 }
 
 /// Displacement R X - X of the middle surface, and directors turned with it.
-std::vector<double> turned(Discretization& body, const std::vector<double>& directors,
-                           const Eigen::Matrix3d& R) {
-  auto state =
-      state_of(body, [&](const Vector3& X) -> Vector3 { return R * X - X + Vector3(0.3, -0.2, 0.7); });
+std::vector<double> turned(Discretization& body, const std::vector<double>& directors, const Eigen::Matrix3d& R) {
+  auto state = state_of(body, [&](const Vector3& X) -> Vector3 { return R * X - X + Vector3(0.3, -0.2, 0.7); });
   for (int p = body.n_nodes(); p < body.n_points(); ++p) {
     Vector3 D;
     for (int k = 0; k < 3; ++k) D[k] = directors[static_cast<std::size_t>(body.director_dofs(p)[k])];
@@ -73,9 +71,7 @@ std::vector<double> mean_normals(const Discretization& body, const Mesh& mesh) {
 
 class ShellForms : public ::testing::TestWithParam<Law> {
  protected:
-  ShellForms()
-      : _mesh(arch(3)),
-        _body(_mesh, form_set(unit_material(GetParam(), 50), element_named("shell"), 1, 0.1)) {
+  ShellForms() : _mesh(arch(3)), _body(_mesh, form_set(unit_material(GetParam(), 50), element_named("shell"), 1, 0.1)) {
     _state.resize(_body.n_dofs());
     for (auto& value : _state) value = 0.02 * _random();
     _direction.resize(_body.n_dofs());
@@ -188,8 +184,7 @@ TEST_P(PlaneStress, IsThatOfTheLaw) {
   const double size = exact ? 0.3 : 1;
   for (auto [s1, s2] : {std::pair{1.3, 1.0}, {1.5, 0.9}, {0.8, 0.9}, {1.2, 1.25}}) {
     s1 = 1 + size * (s1 - 1), s2 = 1 + size * (s2 - 1);
-    const auto state =
-        state_of(body, [&](const Vector3& X) { return Vector3((s1 - 1) * X[0], (s2 - 1) * X[1], 0); });
+    const auto state = state_of(body, [&](const Vector3& X) { return Vector3((s1 - 1) * X[0], (s2 - 1) * X[1], 0); });
     const double expected = thickness * plane_stress_energy(material, s1, s2);
     EXPECT_NEAR(body.energy(state), expected, tolerance * expected) << s1 << " " << s2;
   }
@@ -211,8 +206,7 @@ TEST(Plates, ClampedSquareSagsAsInPlateTheory) {
     const ThinShell law{1, 0.3, thickness};
     const auto mesh = strip(1, 1, {32, 32});
     Discretization body(mesh, [&] {
-      return form_set(hookean(law_named("linear"), 1, 0.3), element_named("shell"), law.shear_modulus(),
-                      thickness);
+      return form_set(hookean(law_named("linear"), 1, 0.3), element_named("shell"), law.shear_modulus(), thickness);
     }());
     Equilibrium equilibrium(body,
                             shell_dofs(body,
@@ -254,8 +248,7 @@ TEST(SlitTube, IsAsStiffAsASolidOfTaylorHoodTetrahedra) {
     std::vector<double> load(body.n_dofs(), 0.0);
     for (const double radius : radii) {
       const auto part = dead_traction(body, mesh, {0, -1, 0}, [&](const Vector3& X) {
-        return X[1] > 1e-9 && std::abs(X[2] - L / 2) < L / 6 + 1e-9 &&
-               std::abs(std::hypot(X[0], X[1]) - radius) < 1e-9;
+        return X[1] > 1e-9 && std::abs(X[2] - L / 2) < L / 6 + 1e-9 && std::abs(std::hypot(X[0], X[1]) - radius) < 1e-9;
       });
       for (std::size_t i = 0; i < load.size(); ++i) load[i] += part[i];
     }
@@ -286,12 +279,10 @@ TEST(SlitTube, IsAsStiffAsASolidOfTaylorHoodTetrahedra) {
   Discretization solid(wall, form_set(material, element_named("taylor-hood"), 1));
   std::vector<std::int32_t> held;
   for (int p = 0; p < solid.n_points(); ++p)
-    if (ends(solid.points().row(p).transpose(), 0))
-      held.insert(held.end(), solid.dofs(p).begin(), solid.dofs(p).end());
-  const Vector3 outer =
-      sag(solid, held, wall, {R - t / 2, R + t / 2}, {place(0, -t / 2, 0.5), place(0, t / 2, 0.5)});
-  std::printf("lip of the slit: shell %.4f %.4f %.4f, solid %.4f %.4f %.4f mm\n", bent[0], bent[1], bent[2],
-              outer[0], outer[1], outer[2]);
+    if (ends(solid.points().row(p).transpose(), 0)) held.insert(held.end(), solid.dofs(p).begin(), solid.dofs(p).end());
+  const Vector3 outer = sag(solid, held, wall, {R - t / 2, R + t / 2}, {place(0, -t / 2, 0.5), place(0, t / 2, 0.5)});
+  std::printf("lip of the slit: shell %.4f %.4f %.4f, solid %.4f %.4f %.4f mm\n", bent[0], bent[1], bent[2], outer[0],
+              outer[1], outer[2]);
   EXPECT_GT(outer.norm(), 2 * t);
   EXPECT_LT((bent - outer).norm(), 0.08 * outer.norm());
 }

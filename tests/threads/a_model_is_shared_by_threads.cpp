@@ -35,8 +35,7 @@ std::vector<double> answers(const phn_model* model, const phn_surface* surface, 
   std::vector<std::vector<double>> of_node(static_cast<std::size_t>(n_active));
   for (int i = 0; i < n_active; ++i) {
     const auto at = static_cast<std::size_t>((i + first) % n_active);
-    const std::int32_t node = info_of(model).active_nodes[at],
-                       other = info_of(model).active_nodes[(at + 1) % n_active];
+    const std::int32_t node = info_of(model).active_nodes[at], other = info_of(model).active_nodes[(at + 1) % n_active];
     const double d[] = {0.002, -0.001, 0.003, 0.001, 0.002, -0.001};
     auto& kept = of_node[at];
     const auto keep = [&](int status, std::size_t n) {

@@ -48,16 +48,14 @@ ResponseSource with_fields(const DatabaseHeader& header) {
 }
 
 /// By plain loops, at x = d / R.
-Eigen::VectorXd evaluate(const Model& model, const ActiveNodeModel& node, std::size_t f,
-                         const Eigen::Vector3d& x) {
+Eigen::VectorXd evaluate(const Model& model, const ActiveNodeModel& node, std::size_t f, const Eigen::Vector3d& x) {
   const auto n_centers = static_cast<Eigen::Index>(model.shared.centers.size());
   const double s = model.shared.shape;
   const auto q = [s](const Eigen::Vector3d& y) { return std::sqrt(y.squaredNorm() + s * s); };
   Eigen::VectorXd basis(n_centers + 9);
   for (Eigen::Index i = 0; i < n_centers; ++i) {
-    const Eigen::Vector3d c =
-        model.displacements.row(model.shared.centers[static_cast<std::size_t>(i)]).transpose() /
-        model.max_displacement_m;
+    const Eigen::Vector3d c = model.displacements.row(model.shared.centers[static_cast<std::size_t>(i)]).transpose() /
+                              model.max_displacement_m;
     basis[i] = q(x - c) - q(x) - q(c) + s;
   }
   basis.segment<3>(n_centers) = x;
@@ -66,15 +64,13 @@ Eigen::VectorXd evaluate(const Model& model, const ActiveNodeModel& node, std::s
   const Eigen::VectorXd a = of_node.weights.values().transpose() * basis;
   Eigen::VectorXd values = model.fields[f].modes.values() * (of_node.mixing.values() * a);
   const Eigen::VectorXd near = of_node.near_modes.values() * a;
-  for (std::size_t i = 0; i < of_node.near.size(); ++i)
-    values[of_node.near[i]] = near[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < of_node.near.size(); ++i) values[of_node.near[i]] = near[static_cast<Eigen::Index>(i)];
   return (model.fields[f].scale * values).cwiseMax(0);
 }
 
 /// Mean over nodes, active nodes and the given displacements of |model - field|, over the field's largest
 /// value there.
-double error(const Model& model, const DatabaseHeader& header, std::size_t f,
-             const std::vector<Eigen::Vector3d>& ds) {
+double error(const Model& model, const DatabaseHeader& header, std::size_t f, const std::vector<Eigen::Vector3d>& ds) {
   double sum = 0;
   int n = 0;
   for (std::size_t at = 0; at < model.nodes.size(); ++at) {
@@ -96,10 +92,8 @@ double error(const Model& model, const DatabaseHeader& header, std::size_t f,
 }
 
 std::vector<Eigen::Vector3d> between_the_directions(double depth) {
-  return {depth * Eigen::Vector3d(0.3, 0.2, -0.9).normalized(),
-          depth * Eigen::Vector3d(-0.7, 0.1, 0.4).normalized(),
-          depth * Eigen::Vector3d(0.1, -0.8, 0.3).normalized(),
-          depth * Eigen::Vector3d(0.5, 0.9, 0.2).normalized()};
+  return {depth * Eigen::Vector3d(0.3, 0.2, -0.9).normalized(), depth * Eigen::Vector3d(-0.7, 0.1, 0.4).normalized(),
+          depth * Eigen::Vector3d(0.1, -0.8, 0.3).normalized(), depth * Eigen::Vector3d(0.5, 0.9, 0.2).normalized()};
 }
 
 TEST(ModalFields, RepeatTheFieldsAndSaysHowWell) {
@@ -130,8 +124,7 @@ TEST(ModalFields, KeepTheirShapeAtRest) {
   const auto header = header_with_fields();
   TrainingReport report;
   const Model model = train(with_fields(header), modal_spec(), report);
-  for (std::size_t f = 0; f < 2; ++f)
-    EXPECT_LT(error(model, header, f, between_the_directions(1e-4)), 0.2) << f;
+  for (std::size_t f = 0; f < 2; ++f) EXPECT_LT(error(model, header, f, between_the_directions(1e-4)), 0.2) << f;
 }
 
 TEST(ModalFields, NeedTermsThatAreEven) {
@@ -143,10 +136,8 @@ TEST(ModalFields, NeedTermsThatAreEven) {
   const Model model = train(with_fields(header), modal_spec(), report);
   for (const int f : {0, 1}) {
     const auto values = field_modes(tables, rays, static_cast<std::size_t>(f), 1, 12);
-    const SharedModes shared{scaled_table(shared_basis({values}, 12, 1)), model.shared.centers,
-                             model.shared.shape};
-    const auto with = fit_modal(tables, shared, values, 0, f + 1),
-               without = fit_modal(tables, shared, values, 0);
+    const SharedModes shared{scaled_table(shared_basis({values}, 12, 1)), model.shared.centers, model.shared.shape};
+    const auto with = fit_modal(tables, shared, values, 0, f + 1), without = fit_modal(tables, shared, values, 0);
     EXPECT_LT(with.regression_error, 0.5 * without.regression_error) << f;
   }
 }

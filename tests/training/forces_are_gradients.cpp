@@ -78,9 +78,7 @@ TEST(ConservativeFit, IsExactlyZeroAtRest) {
 TEST(ConservativeFit, HasASymmetricStiffnessEvenWhereTheDataHaveNone) {
   // A force that turns in circles: no potential has it.
   const auto tables = training_tables(small_header());
-  const auto circles = [](const Eigen::Vector3d& x) {
-    return Eigen::Vector3d(x[0] - 2 * x[1], 2 * x[0] + x[1], x[2]);
-  };
+  const auto circles = [](const Eigen::Vector3d& x) { return Eigen::Vector3d(x[0] - 2 * x[1], 2 * x[0] + x[1], x[2]); };
   const auto fit = fit_conservative(states_of(tables, circles), depth, 60);
   const Eigen::Vector3d at(0.31, -0.42, 0.25);
   const double h = 1e-5;
@@ -115,13 +113,11 @@ TEST(ConservativeFit, OfALinearBodyIsItsStiffness) {
   Eigen::Matrix3d stiffness;
   stiffness << 40, 5, -3, 5, 25, 2, -3, 2, 60;
   const auto fit = fit_conservative(
-      states_of(tables, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return stiffness * depth * x; }),
-      depth, 80);
+      states_of(tables, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return stiffness * depth * x; }), depth, 80);
   EXPECT_LT((fit.network.stiffness - stiffness).norm(), 1e-6 * stiffness.norm());  // floats
   const Eigen::Vector3d far(30, -20, 10);
   const Eigen::Vector3d expected = stiffness * depth * far;
-  EXPECT_LT((evaluate_force(fit.network, tables.displacements, depth, far) - expected).norm(),
-            1e-5 * expected.norm());
+  EXPECT_LT((evaluate_force(fit.network, tables.displacements, depth, far) - expected).norm(), 1e-5 * expected.norm());
 }
 
 TEST(ConservativeFit, StaysBoundedFarBeyondTheData) {
@@ -136,8 +132,7 @@ TEST(ConservativeFit, StaysBoundedFarBeyondTheData) {
   };
   const double tail = (fit.network.stiffness * depth * direction).norm();
   // The kernels' contribution falls as 1 / |x|: by a factor of 100 from 10 to 1000.
-  EXPECT_LT(std::abs(stiffness_along(1000) - tail),
-            0.05 * std::abs(stiffness_along(10) - tail) + 1e-6 * tail);
+  EXPECT_LT(std::abs(stiffness_along(1000) - tail), 0.05 * std::abs(stiffness_along(10) - tail) + 1e-6 * tail);
 }
 
 TEST(ConservativeFit, SurvivesStatesThatSayLittle) {

@@ -26,8 +26,7 @@ TEST(Growth, WeightsAreThoseOfDenseLeastSquares) {
   const NetworkPoints points = small_deformation_points();
   const NetworkFit fit = fit_network(points, {60, 0.75, 0});
   ASSERT_EQ(fit.network.weights.rows(), 60);
-  const Eigen::MatrixXd w =
-      basis(points, fit.network).colPivHouseholderQr().solve(scaled_outputs(points, fit.network));
+  const Eigen::MatrixXd w = basis(points, fit.network).colPivHouseholderQr().solve(scaled_outputs(points, fit.network));
   EXPECT_LT((coefficients(fit.network) - w).norm(), 1e-9 * w.norm());
 }
 
@@ -38,8 +37,7 @@ TEST(Growth, RecordedErrorIsThatOfTheNetwork) {
   const NetworkFit fit = fit_network(points, {60, 0.75, 0});
   const Eigen::MatrixXd e =
       scaled_outputs(points, fit.network) - basis(points, fit.network) * coefficients(fit.network);
-  EXPECT_NEAR(fit.mse.back(), e.squaredNorm() / (3.0 * static_cast<double>(points.size())),
-              1e-10 * fit.mse.back());
+  EXPECT_NEAR(fit.mse.back(), e.squaredNorm() / (3.0 * static_cast<double>(points.size())), 1e-10 * fit.mse.back());
 }
 
 // Claim: each center is the point with the largest error of the network before it, among those not yet
@@ -87,12 +85,10 @@ TEST(Growth, StopsAtTheTarget) {
 TEST(Growth, ScaledDataLiesWithinOne) {
   const NetworkPoints points = small_deformation_points();
   const NetworkFit fit = fit_network(points, {1, 0.75, 0});
-  for (const Eigen::MatrixXd& scaled :
-       {scaled_inputs(points, fit.network), scaled_outputs(points, fit.network)}) {
+  for (const Eigen::MatrixXd& scaled : {scaled_inputs(points, fit.network), scaled_outputs(points, fit.network)}) {
     EXPECT_LE(scaled.maxCoeff(), 1.0);
     EXPECT_GE(scaled.minCoeff(), -1.0);
-    for (Eigen::Index k = 0; k < scaled.cols(); ++k)
-      EXPECT_NEAR(scaled.col(k).cwiseAbs().maxCoeff(), 1.0, 1e-15);
+    for (Eigen::Index k = 0; k < scaled.cols(); ++k) EXPECT_NEAR(scaled.col(k).cwiseAbs().maxCoeff(), 1.0, 1e-15);
   }
 }
 

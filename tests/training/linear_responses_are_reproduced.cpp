@@ -18,8 +18,7 @@ LinearResponse made_up(const DatabaseHeader& header, std::int32_t active) {
   const auto number = [&] { return static_cast<double>(random() >> 11) * 0x1p-52 - 1; };
   LinearResponse linear;
   for (int i = 0; i < 3; ++i) {
-    for (int j = i; j < 3; ++j)
-      linear.stiffness(i, j) = linear.stiffness(j, i) = (i == j ? 60 : 0) + 20 * number();
+    for (int j = i; j < 3; ++j) linear.stiffness(i, j) = linear.stiffness(j, i) = (i == j ? 60 : 0) + 20 * number();
   }
   linear.unit_responses.resize(n_nodes, 9);
   for (Eigen::Index o = 0; o < n_nodes; ++o) {
@@ -135,8 +134,7 @@ TEST(LinearTraining, IsReproducible) {
 TEST(LinearTraining, PrescribedNodesMoveByTheirWeight) {
   const DatabaseHeader header = linear_header(false);
   const TrainingTables tables = training_tables(header);
-  const LinearTraining trained =
-      train_linear_node(tables, 3, {0, 0, 0}, {{2, 3}, {0.3, 1.0}}, linear_rays(header, 1));
+  const LinearTraining trained = train_linear_node(tables, 3, {0, 0, 0}, {{2, 3}, {0.3, 1.0}}, linear_rays(header, 1));
   ASSERT_TRUE(trained.trained);
   const Eigen::Vector3d d(0.1, -0.2, 0.3);
   EXPECT_EQ(displacement(trained.model.linear, 2, d), 0.3 * d);
@@ -150,8 +148,7 @@ TEST(LinearTraining, NonlinearDataIsRefused) {
   const DatabaseHeader header = linear_header(true);
   const std::string stiffer =
       refusal(header, [&](std::int32_t active) { return linear_rays(header, active, 0.01 / 0.012); });
-  for (const char* part :
-       {"the scene is not linear", "node 0: forces", "allowed are 0.01 %", "use family rbfn"})
+  for (const char* part : {"the scene is not linear", "node 0: forces", "allowed are 0.01 %", "use family rbfn"})
     EXPECT_NE(stiffer.find(part), std::string::npos) << part << "\n" << stiffer;
 
   const auto bent = [&](std::int32_t active) {

@@ -16,8 +16,7 @@ Model trained(const Eigen::RowVector3d& away, Family family) {
   there.mesh.nodes.rowwise() += away;
   TrainingSpec spec = family == Family::modal ? modal_spec() : small_spec();
   TrainingReport report;
-  return train({&there, [&](std::int32_t active) { return small_rays(here, active); }, 0, "away"}, spec,
-               report);
+  return train({&there, [&](std::int32_t active) { return small_rays(here, active); }, 0, "away"}, spec, report);
 }
 
 const Eigen::RowVector3d kilometre(1000, -1000, 1000);
@@ -44,8 +43,7 @@ TEST(BodyFarAway, HasTheSameNetworks) {
         Eigen::VectorXd x(6), y(6);
         x << 0.7 * here.displacements.row(row).transpose(), here.output_points.row(o).transpose();
         y << 0.7 * here.displacements.row(row).transpose(), there.output_points.row(o).transpose();
-        const Eigen::Vector3d u = evaluate(here.nodes[a].deformation, x),
-                              v = evaluate(there.nodes[a].deformation, y);
+        const Eigen::Vector3d u = evaluate(here.nodes[a].deformation, x), v = evaluate(there.nodes[a].deformation, y);
         largest = std::max(largest, u.norm());
         difference = std::max(difference, (u - v).norm());
       }

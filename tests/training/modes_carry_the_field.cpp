@@ -16,13 +16,10 @@ namespace {
 /// u at all output nodes by plain loops over the model, x = d / R.
 Eigen::VectorXd field(const Model& model, const ActiveNodeModel& node, const Eigen::Vector3d& x) {
   const auto& shared = model.shared;
-  const auto q = [&](const Eigen::Vector3d& y) {
-    return std::sqrt(y.squaredNorm() + shared.shape * shared.shape);
-  };
+  const auto q = [&](const Eigen::Vector3d& y) { return std::sqrt(y.squaredNorm() + shared.shape * shared.shape); };
   Eigen::VectorXd features(static_cast<Eigen::Index>(shared.centers.size()) + 3);
   for (std::size_t i = 0; i < shared.centers.size(); ++i) {
-    const Eigen::Vector3d c =
-        model.displacements.row(shared.centers[i]).transpose() / model.max_displacement_m;
+    const Eigen::Vector3d c = model.displacements.row(shared.centers[i]).transpose() / model.max_displacement_m;
     features[static_cast<Eigen::Index>(i)] = q(x - c) - q(x) - q(c) + shared.shape;
   }
   features.tail<3>() = x;
@@ -44,8 +41,8 @@ TrainingSpec all_shared_spec() {
 
 Eigen::Map<const Eigen::VectorXd> field_of(const std::vector<Ray>& rays, Eigen::Index row) {
   const auto k = static_cast<std::size_t>(row / n_increments);
-  return Eigen::VectorXd::Map(
-      &rays[k].displacement[static_cast<std::size_t>(row % n_increments * 3 * n_nodes)], 3 * n_nodes);
+  return Eigen::VectorXd::Map(&rays[k].displacement[static_cast<std::size_t>(row % n_increments * 3 * n_nodes)],
+                              3 * n_nodes);
 }
 
 /// 3 n_nodes x 3: the fields linear in x that serve all states best.
@@ -126,8 +123,7 @@ TEST(ModalTraining, MoreModesLoseLess) {
     spec.near_nodes = n_nodes;  // so that shared modes lose nothing
     TrainingReport report;
     train(source_of(header), spec, report);
-    EXPECT_LT(report.modal.truncation, 0.7 * before)
-        << modes << " modes";  // a smooth field's modes fall off fast
+    EXPECT_LT(report.modal.truncation, 0.7 * before) << modes << " modes";  // a smooth field's modes fall off fast
     before = report.modal.truncation;
   }
 }
@@ -191,8 +187,7 @@ TEST(ModalTraining, FailedDirectionsAreLeftOut) {
       for (int i = 0; i < n_increments; ++i) {
         if (!failed(active, k, i)) continue;
         auto& ray = rays[static_cast<std::size_t>(k)];
-        ray.status[static_cast<std::size_t>(i)] =
-            i == active % n_increments ? Status::diverged : Status::after_failure;
+        ray.status[static_cast<std::size_t>(i)] = i == active % n_increments ? Status::diverged : Status::after_failure;
         // A metre: whoever trains on it is far off.
         std::fill_n(ray.displacement.begin() + 3 * n_nodes * i, 3 * n_nodes, 1.0);
       }

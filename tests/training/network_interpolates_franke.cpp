@@ -34,8 +34,7 @@ TEST(Franke, InterpolantIsThatOfADenseSolve) {
     const NetworkPoints points = franke_points(n);
     const NetworkFit fit = fit_network(points, {n, spread_for(n), 0});
     RbfNetwork dense = fit.network;
-    const Eigen::MatrixXd w =
-        basis(points, fit.network).fullPivLu().solve(scaled_outputs(points, fit.network));
+    const Eigen::MatrixXd w = basis(points, fit.network).fullPivLu().solve(scaled_outputs(points, fit.network));
     dense.bias = w.row(0).transpose();
     dense.weights = w.bottomRows(w.rows() - 1);
     for (int i = 0; i <= 10; ++i) {

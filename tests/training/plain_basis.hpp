@@ -33,8 +33,7 @@ inline Eigen::MatrixXd basis(const NetworkPoints& points, const RbfNetwork& netw
   Eigen::MatrixXd h = Eigen::MatrixXd::Ones(x.rows(), 1 + network.centers.rows());
   for (Eigen::Index i = 0; i < network.centers.rows(); ++i) {
     for (Eigen::Index p = 0; p < x.rows(); ++p) {
-      h(p, 1 + i) =
-          std::exp(-(x.row(p) - network.centers.row(i)).squaredNorm() / (network.spread * network.spread));
+      h(p, 1 + i) = std::exp(-(x.row(p) - network.centers.row(i)).squaredNorm() / (network.spread * network.spread));
     }
   }
   return h;

@@ -152,8 +152,8 @@ TEST(Training, FewPointsCapTheNeurons) {
 // Claim: nodes that the probe moves itself, and only these, are kept out of the deformation data.
 TEST(Training, PrescribedNodesAreNotTrainedOn) {
   const DatabaseHeader header = small_header();
-  const NetworkPoints points = deformation_points(training_tables(header), small_rays(header, 3),
-                                                  {{9, 11}, {1.0, 0.5}}, 9, 1000000, 1);
+  const NetworkPoints points =
+      deformation_points(training_tables(header), small_rays(header, 3), {{9, 11}, {1.0, 0.5}}, 9, 1000000, 1);
   EXPECT_EQ(points.size(), static_cast<std::size_t>(26 * n_increments * (n_nodes - 2)));
   for (const std::int32_t place : points.place) EXPECT_TRUE(place != 9 && place != 11);
 }
@@ -164,10 +164,9 @@ TEST(Training, CanBeInterrupted) {
   for (const int threads : {1, 2}) {
     std::atomic<int> calls{0};
     TrainingReport report;
-    EXPECT_THROW(
-        train(
-            source_of(header), small_spec(), report, [&](auto, auto) { return ++calls < 3; }, threads),
-        Error);
+    EXPECT_THROW(train(
+                     source_of(header), small_spec(), report, [&](auto, auto) { return ++calls < 3; }, threads),
+                 Error);
     EXPECT_LT(calls, static_cast<int>(header.sets.active.size()));
   }
 }
@@ -184,8 +183,8 @@ TEST(Training, SearchFindsASpreadThatServesUnseenPoints) {
   EXPECT_EQ(text, text_of(source_of(header), spec, 1));
   const auto error = [&](double spread) {
     NetworkPoints held_out;
-    const NetworkPoints train = deformation_points(training_tables(header), small_rays(header, 5),
-                                                   {{15}, {1.0}}, 15, spec.samples, 99, &held_out, 1000);
+    const NetworkPoints train = deformation_points(training_tables(header), small_rays(header, 5), {{15}, {1.0}}, 15,
+                                                   spec.samples, 99, &held_out, 1000);
     return mean_relative_error(fit_network(train, {spec.deformation_neurons, spread, 0}).network, held_out);
   };
   double best = 1;

@@ -30,8 +30,8 @@ class FromDatabase : public testing::Test {
     for (Eigen::Index c = 0; c < header.mesh.cells.rows(); ++c) {
       Eigen::Matrix3d edges;
       for (int k = 0; k < 3; ++k) {
-        edges.col(k) = header.mesh.nodes.row(header.mesh.cells(c, k + 1)) -
-                       header.mesh.nodes.row(header.mesh.cells(c, 0));
+        edges.col(k) =
+            header.mesh.nodes.row(header.mesh.cells(c, k + 1)) - header.mesh.nodes.row(header.mesh.cells(c, 0));
       }
       if (edges.determinant() < 0) {
         std::swap(header.mesh.cells(c, 2), header.mesh.cells(c, 3));
@@ -67,8 +67,8 @@ class FromDatabase : public testing::Test {
     std::filesystem::remove_all(file.string() + ".log");
   }
 
-  std::filesystem::path file = std::filesystem::temp_directory_path() /
-                               ("phynness_training_" + std::to_string(std::random_device{}()) + ".h5");
+  std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("phynness_training_" + std::to_string(std::random_device{}()) + ".h5");
   DatabaseHeader header;
 };
 
@@ -84,8 +84,7 @@ TEST_F(FromDatabase, EqualsTrainingFromArrays) {
   EXPECT_EQ(write_model_text(model), write_model_text(train(source, small_spec(), report, {}, 1)));
   EXPECT_EQ(model.title, "small");
   EXPECT_EQ(model.mesh_hash, header.mesh_hash);
-  for (const ActiveNodeModel& node : model.nodes)
-    EXPECT_EQ(node.prescribed, std::vector<std::int32_t>{node.node});
+  for (const ActiveNodeModel& node : model.nodes) EXPECT_EQ(node.prescribed, std::vector<std::int32_t>{node.node});
 }
 
 // Claim: a patch probe's own nodes are those on the surface within the tool's radius, fixed ones left out,
@@ -97,8 +96,7 @@ TEST_F(FromDatabase, PatchNodesAreKnownFromTheScene) {
   const Model model = train(database, small_spec(), report);
   std::size_t n_others = 0;
   for (const ActiveNodeModel& node : model.nodes) {
-    const auto touched =
-        touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node.node, 0.025);
+    const auto touched = touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node.node, 0.025);
     EXPECT_EQ(node.prescribed, touched.nodes);
     EXPECT_EQ(node.prescribed_weight, touched.weights);
     n_others += touched.nodes.size() - 1;

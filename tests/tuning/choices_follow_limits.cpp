@@ -66,8 +66,7 @@ TEST(Choice, CountsTheStatisticAskedFor) {
   EXPECT_EQ(choose_model(models, {.error = 0.011, .statistic = ErrorStatistic::median}).chosen, 0u);
   const auto none = choose_model(models, {.error = 0.1, .statistic = ErrorStatistic::p95});
   EXPECT_FALSE(none.chosen);
-  EXPECT_NE(none.missed.find("95 % quantile of the error: the least is 20 %"), std::string::npos)
-      << none.missed;
+  EXPECT_NE(none.missed.find("95 % quantile of the error: the least is 20 %"), std::string::npos) << none.missed;
   mark_front(models, ErrorStatistic::median);
   // "middle" costs more than "small" and has the same median.
   EXPECT_TRUE(models[0].on_front && models[2].on_front && models[4].on_front);
@@ -84,9 +83,8 @@ TEST(Choice, SaysWhichLimitIsMissed) {
       << two.missed;
   const auto together = choose_model(some(), {.error = 0.01, .deformation_us = 2});
   EXPECT_FALSE(together.chosen);
-  EXPECT_NE(
-      together.missed.find("not all of them at once; the nearest is middle: mean error 2 %, limit 1 %; time"),
-      std::string::npos)
+  EXPECT_NE(together.missed.find("not all of them at once; the nearest is middle: mean error 2 %, limit 1 %; time"),
+            std::string::npos)
       << together.missed;
 }
 

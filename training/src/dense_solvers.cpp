@@ -11,8 +11,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 MatrixXd orthonormal(const MatrixXd& a) {
-  return Eigen::HouseholderQR<MatrixXd>(a).householderQ() *
-         MatrixXd::Identity(a.rows(), std::min(a.rows(), a.cols()));
+  return Eigen::HouseholderQR<MatrixXd>(a).householderQ() * MatrixXd::Identity(a.rows(), std::min(a.rows(), a.cols()));
 }
 
 MatrixXd least_squares(const MatrixXd& a, const MatrixXd& b) {

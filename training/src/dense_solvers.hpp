@@ -1,4 +1,5 @@
-// Factorizations of dense matrices that several fits need. Each takes the compiler ten seconds or more: here it does so once.
+// Factorizations of dense matrices that several fits need. Each takes the compiler ten seconds or more: here it does so
+// once.
 #pragma once
 
 #include <Eigen/Core>

@@ -8,8 +8,8 @@
 namespace phynness {
 
 /// @pre shape > 0
-ConservativeFit fit_conservative_of_shape(const ForceStates& states, double max_displacement_m,
-                                          int max_centers, double shape);
+ConservativeFit fit_conservative_of_shape(const ForceStates& states, double max_displacement_m, int max_centers,
+                                          double shape);
 /// @pre shape > 0
 AmplitudeCenters amplitude_centers_of_shape(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
                                             int max_centers, double shape);

@@ -12,8 +12,7 @@
 
 namespace phynness::kernels {
 
-PHYNNESS_CLONES void dot_block(const double* q, std::size_t stride, const double* h, std::size_t n,
-                               double* sums) {
+PHYNNESS_CLONES void dot_block(const double* q, std::size_t stride, const double* h, std::size_t n, double* sums) {
   const double *q0 = q, *q1 = q + stride, *q2 = q + 2 * stride, *q3 = q + 3 * stride;
   double s0 = 0, s1 = 0, s2 = 0, s3 = 0;
 #pragma omp simd reduction(+ : s0, s1, s2, s3)
@@ -26,16 +25,14 @@ PHYNNESS_CLONES void dot_block(const double* q, std::size_t stride, const double
   sums[0] = s0, sums[1] = s1, sums[2] = s2, sums[3] = s3;
 }
 
-PHYNNESS_CLONES void subtract_block(const double* q, std::size_t stride, const double* c, double* h,
-                                    std::size_t n) {
+PHYNNESS_CLONES void subtract_block(const double* q, std::size_t stride, const double* c, double* h, std::size_t n) {
   const double *q0 = q, *q1 = q + stride, *q2 = q + 2 * stride, *q3 = q + 3 * stride;
   const double c0 = c[0], c1 = c[1], c2 = c[2], c3 = c[3];
 #pragma omp simd
   for (std::size_t p = 0; p < n; ++p) h[p] -= (c0 * q0[p] + c1 * q1[p]) + (c2 * q2[p] + c3 * q3[p]);
 }
 
-PHYNNESS_CLONES void dot_residuals(const double* q, const double* r, std::size_t stride, std::size_t n,
-                                   double* sums) {
+PHYNNESS_CLONES void dot_residuals(const double* q, const double* r, std::size_t stride, std::size_t n, double* sums) {
   const double *r0 = r, *r1 = r + stride, *r2 = r + 2 * stride;
   double s0 = 0, s1 = 0, s2 = 0;
 #pragma omp simd reduction(+ : s0, s1, s2)
@@ -47,8 +44,8 @@ PHYNNESS_CLONES void dot_residuals(const double* q, const double* r, std::size_t
   sums[0] = s0, sums[1] = s1, sums[2] = s2;
 }
 
-PHYNNESS_CLONES double update_residuals(const double* q, const double* c, double* r, std::size_t stride,
-                                        double* error, std::size_t n) {
+PHYNNESS_CLONES double update_residuals(const double* q, const double* c, double* r, std::size_t stride, double* error,
+                                        std::size_t n) {
   double *r0 = r, *r1 = r + stride, *r2 = r + 2 * stride;
   const double c0 = c[0], c1 = c[1], c2 = c[2];
   double sum = 0;

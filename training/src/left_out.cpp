@@ -26,14 +26,12 @@ RowGroups groups_of_equal(const std::vector<std::int32_t>& numbers, Index per_st
   RowGroups groups;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (i == 0 || numbers[i] != numbers[i - 1]) groups.emplace_back();
-    for (Index k = 0; k < per_state; ++k)
-      groups.back().push_back(first_row + per_state * static_cast<Index>(i) + k);
+    for (Index k = 0; k < per_state; ++k) groups.back().push_back(first_row + per_state * static_cast<Index>(i) + k);
   }
   return groups;
 }
 
-MatrixXd left_out(const MatrixXd& kernel, const MatrixXd& tail, const MatrixXd& values,
-                  const RowGroups& groups) {
+MatrixXd left_out(const MatrixXd& kernel, const MatrixXd& tail, const MatrixXd& values, const RowGroups& groups) {
   const Index n = kernel.rows(), m = tail.cols();
   MatrixXd system = MatrixXd::Zero(n + m, n + m);
   system.topLeftCorner(n, n) = kernel;
@@ -56,15 +54,14 @@ MatrixXd left_out_of_fit(const MatrixXd& damped, const MatrixXd& rest, const Mat
   return left_out_of_projection(orthonormal(damped).topRows(rest.rows()), rest, values, groups);
 }
 
-MatrixXd left_out_of_projection(const Eigen::Ref<const MatrixXd, 0, Eigen::OuterStride<>>& q,
-                                const MatrixXd& rest, const MatrixXd& values, const RowGroups& groups) {
+MatrixXd left_out_of_projection(const Eigen::Ref<const MatrixXd, 0, Eigen::OuterStride<>>& q, const MatrixXd& rest,
+                                const MatrixXd& values, const RowGroups& groups) {
   MatrixXd errors = MatrixXd::Zero(rest.rows(), rest.cols());
   for (const auto& group : groups) {
     const MatrixXd some = rows_of(q, group), left = rows_of(rest, group);
     // The smaller of two matrices: (I - Q Q^T)^-1 = I + Q (I - Q^T Q)^-1 Q^T.
     const bool small_group = some.rows() <= some.cols();
-    const MatrixXd product =
-        small_group ? MatrixXd(some * some.transpose()) : MatrixXd(some.transpose() * some);
+    const MatrixXd product = small_group ? MatrixXd(some * some.transpose()) : MatrixXd(some.transpose() * some);
     Eigen::FullPivLU<MatrixXd> lu(MatrixXd::Identity(product.rows(), product.cols()) - product);
     lu.setThreshold(undetermined);
     MatrixXd error = rows_of(values, group);

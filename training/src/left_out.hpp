@@ -15,16 +15,15 @@ Eigen::MatrixXd rows_of(const Eigen::MatrixXd& matrix, const std::vector<Eigen::
 
 /// One group for each run of states with equal numbers, of their direction for instance: `per_state` rows a
 /// state, after `first_row` rows that are never left out.
-RowGroups groups_of_equal(const std::vector<std::int32_t>& numbers, Eigen::Index per_state,
-                          Eigen::Index first_row);
+RowGroups groups_of_equal(const std::vector<std::int32_t>& numbers, Eigen::Index per_state, Eigen::Index first_row);
 
 /// Errors (n x columns of values) of the interpolant kernel w + tail c = values, tail^T w = 0, at each group
 /// of rows when that group is left out; zero at rows in no group. With A the matrix of that system and w =
 /// (A^-1 v), the errors of group g are [(A^-1)_gg]^-1 w_g (Rippa 1999, doi 10.1023/A:1018975909870, for
 /// groups). Groups that the tail needs to be determined get the size of the values instead.
 /// @param kernel  n x n, symmetric, definite on the null space of tail^T
-Eigen::MatrixXd left_out(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& tail,
-                         const Eigen::MatrixXd& values, const RowGroups& groups);
+Eigen::MatrixXd left_out(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& tail, const Eigen::MatrixXd& values,
+                         const RowGroups& groups);
 
 /// The same of a damped least squares, whose columns are given: errors at each group of rows when that group
 /// is left out. With Q of an orthogonal factorization of the columns, damping included, they are

@@ -40,8 +40,7 @@ inline std::uint64_t node_seed(std::uint64_t seed, std::int32_t node) {
 }
 
 /// `count` distinct numbers of 0 ... n - 1 in random order (all of them if count >= n), by partial shuffling.
-inline std::vector<std::int32_t> draw_without_replacement(std::size_t n, std::size_t count,
-                                                          SplitMix64& random) {
+inline std::vector<std::int32_t> draw_without_replacement(std::size_t n, std::size_t count, SplitMix64& random) {
   std::vector<std::int32_t> numbers(n);
   std::iota(numbers.begin(), numbers.end(), 0);
   count = std::min(count, n);

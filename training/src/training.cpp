@@ -29,15 +29,13 @@ class LevelErrors {
   explicit LevelErrors(int n_levels)
       : _force(n_levels > 1 ? static_cast<std::size_t>(n_levels) : 0), _displacement(_force.size()) {}
   void add(const NodeOutcome& outcome) {
-    for (std::size_t l = 0; l < outcome.force_errors.size(); ++l)
-      _force[l].push_back(outcome.force_errors[l]);
+    for (std::size_t l = 0; l < outcome.force_errors.size(); ++l) _force[l].push_back(outcome.force_errors[l]);
     for (std::size_t l = 0; l < outcome.displacement_errors.size(); ++l)
       _displacement[l].push_back(outcome.displacement_errors[l]);
   }
   std::vector<ModelLevel> medians() const {
     std::vector<ModelLevel> levels;
-    for (std::size_t l = 0; l < _force.size(); ++l)
-      levels.push_back({median(_force[l]), median(_displacement[l]), {}});
+    for (std::size_t l = 0; l < _force.size(); ++l) levels.push_back({median(_force[l]), median(_displacement[l]), {}});
     return levels;
   }
 
@@ -70,10 +68,10 @@ class Training {
   SearchNode read(std::int64_t active_index) {
     const auto active = static_cast<std::int32_t>(active_index);
     const std::int32_t node = _header.sets.active[active];
-    SearchNode read{node,
-                    touched_nodes(_header.mesh.nodes, _header.mesh.surface, _header.sets.fixed, node,
-                                  _source.tool_radius_m),
-                    {}};
+    SearchNode read{
+        node,
+        touched_nodes(_header.mesh.nodes, _header.mesh.surface, _header.sets.fixed, node, _source.tool_radius_m),
+        {}};
     // One read at a time: HDF5 need not be built thread-safe.
     const std::lock_guard lock(_source_mutex);
     read.rays = _source.rays(active);
@@ -126,9 +124,8 @@ class Training {
       model.nodes.push_back(std::move(outcome.model));
     }
     if (model.nodes.empty()) {
-      throw input_error(
-          "no active node has a converged increment", _header.scene_name,
-          "look at the reasons with `phynness info`, then precompute with a smaller displacement");
+      throw input_error("no active node has a converged increment", _header.scene_name,
+                        "look at the reasons with `phynness info`, then precompute with a smaller displacement");
     }
     report.n_networks = static_cast<std::int32_t>(model.nodes.size());
     report.n_skipped = static_cast<std::int32_t>(report.skipped_nodes.size());

@@ -49,20 +49,17 @@ std::string text(int what, double value) {
   return buffer;
 }
 
-std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs& limit,
-                          ErrorStatistic statistic) {
+std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs& limit, ErrorStatistic statistic) {
   const std::array<const char*, 3> what_of{name_of_error(statistic), "time of a deformation", "memory"};
   const auto costs_of = [&](const MeasuredModel& m) { return costs(m, statistic); };
-  if (std::none_of(models.begin(), models.end(),
-                   [&](const auto& m) { return std::isfinite(m.error(statistic)); }))
+  if (std::none_of(models.begin(), models.end(), [&](const auto& m) { return std::isfinite(m.error(statistic)); }))
     return "no probe inside the trained range was solved, so that no error is known";
   std::string said;
   for (int k = 0; k < 3; ++k) {
     const auto best = std::min_element(models.begin(), models.end(), [&](const auto& a, const auto& b) {
       return costs_of(a)[static_cast<std::size_t>(k)] < costs_of(b)[static_cast<std::size_t>(k)];
     });
-    const double least = costs_of(*best)[static_cast<std::size_t>(k)],
-                 allowed = limit[static_cast<std::size_t>(k)];
+    const double least = costs_of(*best)[static_cast<std::size_t>(k)], allowed = limit[static_cast<std::size_t>(k)];
     if (least <= allowed) continue;
     char times[32];
     std::snprintf(times, sizeof times, "%.3g", least / allowed);
@@ -78,8 +75,8 @@ std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs&
     for (std::size_t k = 0; k < 3; ++k) ratio = std::max(ratio, costs_of(m)[k] / limit[k]);
     return ratio;
   };
-  const auto nearest = std::min_element(models.begin(), models.end(),
-                                        [&](const auto& a, const auto& b) { return worst(a) < worst(b); });
+  const auto nearest =
+      std::min_element(models.begin(), models.end(), [&](const auto& a, const auto& b) { return worst(a) < worst(b); });
   said.append("each limit can be met, but not all of them at once; the nearest is ");
   said.append(nearest->candidate.name).append(":");
   for (int k = 0; k < 3; ++k)

@@ -6,7 +6,6 @@
 #include <phynness/tuning/tuning.hpp>
 #include <phynness/validation/probed_states.hpp>
 
-
 namespace phynness {
 namespace {
 
@@ -27,8 +26,7 @@ TrainingSpec sizes_of(const Model& model) {
     spec.force_centers = std::max(spec.force_centers, static_cast<int>(node.conservative.centers.size()));
     spec.deformation_neurons =
         std::max(spec.deformation_neurons, static_cast<int>(node.deformation.center_displacement.size()));
-    spec.force_neurons =
-        std::max(spec.force_neurons, static_cast<int>(node.force.center_displacement.size()));
+    spec.force_neurons = std::max(spec.force_neurons, static_cast<int>(node.force.center_displacement.size()));
   }
   return spec;
 }
@@ -66,9 +64,7 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
       const auto plan = plan_probes(model, scene.probe.directions, probes, seed, probed_nodes);
       const auto share = solve_probes(
           session, scene, model, plan,
-          [&](std::int64_t done, std::int64_t total) {
-            going = !progress || progress("solve probes", done, total);
-          },
+          [&](std::int64_t done, std::int64_t total) { going = !progress || progress("solve probes", done, total); },
           [&] { return !going; },
           [&](std::size_t, NodeProbes&& found) {
             report.nodes.push_back(found.node);

@@ -61,12 +61,11 @@ std::vector<NodePlan> choose_nodes(const LoadedModel& model, std::int64_t wanted
 
 std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions directions, std::int64_t probes,
                                   std::uint64_t seed, std::int64_t nodes) {
-  if (probes < 1)
-    throw input_error("the number of probes must be at least 1", std::to_string(probes), "--probes 200");
+  if (probes < 1) throw input_error("the number of probes must be at least 1", std::to_string(probes), "--probes 200");
   std::mt19937_64 random(seed);
   const std::int64_t n_inside = (probes + 1) / 2, n_outside = probes / 2;
-  auto plan = choose_nodes(
-      model, std::min(n_inside, nodes > 0 ? nodes : std::max<std::int64_t>(10, probes / 20)), random);
+  auto plan =
+      choose_nodes(model, std::min(n_inside, nodes > 0 ? nodes : std::max<std::int64_t>(10, probes / 20)), random);
   const Points normals = node_normals(model.mesh());
   for (std::int64_t i = 0; i < n_inside; ++i) {
     auto& entry = plan[static_cast<std::size_t>(i) % plan.size()];
@@ -80,8 +79,7 @@ std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions direction
       depth = model.trained_depth(entry.node, pair.direction);
     }
     if (depth <= 0)
-      throw input_error("a node of the model was trained in no direction",
-                        "node " + std::to_string(entry.node),
+      throw input_error("a node of the model was trained in no direction", "node " + std::to_string(entry.node),
                         "precompute it again: all of its probes failed");
     pair.inside_m = depth * (1 - uniform(random));
     const double beyond = depth * (1 + (outside_factor - 1) * (1 - uniform(random)));

@@ -27,8 +27,7 @@ void ProbeRecords::add_group(const NodeProbes& probes, std::size_t group) {
   for (const auto& state : probes.states[group]) {
     largest_force = std::max(largest_force, vector(state.force_FE).norm());
     for (Eigen::Index i = 0; i < state.u_FE.rows(); ++i)
-      if (probes.counts[static_cast<std::size_t>(i)])
-        largest_u = std::max(largest_u, state.u_FE.row(i).norm());
+      if (probes.counts[static_cast<std::size_t>(i)]) largest_u = std::max(largest_u, state.u_FE.row(i).norm());
   }
   for (const auto& state : probes.states[group]) {
     const auto said = _model.respond({probes.node}, {state.d});
@@ -65,12 +64,12 @@ void ProbeRecords::add_curve(const ForceCurve& curve) {
 }
 
 void ProbeRecords::finish(const SolverSession& session, ValidationReport& report) const {
-  const auto rows = session.gather(_rows), curves = session.gather(_curves),
-             sums = session.gather(_error_sum), counts = session.gather(_error_count);
+  const auto rows = session.gather(_rows), curves = session.gather(_curves), sums = session.gather(_error_sum),
+             counts = session.gather(_error_count);
   for (std::size_t at = 0; at + row_size <= rows.size(); at += row_size)
     report.records.push_back({static_cast<std::int32_t>(rows[at]), rows[at + 1] > 0, three(rows, at + 2),
-                              three(rows, at + 5), three(rows, at + 8), rows[at + 11], rows[at + 12],
-                              rows[at + 13], rows[at + 14]});
+                              three(rows, at + 5), three(rows, at + 8), rows[at + 11], rows[at + 12], rows[at + 13],
+                              rows[at + 14]});
   std::stable_sort(report.records.begin(), report.records.end(), [](const auto& a, const auto& b) {
     return std::pair(a.node, a.outside) < std::pair(b.node, b.outside);
   });
@@ -84,8 +83,7 @@ void ProbeRecords::finish(const SolverSession& session, ValidationReport& report
     }
     report.curves.push_back(std::move(curve));
   }
-  std::sort(report.curves.begin(), report.curves.end(),
-            [](const auto& a, const auto& b) { return a.node < b.node; });
+  std::sort(report.curves.begin(), report.curves.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
   const std::size_t n_output = _error_sum.size();
   report.output_error.assign(n_output, 0);
   std::vector<double> total(n_output, 0);

@@ -13,8 +13,7 @@ namespace phynness {
 /// @return items that this rank finished
 inline std::int64_t share_out(const SolverSession& session, std::int64_t n,
                               const std::function<void(std::int64_t, std::int64_t)>& progress,
-                              const std::function<bool()>& stop,
-                              const std::function<void(std::size_t)>& work) {
+                              const std::function<bool()>& stop, const std::function<void(std::size_t)>& work) {
   std::int64_t finished = 0;
   for (std::int64_t i = session.rank(); i < n; i += session.size()) {
     work(static_cast<std::size_t>(i));

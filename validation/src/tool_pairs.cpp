@@ -28,8 +28,7 @@ const char* name(PairPredictor p) {
 namespace {
 
 constexpr std::size_t n_predictors = pair_predictors.size();
-constexpr double none = std::numeric_limits<double>::quiet_NaN(),
-                 infinite = std::numeric_limits<double>::infinity();
+constexpr double none = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
 /// index, two nodes, two displacements, distance, solved, status, residual, error alone; the errors of each
 /// predictor.
 constexpr std::size_t row_head = 14, n_errors = 5, row_size = row_head + n_errors * n_predictors;
@@ -41,8 +40,8 @@ bool moves(const ActiveNodeModel& tool, std::int32_t other) {
   return std::find(tool.prescribed.begin(), tool.prescribed.end(), other) != tool.prescribed.end();
 }
 
-std::vector<PairRecord> choose_pairs(const Scene& scene, const LoadedModel& model, std::int64_t pairs,
-                                     double depth_m, std::uint64_t seed) {
+std::vector<PairRecord> choose_pairs(const Scene& scene, const LoadedModel& model, std::int64_t pairs, double depth_m,
+                                     std::uint64_t seed) {
   const auto& nodes = model.model().nodes;
   const Points normals = node_normals(model.mesh());
   std::mt19937_64 random(seed);
@@ -61,13 +60,11 @@ std::vector<PairRecord> choose_pairs(const Scene& scene, const LoadedModel& mode
       throw input_error("the model has no two nodes that tools can hold at once",
                         std::to_string(nodes.size()) + " active nodes",
                         "make more nodes active or patches smaller, or leave --pairs out");
-    record.distance_m =
-        (model.mesh().nodes.row(record.nodes[0]) - model.mesh().nodes.row(record.nodes[1])).norm();
+    record.distance_m = (model.mesh().nodes.row(record.nodes[0]) - model.mesh().nodes.row(record.nodes[1])).norm();
     for (std::size_t t = 0; t < 2; ++t) {
       Vec3 e = on_sphere(random);
       const Eigen::Vector3d normal = normals.row(record.nodes[t]).transpose();
-      while (scene.probe.directions == Directions::hemisphere && normal.dot(vector(e)) >= 0)
-        e = on_sphere(random);
+      while (scene.probe.directions == Directions::hemisphere && normal.dot(vector(e)) >= 0) e = on_sphere(random);
       record.displacement_m[t] = {depth_m * e[0], depth_m * e[1], depth_m * e[2]};
     }
   }
@@ -127,8 +124,7 @@ class Comparison {
       }
     const auto rows = [&](const auto& of_node) {
       Points u(static_cast<Eigen::Index>(output.size()), 3);
-      for (std::size_t o = 0; o < output.size(); ++o)
-        u.row(static_cast<Eigen::Index>(o)) = of_node(output[o]);
+      for (std::size_t o = 0; o < output.size(); ++o) u.row(static_cast<Eigen::Index>(o)) = of_node(output[o]);
       return u;
     };
     const Points u_FE = rows([&](std::int32_t i) { return truth.displacement_m.row(i); });
@@ -137,16 +133,14 @@ class Comparison {
     };
 
     std::vector<phn_tool> tools;
-    for (std::size_t t = 0; t < 2; ++t)
-      tools.push_back({{nodes[t], -1, -1}, {1, 0, 0}, {d[t][0], d[t][1], d[t][2]}});
+    for (std::size_t t = 0; t < 2; ++t) tools.push_back({{nodes[t], -1, -1}, {1, 0, 0}, {d[t][0], d[t][1], d[t][2]}});
     const auto coupled = _model.couple(tools);
     pair.status = coupled.status;
     pair.residual_m = coupled.coupled.residual;
     judge(PairPredictor::coupled, coupled.force_N, coupled.displacement_m);
 
     const auto first = _model.respond({nodes[0]}, {d[0]}), second = _model.respond({nodes[1]}, {d[1]});
-    judge(PairPredictor::alone, {first.force_N[0], second.force_N[0]},
-          first.displacement_m + second.displacement_m);
+    judge(PairPredictor::alone, {first.force_N[0], second.force_N[0]}, first.displacement_m + second.displacement_m);
     judge(PairPredictor::paper, {std::nullopt, std::nullopt}, _model.respond(nodes, d).displacement_m);
 
     Eigen::VectorXd q(6);
@@ -154,8 +148,8 @@ class Comparison {
     const Eigen::VectorXd f = _solver.rest().stiffness_N_per_m * q, u = _solver.rest().sensitivity * q;
     judge(PairPredictor::linear, {Vec3{f[0], f[1], f[2]}, Vec3{f[3], f[4], f[5]}},
           rows([&](std::int32_t i) { return u.segment<3>(3 * i).transpose(); }));
-    pair.single_force = std::max(single_force(nodes[0], d[0], *first.force_N[0]),
-                                 single_force(nodes[1], d[1], *second.force_N[0]));
+    pair.single_force =
+        std::max(single_force(nodes[0], d[0], *first.force_N[0]), single_force(nodes[1], d[1], *second.force_N[0]));
   }
 
  private:
@@ -173,11 +167,11 @@ class Comparison {
 };
 
 void append(std::vector<double>& rows, std::size_t index, const PairRecord& pair) {
-  rows.insert(rows.end(), {static_cast<double>(index), static_cast<double>(pair.nodes[0]),
-                           static_cast<double>(pair.nodes[1])});
+  rows.insert(rows.end(),
+              {static_cast<double>(index), static_cast<double>(pair.nodes[0]), static_cast<double>(pair.nodes[1])});
   for (const auto& d : pair.displacement_m) rows.insert(rows.end(), d.begin(), d.end());
-  rows.insert(rows.end(), {pair.distance_m, pair.solved ? 1.0 : 0.0, static_cast<double>(pair.status),
-                           pair.residual_m, pair.single_force});
+  rows.insert(rows.end(), {pair.distance_m, pair.solved ? 1.0 : 0.0, static_cast<double>(pair.status), pair.residual_m,
+                           pair.single_force});
   for (const auto& e : pair.errors)
     rows.insert(rows.end(), {e.force, e.force_own, e.displacement, e.field_l2, e.displacement_all});
 }
@@ -198,8 +192,7 @@ PairRecord read(const double* row) {
   return pair;
 }
 
-PairGroup group_of(const std::vector<PairRecord>& records,
-                   const std::function<bool(const PairRecord&)>& belongs) {
+PairGroup group_of(const std::vector<PairRecord>& records, const std::function<bool(const PairRecord&)>& belongs) {
   PairGroup group;
   for (const auto& pair : records) group.pairs += pair.solved && belongs(pair);
   for (std::size_t p = 0; p < n_predictors; ++p) {
@@ -210,9 +203,8 @@ PairGroup group_of(const std::vector<PairRecord>& records,
           samples.push_back(pair.errors[p].*measure);
       return ErrorStatistics::of(std::move(samples));
     };
-    group.errors[p] = {over(&PairErrors::force), over(&PairErrors::force_own),
-                       over(&PairErrors::displacement), over(&PairErrors::field_l2),
-                       over(&PairErrors::displacement_all)};
+    group.errors[p] = {over(&PairErrors::force), over(&PairErrors::force_own), over(&PairErrors::displacement),
+                       over(&PairErrors::field_l2), over(&PairErrors::displacement_all)};
   }
   return group;
 }

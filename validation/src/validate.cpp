@@ -102,8 +102,7 @@ ProbedState state_of(const Model& model, const ProbeSolver& solver, const Vec3& 
 /// Examples travel between ranks as rows of 13 numbers.
 constexpr std::size_t max_examples = 5, example_size = 13;
 
-void add_example(const LoadedModel& model, std::int32_t node, const ProbedState& state,
-                 std::vector<double>& rows) {
+void add_example(const LoadedModel& model, std::int32_t node, const ProbedState& state, std::vector<double>& rows) {
   const Vec3 said = model.force(node, state.d);
   rows.push_back(node);
   for (const auto* v : {&state.d, &state.force_FE, &said, &state.force_linear})
@@ -126,14 +125,12 @@ void collect_fields(const std::vector<ProbedState>& states, const std::vector<Ei
   const Eigen::Index n_fields = states.empty() ? 0 : states.front().fields_FE.cols();
   for (Eigen::Index f = 0; f < n_fields; ++f) {
     double largest = 0;
-    for (const auto& state : states)
-      largest = std::max(largest, state.fields_FE.col(f).cwiseAbs().maxCoeff());
+    for (const auto& state : states) largest = std::max(largest, state.fields_FE.col(f).cwiseAbs().maxCoeff());
     for (std::size_t s = 0; s < states.size(); ++s) {
       if (said[s].size() == 0) continue;  // a node of forces only
       const Eigen::VectorXd FE = states[s].fields_FE.col(f), error = said[s].col(f) - FE;
       auto* out = &samples[n_measures + 2 * static_cast<std::size_t>(f)];
-      for (Eigen::Index i = 0; largest > 0 && i < error.size(); ++i)
-        out[0].push_back(std::abs(error[i]) / largest);
+      for (Eigen::Index i = 0; largest > 0 && i < error.size(); ++i) out[0].push_back(std::abs(error[i]) / largest);
       if (FE.norm() > 0) out[1].push_back(error.norm() / FE.norm());
     }
   }
@@ -277,8 +274,8 @@ SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const
   share_out(
       session, static_cast<std::int64_t>(plan.size()), {}, [&] { return share.stopped; },
       [&](std::size_t e) {
-        take(e, probe_node(model.model(), solver, plan[e],
-                           scene.probe.max_displacement_m / scene.probe.increments, go_on));
+        take(e, probe_node(model.model(), solver, plan[e], scene.probe.max_displacement_m / scene.probe.increments,
+                           go_on));
       });
   return share;
 }
@@ -289,8 +286,7 @@ PredictorErrors errors_of(const Predict& predict, const std::vector<NodeProbes>&
   std::size_t n_fields = 0;
   for (const auto& node : probes)
     for (const auto& states : node.states)
-      for (const auto& state : states)
-        n_fields = std::max(n_fields, static_cast<std::size_t>(state.fields_FE.cols()));
+      for (const auto& state : states) n_fields = std::max(n_fields, static_cast<std::size_t>(state.fields_FE.cols()));
   Samples samples = no_samples(n_fields);
   for (const auto& node : probes)
     for (const Group g : {inside, outside}) collect(predict, node, g, samples);

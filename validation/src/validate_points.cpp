@@ -18,8 +18,7 @@ struct Place {
   std::vector<Vec3> displacements;
 
   std::int32_t nearest_corner() const {
-    return nodes[static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) -
-                                          weights.begin())];
+    return nodes[static_cast<std::size_t>(std::max_element(weights.begin(), weights.end()) - weights.begin())];
   }
 };
 
@@ -42,16 +41,14 @@ std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, s
   std::mt19937_64 random(seed);
   std::vector<Place> places(static_cast<std::size_t>(points));
   for (auto& place : places) {
-    const auto t =
-        triangles[static_cast<std::size_t>(uniform(random) * static_cast<double>(triangles.size()))];
+    const auto t = triangles[static_cast<std::size_t>(uniform(random) * static_cast<double>(triangles.size()))];
     const double s = std::sqrt(uniform(random)), q = uniform(random);
     place.weights = {1 - s, s * (1 - q), s * q};
     for (int k = 0; k < 3; ++k) place.nodes[static_cast<std::size_t>(k)] = surface(t, k);
     const Eigen::Vector3d normal = normals.row(place.nearest_corner()).transpose();
     for (int attempt = 0; attempt < 1000 && std::ssize(place.displacements) < displacements; ++attempt) {
       const Vec3 e = on_sphere(random);
-      if (scene.probe.directions == Directions::hemisphere &&
-          normal.dot(Eigen::Vector3d(e[0], e[1], e[2])) >= 0)
+      if (scene.probe.directions == Directions::hemisphere && normal.dot(Eigen::Vector3d(e[0], e[1], e[2])) >= 0)
         continue;
       double depth = model.trained_depth(place.nodes[0], e);
       for (const auto node : place.nodes) depth = std::min(depth, model.trained_depth(node, e));
@@ -81,8 +78,7 @@ void collect(const std::vector<Compared>& compared, Eigen::Index without, Sample
       if (o != without) largest_u = std::max(largest_u, c.u_FE.row(o).norm());
   }
   for (const auto& c : compared) {
-    if (largest_force > 0)
-      samples[force].push_back((vector(c.force) - vector(c.force_FE)).norm() / largest_force);
+    if (largest_force > 0) samples[force].push_back((vector(c.force) - vector(c.force_FE)).norm() / largest_force);
     double error2 = 0, norm2 = 0;
     for (Eigen::Index o = 0; o < c.u_FE.rows(); ++o) {
       if (o == without) continue;
@@ -137,8 +133,8 @@ class Comparison {
       report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
       report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
       coupled.push_back({*said.force_N[0], truth.response.force_N[0], said.displacement_m, u});
-      linear.push_back({truth.linear_force_N[0], truth.response.force_N[0],
-                        rows_of(truth.linear_displacement_m, output), u});
+      linear.push_back(
+          {truth.linear_force_N[0], truth.response.force_N[0], rows_of(truth.linear_displacement_m, output), u});
     }
     const auto corner = place.nearest_corner();
     _solver.touch({corner});

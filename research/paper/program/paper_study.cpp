@@ -91,8 +91,7 @@ void run_study(Options options) {
     std::ifstream in(options.sizes_file);
     auto sizes = nlohmann::json(run.sizes);
     const auto changes = nlohmann::json::parse(in, nullptr, false);
-    if (!changes.is_object())
-      throw input_error("no JSON object", options.sizes_file.string(), "see StudySizes");
+    if (!changes.is_object()) throw input_error("no JSON object", options.sizes_file.string(), "see StudySizes");
     sizes.update(changes);
     run.sizes = sizes.get<StudySizes>();
   }
@@ -115,9 +114,8 @@ void run_study(Options options) {
   for (std::size_t i = 0; i < cases.size(); ++i) {
     if (!std::filesystem::exists(run.scenes / cases[i].scene)) continue;
     run_case(run, cases[i], [&] {
-      return fmt::format(
-          "case {} of {}, {} since the start", i + 1, cases.size(),
-          duration(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
+      return fmt::format("case {} of {}, {} since the start", i + 1, cases.size(),
+                         duration(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()));
     });
     done.push_back(cases[i]);
   }
@@ -131,8 +129,8 @@ void run_study(Options options) {
     }
     CaseResult missing;
     missing.of = one;
-    missing.missing = std::filesystem::exists(run.scenes / one.scene) ? "not asked for (--cases)"
-                                                                      : "there is no scenes/" + one.scene;
+    missing.missing =
+        std::filesystem::exists(run.scenes / one.scene) ? "not asked for (--cases)" : "there is no scenes/" + one.scene;
     study.cases.push_back(std::move(missing));
   }
   study.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -152,8 +150,7 @@ void run_study(Options options) {
 
 void add_paper_study(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_flag("--quick", options->run.quick,
-               "coarser meshes and fewer points: some minutes instead of an hour");
+  app.add_flag("--quick", options->run.quick, "coarser meshes and fewer points: some minutes instead of an hour");
   add_path(app, "-o,--output", options->run.output, OutputKind::folder,
            "folder; an interrupted study goes on there (default: out/paper or out/paper-quick)");
   app.add_option("--cases", options->cases, "some of 1,2,3,3-p1-p1,4 (default: all whose scene is there)");
@@ -161,8 +158,7 @@ void add_paper_study(CLI::App& app) {
   app.add_option("--ranks", options->run.ranks, "processes for the finite element stages (mpirun)")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  add_path(app, "--sizes", options->sizes_file, InputKind::whole, "JSON that changes how much is measured")
-      ->group("");
+  add_path(app, "--sizes", options->sizes_file, InputKind::whole, "JSON that changes how much is measured")->group("");
   auto folder = std::make_shared<std::filesystem::path>();
   auto* measure = app.add_subcommand("measure", "One case, as the study starts it")->group("");
   add_path(*measure, "FOLDER", *folder, OutputKind::tree, "of the case")->required();

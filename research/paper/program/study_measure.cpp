@@ -41,8 +41,8 @@ void measure_folder(const std::filesystem::path& folder) {
     std::optional<Progress> progress;
     std::string doing;
     const auto measured = measure_case(
-        session, scene, database, networks ? &*networks : nullptr, ours,
-        settings.at("sizes").get<StudySizes>(), settings.at("two_tools").get<bool>(),
+        session, scene, database, networks ? &*networks : nullptr, ours, settings.at("sizes").get<StudySizes>(),
+        settings.at("two_tools").get<bool>(),
         [&](const std::string& what, std::int64_t done, std::int64_t total) {
           if (what != doing) progress.emplace(doing = what, what == "two tools" ? "pairs" : "rays");
           progress->update(done, total);

@@ -38,8 +38,7 @@ std::string hash_of(const std::string& text) {
 /// Which stages have been done, and of what.
 class Journal {
  public:
-  explicit Journal(const std::filesystem::path& folder)
-      : _file(folder / "stages.json"), _stages(json_of(_file)) {
+  explicit Journal(const std::filesystem::path& folder) : _file(folder / "stages.json"), _stages(json_of(_file)) {
     if (!_stages.is_object()) _stages = nlohmann::json::object();
   }
   bool has(const std::string& stage, const std::string& key) const {
@@ -82,9 +81,7 @@ std::string measuring_key(const nlohmann::json& settings, const std::string& sce
 
 }  // namespace
 
-std::filesystem::path case_folder(const StudyRun& run, const PaperCase& of) {
-  return run.output / ("case-" + of.id);
-}
+std::filesystem::path case_folder(const StudyRun& run, const PaperCase& of) { return run.output / ("case-" + of.id); }
 
 void run_case(const StudyRun& run, const PaperCase& of, const std::function<std::string()>& how_far) {
   const auto folder = case_folder(run, of);
@@ -99,12 +96,11 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
   const std::string phynness = PHYNNESS_COMMAND;
   Journal journal(folder);
   const auto announce = [&](const char* stage) {
-    if (stop_requested())
-      throw failure("the study was interrupted", stage, "run it again: finished stages are kept");
+    if (stop_requested()) throw failure("the study was interrupted", stage, "run it again: finished stages are kept");
     print_result("\n== {}, {}: {}\n", how_far(), of.title, stage);
   };
-  const auto stage = [&](const char* name, const std::string& key, bool there,
-                         std::vector<std::string> arguments, int ranks) {
+  const auto stage = [&](const char* name, const std::string& key, bool there, std::vector<std::string> arguments,
+                         int ranks) {
     if (there && journal.has(name, key)) return;
     announce(name);
     run_child(std::string(name) + " of " + of.title, std::move(arguments), ranks);
@@ -118,8 +114,8 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
   // A finished database is never solved again, wherever it comes from.
   if (!exists("database.h5") || !Database::is_complete(folder / "database.h5")) {
     announce("precompute");
-    std::vector<std::string> precompute{
-        phynness, "precompute", in("scene.toml"), "-o", in("database.h5"), "--json", in("precompute.json")};
+    std::vector<std::string> precompute{phynness,          "precompute", in("scene.toml"),     "-o",
+                                        in("database.h5"), "--json",     in("precompute.json")};
     if (exists("database.h5")) precompute.push_back("--resume");
     run_child("precompute of " + of.title, precompute, run.ranks);
   }
@@ -130,13 +126,12 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
   const auto probes = std::to_string(2 * run.sizes.nodes * run.sizes.probes_per_node);
   const auto validate = [&](const char* name, const char* model, const char* result) {
     stage(name, trained + probes, exists(result),
-          {phynness, "validate", in("scene.toml"), in(model), "--probes", probes, "--json", in(result)},
-          run.ranks);
+          {phynness, "validate", in("scene.toml"), in(model), "--probes", probes, "--json", in(result)}, run.ranks);
   };
   if (!of.linear) {
     stage("train-networks", trained, exists("networks/model.txt"),
-          {phynness, "train", in("scene.toml"), in("database.h5"), "-o", in("networks"), "--family", "rbfn",
-           "--json", in("train-networks.json")},
+          {phynness, "train", in("scene.toml"), in("database.h5"), "-o", in("networks"), "--family", "rbfn", "--json",
+           in("train-networks.json")},
           1);
     validate("validate-networks", "networks", "validate-networks.json");
   }
@@ -207,8 +202,7 @@ CaseResult read_case(const StudyRun& run, const PaperCase& of) {
   const LoadedModel networks(folder / "networks"), ours(folder / "ours");
   if (networks.runtime().triangles().empty()) return result;
   result.times = measure_runtime(networks, ours, n_surface_levels);
-  for (int level = 0; level < n_surface_levels; ++level)
-    result.surfaces.push_back(surface_at(networks, level));
+  for (int level = 0; level < n_surface_levels; ++level) result.surfaces.push_back(surface_at(networks, level));
   return result;
 }
 

@@ -10,8 +10,7 @@ constexpr const char *quick_nodes = "150", *quick_drain_nodes = "70";
 constexpr const char* quick_increments = "4";
 
 /// Replaces the value of a key of a section; what follows a '#' stays. False if the key is not there.
-bool set_key(std::string& text, const std::string& section, const std::string& key,
-             const std::string& value) {
+bool set_key(std::string& text, const std::string& section, const std::string& key, const std::string& value) {
   bool inside = false;
   for (std::size_t at = 0; at < text.size();) {
     const auto end = std::min(text.find('\n', at), text.size());
@@ -68,7 +67,8 @@ std::string quick_words() {
   const auto few = study_sizes(true), all = study_sizes(false);
   return fmt::format(
       "meshes of about {} nodes (drain: {}) and {} increments instead of the scenes', {} nodes with {} random "
-      "directions each instead of {} with {}, {} sizes of networks instead of {}, {} test pairs instead of {}, {} pairs "
+      "directions each instead of {} with {}, {} sizes of networks instead of {}, {} test pairs instead of {}, {} "
+      "pairs "
       "of tools instead of {}",
       quick_nodes, quick_drain_nodes, quick_increments, few.nodes, few.probes_per_node, all.nodes, all.probes_per_node,
       few.neurons.size(), all.neurons.size(), few.test_pairs, all.test_pairs, few.tool_pairs, all.tool_pairs);

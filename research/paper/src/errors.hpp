@@ -20,9 +20,7 @@ class Errors {
     for (const double d : _differences) sum += d;
     return empty() ? 0 : sum / (static_cast<double>(_differences.size()) * _largest);
   }
-  double max() const {
-    return empty() ? 0 : *std::max_element(_differences.begin(), _differences.end()) / _largest;
-  }
+  double max() const { return empty() ? 0 : *std::max_element(_differences.begin(), _differences.end()) / _largest; }
   Histogram histogram() const {
     Histogram counts(n_error_bins, 0);
     if (empty()) return counts;

@@ -14,12 +14,11 @@ FieldNetwork::FieldNetwork(const RbfNetwork& network, const Points& places)
     : _network(network), _places(places.rows(), network.centers.rows()) {
   const double s = 1 / (network.spread * network.spread);
   for (Eigen::Index p = 0; p < places.rows(); ++p)
-    _places.row(p) = (-s * (network.centers.rightCols(3).rowwise() - scaled(network, places.row(p), 3))
-                               .rowwise()
-                               .squaredNorm()
-                               .array())
-                         .exp()
-                         .transpose();
+    _places.row(p) =
+        (-s *
+         (network.centers.rightCols(3).rowwise() - scaled(network, places.row(p), 3)).rowwise().squaredNorm().array())
+            .exp()
+            .transpose();
 }
 
 Points FieldNetwork::field(const Vec3& d) const {

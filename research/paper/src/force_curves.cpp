@@ -2,8 +2,8 @@
 
 namespace phynness::study {
 
-void measure_curves(ProbeSolver& solver, const NodeUnderStudy& node, const LoadedModel& ours,
-                    const Vec3& inward, double deepest_m, const StudySizes& sizes, NodeMeasurements& out) {
+void measure_curves(ProbeSolver& solver, const NodeUnderStudy& node, const LoadedModel& ours, const Vec3& inward,
+                    double deepest_m, const StudySizes& sizes, NodeMeasurements& out) {
   solver.touch({out.node});
   const Eigen::Vector3d direction(inward[0], inward[1], inward[2]);
   const Eigen::Matrix3d stiffness = solver.rest().stiffness_N_per_m;
@@ -16,9 +16,7 @@ void measure_curves(ProbeSolver& solver, const NodeUnderStudy& node, const Loade
   curves.networks.resize(fits.size());
   solver.follow({inward}, depths, false, [&](std::size_t i, const Response& response) {
     if (response.status != Status::converged) return false;
-    const auto along = [&](const Vec3& f) {
-      return f[0] * direction[0] + f[1] * direction[1] + f[2] * direction[2];
-    };
+    const auto along = [&](const Vec3& f) { return f[0] * direction[0] + f[1] * direction[1] + f[2] * direction[2]; };
     const double s = depths[i];
     curves.depth_m.push_back(s);
     curves.finite_elements.push_back(along(response.force_N[0]));

@@ -8,7 +8,7 @@
 namespace phynness::study {
 
 /// Pushes along the inward normal beyond the trained range; fills curves and stiffness_N_per_m.
-void measure_curves(ProbeSolver& solver, const NodeUnderStudy& node, const LoadedModel& ours,
-                    const Vec3& inward, double deepest_m, const StudySizes& sizes, NodeMeasurements& out);
+void measure_curves(ProbeSolver& solver, const NodeUnderStudy& node, const LoadedModel& ours, const Vec3& inward,
+                    double deepest_m, const StudySizes& sizes, NodeMeasurements& out);
 
 }  // namespace phynness::study

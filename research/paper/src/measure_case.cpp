@@ -47,16 +47,14 @@ double chosen_force_spread(const NodeData& data, const std::vector<NodePlan>& pl
 }
 
 void check(const std::function<bool()>& stop) {
-  if (stop && stop())
-    throw failure("the study was interrupted", "measuring", "run it again: finished stages are kept");
+  if (stop && stop()) throw failure("the study was interrupted", "measuring", "run it again: finished stages are kept");
 }
 
 }  // namespace
 
 CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, const Database& database,
                               const LoadedModel* networks, const LoadedModel& ours, const StudySizes& sizes,
-                              bool two_tools, const StudyProgress& progress,
-                              const std::function<bool()>& stop) {
+                              bool two_tools, const StudyProgress& progress, const std::function<bool()>& stop) {
   const auto start = std::chrono::steady_clock::now();
   if (physics_hash(scene) != database.header().physics_hash)
     throw input_error("the database was made from another scene", scene.source_name,
@@ -76,8 +74,8 @@ CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, 
   out.sizes = sizes;
   out.data_points = static_cast<std::int64_t>(data.tables().displacements.rows()) *
                     (static_cast<std::int64_t>(data.tables().output.size()) - 1);
-  const auto plan = plan_probes(ours, scene.probe.directions, 2L * sizes.probes_per_node * sizes.nodes,
-                                sizes.seed, sizes.nodes);
+  const auto plan =
+      plan_probes(ours, scene.probe.directions, 2L * sizes.probes_per_node * sizes.nodes, sizes.seed, sizes.nodes);
   out.deformation_spread = scene.training.deformation_spread > 0 ? scene.training.deformation_spread : 0.75;
   out.force_spread = chosen_force_spread(data, plan, scene);
 

@@ -28,8 +28,7 @@ TouchedNodes NodeData::touched(std::int32_t node) const {
 
 std::vector<Ray> NodeData::rays(std::int32_t node) const {
   const auto& active = _header.sets.active;
-  const auto index =
-      static_cast<std::int32_t>(std::lower_bound(active.begin(), active.end(), node) - active.begin());
+  const auto index = static_cast<std::int32_t>(std::lower_bound(active.begin(), active.end(), node) - active.begin());
   auto stored = _database.rays(index);
   if (!_superpose) return stored;
   const auto& directions = _database.header().directions;
@@ -43,8 +42,7 @@ std::vector<Ray> NodeData::rays(std::int32_t node) const {
     imposed.col(k) = magnitudes.back() * Eigen::Vector3d(e[0], e[1], e[2]);
     for (std::size_t i = 0; i < 3; ++i) response(static_cast<Eigen::Index>(i), k) = ray.force[3 * last + i];
     const auto n = 3 * _header.sets.output.size();
-    for (std::size_t i = 0; i < n; ++i)
-      response(static_cast<Eigen::Index>(3 + i), k) = ray.displacement[n * last + i];
+    for (std::size_t i = 0; i < n; ++i) response(static_cast<Eigen::Index>(3 + i), k) = ray.displacement[n * last + i];
   }
   const Eigen::MatrixXd unit = response * imposed.inverse();
   std::vector<Ray> rays;

@@ -51,8 +51,7 @@ Errors on_fresh_forces(const RbfNetwork& network, const NodeProbes& probes, std:
   return errors;
 }
 
-NetworkErrors row_of(double x, const NetworkFit& fit, const Errors& held, const Errors& fresh,
-                     const Errors& beyond) {
+NetworkErrors row_of(double x, const NetworkFit& fit, const Errors& held, const Errors& fresh, const Errors& beyond) {
   return {x,
           static_cast<int>(fit.centers.size()),
           held.mean(),
@@ -68,8 +67,8 @@ struct MeasuredField {
   NetworkErrors errors;
   Histogram held, fresh;
 };
-MeasuredField measured(const NodeUnderStudy& node, const NetworkPoints& train, const NetworkPoints& held_out,
-                       double x, int neurons, double spread) {
+MeasuredField measured(const NodeUnderStudy& node, const NetworkPoints& train, const NetworkPoints& held_out, double x,
+                       int neurons, double spread) {
   const NetworkFit fit = fit_network(train, {neurons, spread});
   const FieldNetwork network(fit.network, node.data.tables().output_points);
   const Errors held = on_points(fit.network, held_out), fresh = on_fresh_fields(network, node.probes, 0),
@@ -94,14 +93,13 @@ NetworkPoints part_of(const NetworkPoints& points, std::size_t first, std::size_
 
 void measure_deformation(const NodeUnderStudy& node, const StudySizes& sizes, NodeMeasurements& out) {
   const auto points = [&](int samples, NetworkPoints& held_out) {
-    return deformation_points(node.data.tables(), node.rays, node.touched, out.node, samples, sizes.seed,
-                              &held_out, sizes.test_pairs);
+    return deformation_points(node.data.tables(), node.rays, node.touched, out.node, samples, sizes.seed, &held_out,
+                              sizes.test_pairs);
   };
   NetworkPoints held_out;
   const NetworkPoints train = points(sizes.training_pairs, held_out);
   for (const int neurons : sizes.neurons)
-    out.by_neurons.push_back(
-        measured(node, train, held_out, neurons, neurons, node.deformation_spread).errors);
+    out.by_neurons.push_back(measured(node, train, held_out, neurons, neurons, node.deformation_spread).errors);
   for (const int neurons : sizes.histogram_neurons) {
     const auto m = measured(node, train, held_out, neurons, neurons, node.deformation_spread);
     out.histograms.push_back({neurons, m.held, m.fresh});

@@ -38,8 +38,7 @@ double median_us(const Call& call) {
 /// A displacement that changes from call to call, as a hand's does.
 Vec3 displacement(const Model& model, int i) {
   Vec3 d{};
-  for (int k = 0; k < 3; ++k)
-    d[static_cast<std::size_t>(k)] = model.max_displacement_m * 0.01 * ((i * (k + 3)) % 50);
+  for (int k = 0; k < 3; ++k) d[static_cast<std::size_t>(k)] = model.max_displacement_m * 0.01 * ((i * (k + 3)) % 50);
   return d;
 }
 
@@ -147,8 +146,8 @@ RuntimeTimes measure_runtime(const LoadedModel& networks, const LoadedModel& our
 SurfaceShape surface_at(const LoadedModel& model, int level) {
   const Surface surface(model, level);
   SurfaceShape shape;
-  shape.points = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-                     surface.points(), surface.vertices(), 3)
+  shape.points = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(surface.points(),
+                                                                                            surface.vertices(), 3)
                      .cast<double>();
   shape.triangles = Eigen::Map<const Triangles>(surface.corners(), surface.triangles(), 3);
   return shape;

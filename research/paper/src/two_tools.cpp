@@ -29,9 +29,7 @@ Points at_output(const Points& all, const std::vector<std::int32_t>& output) {
 }  // namespace
 
 PairDraw draw_pair(const Model& model, std::mt19937_64& random) {
-  const auto index = [&](std::size_t n) {
-    return static_cast<std::size_t>(uniform(random) * static_cast<double>(n));
-  };
+  const auto index = [&](std::size_t n) { return static_cast<std::size_t>(uniform(random) * static_cast<double>(n)); };
   PairDraw pair;
   pair.a = model.nodes[index(model.nodes.size())].node;
   do pair.b = model.nodes[index(model.nodes.size())].node;
@@ -78,8 +76,7 @@ ToolPair measure_pair(ProbeSolver& solver, const PairDraw& pair, const std::vect
       largest_force = std::max(largest_force, norm(state.force_FE[t]));
     }
     for (Eigen::Index k = 0; k < state.finite_elements.rows(); ++k)
-      if (counts[static_cast<std::size_t>(k)])
-        largest_u = std::max(largest_u, state.finite_elements.row(k).norm());
+      if (counts[static_cast<std::size_t>(k)]) largest_u = std::max(largest_u, state.finite_elements.row(k).norm());
     states.push_back(std::move(state));
     return true;
   });
@@ -92,8 +89,7 @@ ToolPair measure_pair(ProbeSolver& solver, const PairDraw& pair, const std::vect
     const auto of = [&](const Points& said, double& mean, double& max, Histogram& histogram) {
       Errors e;
       for (Eigen::Index k = 0; k < said.rows(); ++k)
-        if (counts[static_cast<std::size_t>(k)])
-          e.add((said.row(k) - state.finite_elements.row(k)).norm(), largest_u);
+        if (counts[static_cast<std::size_t>(k)]) e.add((said.row(k) - state.finite_elements.row(k)).norm(), largest_u);
       mean = e.mean();
       max = e.max();
       histogram = e.histogram();
@@ -103,8 +99,7 @@ ToolPair measure_pair(ProbeSolver& solver, const PairDraw& pair, const std::vect
     of(state.linear, errors.linear_mean, errors.linear_max, errors.linear);
     const auto worse = [&](const std::array<Vec3, 2>& said) {
       return largest_force > 0
-                 ? std::max(distance(said[0], state.force_FE[0]), distance(said[1], state.force_FE[1])) /
-                       largest_force
+                 ? std::max(distance(said[0], state.force_FE[0]), distance(said[1], state.force_FE[1])) / largest_force
                  : 0.0;
     };
     errors.coupled_force = worse(state.force_coupled);

@@ -1,9 +1,9 @@
 // Two tools (the paper's Figure 15): weights (15)-(16) and coupled tools against solves with two held nodes.
 #pragma once
 
+#include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/studies/measurements.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
 #include <random>
 
 namespace phynness::study {

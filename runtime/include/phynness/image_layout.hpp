@@ -1,5 +1,5 @@
-// Layout of an image (formats/image.md): what phn_image_open accepts and exporters write. Little-endian; every structure
-// and table starts at a multiple of the size of its numbers; offsets count bytes from the image's start.
+// Layout of an image (formats/image.md): what phn_image_open accepts and exporters write. Little-endian; every
+// structure and table starts at a multiple of the size of its numbers; offsets count bytes from the image's start.
 #pragma once
 
 #include <stddef.h>
@@ -45,10 +45,10 @@ struct Table {
 /// v is d and, in deformation networks, the coordinates of the output node. Centers are rows of the shared tables.
 template <class Real, int n_inputs>
 struct Network {
-  Table displacement;        ///< uint16: row of Header::displacements, one per neuron
-  Table output;              ///< uint16: row of Header::output_points; deformation only
-  Table weight;              ///< Real: 3 per neuron
-  Real factor[n_inputs];     ///< sqrt(log2 e) / (spread half_range)
+  Table displacement;     ///< uint16: row of Header::displacements, one per neuron
+  Table output;           ///< uint16: row of Header::output_points; deformation only
+  Table weight;           ///< Real: 3 per neuron
+  Real factor[n_inputs];  ///< sqrt(log2 e) / (spread half_range)
   Real constant[3];
 };
 
@@ -81,10 +81,10 @@ struct ModalResponse {
   Real stiffness[6];                      ///< [N/m]
   Real total[3];                          ///< sum of the coefficients
   Real force_at_rest[3], energy_at_rest;  ///< added so that both vanish at d = 0 [N], [J / R]
-  ScaledTable weights;     ///< n_amplitude_centers + 3 rows, n_modes columns; none: no deformation
-  ScaledTable mixing;      ///< n_shared rows
-  Table near;              ///< uint16: positions among the output nodes
-  ScaledTable near_modes;  ///< 3 n_near rows
+  ScaledTable weights;                    ///< n_amplitude_centers + 3 rows, n_modes columns; none: no deformation
+  ScaledTable mixing;                     ///< n_shared rows
+  Table near;                             ///< uint16: positions among the output nodes
+  ScaledTable near_modes;                 ///< 3 n_near rows
 };
 
 template <class Real>
@@ -102,15 +102,15 @@ struct Header {
   uint32_t bytes;     ///< of the whole image
   uint32_t checksum;  ///< of all words behind this one
   Family family;
-  uint32_t n_scratch;     ///< Reals
-  uint32_t reserved;      ///< 0
-  Table active_nodes;     ///< int32, ascending
-  Table active_points;    ///< Real: n_active x 3 [m]
-  Table active;           ///< ActiveNode<Real>
-  Table output_nodes;     ///< int32, ascending
-  Table output_points;    ///< Real: n_output x 3 [m]
-  Table directions;       ///< Real: n_directions x 3
-  Table displacements;    ///< Real: n x 3, [m], in family modal over max_displacement; n <= 65535
+  uint32_t n_scratch;       ///< Reals
+  uint32_t reserved;        ///< 0
+  Table active_nodes;       ///< int32, ascending
+  Table active_points;      ///< Real: n_active x 3 [m]
+  Table active;             ///< ActiveNode<Real>
+  Table output_nodes;       ///< int32, ascending
+  Table output_points;      ///< Real: n_output x 3 [m]
+  Table directions;         ///< Real: n_directions x 3
+  Table displacements;      ///< Real: n x 3, [m], in family modal over max_displacement; n <= 65535
   Table amplitude_center;   ///< uint16: row of displacements; modal, as are the next two
   Table amplitude_at_rest;  ///< Real: subtracted so that amplitudes at d = 0 are exactly 0
   ScaledTable modes;        ///< 3 n_output rows, n_shared columns
@@ -118,8 +118,8 @@ struct Header {
   Real amplitude_shape;
 };
 
-/// Of `n` words from `word` on. Every step is invertible in the sum and in the word: no single damaged word escapes. The
-/// last two lines are a step of A. Appleby's MurmurHash3, which is in the public domain.
+/// Of `n` words from `word` on. Every step is invertible in the sum and in the word: no single damaged word escapes.
+/// The last two lines are a step of A. Appleby's MurmurHash3, which is in the public domain.
 inline uint32_t checksum(const uint32_t* word, size_t n) {
   uint32_t sum = 0x9e3779b9u;
   for (size_t i = 0; i < n; ++i) {

@@ -1,7 +1,8 @@
-// phynness for C++17: the functions of phynness.h, phynness_levels.h and phynness_paper.h as members of objects that own
-// their memory, or lie in yours. Nothing throws. A function that can be refused returns a Status, which the compiler does not
-// let you overlook. After construction nothing allocates. What a call means, costs and refuses is said in those headers. It
-// works without exceptions and RTTI: a failed construction leaves an object that is false and has a status.
+// phynness for C++17: the functions of phynness.h, phynness_levels.h and phynness_paper.h as members of objects that
+// own their memory, or lie in yours. Nothing throws. A function that can be refused returns a Status, which the
+// compiler does not let you overlook. After construction nothing allocates. What a call means, costs and refuses is
+// said in those headers. It works without exceptions and RTTI: a failed construction leaves an object that is false and
+// has a status.
 #ifndef PHYNNESS_HPP
 #define PHYNNESS_HPP
 
@@ -81,8 +82,8 @@ class Fixed {
   template <class U, class = std::enable_if_t<std::is_convertible_v<const U (*)[], T (*)[]>>>
   constexpr Fixed(const std::array<U, n>& array) noexcept : _data(array.data()) {}
   template <class Matrix, class Plain = std::remove_cv_t<std::remove_reference_t<Matrix>>,
-            class = std::enable_if_t<static_cast<std::size_t>(Plain::SizeAtCompileTime) == n &&
-                                     static_cast<int>(Plain::InnerStrideAtCompileTime) == 1 &&
+            class = std::enable_if_t<static_cast<std::size_t>(Plain::SizeAtCompileTime) ==
+                                         n&& static_cast<int>(Plain::InnerStrideAtCompileTime) == 1 &&
                                      (Plain::IsVectorAtCompileTime ||
                                       static_cast<int>(Plain::OuterStrideAtCompileTime) == 3)>>
   constexpr Fixed(Matrix&& matrix) noexcept : _data(matrix.data()) {}

@@ -8,8 +8,8 @@
  * memory of the tools that they answer. One phn_contact for each thread that moves
  * tools, with a phn_data of the same thread; nothing is shared between them but the model.
  *
- * The surface that a sphere of radius r meets is the triangles of phn_info.triangles with each vertex moved out by r, along
- * its mean normal and so far that the triangles around it move by r (at most 2 r, at sharp corners); the sphere's
+ * The surface that a sphere of radius r meets is the triangles of phn_info.triangles with each vertex moved out by r,
+ * along its mean normal and so far that the triangles around it move by r (at most 2 r, at sharp corners); the sphere's
  * centre is a point against it. Between vertices these offsets are interpolated: their direction is the outward normal
  * that words below mean. It is continuous over edges and nodes, and that of the surface at rest.
  */
@@ -51,9 +51,11 @@ typedef struct phn_contact_state {
 /* For up to max_tools (1 ... 8) tools. Memory: some 200 bytes a triangle. Cost of init: a millisecond for 1,000
  * triangles. Triangles can be touched whose corners are active or fixed, not all of them fixed; tools pass through
  * others, and through the twentieth of a triangle beside a fixed edge. PHN_ERROR_UNDEFINED: there are none.
- * PHN_ERROR_TOO_MANY_TOOLS: max_tools is more than 8. PHN_ERROR_GEOMETRY: coordinates are too large for squares of areas. */
-PHN_API int phn_contact_size(const phn_model *model, int32_t max_tools, size_t *bytes);
-PHN_API int phn_contact_init(void *memory, size_t bytes, const phn_model *model, int32_t max_tools, phn_contact **contact);
+ * PHN_ERROR_TOO_MANY_TOOLS: max_tools is more than 8. PHN_ERROR_GEOMETRY: coordinates are too large for squares of
+ * areas. */
+PHN_API int phn_contact_size(const phn_model* model, int32_t max_tools, size_t* bytes);
+PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools,
+                             phn_contact** contact);
 
 /* Tools 0 ... n_tools - 1 at their new places; n_tools <= max_tools, and data was made for as many. Tool t is the same
  * tool in every call; one that is left out, or off, or new, is free where it is then: if that is inside the body it
@@ -78,11 +80,11 @@ PHN_API int phn_contact_init(void *memory, size_t bytes, const phn_model *model,
  * of this cycle. Refused calls leave the tools where they were. PHN_ERROR_NOT_FINITE: a centre, radius or friction.
  * Cost: a sweep for each free tool, below a microsecond for 1,000 triangles. With tools in contact 1 phn_couple of them
  * if they stick, 2 to 4 while they slide; at most 10 of one tool, 6 of two, 4 of more. */
-PHN_API int phn_contact_step(phn_contact *contact, phn_data *data, int32_t n_tools, const phn_contact_tool *tools,
-                     phn_contact_state *states, phn_coupled *result);
+PHN_API int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, const phn_contact_tool* tools,
+                             phn_contact_state* states, phn_coupled* result);
 
 /* All tools are new. */
-PHN_API int phn_contact_reset(phn_contact *contact);
+PHN_API int phn_contact_reset(phn_contact* contact);
 
 /* The surface that free tools meet, displaced by a field of phn_coupled_deform, n_output x 3 [m]; null: at rest, as
  * after init. Only wanted with several tools: a single one meets the surface at rest. Without it a tool feels nothing
@@ -90,14 +92,14 @@ PHN_API int phn_contact_reset(phn_contact *contact);
  * tool beside a surface that moves is carried with it, so an old field costs no tunnelling, only a touch that is early
  * or late by what it is old. Offsets keep the directions that they have at rest. Components are cut at 1000 sizes of
  * the body. Cost: a pass over vertices and boxes, some 25 us for 1,000 triangles. */
-PHN_API int phn_contact_refit(phn_contact *contact, const double *field);
+PHN_API int phn_contact_refit(phn_contact* contact, const double* field);
 
 /* The tools in contact at the last step, at most 8, in order: for phn_couple with the phn_data of another thread, which
  * draws. Returns their number. */
-PHN_API int32_t phn_contact_held(const phn_contact *contact, phn_tool *tools);
+PHN_API int32_t phn_contact_held(const phn_contact* contact, phn_tool* tools);
 
 /* As phn_nearest, by the hierarchy, on those triangles that can be touched, displaced as by the last refit. */
-PHN_API int phn_contact_nearest(const phn_contact *contact, const double x[3], phn_tool *tool, double point[3]);
+PHN_API int phn_contact_nearest(const phn_contact* contact, const double x[3], phn_tool* tool, double point[3]);
 
 #ifdef __cplusplus
 }

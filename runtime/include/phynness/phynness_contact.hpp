@@ -2,8 +2,8 @@
 #ifndef PHYNNESS_CONTACT_HPP
 #define PHYNNESS_CONTACT_HPP
 
-#include <phynness/phynness.hpp>
 #include <phynness/phynness_contact.h>
+#include <phynness/phynness.hpp>
 
 namespace phynness::rt {
 #ifdef PHYNNESS_FLOAT

@@ -2,8 +2,8 @@
 #ifndef PHYNNESS_SURFACE_HPP
 #define PHYNNESS_SURFACE_HPP
 
-#include <phynness/phynness.hpp>
 #include <phynness/phynness_surface.h>
+#include <phynness/phynness.hpp>
 
 namespace phynness::rt {
 #ifdef PHYNNESS_FLOAT

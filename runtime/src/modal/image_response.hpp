@@ -83,8 +83,8 @@ bool has_deformation(const image::ModalResponse<Real>& modal) {
 
 /// @param scratch  n_amplitude_centers + 3, then n_shared, then twice n_modes
 template <class Real>
-void response_field(const ImageHeader<Real>& image, const image::ModalResponse<Real>& node, const Real* d, Real* scratch,
-                    Real* field) {
+void response_field(const ImageHeader<Real>& image, const image::ModalResponse<Real>& node, const Real* d,
+                    Real* scratch, Real* field) {
   const uint32_t n_centers = image.amplitude_center.n, n_shared = image.modes.scale.n, m = node.weights.scale.n;
   Real *basis = scratch, *amount = basis + n_centers + 3, *amplitude = amount + n_shared, *scaled = amplitude + m;
   Real x[3];

@@ -184,36 +184,32 @@ PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTab
 }
 
 /// Everything above once more for each set of instructions.
-#define PHN_KERNELS(name, attributes)                                                                       \
-  namespace name {                                                                                          \
-  attributes void force(const Conservative<double>& net, const ForceTable& table, const double* x,          \
-                        double* sum) {                                                                      \
-    force_of_centers(net, table, x, sum);                                                                   \
-  }                                                                                                         \
-  attributes void basis(const SharedModes& shared, const double* x, double* values) {                       \
-    fill_basis(shared, x, values);                                                                          \
-  }                                                                                                         \
-  attributes void basis_gradient(const SharedModes& shared, const double* x, double* values) {              \
-    fill_basis_gradient(shared, x, values);                                                                 \
-  }                                                                                                         \
-  attributes void amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* values,         \
-                             double* amplitude) {                                                           \
-    sum_amplitudes<1>(tables, n_basis, values, amplitude);                                                  \
-  }                                                                                                         \
-  attributes void three_amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* values,   \
-                                   double* amplitude) {                                                     \
-    sum_amplitudes<3>(tables, n_basis, values, amplitude);                                                  \
-  }                                                                                                         \
-  attributes void field(const SharedTable& shared, const ModalTables& tables, const PreparedNode* prepared, \
-                        const double* amplitude, double* scratch, double* values) {                         \
-    sum_field(shared, tables, prepared, amplitude, scratch, values);                                        \
-  }                                                                                                         \
-  attributes void sum_block(const SharedTable& shared, const ModalTables& tables, const float* block,       \
-                            float* out) {                                                                   \
-    mix_block(shared, tables, block, out);                                                                  \
-  }                                                                                                         \
-  constexpr ModalKernels kernels = {#name,      force,            basis, basis_gradient,                   \
-                                    amplitudes, three_amplitudes, field, sum_block};                       \
+#define PHN_KERNELS(name, attributes)                                                                                  \
+  namespace name {                                                                                                     \
+  attributes void force(const Conservative<double>& net, const ForceTable& table, const double* x, double* sum) {      \
+    force_of_centers(net, table, x, sum);                                                                              \
+  }                                                                                                                    \
+  attributes void basis(const SharedModes& shared, const double* x, double* values) { fill_basis(shared, x, values); } \
+  attributes void basis_gradient(const SharedModes& shared, const double* x, double* values) {                         \
+    fill_basis_gradient(shared, x, values);                                                                            \
+  }                                                                                                                    \
+  attributes void amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* values,                    \
+                             double* amplitude) {                                                                      \
+    sum_amplitudes<1>(tables, n_basis, values, amplitude);                                                             \
+  }                                                                                                                    \
+  attributes void three_amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* values,              \
+                                   double* amplitude) {                                                                \
+    sum_amplitudes<3>(tables, n_basis, values, amplitude);                                                             \
+  }                                                                                                                    \
+  attributes void field(const SharedTable& shared, const ModalTables& tables, const PreparedNode* prepared,            \
+                        const double* amplitude, double* scratch, double* values) {                                    \
+    sum_field(shared, tables, prepared, amplitude, scratch, values);                                                   \
+  }                                                                                                                    \
+  attributes void sum_block(const SharedTable& shared, const ModalTables& tables, const float* block, float* out) {    \
+    mix_block(shared, tables, block, out);                                                                             \
+  }                                                                                                                    \
+  constexpr ModalKernels kernels = {#name, force,    basis, basis_gradient, amplitudes, three_amplitudes,              \
+                                    field, sum_block};                                                                 \
   }
 
 PHN_KERNELS(any, )
@@ -233,8 +229,8 @@ void fill_force_table(const Conservative<double>& net, Real* table) {
       center[i] = coefficient[i] = 0;
       if (i >= n) continue;
       center[i] = static_cast<Real>(net.displacements[3 * static_cast<std::size_t>(net.center[i]) + k]);
-      coefficient[i] = net.short_coefficient ? static_cast<Real>(net.short_coefficient[at])
-                                             : static_cast<Real>(net.coefficient[at]);
+      coefficient[i] =
+          net.short_coefficient ? static_cast<Real>(net.short_coefficient[at]) : static_cast<Real>(net.coefficient[at]);
     }
     coefficient[n] = static_cast<Real>(-net.total[k]);
   }

@@ -100,8 +100,8 @@ void ModeSum::add(std::int32_t output, const Matrix& map, LocalResponse& local) 
 }
 void ModeSum::finish(LocalResponse& local) const {
   for (std::int32_t s = 0; s < _model.shared.n_modes && _mixes; ++s)
-    add_row(_node.mixing + static_cast<std::size_t>(s) * static_cast<std::size_t>(_node.n_columns),
-            _node.mixing_scale, _shared + 3 * s, _node.n_modes, local.rows);
+    add_row(_node.mixing + static_cast<std::size_t>(s) * static_cast<std::size_t>(_node.n_columns), _node.mixing_scale,
+            _shared + 3 * s, _node.n_modes, local.rows);
 }
 
 }  // namespace PHN_RUNTIME

@@ -1,5 +1,5 @@
-// What a node of family modal answers: the functions of families.hpp, and its fields (formats/model.md, "Family `modal`").
-// Components of d beyond 1e6 max_displacement_m are cut there.
+// What a node of family modal answers: the functions of families.hpp, and its fields (formats/model.md, "Family
+// `modal`"). Components of d beyond 1e6 max_displacement_m are cut there.
 #pragma once
 
 #include "local_response.hpp"
@@ -19,8 +19,7 @@ void modal_field(const phn_model& model, const ModalResponse& node, std::int32_t
 inline bool has_deformation(const ModalResponse& node) { return node.n_modes > 0; }
 /// Amplitudes.
 inline std::int32_t basis_size(const ModalResponse& node) { return node.n_modes; }
-void response_basis(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
-                    double* scratch);
+void response_basis(const phn_model& model, const ModalResponse& node, const double* d, double* basis, double* scratch);
 void response_gradient(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
                        double* gradient, double* scratch);
 void response_field(const phn_model& model, const ModalResponse& node, const PreparedNode* prepared, double share,

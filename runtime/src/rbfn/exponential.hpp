@@ -27,8 +27,8 @@ PHN_INLINE double power_of_two(double shifted) {
 /// Added to a number, it rounds to an integer, which is then in the low bits.
 inline constexpr double to_integer = 6755399441055744.0;
 
-/// e^r for |r| <= ln 2 / 2 by its series, whose first term left out is 2e-16 of it. In pairs (Estrin): half as many steps
-/// wait for each other as in Horner's scheme.
+/// e^r for |r| <= ln 2 / 2 by its series, whose first term left out is 2e-16 of it. In pairs (Estrin): half as many
+/// steps wait for each other as in Horner's scheme.
 PHN_INLINE double exp_series(double r) {
   const double r2 = r * r, r4 = r2 * r2, r8 = r4 * r4;
   const double low = ((1.0 / 6) * r + 0.5) * r2 + (r + 1);
@@ -39,8 +39,8 @@ PHN_INLINE double exp_series(double r) {
 
 /// exp(x) for x <= 0, -infinity included; where x < -300, exp(-300) = 5e-131: nothing beside any constant, and two of
 /// them times a weight are still a normal number. Others take processors many times as long.
-/// Relative error: at most 6e-16. x = n ln 2 + r with |r| <= ln 2 / 2 and n an integer, taken from the low bits of a sum
-/// with 1.5 2^52; ln 2 in two parts (Cody & Waite 1980).
+/// Relative error: at most 6e-16. x = n ln 2 + r with |r| <= ln 2 / 2 and n an integer, taken from the low bits of a
+/// sum with 1.5 2^52; ln 2 in two parts (Cody & Waite 1980).
 PHN_INLINE double exp_of_negative(double x) {
   constexpr double lowest = -300;
   const double clamped = x < lowest ? lowest : x;
@@ -60,9 +60,9 @@ PHN_INLINE double power_of_half(double t) {
   return exp_series(r) * power_of_two(shifted);
 }
 
-/// The same in float; where t > 46, 2^-46 = 1e-14, so that two of them times a weight are still a normal number. Relative
-/// error at most 2e-7 of float arithmetic. -t = n + f with |f| <= 1/2; 2^f by the polynomial through it at the seven zeros of
-/// a Chebyshev polynomial, with 1 at 0, which is within 2e-8.
+/// The same in float; where t > 46, 2^-46 = 1e-14, so that two of them times a weight are still a normal number.
+/// Relative error at most 2e-7 of float arithmetic. -t = n + f with |f| <= 1/2; 2^f by the polynomial through it at the
+/// seven zeros of a Chebyshev polynomial, with 1 at 0, which is within 2e-8.
 PHN_INLINE float power_of_half(float t) {
   constexpr float largest = 46, to_integer_of_float = 12582912.0f;
   const float clamped = t > largest ? largest : t;

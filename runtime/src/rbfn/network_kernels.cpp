@@ -48,8 +48,7 @@ PHN_INLINE void force_of(const Network& net, const double* d, double* force) {
   }
   double total[3];
   add_up(sum, total);
-  for (int k = 0; k < 3; ++k)
-    force[k] = net.output_center[k] + net.output_half_range[k] * (net.bias[k] + total[k]);
+  for (int k = 0; k < 3; ++k) force[k] = net.output_center[k] + net.output_half_range[k] * (net.bias[k] + total[k]);
 }
 
 PHN_INLINE void gaussians_of_inputs(const Network& net, int first, const double* values, double* out) {
@@ -58,7 +57,8 @@ PHN_INLINE void gaussians_of_inputs(const Network& net, int first, const double*
   const Real spread = spread_of(net);
   Real h[at_once];
   for (std::int32_t begin = 0; begin < net.n_neurons; begin += at_once) {
-    const Real *c0 = net.center[first] + begin, *c1 = net.center[first + 1] + begin, *c2 = net.center[first + 2] + begin;
+    const Real *c0 = net.center[first] + begin, *c1 = net.center[first + 1] + begin,
+               *c2 = net.center[first + 2] + begin;
     for (std::int32_t i = 0; i < at_once; ++i) h[i] = gaussian(x[0], x[1], x[2], c0[i], c1[i], c2[i], spread);
     const std::int32_t size = smaller(at_once, net.n_neurons - begin);
     for (std::int32_t i = 0; i < size; ++i) out[begin + i] = static_cast<double>(h[i]);
@@ -120,20 +120,20 @@ PHN_INLINE void field_of_table(const Network& net, std::int32_t n_output, const 
 }
 
 /// Everything above once more for each set of instructions.
-#define PHN_KERNELS(name, by_nodes, attributes)                                                                    \
-  namespace name {                                                                                                 \
-  attributes void force(const Network& net, const double* d, double* out) { force_of(net, d, out); }               \
-  attributes void of_inputs(const Network& net, int first, const double* values, double* out) {                     \
-    gaussians_of_inputs(net, first, values, out);                                                                  \
-  }                                                                                                                \
-  attributes void of_coordinates(const Network& net, std::int32_t n_output, const double* points, Real* table) {   \
-    gaussians_of_coordinates(net, n_output, points, table);                                                        \
-  }                                                                                                                \
-  attributes void field(const Network& net, std::int32_t n_output, const Real* table, const double* factor,        \
-                        double share, double* scratch, double* out) {                                              \
-    field_of_table<by_nodes>(net, n_output, table, factor, share, scratch, out);                                   \
-  }                                                                                                                \
-  constexpr NetworkKernels kernels = {#name, force, of_inputs, of_coordinates, field};                             \
+#define PHN_KERNELS(name, by_nodes, attributes)                                                                  \
+  namespace name {                                                                                               \
+  attributes void force(const Network& net, const double* d, double* out) { force_of(net, d, out); }             \
+  attributes void of_inputs(const Network& net, int first, const double* values, double* out) {                  \
+    gaussians_of_inputs(net, first, values, out);                                                                \
+  }                                                                                                              \
+  attributes void of_coordinates(const Network& net, std::int32_t n_output, const double* points, Real* table) { \
+    gaussians_of_coordinates(net, n_output, points, table);                                                      \
+  }                                                                                                              \
+  attributes void field(const Network& net, std::int32_t n_output, const Real* table, const double* factor,      \
+                        double share, double* scratch, double* out) {                                            \
+    field_of_table<by_nodes>(net, n_output, table, factor, share, scratch, out);                                 \
+  }                                                                                                              \
+  constexpr NetworkKernels kernels = {#name, force, of_inputs, of_coordinates, field};                           \
   }
 
 PHN_KERNELS(any, false, )

@@ -12,7 +12,8 @@ struct NetworkKernels {
   const char* name;
   /// (11)-(12) of a force network. @param d  3 [m], of any size that is finite; @param force 3 [N]
   void (*force)(const Network& net, const double* d, double* force);
-  /// Gaussians of three inputs: of a displacement from 0 on, of a point from 3 on. @param values  3; @param out  n_neurons
+  /// Gaussians of three inputs: of a displacement from 0 on, of a point from 3 on. @param values  3; @param out
+  /// n_neurons
   void (*of_inputs)(const Network& net, int first, const double* values, double* out);
   /// Gaussians of the last three inputs for all output nodes: for every nodes_per_block of them, those of each neuron
   /// in turn. @pre net of the full level

@@ -38,7 +38,8 @@ void NetworkSum::add(std::int32_t output, const Matrix& map, LocalResponse& loca
   best_network_kernels().of_inputs(_net, 3, _model.output_points + 3 * static_cast<std::size_t>(output), _gaussian);
   for (std::int32_t i = 0; i < _net.n_neurons; ++i) {
     Vector u;
-    for (int k = 0; k < 3; ++k) u[k] = _gaussian[i] * _net.output_half_range[k] * static_cast<double>(_net.weight[k][i]);
+    for (int k = 0; k < 3; ++k)
+      u[k] = _gaussian[i] * _net.output_half_range[k] * static_cast<double>(_net.weight[k][i]);
     const Vector sum = map * u;
     for (int k = 0; k < 3; ++k) local.rows[k * _net.n_neurons + i] += sum[k];
   }

@@ -33,9 +33,8 @@ class LinearFamilyTraining : public FamilyTraining {
 };
 
 std::string describe(const Model& model) {
-  return fmt::format(
-      "responses a 3 x 3 stiffness and three unit responses each; trained to {:.4g} m, exact beyond",
-      model.max_displacement_m);
+  return fmt::format("responses a 3 x 3 stiffness and three unit responses each; trained to {:.4g} m, exact beyond",
+                     model.max_displacement_m);
 }
 
 std::vector<std::string> summary(const Model& model, const TrainingReport& report) {

@@ -32,10 +32,9 @@ std::vector<Increment> increments_of(const TrainingTables& tables, const std::ve
   for (const std::int32_t row : converged_increments(tables, rays)) {
     const Ray& ray = rays[row / tables.n_increments];
     const auto i = static_cast<std::size_t>(row % tables.n_increments);
-    found.push_back(
-        {tables.displacements.row(row).transpose(), Eigen::Vector3d::Map(&ray.force[3 * i]),
-         Eigen::Map<const Points>(ray.displacement.data() + 3 * i * tables.output.size(), n_output, 3),
-         ray.energy.empty() ? nullptr : &ray.energy[i]});
+    found.push_back({tables.displacements.row(row).transpose(), Eigen::Vector3d::Map(&ray.force[3 * i]),
+                     Eigen::Map<const Points>(ray.displacement.data() + 3 * i * tables.output.size(), n_output, 3),
+                     ray.energy.empty() ? nullptr : &ray.energy[i]});
   }
   return found;
 }
@@ -49,12 +48,12 @@ Eigen::MatrixXd pseudo_inverse(const std::vector<Increment>& increments, const T
     d.row(i) = increments[static_cast<std::size_t>(i)].d;
     unit.row(i) = d.row(i).normalized();
   }
-  // The squares of singular values are far above rounding: those of interest are above the square of the threshold, 1e-4.
+  // The squares of singular values are far above rounding: those of interest are above the square of the threshold,
+  // 1e-4.
   const Eigen::VectorXd squares = symmetric_eigen(unit.transpose() * unit).values;
   if (n < 3 || !(squares[0] > independence_threshold * independence_threshold * squares[2])) {
     std::set<std::int32_t> directions;
-    for (const std::int32_t row : converged_increments(tables, rays))
-      directions.insert(row / tables.n_increments);
+    for (const std::int32_t row : converged_increments(tables, rays)) directions.insert(row / tables.n_increments);
     throw input_error("a linear response needs converged increments in three independent directions",
                       "node " + std::to_string(node) + " has " + std::to_string(directions.size()) + " of " +
                           std::to_string(rays.size()) + " directions, in one plane or fewer",
@@ -78,9 +77,8 @@ LinearQuality quality_of(const std::vector<Increment>& increments, const LinearR
     quality.force_residual =
         std::max(quality.force_residual, ratio((force - increment.force).norm(), increment.force.norm()));
     if (increment.energy) {
-      quality.energy_residual =
-          std::max(quality.energy_residual,
-                   ratio(std::abs(force.dot(d) / 2 - *increment.energy), std::abs(*increment.energy)));
+      quality.energy_residual = std::max(
+          quality.energy_residual, ratio(std::abs(force.dot(d) / 2 - *increment.energy), std::abs(*increment.energy)));
     }
   }
   return quality;
@@ -94,10 +92,10 @@ void require_linear(const LinearQuality& quality, std::int32_t node) {
       {"energies differ from d.K d / 2 by ", quality.energy_residual}};
   for (const auto& [what, size] : checks) {
     if (!(size <= linear_tolerance)) {
-      throw input_error("the scene is not linear",
-                        "node " + std::to_string(node) + ": " + what + percent(size) + ", allowed are " +
-                            percent(linear_tolerance),
-                        "use family rbfn; if the law is linear, tighten [solver] relative_tolerance");
+      throw input_error(
+          "the scene is not linear",
+          "node " + std::to_string(node) + ": " + what + percent(size) + ", allowed are " + percent(linear_tolerance),
+          "use family rbfn; if the law is linear, tighten [solver] relative_tolerance");
     }
   }
 }
@@ -117,8 +115,7 @@ LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node
   for (std::size_t i = 0; i < increments.size(); ++i) {
     const Eigen::Vector3d share = inverse.col(static_cast<Eigen::Index>(i));
     linear.stiffness += increments[i].force * share.transpose();
-    for (int axis = 0; axis < 3; ++axis)
-      linear.unit_responses.middleCols<3>(3 * axis) += share[axis] * increments[i].u;
+    for (int axis = 0; axis < 3; ++axis) linear.unit_responses.middleCols<3>(3 * axis) += share[axis] * increments[i].u;
   }
   if (!linear.stiffness.allFinite() || !linear.unit_responses.allFinite()) {
     throw failure("database holds a value that is not finite in an increment marked converged",

@@ -89,20 +89,17 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
   }
   const MatrixXd errors = left_out(phi, tail, values, groups_of_equal(directions, 1, 1));
   const double n_output = static_cast<double>(node.modes.rows()) / node.components;
-  return node.largest > 0
-             ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest
-             : 0;
+  return node.largest > 0 ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest : 0;
 }
 
 /// One node's part in the choice of centers: what its states say of each candidate.
 struct Chooser {
   MatrixXd columns,
-      rest;  ///< states x candidates, states x modes; orthogonal to the linear part and to what was chosen
+      rest;        ///< states x candidates, states x modes; orthogonal to the linear part and to what was chosen
   VectorXd first;  ///< squared lengths of the columns at the start
 };
 
-Chooser chooser(const TrainingTables& tables, const NodeModes& node, const Eigen::MatrixX3d& candidates,
-                double shape) {
+Chooser chooser(const TrainingTables& tables, const NodeModes& node, const Eigen::MatrixX3d& candidates, double shape) {
   Chooser c;
   const MatrixXd f = features(scaled_rows(tables, node.row), candidates, shape);
   const MatrixXd linear = orthonormal(f.rightCols<3>());
@@ -145,8 +142,7 @@ Eigen::Matrix<double, 6, 1> even_features(const Vector3d& x, int degree) {
 AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
                                           int max_centers) {
   AmplitudeCenters chosen;
-  if (std::all_of(nodes.begin(), nodes.end(), [](const auto& node) { return node.row.empty(); }))
-    return chosen;
+  if (std::all_of(nodes.begin(), nodes.end(), [](const auto& node) { return node.row.empty(); })) return chosen;
   chosen.left_out_error = std::numeric_limits<double>::infinity();
   for (const double candidate : amplitude_shape_candidates()) {
     // The median: a node where the body snaps is predicted by no shape, and would outweigh all others.

@@ -69,8 +69,7 @@ std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
     rest -= direction * step;
     slope.noalias() -= along.transpose() * step;
     for (Index i = 0; i < n; ++i)
-      gram[static_cast<std::size_t>(i)] -=
-          along.middleCols<3>(3 * i).transpose() * along.middleCols<3>(3 * i);
+      gram[static_cast<std::size_t>(i)] -= along.middleCols<3>(3 * i).transpose() * along.middleCols<3>(3 * i);
     const auto n_unknowns = columns.stiffness.cols() + 3 * static_cast<Index>(chosen.size());
     if (const double now = cross_validation(rest, n_unknowns); now < least) {
       least = now;

@@ -94,9 +94,7 @@ VectorXd weights_of(const ForceStates& states) {
   return usual > 0 ? VectorXd(usual / (usual + size.array())) : VectorXd(VectorXd::Ones(size.size()));
 }
 
-double largest_force(const ForceStates& states) {
-  return std::sqrt(states.force.rowwise().squaredNorm().maxCoeff());
-}
+double largest_force(const ForceStates& states) { return std::sqrt(states.force.rowwise().squaredNorm().maxCoeff()); }
 
 /// Every `stride`-th state of each direction, the deepest among them.
 ForceStates thinned(const ForceStates& states, std::size_t stride) {
@@ -196,16 +194,15 @@ Matrix3d symmetric(const Eigen::Matrix<double, 6, 1>& k) {
 double least_tail(const MatrixXd& stiffness_columns, const VectorXd& force) {
   const Matrix3d best = symmetric(damped_solution(stiffness_columns, force, 0));
   return least_tail_share *
-         std::max(0.0,
-                  Eigen::SelfAdjointEigenSolver<Matrix3d>(best, Eigen::EigenvaluesOnly).eigenvalues()[0]);
+         std::max(0.0, Eigen::SelfAdjointEigenSolver<Matrix3d>(best, Eigen::EigenvaluesOnly).eigenvalues()[0]);
 }
 
 /// Eigenvalues below `least` raised to it; the same matrix if there are none.
 Matrix3d at_least(const Matrix3d& k, double least) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(k);
   if (eigen.eigenvalues()[0] >= least) return k;
-  const Matrix3d raised = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).asDiagonal() *
-                          eigen.eigenvectors().transpose();
+  const Matrix3d raised =
+      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).asDiagonal() * eigen.eigenvectors().transpose();
   return (raised + raised.transpose()) / 2;
 }
 
@@ -218,8 +215,7 @@ struct Problem {
 };
 
 /// Least squares with the given centers, in ascending order. @param left_out_error  may be null
-ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& chosen,
-                            double* left_out_error) {
+ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& chosen, double* left_out_error) {
   const auto& [states, max_displacement_m, shape, columns, force, weights] = problem;
   const auto m = static_cast<Index>(chosen.size());
   MatrixXd a(force.size(), 3 * m + 6);
@@ -235,8 +231,8 @@ ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& ch
   if (tail != symmetric(solution.tail<6>())) {
     n_free = 3 * m;
     solution.tail<6>() << tail(0, 0), tail(0, 1), tail(0, 2), tail(1, 1), tail(1, 2), tail(2, 2);
-    solution.head(3 * m) = damped_solution(weighted.leftCols(3 * m),
-                                           target - weighted.rightCols<6>() * solution.tail<6>(), 3 * m);
+    solution.head(3 * m) =
+        damped_solution(weighted.leftCols(3 * m), target - weighted.rightCols<6>() * solution.tail<6>(), 3 * m);
   }
 
   ConservativeFit fit;
@@ -259,9 +255,8 @@ ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& ch
   }
   if (largest > 0 && left_out_error) {
     const MatrixXd free = weighted.leftCols(n_free);
-    const MatrixXd errors =
-        left_out_of_fit(damped_columns(free, column_sizes(free), 3 * m), target - weighted * solution, target,
-                        groups_of_equal(states.row, 3, 0));
+    const MatrixXd errors = left_out_of_fit(damped_columns(free, column_sizes(free), 3 * m),
+                                            target - weighted * solution, target, groups_of_equal(states.row, 3, 0));
     *left_out_error = mean_length(errors.col(0).cwiseQuotient(weights)) / largest;
   }
   return fit;
@@ -274,9 +269,9 @@ ConservativeFit fit_shape(const ForceStates& states, double max_displacement_m, 
                         stacked(states), weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>()};
   const auto& columns = problem.columns;
   const int allowed = static_cast<int>(largest_center_share * static_cast<double>(states.x.rows()));
-  const auto order = choose_centers(
-      {problem.weights.asDiagonal() * columns.centers, problem.weights.asDiagonal() * columns.stiffness},
-      problem.weights.cwiseProduct(problem.force), std::min(max_centers, allowed));
+  const auto order =
+      choose_centers({problem.weights.asDiagonal() * columns.centers, problem.weights.asDiagonal() * columns.stiffness},
+                     problem.weights.cwiseProduct(problem.force), std::min(max_centers, allowed));
   const auto first = [&](int n) {
     std::vector<Index> some(order.begin(), order.begin() + n);
     std::sort(some.begin(), some.end());
@@ -311,8 +306,7 @@ ForceStates force_states(const TrainingTables& tables, const std::vector<Ray>& r
   return states;
 }
 
-ConservativeFit fit_conservative(const ForceStates& all, double max_displacement_m, int max_centers,
-                                 int n_levels) {
+ConservativeFit fit_conservative(const ForceStates& all, double max_displacement_m, int max_centers, int n_levels) {
   const ForceStates once = merged(all);
   const ForceStates states = thinned(once, (once.row.size() + max_fit_states - 1) / max_fit_states);
   const ForceStates some = thinned(states, (states.row.size() + max_search_states - 1) / max_search_states);
@@ -335,8 +329,8 @@ ConservativeFit fit_conservative(const ForceStates& all, double max_displacement
   return fit;
 }
 
-ConservativeFit fit_conservative_of_shape(const ForceStates& states, double max_displacement_m,
-                                          int max_centers, double shape) {
+ConservativeFit fit_conservative_of_shape(const ForceStates& states, double max_displacement_m, int max_centers,
+                                          double shape) {
   return fit_shape(merged(states), max_displacement_m, max_centers, shape, 1);
 }
 
@@ -351,20 +345,18 @@ double condition_number(const ForceStates& states, const ConservativeNetwork& ne
     a.middleCols<3>(3 * j) = columns.centers.middleCols<3>(3 * state);
   }
   a.rightCols<6>() = columns.stiffness;
-  const MatrixXd weighted =
-      VectorXd(weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>()).asDiagonal() * a;
+  const MatrixXd weighted = VectorXd(weights_of(states).replicate(1, 3).reshaped<Eigen::RowMajor>()).asDiagonal() * a;
   const MatrixXd damped = damped_columns(weighted, column_sizes(weighted), 3 * m);
   const VectorXd squares = symmetric_eigen(damped.transpose() * damped).values;
   return squares[squares.size() - 1] / squares[0];
 }
 
-Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements,
-                        double max_displacement_m, const Vector3d& x) {
+Vector3d evaluate_force(const ConservativeNetwork& network, const Points& displacements, double max_displacement_m,
+                        const Vector3d& x) {
   Vector3d force = network.stiffness * (max_displacement_m * x);
   for (std::size_t i = 0; i < network.centers.size(); ++i) {
     const Vector3d c = displacements.row(network.centers[i]).transpose() / max_displacement_m;
-    force +=
-        anchored_kernel(x, c, network.shape) * network.coefficients.row(static_cast<Index>(i)).transpose();
+    force += anchored_kernel(x, c, network.shape) * network.coefficients.row(static_cast<Index>(i)).transpose();
   }
   return force;
 }

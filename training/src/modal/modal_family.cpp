@@ -58,8 +58,7 @@ class ModalTraining : public FamilyTraining {
     std::vector<std::vector<NodeModes>> of_field(_header.fields.size(), nodes);
     for_each_index(n, threads, [&](std::int32_t i) {
       const SearchNode read_node = read((2 * i + 1) * static_cast<std::int64_t>(n_active) / (2 * n));
-      nodes[static_cast<std::size_t>(i)] =
-          node_modes(_tables, read_node.prescribed, read_node.rays, _spec.modes);
+      nodes[static_cast<std::size_t>(i)] = node_modes(_tables, read_node.prescribed, read_node.rays, _spec.modes);
       for (std::size_t f = 0; f < of_field.size(); ++f)
         of_field[f][static_cast<std::size_t>(i)] = field_modes(_tables, read_node.rays, f, 1, _spec.modes);
     });
@@ -86,8 +85,7 @@ class ModalTraining : public FamilyTraining {
     const ForceStates forces = force_states(_tables, read.rays);
     if (forces.row.empty()) return;
     outcome.trained = true;
-    outcome.conservative =
-        fit_conservative(forces, _tables.magnitudes_m.back(), _spec.force_centers, _spec.levels);
+    outcome.conservative = fit_conservative(forces, _tables.magnitudes_m.back(), _spec.force_centers, _spec.levels);
     outcome.model = describe_node(_tables, read.node, point, read.prescribed, read.rays);
     outcome.model.conservative = std::move(outcome.conservative.network);
     auto& levels = outcome.model.levels;
@@ -103,10 +101,8 @@ class ModalTraining : public FamilyTraining {
     const NodeModes modes = node_modes(_tables, read.prescribed, read.rays, _spec.modes);
     outcome.modal = fit_modal(_tables, _shared, modes, _spec.near_nodes, 0, _levels);
     outcome.model.modal = std::move(outcome.modal.deformation);
-    for (const auto& level : outcome.modal.levels)
-      outcome.displacement_errors.push_back(level.left_out_error);
-    for (std::size_t l = 0; l < levels.size(); ++l)
-      levels[l].weights = std::move(outcome.modal.levels[l].weights);
+    for (const auto& level : outcome.modal.levels) outcome.displacement_errors.push_back(level.left_out_error);
+    for (std::size_t l = 0; l < levels.size(); ++l) levels[l].weights = std::move(outcome.modal.levels[l].weights);
     for (std::size_t f = 0; f < _fields.size(); ++f) {
       const auto& field = _fields[f];
       const NodeModes values = field_modes(_tables, read.rays, f, field.scale, _spec.modes);
@@ -234,9 +230,12 @@ std::vector<std::string> summary(const Model& model, const TrainingReport& repor
 
 std::vector<std::pair<std::string, double>> figures(const TrainingReport& report) {
   const auto& q = report.modal;
-  return {{"force_training_error", q.force_training},          {"force_left_out_error", q.force_left_out},
-          {"truncation_error", q.truncation},                  {"regression_error", q.regression},
-          {"amplitude_left_out_error", q.amplitude_left_out}, {"worst_cancellation", q.worst_cancellation}};
+  return {{"force_training_error", q.force_training},
+          {"force_left_out_error", q.force_left_out},
+          {"truncation_error", q.truncation},
+          {"regression_error", q.regression},
+          {"amplitude_left_out_error", q.amplitude_left_out},
+          {"worst_cancellation", q.worst_cancellation}};
 }
 
 }  // namespace
@@ -246,10 +245,8 @@ const FamilyOperations modal_operations = {
     "conservative forces and modes",
     "modes and centers",
     check,
-    [](const DatabaseHeader& header, const TrainingTables& tables,
-       const TrainingSpec& spec) -> std::unique_ptr<FamilyTraining> {
-      return std::make_unique<ModalTraining>(header, tables, spec);
-    },
+    [](const DatabaseHeader& header, const TrainingTables& tables, const TrainingSpec& spec)
+        -> std::unique_ptr<FamilyTraining> { return std::make_unique<ModalTraining>(header, tables, spec); },
     candidates,
     model_name,
     sizes,

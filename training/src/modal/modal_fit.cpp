@@ -40,8 +40,7 @@ double mean_share(const MatrixXd& fields, const NodeModes& node) {
   const Index k = node.components;
   for (std::size_t o = 0; o < node.moved.size(); ++o) {
     if (node.moved[o]) continue;
-    for (Index i = 0; i < fields.rows(); ++i)
-      sum += fields.row(i).segment(k * static_cast<Index>(o), k).norm();
+    for (Index i = 0; i < fields.rows(); ++i) sum += fields.row(i).segment(k * static_cast<Index>(o), k).norm();
     n += fields.rows();
   }
   return n > 0 && node.largest > 0 ? sum / static_cast<double>(n) / node.largest : 0;
@@ -136,11 +135,11 @@ void decompose(const MatrixXd& u, int max_modes, NodeModes& node) {
 
 }  // namespace
 
-NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed,
-                     const std::vector<Ray>& rays, int max_modes) {
+NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed, const std::vector<Ray>& rays,
+                     int max_modes) {
   auto node = node_of(tables, rays, 3);
-  MatrixXd u = states_of(tables, rays, node,
-                         [](const Ray& ray) -> const std::vector<double>& { return ray.displacement; });
+  MatrixXd u =
+      states_of(tables, rays, node, [](const Ray& ray) -> const std::vector<double>& { return ray.displacement; });
   for (std::size_t o = 0; o < tables.output.size(); ++o) {
     node.moved[o] = std::binary_search(prescribed.nodes.begin(), prescribed.nodes.end(), tables.output[o]);
     if (node.moved[o]) u.middleCols<3>(3 * static_cast<Index>(o)).setZero();
@@ -149,12 +148,11 @@ NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribe
   return node;
 }
 
-NodeModes field_modes(const TrainingTables& tables, const std::vector<Ray>& rays, std::size_t field,
-                      double scale, int max_modes) {
+NodeModes field_modes(const TrainingTables& tables, const std::vector<Ray>& rays, std::size_t field, double scale,
+                      int max_modes) {
   auto node = node_of(tables, rays, 1);
-  const MatrixXd values =
-      states_of(tables, rays, node,
-                [field](const Ray& ray) -> const std::vector<double>& { return ray.fields.at(field); });
+  const MatrixXd values = states_of(
+      tables, rays, node, [field](const Ray& ray) -> const std::vector<double>& { return ray.fields.at(field); });
   decompose(values / scale, max_modes, node);
   return node;
 }
@@ -177,8 +175,7 @@ MatrixXd shared_basis(const std::vector<NodeModes>& nodes, int n_shared, std::ui
   const Index width = std::min<Index>({wanted + spare_columns, n_rows, n_columns});
   SplitMix64 random(seed);
   MatrixXd basis(n_rows, width);
-  for (Index i = 0; i < basis.size(); ++i)
-    basis.data()[i] = static_cast<double>(random.next() >> 11) * 0x1p-53 - 0.5;
+  for (Index i = 0; i < basis.size(); ++i) basis.data()[i] = static_cast<double>(random.next() >> 11) * 0x1p-53 - 0.5;
   MatrixXf inner;
   for (int round = 0; round < rounds; ++round) {
     basis = orthonormal(basis);
@@ -220,8 +217,7 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   for (const auto o : modal.near) without(o);
   for (Index o = 0; o < n_output; ++o)
     if (node.moved[static_cast<std::size_t>(o)]) without(o);
-  if (basis.cols() > 0)
-    mixing = least_squares(far.transpose() * far, far.transpose() * target);
+  if (basis.cols() > 0) mixing = least_squares(far.transpose() * far, far.transpose() * target);
 
   const auto x = scaled_rows(tables, node.row);
   const MatrixXd f = features(x, scaled_rows(tables, shared.centers), shared.shape, degree);
@@ -240,10 +236,8 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   for (Index o = 0; o < n_output; ++o)
     if (node.moved[static_cast<std::size_t>(o)]) stored.middleRows(k * o, k).setZero();
   fit.truncation_error = node.lost + mean_share(node.amplitudes * (stored - node.modes).transpose(), node);
-  fit.regression_error =
-      mean_share((f * modal.weights.values() - node.amplitudes) * stored.transpose(), node);
-  for (const auto& level : levels)
-    fit.levels.push_back(fit_level(tables, level, shared.shape, degree, node, stored));
+  fit.regression_error = mean_share((f * modal.weights.values() - node.amplitudes) * stored.transpose(), node);
+  for (const auto& level : levels) fit.levels.push_back(fit_level(tables, level, shared.shape, degree, node, stored));
   return fit;
 }
 

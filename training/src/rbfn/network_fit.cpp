@@ -54,8 +54,7 @@ class BasisColumns {
     factor(_displacements, _points.displacement[center], _a);
     if (!_points.place.empty()) factor(_places, _points.place[center], _b);
     kernels::product_column(_a.data(), _points.displacement.data(), _b.data(),
-                            _points.place.empty() ? _no_place.data() : _points.place.data(), column,
-                            _points.size());
+                            _points.place.empty() ? _no_place.data() : _points.place.data(), column, _points.size());
   }
 
   Eigen::VectorXd scaled_point(std::int32_t p) const {
@@ -100,8 +99,7 @@ class GrowingQr {
   using Columns = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
   /// The first k columns.
   Columns columns(int k) const {
-    return {_q.data(), static_cast<Eigen::Index>(_n), k,
-            Eigen::OuterStride<>(static_cast<Eigen::Index>(_stride))};
+    return {_q.data(), static_cast<Eigen::Index>(_n), k, Eigen::OuterStride<>(static_cast<Eigen::Index>(_stride))};
   }
   const Eigen::MatrixXd& r() const { return _r; }
 
@@ -176,9 +174,8 @@ std::int32_t worst_untried(const std::vector<double>& error, const std::vector<c
 }
 
 /// @param rest, targets  n x 3, scaled
-double left_out_error(const GrowingQr::Columns& q, const Eigen::MatrixXd& rest,
-                      const Eigen::MatrixXd& targets, const RbfNetwork& net, const NetworkPoints& points,
-                      const std::vector<std::int32_t>& group) {
+double left_out_error(const GrowingQr::Columns& q, const Eigen::MatrixXd& rest, const Eigen::MatrixXd& targets,
+                      const RbfNetwork& net, const NetworkPoints& points, const std::vector<std::int32_t>& group) {
   const Eigen::MatrixXd errors = left_out_of_projection(q, rest, targets, groups_of_equal(group, 1, 0));
   const double sum = (errors * net.output_half_range.asDiagonal()).rowwise().norm().sum();
   const double largest = points.outputs.rowwise().norm().maxCoeff();
@@ -238,8 +235,8 @@ class NetworkBuilder {
       const Eigen::MatrixXd first = solve(n_columns);
       level.neurons = {first.bottomRows(n_columns - 1), first.row(0).transpose()};
       if (!_options.group.empty())
-        level.left_out_error = left_out_error(_qr.columns(n_columns), _remainder, _targets, _fit.network,
-                                              _points, _options.group);
+        level.left_out_error =
+            left_out_error(_qr.columns(n_columns), _remainder, _targets, _fit.network, _points, _options.group);
     }
   }
 
@@ -320,8 +317,7 @@ void set_scaling(const NetworkPoints& points, RbfNetwork& net) {
   net.input_half_range.resize(points.n_inputs());
   transform_of(points.displacements, points.displacement, 0, net.input_center, net.input_half_range);
   if (!points.place.empty()) {
-    transform_of(points.places, points.place, points.displacements.cols(), net.input_center,
-                 net.input_half_range);
+    transform_of(points.places, points.place, points.displacements.cols(), net.input_center, net.input_half_range);
   }
   net.output_center.resize(3);
   net.output_half_range.resize(3);

@@ -11,9 +11,8 @@ namespace {
 void require_finite(const double* values, std::size_t n, const char* what) {
   for (std::size_t i = 0; i < n; ++i) {
     if (!std::isfinite(values[i])) {
-      throw failure(
-          std::string("database holds a ") + what + " that is not finite in an increment marked converged",
-          "", "precompute this database again");
+      throw failure(std::string("database holds a ") + what + " that is not finite in an increment marked converged",
+                    "", "precompute this database again");
     }
   }
 }
@@ -25,8 +24,7 @@ TrainingTables training_tables(const DatabaseHeader& header) {
   tables.n_increments = static_cast<std::int32_t>(header.magnitudes_m.size());
   tables.magnitudes_m = header.magnitudes_m;
   tables.float64 = header.float64;
-  tables.displacements.resize(
-      static_cast<Eigen::Index>(header.directions.size() * header.magnitudes_m.size()), 3);
+  tables.displacements.resize(static_cast<Eigen::Index>(header.directions.size() * header.magnitudes_m.size()), 3);
   Eigen::Index row = 0;
   for (const Vec3& e : header.directions) {
     for (const double magnitude : header.magnitudes_m) {
@@ -85,8 +83,8 @@ NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>&
 }
 
 NetworkPoints deformation_points(const TrainingTables& tables, const std::vector<Ray>& rays,
-                                 const TouchedNodes& prescribed, std::int32_t node, int samples,
-                                 std::uint64_t seed, NetworkPoints* held_out, int n_held_out) {
+                                 const TouchedNodes& prescribed, std::int32_t node, int samples, std::uint64_t seed,
+                                 NetworkPoints* held_out, int n_held_out) {
   const std::vector<std::int32_t> increments = converged_increments(tables, rays);
   std::vector<std::int32_t> places;
   for (std::size_t o = 0; o < tables.output.size(); ++o) {
@@ -127,16 +125,15 @@ int capped_neurons(int wanted, std::size_t n_points) {
 }
 
 NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
-                        const TouchedNodes& prescribed, const std::vector<Ray>& rays,
-                        const TrainingSpec& spec, bool estimate_errors) {
+                        const TouchedNodes& prescribed, const std::vector<Ray>& rays, const TrainingSpec& spec,
+                        bool estimate_errors) {
   NodeTraining result;
   const NetworkPoints force = force_points(tables, rays);
   if (force.size() == 0) return result;
-  const NetworkPoints deformation =
-      deformation_points(tables, rays, prescribed, node, spec.samples, spec.seed);
+  const NetworkPoints deformation = deformation_points(tables, rays, prescribed, node, spec.samples, spec.seed);
   if (deformation.size() == 0) {
-    throw input_error("no output node is left to train on: the probe moves all of them",
-                      "node " + std::to_string(node), "select more output nodes");
+    throw input_error("no output node is left to train on: the probe moves all of them", "node " + std::to_string(node),
+                      "select more output nodes");
   }
   const auto options = [&](const NetworkPoints& points, int neurons, double spread) {
     FitOptions of_network{capped_neurons(neurons, points.size()), spread, spec.target_mse, spec.levels, {}};

@@ -125,10 +125,8 @@ const FamilyOperations rbfn_operations = {
     "the paper's networks",
     "neurons and spreads",
     check,
-    [](const DatabaseHeader& header, const TrainingTables& tables,
-       const TrainingSpec& spec) -> std::unique_ptr<FamilyTraining> {
-      return std::make_unique<RbfnTraining>(header, tables, spec);
-    },
+    [](const DatabaseHeader& header, const TrainingTables& tables, const TrainingSpec& spec)
+        -> std::unique_ptr<FamilyTraining> { return std::make_unique<RbfnTraining>(header, tables, spec); },
     candidates,
     model_name,
     sizes,

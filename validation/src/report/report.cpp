@@ -60,8 +60,8 @@ std::string headline(const ReportInput& in) {
       "off by more than {:.0f} %, which a hand may notice. All figures are error (17): the difference over "
       "the "
       "largest finite element response of that node.</p>\n",
-      percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max),
-      percent(linear.force.mean), moved, felt, n, 100 * noticeable);
+      percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max), percent(linear.force.mean),
+      moved, felt, n, 100 * noticeable);
 }
 
 std::string modelled(const ReportInput& in) {
@@ -82,28 +82,26 @@ std::string modelled(const ReportInput& in) {
     out +=
         "<p class=\"warning\">Probes move one node: their force depends on the size of the mesh. A patch has "
         "a limit.</p>\n";
-  out += table(
-      {{"", "value"},
-       {"law", name(scene.material.law)},
-       {"shear modulus", fmt::format("{:.4g} Pa", scene.material.shear_modulus_Pa)},
-       {"bulk over shear modulus, K/mu", fmt::format("{:.4g}", K_mu)},
-       {"element", name(scene.solver.element)},
-       {"mesh", fmt::format("{} nodes, {} {}", in.model.mesh().n_nodes(), in.model.mesh().n_cells(),
-                            in.model.mesh().cells.cols() == 3 ? "triangles of a shell" : "tetrahedra")},
-       {"nodes fixed, active, output",
-        fmt::format("{}, {}, {}", model.fixed.size(), model.nodes.size(), model.output.size())},
-       {"probe", name(scene.probe.kind)},
-       {"trained range R", fmt::format("{:.4g} mm", 1e3 * scene.probe.max_displacement_m)},
-       {"directions, increments", fmt::format("{}, {}", model.directions.size(), scene.probe.increments)},
-       {"family of the model", name(family)}});
+  out += table({{"", "value"},
+                {"law", name(scene.material.law)},
+                {"shear modulus", fmt::format("{:.4g} Pa", scene.material.shear_modulus_Pa)},
+                {"bulk over shear modulus, K/mu", fmt::format("{:.4g}", K_mu)},
+                {"element", name(scene.solver.element)},
+                {"mesh", fmt::format("{} nodes, {} {}", in.model.mesh().n_nodes(), in.model.mesh().n_cells(),
+                                     in.model.mesh().cells.cols() == 3 ? "triangles of a shell" : "tetrahedra")},
+                {"nodes fixed, active, output",
+                 fmt::format("{}, {}, {}", model.fixed.size(), model.nodes.size(), model.output.size())},
+                {"probe", name(scene.probe.kind)},
+                {"trained range R", fmt::format("{:.4g} mm", 1e3 * scene.probe.max_displacement_m)},
+                {"directions, increments", fmt::format("{}, {}", model.directions.size(), scene.probe.increments)},
+                {"family of the model", name(family)}});
   return section("What was modelled", out);
 }
 
 std::string solved(const ReportInput& in) {
   const auto& v = in.validation;
   std::string nodes;
-  for (std::size_t i = 0; i < std::min<std::size_t>(20, v.nodes.size()); ++i)
-    nodes += fmt::format(" {}", v.nodes[i]);
+  for (std::size_t i = 0; i < std::min<std::size_t>(20, v.nodes.size()); ++i) nodes += fmt::format(" {}", v.nodes[i]);
   if (v.nodes.size() > 20) nodes += " ...";
   std::string out = fmt::format(
       "<p>{} fresh probes at {} active nodes, {} of them beside the fixed ones ({}); directions uniform on "
@@ -123,10 +121,9 @@ std::string solved(const ReportInput& in) {
     short_rays += here;
     incomplete += here > 0;
   }
-  out += fmt::format(
-      "<p>In training {} of {} rays stopped short of the full depth, at {} of {} nodes{}</p>\n", short_rays,
-      rays, incomplete, in.model.model().nodes.size(),
-      short_rays > 0 ? "; there the runtime warns, and the trained range is what was reached." : ".");
+  out += fmt::format("<p>In training {} of {} rays stopped short of the full depth, at {} of {} nodes{}</p>\n",
+                     short_rays, rays, incomplete, in.model.model().nodes.size(),
+                     short_rays > 0 ? "; there the runtime warns, and the trained range is what was reached." : ".");
   return section("What was solved, and what failed", out);
 }
 
@@ -142,14 +139,13 @@ std::string errors(const ReportInput& in) {
       };
       const auto &m = of(Predictor::model), &l = of(Predictor::linear), &z = of(Predictor::zero);
       if (m.n == 0) return;
-      rows.push_back({std::string(what) + (outside ? ", beyond" : ", inside"), percent(m.mean),
-                      percent(m.median), percent(m.p95), percent(m.max), percent(l.mean), percent(l.p95),
-                      percent(l.max), percent(z.mean)});
+      rows.push_back({std::string(what) + (outside ? ", beyond" : ", inside"), percent(m.mean), percent(m.median),
+                      percent(m.p95), percent(m.max), percent(l.mean), percent(l.p95), percent(l.max),
+                      percent(z.mean)});
     };
     row("force (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.force; });
     row("displacement (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement; });
-    row("tenth that moves most",
-        [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement_moving; });
+    row("tenth that moves most", [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement_moving; });
     row("field, relative L2", [](const GroupErrors& e) -> const ErrorStatistics& { return e.field_l2; });
   }
   std::string out = table(rows);
@@ -164,8 +160,7 @@ std::string errors(const ReportInput& in) {
     }
     if (force.empty()) continue;
     const char* where = outside ? "beyond the trained range" : "inside the trained range";
-    const auto both = [&](const char* what, const std::vector<double>& model,
-                          const std::vector<double>& linear) {
+    const auto both = [&](const char* what, const std::vector<double>& model, const std::vector<double>& linear) {
       constexpr double least = 1e-3;
       return "<figure>" +
              plot({fmt::format("{}, {}", what, where),
@@ -177,8 +172,7 @@ std::string errors(const ReportInput& in) {
              "</figure>\n";
     };
     out += "<div class=\"plots\">\n" + both("Force", force, force_linear);
-    if (in.validation.of(Predictor::model).inside.displacement.n > 0)
-      out += both("Displacement", u, u_linear);
+    if (in.validation.of(Predictor::model).inside.displacement.n > 0) out += both("Displacement", u, u_linear);
     out += "</div>\n";
   }
   return section("Errors", out);
@@ -203,8 +197,7 @@ std::string worst(const ReportInput& in) {
     rows.push_back(
         {std::to_string(r->node), fmt::format("{:.0f}", 1e3 * nearest), vector(r->displacement_m),
          vector(r->finite_elements_N, unit.per_N), vector(r->model_N, unit.per_N), percent(r->force_error),
-         in.validation.of(Predictor::model).inside.displacement.n > 0 ? percent(r->displacement_error)
-                                                                      : "-"});
+         in.validation.of(Predictor::model).inside.displacement.n > 0 ? percent(r->displacement_error) : "-"});
   }
   return section("The worst forces inside the range", table(rows));
 }
@@ -225,8 +218,7 @@ std::string curves(const ReportInput& in) {
   const ForceUnit newton = unit_of(in);
   for (const auto* curve : shown) {
     const auto along = [&](const Vec3& f) {
-      return newton.per_N *
-             (f[0] * curve->direction[0] + f[1] * curve->direction[1] + f[2] * curve->direction[2]);
+      return newton.per_N * (f[0] * curve->direction[0] + f[1] * curve->direction[1] + f[2] * curve->direction[2]);
     };
     Curve model{"model", Mark::line, 0, {}}, solves{"finite elements", Mark::points, 2, {}},
         straight{"straight on", Mark::dashes, 1, {}};
@@ -276,8 +268,7 @@ std::string picture(const ReportInput& in) {
       u += r->displacement_error / static_cast<double>(records.size());
       most = std::max(most, r->force_error);
     }
-    rows.push_back(
-        {std::to_string(node), std::to_string(records.size()), percent(force), percent(most), percent(u)});
+    rows.push_back({std::to_string(node), std::to_string(records.size()), percent(force), percent(most), percent(u)});
   }
   std::string out =
       "<p>The mean error of the displacement at each place over all probes inside the range; rings, on both "
@@ -300,17 +291,15 @@ std::string trust(const ReportInput& in) {
       "<p>The work over {} closed paths of displacements inside the range, integrated from forces, is {:.1e} "
       "of the {} in the "
       "median and {:.1e} at most. {}</p>\n",
-      c.paths, c.median,
-      c.has_energy ? "largest stored energy on the path" : "largest work |f . d| / 2 on it", c.largest,
-      c.has_energy
-          ? "Forces are the gradient of a stored energy: a hand cannot draw work from the model."
-          : "Networks of this family have no energy: a hand on a closed path may gain or lose this much.");
+      c.paths, c.median, c.has_energy ? "largest stored energy on the path" : "largest work |f . d| / 2 on it",
+      c.largest,
+      c.has_energy ? "Forces are the gradient of a stored energy: a hand cannot draw work from the model."
+                   : "Networks of this family have no energy: a hand on a closed path may gain or lose this much.");
   out += fmt::format(
       "<p>The distance to the nearest trained displacement (phn_trust) and the error of the force "
       "have a rank "
       "correlation of {} inside and {} beyond.</p>\n",
-      correlation(in.validation.distance_correlation_inside),
-      correlation(in.validation.distance_correlation_outside));
+      correlation(in.validation.distance_correlation_inside), correlation(in.validation.distance_correlation_outside));
   return section("Conservation and trust", out);
 }
 
@@ -318,8 +307,8 @@ std::string cost(const ReportInput& in) {
   const auto& speed = in.validation.speed;
   std::string deformation;
   if (in.validation.of(Predictor::model).inside.displacement.n > 0)
-    deformation = fmt::format(", a deformation of {} nodes in {:.1f} us", in.model.model().output.size(),
-                              speed.deformation_us);
+    deformation =
+        fmt::format(", a deformation of {} nodes in {:.1f} us", in.model.model().output.size(), speed.deformation_us);
   std::string out = fmt::format(
       "<p>On one core of the machine that wrote this: a force in {:.2f} us{}. An increment of the finite "
       "elements "
@@ -331,17 +320,16 @@ std::string cost(const ReportInput& in) {
   const std::int32_t n_levels = in.model.runtime().n_levels();
   if (n_levels > 1) {
     const auto times = measure_levels(in.model);
-    std::vector<std::vector<std::string>> rows{{"level", "centers of a force", "of a deformation", "modes",
-                                                "force, us", "deformation, us", "force off by, %",
-                                                "displacement, %"}};
+    std::vector<std::vector<std::string>> rows{{"level", "centers of a force", "of a deformation", "modes", "force, us",
+                                                "deformation, us", "force off by, %", "displacement, %"}};
     for (std::int32_t l = 0; l < n_levels; ++l) {
       phn_level level;
       in.model.runtime().level_info(l, level).ignore();
       const auto& time = times[static_cast<std::size_t>(l)];
-      rows.push_back({std::to_string(l), std::to_string(level.force_centers),
-                      std::to_string(level.deformation_centers), std::to_string(level.modes),
-                      fmt::format("{:.2f}", time.force_us), fmt::format("{:.2f}", time.deformation_us),
-                      percent(level.error_force), percent(level.error_displacement)});
+      rows.push_back({std::to_string(l), std::to_string(level.force_centers), std::to_string(level.deformation_centers),
+                      std::to_string(level.modes), fmt::format("{:.2f}", time.force_us),
+                      fmt::format("{:.2f}", time.deformation_us), percent(level.error_force),
+                      percent(level.error_displacement)});
     }
     out +=
         "<p>Speed against accuracy, by level; errors are estimates of training: displacements left out one "
@@ -358,14 +346,13 @@ std::string cost(const ReportInput& in) {
 }
 
 std::string origin(const ReportInput& in) {
-  return section("What made this",
-                 table({{"", "value"},
-                        {"software", escaped(in.software)},
-                        {"scene", escaped(in.scene.source_name)},
-                        {"physics of the scene", in.model.model().physics_hash},
-                        {"mesh", in.model.model().mesh_hash},
-                        {"seed of the probes", std::to_string(in.seed)},
-                        {"time of the solves", fmt::format("{:.0f} s", in.validation.seconds)}}));
+  return section("What made this", table({{"", "value"},
+                                          {"software", escaped(in.software)},
+                                          {"scene", escaped(in.scene.source_name)},
+                                          {"physics of the scene", in.model.model().physics_hash},
+                                          {"mesh", in.model.model().mesh_hash},
+                                          {"seed of the probes", std::to_string(in.seed)},
+                                          {"time of the solves", fmt::format("{:.0f} s", in.validation.seconds)}}));
 }
 
 }  // namespace
@@ -378,9 +365,8 @@ void require_plots() {
 
 std::string html_report(const ReportInput& in) {
   const std::string title = in.scene.title.empty() ? "Model against finite elements" : in.scene.title;
-  return page(title, "<h1>" + escaped(title) + "</h1>\n" + headline(in) + modelled(in) + solved(in) +
-                         errors(in) + worst(in) + curves(in) + picture(in) + trust(in) + cost(in) +
-                         origin(in));
+  return page(title, "<h1>" + escaped(title) + "</h1>\n" + headline(in) + modelled(in) + solved(in) + errors(in) +
+                         worst(in) + curves(in) + picture(in) + trust(in) + cost(in) + origin(in));
 }
 
 }  // namespace phynness

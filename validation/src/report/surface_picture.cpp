@@ -28,8 +28,8 @@ std::array<double, 3> color(double t) {
 }
 
 std::string css(const std::array<double, 3>& rgb, double light = 1) {
-  return fmt::format("#{:02x}{:02x}{:02x}", static_cast<int>(light * rgb[0]),
-                     static_cast<int>(light * rgb[1]), static_cast<int>(light * rgb[2]));
+  return fmt::format("#{:02x}{:02x}{:02x}", static_cast<int>(light * rgb[0]), static_cast<int>(light * rgb[1]),
+                     static_cast<int>(light * rgb[2]));
 }
 
 struct Face {
@@ -43,8 +43,7 @@ class Picture {
   Picture(const Model& model, const std::vector<double>& value) : _model(model), _value(value) {
     _low = model.output_points.colwise().minCoeff();
     const Eigen::RowVector3d high = model.output_points.colwise().maxCoeff();
-    std::sort(_axes.begin(), _axes.end(),
-              [&](int a, int b) { return high[a] - _low[a] > high[b] - _low[b]; });
+    std::sort(_axes.begin(), _axes.end(), [&](int a, int b) { return high[a] - _low[a] > high[b] - _low[b]; });
     _scale = (width - 2 * margin) / std::max(1e-300, high[_axes[0]] - _low[_axes[0]]);
     _height = std::max(40.0, _scale * (high[_axes[1]] - _low[_axes[1]]) + 2 * margin);
     std::vector<double> sorted = value;
@@ -61,8 +60,8 @@ class Picture {
     for (Eigen::Index t = 0; t < n_triangles; t += stride)
       if (auto face = seen(t, side)) faces.push_back(std::move(*face));
     std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.depth < b.depth; });
-    auto out = fmt::format("<figure><svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"surface\">\n",
-                           width, _height);
+    auto out = fmt::format("<figure><svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"surface\">\n", width,
+                           _height);
     for (const auto& face : faces) out += face.polygon;
     for (const std::int32_t mark : marks) {
       const auto p = place(_model.output_points.row(mark), side);
@@ -101,8 +100,7 @@ class Picture {
   }
 
   std::array<double, 2> place(const Eigen::RowVector3d& x, double side) const {
-    const double across = _scale * (x[_axes[0]] - _low[_axes[0]]),
-                 up = _scale * (x[_axes[1]] - _low[_axes[1]]);
+    const double across = _scale * (x[_axes[0]] - _low[_axes[0]]), up = _scale * (x[_axes[1]] - _low[_axes[1]]);
     return {side > 0 ? margin + across : width - margin - across, _height - margin - up};
   }
 
@@ -129,9 +127,9 @@ class Picture {
       points += fmt::format("{:.1f},{:.1f} ", p[0], p[1]);
     }
     const std::string fill = n_fixed == 3 ? css({150, 150, 150}, light) : css(color(mean / _top), light);
-    return Face{side * (x[0] + x[1] + x[2])[_axes[2]],
-                fmt::format("<polygon points=\"{}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"0.4\"/>\n", points,
-                            fill, fill)};
+    return Face{
+        side * (x[0] + x[1] + x[2])[_axes[2]],
+        fmt::format("<polygon points=\"{}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"0.4\"/>\n", points, fill, fill)};
   }
 
   const Model& _model;

@@ -35,8 +35,8 @@ struct GoldenQuery {
   std::int32_t node = 0;
   Vec3 displacement_m{0, 0, 0};
   Vec3 force_N{0, 0, 0}, image_force_N{0, 0, 0};
-  int status = 0;           ///< of the image's force
-  std::int32_t output = 0;  ///< a position among the output nodes; it changes
+  int status = 0;                                             ///< of the image's force
+  std::int32_t output = 0;                                    ///< a position among the output nodes; it changes
   Vec3 deformation_m{0, 0, 0}, image_deformation_m{0, 0, 0};  ///< of that node; 0 if there are forces only
 };
 

@@ -12,12 +12,11 @@ namespace phynness {
 struct ModelResponse {
   std::vector<std::optional<Vec3>> force_N;  ///< per tool; empty where the method defines none
   std::optional<double>
-      energy_J;  ///< stored; family rbfn has none: work of the force along the straight path from rest
-  Points displacement_m;  ///< n_output x 3; empty if the model has forces only
-  Eigen::MatrixXd
-      fields;  ///< n_output x n_fields, in their units; empty if the model has none, or for several tools
-  int status = PHN_OK;    ///< phn_* status, warnings only
-  phn_coupled coupled{};  ///< what coupled tools left over
+      energy_J;            ///< stored; family rbfn has none: work of the force along the straight path from rest
+  Points displacement_m;   ///< n_output x 3; empty if the model has forces only
+  Eigen::MatrixXd fields;  ///< n_output x n_fields, in their units; empty if the model has none, or for several tools
+  int status = PHN_OK;     ///< phn_* status, warnings only
+  phn_coupled coupled{};   ///< what coupled tools left over
 };
 
 /// Not for several threads at once.
@@ -54,8 +53,7 @@ class LoadedModel {
   /// @throws Error if a tool's nodes can neither be touched nor are fixed, or the model has forces only
   ModelResponse couple(const std::vector<phn_tool>& tools) const;
   /// Several tools with the paper's weights (15)-(16).
-  ModelResponse respond(const std::vector<std::int32_t>& nodes,
-                        const std::vector<Vec3>& displacement_m) const;
+  ModelResponse respond(const std::vector<std::int32_t>& nodes, const std::vector<Vec3>& displacement_m) const;
 
  private:
   void load();

@@ -37,12 +37,11 @@ struct Ray {
   std::int32_t active = 0;     ///< index into NodeSets::active
   std::int32_t direction = 0;  ///< index into the directions
   std::vector<Status> status;
-  std::vector<double> force;    ///< x 3 [N]: what must be applied to hold the displacement
-  std::vector<double> energy;   ///< [J] stored strain energy
-  std::vector<double> tangent;  ///< x 9 [N/m], row-major dF/dd; empty unless asked for
-  std::vector<std::int32_t>
-      negative_pivots;                   ///< of the tangent beyond those of the pressure block; 0 = stable
-  std::vector<std::int32_t> iterations;  ///< Newton iterations spent, cut-back attempts included
+  std::vector<double> force;                  ///< x 3 [N]: what must be applied to hold the displacement
+  std::vector<double> energy;                 ///< [J] stored strain energy
+  std::vector<double> tangent;                ///< x 9 [N/m], row-major dF/dd; empty unless asked for
+  std::vector<std::int32_t> negative_pivots;  ///< of the tangent beyond those of the pressure block; 0 = stable
+  std::vector<std::int32_t> iterations;       ///< Newton iterations spent, cut-back attempts included
   std::vector<std::int32_t> cutbacks;
   std::vector<double> min_jacobian;         ///< smallest J over all quadrature points
   std::vector<double> seconds;              ///< CPU time spent

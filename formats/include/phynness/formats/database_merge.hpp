@@ -28,7 +28,6 @@ struct MergeReport {
 /// @pre shards is not empty
 /// @throws Error (input) if `output` exists, if a shard is unreadable, finished, still being computed or of
 /// another physics or mesh than the first, saying what differs; (failure) if writing fails
-MergeReport merge_shards(const std::vector<std::filesystem::path>& shards,
-                         const std::filesystem::path& output);
+MergeReport merge_shards(const std::vector<std::filesystem::path>& shards, const std::filesystem::path& output);
 
 }  // namespace phynness

@@ -19,9 +19,9 @@ using Cells = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen:
 /// A body made of tetrahedra (4 columns in `cells`); shells of triangles (3 columns) use the same arrays.
 /// Node numbers are those of the mesh file's own node list after unreferenced nodes have been dropped.
 struct Mesh {
-  Points nodes;        ///< n_nodes x 3 [m], reference configuration X
-  Cells cells;         ///< n_cells x 4, positively oriented
-  Triangles surface;   ///< n_triangles x 3, boundary faces of `cells`, normals outward
+  Points nodes;       ///< n_nodes x 3 [m], reference configuration X
+  Cells cells;        ///< n_cells x 4, positively oriented
+  Triangles surface;  ///< n_triangles x 3, boundary faces of `cells`, normals outward
   std::map<std::string, std::vector<std::int32_t>> groups;  ///< physical groups of the file: name -> sorted nodes
 
   std::int32_t n_nodes() const { return static_cast<std::int32_t>(nodes.rows()); }
@@ -38,9 +38,9 @@ struct MirrorSymmetry {
 
 /// The nodes a scene selects on a mesh; each list sorted ascending without repeats.
 struct NodeSets {
-  std::vector<std::int32_t> fixed;   ///< u = 0
-  std::vector<std::int32_t> active;  ///< probed one at a time
-  std::vector<std::int32_t> output;  ///< their displacements are stored and modelled
+  std::vector<std::int32_t> fixed;            ///< u = 0
+  std::vector<std::int32_t> active;           ///< probed one at a time
+  std::vector<std::int32_t> output;           ///< their displacements are stored and modelled
   std::optional<MirrorSymmetry> mirror = {};  ///< if the scene declares a plane of symmetry
 };
 

@@ -25,9 +25,7 @@ class MirroredRays {
   const Source& source(std::int32_t active, std::int32_t direction) const {
     return _sources[static_cast<std::size_t>(active) * _n_directions + static_cast<std::size_t>(direction)];
   }
-  bool is_solved(std::int32_t active, std::int32_t direction) const {
-    return source(active, direction).is_itself();
-  }
+  bool is_solved(std::int32_t active, std::int32_t direction) const { return source(active, direction).is_itself(); }
   /// Whether a node has a ray that is solved.
   bool solves_any(std::int32_t active) const;
   std::int64_t n_solved() const { return _n_solved; }

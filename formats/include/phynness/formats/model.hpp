@@ -38,7 +38,8 @@ struct LinearResponse {
 };
 
 /// Force of one active node as the gradient of a stored potential: closed loops do no work. With x = d / R, R =
-/// max_displacement_m, and the kernel Phi(y) = q I + y y^T / q, q = sqrt(|y|^2 + shape^2), which is the Hessian of q^3 / 3,
+/// max_displacement_m, and the kernel Phi(y) = q I + y y^T / q, q = sqrt(|y|^2 + shape^2), which is the Hessian of q^3
+/// / 3,
 ///   force = K d + sum_i [Phi(x - c_i) - Phi(x) - Phi(c_i) + Phi(0)] b_i.
 struct ConservativeNetwork {
   double shape = 0.1;                                   ///< without unit: displacements count in R
@@ -47,8 +48,8 @@ struct ConservativeNetwork {
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> coefficients;  ///< b_i [N], one row per center
 };
 
-/// A matrix of 16-bit integers with a factor for each column: value(r, c) = scale[c] * entries(r, c). The rounding is at
-/// most 1 / 65534 of a column's largest value.
+/// A matrix of 16-bit integers with a factor for each column: value(r, c) = scale[c] * entries(r, c). The rounding is
+/// at most 1 / 65534 of a column's largest value.
 struct ScaledTable {
   Eigen::VectorXd scale;  ///< per column, >= 0
   Eigen::Matrix<std::int16_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> entries;
@@ -96,10 +97,10 @@ struct FirstNeurons {
 
 /// Response of an active node at a smaller level. Families as in ActiveNodeModel.
 struct LevelResponse {
-  FirstNeurons force, deformation;        ///< rbfn
-  ConservativeNetwork conservative;       ///< modal; at most as many centers as the full one
-  ScaledTable weights;                    ///< modal: (centers of the level + 3) x modes, for the first modes of the node
-  std::vector<ScaledTable> field_weights; ///< of each field, (centers of the level + 9) x modes
+  FirstNeurons force, deformation;   ///< rbfn
+  ConservativeNetwork conservative;  ///< modal; at most as many centers as the full one
+  ScaledTable weights;               ///< modal: (centers of the level + 3) x modes, for the first modes of the node
+  std::vector<ScaledTable> field_weights;  ///< of each field, (centers of the level + 9) x modes
 };
 
 /// A level of a model: smaller networks, each fitted on its own, or the full one.
@@ -123,13 +124,13 @@ struct ActiveNodeModel {
   std::vector<std::int32_t>
       prescribed;  ///< nodes moved by the probe itself, with `prescribed_weight` (node probe: one, weight 1)
   std::vector<double> prescribed_weight;
-  std::vector<double> trained_depth_m;  ///< per direction: last good increment; 0 if none
-  std::int32_t n_incomplete = 0;  ///< directions asked for that stopped short of the largest displacement
-  RbfNetwork force;               ///< rbfn: d [m] -> force [N]
-  RbfNetwork deformation;         ///< rbfn: (d, X) [m] -> u [m]
-  LinearResponse linear;          ///< linear
-  ConservativeNetwork conservative;  ///< modal: d [m] -> force [N], energy [J], stiffness [N/m]
-  ModalDeformation modal;            ///< modal: d [m] -> u [m]; without modes the model has forces only
+  std::vector<double> trained_depth_m;   ///< per direction: last good increment; 0 if none
+  std::int32_t n_incomplete = 0;         ///< directions asked for that stopped short of the largest displacement
+  RbfNetwork force;                      ///< rbfn: d [m] -> force [N]
+  RbfNetwork deformation;                ///< rbfn: (d, X) [m] -> u [m]
+  LinearResponse linear;                 ///< linear
+  ConservativeNetwork conservative;      ///< modal: d [m] -> force [N], energy [J], stiffness [N/m]
+  ModalDeformation modal;                ///< modal: d [m] -> u [m]; without modes the model has forces only
   std::vector<ModalDeformation> fields;  ///< one for each of Model::fields
   std::vector<LevelResponse> levels;     ///< smaller ones, in the order of Model::levels
 };
@@ -148,8 +149,8 @@ struct Model {
   Triangles surface;                        ///< mesh node numbers, each output or fixed; normals outward
   SharedModes shared;                       ///< modal
   std::vector<FieldModes> fields;           ///< modal; none unless the database had them
-  std::vector<ModelLevel> levels;           ///< none, or 2 to largest_level_count of them, the last the full model; not linear
-  std::vector<ActiveNodeModel> nodes;       ///< ascending by node
+  std::vector<ModelLevel> levels;  ///< none, or 2 to largest_level_count of them, the last the full model; not linear
+  std::vector<ActiveNodeModel> nodes;  ///< ascending by node
 };
 
 struct DatabaseHeader;

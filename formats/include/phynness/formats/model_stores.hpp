@@ -1,5 +1,5 @@
-// Where the parts of a Model lie, for the grammar of models (phynness/schema/model_grammar.hpp): vectors, and matrices of
-// Eigen, by row and column.
+// Where the parts of a Model lie, for the grammar of models (phynness/schema/model_grammar.hpp): vectors, and matrices
+// of Eigen, by row and column.
 #pragma once
 
 #include <cstdint>
@@ -12,21 +12,33 @@ namespace phynness {
 class ModelStores {
  public:
   template <class T>
-  static std::int64_t rows(const std::vector<T>& list) { return static_cast<std::int64_t>(list.size()); }
+  static std::int64_t rows(const std::vector<T>& list) {
+    return static_cast<std::int64_t>(list.size());
+  }
   static std::int64_t rows(const Vec3&) { return 3; }
   template <class Matrix>
-  static std::int64_t rows(const Eigen::DenseBase<Matrix>& matrix) { return matrix.rows(); }
+  static std::int64_t rows(const Eigen::DenseBase<Matrix>& matrix) {
+    return matrix.rows();
+  }
   template <class T>
-  static std::int64_t cols(const std::vector<T>&) { return 1; }
+  static std::int64_t cols(const std::vector<T>&) {
+    return 1;
+  }
   static std::int64_t cols(const std::vector<Vec3>&) { return 3; }
   static std::int64_t cols(const Vec3&) { return 1; }
   template <class Matrix>
-  static std::int64_t cols(const Eigen::DenseBase<Matrix>& matrix) { return matrix.cols(); }
+  static std::int64_t cols(const Eigen::DenseBase<Matrix>& matrix) {
+    return matrix.cols();
+  }
 
   template <class T>
-  static T& item(std::vector<T>& list, std::int64_t i) { return list[static_cast<std::size_t>(i)]; }
+  static T& item(std::vector<T>& list, std::int64_t i) {
+    return list[static_cast<std::size_t>(i)];
+  }
   template <class T>
-  static const T& item(const std::vector<T>& list, std::int64_t i) { return list[static_cast<std::size_t>(i)]; }
+  static const T& item(const std::vector<T>& list, std::int64_t i) {
+    return list[static_cast<std::size_t>(i)];
+  }
 
  protected:
   template <class List>
@@ -40,7 +52,9 @@ class ModelStores {
   }
 
   template <class T>
-  static void resize(std::vector<T>& list, std::int64_t n, std::int64_t) { list.resize(static_cast<std::size_t>(n)); }
+  static void resize(std::vector<T>& list, std::int64_t n, std::int64_t) {
+    list.resize(static_cast<std::size_t>(n));
+  }
   static void resize(Vec3&, std::int64_t, std::int64_t) {}
   template <class Matrix>
   static void resize(Eigen::PlainObjectBase<Matrix>& matrix, std::int64_t rows, std::int64_t cols) {

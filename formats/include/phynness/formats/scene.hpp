@@ -32,14 +32,14 @@ struct SymmetryPlane {
 /// Exactly one of `shape` and `file` is given.
 struct MeshSpec {
   Shape shape = Shape::none;
-  std::filesystem::path file;             ///< absolute, resolved against the scene file's folder
-  double scale_to_m = 1.0;                ///< file units -> m
-  std::optional<int> target_nodes;        ///< built-in shapes: wanted number of nodes ...
-  std::optional<double> target_size_m;    ///< ... or edge length; surfaces (.stl, .obj): edge length to fill with
-  Vec3 size_m{0, 0, 0};                   ///< block: edges; liver: bounding box; 0 = the shape's default
+  std::filesystem::path file;           ///< absolute, resolved against the scene file's folder
+  double scale_to_m = 1.0;              ///< file units -> m
+  std::optional<int> target_nodes;      ///< built-in shapes: wanted number of nodes ...
+  std::optional<double> target_size_m;  ///< ... or edge length; surfaces (.stl, .obj): edge length to fill with
+  Vec3 size_m{0, 0, 0};                 ///< block: edges; liver: bounding box; 0 = the shape's default
   double radius_m = 0, inner_radius_m = 0, length_m = 0;  ///< cylinder, tube, drain
   double slit_length_m = 0, slit_width_m = 0;             ///< drain
-  double thickness_m = 0;                 ///< of the shell whose middle surface the mesh is; 0: a solid
+  double thickness_m = 0;                                 ///< of the shell whose middle surface the mesh is; 0: a solid
   bool repair = false;                    ///< allow named repairs (flip cells, keep the largest component, ...)
   std::optional<SymmetryPlane> symmetry;  ///< only one half of the active nodes is solved
   SourceLocation where;
@@ -58,10 +58,10 @@ Material material_of(Law law, const std::vector<std::pair<std::string_view, doub
 
 struct SolverSpec {
   Element element = element_named("p1-p1");  ///< of a scene that names none: `shell` where the mesh has a thickness
-  bool element_given = false;        ///< false: the scene does not name an element
-  double relative_tolerance = 1e-8;  ///< |free residual| / |reactions|
+  bool element_given = false;                ///< false: the scene does not name an element
+  double relative_tolerance = 1e-8;          ///< |free residual| / |reactions|
   int max_iterations = 40;
-  int max_cutbacks = 6;              ///< an increment is cut to at most 2^-max_cutbacks of its length
+  int max_cutbacks = 6;  ///< an increment is cut to at most 2^-max_cutbacks of its length
 };
 
 enum class ProbeKind { node, patch };
@@ -78,9 +78,9 @@ struct ProbeSpec {
 };
 
 struct DatabaseSpec {
-  bool tangents = false;         ///< store the condensed 3x3 tangent of every increment
-  bool float64 = false;          ///< displacements as float64 instead of float32
-  std::vector<Field> fields;     ///< stored beside the displacement, each once, in the order of the enum
+  bool tangents = false;      ///< store the condensed 3x3 tangent of every increment
+  bool float64 = false;       ///< displacements as float64 instead of float32
+  std::vector<Field> fields;  ///< stored beside the displacement, each once, in the order of the enum
 };
 
 struct TrainingSpec {

@@ -35,10 +35,9 @@ struct SelectableBody {
 
 /// What is asked of a selector.
 struct PickRequest {
-  const NodeList&
-      candidates;     ///< sorted: all nodes, or those of the surface; others that are picked are dropped
-  std::string nodes;  ///< "fixed nodes", "active nodes", "output nodes": for messages
-  std::string place;  ///< "file.toml:12: " or empty: for messages
+  const NodeList& candidates;  ///< sorted: all nodes, or those of the surface; others that are picked are dropped
+  std::string nodes;           ///< "fixed nodes", "active nodes", "output nodes": for messages
+  std::string place;           ///< "file.toml:12: " or empty: for messages
 };
 
 /// What a selector does, without the keys that all of them share.

@@ -13,10 +13,10 @@ namespace phynness {
 struct QualityReport {
   std::int32_t n_nodes = 0, n_cells = 0, n_surface_nodes = 0, n_surface_triangles = 0;
   double volume_m3 = 0, area_m2 = 0;  ///< of a solid's cells, of a shell's triangles
-  Vec3 min_m{}, max_m{};          ///< bounding box
-  double min_quality = 0;         ///< radius ratio 3 r_in / r_circ (triangles: 2 r_in / r_circ): 1 regular, 0 flat
+  Vec3 min_m{}, max_m{};              ///< bounding box
+  double min_quality = 0;             ///< radius ratio 3 r_in / r_circ (triangles: 2 r_in / r_circ): 1 regular, 0 flat
   std::int32_t worst_cell = -1;
-  std::int32_t n_slivers = 0;     ///< cells with quality below `sliver_quality`
+  std::int32_t n_slivers = 0;  ///< cells with quality below `sliver_quality`
   double mean_edge_m = 0, min_edge_m = 0, max_edge_m = 0;
 };
 inline constexpr double sliver_quality = 0.1;
@@ -47,9 +47,9 @@ MeshResult make_shell(const std::filesystem::path& file);
 /// The checks alone, for a mesh from elsewhere.
 QualityReport measure_quality(const Mesh& mesh);
 
-/// Writes gmsh format 4.1 (ASCII): nodes in their order, tetrahedra if it has any, triangles, physical groups; when `sets` is
-/// given its lists become physical point groups phynness_fixed, phynness_active, phynness_output. Written by our own code or gmsh, but
-/// reading it back through make_mesh gives the same node numbers, cells and hash.
+/// Writes gmsh format 4.1 (ASCII): nodes in their order, tetrahedra if it has any, triangles, physical groups; when
+/// `sets` is given its lists become physical point groups phynness_fixed, phynness_active, phynness_output. Written by
+/// our own code or gmsh, but reading it back through make_mesh gives the same node numbers, cells and hash.
 void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::path& file);
 
 /// Resolves the scene's selections on a mesh, and pairs the nodes where the scene declares a plane of symmetry.

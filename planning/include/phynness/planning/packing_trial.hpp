@@ -8,9 +8,9 @@
 namespace phynness {
 
 struct PackingTrial {
-  double header_bytes = 0;          ///< what the whole scene's file costs once: all but the rays
-  double record_bytes = 0;          ///< of one ray in a log
-  double packed_bytes_per_ray = 0;  ///< of one ray in the finished file, compressed
+  double header_bytes = 0;                          ///< what the whole scene's file costs once: all but the rays
+  double record_bytes = 0;                          ///< of one ray in a log
+  double packed_bytes_per_ray = 0;                  ///< of one ray in the finished file, compressed
   double append_s_per_ray = 0, pack_s_per_ray = 0;  ///< CPU time
 };
 

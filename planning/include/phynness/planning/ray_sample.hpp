@@ -23,8 +23,8 @@ struct RayChoice {
 /// @param requested  n_active x n_directions flags; only such rays are chosen
 /// @return in the database's order, no ray twice; empty if nothing is requested
 std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fixed_points,
-                                   const std::vector<char>& requested, std::size_t n_directions,
-                                   std::size_t wanted, std::uint64_t seed);
+                                   const std::vector<char>& requested, std::size_t n_directions, std::size_t wanted,
+                                   std::uint64_t seed);
 
 /// What the chosen rays cost.
 struct RaySample {
@@ -45,7 +45,7 @@ struct RaySample {
 /// cost nothing.
 /// @param rays       those that are solved or recorded, as rays_left() orders them
 /// @param requested  n_active x n_directions flags
-RayWork work_like(const RaySample& sample, const std::vector<RayIndex>& rays,
-                  const std::vector<char>& requested, std::size_t n_directions, std::uint64_t seed);
+RayWork work_like(const RaySample& sample, const std::vector<RayIndex>& rays, const std::vector<char>& requested,
+                  std::size_t n_directions, std::uint64_t seed);
 
 }  // namespace phynness

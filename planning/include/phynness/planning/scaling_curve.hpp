@@ -20,8 +20,7 @@ enum class Limit {
   last_rays,    ///< waiting at the end, for several rays
   packing,      ///< which one rank does alone
 };
-Limit limited_by(const Schedule& one_rank, const Schedule& many, const RayWork& work,
-                 const MachineCosts& machine);
+Limit limited_by(const Schedule& one_rank, const Schedule& many, const RayWork& work, const MachineCosts& machine);
 
 /// "longest_ray"
 const char* name(Limit limit);

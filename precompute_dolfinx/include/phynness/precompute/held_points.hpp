@@ -14,8 +14,8 @@ struct PointTool {
 };
 
 struct HeldPoints {
-  Response response;  ///< force_N is that of the tools; iterations and cutbacks are sums
-  int solves = 0;     ///< equilibria that were solved for it
+  Response response;                 ///< force_N is that of the tools; iterations and cutbacks are sums
+  int solves = 0;                    ///< equilibria that were solved for it
   std::vector<Vec3> linear_force_N;  ///< what the undeformed body says of the same tools
   Points linear_displacement_m;      ///< n_nodes x 3
 };

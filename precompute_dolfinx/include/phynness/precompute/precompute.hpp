@@ -21,9 +21,9 @@ struct PrecomputeTarget {
 /// One rank's part of a run.
 struct RankFigures {
   std::int64_t rays = 0, tasks = 0;  ///< tasks: of phynness/formats/ray_tasks.hpp
-  double busy_seconds = 0;  ///< wall time spent solving and logging
-  double idle_seconds = 0;  ///< the rest of the time until the last rank had solved its last ray
-  double core_seconds = 0;  ///< CPU time; waiting for other ranks left out
+  double busy_seconds = 0;           ///< wall time spent solving and logging
+  double idle_seconds = 0;           ///< the rest of the time until the last rank had solved its last ray
+  double core_seconds = 0;           ///< CPU time; waiting for other ranks left out
   double peak_memory_bytes = 0;
 };
 
@@ -38,7 +38,7 @@ struct PrecomputeReport {
   double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
   std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere
-  bool interrupted = false;  ///< finished rays are kept; --resume goes on
+  bool interrupted = false;                                       ///< finished rays are kept; --resume goes on
 };
 
 /// (rays done over all ranks, rays in all); on rank 0 only. Called often; draw at your own pace.
@@ -55,9 +55,9 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// @param warn  told at once on the rank that cannot go on (its file system is full, say); the other ranks
 /// end the nodes they work on before this throws
 /// @throws Error
-PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh,
-                            const NodeSets& sets, const PrecomputeTarget& target,
-                            const PrecomputeProgress& progress = {}, const std::function<bool()>& stop = {},
+PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh, const NodeSets& sets,
+                            const PrecomputeTarget& target, const PrecomputeProgress& progress = {},
+                            const std::function<bool()>& stop = {},
                             const std::function<void(const std::string&)>& warn = {});
 
 /// Header of the database that precompute() writes for a scene.

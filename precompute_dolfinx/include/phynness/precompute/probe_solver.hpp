@@ -39,7 +39,7 @@ struct SolverCounts {
 /// What the undeformed body says about a probe: the linear predictor.
 struct RestResponse {
   Eigen::MatrixXd stiffness_N_per_m;  ///< 3 n_tools square
-  Eigen::MatrixXd sensitivity;  ///< (3 n_nodes) x (3 n_tools): du/dd, row 3 i + k is component k at node i
+  Eigen::MatrixXd sensitivity;        ///< (3 n_nodes) x (3 n_tools): du/dd, row 3 i + k is component k at node i
 };
 
 class Team;

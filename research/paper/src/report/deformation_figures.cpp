@@ -37,19 +37,17 @@ std::string test_words(const CaseResult& result) {
 Panel errors_panel(const CaseResult& result, NodeCurve curve, const std::string& x) {
   const auto& nodes = result.measured.nodes;
   Panel panel{result.of.title, x, "mean relative error, %", false, true, {}};
-  panel.series.push_back(over_nodes("networks, as the paper", LineStyle::joined, 0, nodes, curve,
-                                    &NetworkErrors::held_mean, median_of));
+  panel.series.push_back(
+      over_nodes("networks, as the paper", LineStyle::joined, 0, nodes, curve, &NetworkErrors::held_mean, median_of));
   panel.series.push_back(
       over_nodes("fresh", LineStyle::joined, 3, nodes, curve, &NetworkErrors::fresh_mean, median_of));
   panel.series.push_back(
       over_nodes("beyond R", LineStyle::joined, 5, nodes, curve, &NetworkErrors::beyond_mean, median_of));
   const Series like = panel.series.front();
   panel.series.push_back(level("linear predictor, fresh", LineStyle::dashes, 1,
-                               100 * node_median(nodes, [](const auto& n) { return n.linear.displacement; }),
-                               like));
+                               100 * node_median(nodes, [](const auto& n) { return n.linear.displacement; }), like));
   panel.series.push_back(level(result.measured.ours + ", fresh", LineStyle::dashes, 6,
-                               100 * node_median(nodes, [](const auto& n) { return n.ours.displacement; }),
-                               like));
+                               100 * node_median(nodes, [](const auto& n) { return n.ours.displacement; }), like));
   return panel;
 }
 
@@ -66,15 +64,15 @@ void add_rows(TextTable& table, const CaseResult& result, NodeCurve curve, const
         }
     if (held.empty()) continue;
     const auto words = [](std::vector<double> v) {
-      return fmt::format("{} ({} to {})", percent(median_of(v)),
-                         percent(*std::min_element(v.begin(), v.end())), percent(largest_of(v)));
+      return fmt::format("{} ({} to {})", percent(median_of(v)), percent(*std::min_element(v.begin(), v.end())),
+                         percent(largest_of(v)));
     };
     table.push_back({result.of.title, fmt::format("{:g}", x), words(held), words(fresh), words(beyond)});
   }
 }
 
-PaperFigure swept(const PaperStudy& study, const char* number, const char* title, NodeCurve curve,
-                  const std::string& x, const std::vector<double>& at) {
+PaperFigure swept(const PaperStudy& study, const char* number, const char* title, NodeCurve curve, const std::string& x,
+                  const std::vector<double>& at) {
   PaperFigure figure{number, title, all_conditions(studied(study)), "", "", {}, {}};
   figure.table = {{"case", x, "as the paper: mean %, median of nodes (range)", "fresh", "beyond R"}};
   for (const auto* result : studied(study)) {
@@ -88,21 +86,17 @@ PaperFigure swept(const PaperStudy& study, const char* number, const char* title
 }  // namespace
 
 PaperFigure figure_7(const PaperStudy& study) {
-  PaperFigure figure{
-      "7", "Histograms of the displacement's error", all_conditions(studied(study)), "", "", {}, {}};
+  PaperFigure figure{"7", "Histograms of the displacement's error", all_conditions(studied(study)), "", "", {}, {}};
   figure.paper =
       "Case 3, 3,000 pairs: the peak lies at 5 % with 20 neurons, at 2 % with 100 and below 2 % with 300, "
       "where very "
       "few errors are beyond 6 %.";
   figure.found = peaks_of_histograms(studied(study));
-  figure.table = {
-      {"case", "neurons", "as the paper: below 2 %", "below 6 %", "fresh: below 2 %", "below 6 %"}};
+  figure.table = {{"case", "neurons", "as the paper: below 2 %", "below 6 %", "fresh: below 2 %", "below 6 %"}};
   for (const auto* result : studied(study)) {
     if (result == studied(study).front()) figure.conditions += test_words(*result);
-    Panel held{
-        result->of.title + ": as the paper", "relative error, %", "share of pairs, %", false, false, {}};
-    Panel fresh{
-        result->of.title + ": fresh directions", "relative error, %", "share of pairs, %", false, false, {}};
+    Panel held{result->of.title + ": as the paper", "relative error, %", "share of pairs, %", false, false, {}};
+    Panel fresh{result->of.title + ": fresh directions", "relative error, %", "share of pairs, %", false, false, {}};
     const auto& nodes = result->measured.nodes;
     for (std::size_t h = 0; !nodes.empty() && h < nodes.front().histograms.size(); ++h) {
       Histogram of_held, of_fresh;
@@ -126,27 +120,25 @@ PaperFigure figure_7(const PaperStudy& study) {
 }
 
 PaperFigure figure_8(const PaperStudy& study) {
-  auto figure = swept(study, "8", "Mean error of the displacement against neurons",
-                      &NodeMeasurements::by_neurons, "neurons", {20, 50, 100, 200, 300});
+  auto figure = swept(study, "8", "Mean error of the displacement against neurons", &NodeMeasurements::by_neurons,
+                      "neurons", {20, 50, 100, 200, 300});
   figure.paper = "100 to 300 neurons: 2 to 3 % for the liver (text); the curve falls steeply, then slowly.";
   figure.found = fresh_against_held(studied(study), &NodeMeasurements::by_neurons, &PredictorAtNode::displacement);
   return figure;
 }
 
 PaperFigure figure_9(const PaperStudy& study) {
-  auto figure =
-      swept(study, "9", "Mean error against the spread", &NodeMeasurements::by_spread,
-            "spread (scaled inputs)", {0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0, 1.25, 1.5, 2.0, 3.0});
+  auto figure = swept(study, "9", "Mean error against the spread", &NodeMeasurements::by_spread,
+                      "spread (scaled inputs)", {0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0, 1.25, 1.5, 2.0, 3.0});
   figure.paper = "A spread of about 0.75 is best for the liver, 1 for the drain.";
   figure.found = best_x(studied(study), &NodeMeasurements::by_spread, "spread");
   return figure;
 }
 
 PaperFigure figure_10(const PaperStudy& study) {
-  auto figure = swept(study, "10", "Mean error against the number of training pairs",
-                      &NodeMeasurements::by_samples, "training pairs", {500, 1000, 2000, 4000, 5000, 8000});
-  figure.paper =
-      "More pairs reduce the error, ever less so; for the drain it rises slightly beyond 4,000 pairs.";
+  auto figure = swept(study, "10", "Mean error against the number of training pairs", &NodeMeasurements::by_samples,
+                      "training pairs", {500, 1000, 2000, 4000, 5000, 8000});
+  figure.paper = "More pairs reduce the error, ever less so; for the drain it rises slightly beyond 4,000 pairs.";
   figure.found = last_against_first(studied(study), &NodeMeasurements::by_samples, "training pairs");
   if (const auto found = studied(study); !found.empty())
     figure.conditions += fmt::format(" {} neurons.", found.front()->measured.sizes.study_neurons);
@@ -155,11 +147,9 @@ PaperFigure figure_10(const PaperStudy& study) {
 
 PaperFigure figure_15(const PaperStudy& study) {
   PaperFigure figure{"15", "Two tools at once", "", "", "", {}, {}};
-  figure.paper =
-      "The error grows with depth; the maximum error for the majority of the points is within 2 to 4 %.";
-  figure.table = {{"case; mean % (median of pairs)", "depth, mm", "pairs", "(15)-(16)", "below 2 %",
-                   "below 4 %", "coupled", "below 2 %", "linear", "force: coupled", "each tool alone",
-                   "linear"}};
+  figure.paper = "The error grows with depth; the maximum error for the majority of the points is within 2 to 4 %.";
+  figure.table = {{"case; mean % (median of pairs)", "depth, mm", "pairs", "(15)-(16)", "below 2 %", "below 4 %",
+                   "coupled", "below 2 %", "linear", "force: coupled", "each tool alone", "linear"}};
   for (const auto& result : study.cases) {
     if (!result.missing.empty() || result.measured.pairs.empty()) continue;
     std::vector<double> distances;
@@ -172,8 +162,7 @@ PaperFigure figure_15(const PaperStudy& study) {
         "output nodes "
         "but these two, over the largest displacement of that pair. ",
         conditions(result), result.measured.pairs.size(), distances.front(), distances.back());
-    Panel paper{
-        result.of.title + ": weights (15)-(16)", "relative error, %", "share of nodes, %", false, false, {}};
+    Panel paper{result.of.title + ": weights (15)-(16)", "relative error, %", "share of nodes, %", false, false, {}};
     Panel coupled{result.of.title + ": coupled", "relative error, %", "share of nodes, %", false, false, {}};
     std::map<int, std::vector<const TwoToolErrors*>> by_depth;  // in tenths of a millimetre
     for (const auto& pair : result.measured.pairs)
@@ -199,13 +188,11 @@ PaperFigure figure_15(const PaperStudy& study) {
       const std::string name = fmt::format("{:.1f} mm", depth / 10.0);
       static constexpr std::array<int, 6> colors{7, 3, 6, 0, 4, 5};
       paper.series.push_back(steps(name, colors[static_cast<std::size_t>(color) % 6], of_paper, shown_bins));
-      coupled.series.push_back(
-          steps(name, colors[static_cast<std::size_t>(color++) % 6], of_coupled, shown_bins));
-      figure.table.push_back({result.of.title, fmt::format("{:.1f}", depth / 10.0),
-                              std::to_string(rows.size()), both(mean_paper),
-                              percent(share_below(of_paper, 0.02)), percent(share_below(of_paper, 0.04)),
-                              both(mean_coupled), percent(share_below(of_coupled, 0.02)), both(mean_linear),
-                              both(force), both(alone), both(linear_force)});
+      coupled.series.push_back(steps(name, colors[static_cast<std::size_t>(color++) % 6], of_coupled, shown_bins));
+      figure.table.push_back(
+          {result.of.title, fmt::format("{:.1f}", depth / 10.0), std::to_string(rows.size()), both(mean_paper),
+           percent(share_below(of_paper, 0.02)), percent(share_below(of_paper, 0.04)), both(mean_coupled),
+           percent(share_below(of_coupled, 0.02)), both(mean_linear), both(force), both(alone), both(linear_force)});
     }
     figure.panels.push_back(paper);
     figure.panels.push_back(coupled);

@@ -11,10 +11,9 @@ std::string conditions(const CaseResult& result) {
     beside += node.beside_fixed;
     nodes += fmt::format(" {}", node.node);
   }
-  return fmt::format(
-      "{}: {}, {}{}, K/mu = {:.3g}, node probes, R = {:.3g} mm; {} nodes ({} beside the fixed ones:{})",
-      result.of.title, m.law, m.element, m.element == "P1" && m.bulk_to_shear > 20 ? " (locked)" : "",
-      m.bulk_to_shear, 1e3 * m.range_m, m.nodes.size(), beside, nodes);
+  return fmt::format("{}: {}, {}{}, K/mu = {:.3g}, node probes, R = {:.3g} mm; {} nodes ({} beside the fixed ones:{})",
+                     result.of.title, m.law, m.element, m.element == "P1" && m.bulk_to_shear > 20 ? " (locked)" : "",
+                     m.bulk_to_shear, 1e3 * m.range_m, m.nodes.size(), beside, nodes);
 }
 
 std::vector<double> times(const std::vector<double>& values, double factor) {
@@ -33,9 +32,8 @@ double largest_of(std::vector<double> values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }
 
-Series over_nodes(const std::string& name, LineStyle style, int color,
-                  const std::vector<NodeMeasurements>& nodes, NodeCurve curve, double NetworkErrors::*error,
-                  double (*combine)(std::vector<double>)) {
+Series over_nodes(const std::string& name, LineStyle style, int color, const std::vector<NodeMeasurements>& nodes,
+                  NodeCurve curve, double NetworkErrors::*error, double (*combine)(std::vector<double>)) {
   Series out{name, style, color, {}, {}};
   if (nodes.empty()) return out;
   for (const auto& at : nodes.front().*curve) {
@@ -101,8 +99,8 @@ PaperReport paper_report(const PaperStudy& s) {
     report.table1_found = plain_loop_against_ours(*liver->times);
     report.table2_found = finest_level(*liver->times);
   }
-  for (const auto& figure : {figure_6, figure_7, figure_8, figure_9, figure_10, figure_11, figure_12,
-                             figure_13, figure_14, figure_15, figure_locking})
+  for (const auto& figure : {figure_6, figure_7, figure_8, figure_9, figure_10, figure_11, figure_12, figure_13,
+                             figure_14, figure_15, figure_locking})
     report.figures.push_back(figure(s));
   return report;
 }

@@ -63,8 +63,7 @@ std::string fresh_against_held(const std::vector<const CaseResult*>& cases, Node
     const auto held = medians(*result, curve, &NetworkErrors::held_mean),
                fresh = medians(*result, curve, &NetworkErrors::fresh_mean);
     if (fresh.y.empty()) continue;
-    const double by_linear =
-        node_median(result->measured.nodes, [&](const auto& n) { return n.linear.*linear; });
+    const double by_linear = node_median(result->measured.nodes, [&](const auto& n) { return n.linear.*linear; });
     found.add(*result, against("fresh", last(fresh), "as the paper", last(held)) + ", the linear predictor " +
                            percent(by_linear) + " %");
   }
@@ -96,8 +95,8 @@ std::string last_against_first(const std::vector<const CaseResult*>& cases, Node
 }
 
 std::string never_enough(const std::vector<const CaseResult*>& cases) {
-  Finding found(fmt::format("Nodes where no size keeps the largest error of the paper's test within {:g} %",
-                            100 * noticeable));
+  Finding found(
+      fmt::format("Nodes where no size keeps the largest error of the paper's test within {:g} %", 100 * noticeable));
   for (const auto* result : cases) {
     const auto& nodes = result->measured.nodes;
     const auto needed = neurons_needed(result->measured, false);
@@ -106,8 +105,8 @@ std::string never_enough(const std::vector<const CaseResult*>& cases) {
       ++all[nodes[n].beside_fixed];
       never[nodes[n].beside_fixed] += needed[n] == 0;
     }
-    found.add(*result, fmt::format("{} of {} beside the fixed ones, {} of {} elsewhere", never[1], all[1], never[0],
-                                   all[0]));
+    found.add(*result,
+              fmt::format("{} of {} beside the fixed ones, {} of {} elsewhere", never[1], all[1], never[0], all[0]));
   }
   return found.sentence();
 }
@@ -144,10 +143,9 @@ std::string deepest_pairs(const CaseResult& result) {
 
 std::string locking(const CaseResult& locked, const CaseResult& free, const std::vector<double>& ratios) {
   if (ratios.empty()) return "";
-  std::string words = fmt::format(
-      "At rest {} is {:.2f} times as stiff as {} (median of {} nodes, {:.2f} to {:.2f}).", locked.measured.element,
-      median(ratios), free.measured.element, ratios.size(), *std::min_element(ratios.begin(), ratios.end()),
-      largest_of(ratios));
+  std::string words = fmt::format("At rest {} is {:.2f} times as stiff as {} (median of {} nodes, {:.2f} to {:.2f}).",
+                                  locked.measured.element, median(ratios), free.measured.element, ratios.size(),
+                                  *std::min_element(ratios.begin(), ratios.end()), largest_of(ratios));
   const auto held = [](const CaseResult& of) {
     return medians(of, &NodeMeasurements::by_neurons, &NetworkErrors::held_mean);
   };

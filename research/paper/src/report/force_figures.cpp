@@ -27,15 +27,14 @@ struct CurveError {
   double inside = 0, beyond = 0;
   bool whole_inside = false, whole_beyond = false;  ///< an equilibrium at every depth
 };
-CurveError curve_error(const std::vector<double>& said, const ForceCurves& curves, double range,
-                       double outside_factor, int points) {
+CurveError curve_error(const std::vector<double>& said, const ForceCurves& curves, double range, double outside_factor,
+                       int points) {
   CurveError error;
   int n_inside = 0, n_beyond = 0;
   double largest_inside = 0, largest_beyond = 0;
   for (std::size_t i = 0; i < said.size(); ++i) {
     const bool in = curves.depth_m[i] <= range * (1 + 1e-9);
-    const double difference = std::abs(said[i] - curves.finite_elements[i]),
-                 size = std::abs(curves.finite_elements[i]);
+    const double difference = std::abs(said[i] - curves.finite_elements[i]), size = std::abs(curves.finite_elements[i]);
     (in ? error.inside : error.beyond) += difference;
     ++(in ? n_inside : n_beyond);
     auto& largest = in ? largest_inside : largest_beyond;
@@ -78,20 +77,18 @@ ForceUnit unit_of(const std::vector<double>& forces) {
 Panel curve_panel(const CaseResult& result, const NodeMeasurements& node) {
   const auto& c = node.curves;
   const ForceUnit unit = unit_of(c.finite_elements);
-  Panel panel{
-      fmt::format("{}, node {}{}", result.of.title, node.node, node.beside_fixed ? " (beside fixed)" : ""),
-      "depth, mm",
-      unit.label,
-      false,
-      false,
-      {}};
+  Panel panel{fmt::format("{}, node {}{}", result.of.title, node.node, node.beside_fixed ? " (beside fixed)" : ""),
+              "depth, mm",
+              unit.label,
+              false,
+              false,
+              {}};
   const auto x = times(c.depth_m, 1e3);
-  panel.series.push_back(
-      {"finite elements", LineStyle::points, 2, x, times(c.finite_elements, unit.per_newton)});
+  panel.series.push_back({"finite elements", LineStyle::points, 2, x, times(c.finite_elements, unit.per_newton)});
   static constexpr std::array<int, 3> colors{5, 3, 0};
   for (std::size_t n = 0; n < c.networks.size(); ++n)
-    panel.series.push_back({fmt::format("{} neurons", result.measured.sizes.curve_neurons[n]),
-                            LineStyle::line, colors[n % 3], x, times(c.networks[n], unit.per_newton)});
+    panel.series.push_back({fmt::format("{} neurons", result.measured.sizes.curve_neurons[n]), LineStyle::line,
+                            colors[n % 3], x, times(c.networks[n], unit.per_newton)});
   panel.series.push_back({result.measured.ours, LineStyle::dashes, 6, x, times(c.ours, unit.per_newton)});
   panel.series.push_back({"linear predictor", LineStyle::dashes, 1, x, times(c.linear, unit.per_newton)});
   double top = 0, bottom = 0;
@@ -118,9 +115,8 @@ PaperFigure figure_6(const PaperStudy& study) {
       "Trained to 2.8 cm and asked to 4 cm, predictions compare well with finite elements in Cases 1 to 3, "
       "better with "
       "more neurons, but for Case 2, where 100 are worse than 75.";
-  figure.table = {{"case; mean error % (17) along the curve, median of nodes", "50 neurons: to R", "beyond",
-                   "75: to R", "beyond", "100: to R", "beyond", "our family: to R", "beyond", "linear: to R",
-                   "beyond"}};
+  figure.table = {{"case; mean error % (17) along the curve, median of nodes", "50 neurons: to R", "beyond", "75: to R",
+                   "beyond", "100: to R", "beyond", "our family: to R", "beyond", "linear: to R", "beyond"}};
   Finding found("Mean error to R, median of nodes");
   for (const auto* result : run_cases(study, false)) {
     figure.conditions += conditions(*result) + ". ";
@@ -131,16 +127,15 @@ PaperFigure figure_6(const PaperStudy& study) {
       if (kind == nullptr) kind = &node;
     }
     for (const auto* node : {other, beside})
-      if (node != nullptr && !node->curves.depth_m.empty())
-        figure.panels.push_back(curve_panel(*result, *node));
+      if (node != nullptr && !node->curves.depth_m.empty()) figure.panels.push_back(curve_panel(*result, *node));
     std::vector<std::string> row{result->of.title};
     std::vector<double> to_range;  // by network, then the other predictors
     const auto cells = [&](const auto& of) {
       std::vector<double> inside, beyond;
       std::size_t whole_inside = 0, whole_beyond = 0;
       for (const auto& node : nodes) {
-        const auto error = curve_error(of(node), node.curves, result->measured.range_m,
-                                       result->measured.outside_factor, result->measured.sizes.curve_points);
+        const auto error = curve_error(of(node), node.curves, result->measured.range_m, result->measured.outside_factor,
+                                       result->measured.sizes.curve_points);
         inside.push_back(error.inside);
         beyond.push_back(error.beyond);
         whole_inside += error.whole_inside;
@@ -179,16 +174,14 @@ PaperFigure figure_6(const PaperStudy& study) {
 
 PaperFigure figure_11(const PaperStudy& study) {
   PaperFigure figure{
-      "11", "Mean error of the force against neurons", all_conditions(run_cases(study, true)), "", "", {},
-      {}};
+      "11", "Mean error of the force against neurons", all_conditions(run_cases(study, true)), "", "", {}, {}};
   figure.paper =
       "100 pairs for training and 30 others for the test; the error falls with neurons (no number in the "
       "text).";
-  figure.found =
-      fresh_against_held(run_cases(study, true), &NodeMeasurements::force_as_paper, &PredictorAtNode::force);
+  figure.found = fresh_against_held(run_cases(study, true), &NodeMeasurements::force_as_paper, &PredictorAtNode::force);
   figure.table = {{"case", "neurons asked for", "trained, median: as the paper, on all",
-                   "as the paper: mean %, median of nodes (range)", "the same, fresh",
-                   "trained on all: fresh", "beyond R"}};
+                   "as the paper: mean %, median of nodes (range)", "the same, fresh", "trained on all: fresh",
+                   "beyond R"}};
   figure.conditions +=
       "Lines: the median over the nodes of each node's mean. 'All': trained on every increment. Training ends where "
       "further neurons would depend linearly on those there are. ";
@@ -197,16 +190,14 @@ PaperFigure figure_11(const PaperStudy& study) {
     figure.conditions += fmt::format("Spread {:.2f}, found by search. ", result->measured.force_spread);
     Panel panel{result->of.title, "neurons", "mean relative error, %", false, true, {}};
     panel.series.push_back(over_nodes("networks, as the paper", LineStyle::joined, 0, nodes,
-                                      &NodeMeasurements::force_as_paper, &NetworkErrors::held_mean,
-                                      median_of));
+                                      &NodeMeasurements::force_as_paper, &NetworkErrors::held_mean, median_of));
     panel.series.push_back(over_nodes("fresh", LineStyle::joined, 4, nodes, &NodeMeasurements::force_as_paper,
                                       &NetworkErrors::fresh_mean, median_of));
     panel.series.push_back(over_nodes("all increments, fresh", LineStyle::joined, 3, nodes,
                                       &NodeMeasurements::force_all, &NetworkErrors::fresh_mean, median_of));
     const Series like = panel.series.back();
     panel.series.push_back(level("linear predictor, fresh", LineStyle::dashes, 1,
-                                 100 * node_median(nodes, [](const auto& n) { return n.linear.force; }),
-                                 like));
+                                 100 * node_median(nodes, [](const auto& n) { return n.linear.force; }), like));
     panel.series.push_back(level(result->measured.ours + ", fresh", LineStyle::dashes, 6,
                                  100 * node_median(nodes, [](const auto& n) { return n.ours.force; }), like));
     figure.panels.push_back(panel);
@@ -223,18 +214,17 @@ PaperFigure figure_11(const PaperStudy& study) {
         const auto values = of(curve, [&](const NetworkErrors& row) { return row.*which; });
         if (values.empty()) return std::string("-");
         return fmt::format("{} ({} to {})", percent(median(values)),
-                           percent(*std::min_element(values.begin(), values.end())),
-                           percent(largest_of(values)));
+                           percent(*std::min_element(values.begin(), values.end())), percent(largest_of(values)));
       };
       const auto trained = [&](const auto& curve) {
         return median(of(curve, [](const NetworkErrors& row) { return static_cast<double>(row.neurons); }));
       };
       constexpr auto pairs = &NodeMeasurements::force_as_paper, all = &NodeMeasurements::force_all;
       if (of(all, [](const NetworkErrors&) { return 0.0; }).empty()) continue;
-      figure.table.push_back(
-          {result->of.title, std::to_string(asked), fmt::format("{:g}, {:g}", trained(pairs), trained(all)),
-           errors(pairs, &NetworkErrors::held_mean), errors(pairs, &NetworkErrors::fresh_mean),
-           errors(all, &NetworkErrors::fresh_mean), errors(all, &NetworkErrors::beyond_mean)});
+      figure.table.push_back({result->of.title, std::to_string(asked),
+                              fmt::format("{:g}, {:g}", trained(pairs), trained(all)),
+                              errors(pairs, &NetworkErrors::held_mean), errors(pairs, &NetworkErrors::fresh_mean),
+                              errors(all, &NetworkErrors::fresh_mean), errors(all, &NetworkErrors::beyond_mean)});
     }
   }
   return figure;
@@ -280,18 +270,15 @@ PaperFigure figure_12(const PaperStudy& study) {
       "for the drain.";
   figure.found = never_enough(run_cases(study, true));
   figure.table = {{"case", "neurons needed, as the paper: median of nodes", "range", "never (of nodes)",
-                   "trained on all, fresh: median", "range", "never",
-                   "largest error of our family %: median of nodes", "worst node",
-                   "linear predictor, worst node"}};
+                   "trained on all, fresh: median", "range", "never", "largest error of our family %: median of nodes",
+                   "worst node", "linear predictor, worst node"}};
   for (const auto* result : run_cases(study, true)) {
     const auto& nodes = result->measured.nodes;
     Panel panel{result->of.title, "neurons", "largest relative error, %", false, true, {}};
     panel.series.push_back(over_nodes("as the paper, median node", LineStyle::joined, 0, nodes,
-                                      &NodeMeasurements::force_as_paper, &NetworkErrors::held_max,
-                                      median_of));
+                                      &NodeMeasurements::force_as_paper, &NetworkErrors::held_max, median_of));
     panel.series.push_back(over_nodes("as the paper, worst node", LineStyle::joined, 5, nodes,
-                                      &NodeMeasurements::force_as_paper, &NetworkErrors::held_max,
-                                      largest_of));
+                                      &NodeMeasurements::force_as_paper, &NetworkErrors::held_max, largest_of));
     panel.series.push_back(over_nodes("all increments, fresh, median", LineStyle::joined, 3, nodes,
                                       &NodeMeasurements::force_all, &NetworkErrors::fresh_max, median_of));
     const Series like = panel.series.back();

@@ -21,19 +21,18 @@ PaperFigure figure_locking(const PaperStudy& study) {
       if (a.node != b.node || !(b.stiffness_N_per_m > 0)) continue;
       ratios.push_back(a.stiffness_N_per_m / b.stiffness_N_per_m);
       figure.table.push_back({fmt::format("{}{}", a.node, a.beside_fixed ? " (beside fixed)" : ""),
-                              fmt::format("{:.2f}", a.stiffness_N_per_m),
-                              fmt::format("{:.2f}", b.stiffness_N_per_m),
+                              fmt::format("{:.2f}", a.stiffness_N_per_m), fmt::format("{:.2f}", b.stiffness_N_per_m),
                               fmt::format("{:.2f}", ratios.back())});
       if (a.beside_fixed || drawn++ >= 2) continue;
-      figure.panels.push_back({fmt::format("Node {}", a.node),
-                               "depth, mm",
-                               "force, mN",
-                               false,
-                               false,
-                               {{"P1, as the paper", LineStyle::joined, 5, times(a.curves.depth_m, 1e3),
-                                 times(a.curves.finite_elements, 1e3)},
-                                {"p1-p1", LineStyle::joined, 0, times(b.curves.depth_m, 1e3),
-                                 times(b.curves.finite_elements, 1e3)}}});
+      figure.panels.push_back(
+          {fmt::format("Node {}", a.node),
+           "depth, mm",
+           "force, mN",
+           false,
+           false,
+           {{"P1, as the paper", LineStyle::joined, 5, times(a.curves.depth_m, 1e3),
+             times(a.curves.finite_elements, 1e3)},
+            {"p1-p1", LineStyle::joined, 0, times(b.curves.depth_m, 1e3), times(b.curves.finite_elements, 1e3)}}});
     }
   figure.found = locking(*locked, *free, ratios);
   if (!ratios.empty()) figure.table.push_back({"median", "", "", fmt::format("{:.2f}", median(ratios))});

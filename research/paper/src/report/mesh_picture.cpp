@@ -25,9 +25,8 @@ std::string mesh_picture(const Points& points, const Triangles& triangles, const
   const int height = static_cast<int>(scale * (high[axes[1]] - low[axes[1]])) + 2 * margin;
   const auto place = [&](std::int32_t vertex) {
     const auto x = points.row(vertex);
-    return std::array<int, 2>{
-        margin + static_cast<int>(std::lround(scale * (x[axes[0]] - low[axes[0]]))),
-        height - margin - static_cast<int>(std::lround(scale * (x[axes[1]] - low[axes[1]])))};
+    return std::array<int, 2>{margin + static_cast<int>(std::lround(scale * (x[axes[0]] - low[axes[0]]))),
+                              height - margin - static_cast<int>(std::lround(scale * (x[axes[1]] - low[axes[1]])))};
   };
   std::array<std::string, n_shades> paths;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
@@ -38,13 +37,12 @@ std::string mesh_picture(const Points& points, const Triangles& triangles, const
     if (facing <= 0) continue;
     const auto a = place(triangles(t, 0)), b = place(triangles(t, 1)), c = place(triangles(t, 2));
     auto& path = paths[static_cast<std::size_t>(std::min(n_shades - 1, static_cast<int>(n_shades * facing)))];
-    path +=
-        fmt::format("M{} {}l{} {} {} {}z", a[0], a[1], b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]);
+    path += fmt::format("M{} {}l{} {} {} {}z", a[0], a[1], b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]);
   }
   // Lines of a fifth of the mean edge at most, or a fine mesh is all lines.
   const double edge = width / std::sqrt(static_cast<double>(triangles.rows()));
-  std::string out = fmt::format(
-      "<figure><svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"surface mesh\">\n", width, height);
+  std::string out =
+      fmt::format("<figure><svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"surface mesh\">\n", width, height);
   for (int s = 0; s < n_shades; ++s) {
     const int grey = 110 + 130 * s / (n_shades - 1);
     out += fmt::format(

@@ -62,15 +62,13 @@ std::string figure_section(const PaperStudy& study, const PaperFigure& figure) {
     if (const auto* liver = study::ran(study, "3"); liver != nullptr) {
       body += "<div class=\"plots\">\n";
       for (std::size_t l = 0; l < liver->surfaces.size(); ++l)
-        body +=
-            mesh_picture(liver->surfaces[l].points, liver->surfaces[l].triangles,
-                         fmt::format("Level {}: {} vertices, {} triangles", l,
-                                     liver->surfaces[l].points.rows(), liver->surfaces[l].triangles.rows()));
+        body += mesh_picture(liver->surfaces[l].points, liver->surfaces[l].triangles,
+                             fmt::format("Level {}: {} vertices, {} triangles", l, liver->surfaces[l].points.rows(),
+                                         liver->surfaces[l].triangles.rows()));
       body += "</div>\n";
     }
   body += escaped_table(figure.table) + said("This run:", figure.found);
-  if (!figure.conditions.empty())
-    body += "<p class=\"key\">Conditions: " + escaped(figure.conditions) + "</p>\n";
+  if (!figure.conditions.empty()) body += "<p class=\"key\">Conditions: " + escaped(figure.conditions) + "</p>\n";
   const bool numbered = figure.number.find_first_not_of("0123456789") == std::string::npos;
   return section((numbered ? "Figure " : "") + figure.number + ": " + figure.title, body);
 }
@@ -85,8 +83,7 @@ std::string validations(const PaperStudy& study) {
     const std::string solved =
         probes.is_object() && probes.contains("solved_inside")
             ? fmt::format("{}, {} of {}", probes.at("solved_inside").get<std::int64_t>(),
-                          probes.at("solved_outside").get<std::int64_t>(),
-                          probes.at("probes").get<std::int64_t>())
+                          probes.at("solved_outside").get<std::int64_t>(), probes.at("probes").get<std::int64_t>())
             : "-";
     const auto add = [&](const char* name, const nlohmann::json& of) {
       const auto cell = [&](const char* group, const char* what, const char* statistic) {
@@ -104,15 +101,14 @@ std::string validations(const PaperStudy& study) {
     add("linear predictor", result.facts.ours_errors.at("linear"));
     add("zero", result.facts.ours_errors.at("zero"));
   }
-  return rows.size() < 2
-             ? ""
-             : section("Whole models against fresh solves",
-                       "<p>Every free node has its networks; probes in random directions, half of them "
-                       "beyond the "
-                       "trained range (phynness validate). Errors are of those that have an equilibrium. "
-                       "Beside each stand "
-                       "the two trivial answers.</p>\n" +
-                           escaped_table(rows));
+  return rows.size() < 2 ? ""
+                         : section("Whole models against fresh solves",
+                                   "<p>Every free node has its networks; probes in random directions, half of them "
+                                   "beyond the "
+                                   "trained range (phynness validate). Errors are of those that have an equilibrium. "
+                                   "Beside each stand "
+                                   "the two trivial answers.</p>\n" +
+                                       escaped_table(rows));
 }
 
 std::string what_ran(const PaperStudy& study) {
@@ -126,12 +122,11 @@ std::string what_ran(const PaperStudy& study) {
                     std::to_string(result.facts.increments), std::to_string(result.facts.failed),
                     fmt::format("{:.1f}", result.facts.solve_cpu_s / 60)});
   }
-  return section(
-      "What was run",
-      escaped_table(rows) +
-          fmt::format("<p class=\"key\">{}; {}. This run took {:.1f} min; stages that were there already "
-                      "were kept.</p>\n",
-                      escaped(study.software), escaped(study.machine), study.seconds / 60));
+  return section("What was run",
+                 escaped_table(rows) +
+                     fmt::format("<p class=\"key\">{}; {}. This run took {:.1f} min; stages that were there already "
+                                 "were kept.</p>\n",
+                                 escaped(study.software), escaped(study.machine), study.seconds / 60));
 }
 
 json numbers_or_null(const std::vector<double>& values) {
@@ -197,8 +192,8 @@ nlohmann::ordered_json to_json(const PaperStudy& study, const PaperReport& repor
 std::string html_page(const PaperStudy& study, const PaperReport& report) {
   std::string body = "<h1>The paper's tables and figures, from our runs</h1>\n";
   if (study.quick)
-    body += "<p class=\"warning\"><b>Quick study</b>, to see that all works, not to quote: " +
-            escaped(quick_words()) + ". Without --quick it is the paper's size.</p>\n";
+    body += "<p class=\"warning\"><b>Quick study</b>, to see that all works, not to quote: " + escaped(quick_words()) +
+            ". Without --quick it is the paper's size.</p>\n";
   body +=
       "<p>D. Deo and S. De, PhyNNeSS (2011), Cases 1 to 4, computed anew. Errors are the paper's (17): the "
       "difference over the "
@@ -206,18 +201,16 @@ std::string html_page(const PaperStudy& study, const PaperReport& report) {
       "it does not have: the linear predictor, three unit responses at rest; and the "
       "default family of this "
       "software (modal; linear for the linear case). Figures 1 to 5 show how, not how well.</p>\n";
-  if (report.summary.size() > 1)
-    body += section("The paper's numbers and ours", escaped_table(report.summary));
+  if (report.summary.size() > 1) body += section("The paper's numbers and ours", escaped_table(report.summary));
   body += what_ran(study);
-  body += section("Table 1: model data",
-                  said("Paper:", report.table1_paper) + escaped_table(report.table1) +
-                      said("This run:", report.table1_found));
+  body += section("Table 1: model data", said("Paper:", report.table1_paper) + escaped_table(report.table1) +
+                                             said("This run:", report.table1_found));
   body += validations(study);
   for (const auto& figure : report.figures) {
     if (figure.number == "13")
-      body += section("Table 2: successive subdivision",
-                      said("Paper:", report.table2_paper) + escaped_table(report.table2) +
-                          said("This run:", report.table2_found));
+      body += section(
+          "Table 2: successive subdivision",
+          said("Paper:", report.table2_paper) + escaped_table(report.table2) + said("This run:", report.table2_found));
     body += figure_section(study, figure);
   }
   body += section("Errata of the paper that matter here",

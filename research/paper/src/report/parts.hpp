@@ -48,9 +48,8 @@ std::string conditions(const CaseResult& result);
 
 using NodeCurve = std::vector<NetworkErrors> NodeMeasurements::*;
 /// Over the nodes, at each x that all of them have.
-Series over_nodes(const std::string& name, LineStyle style, int color,
-                  const std::vector<NodeMeasurements>& nodes, NodeCurve curve, double NetworkErrors::*error,
-                  double (*combine)(std::vector<double>));
+Series over_nodes(const std::string& name, LineStyle style, int color, const std::vector<NodeMeasurements>& nodes,
+                  NodeCurve curve, double NetworkErrors::*error, double (*combine)(std::vector<double>));
 /// Every value times `factor`.
 std::vector<double> times(const std::vector<double>& values, double factor);
 double mean_of(std::vector<double> values);

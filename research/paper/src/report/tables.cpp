@@ -70,14 +70,12 @@ TextTable summary(const PaperStudy& study) {
   const auto* liver = column(study, true);
   if (liver != nullptr) {
     const auto& nodes = liver->measured.nodes;
-    const auto linear =
-                   percent(node_median(nodes, [](const auto&n) { return n.linear.displacement; })) + " %",
+    const auto linear = percent(node_median(nodes, [](const auto&n) { return n.linear.displacement; })) + " %",
                ours = percent(node_median(nodes, [](const auto&n) { return n.ours.displacement; })) + " %";
     for (const int neurons : {100, 200, 300}) {
       const bool text = neurons != 200;
       table.push_back(
-          {fmt::format("liver, Case 3: mean error of the displacement, {} neurons (median of nodes)",
-                       neurons),
+          {fmt::format("liver, Case 3: mean error of the displacement, {} neurons (median of nodes)", neurons),
            text ? "between 2 and 3 %" : "",
            words_or_dash(errors_at(*liver, neurons, &NetworkErrors::held_mean)) + "; fresh " +
                words_or_dash(errors_at(*liver, neurons, &NetworkErrors::fresh_mean)),
@@ -93,10 +91,9 @@ TextTable summary(const PaperStudy& study) {
       ours.push_back(node.ours.force_max);
       linear.push_back(node.linear.force_max);
     }
-    table.push_back(
-        {is_liver ? "liver: neurons for forces within 10 %" : "drain: neurons for forces within 10 %",
-         is_liver ? "87" : "63", needed_words(result->measured, false),
-         "largest error " + percent(median(ours)) + " %, median node", percent(median(linear)) + " %"});
+    table.push_back({is_liver ? "liver: neurons for forces within 10 %" : "drain: neurons for forces within 10 %",
+                     is_liver ? "87" : "63", needed_words(result->measured, false),
+                     "largest error " + percent(median(ours)) + " %, median node", percent(median(linear)) + " %"});
   }
   if (liver != nullptr && !liver->measured.pairs.empty()) {
     Histogram paper, coupled, linear;
@@ -106,25 +103,21 @@ TextTable summary(const PaperStudy& study) {
         add(coupled, depth.coupled);
         add(linear, depth.linear);
       }
-    table.push_back(
-        {"two tools: nodes off by less than 4 %", "the majority", percent(share_below(paper, 0.04)) + " %",
-         percent(share_below(coupled, 0.04)) + " % (coupled)", percent(share_below(linear, 0.04)) + " %"});
+    table.push_back({"two tools: nodes off by less than 4 %", "the majority", percent(share_below(paper, 0.04)) + " %",
+                     percent(share_below(coupled, 0.04)) + " % (coupled)", percent(share_below(linear, 0.04)) + " %"});
   }
   if (liver != nullptr && liver->times) {
-    table.push_back({fmt::format("deformation of the free nodes, {} neurons", liver->times->neurons),
-                     "6.5 ms", microseconds(liver->times->deformation_us),
-                     microseconds(liver->times->ours_deformation_us), ""});
-    table.push_back({"force", "1.5 us", microseconds(liver->times->force_us),
-                     microseconds(liver->times->ours_force_us), ""});
+    table.push_back({fmt::format("deformation of the free nodes, {} neurons", liver->times->neurons), "6.5 ms",
+                     microseconds(liver->times->deformation_us), microseconds(liver->times->ours_deformation_us), ""});
+    table.push_back(
+        {"force", "1.5 us", microseconds(liver->times->force_us), microseconds(liver->times->ours_force_us), ""});
   }
   return table;
 }
 
 TextTable table_1(const PaperStudy& study) {
-  TextTable table{
-      {"parameter", "liver, paper", "liver, ours", "Penrose drain, paper", "Penrose drain, ours"}};
-  const auto row = [&](const std::string& what, const std::string& liver, const std::string& drain,
-                       const auto& of) {
+  TextTable table{{"parameter", "liver, paper", "liver, ours", "Penrose drain, paper", "Penrose drain, ours"}};
+  const auto row = [&](const std::string& what, const std::string& liver, const std::string& drain, const auto& of) {
     std::vector<std::string> cells{what};
     for (const bool is_liver : {true, false}) {
       cells.push_back(is_liver ? liver : drain);
@@ -134,8 +127,7 @@ TextTable table_1(const PaperStudy& study) {
     table.push_back(cells);
   };
   const auto number = [](auto n) { return fmt::format("{}", n); };
-  row("machine", "Pentium 4, 3 GHz, 2 GB, one core", "the same",
-      [&](const CaseResult&) { return study.machine; });
+  row("machine", "Pentium 4, 3 GHz, 2 GB, one core", "the same", [&](const CaseResult&) { return study.machine; });
   row("number of nodes", "739", "239", [&](const CaseResult& r) { return number(r.facts.nodes); });
   row("free nodes (touched and reconstructed)", "486", "181",
       [&](const CaseResult& r) { return number(r.facts.free_nodes); });
@@ -163,21 +155,17 @@ TextTable table_1(const PaperStudy& study) {
   row("total pre-computation, data and training", "87 h", "18 h", [&](const CaseResult& r) {
     const double training =
         node_mean(r.measured.nodes, [](const auto& n) { return n.training_cpu_s; }) * r.facts.networks;
-    return fmt::format("{} of one core: {} of solving, {} of training",
-                       seconds(r.facts.solve_cpu_s + training), seconds(r.facts.solve_cpu_s),
-                       seconds(training));
+    return fmt::format("{} of one core: {} of solving, {} of training", seconds(r.facts.solve_cpu_s + training),
+                       seconds(r.facts.solve_cpu_s), seconds(training));
   });
-  row("size of the data recorded", "8 GB", "6 GB",
-      [&](const CaseResult& r) { return bytes(r.facts.database_bytes); });
+  row("size of the data recorded", "8 GB", "6 GB", [&](const CaseResult& r) { return bytes(r.facts.database_bytes); });
   row("size of the data extracted for training", "501 MB", "170 MB", [&](const CaseResult& r) {
     constexpr double numbers_of_a_pair = 9, size_of_number = 8;
-    return bytes(r.facts.networks * static_cast<double>(r.facts.samples) * numbers_of_a_pair *
-                 size_of_number) +
+    return bytes(r.facts.networks * static_cast<double>(r.facts.samples) * numbers_of_a_pair * size_of_number) +
            ", never written";
   });
   row("size of the networks", "5.4 MB", "2.02 MB", [&](const CaseResult& r) {
-    return fmt::format("{} as text; default family {}", bytes(r.facts.model_bytes),
-                       bytes(r.facts.ours_bytes));
+    return fmt::format("{} as text; default family {}", bytes(r.facts.model_bytes), bytes(r.facts.ours_bytes));
   });
   row("deformation of the free nodes", "6.5 ms (154 fps)", "2.9 ms (345 fps)", [&](const CaseResult& r) {
     if (!r.times) return std::string("-");
@@ -187,15 +175,15 @@ TextTable table_1(const PaperStudy& study) {
   });
   row("force", "1.5 us", "1.5 us", [&](const CaseResult& r) {
     if (!r.times) return std::string("-");
-    return fmt::format("{} ({} neurons); default family {}", microseconds(r.times->force_us),
-                       r.times->force_neurons, microseconds(r.times->ours_force_us));
+    return fmt::format("{} ({} neurons); default family {}", microseconds(r.times->force_us), r.times->force_neurons,
+                       microseconds(r.times->ours_force_us));
   });
   return table;
 }
 
 TextTable table_2(const PaperStudy& study) {
-  TextTable table{{"level", "vertices, paper", "ours", "triangles, paper", "ours", "time, paper",
-                   "ours: networks", "at every vertex (the paper's way)", "default family"}};
+  TextTable table{{"level", "vertices, paper", "ours", "triangles, paper", "ours", "time, paper", "ours: networks",
+                   "at every vertex (the paper's way)", "default family"}};
   const auto* liver = column(study, true);
   for (std::size_t l = 0; l < paper_levels.size(); ++l) {
     std::vector<std::string> row{std::to_string(l),
@@ -235,13 +223,12 @@ PaperFigure figure_13(const PaperStudy& study) {
 
 PaperFigure figure_14(const PaperStudy& study) {
   PaperFigure figure{"14", "Time of a deformation against vertices", "Case 3 was not run.", "", "", {}, {}};
-  figure.paper =
-      "The time grows in a straight line with vertices: 9.36, 37.5, 150 and 599 ms, 15.8 us a vertex.";
+  figure.paper = "The time grows in a straight line with vertices: 9.36, 37.5, 150 and 599 ms, 15.8 us a vertex.";
   const auto* liver = column(study, true);
   if (liver == nullptr || !liver->times) return figure;
   figure.found = slopes(*liver->times);
-  figure.conditions = fmt::format("{}; networks of {} neurons; medians on one core of: {}.",
-                                  conditions(*liver), liver->times->neurons, study.machine);
+  figure.conditions = fmt::format("{}; networks of {} neurons; medians on one core of: {}.", conditions(*liver),
+                                  liver->times->neurons, study.machine);
   Panel panel{"Time against vertices", "vertices", "time, ms", true, true, {}};
   Series paper{"paper, Pentium 4", LineStyle::points, 2, {}, {}},
       networks{"networks, then Loop's weights", LineStyle::points, 0, {}, {}},
@@ -270,8 +257,8 @@ PaperFigure figure_14(const PaperStudy& study) {
       farthest = std::max(farthest, std::abs(line.y.back() / series.y[i] - 1));
     }
     panel.series.push_back(line);
-    figure.table.push_back({series.name, fmt::format("{:.3g}", 1e3 * constant),
-                            fmt::format("{:.3g}", 1e3 * slope), fmt::format("{:.1f}", 100 * farthest)});
+    figure.table.push_back({series.name, fmt::format("{:.3g}", 1e3 * constant), fmt::format("{:.3g}", 1e3 * slope),
+                            fmt::format("{:.1f}", 100 * farthest)});
   }
   figure.panels.push_back(panel);
   return figure;

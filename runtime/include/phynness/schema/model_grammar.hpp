@@ -1,16 +1,15 @@
 // The sections of a model.txt in their order, with counts and bounds: the one definition of the grammar that
-// formats/model.md describes. It is a walk. `io` reads the text, writes it or counts its bytes, and knows how the numbers of
-// a model are stored: in vectors (formats/src/model_text.cpp), in memory of the caller (runtime/src/load.cpp), or not at all
-// (planning/src/model_size.cpp).
+// formats/model.md describes. It is a walk. `io` reads the text, writes it or counts its bytes, and knows how the
+// numbers of a model are stored: in vectors (formats/src/model_text.cpp), in memory of the caller
+// (runtime/src/load.cpp), or not at all (planning/src/model_size.cpp).
 //
 // What the walk asks of `io`:
 //   keyword(word), end()                    a word as it stands; the end of a line
 //   text(line), word(what, store)           the rest of a line and its end; a word of visible ASCII characters
 //   real(what, value, bound)                a number; a reader sets the value, a writer puts it out
 //   integer(what, value, low, high)
-//   count(what, n, low)                     number of lines that follow, which the rest of the text must be able to hold
-//   room(what, n)                           n numbers follow; the same
-//   family(value)                           word of a family
+//   count(what, n, low)                     number of lines that follow, which the rest of the text must be able to
+//   hold room(what, n)                           n numbers follow; the same family(value) word of a family
 //   optional(word, present)                 whether a section follows: a reader looks at its first word
 //   require(condition, what)                refuses the model
 //   good()                                  false after a refusal, where no exceptions say so

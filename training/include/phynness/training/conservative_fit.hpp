@@ -54,9 +54,9 @@ inline constexpr double largest_cancellation = 1e3;
 /// Centers are states chosen one by one by orthogonal least squares: the next is the one whose three columns
 /// explain most of what is left of all forces, small ones counted more (Chen, Cowan & Grant 1991,
 /// doi 10.1109/72.80341); of them as many are taken as generalized cross-validation is for (Golub, Heath & Wahba
-/// 1979, doi 10.1080/00401706.1979.10489751). The shape is the candidate with the smallest left-out error. Coefficients are
-/// rounded to float32. Cost: about 5 (3 n)^2 m flops for n states and m centers, and a third of (3 n)^3 for
-/// each shape tried.
+/// 1979, doi 10.1080/00401706.1979.10489751). The shape is the candidate with the smallest left-out error. Coefficients
+/// are rounded to float32. Cost: about 5 (3 n)^2 m flops for n states and m centers, and a third of (3 n)^3 for each
+/// shape tried.
 /// @param max_displacement_m  R
 /// @param max_centers  at most this many, and at most largest_center_share of the states
 /// @param n_levels  more than 1: networks of half as many centers each, fitted in the same way, the same shape

@@ -1,6 +1,6 @@
-// What each family of models does with a database, with its sizes and with its report: one row of a table for each, which
-// commands, tuning and training ask. A family's row and all it does lie in its own folder (src/rbfn, src/linear, src/modal);
-// its sections in a model.txt are its grammar (phynness/schema/model_grammar.hpp).
+// What each family of models does with a database, with its sizes and with its report: one row of a table for each,
+// which commands, tuning and training ask. A family's row and all it does lie in its own folder (src/rbfn, src/linear,
+// src/modal); its sections in a model.txt are its grammar (phynness/schema/model_grammar.hpp).
 #pragma once
 
 #include <memory>

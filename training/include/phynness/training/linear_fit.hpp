@@ -16,11 +16,10 @@ inline constexpr double independence_threshold = 1e-2;
 
 /// How well proportionality holds, each the largest over the increments and each without unit.
 struct LinearQuality {
-  double displacement_residual =
-      0;                      ///< |u - sum d_k U_k| at the worst output node over the increment's largest |u|
-  double force_residual = 0;  ///< |f - K d| / |f|, K symmetrized
-  double energy_residual = 0;  ///< |E - d.K d / 2| / E; rays without energies are left out
-  double asymmetry = 0;        ///< |K - K^T| / |K| (Frobenius) before K is symmetrized
+  double displacement_residual = 0;  ///< |u - sum d_k U_k| at the worst output node over the increment's largest |u|
+  double force_residual = 0;         ///< |f - K d| / |f|, K symmetrized
+  double energy_residual = 0;        ///< |E - d.K d / 2| / E; rays without energies are left out
+  double asymmetry = 0;              ///< |K - K^T| / |K| (Frobenius) before K is symmetrized
 };
 
 struct LinearTraining {

@@ -19,19 +19,19 @@ struct NodeModes {
   Eigen::MatrixXd modes;                ///< components * n_output x n_modes, orthonormal columns
   Eigen::MatrixXd amplitudes;           ///< n states x n_modes
   Eigen::VectorXd size;                 ///< n_modes: singular values
-  double lost = 0;  ///< mean over states and nodes of what n_modes modes miss, over the largest displacement
+  double lost = 0;          ///< mean over states and nodes of what n_modes modes miss, over the largest displacement
   double largest = 0;       ///< largest displacement or value at a node that the probe does not move itself
   std::vector<char> moved;  ///< n_output: moved by the probe itself
 };
 /// @param max_modes  fewer if there are fewer states
 /// @throws Error (failure) if a converged increment holds a displacement that is not finite
-NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed,
-                     const std::vector<Ray>& rays, int max_modes);
+NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed, const std::vector<Ray>& rays,
+                     int max_modes);
 
 /// The same of a scalar field, counted in `scale`. @param field  index into DatabaseHeader::fields
 /// @throws Error (failure) if a converged increment holds a value that is not finite
-NodeModes field_modes(const TrainingTables& tables, const std::vector<Ray>& rays, std::size_t field,
-                      double scale, int max_modes);
+NodeModes field_modes(const TrainingTables& tables, const std::vector<Ray>& rays, std::size_t field, double scale,
+                      int max_modes);
 
 /// What the amplitudes of fields have beside kernels and linear terms: x_j x_k |x|^(degree - 2) for the pairs
 /// xx xy xz yy yz zz, zero at x = 0. A field takes the same value at rest for x and -x: of degree 1 (a norm)
@@ -48,8 +48,7 @@ struct AmplitudeCenters {
   std::vector<std::int32_t> row;    ///< of TrainingTables::displacements, ascending
   std::vector<std::int32_t> order;  ///< the same as they were chosen
   double shape = 0.3;
-  double left_out_error =
-      0;  ///< median over nodes: amplitudes at directions left out, over the largest displacement
+  double left_out_error = 0;  ///< median over nodes: amplitudes at directions left out, over the largest displacement
 };
 /// Chosen by orthogonal least squares on the pooled amplitudes of the given nodes; the shape is the candidate
 /// with the smallest left-out error.

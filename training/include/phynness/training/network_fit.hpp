@@ -27,7 +27,7 @@ struct FitOptions {
   int max_neurons = 200;
   double spread = 0.75;   ///< r of (11), in scaled inputs
   double target_mse = 0;  ///< growth stops as soon as the MSE (14) of the scaled outputs is at or below it
-  int n_levels = 1;  ///< more than 1: the first half of the neurons, quarter, ... with weights of their own
+  int n_levels = 1;       ///< more than 1: the first half of the neurons, quarter, ... with weights of their own
   /// Per point, ascending: those of one group are left out together for NetworkLevel::left_out_error; none:
   /// no estimate.
   std::vector<std::int32_t> group = {};

@@ -40,8 +40,8 @@ NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>&
 /// there are fewer.
 /// @param held_out  if not null, filled with `n_held_out` further points of the same draw
 NetworkPoints deformation_points(const TrainingTables& tables, const std::vector<Ray>& rays,
-                                 const TouchedNodes& prescribed, std::int32_t node, int samples,
-                                 std::uint64_t seed, NetworkPoints* held_out = nullptr, int n_held_out = 0);
+                                 const TouchedNodes& prescribed, std::int32_t node, int samples, std::uint64_t seed,
+                                 NetworkPoints* held_out = nullptr, int n_held_out = 0);
 
 /// Neurons that `n_points` points can carry, at most `wanted`.
 int capped_neurons(int wanted, std::size_t n_points);

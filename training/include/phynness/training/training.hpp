@@ -3,12 +3,12 @@
 #pragma once
 
 #include <functional>
-#include <vector>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/model.hpp>
 #include <phynness/training/conservative_fit.hpp>
 #include <phynness/training/linear_fit.hpp>
 #include <phynness/training/modal_fit.hpp>
+#include <vector>
 
 namespace phynness {
 
@@ -34,8 +34,8 @@ struct TrainingReport {
   std::int32_t n_skipped = 0;                           ///< active nodes with no converged increment
   double deformation_spread = 0, force_spread = 0;      ///< used, in scaled inputs
   double mean_deformation_mse = 0, mean_force_mse = 0;  ///< of scaled outputs, on the training points
-  double largest_diagonal_ratio = 1;        ///< worst NetworkFit::diagonal_ratio: how far weights may cancel
-  LinearQuality linear;                     ///< worst of all nodes
+  double largest_diagonal_ratio = 1;  ///< worst NetworkFit::diagonal_ratio: how far weights may cancel
+  LinearQuality linear;               ///< worst of all nodes
   ModalQuality modal;
   std::int64_t n_increments_used = 0;       ///< converged increments of the trained nodes
   std::int64_t n_increments_failed = 0;     ///< asked for and not converged, in all nodes: never trained on
@@ -50,9 +50,8 @@ using TrainingProgress = std::function<bool(std::int64_t, std::int64_t)>;
 /// Where the responses come from: a database, or arrays made by a test or benchmark.
 struct ResponseSource {
   const DatabaseHeader* header = nullptr;
-  std::function<std::vector<Ray>(std::int32_t active)>
-      rays;                  ///< as Database::rays; called by one thread at a time
-  double tool_radius_m = 0;  ///< of a patch probe; 0: node probe
+  std::function<std::vector<Ray>(std::int32_t active)> rays;  ///< as Database::rays; called by one thread at a time
+  double tool_radius_m = 0;                                   ///< of a patch probe; 0: node probe
   std::string title;
 };
 

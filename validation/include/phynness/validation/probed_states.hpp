@@ -37,8 +37,7 @@ struct SolvedShare {
 SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                          const std::vector<NodePlan>& plan,
                          const std::function<void(std::int64_t, std::int64_t)>& progress,
-                         const std::function<bool()>& stop,
-                         const std::function<void(std::size_t, NodeProbes&&)>& take);
+                         const std::function<bool()>& stop, const std::function<void(std::size_t, NodeProbes&&)>& take);
 
 /// The model's own errors on those probes.
 PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes);

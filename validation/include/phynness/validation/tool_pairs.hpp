@@ -19,11 +19,10 @@ const char* name(PairPredictor);
 
 /// As fractions. The errors of force are those of the tool where they are larger.
 struct PairErrors {
-  double force = 0;      ///< difference over the larger of the two finite element forces
-  double force_own = 0;  ///< difference over that tool's own finite element force
-  double displacement =
-      0;                ///< as (17): mean difference over the largest displacement, touched nodes left out
-  double field_l2 = 0;  ///< Euclidean norms over the same nodes
+  double force = 0;             ///< difference over the larger of the two finite element forces
+  double force_own = 0;         ///< difference over that tool's own finite element force
+  double displacement = 0;      ///< as (17): mean difference over the largest displacement, touched nodes left out
+  double field_l2 = 0;          ///< Euclidean norms over the same nodes
   double displacement_all = 0;  ///< mean difference over the largest displacement, touched nodes included
 };
 

@@ -25,7 +25,7 @@ std::optional<double> rank_correlation(const std::vector<double>& a, const std::
 /// Of one scalar field, at all output nodes, those that the tool holds included.
 struct FieldErrors {
   ErrorStatistics nodal;  ///< (17): |prediction - FE| over the largest FE value of that active node and group
-  ErrorStatistics l2;  ///< per probe: Euclidean norm over the output nodes of the difference, over that of FE
+  ErrorStatistics l2;     ///< per probe: Euclidean norm over the output nodes of the difference, over that of FE
 };
 
 /// (17): |prediction - FE| over the largest FE norm of that active node's probes of the same group (inside,
@@ -34,9 +34,9 @@ struct GroupErrors {
   ErrorStatistics force;
   ErrorStatistics displacement;         ///< all output nodes but the prescribed ones
   ErrorStatistics displacement_moving;  ///< of these, per probe, the tenth that moves most
-  ErrorStatistics field_l2;         ///< per probe: |u - u_FE| / |u_FE| Euclidean norms over the same nodes
-  ErrorStatistics force_relative;   ///< per probe: |f - f_FE| / |f_FE|
-  std::vector<FieldErrors> fields;  ///< one for each of Model::fields
+  ErrorStatistics field_l2;             ///< per probe: |u - u_FE| / |u_FE| Euclidean norms over the same nodes
+  ErrorStatistics force_relative;       ///< per probe: |f - f_FE| / |f_FE|
+  std::vector<FieldErrors> fields;      ///< one for each of Model::fields
 };
 
 struct PredictorErrors {
@@ -86,7 +86,7 @@ struct ValidationReport {
   std::vector<ForceExample> examples;  ///< the first probe inside the range of a few nodes
   std::vector<ProbeRecord> records;    ///< by node; inside before outside
   std::vector<ForceCurve> curves;      ///< of the first ray of each node
-  std::vector<double> output_error;  ///< per output node: mean error (17) of its displacement, probes inside
+  std::vector<double> output_error;    ///< per output node: mean error (17) of its displacement, probes inside
   RuntimeSpeed speed;
   double seconds = 0;                 ///< wall time
   double solve_ms_per_increment = 0;  ///< CPU of this validation's rays; set-up of body and nodes left out

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/database.hpp>
 #include <phynness/studies/report.hpp>
-#include <phynness/evaluation/loaded_model.hpp>
 
 namespace phynness {
 

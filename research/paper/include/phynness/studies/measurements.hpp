@@ -63,9 +63,8 @@ struct NodeMeasurements {
   bool beside_fixed = false;
   std::int64_t failed = 0;  ///< fresh probes that the finite elements did not solve
   std::vector<NetworkErrors> by_neurons, by_spread, by_samples;  ///< deformation networks
-  std::vector<NetworkErrors>
-      force_as_paper;                    ///< held: force pairs as the paper splits them; fresh: same networks
-  std::vector<NetworkErrors> force_all;  ///< trained on all increments; held_* stay 0
+  std::vector<NetworkErrors> force_as_paper;  ///< held: force pairs as the paper splits them; fresh: same networks
+  std::vector<NetworkErrors> force_all;       ///< trained on all increments; held_* stay 0
   std::vector<ErrorHistogram> histograms;
   ForceCurves curves;
   PredictorAtNode ours, linear, zero;

@@ -113,8 +113,7 @@ struct ModalGrammar {
     level_weights(io, "deformation", node.modal, of_node.weights, n_centers + n_linear_terms);
     io.shape("fields", of_node.field_weights, n_fields, 1);
     for (int64_t f = 0; f < n_fields && io.good(); ++f)
-      level_weights(io, "field", io.item(node.fields, f), io.item(of_node.field_weights, f),
-                    n_centers + n_field_terms);
+      level_weights(io, "field", io.item(node.fields, f), io.item(of_node.field_weights, f), n_centers + n_field_terms);
   }
 };
 
