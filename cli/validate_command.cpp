@@ -243,7 +243,7 @@ void add_validate_command(CLI::App& app) {
   command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")->check(CLI::NonNegativeNumber);
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
   add_path(*command, "--report", options->report_file, OutputKind::file,
-           "write a page for persons (.html; needs gnuplot)");
+           "write an HTML report with curves and pictures (needs gnuplot)");
   command->callback([options] { run(*options); });
 }
 

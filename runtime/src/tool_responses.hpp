@@ -32,7 +32,7 @@ class ToolResponses {
   double respond(std::int32_t s, const Vector& p);
   /// Everything about a tool that does not depend on its displacement.
   void prepare(std::int32_t s);
-  /// How the surface turns around tool t's point under the nodes of the others; what it turns itself, none asks for.
+  /// How the surface turns around tool t's point under the nodes of the others; a tool's own rotation is not needed.
   /// @pre prepare of all tools
   void prepare_turn(std::int32_t t);
   /// Derivatives of all places by the p in the undeformed body.
