@@ -87,7 +87,7 @@ inline std::map<std::string, std::set<std::string>> pointers_of(const std::strin
     std::stringstream parameters(list);
     for (std::string one; std::getline(parameters, one, ',');) {
       std::smatch part;
-      if (!std::regex_match(one, part, std::regex(R"( ?(const )?(\w+) (\**)(\w+)(\[\d*\])? ?)"))) continue;
+      if (!std::regex_match(one, part, std::regex(R"( ?(const )?(\w+) ?(\**) ?(\w+)(\[\d*\])? ?)"))) continue;
       const std::string stars = part[3].str() + (part[5].matched ? "*" : "");
       const std::regex object("phn_(model|data|surface|contact|imagef?)");
       if (stars.empty() || part[4] == "user" || (stars.size() == 1 && std::regex_match(part[2].str(), object)))
