@@ -107,7 +107,8 @@ inline void expect_rows_of_all_functions(const std::vector<Row>& rows, const std
     const bool writes = std::any_of(pointers.begin(), pointers.end(),
                                     [](const auto& p) { return p[0] != 'c' || p.find("const ") != 0; });
     if (!writes || pointers.size() < 2) continue;
-    const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.function == function; });
+    const auto row =
+        std::find_if(rows.begin(), rows.end(), [&name = function](const Row& r) { return r.function == name; });
     ASSERT_NE(row, rows.end()) << function << " of " << header << " has no row: add it to the table of this test";
   }
   for (const Row& row : rows) {
