@@ -65,8 +65,9 @@ struct Compared {
   Points u, u_FE;  ///< n_output x 3
 };
 
-enum PointMeasure : std::size_t { force, displacement, field_l2, n_measures };
-using PointSamples = std::array<std::vector<double>, n_measures>;
+struct PointSamples {
+  std::vector<double> force, displacement, field_l2;
+};
 
 /// @param without  position among the output nodes that does not count; -1: all do
 void collect(const std::vector<Compared>& compared, Eigen::Index without, PointSamples& samples) {
@@ -77,23 +78,22 @@ void collect(const std::vector<Compared>& compared, Eigen::Index without, PointS
       if (o != without) largest_u = std::max(largest_u, c.u_FE.row(o).norm());
   }
   for (const auto& c : compared) {
-    if (largest_force > 0) samples[force].push_back((to_eigen(c.force) - to_eigen(c.force_FE)).norm() / largest_force);
+    if (largest_force > 0) samples.force.push_back((to_eigen(c.force) - to_eigen(c.force_FE)).norm() / largest_force);
     double error2 = 0, norm2 = 0;
     for (Eigen::Index o = 0; o < c.u_FE.rows(); ++o) {
       if (o == without) continue;
       const double error = (c.u.row(o) - c.u_FE.row(o)).norm();
-      if (largest_u > 0) samples[displacement].push_back(error / largest_u);
+      if (largest_u > 0) samples.displacement.push_back(error / largest_u);
       error2 += error * error;
       norm2 += c.u_FE.row(o).squaredNorm();
     }
-    if (norm2 > 0) samples[field_l2].push_back(std::sqrt(error2 / norm2));
+    if (norm2 > 0) samples.field_l2.push_back(std::sqrt(error2 / norm2));
   }
 }
 
 PointErrors statistics(const SolverSession& session, const PointSamples& samples) {
-  return {ErrorStatistics::of(session.gather(samples[force])),
-          ErrorStatistics::of(session.gather(samples[displacement])),
-          ErrorStatistics::of(session.gather(samples[field_l2]))};
+  return {ErrorStatistics::of(session.gather(samples.force)), ErrorStatistics::of(session.gather(samples.displacement)),
+          ErrorStatistics::of(session.gather(samples.field_l2))};
 }
 
 Points rows_of(const Points& all, const std::vector<std::int32_t>& nodes) {
