@@ -13,7 +13,7 @@
 #include "console.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::export_command {
 namespace {
 
 /// Queries that say how far an image is from the model, written or not.
@@ -119,7 +119,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_export_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
       "export",
@@ -142,4 +142,4 @@ void add_export_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::export_command

@@ -7,7 +7,7 @@
 #include "console.hpp"
 #include "plan.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::plan_command {
 namespace {
 
 bool is_database(const std::filesystem::path& file) { return file.extension() == ".h5" || file.extension() == ".hdf5"; }
@@ -66,7 +66,7 @@ PlanBasis basis_of_database(const PlanOptions& options) {
   return basis;
 }
 
-void add_plan_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<PlanOptions>();
   auto* command = app.add_subcommand("plan",
                                      "Predict time, memory and sizes of a precompute from a few dozen solved "
@@ -103,4 +103,4 @@ void add_plan_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::plan_command

@@ -9,7 +9,7 @@
 #include "console.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::train_command {
 namespace {
 
 struct Options {
@@ -167,7 +167,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_train_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("train", "Condense a database into a model -> MODEL_DIR (model.txt, mesh.txt)");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the database was made from")->required();
@@ -202,4 +202,4 @@ void add_train_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::train_command

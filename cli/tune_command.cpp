@@ -15,7 +15,7 @@
 #include "error_json.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::tune_command {
 namespace {
 
 struct Options {
@@ -225,7 +225,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_tune_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
       "tune", "Trains families and sizes, measures error, time and memory, writes the model that meets the limits");
@@ -251,4 +251,4 @@ void add_tune_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::tune_command

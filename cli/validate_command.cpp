@@ -15,7 +15,7 @@
 #include "error_tables.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::validate_command {
 namespace {
 
 /// (17) divides by the largest of a place's responses: one alone would be all there is to divide by.
@@ -214,7 +214,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_validate_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("validate", "Compare a model with fresh finite element solves");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the model was made from")->required();
@@ -247,4 +247,4 @@ void add_validate_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::validate_command

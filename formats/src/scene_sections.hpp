@@ -5,6 +5,9 @@
 
 namespace phynness::scene_detail {
 
+/// Lengths of a scene, in m.
+inline constexpr Range length{0, 1e3, true, false};
+
 /// A position under `stem`_m or `stem`_fraction, one of which must be there.
 Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& fraction);
 /// `normal`, of any length but zero, made a unit vector.
