@@ -81,6 +81,10 @@ void write_json(const std::optional<std::filesystem::path>& file, const json& va
 /// Far beyond every body that the mesh checks let pass without a warning, far below where squares overflow.
 inline constexpr double largest_displacement_m = 1e6;
 
+/// Of a body with this diagonal: solves in double precision have some four digits of the force at this displacement,
+/// and none at a ten-thousandth of it.
+inline double smallest_displacement(double diagonal_m) { return 1e-12 * diagonal_m; }
+
 /// Tools from repeated --node J or --point x,y,z and --displacement dx,dy,dz.
 struct ToolOptions {
   std::vector<std::int32_t> nodes;

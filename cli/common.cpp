@@ -37,6 +37,36 @@ Vec3 parse_vector(const std::string& text, const std::string& what, const std::s
   return v;
 }
 
+/// @throws Error if depth, thickness or tool have sizes that the body cannot have; warns of those that are doubtful
+void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
+  const double depth = scene.probe.max_displacement_m;
+  const Vec3 extent{q.max_m[0] - q.min_m[0], q.max_m[1] - q.min_m[1], q.max_m[2] - q.min_m[2]};
+  const double smallest = smallest_displacement(std::hypot(extent[0], extent[1], extent[2]));
+  if (depth / scene.probe.increments < smallest)
+    throw input_error(scene.probe.where.str() + ": the first increment is too small for double precision",
+                      fmt::format("max_displacement_m = {:g} in {} increments, the smallest is {:.3g} m in this body",
+                                  depth, scene.probe.increments, smallest),
+                      "displacements are in metres; some per cent of the body's size are usual");
+  const auto [thinnest, longest] = std::minmax_element(extent.begin(), extent.end());
+  if (depth > *longest)
+    throw input_error(scene.probe.where.str() + ": the maximum displacement is longer than the body",
+                      fmt::format("max_displacement_m = {:g}, the body is {:.3g} m long", depth, *longest),
+                      "displacements are in metres; is mesh.scale_to_m right?");
+  if (depth > *thinnest && !quiet)
+    message("warning: the maximum displacement, {:g} m, is more than the body is thick, {:.3g} m\n", depth, *thinnest);
+  const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
+  if (radius > *longest)
+    throw input_error(scene.probe.where.str() + ": the tool is larger than the body",
+                      fmt::format("tool_radius_m = {:g}, the body is {:.3g} m long", radius, *longest),
+                      "radii are in metres; is mesh.scale_to_m right?");
+  if (radius > 0 && radius < q.mean_edge_m && !quiet)
+    message(
+        "warning: the tool radius, {:g} m, is less than an edge of the mesh, {:.3g} m on average: the "
+        "patch is "
+        "little more than a node\n",
+        radius, q.mean_edge_m);
+}
+
 }  // namespace
 
 Scene open_scene(const std::filesystem::path& file) {
@@ -55,27 +85,7 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
     for (const auto& warning : made.warnings) message("warning: {}\n", warning);
     for (const auto& warning : scene_warnings(loaded.scene)) message("warning: {}\n", warning);
   }
-  const double depth = loaded.scene.probe.max_displacement_m;
-  const auto& q = made.quality;
-  const Vec3 extent{q.max_m[0] - q.min_m[0], q.max_m[1] - q.min_m[1], q.max_m[2] - q.min_m[2]};
-  const auto [thinnest, longest] = std::minmax_element(extent.begin(), extent.end());
-  if (depth > *longest)
-    throw input_error(loaded.scene.probe.where.str() + ": the maximum displacement is longer than the body",
-                      fmt::format("max_displacement_m = {:g}, the body is {:.3g} m long", depth, *longest),
-                      "displacements are in metres; is mesh.scale_to_m right?");
-  if (depth > *thinnest && !quiet)
-    message("warning: the maximum displacement, {:g} m, is more than the body is thick, {:.3g} m\n", depth, *thinnest);
-  const double radius = loaded.scene.probe.kind == ProbeKind::patch ? loaded.scene.probe.tool_radius_m : 0;
-  if (radius > *longest)
-    throw input_error(loaded.scene.probe.where.str() + ": the tool is larger than the body",
-                      fmt::format("tool_radius_m = {:g}, the body is {:.3g} m long", radius, *longest),
-                      "radii are in metres; is mesh.scale_to_m right?");
-  if (radius > 0 && radius < q.mean_edge_m && !quiet)
-    message(
-        "warning: the tool radius, {:g} m, is less than an edge of the mesh, {:.3g} m on average: the "
-        "patch is "
-        "little more than a node\n",
-        radius, q.mean_edge_m);
+  check_sizes(loaded.scene, made.quality, quiet);
   loaded.mesh = std::move(made.mesh);
   loaded.sets = resolve_selections(loaded.scene, loaded.mesh);
   return loaded;

@@ -8,7 +8,6 @@ namespace {
 bool is_database(const std::filesystem::path& file) { return file.extension() == ".h5" || file.extension() == ".hdf5"; }
 
 void run(const PlanOptions& options) {
-  install_stop_handler();
   const auto basis = is_database(options.source) ? basis_of_database(options) : basis_of_scene(options);
   write_json(options.json_file, report_plan(options, basis));
 }

@@ -73,6 +73,7 @@ PlanBasis basis_of_scene(const PlanOptions& options) {
                         "leave mpirun out; --ranks says for how many to plan");
   });
   const auto loaded = load_scene(options.source);
+  install_stop_handler();  // a signal before ends the program: there is nothing to keep
   const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
   const auto requested = requested_rays(loaded.scene, loaded.mesh, header);
   const auto chosen = choose(header, requested, options);

@@ -100,7 +100,6 @@ void run(const Options& options) {
     target.file = shard_file(options.output, *target.shard);
     declare_output("--shard", target.file, OutputKind::database);
   }
-  install_stop_handler();
   const SolverSession session;
   const bool first = session.rank() == 0;
   target.ranks_per_solve = options.ranks_per_solve;
@@ -116,6 +115,7 @@ void run(const Options& options) {
     loaded = load_scene(options.scene, !first);
     if (first) lock.emplace(begin(target));
   });
+  install_stop_handler();  // a signal before ends the program: there is nothing to keep yet
   PrecomputeReport report;
   {
     Progress progress(target.shard ? "shard " + target.shard->str() : "precompute", "rays");

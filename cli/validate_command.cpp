@@ -197,9 +197,9 @@ void refuse_half(const Options& options, const Measured& m) {
 
 void run(const Options& options) {
   if (options.report_file) check_report_place(*options.report_file);
-  install_stop_handler();
   const SolverSession session;
   const Compared compared = load(options, session);
+  install_stop_handler();
   const Measured measured = measure(options, session, compared);
   if (session.rank() != 0) return;
   print(compared, measured, session.size());

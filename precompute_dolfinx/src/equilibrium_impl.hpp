@@ -1,7 +1,10 @@
 // What Equilibrium keeps between calls, and the callbacks that PETSc makes.
 #pragma once
 
+#include <chrono>
 #include <exception>
+#include <functional>
+#include <optional>
 #include <span>
 
 #include "equilibrium.hpp"
@@ -43,7 +46,9 @@ struct Equilibrium::Impl {
   PetscInt most_iterations = 0;     ///< of Newton's method, after PETSC_OPTIONS had their say
   bool met_instability = false;     ///< a tangent with negative pivots, in the latest solve
   bool linear_failed = false;       ///< no factors, or no finite answer by them, in the latest solve
-  std::exception_ptr trouble;       ///< what a callback met: no exception may pass through PETSc
+  std::function<bool()> stop;       ///< says that a person wants an end
+  std::optional<std::chrono::steady_clock::time_point> asked_to_end;
+  std::exception_ptr trouble;  ///< what a callback met: no exception may pass through PETSc
   PetscVec x, r;
   PetscSnes snes;
 
@@ -59,6 +64,8 @@ struct Equilibrium::Impl {
       return PETSC_ERR_LIB;
     }
   }
+  /// Whether a person has waited long enough for an end.
+  bool must_end();
   /// Newton's method from `state` to where it ends, in `state`. @param from_convex  the first tangent is made
   /// convex
   SNESConvergedReason iterate(bool from_convex, int most_iterations, int& iterations);

@@ -77,6 +77,8 @@ class RaysOfNodes {
     _touched = -1;
     try {
       _solver.touch({node});
+    } catch (const Interrupted&) {
+      throw;
     } catch (const std::exception& error) {
       const auto* known = dynamic_cast<const Error*>(&error);
       if (known && known->kind() == Error::Kind::input) throw;
@@ -134,6 +136,7 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
   RaysOfNodes nodes(solver, header);
   RayLog ray_log(log);
+  solver.set_stop(stop);
   for (auto task = counter.next(); task < n_tasks; task = counter.next()) {
     const auto start = Clock::now();
     ++share.tasks;
@@ -141,7 +144,12 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
       const auto ray = rays[static_cast<std::size_t>(i)];
       const bool asked_for = requested[static_cast<std::size_t>(ray.active) * header.directions.size() +
                                        static_cast<std::size_t>(ray.direction)] != 0;
-      ray_log.append(asked_for ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction), share);
+      try {
+        ray_log.append(asked_for ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction), share);
+      } catch (const Interrupted&) {
+        share.interrupted = true;
+        break;
+      }
       share.interrupted = stop && stop();
       done();
       if (share.interrupted) break;

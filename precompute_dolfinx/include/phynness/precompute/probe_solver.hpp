@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <phynness/formats/database.hpp>
@@ -44,6 +45,12 @@ struct RestResponse {
 
 class Team;
 
+/// What touch(), follow() and solve() throw where a person wants an end (ProbeSolver::set_stop). The solver can be
+/// used again afterwards.
+struct Interrupted : std::exception {
+  const char* what() const noexcept override { return "interrupted"; }
+};
+
 /// Owns the discretized body on this process alone. Ranks share nothing, but for the factorizations of a
 /// team.
 /// @pre a SolverSession lives as long as any ProbeSolver
@@ -81,6 +88,10 @@ class ProbeSolver {
   /// After an exception of follow() or solve(), before the next call: what libraries keep between calls
   /// begins anew.
   void recover();
+
+  /// `stop` is asked between two iterations. A solve that is still at work two seconds after it first said true
+  /// throws Interrupted, so that most rays under way are finished and none keeps a person waiting.
+  void set_stop(std::function<bool()> stop);
 
   int n_dofs() const;
   SolverCounts counts() const;
