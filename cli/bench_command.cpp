@@ -82,10 +82,10 @@ void add(CLI::App& app) {
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
   command->add_option("--budget", options->budget_us, "say which level fits into so many microseconds")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--forces", options->forces, "forces within the budget")->check(CLI::NonNegativeNumber);
+      ->check(finite_range(0, 1e12));
+  command->add_option("--forces", options->forces, "forces within the budget")->check(finite_range(0, 1e12));
   command->add_option("--deformations", options->deformations, "deformations within the budget")
-      ->check(CLI::NonNegativeNumber);
+      ->check(finite_range(0, 1e12));
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
   command->callback([options] { run(*options); });
 }

@@ -76,6 +76,9 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false);
 /// another mesh).
 void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
 
+/// For options: a finite number from `low` to `high`; CLI11's own ranges let nan pass.
+CLI::Validator finite_range(double low, double high);
+
 void write_json(const std::optional<std::filesystem::path>& file, const json& value);
 
 /// Far beyond every body that the mesh checks let pass without a warning, far below where squares overflow.

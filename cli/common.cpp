@@ -99,6 +99,16 @@ void check_mesh(const Scene& scene, const std::string& hash, const std::string& 
                       "use the scene and mesh it was made from, or precompute again");
 }
 
+CLI::Validator finite_range(double low, double high) {
+  const auto check = [low, high](std::string& text) {
+    double value = 0;
+    const bool number = CLI::detail::lexical_cast(text, value);
+    if (number && value >= low && value <= high) return std::string();
+    return fmt::format("'{}' is not a number from {:g} to {:g}", text, low, high);
+  };
+  return CLI::Validator(check, fmt::format("FLOAT in [{:g} - {:g}]", low, high));
+}
+
 void write_json(const std::optional<std::filesystem::path>& file, const json& value) {
   if (file) write_text_file(*file, value.dump(2) + "\n");
 }

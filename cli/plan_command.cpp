@@ -1,3 +1,5 @@
+#include <limits>
+
 #include "command_files.hpp"
 #include "console.hpp"
 #include "plan.hpp"
@@ -26,27 +28,29 @@ void add(CLI::App& app) {
       ->add_option("--ranks", options->ranks, "MPI processes to plan for; default: the processor cores of this machine")
       ->check(CLI::Range(1, 1000000));
   command->add_option("--rays", options->rays, "rays to solve")->check(CLI::Range(1, 100000))->capture_default_str();
-  command->add_option("--seed", options->seed, "which rays")->capture_default_str();
+  command->add_option("--seed", options->seed, "which rays")
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
+      ->capture_default_str();
   command->add_flag("--table", options->table, "print times on 1 to 10,000 ranks, and what limits each");
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the plan for machines");
   const auto assumed = [&](const char* name, double& value, const char* what) {
     command->add_option(name, value, what)
-        ->check(CLI::Range(0.0, 1e9))
+        ->check(finite_range(0, 1e9))
         ->capture_default_str()
         ->group("Assumed of the machine");
   };
   assumed("--launch-s", options->launch_s, "s from the start of the job until all ranks run");
   command->add_option("--bandwidth-MB-per-s", options->bandwidth_MB_per_s, "of the file system, for all ranks together")
-      ->check(CLI::Range(1e-3, 1e9))
+      ->check(finite_range(1e-3, 1e9))
       ->capture_default_str()
       ->group("Assumed of the machine");
   assumed("--open-ms", options->open_ms, "ms to make or open a file, one after the other");
   assumed("--fetch-us", options->fetch_us, "us to ask for the next task, half of it on the way");
   command->add_option("--start-s", options->start_s, "s to read scene and mesh (a scene: measured; a database: 0)")
-      ->check(CLI::Range(0.0, 1e9))
+      ->check(finite_range(0, 1e9))
       ->group("Assumed of the machine");
   command->add_option("--setup-ms", options->setup_ms, "ms to turn to another node (a scene: measured; a database: 0)")
-      ->check(CLI::Range(0.0, 1e9))
+      ->check(finite_range(0, 1e9))
       ->group("Assumed of the machine");
   command->callback([options] { run(*options); });
 }

@@ -21,11 +21,14 @@ struct Options {
   int ranks_per_solve = 1;
 };
 
-/// Takes the lock, and says what is there already.
-DatabaseLock begin(const PrecomputeTarget& target) {
+/// Takes the lock, and says what is there already. @throws Error if that is other work
+DatabaseLock begin(const PrecomputeTarget& target, const LoadedScene& loaded) {
   DatabaseLock lock(target.file);
   if (!lock.warning().empty()) message("warning: {}\n", lock.warning());
   if (target.resume && std::filesystem::exists(target.file)) {
+    auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
+    header.shard = target.shard;
+    DatabaseWriter::create(target.file, header, true);
     const auto found = database_progress(target.file);
     for (const auto& damage : found.damage)
       message("warning: {}: {}; {} dropped, their rays will be solved again\n", damage.log.string(), damage.reason,
@@ -75,6 +78,7 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
            {"rays", report.rays + report.rays_resumed},
            {"rays_resumed", report.rays_resumed},
            {"increments", report.increments},
+           {"increments_of_run", report.increments_of_run},
            {"failed", report.failed},
            {"rays_with_library_errors", report.library_errors},
            {"newton_iterations", report.iterations},
@@ -113,7 +117,7 @@ void run(const Options& options) {
   std::optional<DatabaseLock> lock;
   session.together([&] {
     loaded = load_scene(options.scene, !first);
-    if (first) lock.emplace(begin(target));
+    if (first) lock.emplace(begin(target, loaded));
   });
   install_stop_handler();  // a signal before ends the program: there is nothing to keep yet
   PrecomputeReport report;
@@ -141,8 +145,12 @@ void run(const Options& options) {
     print_result("{} rays ({:.0f} %) are mirror images, whose increments count too\n", report.rays_mirrored,
                  100.0 * static_cast<double>(report.rays_mirrored) /
                      static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
-  print_result("{} on {} rank{}, {:.1f} core-ms per increment\n", duration(report.wall_seconds), session.size(),
-               session.size() == 1 ? "" : "s", 1e3 * report.core_seconds / static_cast<double>(solved));
+  print_result("{} on {} rank{}", duration(report.wall_seconds), session.size(), session.size() == 1 ? "" : "s");
+  if (report.increments_of_run > 0)
+    print_result(", {:.1f} core-ms per increment{}",
+                 1e3 * report.core_seconds / static_cast<double>(report.increments_of_run),
+                 report.rays_resumed > 0 ? fmt::format(" of the {} of this run", report.increments_of_run) : "");
+  print_result("\n");
   print_ranks(report);
   if (report.library_errors > 0)
     message("warning: {} rays ended because a library call failed; its messages are in {}\n", report.library_errors,

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <charconv>
+#include <limits>
 #include <map>
 #include <phynness/drawing/gnuplot.hpp>
 #include <phynness/formats/error.hpp>
@@ -244,7 +245,9 @@ void add(CLI::App& app) {
   command->add_option("--probes", options->probes, "fresh solves that all models are measured on")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of those")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_option("--seed", options->seed, "of those")
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
+      ->capture_default_str();
   add_path(*command, "--plot", options->plot_file, OutputKind::file,
            "draw error against time and memory (.svg or .png; needs gnuplot)");
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");

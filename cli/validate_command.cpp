@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/version.hpp>
@@ -238,9 +239,10 @@ void add(CLI::App& app) {
       ->add_option("--pair-depth", options->pair_depth_m,
                    "how deep both tools of a pair are [m] (default: 3/7 of the scene's max_displacement_m,\n"
                    "12 mm of the paper's 28)")
-      ->check(CLI::PositiveNumber);
+      ->check(finite_range(1e-12, 1e3));
   command->add_option("--level", options->level, "level of the model, 0 the smallest (default: the full one)");
-  command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")->check(CLI::NonNegativeNumber);
+  command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
   add_path(*command, "--report", options->report_file, OutputKind::file,
            "write an HTML report with curves and pictures (needs gnuplot)");

@@ -16,7 +16,8 @@ void refuse_folder_of_logs(const fs::path& folder, const fs::path& file) {
   const auto resolved = fs::weakly_canonical(folder, code);
   if (resolved.extension() != ".log") return;
   const auto database = resolved.parent_path() / resolved.stem();
-  if (database_log::logs_of(database).empty() && !fs::exists(resolved / "lock", code) && !fs::is_regular_file(database, code))
+  if (database_log::logs_of(database).empty() && !fs::exists(resolved / "lock", code) &&
+      !fs::is_regular_file(database, code))
     return;
   throw input_error("the database is to be written into the folder of logs of another one", file.string(),
                     "choose another folder: " + resolved.string() + " belongs to " + database.string());

@@ -24,6 +24,9 @@ struct TextPlace {
 /// The bytes that stand for one such text in an attribute or a dataset.
 inline constexpr std::size_t text_place_bytes = 16;
 
+/// More than any scene that is read (scene.cpp), with what HDF5 puts around it.
+inline constexpr std::uint64_t most_text_bytes = 32 << 20;
+
 /// A memory type: reading a text of variable length into it gives the bytes of its place.
 /// @returns a handle that is negative if HDF5 refuses
 Handle text_place_type();

@@ -167,7 +167,9 @@ void rethrow(const std::exception_ptr& trouble) {
   try {
     std::rethrow_exception(trouble);
   } catch (const Error& error) {
-    throw Error(error.kind(), std::string(error.what()) + " (finished rays are kept: go on with --resume)", "", "");
+    const std::string text = error.what();
+    const bool says_so = text.find("--resume") != std::string::npos;
+    throw Error(error.kind(), text + (says_so ? "" : " (finished rays are kept: go on with --resume)"), "", "");
   }
 }
 
@@ -182,7 +184,7 @@ void add_up(const SolverSession& session, const Share& share, double core_second
   std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations, share.library_errors};
   MPI_Allreduce(MPI_IN_PLACE, totals, 5, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   report.rays = totals[0];
-  report.increments = report.increments_solved = totals[1];
+  report.increments = report.increments_solved = report.increments_of_run = totals[1];
   report.failed = totals[2];
   report.iterations = totals[3];
   report.library_errors = totals[4];
