@@ -1,7 +1,6 @@
 // How a scene chooses nodes of its mesh. Each selector is one struct in formats/src/selectors.cpp.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -20,7 +19,6 @@ struct SourceLocation {
 };
 
 using Vec3 = std::array<double, 3>;
-inline Eigen::Vector3d to_eigen(const Vec3& v) { return {v[0], v[1], v[2]}; }
 using NodeList = std::vector<std::int32_t>;
 
 /// What a selector needs to know of a body.
