@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Claim: no source file of the runtime compiles with -ffast-math, -Ofast or a part of them that the compiler announces by a
-# macro, and its CMake project refuses them. The message names the remedy. Files that only include the public headers
-# compile.
+# Claim: no source file of the runtime compiles with -ffast-math, -Ofast or a part of them that the compiler announces
+# by a macro, and its CMake project refuses them. The message names the remedy. Files that only include the public
+# headers compile.
 # Usage: fast_math_is_refused.sh COMPILER CMAKE RUNTIME_FOLDER WORK_FOLDER
 set -euo pipefail
 compiler=$1 cmake=$2 runtime=$3 work=$4
