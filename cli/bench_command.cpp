@@ -8,7 +8,7 @@
 #include "commands.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::bench_command {
 namespace {
 
 struct Options {
@@ -77,7 +77,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_bench_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("bench", "Measure the time of a force and a deformation at each level of a model");
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
@@ -91,4 +91,4 @@ void add_bench_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::bench_command

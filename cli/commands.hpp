@@ -15,20 +15,49 @@ namespace phynness::cli {
 
 using json = nlohmann::ordered_json;
 
-void add_mesh_command(CLI::App& app);
-void add_plan_command(CLI::App& app);
-void add_precompute_command(CLI::App& app);
-void add_merge_command(CLI::App& app);
-void add_train_command(CLI::App& app);
-void add_validate_command(CLI::App& app);
-void add_tune_command(CLI::App& app);
-void add_eval_command(CLI::App& app);
-void add_bench_command(CLI::App& app);
-void add_solve_command(CLI::App& app);
-void add_export_command(CLI::App& app);
-void add_info_command(CLI::App& app);
-void add_show_command(CLI::App& app);
-void add_run_command(CLI::App& app);
+// One namespace per command, in a file of the same name.
+namespace mesh_command {
+void add(CLI::App& app);
+}
+namespace plan_command {
+void add(CLI::App& app);
+}
+namespace precompute_command {
+void add(CLI::App& app);
+}
+namespace merge_command {
+void add(CLI::App& app);
+}
+namespace train_command {
+void add(CLI::App& app);
+}
+namespace validate_command {
+void add(CLI::App& app);
+}
+namespace tune_command {
+void add(CLI::App& app);
+}
+namespace eval_command {
+void add(CLI::App& app);
+}
+namespace bench_command {
+void add(CLI::App& app);
+}
+namespace solve_command {
+void add(CLI::App& app);
+}
+namespace export_command {
+void add(CLI::App& app);
+}
+namespace info_command {
+void add(CLI::App& app);
+}
+namespace show_command {
+void add(CLI::App& app);
+}
+namespace run_command {
+void add(CLI::App& app);
+}
 
 /// Reads a scene and declares the mesh file that it names as an input of the command.
 /// @throws Error (input) if the scene is invalid or if an output of the command would overwrite the mesh file

@@ -9,7 +9,7 @@
 #include "fine_surface.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::eval_command {
 namespace {
 
 struct Options {
@@ -100,7 +100,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_eval_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("eval", "Compute force and deformation from a model with the runtime");
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
@@ -123,4 +123,4 @@ void add_eval_command(CLI::App& app) {
   command->callback([options] { options->queries ? run_queries(*options) : run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::eval_command

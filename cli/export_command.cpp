@@ -13,7 +13,7 @@
 #include "console.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::export_command {
 namespace {
 
 /// Least number of queries by which the deviation of an image from the model is measured, with or without --golden.
@@ -124,7 +124,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_export_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
       "export",
@@ -148,4 +148,4 @@ void add_export_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::export_command

@@ -13,7 +13,7 @@
 #include "console.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::info_command {
 namespace {
 
 struct Options {
@@ -223,7 +223,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_info_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("info", "Print the contents of a scene, mesh, database or model directory");
   add_path(*command, "FILE_OR_DIR", options->what, InputKind::whole, "scene.toml, mesh file, database.h5 or MODEL_DIR")
@@ -232,4 +232,4 @@ void add_info_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::info_command

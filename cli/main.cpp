@@ -17,20 +17,20 @@ bool is_subcommand(const CLI::App& app, const std::string& word) {
 }
 
 void add_commands(CLI::App& app) {
-  cli::add_mesh_command(app);
-  cli::add_plan_command(app);
-  cli::add_precompute_command(app);
-  cli::add_merge_command(app);
-  cli::add_train_command(app);
-  cli::add_validate_command(app);
-  cli::add_tune_command(app);
-  cli::add_eval_command(app);
-  cli::add_bench_command(app);
-  cli::add_solve_command(app);
-  cli::add_export_command(app);
-  cli::add_info_command(app);
-  cli::add_show_command(app);
-  cli::add_run_command(app);
+  cli::mesh_command::add(app);
+  cli::plan_command::add(app);
+  cli::precompute_command::add(app);
+  cli::merge_command::add(app);
+  cli::train_command::add(app);
+  cli::validate_command::add(app);
+  cli::tune_command::add(app);
+  cli::eval_command::add(app);
+  cli::bench_command::add(app);
+  cli::solve_command::add(app);
+  cli::export_command::add(app);
+  cli::info_command::add(app);
+  cli::show_command::add(app);
+  cli::run_command::add(app);
 }
 
 /// Help and version are printed on stdout, errors of the command line on stderr.

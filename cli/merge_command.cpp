@@ -9,7 +9,7 @@
 #include "console.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::merge_command {
 namespace {
 
 struct Options {
@@ -81,7 +81,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_merge_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("merge", "Merge the shards of precompute --shard i/n into one database");
   add_path(*command, "SHARD", options->shards, InputKind::whole, "database.shard-0-of-8.h5 ...")->required();
@@ -92,4 +92,4 @@ void add_merge_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::merge_command

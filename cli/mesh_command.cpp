@@ -4,7 +4,7 @@
 #include "commands.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::mesh_command {
 namespace {
 
 struct Options {
@@ -48,7 +48,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_mesh_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("mesh", "Generate or import the mesh of a scene, check it, write it as .msh");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
@@ -58,4 +58,4 @@ void add_mesh_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::mesh_command

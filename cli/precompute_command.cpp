@@ -10,7 +10,7 @@
 #include "console.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::precompute_command {
 namespace {
 
 struct Options {
@@ -168,7 +168,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_precompute_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
       "precompute",
@@ -191,4 +191,4 @@ void add_precompute_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::precompute_command

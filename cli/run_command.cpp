@@ -10,7 +10,7 @@
 #include "console.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::run_command {
 namespace {
 
 struct Options {
@@ -89,7 +89,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("run", "Run the whole pipeline: mesh, precompute, train, validate -> OUT_DIR");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
@@ -102,4 +102,4 @@ void add_run_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::run_command

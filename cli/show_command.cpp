@@ -9,7 +9,7 @@
 #include "shown_response.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::show_command {
 namespace {
 
 struct Options {
@@ -95,7 +95,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_show_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("show", "Write a stored response for ParaView: XDMF, PVD, VTU or VTK");
   add_path(*command, "DATABASE", options->database, InputKind::whole, "finished database.h5")->required();
@@ -111,4 +111,4 @@ void add_show_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::show_command

@@ -9,7 +9,7 @@
 #include "commands.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::solve_command {
 namespace {
 
 struct Options {
@@ -99,7 +99,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_solve_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("solve", "Compute force and deformation by one finite element solve");
   add_path(*command, "SCENE", options->source, InputKind::whole,
@@ -114,4 +114,4 @@ void add_solve_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::solve_command

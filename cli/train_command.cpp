@@ -9,7 +9,7 @@
 #include "console.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::train_command {
 namespace {
 
 struct Options {
@@ -168,7 +168,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_train_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("train", "Train a model on a database -> MODEL_DIR (model.txt, mesh.txt)");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "scene from which the database was made")->required();
@@ -206,4 +206,4 @@ void add_train_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::train_command

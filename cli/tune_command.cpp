@@ -15,7 +15,7 @@
 #include "error_json.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::tune_command {
 namespace {
 
 struct Options {
@@ -230,7 +230,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_tune_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
       "tune", "Train families and sizes, measure error, time and memory, write the model that meets the limits");
@@ -259,4 +259,4 @@ void add_tune_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::tune_command

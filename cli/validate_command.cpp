@@ -15,7 +15,7 @@
 #include "error_tables.hpp"
 #include "streams.hpp"
 
-namespace phynness::cli {
+namespace phynness::cli::validate_command {
 namespace {
 
 /// Equation (17) divides by the largest response of a point. With a single displacement per point it would divide a
@@ -215,7 +215,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_validate_command(CLI::App& app) {
+void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("validate", "Compare a model with fresh finite element solves");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "scene from which the model was made")->required();
@@ -249,4 +249,4 @@ void add_validate_command(CLI::App& app) {
   command->callback([options] { run(*options); });
 }
 
-}  // namespace phynness::cli
+}  // namespace phynness::cli::validate_command

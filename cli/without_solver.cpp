@@ -11,7 +11,7 @@ Error no_solver(const std::string& what) {
                      "build with -DPHYNNESS_WITH_DOLFINX=ON on a machine that has dolfinx");
 }
 
-void add(CLI::App& app, const std::string& name) {
+void add_refusal(CLI::App& app, const std::string& name) {
   auto* command = app.add_subcommand(name, "(not in this build, because it needs dolfinx)");
   command->allow_extras();
   command->callback([name] { throw no_solver("phynness " + name); });
@@ -19,11 +19,11 @@ void add(CLI::App& app, const std::string& name) {
 
 }  // namespace
 
-void add_precompute_command(CLI::App& app) { add(app, "precompute"); }
-void add_validate_command(CLI::App& app) { add(app, "validate"); }
-void add_tune_command(CLI::App& app) { add(app, "tune"); }
-void add_solve_command(CLI::App& app) { add(app, "solve"); }
-void add_run_command(CLI::App& app) { add(app, "run"); }
+void precompute_command::add(CLI::App& app) { add_refusal(app, "precompute"); }
+void validate_command::add(CLI::App& app) { add_refusal(app, "validate"); }
+void tune_command::add(CLI::App& app) { add_refusal(app, "tune"); }
+void solve_command::add(CLI::App& app) { add_refusal(app, "solve"); }
+void run_command::add(CLI::App& app) { add_refusal(app, "run"); }
 
 PlanBasis basis_of_scene(const PlanOptions& options) {
   throw no_solver("phynness plan " + options.source.string() + " (a plan from a finished database.h5 is possible)");

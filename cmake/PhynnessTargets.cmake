@@ -44,9 +44,7 @@ function(phynness_test name)
   target_compile_features(test_${name} PRIVATE cxx_std_20)
   phynness_warnings(test_${name})
   phynness_quick_to_compile(test_${name})
-  # Folders beside the repository that a test may read; it skips with a message where they are absent.
-  target_compile_definitions(test_${name} PRIVATE
-    PHYNNESS_SHARED_DIR="${PROJECT_SOURCE_DIR}/../shared" PHYNNESS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_compile_definitions(test_${name} PRIVATE PHYNNESS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   gtest_discover_tests(test_${name} TEST_PREFIX "${name}/" DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1")
 endfunction()

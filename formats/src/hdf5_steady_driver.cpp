@@ -8,7 +8,7 @@ namespace phynness::hdf5 {
 namespace {
 
 int first_error = 0;
-H5FD_class_t plain{};  // HDF5's driver for plain files
+H5FD_class_t plain_to_write{};  // HDF5's driver for plain files
 
 void remember() {
   if (first_error == 0) first_error = errno != 0 ? errno : EIO;
@@ -18,7 +18,7 @@ void remember() {
 herr_t write(H5FD_t* file, H5FD_mem_t type, hid_t transfer, haddr_t at, std::size_t size, const void* bytes) {
   if (first_error == 0) {
     errno = 0;
-    if (plain.write(file, type, transfer, at, size, bytes) < 0) remember();
+    if (plain_to_write.write(file, type, transfer, at, size, bytes) < 0) remember();
   }
   return 0;
 }
@@ -26,16 +26,16 @@ herr_t write(H5FD_t* file, H5FD_mem_t type, hid_t transfer, haddr_t at, std::siz
 herr_t truncate(H5FD_t* file, hid_t transfer, hbool_t closing) {
   if (first_error == 0) {
     errno = 0;
-    if (plain.truncate(file, transfer, closing) < 0) remember();
+    if (plain_to_write.truncate(file, transfer, closing) < 0) remember();
   }
   return 0;
 }
 
-hid_t registered_driver(const char* path) {
+hid_t steady_driver(const char* path) {
   static hid_t driver = -1;
   static H5FD_class_t steady{};
-  if (driver >= 0 || !find_plain_driver(path, H5F_ACC_RDWR, plain)) return driver;
-  steady = plain;
+  if (driver >= 0 || !find_plain_driver(path, H5F_ACC_RDWR, plain_to_write)) return driver;
+  steady = plain_to_write;
   steady.name = "phynness_steady";
 #if H5_VERSION_GE(1, 13, 0)
   steady.value = static_cast<H5FD_class_value_t>(600);  // from the range that HDF5 reserves for other drivers
@@ -49,7 +49,7 @@ hid_t registered_driver(const char* path) {
 }  // namespace
 
 herr_t use_steady_driver(hid_t access, const char* path) {
-  const hid_t driver = registered_driver(path);
+  const hid_t driver = steady_driver(path);
   return driver < 0 ? -1 : H5Pset_driver(access, driver, nullptr);
 }
 

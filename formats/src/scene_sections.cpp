@@ -10,7 +10,6 @@
 namespace phynness::scene_detail {
 namespace {
 
-constexpr Range length{0, 1e3, true, false};
 constexpr double most_slender = 1000;
 constexpr int default_target_nodes = 739, default_drain_nodes = 239;  // the paper's liver and drain
 constexpr double default_drain_thickness_m = 0.0005;

@@ -5,6 +5,9 @@
 
 namespace phynness::scene_detail {
 
+/// Range of lengths of a scene [m].
+inline constexpr Range length{0, 1e3, true, false};
+
 /// A position under the key `stem`_m or `stem`_fraction, one of which must be given.
 Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& fraction);
 /// The key `normal`, a vector of any length except zero, as a unit vector.

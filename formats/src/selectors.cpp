@@ -17,9 +17,7 @@ namespace {
 using Vector = Eigen::RowVector3d;
 using Keys = std::vector<std::string_view>;
 
-constexpr Range length{0, 1e3, true, false};
-
-Vector vector(const Vec3& v) { return {v[0], v[1], v[2]}; }
+Vector to_row(const Vec3& v) { return to_eigen(v).transpose(); }
 
 /// A point in metres or in fractions of the bounding box.
 struct Place {
@@ -27,8 +25,8 @@ struct Place {
   bool fraction = false;
 
   Vector in(const SelectableBody& body) const {
-    return fraction ? Vector(vector(body.low) + vector(x).cwiseProduct(vector(body.high) - vector(body.low)))
-                    : vector(x);
+    return fraction ? Vector(to_row(body.low) + to_row(x).cwiseProduct(to_row(body.high) - to_row(body.low)))
+                    : to_row(x);
   }
   /// The text that follows the stem of its key.
   std::string text() const { return (fraction ? "_fraction = " : "_m = ") + exact_text(x); }
@@ -137,7 +135,7 @@ struct Plane final : NodeChoice {
            in_metres(tolerance_m);
   }
   NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
-    const Vector p = point.in(body), n = vector(normal).normalized();
+    const Vector p = point.in(body), n = to_row(normal).normalized();
     return where(body, request.candidates,
                  [&](const Vector& x) { return std::abs((x - p).dot(n)) <= tolerance_m + body.slack_m; });
   }
@@ -158,7 +156,7 @@ struct HalfSpace final : NodeChoice {
     return "half space below " + shown_text(point.x) + point.units() + ", normal " + shown_text(normal);
   }
   NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
-    const Vector p = point.in(body), n = vector(normal).normalized();
+    const Vector p = point.in(body), n = to_row(normal).normalized();
     return where(body, request.candidates, [&](const Vector& x) { return (x - p).dot(n) <= body.slack_m; });
   }
 };

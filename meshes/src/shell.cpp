@@ -93,13 +93,6 @@ void look_at_twins(RawMesh& raw, const Points& nodes, bool repair, MeshResult& r
   drop_useless(raw, result.notes);
 }
 
-Triangles to_matrix(const std::vector<Triangle>& list) {
-  Triangles triangles(static_cast<Eigen::Index>(list.size()), 3);
-  for (std::size_t t = 0; t < list.size(); ++t)
-    for (int k = 0; k < 3; ++k) triangles(static_cast<Eigen::Index>(t), k) = list[t][k];
-  return triangles;
-}
-
 /// The nodes of the file in metres.
 Points scaled_nodes(const RawMesh& raw, double scale_to_m, const std::string& source) {
   Points nodes(static_cast<Eigen::Index>(raw.nodes.size()), 3);

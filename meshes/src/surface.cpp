@@ -12,13 +12,6 @@
 namespace phynness::meshes {
 namespace {
 
-Triangles to_matrix(const std::vector<Triangle>& list) {
-  Triangles triangles(static_cast<Eigen::Index>(list.size()), 3);
-  for (std::size_t t = 0; t < list.size(); ++t)
-    for (int k = 0; k < 3; ++k) triangles(static_cast<Eigen::Index>(t), k) = list[t][k];
-  return triangles;
-}
-
 template <class Keep>
 Triangles filtered(const Triangles& triangles, Keep keep) {
   Triangles kept(triangles.rows(), 3);

@@ -103,6 +103,13 @@ std::string first_few_edges(const std::vector<Edge>& edges) {
 
 }  // namespace
 
+Triangles to_matrix(const std::vector<std::array<std::int32_t, 3>>& list) {
+  Triangles triangles(static_cast<Eigen::Index>(list.size()), 3);
+  for (std::size_t t = 0; t < list.size(); ++t)
+    for (int k = 0; k < 3; ++k) triangles(static_cast<Eigen::Index>(t), k) = list[t][k];
+  return triangles;
+}
+
 SurfaceTopology surface_topology(const Triangles& triangles) {
   SurfaceTopology topology;
   const std::vector<HalfEdge> edges = half_edges(triangles);

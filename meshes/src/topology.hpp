@@ -10,6 +10,9 @@ namespace phynness::meshes {
 
 using Edge = std::array<std::int32_t, 2>;  ///< smaller node first
 
+/// A row of three node numbers for each triangle.
+Triangles to_matrix(const std::vector<std::array<std::int32_t, 3>>& list);
+
 struct SurfaceTopology {
   std::vector<Edge> open_edges;              ///< edges of one triangle
   std::vector<Edge> non_manifold_edges;      ///< edges of more than two triangles

@@ -5,16 +5,6 @@
 #include "petsc_check.hpp"
 
 namespace phynness {
-namespace {
-
-double dot(Vec a, Vec b) {
-  PetscScalar value = 0;
-  PHYNNESS_PETSC(VecDot(a, b, &value));
-  return value;
-}
-
-}  // namespace
-
 NewtonCg newton_cg(LinearSolver& preconditioner, Mat K, Vec f, Vec y) {
   constexpr int most_iterations = 40;
   constexpr double reduction = 0.1;

@@ -17,18 +17,6 @@ constexpr double price_of_a_tangent = 7;
 // Armijo's constant, customary: any decrease that is not an artefact.
 constexpr double decrease = 1e-4;
 
-double dot(Vec a, Vec b) {
-  PetscScalar value = 0;
-  PHYNNESS_PETSC(VecDot(a, b, &value));
-  return value;
-}
-
-double norm(Vec a) {
-  PetscReal value = 0;
-  PHYNNESS_PETSC(VecNorm(a, NORM_2, &value));
-  return value;
-}
-
 /// x <- x - length * y. (Impl is private to Equilibrium, hence the templates.)
 class Step {
  public:

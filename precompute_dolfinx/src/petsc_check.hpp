@@ -55,6 +55,18 @@ using PetscSnes = PetscHandle<SNES, SNESDestroy>;
 
 #define PHYNNESS_PETSC(call) ::phynness::petsc_check((call), #call)
 
+inline double dot(Vec a, Vec b) {
+  PetscScalar value = 0;
+  PHYNNESS_PETSC(VecDot(a, b, &value));
+  return value;
+}
+
+inline double norm(Vec a) {
+  PetscReal value = 0;
+  PHYNNESS_PETSC(VecNorm(a, NORM_2, &value));
+  return value;
+}
+
 /// Rows of a matrix of this process, from 0, for as long as this lives.
 class CsrPattern {
  public:

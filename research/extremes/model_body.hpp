@@ -1,4 +1,4 @@
-// A body that is solved, trained and asked in memory: the demo's liver, unless said otherwise.
+// A body that is solved, trained and evaluated in memory: the demo's liver, unless said otherwise.
 #pragma once
 
 #include <phynness/evaluation/loaded_model.hpp>

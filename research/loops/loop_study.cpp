@@ -1,5 +1,5 @@
-// Work over closed paths, integrated from forces: what a device could be fed by a model; and jumps of the
-// force where a tool slides from triangle to triangle.
+// Work over closed paths, integrated from forces: the energy that a model could supply to a device; and jumps of
+// the force where a tool slides from triangle to triangle.
 #include <phynness/phynness.h>
 
 #include <CLI/CLI.hpp>

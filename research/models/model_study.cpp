@@ -1,5 +1,5 @@
-// How stable training is: disturbed data and forced parameters, measured on the same fresh solves; and where
-// the error of what it makes comes from. Usage: tools/study-models SCENE database.h5 [--json FILE]
+// How stable training is: disturbed data and forced parameters, measured on the same fresh solves; and the
+// sources of the errors of the trained models. Usage: tools/study-models SCENE database.h5 [--json FILE]
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>

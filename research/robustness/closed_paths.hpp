@@ -1,4 +1,4 @@
-// Closed, non-radial paths of the tool, walked with warm starts: does the state depend on how it was reached?
+// Closed, non-radial paths of the tool, followed with warm starts: does the state depend on how it was reached?
 #pragma once
 
 #include "bodies.hpp"

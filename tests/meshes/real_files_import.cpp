@@ -1,11 +1,11 @@
-// Claim: meshes that people really use import, with the counts their makers state.
+// Claim: meshes from other programs, in other units and formats, import with the counts their makers state.
 #include "mesh_under_test.hpp"
 
 namespace phynness::test {
 namespace {
 
 std::filesystem::path real(const std::string& name) {
-  return std::filesystem::path(PHYNNESS_SHARED_DIR) / "meshes/real" / name;
+  return std::filesystem::path(PHYNNESS_SOURCE_DIR) / "tests/data/meshes" / name;
 }
 
 struct Expected {
@@ -18,7 +18,6 @@ class RealMeshes : public ::testing::TestWithParam<Expected> {};
 
 TEST_P(RealMeshes, ImportWithTheirCounts) {
   const Expected& expected = GetParam();
-  if (!std::filesystem::exists(real(expected.file))) GTEST_SKIP() << "no such file here: " << real(expected.file);
   const MeshResult result = import_file(real(expected.file), expected.scale_to_m);
   EXPECT_EQ(result.quality.n_nodes, expected.nodes);
   EXPECT_EQ(result.quality.n_cells, expected.cells);
@@ -27,13 +26,13 @@ TEST_P(RealMeshes, ImportWithTheirCounts) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, RealMeshes,
-                         ::testing::Values(Expected{"liver_181.msh", 0.025, 181, 596},
-                                           Expected{"liver_507.msh", 0.1, 507, 1493},
-                                           Expected{"tissue_slab.msh", 1, 493, 1432},
-                                           Expected{"cylinder.msh", 0.1, 510, 2430}),
+                         ::testing::Values(Expected{"own/liver_coarse.msh", 0.025, 180, 462},
+                                           Expected{"own/liver_elements.msh", 0.1, 498, 1575},
+                                           Expected{"sofa_env/tissue_slab.msh", 1, 493, 1432},
+                                           Expected{"own/cylinder.msh", 0.1, 499, 1842}),
                          [](const auto& info) {
                            const std::string file = info.param.file;
-                           return file.substr(0, file.find('.'));
+                           return file.substr(file.find('/') + 1, file.find('.') - file.find('/') - 1);
                          });
 
 class RealSurfaces : public ::testing::TestWithParam<std::pair<const char*, double>> {};
@@ -41,7 +40,6 @@ class RealSurfaces : public ::testing::TestWithParam<std::pair<const char*, doub
 TEST_P(RealSurfaces, AreFilledAtTheWantedSize) {
   SKIP_WITHOUT_GMSH();
   const auto [file, scale] = GetParam();
-  if (!std::filesystem::exists(real(file))) GTEST_SKIP() << "no such file here: " << real(file);
   Scene scene;
   scene.mesh.file = real(file);
   scene.mesh.scale_to_m = scale;
@@ -59,17 +57,16 @@ TEST_P(RealSurfaces, AreFilledAtTheWantedSize) {
 TEST_P(RealSurfaces, AreFilledAsTheyAreWithoutATarget) {
   SKIP_WITHOUT_GMSH();
   const auto [file, scale] = GetParam();
-  if (!std::filesystem::exists(real(file))) GTEST_SKIP() << "no such file here: " << real(file);
   const MeshResult result = import_file(real(file), scale);
   EXPECT_GT(result.quality.volume_m3, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, RealSurfaces,
-                         ::testing::Values(std::pair("liver_surface.obj", 0.025),
-                                           std::pair("gallbladder_surface.stl", 0.001)),
+                         ::testing::Values(std::pair("own/liver_surface.obj", 0.01),
+                                           std::pair("sofa_env/gallbladder_surface.stl", 0.001)),
                          [](const auto& info) {
                            const std::string file = info.param.first;
-                           return file.substr(0, file.find('_'));
+                           return file.substr(file.find('/') + 1, file.find("_surface") - file.find('/') - 1);
                          });
 
 }  // namespace

@@ -1,5 +1,6 @@
-// Claim: every real mesh goes from file to validated model. Coarse settings: two nodes, three directions, two
-// increments; what is shown is that nothing on the way refuses or fails, and that forces have the right sign.
+// Claim: every mesh of tests/data/meshes goes from file to validated model. Coarse settings: two nodes, three
+// directions, two increments; what is shown is that nothing on the way refuses or fails, and that forces have the right
+// sign.
 #include "command_line.hpp"
 
 namespace phynness::test {
@@ -17,8 +18,7 @@ class RealMeshes : public CommandLine, public ::testing::WithParamInterface<Real
 
 TEST_P(RealMeshes, FromFileToForce) {
   const auto& mesh = GetParam();
-  const auto path = std::filesystem::path(PHYNNESS_SHARED_DIR) / "meshes/real" / mesh.file;
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  const auto path = std::filesystem::path(PHYNNESS_SOURCE_DIR) / "tests/data/meshes" / mesh.file;
   write_file(folder / "scene.toml",
              "[mesh]\nfile = \"" + std::filesystem::canonical(path).string() + "\"\n" + mesh.mesh_keys +
                  "\n[material]\nlaw = \"neo-hookean\"\nc10_Pa = 250.0\nbulk_modulus_Pa = 10e3\n"
@@ -43,16 +43,16 @@ TEST_P(RealMeshes, FromFileToForce) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, RealMeshes,
-                         ::testing::Values(RealMesh{"liver_181", "liver_181.msh", "scale_to_m = 0.025", 0.006},
-                                           RealMesh{"liver_507", "liver_507.msh", "scale_to_m = 0.1", 0.006},
-                                           RealMesh{"liver_surface", "liver_surface.obj",
-                                                    "scale_to_m = 0.025\ntarget_size_m = 0.02", 0.006},
-                                           RealMesh{"gallbladder", "gallbladder_surface.stl",
-                                                    "scale_to_m = 0.001\ntarget_size_m = 0.01", 0.003},
-                                           RealMesh{"tissue_slab", "tissue_slab.msh", "", 0.002},
-                                           RealMesh{"cylinder", "cylinder.msh", "scale_to_m = 0.1", 0.002}),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    All, RealMeshes,
+    ::testing::Values(
+        RealMesh{"liver_coarse", "own/liver_coarse.msh", "scale_to_m = 0.025", 0.006},
+        RealMesh{"liver_elements", "own/liver_elements.msh", "scale_to_m = 0.1", 0.006},
+        RealMesh{"liver_surface", "own/liver_surface.obj", "scale_to_m = 0.01\ntarget_size_m = 0.02", 0.006},
+        RealMesh{"gallbladder", "sofa_env/gallbladder_surface.stl", "scale_to_m = 0.001\ntarget_size_m = 0.01", 0.003},
+        RealMesh{"tissue_slab", "sofa_env/tissue_slab.msh", "", 0.002},
+        RealMesh{"cylinder", "own/cylinder.msh", "scale_to_m = 0.1", 0.002}),
+    [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
 }  // namespace phynness::test

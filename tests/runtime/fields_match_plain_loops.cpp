@@ -12,7 +12,7 @@ using namespace phynness;
 using namespace phynness::test;
 using Eigen::Vector3d;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN(), huge = std::numeric_limits<double>::max();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN(), huge = std::numeric_limits<double>::max();
 
 double q(const Vector3d& y, double s) { return std::sqrt(y.squaredNorm() + s * s); }
 
@@ -43,7 +43,7 @@ Eigen::VectorXd plain(const Model& model, const ActiveNodeModel& node, std::size
   return (model.fields[f].scale * values).cwiseMax(0);
 }
 
-const Vector3d probes[] = {{0.004, -0.002, 0.001}, {0.01, 0, 0}, {-0.02, 0.03, 0.01}, {0, 0.005, 0}, {1, 1, -1}};
+const Vector3d field_probes[] = {{0.004, -0.002, 0.001}, {0.01, 0, 0}, {-0.02, 0.03, 0.01}, {0, 0.005, 0}, {1, 1, -1}};
 
 // Claim: a field is the formulas of formats/model.md. Shared modes are summed as floats: 1e-6 of the sizes of
 // the terms is 16 roundings of 6e-8, of which 6 modes make. (Values at near nodes are sums in double, and of
@@ -56,10 +56,10 @@ TEST(Fields, MatchPlainLoops) {
   for (const ActiveNodeModel& node : model.nodes) {
     for (std::int32_t f = 0; f < 2; ++f) {
       if (node.fields[static_cast<std::size_t>(f)].weights.cols() == 0) continue;
-      for (const Vector3d& d : probes) {
+      for (const Vector3d& d : field_probes) {
         double terms = 0;
         const auto expected = plain(model, node, static_cast<std::size_t>(f), d, terms);
-        Eigen::VectorXd values = Eigen::VectorXd::Constant(12, nan);
+        Eigen::VectorXd values = Eigen::VectorXd::Constant(12, not_a_number);
         const int status = phn_field(loaded.model, loaded.data, node.node, d.data(), f, values.data());
         double force[3];
         EXPECT_EQ(status, phn_force(loaded.model, loaded.data, node.node, d.data(), force, nullptr, nullptr));
@@ -107,12 +107,12 @@ TEST(Fields, SayWhatTheyAre) {
 // or greater.
 TEST(Fields, AreDefinedForEveryInput) {
   const LoadedModel loaded(write_model_text(small_field_model()));
-  for (const double x : {nan, huge, -huge, 1e200, 1e-320, 0.0, -0.0, 0.01}) {
+  for (const double x : {not_a_number, huge, -huge, 1e200, 1e-320, 0.0, -0.0, 0.01}) {
     for (const double y : {0.0, -1e300, 1e-200, std::numeric_limits<double>::infinity()}) {
       for (std::int32_t f = 0; f < 2; ++f) {
         const double d[3] = {x, y, -x};
         double out[12];
-        std::fill(out, out + 12, nan);
+        std::fill(out, out + 12, not_a_number);
         const int status = phn_field(loaded.model, loaded.data, 3, d, f, out);
         const bool finite = std::isfinite(x) && std::isfinite(y);
         EXPECT_EQ(status, finite ? status : PHN_ERROR_NOT_FINITE);

@@ -17,15 +17,15 @@ double scale_of(const RbfNetwork& net) {
          net.output_center.norm();
 }
 
-const Eigen::Vector3d probes[] = {{0, 0, 0},  {0.004, -0.002, 0.001}, {0.01, 0, 0}, {-0.02, 0.03, 0.01},
-                                  {1, 1, -1}, {0, 0.005, 0}};
+const Eigen::Vector3d network_probes[] = {{0, 0, 0},  {0.004, -0.002, 0.001}, {0.01, 0, 0}, {-0.02, 0.03, 0.01},
+                                          {1, 1, -1}, {0, 0.005, 0}};
 
 // Claim: force is (11)-(12) with the recorded transforms, to rounding (1e-14 of the sum of the terms' sizes).
 TEST(Runtime, ForceIsTheNetwork) {
   const Model model = small_model();
   const LoadedModel loaded(write_model_text(model));
   for (const ActiveNodeModel& node : model.nodes) {
-    for (const Eigen::Vector3d& d : probes) {
+    for (const Eigen::Vector3d& d : network_probes) {
       Eigen::Vector3d force;
       ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr), 0);
       EXPECT_LT((force - evaluate(node.force, d)).norm(), rounded(1e-14) * scale_of(node.force));
@@ -40,7 +40,7 @@ TEST(Runtime, DeformationIsTheNetwork) {
   const Model model = small_model();
   const LoadedModel loaded(write_model_text(model));
   for (const ActiveNodeModel& node : model.nodes) {
-    for (const Eigen::Vector3d& d : probes) {
+    for (const Eigen::Vector3d& d : network_probes) {
       Points u(model.output_points.rows(), 3);
       ASSERT_GE(phn_deform(loaded.model, loaded.data, node.node, d.data(), u.data()), 0);
       for (std::size_t o = 0; o < model.output.size(); ++o) {

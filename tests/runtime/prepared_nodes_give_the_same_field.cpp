@@ -25,7 +25,7 @@ Model large_model(int n_modes = 5, int n_shared = 12) {
   return model;
 }
 
-std::vector<Model> models() {
+std::vector<Model> prepared_models() {
   return {large_model(), large_model(13, 20), large_model(1, 2), large_model(12, 12), small_field_model()};
 }
 
@@ -45,7 +45,7 @@ Points fresh_field(const phn_model* model, std::int32_t max_tools, std::int32_t 
 // Claim: whatever was touched before, in whatever order, by one tool or several, prepared or not: fields are
 // the same to the last bit. Scratch for one tool keeps three of four nodes.
 TEST(PreparedNodes, GiveTheSameFieldInAnyOrder) {
-  auto all = models();
+  auto all = prepared_models();
   all.push_back(small_model());  // of family rbfn
   for (const Model& model : all) {
     for (const std::int32_t max_tools : {1, 3}) {
@@ -114,7 +114,7 @@ void expect_same_bits(const LoadedModel& loaded, const runtime::SharedTable& sha
 /// Of every model: check(loaded, active, its response).
 template <class Check>
 void for_each_response(Check check) {
-  for (const Model& model : models()) {
+  for (const Model& model : prepared_models()) {
     const LoadedModel loaded(write_model_text(model));
     for (std::int32_t active = 0; active < loaded.model->n_active; ++active)
       check(loaded, active, *loaded.model->active[active].modal);

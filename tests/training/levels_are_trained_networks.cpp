@@ -16,7 +16,7 @@
 namespace phynness::test {
 namespace {
 
-constexpr double depth = 0.012;  // of small_header()
+constexpr double trained_depth = 0.012;  // of small_header()
 
 TrainingSpec spec_of(Family family, int levels) {
   TrainingSpec spec = family == Family::modal ? modal_spec() : small_spec();
@@ -78,10 +78,10 @@ TEST(LevelsOfForces, AreTrainingsOfTheirSize) {
   const auto tables = training_tables(header);
   for (const std::int32_t active : {0, 5, 9}) {
     const auto states = force_states(tables, small_rays(header, active));
-    const auto fit = fit_conservative(states, depth, 40, 4);
+    const auto fit = fit_conservative(states, trained_depth, 40, 4);
     ASSERT_EQ(fit.levels.size(), 4u);
     for (const auto& level : fit.levels) {
-      const auto alone = fit_conservative(states, depth, static_cast<int>(level.network.centers.size()));
+      const auto alone = fit_conservative(states, trained_depth, static_cast<int>(level.network.centers.size()));
       EXPECT_EQ(level.network.centers, alone.network.centers);
       EXPECT_EQ(level.network.coefficients, alone.network.coefficients);
       EXPECT_EQ(level.network.stiffness, alone.network.stiffness);
@@ -169,12 +169,12 @@ double true_force_error(const Model& model, const ActiveNodeModel& node, std::si
   for (int i = 0; i < 300; ++i) {
     Eigen::Vector3d e(uniform(random), uniform(random), uniform(random));
     e.normalize();
-    const Eigen::Vector3d d = depth * (uniform(random) + 1) / 2 * e;
+    const Eigen::Vector3d d = trained_depth * (uniform(random) + 1) / 2 * e;
     const Eigen::Vector3d expected = (30 + active) * d * (1 + 2000 * d.squaredNorm() + 8 * d[2]);
     Eigen::Vector3d said;
     if (model.family == Family::modal) {
       const auto& network = l < node.levels.size() ? node.levels[l].conservative : node.conservative;
-      said = evaluate_force(network, model.displacements, depth, d / depth);
+      said = evaluate_force(network, model.displacements, trained_depth, d / trained_depth);
     } else {
       RbfNetwork network = node.force;
       if (l < node.levels.size()) {

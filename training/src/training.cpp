@@ -15,7 +15,7 @@ namespace {
 /// hundreds of points.
 constexpr std::int32_t n_error_nodes = 20;
 
-void check(const TrainingSpec& spec) {
+void check_spec(const TrainingSpec& spec) {
   if (spec.levels < 1 || spec.levels > largest_level_count)
     throw input_error("levels must lie between 1 and " + std::to_string(largest_level_count),
                       std::to_string(spec.levels), "1 makes one network of the size asked for");
@@ -158,7 +158,7 @@ const FamilyOperations& operations(Family family) {
 Model train(const ResponseSource& source, const TrainingSpec& spec, TrainingReport& report,
             const TrainingProgress& progress, int threads) {
   const auto start = std::chrono::steady_clock::now();
-  check(spec);
+  check_spec(spec);
   if (threads <= 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   report = {};
   Training training(source, spec);

@@ -9,7 +9,6 @@ namespace {
 /// node, group, displacement, two forces, four errors.
 constexpr std::size_t row_size = 15, curve_head = 5, curve_point = 4;
 
-Eigen::Vector3d vector(const Vec3& v) { return {v[0], v[1], v[2]}; }
 Vec3 three(const std::vector<double>& from, std::size_t at) { return {from[at], from[at + 1], from[at + 2]}; }
 
 }  // namespace
@@ -25,7 +24,7 @@ void ProbeRecords::add(const NodeProbes& probes) {
 void ProbeRecords::add_group(const NodeProbes& probes, std::size_t group) {
   double largest_force = 0, largest_u = 0;
   for (const auto& state : probes.states[group]) {
-    largest_force = std::max(largest_force, vector(state.force_FE).norm());
+    largest_force = std::max(largest_force, to_eigen(state.force_FE).norm());
     for (Eigen::Index i = 0; i < state.u_FE.rows(); ++i)
       if (probes.counts[static_cast<std::size_t>(i)]) largest_u = std::max(largest_u, state.u_FE.row(i).norm());
   }
@@ -47,7 +46,7 @@ void ProbeRecords::add_group(const NodeProbes& probes, std::size_t group) {
     _rows.insert(_rows.end(), {static_cast<double>(probes.node), static_cast<double>(group)});
     for (const auto* v : {&state.d, &state.force_FE, &force}) _rows.insert(_rows.end(), v->begin(), v->end());
     const double scale = largest_force > 0 ? 1 / largest_force : 0;
-    const auto off = [&](const Vec3& f) { return scale * (vector(f) - vector(state.force_FE)).norm(); };
+    const auto off = [&](const Vec3& f) { return scale * (to_eigen(f) - to_eigen(state.force_FE)).norm(); };
     _rows.insert(_rows.end(),
                  {off(force), off(state.force_linear), n > 0 ? error / n : 0, n > 0 ? error_linear / n : 0});
   }

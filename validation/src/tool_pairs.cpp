@@ -27,13 +27,11 @@ const char* name(PairPredictor p) {
 
 namespace {
 
-constexpr std::size_t n_predictors = pair_predictors.size();
+constexpr std::size_t n_pair_predictors = pair_predictors.size();
 constexpr double none = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
 /// index, two nodes, two displacements, distance, solved, status, residual, error alone; the errors of each
 /// predictor.
-constexpr std::size_t row_head = 14, n_errors = 5, row_size = row_head + n_errors * n_predictors;
-
-Eigen::Vector3d vector(const Vec3& v) { return {v[0], v[1], v[2]}; }
+constexpr std::size_t pair_row_head = 14, n_errors = 5, pair_row_size = pair_row_head + n_errors * n_pair_predictors;
 
 /// A tool moves the node that another one touches.
 bool moves(const ActiveNodeModel& tool, std::int32_t other) {
@@ -64,7 +62,7 @@ std::vector<PairRecord> choose_pairs(const Scene& scene, const LoadedModel& mode
     for (std::size_t t = 0; t < 2; ++t) {
       Vec3 e = on_sphere(random);
       const Eigen::Vector3d normal = normals.row(record.nodes[t]).transpose();
-      while (scene.probe.directions == Directions::hemisphere && normal.dot(vector(e)) >= 0) e = on_sphere(random);
+      while (scene.probe.directions == Directions::hemisphere && normal.dot(to_eigen(e)) >= 0) e = on_sphere(random);
       record.displacement_m[t] = {depth_m * e[0], depth_m * e[1], depth_m * e[2]};
     }
   }
@@ -75,10 +73,10 @@ std::vector<PairRecord> choose_pairs(const Scene& scene, const LoadedModel& mode
 PairErrors errors_of(const std::vector<std::optional<Vec3>>& force, const Points& u, const Response& truth,
                      const Points& u_FE, const std::vector<char>& counts) {
   PairErrors errors;
-  const double sizes[2] = {vector(truth.force_N[0]).norm(), vector(truth.force_N[1]).norm()};
+  const double sizes[2] = {to_eigen(truth.force_N[0]).norm(), to_eigen(truth.force_N[1]).norm()};
   const double larger = std::max(sizes[0], sizes[1]);
   for (std::size_t t = 0; t < 2; ++t) {
-    const double off = force[t] ? (vector(*force[t]) - vector(truth.force_N[t])).norm() : none;
+    const double off = force[t] ? (to_eigen(*force[t]) - to_eigen(truth.force_N[t])).norm() : none;
     errors.force = force[t] && larger > 0 ? std::max(errors.force, off / larger) : none;
     errors.force_own = force[t] && sizes[t] > 0 ? std::max(errors.force_own, off / sizes[t]) : none;
   }
@@ -101,9 +99,9 @@ PairErrors errors_of(const std::vector<std::optional<Vec3>>& force, const Points
   return errors;
 }
 
-class Comparison {
+class PairComparison {
  public:
-  Comparison(const Scene& scene, const LoadedModel& model)
+  PairComparison(const Scene& scene, const LoadedModel& model)
       : _model(model),
         _increments(scene.probe.increments),
         _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {}
@@ -144,7 +142,7 @@ class Comparison {
     judge(PairPredictor::paper, {std::nullopt, std::nullopt}, _model.respond(nodes, d).displacement_m);
 
     Eigen::VectorXd q(6);
-    q << vector(d[0]), vector(d[1]);
+    q << to_eigen(d[0]), to_eigen(d[1]);
     const Eigen::VectorXd f = _solver.rest().stiffness_N_per_m * q, u = _solver.rest().sensitivity * q;
     judge(PairPredictor::linear, {Vec3{f[0], f[1], f[2]}, Vec3{f[3], f[4], f[5]}},
           rows([&](std::int32_t i) { return u.segment<3>(3 * i).transpose(); }));
@@ -158,7 +156,7 @@ class Comparison {
     _solver.touch({node});
     const Response truth = _solver.solve({d}, _increments);
     if (truth.status != Status::converged) return infinite;
-    return (vector(force) - vector(truth.force_N[0])).norm() / vector(truth.force_N[0]).norm();
+    return (to_eigen(force) - to_eigen(truth.force_N[0])).norm() / to_eigen(truth.force_N[0]).norm();
   }
 
   const LoadedModel& _model;
@@ -185,8 +183,8 @@ PairRecord read(const double* row) {
   pair.status = static_cast<int>(row[11]);
   pair.residual_m = row[12];
   pair.single_force = row[13];
-  for (std::size_t p = 0; p < n_predictors; ++p) {
-    const double* e = row + row_head + n_errors * p;
+  for (std::size_t p = 0; p < n_pair_predictors; ++p) {
+    const double* e = row + pair_row_head + n_errors * p;
     pair.errors[p] = {e[0], e[1], e[2], e[3], e[4]};
   }
   return pair;
@@ -195,7 +193,7 @@ PairRecord read(const double* row) {
 PairGroup group_of(const std::vector<PairRecord>& records, const std::function<bool(const PairRecord&)>& belongs) {
   PairGroup group;
   for (const auto& pair : records) group.pairs += pair.solved && belongs(pair);
-  for (std::size_t p = 0; p < n_predictors; ++p) {
+  for (std::size_t p = 0; p < n_pair_predictors; ++p) {
     const auto over = [&](double PairErrors::*measure) {
       std::vector<double> samples;
       for (const auto& pair : records)
@@ -225,7 +223,7 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   std::int64_t finished = 0;
   session.together([&] {
     auto chosen = choose_pairs(scene, model, pairs, depth_m, seed);
-    Comparison comparison(scene, model);
+    PairComparison comparison(scene, model);
     finished = share_out(session, pairs, progress, stop, [&](std::size_t i) {
       comparison.at(chosen[i]);
       append(rows, i, chosen[i]);
@@ -233,7 +231,7 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   });
   rows = session.gather(rows);
   std::vector<const double*> in_order;
-  for (std::size_t at = 0; at + row_size <= rows.size(); at += row_size) in_order.push_back(&rows[at]);
+  for (std::size_t at = 0; at + pair_row_size <= rows.size(); at += pair_row_size) in_order.push_back(&rows[at]);
   std::sort(in_order.begin(), in_order.end(), [](const double* a, const double* b) { return a[0] < b[0]; });
   for (const double* row : in_order) report.records.push_back(read(row));
   report.finished = static_cast<std::int64_t>(session.sum(static_cast<double>(finished)));

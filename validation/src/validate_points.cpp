@@ -65,36 +65,35 @@ struct Compared {
   Points u, u_FE;  ///< n_output x 3
 };
 
-enum Measure : std::size_t { force, displacement, field_l2, n_measures };
-using Samples = std::array<std::vector<double>, n_measures>;
+struct PointSamples {
+  std::vector<double> force, displacement, field_l2;
+};
 
 /// @param without  position among the output nodes that does not count; -1: all do
-void collect(const std::vector<Compared>& compared, Eigen::Index without, Samples& samples) {
-  const auto vector = [](const Vec3& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
+void collect(const std::vector<Compared>& compared, Eigen::Index without, PointSamples& samples) {
   double largest_force = 0, largest_u = 0;
   for (const auto& c : compared) {
-    largest_force = std::max(largest_force, vector(c.force_FE).norm());
+    largest_force = std::max(largest_force, to_eigen(c.force_FE).norm());
     for (Eigen::Index o = 0; o < c.u_FE.rows(); ++o)
       if (o != without) largest_u = std::max(largest_u, c.u_FE.row(o).norm());
   }
   for (const auto& c : compared) {
-    if (largest_force > 0) samples[force].push_back((vector(c.force) - vector(c.force_FE)).norm() / largest_force);
+    if (largest_force > 0) samples.force.push_back((to_eigen(c.force) - to_eigen(c.force_FE)).norm() / largest_force);
     double error2 = 0, norm2 = 0;
     for (Eigen::Index o = 0; o < c.u_FE.rows(); ++o) {
       if (o == without) continue;
       const double error = (c.u.row(o) - c.u_FE.row(o)).norm();
-      if (largest_u > 0) samples[displacement].push_back(error / largest_u);
+      if (largest_u > 0) samples.displacement.push_back(error / largest_u);
       error2 += error * error;
       norm2 += c.u_FE.row(o).squaredNorm();
     }
-    if (norm2 > 0) samples[field_l2].push_back(std::sqrt(error2 / norm2));
+    if (norm2 > 0) samples.field_l2.push_back(std::sqrt(error2 / norm2));
   }
 }
 
-PointErrors statistics(const SolverSession& session, const Samples& samples) {
-  return {ErrorStatistics::of(session.gather(samples[force])),
-          ErrorStatistics::of(session.gather(samples[displacement])),
-          ErrorStatistics::of(session.gather(samples[field_l2]))};
+PointErrors statistics(const SolverSession& session, const PointSamples& samples) {
+  return {ErrorStatistics::of(session.gather(samples.force)), ErrorStatistics::of(session.gather(samples.displacement)),
+          ErrorStatistics::of(session.gather(samples.field_l2))};
 }
 
 Points rows_of(const Points& all, const std::vector<std::int32_t>& nodes) {
@@ -103,9 +102,9 @@ Points rows_of(const Points& all, const std::vector<std::int32_t>& nodes) {
   return rows;
 }
 
-class Comparison {
+class PointComparison {
  public:
-  Comparison(const Scene& scene, const LoadedModel& model)
+  PointComparison(const Scene& scene, const LoadedModel& model)
       : _model(model),
         _increments(scene.probe.increments),
         _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {}
@@ -165,7 +164,7 @@ class Comparison {
   const LoadedModel& _model;
   int _increments;
   ProbeSolver _solver;
-  Samples _coupled, _linear, _at_nodes;
+  PointSamples _coupled, _linear, _at_nodes;
 };
 
 }  // namespace
@@ -178,7 +177,7 @@ PointReport validate_points(const SolverSession& session, const Scene& scene, co
   PointReport report;
   report.points = points;
   report.displacements = displacements;
-  std::optional<Comparison> comparison;
+  std::optional<PointComparison> comparison;
   session.together([&] {
     const auto places = choose_places(scene, model, points, displacements, seed);
     comparison.emplace(scene, model);

@@ -32,12 +32,12 @@ class LinearFamilyTraining : public FamilyTraining {
   const TrainingTables& _tables;
 };
 
-std::string describe(const Model& model) {
+std::string describe_linear(const Model& model) {
   return fmt::format("responses a 3 x 3 stiffness and three unit responses each; trained to {:.4g} m, exact beyond",
                      model.max_displacement_m);
 }
 
-std::vector<std::string> summary(const Model& model, const TrainingReport& report) {
+std::vector<std::string> summarize_linear(const Model& model, const TrainingReport& report) {
   const LinearQuality& q = report.linear;
   return {fmt::format("a 3 x 3 stiffness and three unit responses of {} output nodes each", model.output.size()),
           fmt::format("linear to {:.1e} (displacements), {:.1e} (forces), {:.1e} (energies); stiffness symmetric to "
@@ -45,7 +45,7 @@ std::vector<std::string> summary(const Model& model, const TrainingReport& repor
                       q.displacement_residual, q.force_residual, q.energy_residual, q.asymmetry)};
 }
 
-std::vector<std::pair<std::string, double>> figures(const TrainingReport& report) {
+std::vector<std::pair<std::string, double>> figures_of_linear(const TrainingReport& report) {
   const LinearQuality& q = report.linear;
   return {{"displacement_residual", q.displacement_residual},
           {"force_residual", q.force_residual},
@@ -71,8 +71,8 @@ const FamilyOperations linear_operations = {
     [](const TrainingSpec&) { return std::string("linear"); },
     [](const TrainingSpec&) { return std::vector<std::pair<std::string, int>>{}; },
     [](const Model& model) { return !model.output.empty(); },
-    describe,
-    summary,
-    figures};
+    describe_linear,
+    summarize_linear,
+    figures_of_linear};
 
 }  // namespace phynness

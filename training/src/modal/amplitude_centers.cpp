@@ -10,6 +10,7 @@
 #include "fixed_shapes.hpp"
 #include "left_out.hpp"
 #include "multiquadric.hpp"
+#include "search_states.hpp"
 
 namespace phynness {
 namespace {
@@ -18,12 +19,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-
-/// More states than this make a search slow and no better: what is left out is whole directions.
-constexpr std::size_t max_search_states = 100;
-
-/// Displacements this close, in the largest, are the same but for rounding.
-constexpr double same_place = 1e-9;
 
 /// Products of two components of a displacement.
 constexpr int n_even = 6;

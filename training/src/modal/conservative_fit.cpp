@@ -10,6 +10,7 @@
 #include "left_out.hpp"
 #include "levels.hpp"
 #include "modal/multiquadric.hpp"
+#include "modal/search_states.hpp"
 
 namespace phynness {
 namespace {
@@ -37,12 +38,6 @@ constexpr std::size_t max_fit_states = 400;
 /// Forces far above this part of the median count relative to their size. Parts from 0.3 to 3 were tried on a
 /// liver: less is better where it snaps, and the same elsewhere.
 constexpr double usual_share = 0.3;
-
-/// More states than this make a search slow and no better: what is left out is whole directions.
-constexpr std::size_t max_search_states = 100;
-
-/// Displacements this close, in R, are the same but for rounding.
-constexpr double same_place = 1e-9;
 
 /// Phi(x - c) - Phi(x) - Phi(c) + Phi(0)
 Matrix3d anchored_kernel(const Vector3d& x, const Vector3d& c, double shape) {

@@ -28,7 +28,7 @@ constexpr Size candidate_sizes[] = {{3, 12, 8, 20, 20},   {4, 24, 16, 26, 24},  
                                     {6, 40, 20, 52, 40},  {8, 64, 24, 52, 60},    {12, 64, 24, 80, 80},
                                     {16, 64, 40, 80, 80}, {20, 96, 60, 104, 100}, {24, 120, 80, 156, 120}};
 
-void check(const TrainingSpec& spec) {
+void check_modal(const TrainingSpec& spec) {
   if (spec.force_centers < 1 || spec.amplitude_centers < 0 || spec.modes < 0 || spec.shared_modes < 0 ||
       spec.near_nodes < 0 || spec.modes > largest_mode_count || spec.shared_modes > largest_mode_count) {
     throw input_error("impossible number of centers, modes or near nodes", "",
@@ -207,14 +207,14 @@ Largest largest(const Model& model) {
   return found;
 }
 
-std::string describe(const Model& model) {
+std::string describe_modal(const Model& model) {
   const auto [centers, modes] = largest(model);
   return fmt::format(
       "responses {} force centers and {} modes each, {} shared modes, {} amplitude centers; trained to {:.4g} m",
       centers, modes, model.shared.modes.cols(), model.shared.centers.size(), model.max_displacement_m);
 }
 
-std::vector<std::string> summary(const Model& model, const TrainingReport& report) {
+std::vector<std::string> summarize_modal(const Model& model, const TrainingReport& report) {
   const auto [centers, modes] = largest(model);
   const auto& q = report.modal;
   return {fmt::format("up to {} force centers and {} modes each; {} shared modes, {} amplitude centers", centers, modes,
@@ -228,7 +228,7 @@ std::vector<std::string> summary(const Model& model, const TrainingReport& repor
                       q.largest_force_shape, q.amplitude_shape)};
 }
 
-std::vector<std::pair<std::string, double>> figures(const TrainingReport& report) {
+std::vector<std::pair<std::string, double>> figures_of_modal(const TrainingReport& report) {
   const auto& q = report.modal;
   return {{"force_training_error", q.force_training},
           {"force_left_out_error", q.force_left_out},
@@ -244,15 +244,15 @@ const FamilyOperations modal_operations = {
     Family::modal,
     "conservative forces and modes",
     "modes and centers",
-    check,
+    check_modal,
     [](const DatabaseHeader& header, const TrainingTables& tables, const TrainingSpec& spec)
         -> std::unique_ptr<FamilyTraining> { return std::make_unique<ModalTraining>(header, tables, spec); },
     candidates,
     model_name,
     sizes,
     [](const Model& model) { return !model.output.empty() && largest(model).modes > 0; },
-    describe,
-    summary,
-    figures};
+    describe_modal,
+    summarize_modal,
+    figures_of_modal};
 
 }  // namespace phynness

@@ -17,7 +17,7 @@ constexpr double fallback_spread = 1.0;
 // The paper's sizes, and half and twice as many.
 constexpr int neuron_counts[] = {25, 50, 100, 200, 300, 400};
 
-void check(const TrainingSpec& spec) {
+void check_rbfn(const TrainingSpec& spec) {
   if (spec.samples < 1)
     throw input_error("samples must be at least 1", std::to_string(spec.samples), "the paper uses 5000");
   if (spec.deformation_neurons < 1 || spec.force_neurons < 1) {
@@ -98,7 +98,7 @@ std::vector<std::pair<std::string, int>> sizes(const TrainingSpec& spec) {
   return {{"deformation_neurons", spec.deformation_neurons}, {"force_neurons", spec.force_neurons}};
 }
 
-std::string describe(const Model& model) {
+std::string describe_rbfn(const Model& model) {
   std::int64_t neurons = 0, force_neurons = 0;
   for (const auto& node : model.nodes) {
     neurons = std::max<std::int64_t>(neurons, node.deformation.weights.rows());
@@ -108,7 +108,7 @@ std::string describe(const Model& model) {
                      model.max_displacement_m);
 }
 
-std::vector<std::string> summary(const Model& model, const TrainingReport& report) {
+std::vector<std::string> summarize_rbfn(const Model& model, const TrainingReport& report) {
   std::int64_t neurons = 0, force_neurons = 0;
   for (const auto& node : model.nodes) {
     neurons = std::max<std::int64_t>(neurons, node.deformation.weights.rows());
@@ -124,15 +124,15 @@ const FamilyOperations rbfn_operations = {
     Family::rbfn,
     "the paper's networks",
     "neurons and spreads",
-    check,
+    check_rbfn,
     [](const DatabaseHeader& header, const TrainingTables& tables, const TrainingSpec& spec)
         -> std::unique_ptr<FamilyTraining> { return std::make_unique<RbfnTraining>(header, tables, spec); },
     candidates,
     model_name,
     sizes,
     [](const Model& model) { return !model.output.empty(); },
-    describe,
-    summary,
+    describe_rbfn,
+    summarize_rbfn,
     [](const TrainingReport&) { return std::vector<std::pair<std::string, double>>{}; }};
 
 }  // namespace phynness

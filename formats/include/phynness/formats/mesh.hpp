@@ -16,6 +16,8 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Cells = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+inline Eigen::Vector3d to_eigen(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+
 /// A body made of tetrahedra (4 columns in `cells`), or a shell made of triangles (3 columns). Nodes have the order of
 /// the mesh file without its unreferenced nodes.
 struct Mesh {
