@@ -15,7 +15,7 @@
 namespace phynness {
 namespace {
 
-/// Who holds it, for the one who has to wait.
+/// Name of this process, for messages of other processes.
 std::string own_name() {
   char host[256] = "";
   ::gethostname(host, sizeof host - 1);
@@ -28,7 +28,7 @@ std::string read_name(const Descriptor& lock, const std::filesystem::path& path)
   return size > 0 ? std::string(name, size) : "another process";
 }
 
-/// False if the file was removed, or replaced by another, since it was opened.
+/// False if the file has been removed or replaced since it was opened.
 bool is_still(const Descriptor& lock, const std::filesystem::path& path) {
   struct stat opened {
   }, named{};
@@ -44,7 +44,8 @@ struct DatabaseLock::Impl {
   std::string warning;
 
   ~Impl() {
-    // Removed while it is still held: whoever opened it before notices, and opens the next one.
+    // The file is removed while the lock is held. A process that has opened it before detects this and opens the next
+    // one.
     if (!is_still(file, path)) return;
     ::unlink(path.c_str());
     ::rmdir(path.parent_path().c_str());
@@ -58,23 +59,23 @@ DatabaseLock::DatabaseLock(const std::filesystem::path& file) {
     make_log_folder(file);
     Descriptor lock(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
     if (!lock.is_open()) {
-      if (errno == ENOENT) continue;  // the folder went with the last holder
+      if (errno == ENOENT) continue;  // the last holder has removed the folder
       throw failure("cannot create the lock " + path.string(), std::generic_category().message(errno),
                     "make the folder of logs writable");
     }
     int code = 0;
     while (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 && (code = errno) == EINTR) code = 0;
     if (code == EWOULDBLOCK)
-      throw input_error("the database " + file.string() + " is being worked on", read_name(lock, path),
-                        "wait for it to end, or stop it, and run again with --resume");
+      throw input_error("the database " + file.string() + " is in use", read_name(lock, path),
+                        "wait until this process ends, or stop it, and run again with --resume");
     if (code == 0 && !is_still(lock, path)) continue;
     _impl = std::make_unique<Impl>();
     _impl->path = path;
     _impl->file = std::move(lock);
     if (code != 0)
       _impl->warning = path.string() + " cannot be locked (" + std::generic_category().message(code) +
-                       "): see to it that no other process works on this database";
-    // On a full disk the lock holds all the same, only nameless.
+                       "): make sure that no other process works on this database";
+    // On a full disk the lock is valid but has no name.
     const auto name = own_name();
     [[maybe_unused]] const bool named =
         ::ftruncate(_impl->file.get(), 0) == 0 &&

@@ -1,4 +1,4 @@
-// MODEL_DIR: model.txt and mesh.txt side by side, replaced whole or not at all.
+// MODEL_DIR with model.txt and mesh.txt, which are replaced completely or not at all.
 #include <fstream>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/model.hpp>
@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 std::string read_file(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) {
-    throw input_error("model directory lacks a file that can be read", file.string(),
-                      "name the directory that `phynness train -o` wrote");
+    throw input_error("a file of the model directory cannot be read", file.string(),
+                      "give a directory that `phynness train -o` has written");
   }
   std::ostringstream text;
   text << stream.rdbuf();
@@ -43,15 +43,18 @@ void rename_over(const fs::path& from, const fs::path& to) {
 
 void write_model_dir(const fs::path& dir, const Model& model, const Mesh& mesh) {
   if (mesh_hash(mesh) != model.mesh_hash) {
-    throw failure("model belongs to another mesh", model.mesh_hash, "write it with the mesh of its database");
+    throw failure("the model belongs to another mesh", model.mesh_hash, "write it with the mesh of its database");
   }
   const std::string model_text = write_model_text(model), mesh_text = write_mesh_text(mesh);
   std::error_code error;
   fs::create_directories(dir, error);
-  if (error) throw input_error("directory cannot be made (" + error.message() + ")", dir.string(), "choose another -o");
+  if (error)
+    throw input_error("the directory cannot be made (" + error.message() + ")", dir.string(),
+                      "give another directory with -o");
   write_file(dir / "mesh.txt.part", mesh_text);
   write_file(dir / "model.txt.part", model_text);
-  // The model names its mesh by hash, so a reader between the two renames refuses instead of mixing them.
+  // The model contains the hash of its mesh, so that a reader between the two renames gets an error instead of a
+  // mixture.
   rename_over(dir / "mesh.txt.part", dir / "mesh.txt");
   rename_over(dir / "model.txt.part", dir / "model.txt");
 }
@@ -60,7 +63,7 @@ ModelTexts read_model_texts(const fs::path& dir) { return {read_file(dir / "mode
 
 void require_mesh(const Mesh& mesh, const std::string& hash) {
   if (mesh_hash(mesh) != hash)
-    throw input_error("mesh.txt is not the mesh of model.txt", mesh_hash(mesh) + " instead of " + hash,
+    throw input_error("mesh.txt is not the mesh of model.txt", "hash " + mesh_hash(mesh) + " instead of " + hash,
                       "copy both files of one model directory");
 }
 

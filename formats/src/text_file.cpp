@@ -11,7 +11,7 @@ void write_text_file(const std::filesystem::path& file, const std::string& text)
   auto written = target;
   if (!in_place) written += ".part";
   std::ofstream out(written, std::ios::binary | std::ios::trunc);
-  if (!out) throw input_error("cannot write", file.string(), "check that the folder exists and is writable");
+  if (!out) throw input_error("cannot write the file", file.string(), "check that the folder exists and is writable");
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
   out.close();
   bool good = static_cast<bool>(out);
@@ -21,7 +21,7 @@ void write_text_file(const std::filesystem::path& file, const std::string& text)
   }
   if (good) return;
   if (!in_place) std::filesystem::remove(written, code);
-  throw failure("writing failed", file.string(), "check that there is room left");
+  throw failure("writing failed", file.string(), "check the free space of the disk");
 }
 
 }  // namespace phynness
