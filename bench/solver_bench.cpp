@@ -257,7 +257,7 @@ int run(int argc, char** argv) {
   app.add_option("--node", options.only_node, "this node instead of a draw");
   app.add_option("--direction", options.only_direction, "and this direction");
   app.add_flag("--verbose", options.verbose, "a line per increment");
-  app.add_option("--json", options.json, "write the figures for machines");
+  app.add_option("--json", options.json, "write the figures as JSON");
   CLI11_PARSE(app, argc, argv);
   const SolverSession session;
   Scene scene = read_scene(options.scene);

@@ -18,7 +18,7 @@ struct Options {
   std::optional<std::filesystem::path> json_file;
 };
 
-/// An error of 0 stands for one that nobody estimated (phn_level).
+/// An error of 0 means that it was not estimated (phn_level).
 json estimated(double error) { return error > 0 ? json(error) : json(nullptr); }
 std::string percent(double error) { return error > 0 ? fmt::format("{:.3f}", 100 * error) : "-"; }
 
@@ -27,8 +27,8 @@ void run(const Options& options) {
        {std::pair{"--budget", options.budget_us.value_or(0)}, std::pair{"--forces", options.forces},
         std::pair{"--deformations", options.deformations}})
     if (!std::isfinite(value))
-      throw input_error(fmt::format("{} is no finite number", name), fmt::format("{}", value),
-                        "microseconds and numbers of calls, as in --budget 200 --forces 1");
+      throw input_error(fmt::format("{} is not a finite number", name), fmt::format("{}", value),
+                        "give microseconds and numbers of calls, as in --budget 200 --forces 1");
   const LoadedModel model(options.model);
   const auto times = measure_levels(model);
   json levels = json::array();
@@ -51,10 +51,11 @@ void run(const Options& options) {
   }
   if (times.size() > 1)
     print_result(
-        "errors: of displacements left out of the fit one by one, over the largest of the node; the median "
+        "errors: leave-one-out errors of the median node, relative to the largest force or displacement of the "
         "node\n");
   else
-    print_result("one level, whose errors were not estimated; [training] levels makes more, with theirs\n");
+    print_result(
+        "errors: not estimated for a model of one level; [training] levels trains more and estimates errors\n");
   json out{{"levels", levels}};
   rt::Status status;
   if (options.budget_us) {
@@ -71,22 +72,22 @@ void run(const Options& options) {
   write_json(options.json_file, out);
   if (status != PHN_OK)
     throw failure(status.message(), fmt::format("{:g} us", *options.budget_us),
-                  "train more levels, or a smaller model");
+                  "increase --budget, train more levels, or train a smaller model");
 }
 
 }  // namespace
 
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("bench", "Time of a force and of a deformation at each level of a model");
+  auto* command = app.add_subcommand("bench", "Measure the time of a force and a deformation at each level of a model");
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
-  command->add_option("--budget", options->budget_us, "say which level fits into so many microseconds")
+  command->add_option("--budget", options->budget_us, "print the level that fits into this time [us]")
       ->check(finite_range(0, 1e12));
-  command->add_option("--forces", options->forces, "forces within the budget")->check(finite_range(0, 1e12));
-  command->add_option("--deformations", options->deformations, "deformations within the budget")
+  command->add_option("--forces", options->forces, "number of forces within the budget")->check(finite_range(0, 1e12));
+  command->add_option("--deformations", options->deformations, "number of deformations within the budget")
       ->check(finite_range(0, 1e12));
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->callback([options] { run(*options); });
 }
 

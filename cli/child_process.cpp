@@ -31,7 +31,7 @@ ProcessResult execute(const std::vector<std::string>& arguments) {
   const int code = posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ);
   if (code != 0) return {};
   int status = 0;
-  // Each signal is passed on: the first asks the child for an end, the second kills it.
+  // Each signal is passed on. The first makes the child stop in an orderly way, the second kills it.
   while (waitpid(child, &status, 0) < 0 && errno == EINTR)
     if (stop_requested()) kill(child, SIGTERM);
   return {true, WIFEXITED(status) ? WEXITSTATUS(status) : 1};
@@ -46,7 +46,7 @@ void prepare_environment(int ranks) {
   if (isatty(STDERR_FILENO)) setenv("PHYNNESS_PROGRESS", "1", 0);
   if (ranks <= 1) return;
   setenv("OMP_NUM_THREADS", "1", 0);
-  if (geteuid() == 0) {  // Open MPI wants to be told twice
+  if (geteuid() == 0) {  // Open MPI requires both variables
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
     setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
   }
@@ -60,11 +60,12 @@ void run_child(const std::string& title, std::vector<std::string> arguments, int
   }
   const auto result = execute(arguments);
   if (!result.started)
-    throw failure("cannot start", arguments[0], ranks > 1 ? "install Open MPI, or use --ranks 1" : "");
+    throw failure("the program cannot be started", arguments[0], ranks > 1 ? "install Open MPI, or use --ranks 1" : "");
   if (result.exit_status != 0 && stop_requested())
-    throw failure("interrupted in " + title, "what was finished is kept", "the same command goes on from there");
-  if (result.exit_status == 2) throw input_error("stopped in " + title, "see the message above", "");
-  if (result.exit_status != 0) throw failure("stopped in " + title, "see the message above", "");
+    throw failure("interrupted in stage " + title, "finished results are kept",
+                  "run the same command again to continue");
+  if (result.exit_status == 2) throw input_error("stopped in stage " + title, "see the message above", "");
+  if (result.exit_status != 0) throw failure("stopped in stage " + title, "see the message above", "");
 }
 
 }  // namespace phynness::cli

@@ -1,4 +1,4 @@
-// Stages of a longer run, each a process of its own: parallel ones under mpirun, training with threads.
+// Child processes for the stages of `phynness run`. Solver stages run in parallel under mpirun, training uses threads.
 #pragma once
 
 #include <filesystem>
@@ -7,16 +7,17 @@
 
 namespace phynness::cli {
 
-/// This program, to be started again.
+/// Path of this executable.
 std::string this_program();
 
-/// For all children: progress if a person sees stderr, and what Open MPI and BLAS want to be told.
+/// Sets environment variables for all children: progress lines if stderr is a terminal, one BLAS thread per rank, and
+/// permission for Open MPI to run as root.
 void prepare_environment(int ranks);
 
-/// Starts a program and waits for it; a signal is passed on.
-/// @param title  of the stage, for messages
-/// @param ranks  more than 1: under mpirun
-/// @throws Error of the kind of the child's exit status (2: input), or (failure) if it cannot be started
+/// Starts a program and waits for its end. Signals are passed on to it.
+/// @param title  name of the stage, for messages
+/// @param ranks  if greater than 1, the program is started with mpirun
+/// @throws Error (input) if the exit status is 2, (failure) for any other status except 0, or if it cannot be started
 void run_child(const std::string& title, std::vector<std::string> arguments, int ranks);
 
 }  // namespace phynness::cli

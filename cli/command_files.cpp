@@ -15,13 +15,13 @@ namespace fs = std::filesystem;
 /// A file or directory that the command reads or writes.
 struct Claim {
   std::string option;
-  fs::path path;      ///< as it was named
+  fs::path path;      ///< as given by the user
   fs::path resolved;  ///< canonical
   bool written = false;
-  bool encloses = true;  ///< nothing else may lie inside: true for files, too
+  bool encloses = true;  ///< no other claim may lie inside; also true for files
 };
 
-/// Canonical, with symbolic links followed even if they lead to nothing yet.
+/// Canonical path. Symbolic links are followed even if their targets do not exist yet.
 fs::path resolve(const fs::path& path) {
   constexpr int most_links = 40;
   std::error_code code;
@@ -29,7 +29,7 @@ fs::path resolve(const fs::path& path) {
   for (int links = 0; links < most_links; ++links) {
     const auto canonical = fs::weakly_canonical(found, code);
     found = code ? found.lexically_normal() : canonical;
-    if (!found.has_filename()) found = found.parent_path();  // a slash at the end
+    if (!found.has_filename()) found = found.parent_path();  // trailing slash
     fs::path at, rest;
     bool is_link = false;
     for (const auto& part : found) {
@@ -61,7 +61,7 @@ bool lies_in(const fs::path& inner, const fs::path& outer) {
   return false;
 }
 
-/// What a pipe, a terminal or /dev/null is given is not kept, so nothing can be overwritten.
+/// Pipes, terminals and /dev/null keep no data that could be overwritten.
 bool keeps_nothing(const fs::path& path) {
   std::error_code code;
   const auto type = fs::status(path, code).type();
@@ -77,7 +77,7 @@ class Claims {
     for (const auto& other : _claims) check(claim, other);
     _claims.push_back(std::move(claim));
   }
-  /// With what is in it, so that a second name of a file in it is found by its inode.
+  /// Adds a directory together with its entries, so that a second name of an entry is found by its inode.
   void add_tree(const Claim& claim) {
     add(claim);
     std::error_code code;
@@ -100,13 +100,13 @@ class Claims {
     throw input_error(
         fmt::format("an output would overwrite {}", other.written ? "another output" : "an input"),
         fmt::format("{} {} and {} {}", output.option, output.path.string(), other.option, other.path.string()),
-        fmt::format("give {} a place of its own", output.option));
+        fmt::format("give {} another file or directory", output.option));
   }
 
   std::vector<Claim> _claims;
 };
 
-/// Of the one command that this process runs.
+/// All claims of the command that this process runs.
 Claims& claims() {
   static Claims all;
   return all;
@@ -132,7 +132,7 @@ void claim_input(const std::string& option, const fs::path& path, InputKind kind
 void claim_output(const std::string& option, const fs::path& path, OutputKind kind) {
   const bool encloses = kind != OutputKind::model && kind != OutputKind::folder;
   const auto claim = [&](const fs::path& of) { return Claim{option, of, {}, true, encloses}; };
-  // Text files are written beside their place and renamed, so the name beside it is written, too.
+  // Text files are first written to FILE.part and then renamed, so that FILE.part is also an output.
   const auto claim_text = [&](const fs::path& file) {
     claims().add({option, file, {}, true, true});
     claims().add({option, with_suffix(file, ".part"), {}, true, true});
@@ -172,8 +172,8 @@ void check_files(const CLI::App& app) {
     if (declared == declared_options().end()) continue;
     for (const auto& path : option->results()) {
       if (path.empty())
-        throw input_error("a name of a file is empty", option->get_name() + " ''",
-                          "name a file, or leave the option out");
+        throw input_error("the name of a file is empty", option->get_name() + " ''",
+                          "give the name of a file, or omit the option");
       if (const auto* input = std::get_if<InputKind>(&declared->second))
         claim_input(option->get_name(), path, *input);
       else

@@ -1,4 +1,4 @@
-// The subcommands. Each adds itself to the command line; what it does runs when the line has been parsed.
+// The subcommands. Each function adds a subcommand, which is executed after the whole command line has been parsed.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -60,10 +60,10 @@ void add(CLI::App& app);
 }
 
 /// Reads a scene and declares the mesh file that it names as an input of the command.
-/// @throws Error also if an output would overwrite that file
+/// @throws Error (input) if the scene is invalid or if an output of the command would overwrite the mesh file
 Scene open_scene(const std::filesystem::path& file);
 
-/// A scene with its mesh and selections; says on stderr what was noted on the way.
+/// A scene with its mesh and node sets. load_scene prints notes and warnings on stderr unless `quiet`.
 struct LoadedScene {
   Scene scene;
   Mesh mesh;
@@ -71,9 +71,10 @@ struct LoadedScene {
 };
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false);
 
-/// @throws Error if the scene's mesh specification cannot be the one `mesh` came from: a file mesh is read
-/// and its hash compared, a built-in shape is compared by its specification (a remesh by another gmsh is
-/// another mesh).
+/// Checks that a mesh belongs to the scene. Only a mesh file is compared, by its hash. Built-in shapes are covered by
+/// the physics hash, because another version of gmsh makes another mesh.
+/// @param where  the file with `mesh_hash`, for messages
+/// @throws Error (input) if the hashes differ
 void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
 
 /// For options: a finite number from `low` to `high`; CLI11's own ranges let nan pass.
@@ -81,7 +82,8 @@ CLI::Validator finite_range(double low, double high);
 
 void write_json(const std::optional<std::filesystem::path>& file, const json& value);
 
-/// Far beyond every body that the mesh checks let pass without a warning, far below where squares overflow.
+/// Much larger than any body that passes the mesh checks without a warning, and much smaller than numbers whose squares
+/// overflow.
 inline constexpr double largest_displacement_m = 1e6;
 
 /// Of a body with this diagonal: solves in double precision have some four digits of the force at this displacement,
@@ -94,22 +96,23 @@ struct ToolOptions {
   std::vector<std::string> points, displacements;
   std::optional<std::filesystem::path> deformation_csv, json_file;
   void add_to(CLI::App& command);
-  /// Of the tools at nodes, then of those at points.
-  /// @throws Error unless there are as many displacements as tools, at least one, each three finite numbers
+  /// Displacements [m] of the tools at nodes, then of the tools at points.
+  /// @throws Error (input) unless there is at least one tool and one displacement of three finite numbers for each tool
   std::vector<Vec3> parsed_displacements() const;
-  /// Where the tools are: nodes, then the points of the surface nearest to --point; says how far they moved.
-  /// @throws Error if a point is no three finite numbers or a node is none of the mesh
+  /// Positions of the tools: the nodes, then the surface points nearest to each --point, whose distances are printed on
+  /// stderr.
+  /// @throws Error (input) if a point is not three finite numbers or a node is not in the mesh
   std::vector<SurfacePoint> places(const Mesh& mesh) const;
 };
 
-/// The result that eval and solve share.
+/// The result of eval and of solve.
 struct ToolResult {
   std::vector<std::optional<Vec3>> force_N;
   std::optional<double> energy_J;
   Points displacement_m;            ///< one row per entry of `nodes`
   std::vector<std::int32_t> nodes;  ///< mesh node numbers of the rows
   struct Column {
-    std::string name, unit, heading;  ///< heading: of a table, unit included
+    std::string name, unit, heading;  ///< heading: of the CSV column, including the unit
     Eigen::VectorXd values;           ///< one per entry of `nodes`
   };
   std::vector<Column> fields;

@@ -16,7 +16,8 @@ namespace phynness::cli {
 
 namespace {
 
-/// @throws Error unless `text` is three finite numbers separated by commas, together no longer than the above
+/// @throws Error (input) unless `text` is three finite numbers, separated by commas, of a length of at most
+/// largest_displacement_m
 Vec3 parse_vector(const std::string& text, const std::string& what, const std::string& remedy) {
   Vec3 v{};
   const char *at = text.data(), *end = text.data() + text.size();
@@ -31,9 +32,10 @@ Vec3 parse_vector(const std::string& text, const std::string& what, const std::s
     at = next;
   }
   if (!good || at != end)
-    throw input_error("a " + what + " is three finite numbers separated by commas", "'" + text + "'", remedy);
+    throw input_error("a " + what + " must be three finite numbers separated by commas", "'" + text + "'", remedy);
   if (std::hypot(v[0], v[1], v[2]) > largest_displacement_m)
-    throw input_error("a " + what + " is larger than any body", "'" + text + "'", what + "s are in metres");
+    throw input_error(fmt::format("a {} is longer than {:g} m", what, largest_displacement_m), "'" + text + "'",
+                      "give the " + what + " in metres");
   return v;
 }
 
@@ -51,19 +53,19 @@ void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
   if (depth > *longest)
     throw input_error(scene.probe.where.str() + ": the maximum displacement is longer than the body",
                       fmt::format("max_displacement_m = {:g}, the body is {:.3g} m long", depth, *longest),
-                      "displacements are in metres; is mesh.scale_to_m right?");
+                      "give displacements in metres, and check mesh.scale_to_m");
   if (depth > *thinnest && !quiet)
-    message("warning: the maximum displacement, {:g} m, is more than the body is thick, {:.3g} m\n", depth, *thinnest);
+    message("warning: the maximum displacement, {:g} m, exceeds the smallest extent of the body, {:.3g} m\n", depth,
+            *thinnest);
   const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
   if (radius > *longest)
     throw input_error(scene.probe.where.str() + ": the tool is larger than the body",
                       fmt::format("tool_radius_m = {:g}, the body is {:.3g} m long", radius, *longest),
-                      "radii are in metres; is mesh.scale_to_m right?");
+                      "give radii in metres, and check mesh.scale_to_m");
   if (radius > 0 && radius < q.mean_edge_m && !quiet)
     message(
-        "warning: the tool radius, {:g} m, is less than an edge of the mesh, {:.3g} m on average: the "
-        "patch is "
-        "little more than a node\n",
+        "warning: the tool radius, {:g} m, is smaller than the mean edge of the mesh, {:.3g} m: a patch has "
+        "hardly more than one node\n",
         radius, q.mean_edge_m);
 }
 
@@ -95,8 +97,9 @@ void check_mesh(const Scene& scene, const std::string& hash, const std::string& 
   if (scene.mesh.shape != Shape::none || !std::filesystem::exists(scene.mesh.file)) return;
   const auto own = mesh_hash(make_mesh(scene).mesh);
   if (own != hash)
-    throw input_error("the mesh of " + where + " is not the scene's", hash + ", the scene's is " + own,
-                      "use the scene and mesh it was made from, or precompute again");
+    throw input_error("the mesh of " + where + " is not the mesh of the scene",
+                      "hash " + hash + ", in the scene " + own,
+                      "use the scene and mesh file from which it was made, or precompute again");
 }
 
 CLI::Validator finite_range(double low, double high) {
@@ -114,11 +117,12 @@ void write_json(const std::optional<std::filesystem::path>& file, const json& va
 }
 
 void ToolOptions::add_to(CLI::App& command) {
-  command.add_option("--node", nodes, "touched node (0-based number of the mesh); repeat for several tools")
+  command.add_option("--node", nodes, "number of the touched node, starting with 0; repeat for several tools")
       ->allow_extra_args(false);
   command
       .add_option("--point", points,
-                  "or a touched point x,y,z [m] of the undeformed surface, where it is nearest; repeat")
+                  "touched point x,y,z [m] instead of a node; the nearest point of the undeformed surface is used; "
+                  "repeat for several tools")
       ->allow_extra_args(false);
   command
       .add_option("--displacement", displacements,
@@ -126,21 +130,22 @@ void ToolOptions::add_to(CLI::App& command) {
       ->required()
       ->allow_extra_args(false);
   add_path(command, "--deformation", deformation_csv, OutputKind::file,
-           "write the displacement of the output nodes: node,x,y,z,ux,uy,uz [m], and fields, if there are");
-  add_path(command, "--json", json_file, OutputKind::file, "write the result for machines");
+           "write a CSV file with the displacement of the output nodes: node,x,y,z,ux,uy,uz [m] and scalar fields");
+  add_path(command, "--json", json_file, OutputKind::file, "write the result as JSON");
 }
 
 std::vector<Vec3> ToolOptions::parsed_displacements() const {
   if (nodes.empty() && points.empty())
-    throw input_error("no tool", "neither --node nor --point", "--node 5 --displacement 0,0,-0.01");
+    throw input_error("a tool is missing", "neither --node nor --point is given",
+                      "give for example --node 5 --displacement 0,0,-0.01");
   if (nodes.size() + points.size() != displacements.size())
     throw input_error(
         "each --node and --point needs one --displacement",
         fmt::format("{} nodes, {} points, {} displacements", nodes.size(), points.size(), displacements.size()),
-        "repeat both: --node 5 --displacement 0,0,-0.01 --node 9 --displacement 0,0.005,0");
+        "repeat both options: --node 5 --displacement 0,0,-0.01 --node 9 --displacement 0,0.005,0");
   std::vector<Vec3> parsed;
   for (const auto& text : displacements)
-    parsed.push_back(parse_vector(text, "displacement", "--displacement 0,0,-0.01 (metres)"));
+    parsed.push_back(parse_vector(text, "displacement", "give for example --displacement 0,0,-0.01 (in metres)"));
   return parsed;
 }
 
@@ -148,18 +153,18 @@ std::vector<SurfacePoint> ToolOptions::places(const Mesh& mesh) const {
   std::vector<SurfacePoint> found;
   for (const auto node : nodes) {
     if (node < 0 || node >= mesh.n_nodes())
-      throw input_error("no such node", "node " + std::to_string(node),
-                        "nodes are numbered 0 to " + std::to_string(mesh.n_nodes() - 1));
+      throw input_error("the mesh has no such node", "--node " + std::to_string(node),
+                        "give a number from 0 to " + std::to_string(mesh.n_nodes() - 1));
     SurfacePoint place{{node, -1, -1}, {1, 0, 0}, {}, 0};
     for (int k = 0; k < 3; ++k) place.point[static_cast<std::size_t>(k)] = mesh.nodes(node, k);
     found.push_back(place);
   }
   for (const auto& text : points) {
-    const Vec3 wanted = parse_vector(text, "point", "--point 0.1,0.02,0.05 (metres)");
+    const Vec3 wanted = parse_vector(text, "point", "give for example --point 0.1,0.02,0.05 (in metres)");
     found.push_back(nearest_on_surface(mesh.nodes, mesh.surface, wanted));
     const auto& place = found.back();
-    message("point {}: {:.3g} m from the surface, on the triangle of nodes {}, {}, {}\n", text, place.distance,
-            place.nodes[0], place.nodes[1], place.nodes[2]);
+    message("note: point {} is {:.3g} m from the surface; the nearest triangle has the nodes {}, {}, {}\n", text,
+            place.distance, place.nodes[0], place.nodes[1], place.nodes[2]);
   }
   return found;
 }
@@ -192,7 +197,7 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
       const auto& f = *result.force_N[t];
       print_result("  force {:.6g} {:.6g} {:.6g} N\n", f[0], f[1], f[2]);
     } else {
-      print_result("  force: not defined by these weights\n");
+      print_result("  force: undefined with --tools paper\n");
     }
   }
   json out{{"tools", tools}, {"energy", nullptr}, {"max_displacement", nullptr}};
@@ -203,7 +208,7 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
   if (result.displacement_m.rows() > 0)
     print_result("largest displacement {:.6g} m\n", largest);
   else
-    print_result("forces only\n");
+    print_result("no deformation: the model has forces only\n");
   for (const auto& field : result.fields) {
     const double most = field.values.size() > 0 ? field.values.maxCoeff() : 0.0;
     print_result("largest {} {:.6g} {}\n", field.name, most, field.unit);

@@ -38,7 +38,7 @@ void Progress::update(std::int64_t done, std::int64_t total) {
   const auto filled = static_cast<std::size_t>(width * done / total);
   message("\r\033[K{} [{}{}] {}/{} {}", _what, std::string(filled, '#'), std::string(width - filled, '.'), done, total,
           _unit);
-  if (rate > 0) message(", {:.3g}/s, {} left", rate, duration(static_cast<double>(total - done) / rate));
+  if (rate > 0) message(", {:.3g}/s, {} remaining", rate, duration(static_cast<double>(total - done) / rate));
 }
 
 namespace {
@@ -56,13 +56,13 @@ bool stop_requested() { return stop.load(std::memory_order_relaxed); }
 
 void install_stop_handler(bool second_signal_kills) {
   second_kills = second_signal_kills;
-  // Without SA_RESTART, so that a wait for a child process wakes up.
+  // Without SA_RESTART, so that a signal ends the wait for a child process.
   struct sigaction action {};
   action.sa_handler = on_signal;
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  // What mpirun passes on to its ranks without ending them itself; batch systems send it before a time limit.
+  // mpirun passes SIGUSR1 on to its ranks without ending them itself, and batch systems send it before a time limit.
   sigaction(SIGUSR1, &action, nullptr);
 }
 

@@ -1,4 +1,4 @@
-// What a person sees while a command works: progress on stderr, and a polite end on Ctrl-C.
+// Progress on stderr during a command, and an orderly end after a signal.
 #pragma once
 
 #include <chrono>
@@ -7,9 +7,9 @@
 
 namespace phynness::cli {
 
-/// One line on stderr, redrawn a few times a second: done, rate, time left. Silent when stderr is no
-/// terminal, unless the environment variable PHYNNESS_PROGRESS is 1 (a parent process that has the terminal
-/// says so).
+/// One line on stderr that is redrawn a few times a second: finished units, rate, remaining time. It is only shown if
+/// stderr is a terminal or if the environment variable PHYNNESS_PROGRESS is 1, which a parent process with a terminal
+/// sets.
 class Progress {
  public:
   explicit Progress(std::string what, std::string unit);
@@ -24,9 +24,9 @@ class Progress {
   Clock::time_point _start = Clock::now(), _last{};
 };
 
-/// True once SIGINT, SIGTERM or SIGUSR1 has come. The first signal asks, a second SIGINT or SIGTERM kills.
+/// True after SIGINT, SIGTERM or SIGUSR1. A second SIGINT or SIGTERM kills the process.
 bool stop_requested();
-/// For commands that poll stop_requested(); elsewhere a signal simply ends the program.
+/// For commands that poll stop_requested(). In other commands a signal ends the process at once.
 /// @param second_signal_kills  false for a process that must outlive its children
 void install_stop_handler(bool second_signal_kills = true);
 

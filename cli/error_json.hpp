@@ -1,4 +1,4 @@
-// Errors against finite elements, for machines: the same words from validate and tune.
+// Errors relative to finite elements as JSON, with the same keys from validate and tune.
 #pragma once
 
 #include <cmath>
@@ -13,13 +13,13 @@ inline nlohmann::ordered_json or_null(const std::optional<double>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
 }
 
-/// Without samples there is no error, not an error of zero.
+/// Without samples the values are null, because an error of 0 would be wrong.
 inline nlohmann::ordered_json to_json(const ErrorStatistics& s) {
   if (s.n == 0) return {{"mean", nullptr}, {"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}};
   return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}, {"n", s.n}};
 }
 
-/// @param fields  those of the model, as many as `e` has
+/// @param fields  of the model, as many as in `e`
 inline nlohmann::ordered_json to_json(const GroupErrors& e, const std::vector<FieldModes>& fields = {}) {
   nlohmann::ordered_json out{{"force", to_json(e.force)},
                              {"displacement", to_json(e.displacement)},

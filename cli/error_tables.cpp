@@ -13,15 +13,15 @@
 namespace phynness::cli {
 namespace {
 
-/// Two decimals, or the order of magnitude where those would show nothing.
+/// Percent with two decimals, or the order of magnitude of values below 0.005 %.
 std::string percent(double fraction) {
   const double value = 100 * fraction;
   return value > 0 && value < 0.005 ? fmt::format("{:7.0e}", value) : fmt::format("{:7.2f}", value);
 }
 
-/// A rank correlation, or why there is none.
+/// A rank correlation, or the reason why it is missing.
 std::string told(const std::optional<double>& correlation) {
-  return correlation ? fmt::format("{:.2f}", *correlation) : "not enough probes";
+  return correlation ? fmt::format("{:.2f}", *correlation) : "too few probes";
 }
 
 }  // namespace
@@ -40,13 +40,13 @@ void print_table(const ValidationReport& report, const std::vector<FieldModes>& 
     print_result("\n");
   };
   for (const auto& [title, group] : {std::pair{"inside the trained range", &PredictorErrors::inside},
-                                     std::pair{"beyond it (to 1.43 times)", &PredictorErrors::outside}}) {
+                                     std::pair{"outside, to 1.43 times", &PredictorErrors::outside}}) {
     print_result("{:<24} | {:^23} | {:^23} | {:^23}\n", title, "model", "linear predictor", "zero predictor");
     print_result("{:<24} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7}\n", "  error in %", "mean", "p95",
                  "max", "mean", "p95", "max", "mean", "p95", "max");
     row("force, eq. (17)", &GroupErrors::force, group);
     row("displacement, eq. (17)", &GroupErrors::displacement, group);
-    row("  tenth moving most", &GroupErrors::displacement_moving, group);
+    row("  most moved tenth", &GroupErrors::displacement_moving, group);
     row("field, relative L2", &GroupErrors::field_l2, group);
     for (std::size_t f = 0; f < fields.size(); ++f) {
       row(
@@ -62,7 +62,7 @@ void print_summary(const ValidationReport& report) {
   if (inside.force.n > 0) print_result("median inside: force{} %", percent(inside.force.median));
   if (inside.displacement.n > 0) print_result(", displacement{} %", percent(inside.displacement.median));
   if (inside.force.n > 0) print_result("\n");
-  print_result("rank correlation of the force's error with the distance from what was trained: {} inside, {} beyond\n",
+  print_result("rank correlation of the force error with the distance from the training data: {} inside, {} outside\n",
                told(report.distance_correlation_inside), told(report.distance_correlation_outside));
 }
 
@@ -86,7 +86,7 @@ void print_examples(const ValidationReport& report) {
 }
 
 void print_points(const PointReport& report) {
-  print_result("{} points of the surface, {} displacements each; {} not solved, {} unsettled by the model\n",
+  print_result("{} points of the surface, {} displacements each; {} not solved, {} unsettled in the model\n",
                report.finished, report.displacements, report.failed, report.unsettled);
   print_result("{:<24} | {:^31} | {:^31} | {:^31}\n", "tools between nodes", "coupled model", "linear predictor",
                "model at the nearest nodes");
@@ -104,14 +104,14 @@ void print_points(const PointReport& report) {
   row("force, as eq. (17)", &PointErrors::force);
   row("displacement", &PointErrors::displacement);
   row("field, relative L2", &PointErrors::field_l2);
-  print_result("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m, duration(report.seconds));
+  print_result("largest distance of a tool from its point in the field: {:.1e} m; {}\n", report.largest_residual_m,
+               duration(report.seconds));
 }
 
 void print_pairs(const PairReport& report) {
   print_result(
-      "{} pairs of nodes, both tools {:.4g} mm deep; {} not solved, {} unsettled by the model, {} beyond "
-      "what "
-      "it was trained on\n",
+      "{} pairs of nodes, both tools {:.4g} mm deep; {} not solved, {} unsettled in the model, {} outside of its "
+      "trained range\n",
       report.finished, 1e3 * report.depth_m, report.failed, report.unsettled, report.outside);
   const double far_mm = 1e3 * report.far_m;
   print_result("{:<28} | {:^31} | {:^15} | {:^15} | {:^15}\n", "two tools, error in %",
@@ -141,18 +141,20 @@ void print_pairs(const PairReport& report) {
       print_result("\n");
     }
   };
-  block("force, the worse tool, over the larger force", &PairStatistics::force);
-  block("force, the worse tool, over its own", &PairStatistics::force_own);
-  block("displacement, mean over all nodes, over the largest", &PairStatistics::displacement_all);
-  block("displacement, as eq. (17): touched nodes left out of both", &PairStatistics::displacement);
+  block("force of the worse tool, relative to the larger force", &PairStatistics::force);
+  block("force of the worse tool, relative to its own force", &PairStatistics::force_own);
+  block("displacement, mean of all nodes, relative to the largest", &PairStatistics::displacement_all);
+  block("displacement as in eq. (17), without touched nodes", &PairStatistics::displacement);
   block("field, relative L2", &PairStatistics::field_l2);
   const auto& alone = report.single_force;
   if (alone.n > 0)
     print_result(
-        "right alone: each tool's force, when it is alone, is right to {:.0f} %; errors of the worse one: "
-        "mean {}, median {}, max {} %\n",
+        "right alone: pairs in which the force of each single tool has an error below {:.0f} %; larger error of the "
+        "two "
+        "single tools: mean {}, median {}, max {} %\n",
         1e2 * right_alone, percent(alone.mean), percent(alone.median), percent(alone.max));
-  print_result("fields fit their tools to {:.1e} m; {}\n", report.largest_residual_m, duration(report.seconds));
+  print_result("largest distance of a tool from its point in the field: {:.1e} m; {}\n", report.largest_residual_m,
+               duration(report.seconds));
 }
 
 }  // namespace phynness::cli

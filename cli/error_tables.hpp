@@ -1,4 +1,4 @@
-// What `phynness validate` says to persons.
+// Text output of `phynness validate`.
 #pragma once
 
 #include <phynness/validation/surface_points.hpp>
@@ -7,11 +7,11 @@
 
 namespace phynness::cli {
 
-/// Errors of model, linear and zero predictor, inside the trained range and beyond.
+/// Errors of the model, the linear predictor and the zero predictor, inside and outside of the trained range.
 void print_table(const ValidationReport& report, const std::vector<FieldModes>& fields);
-/// Medians, and what the distance from what was trained is worth.
+/// Median errors, and the correlation of the error with the distance from the training data.
 void print_summary(const ValidationReport& report);
-/// Some probes with their forces.
+/// Forces of some probes.
 void print_examples(const ValidationReport& report);
 void print_points(const PointReport& report);
 void print_pairs(const PairReport& report);

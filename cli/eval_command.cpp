@@ -25,8 +25,8 @@ struct Options {
 void check_surface_options(const Options& options) {
   if (!options.surface) {
     if (options.levels > 0)
-      throw input_error("a subdivided surface needs a file", fmt::format("--subdivide {}", options.levels),
-                        "--surface file.vtk");
+      throw input_error("--subdivide needs --surface", fmt::format("--subdivide {}", options.levels),
+                        "add --surface file.vtk");
     return;
   }
   check_surface_name(*options.surface);
@@ -45,16 +45,17 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const st
   return tools;
 }
 
-/// A file of queries stands for the tools of one, and its answers are a table.
+/// --queries replaces the options of a single query, and its result is a table.
 void run_queries(const Options& options) {
   const auto& tool = options.tool;
   if (!tool.nodes.empty() || !tool.points.empty() || !tool.displacements.empty())
-    throw input_error("a file of queries holds the tools", "--queries beside --node, --point or --displacement",
-                      "leave the tools out of the command line, or leave --queries out");
+    throw input_error("--queries excludes tools on the command line",
+                      "--queries together with --node, --point or --displacement",
+                      "omit either --queries or the tools");
   if (tool.deformation_csv || tool.json_file || options.surface || options.levels > 0)
-    throw input_error("queries are answered by a table on stdout",
-                      "--queries beside --json, --deformation, --surface or --subdivide",
-                      "send stdout to a file; give these options for one query with --node");
+    throw input_error("--queries only writes a table to stdout",
+                      "--queries together with --json, --deformation, --surface or --subdivide",
+                      "redirect stdout to a file, or use these options for one query with --node");
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);
   answer_queries(model, *options.queries);
@@ -64,8 +65,8 @@ void run(const Options& options) {
   check_surface_options(options);
   const auto displacements = options.tool.parsed_displacements();
   if (options.tools == "paper" && !options.tool.points.empty())
-    throw input_error("the paper's weights are those of nodes", "--point " + options.tool.points.front(),
-                      "use --tools coupled, or touch nodes");
+    throw input_error("--tools paper is only defined for tools at nodes", "--point " + options.tool.points.front(),
+                      "use --tools coupled, or use --node");
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);
   const auto places = options.tool.places(model.mesh());
@@ -74,7 +75,8 @@ void run(const Options& options) {
       coupled ? model.couple(tools_at(places, displacements)) : model.respond(options.tool.nodes, displacements);
   const auto& wanted = options.tool.deformation_csv ? options.tool.deformation_csv : options.surface;
   if (response.displacement_m.rows() == 0 && wanted)
-    throw input_error("this model has forces only", wanted->string(), "train it with [training] modes of 1 or more");
+    throw input_error("this model has forces only", wanted->string(),
+                      "omit the output file, or train the model with [training] modes of 1 or more");
   if (response.status > 0) message("warning: {}\n", phn_status_message(response.status));
   json extra{{"status", response.status}, {"family", model.runtime().info().family}, {"level", model.data().level()}};
   if (!coupled && places.size() == 1)
@@ -100,21 +102,22 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("eval", "Force and deformation from a model, as the runtime gives them");
+  auto* command = app.add_subcommand("eval", "Compute force and deformation from a model with the runtime");
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
   options->tool.add_to(*command);
-  command->get_option("--displacement")->required(false);  // --queries holds displacements, too
+  command->get_option("--displacement")->required(false);  // the file of --queries contains displacements
   add_path(
       *command, "--queries", options->queries, InputKind::whole,
-      fmt::format("instead of --node: CSV file of queries, first line {}; prints a CSV of forces", queries_header));
+      fmt::format("CSV file of many queries, instead of --node; its first line is {}; prints a CSV table of forces",
+                  queries_header));
   command
       ->add_option("--tools", options->tools,
-                   "several tools: coupled = superposed with a force at each; paper = weights (15)-(16), no force")
+                   "method for several tools: coupled (with forces), or paper (weights (15)-(16), without forces)")
       ->check(CLI::IsMember({"coupled", "paper"}));
-  command->add_option("--level", options->level, "level of the model, 0 the smallest (default: the full one)");
+  command->add_option("--level", options->level, "level of the model; 0 is the smallest (default: the full one)");
   add_path(*command, "--surface", options->surface, OutputKind::file,
-           "write the surface: .vtk or .vtu at rest with its displacement, .obj deformed");
+           "write the surface: undeformed with its displacement (.vtk, .vtu) or deformed (.obj)");
   command->add_option("--subdivide", options->levels, "levels of subdivision of that surface (Loop's scheme)")
       ->check(CLI::Range(0, 6));
   command->callback([options] { options->queries ? run_queries(*options) : run(*options); });

@@ -20,10 +20,10 @@ namespace {
 struct Query {
   std::int32_t node = 0;
   Vec3 displacement_m{};
-  std::size_t line = 0;  ///< in the file, from 1
+  std::size_t line = 0;  ///< in the file, starting with 1
 };
 
-/// A file of queries and the line that is read: what every message about it names.
+/// A file of queries and the present line, for error messages.
 struct Place {
   const std::filesystem::path& file;
   std::size_t line = 0;
@@ -33,7 +33,7 @@ struct Place {
   }
 };
 
-/// Between commas, without the spaces around.
+/// Values between commas, without surrounding spaces.
 std::vector<std::string_view> fields_of(std::string_view row) {
   std::vector<std::string_view> fields;
   for (std::size_t at = 0; at <= row.size();) {
@@ -57,26 +57,25 @@ bool parse(std::string_view field, Number& number) {
 Query parse_row(std::string_view row, const Place& place) {
   const auto fields = fields_of(row);
   if (fields.size() != 4)
-    throw place.error(fmt::format("a row has 4 values, this one has {}", row.empty() ? 0 : fields.size()),
+    throw place.error(fmt::format("a row must have 4 values, not {}", row.empty() ? 0 : fields.size()),
                       fmt::format("'{}'", row), fmt::format("write {}, without empty lines", queries_header));
   Query query;
   query.line = place.line;
   if (!parse(fields[0], query.node))
-    throw place.error("a node is a whole number", fmt::format("'{}'", fields[0]),
-                      "give the 0-based number of a node of the mesh");
+    throw place.error("a node must be an integer", fmt::format("'{}'", fields[0]),
+                      "give the number of a node of the mesh, starting with 0");
   for (std::size_t k = 0; k < 3; ++k)
     if (!parse(fields[k + 1], query.displacement_m[k]) || !std::isfinite(query.displacement_m[k]))
-      throw place.error("a displacement is three finite numbers", fmt::format("'{}'", fields[k + 1]),
+      throw place.error("a displacement must be three finite numbers", fmt::format("'{}'", fields[k + 1]),
                         "write metres with a decimal point: 0.0,0.0,-0.01");
   const auto& d = query.displacement_m;
   if (std::hypot(d[0], d[1], d[2]) > largest_displacement_m)
-    throw place.error("a displacement is larger than any body", fmt::format("'{}'", row),
-                      "displacements are in metres");
+    throw place.error(fmt::format("a displacement is longer than {:g} m", largest_displacement_m),
+                      fmt::format("'{}'", row), "give displacements in metres");
   return query;
 }
 
-/// The next line without its end, whatever the editor: "\n" or "\r\n". @throws Error (input) if it is far longer than
-/// a query
+/// The next line without its end, which may be "\n" or "\r\n". @throws Error (input) if it is far longer than a query
 bool next_line(std::ifstream& in, std::string& line, Place& place) {
   constexpr std::size_t most_bytes = 4096;
   line.clear();
@@ -101,24 +100,25 @@ std::vector<Query> read_queries(const std::filesystem::path& file) {
   Place place{file};
   std::string line;
   const bool has_header = next_line(in, line, place);
-  // Spreadsheets put the mark of UTF-8 in front.
+  // Spreadsheets write a byte order mark of UTF-8.
   if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
   if (!has_header || line != queries_header) {
     place.line = 1;
-    throw place.error("a file of queries starts with another line", fmt::format("'{}'", line),
-                      fmt::format("make its first line {}", queries_header));
+    throw place.error("the first line of a file of queries is wrong", fmt::format("'{}'", line),
+                      fmt::format("make the first line {}", queries_header));
   }
   std::vector<Query> queries;
   while (next_line(in, line, place)) queries.push_back(parse_row(line, place));
   if (in.bad())
-    throw input_error("reading the file of queries failed", file.string(), "look at the disk and the rights");
+    throw input_error("reading the file of queries failed", file.string(),
+                      "check the disk and the permissions of the file");
   if (queries.empty())
     throw input_error("the file of queries has no rows", file.string(),
-                      "write a row for each query below its first line");
+                      "write a row for each query below the first line");
   return queries;
 }
 
-/// @throws Error (input) if a node is not active, before anything is computed
+/// Checks all nodes before anything is computed. @throws Error (input) if a node is not active
 void check_nodes(const LoadedModel& model, const std::vector<Query>& queries, const std::filesystem::path& file) {
   for (const auto& query : queries) try {
       model.force(query.node, {0, 0, 0});
@@ -148,7 +148,7 @@ void answer_queries(const LoadedModel& model, const std::filesystem::path& file)
     fmt::format_to(out, "{},{},{},{},{},{},{},", node, d[0], d[1], d[2], f[0], f[1], f[2]);
     if (has_energy) fmt::format_to(out, "{},", energy);
     fmt::format_to(out, "{},{}\n", int{status}, model.trained_depth(node, d));
-    // Most files are answered before a person wonders.
+    // No progress line for files that take less than two seconds.
     if (std::chrono::steady_clock::now() - start > std::chrono::seconds(2))
       progress.update(static_cast<std::int64_t>(i + 1), static_cast<std::int64_t>(queries.size()));
   }

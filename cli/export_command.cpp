@@ -16,7 +16,7 @@
 namespace phynness::cli::export_command {
 namespace {
 
-/// Queries that say how far an image is from the model, written or not.
+/// Least number of queries by which the deviation of an image from the model is measured, with or without --golden.
 constexpr std::size_t least_queries = 256;
 
 struct Options {
@@ -31,17 +31,20 @@ void check_name(const std::string& name) {
   bool good = !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0]));
   for (const char c : name)
     good = good && (c == '_' || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'));
-  if (!good) throw input_error("a name in C consists of letters, digits and _", "--name " + name, "--name liver");
+  if (!good)
+    throw input_error("a name in C must consist of letters, digits and _ and not start with a digit", "--name " + name,
+                      "give for example --name liver");
 }
 
 void check_output(const Options& options) {
   std::error_code code;
   if (std::filesystem::exists(options.output) && !std::filesystem::is_directory(options.output))
-    throw input_error("the output is no directory", options.output.string(), "name a directory; it is made if absent");
+    throw input_error("the output is not a directory", options.output.string(),
+                      "give a directory; it is made if it does not exist");
   std::filesystem::create_directories(options.output, code);
   if (code)
     throw input_error("the output directory cannot be made", options.output.string() + ": " + code.message(),
-                      "name a directory where you may write");
+                      "give a directory in a place where you may write");
 }
 
 json golden_json(const GoldenQueries& queries, std::size_t n) {
@@ -67,7 +70,8 @@ void run(const Options& options) {
   if (options.json_file) {
     const auto folder = std::filesystem::absolute(*options.json_file).parent_path();
     if (!std::filesystem::is_directory(folder))
-      throw input_error("there is no such folder", folder.string(), "make it first, or name another with --json");
+      throw input_error("there is no such folder", folder.string(),
+                        "make the folder first, or give another file with --json");
   }
   const LoadedModel loaded(options.model);
   const Model& model = loaded.model();
@@ -97,14 +101,15 @@ void run(const Options& options) {
                options.floats ? "float" : "double");
   print_result("flash {}; RAM {} for a deformation, none for a force\n", bytes(static_cast<double>(image.bytes.size())),
                bytes(static_cast<double>(image.ram_bytes())));
-  print_result("differs from the runtime by {:.2g} of the largest force", force_deviation);
+  print_result("largest difference from the runtime: {:.2g} of the largest force", force_deviation);
   if (deforms) print_result(" and {:.2g} of the largest displacement", deformation_deviation);
   print_result(" at {} queries\n", n_measured);
-  if (!model.fields.empty()) message("note: the model's fields are left out; images hold force and deformation\n");
+  if (!model.fields.empty())
+    message("note: the model's fields are omitted; images contain force and deformation only\n");
   const double deviation = deforms ? std::max(force_deviation, deformation_deviation) : force_deviation;
   if (deviation > 1e-3)
     message(
-        "warning: this model's terms cancel by too much: the image differs by {:.2g} of the largest answer\n"
+        "warning: large terms of this model cancel each other: the image differs by {:.2g} of the largest response\n"
         "  remedy: {}train it with --family modal or a smaller --spread\n",
         deviation, options.floats ? "export it without --float, or " : "");
   write_json(options.json_file, {{"family", name(model.family)},
@@ -125,22 +130,23 @@ void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
       "export",
-      "Write a model as C source (NAME.h, NAME.c) and as a file (NAME.bin) that a device evaluates\n"
-      "in place, in flash, with the functions of phynness/phynness_image.h; sizes are constants in NAME.h");
+      "Write a model as C source (NAME.h, NAME.c) and as a binary file (NAME.bin). A device evaluates it in flash\n"
+      "memory with the functions of phynness/phynness_image.h; sizes are constants in NAME.h");
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::folder, "directory for the files; made if absent")
+  add_path(*command, "-o,--output", options->output, OutputKind::folder,
+           "directory for the files; it is made if it does not exist")
       ->required();
-  command->add_option("--name", options->name, "of files and symbols; default: model");
-  command->add_flag("--force-only", options->force_only, "leave the deformation out: far less flash");
+  command->add_option("--name", options->name, "name of the files and the symbols (default: model)");
+  command->add_flag("--force-only", options->force_only, "omit the deformation, which takes most of the flash memory");
   command->add_flag("--float", options->floats,
-                    "numbers in float: half the flash, for processors without double precision");
+                    "use float numbers: half the flash memory, for processors without double precision");
   command
       ->add_option("--golden", options->golden,
-                   "also write NAME_golden.h and .c: so many queries with the runtime's answers in double, "
-                   "to compare a device with")
+                   "also write NAME_golden.h and .c: this number of queries with results of the runtime in double, "
+                   "to check a device")
       ->check(CLI::Range(0, 100000));
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write sizes and golden queries for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write sizes and golden queries as JSON");
   command->callback([options] { run(*options); });
 }
 

@@ -26,19 +26,20 @@ std::string obj_text(const VtkGrid& grid, const Eigen::MatrixXd& displacement, c
 void check_surface_name(const std::filesystem::path& file) {
   const auto extension = file.extension();
   if (extension != ".vtk" && extension != ".vtu" && extension != ".obj")
-    throw input_error("the name of the surface does not end in a format that can be written", file.string(),
-                      "--surface file.vtk, file.vtu or file.obj");
+    throw input_error("the format of the surface file is unknown", file.string(),
+                      "give --surface a name that ends in .vtk, .vtu or .obj");
 }
 
 std::int32_t write_fine_surface(const LoadedModel& model, const Points& displacement_m, int levels,
                                 const std::filesystem::path& file, const std::string& title) {
   const rt::Surface surface(model.runtime(), levels);
   if (surface.status() == PHN_ERROR_UNDEFINED)
-    throw input_error("the model has no surface", file.string(),
-                      "its triangles join output and fixed nodes: select the surface as nodes.output");
+    throw input_error(
+        "the model has no surface", file.string(),
+        "its triangles connect output and fixed nodes: select the surface as nodes.output and train again");
   if (!surface)
     throw input_error("the surface cannot be subdivided", fmt::format("--subdivide {}", levels),
-                      std::string("fewer levels; the runtime says: ") + surface.status().message());
+                      std::string("use fewer levels (") + surface.status().message() + ")");
   const auto n = surface.n_vertices();
   std::vector<float> scratch(surface.n_scratch());
   using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -46,7 +47,8 @@ std::int32_t write_fine_surface(const LoadedModel& model, const Points& displace
   const rt::Status status =
       surface.deform(scratch, {displacement_m.data(), static_cast<std::size_t>(displacement_m.size())},
                      {fine.data(), static_cast<std::size_t>(fine.size())});
-  if (!status.ok()) throw failure("the runtime refuses a surface", status.message(), "report this");
+  if (!status.ok())
+    throw failure("the runtime cannot deform the surface", status.message(), "please report this defect");
 
   VtkGrid grid;
   grid.points = Eigen::Map<const FloatRows>(surface.points().data(), n, 3).cast<double>();

@@ -43,7 +43,7 @@ void print_mesh(const Mesh& mesh, const NodeSets& sets) {
 json about_database(const std::filesystem::path& file) {
   const auto progress = database_progress(file);
   for (const auto& damage : progress.damage)
-    message("warning: {}: {}; {} dropped\n", damage.log.string(), damage.reason,
+    message("warning: {}: {}; {} are ignored\n", damage.log.string(), damage.reason,
             bytes(static_cast<double>(damage.dropped_bytes)));
   if (!progress.complete) {
     if (progress.shard) {
@@ -51,11 +51,12 @@ json about_database(const std::filesystem::path& file) {
       print_result("shard {} of a database: {} of {} rays; ", progress.shard->str(), progress.rays_logged,
                    progress.rays_total);
       if (progress.rays_logged < progress.rays_total)
-        print_result("go on with phynness precompute SCENE -o {} --shard {} --resume\n", whole, progress.shard->str());
+        print_result("continue with phynness precompute SCENE -o {} --shard {} --resume\n", whole,
+                     progress.shard->str());
       else
-        print_result("when all shards are there: phynness merge SHARD... -o {}\n", whole);
+        print_result("when all shards are finished: phynness merge SHARD... -o {}\n", whole);
     } else {
-      print_result("unfinished database: {} of {} rays; go on with phynness precompute SCENE -o {} --resume\n",
+      print_result("unfinished database: {} of {} rays; continue with phynness precompute SCENE -o {} --resume\n",
                    progress.rays_logged, progress.rays_total, file.string());
     }
     return {{"kind", progress.shard ? "shard" : "database"},
@@ -139,8 +140,8 @@ json about_model(const std::filesystem::path& dir) {
     if (m.levels.empty()) continue;
     const std::string modes_text = info.modes > 0 ? fmt::format(" of {} modes", info.modes) : "";
     print_result(
-        "level {}   {} centers of the force, {} of the deformation{}; errors of left-out states: {:.3f} %, "
-        "{:.3f} %\n",
+        "level {}   {} centers of the force, {} of the deformation{}; leave-one-out errors: force {:.3f} %, "
+        "displacement {:.3f} %\n",
         l, info.force_centers, info.deformation_centers, modes_text, 100 * info.error_force,
         100 * info.error_displacement);
   }
@@ -174,7 +175,7 @@ json about_scene(const std::filesystem::path& file) {
           {"active", loaded.sets.active}};
 }
 
-/// A mesh file alone, as a scene without selections would read it: an open surface is that of a shell.
+/// A mesh file is read as in a scene without selections. An open surface is the midsurface of a shell.
 json about_mesh(const std::filesystem::path& file) {
   const auto absolute = std::filesystem::absolute(file);
   const bool shell = holds_open_surface(absolute);
@@ -187,7 +188,7 @@ json about_mesh(const std::filesystem::path& file) {
   for (const auto& warning : made.warnings) message("warning: {}\n", warning);
   const auto& q = made.quality;
   if (shell)
-    print_result("mesh      {} {}: {} nodes, {} triangles of an open surface, for a shell: [mesh] thickness_m\n",
+    print_result("mesh      {} {}: {} nodes, {} triangles of an open surface; a shell needs [mesh] thickness_m\n",
                  file.string(), mesh_hash(made.mesh), q.n_nodes, q.n_cells);
   else
     print_result("mesh      {} {}: {} nodes ({} on the surface), {} tetrahedra\n", file.string(), mesh_hash(made.mesh),
@@ -205,7 +206,8 @@ json about_mesh(const std::filesystem::path& file) {
 void run(const Options& options) {
   const auto& what = options.what;
   if (!std::filesystem::exists(what))
-    throw input_error("no such file or directory", what.string(), "name a scene, mesh, database or model directory");
+    throw input_error("there is no such file or directory", what.string(),
+                      "give a scene, a mesh, a database or a model directory");
   json out;
   const auto extension = what.extension();
   if (std::filesystem::is_directory(what))
@@ -223,10 +225,10 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("info", "Say what a scene, mesh, database or model directory holds");
+  auto* command = app.add_subcommand("info", "Print the contents of a scene, mesh, database or model directory");
   add_path(*command, "FILE_OR_DIR", options->what, InputKind::whole, "scene.toml, mesh file, database.h5 or MODEL_DIR")
       ->required();
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write it for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->callback([options] { run(*options); });
 }
 

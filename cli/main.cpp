@@ -1,4 +1,4 @@
-// phynness: the one command. Messages go to stderr; exit status 0 success, 1 failure, 2 wrong usage or input.
+// The command `phynness`. Messages go to stderr. Exit status: 0 success, 1 failure, 2 wrong usage or input.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/version.hpp>
 #include <sstream>
@@ -33,7 +33,7 @@ void add_commands(CLI::App& app) {
   cli::run_command::add(app);
 }
 
-/// Help and version are results, a complaint about the command line is a message.
+/// Help and version are printed on stdout, errors of the command line on stderr.
 int end_of_parsing(const CLI::App& app, const CLI::ParseError& error) {
   std::ostringstream results, messages;
   const int status = app.exit(error, results, messages);
@@ -45,34 +45,33 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error) {
 /// @return the exit status
 int run_command_line(int argc, char** argv) {
   CLI::App app{
-      "Precomputes the response of soft bodies with finite elements, condenses it into networks, and checks "
-      "what\n"
-      "they are worth. Start with: phynness run scenes/demo.toml -o out"};
+      "Precomputes the response of soft bodies with finite elements, trains networks on it, and measures their\n"
+      "errors. Start with: phynness run scenes/demo.toml -o out"};
   app.name("phynness");
   app.set_version_flag("--version", software_version());
   app.require_subcommand(1);
   add_commands(app);
-  // Runs when the whole line has been parsed, and before the subcommand does.
+  // Called after the whole line has been parsed and before the subcommand is executed.
   app.parse_complete_callback([&app] { cli::check_files(app); });
   try {
     if (argc > 1 && argv[1][0] != '-' && !is_subcommand(app, argv[1]))
-      throw input_error("there is no such subcommand", argv[1], "phynness --help lists them");
+      throw input_error("there is no such subcommand", argv[1], "phynness --help lists the subcommands");
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
     return end_of_parsing(app, error);
   } catch (const Error& error) {
-    // Ranks other than the first fail without words, so that a person reads the reason once.
+    // Ranks other than the first have no text, so that the reason is printed once.
     if (*error.what() != 0) cli::message("error: {}\n", error.what());
     return error.kind() == Error::Kind::input ? 2 : 1;
   } catch (const std::bad_alloc&) {
     cli::message("error: out of memory\n  remedy: use a coarser mesh, fewer output nodes or a larger machine\n");
     return 1;
   } catch (const std::exception& error) {
-    cli::message("error: {}\n  remedy: this is a defect; please report it with the scene\n", error.what());
+    cli::message("error: {}\n  remedy: this is a defect; please report it together with the scene\n", error.what());
     return 1;
   } catch (...) {  // gmsh throws strings
-    cli::message("error: a library gave up without words\n  remedy: please report it with the scene\n");
+    cli::message("error: a library failed without a message\n  remedy: please report it together with the scene\n");
     return 1;
   }
 }

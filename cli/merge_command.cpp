@@ -34,7 +34,7 @@ json figures(const Options& options, const MergeReport& report) {
           {"damage", damage}};
 }
 
-/// Which rays are missing, a line per node, and the commands that solve them.
+/// The error that lists missing rays, one line per node, and the commands that solve them.
 Error rays_missing(const Options& options, const MergeReport& report) {
   std::map<std::int32_t, std::string> directions_of;
   std::map<std::int32_t, std::int64_t> rays_of_shard;
@@ -50,9 +50,9 @@ Error rays_missing(const Options& options, const MergeReport& report) {
     value += fmt::format("\n  node {}, directions{}", node, directions);
   }
   if (directions_of.size() > most_lines)
-    value += fmt::format("\n  and {} more nodes (all of them with --json)", directions_of.size() - most_lines);
+    value += fmt::format("\n  and {} more nodes (--json lists all)", directions_of.size() - most_lines);
 
-  std::string remedy = "solve them, then merge again; nothing was written";
+  std::string remedy = "solve them and merge again; no database was written";
   if (rays_of_shard.empty())
     remedy += fmt::format("\n    phynness precompute SCENE -o {} --resume", options.shards.front().string());
   line = 0;
@@ -63,14 +63,14 @@ Error rays_missing(const Options& options, const MergeReport& report) {
                     options.output.string(), index, report.missing.front().owner->count, count, count == 1 ? "" : "s");
   }
   if (rays_of_shard.size() > most_lines)
-    remedy += fmt::format("\n    and {} more shards (all of them with --json)", rays_of_shard.size() - most_lines);
+    remedy += fmt::format("\n    and {} more shards (--json lists all)", rays_of_shard.size() - most_lines);
   return failure("rays are missing", value, remedy);
 }
 
 void run(const Options& options) {
   const auto report = merge_shards(options.shards, options.output);
   for (const auto& damage : report.damage)
-    message("warning: {}: {}; {} dropped\n", damage.log.string(), damage.reason,
+    message("warning: {}: {}; {} are ignored\n", damage.log.string(), damage.reason,
             bytes(static_cast<double>(damage.dropped_bytes)));
   write_json(options.json_file, figures(options, report));
   if (!report.missing.empty()) throw rays_missing(options, report);
@@ -83,12 +83,12 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("merge", "Make one database of the shards that precompute --shard i/n has solved");
+  auto* command = app.add_subcommand("merge", "Merge the shards of precompute --shard i/n into one database");
   add_path(*command, "SHARD", options->shards, InputKind::whole, "database.shard-0-of-8.h5 ...")->required();
   add_path(*command, "-o,--output", options->output, OutputKind::database, "database to write (formats/database.md)")
       ->required();
   add_path(*command, "--json", options->json_file, OutputKind::file,
-           "write what was merged and what is missing for machines");
+           "write merged shards, missing rays and damage as JSON");
   command->callback([options] { run(*options); });
 }
 

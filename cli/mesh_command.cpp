@@ -50,11 +50,11 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("mesh", "Make or import the scene's mesh, check it, write it as .msh");
+  auto* command = app.add_subcommand("mesh", "Generate or import the mesh of a scene, check it, write it as .msh");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
   add_path(*command, "-o,--output", options->output, OutputKind::file, "mesh file to write (gmsh format 4.1)")
       ->required();
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->callback([options] { run(*options); });
 }
 

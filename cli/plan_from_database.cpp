@@ -25,7 +25,7 @@ PlanBasis basis_of_database(const PlanOptions& options) {
   std::size_t solving = 0;
   Progress progress("read", "nodes");
   for (std::size_t a = 0; a < n_active; ++a) {
-    if (stop_requested()) throw failure("interrupted", "nothing was written", "");
+    if (stop_requested()) throw failure("interrupted", "no plan was made", "run the command again");
     const auto rays = database.rays(static_cast<std::int32_t>(a));
     const std::size_t before = solving;
     solving += mirrored.solves_any(static_cast<std::int32_t>(a));
@@ -46,7 +46,7 @@ PlanBasis basis_of_database(const PlanOptions& options) {
     progress.update(static_cast<std::int64_t>(a + 1), static_cast<std::int64_t>(n_active));
   }
   if (tried.empty())
-    throw input_error("no ray of the database was solved", options.source.string(), "plan from its scene");
+    throw input_error("no ray of the database was solved", options.source.string(), "plan from its scene file");
   basis.rays_measured = basis.rays_requested;
   basis.nodes_measured = static_cast<std::int64_t>(n_solving);
   basis.packing = try_packing(header, tried, std::filesystem::temp_directory_path());

@@ -15,10 +15,10 @@
 namespace phynness::cli {
 namespace {
 
-/// Ranks are of use while less than half of their time is lost.
+/// A number of ranks is useful if their efficiency is at least this.
 constexpr double efficiency_of_use = 0.5, high_efficiency = 0.9;
 constexpr int most_ranks = 10000;
-/// Twice this is the error that a plan may have.
+/// A relative standard error above this is reported; a plan then has an error of up to twice this value.
 constexpr double acceptable_error = 0.125;
 
 MachineCosts machine_of(const PlanOptions& options, const PlanBasis& basis) {
@@ -52,12 +52,12 @@ struct Point {
 };
 
 Point point(const RayWork& work, const MachineCosts& machine, const Schedule& one_rank, int ranks) {
-  if (stop_requested()) throw failure("interrupted", "the simulation is not complete", "start again");
+  if (stop_requested()) throw failure("interrupted", "the simulation is not complete", "run the command again");
   const auto run = simulate(work, machine, ranks);
   return {ranks, run.wall_s, efficiency(one_rank, run), limited_by(one_rank, run, work, machine), run.spent};
 }
 
-/// All that is printed, for a reader or for machines.
+/// All figures of the plan, for text and JSON.
 struct Prediction {
   MachineCosts machine;
   int ranks = 1;
@@ -68,11 +68,11 @@ struct Prediction {
   double machine_memory_bytes = 0;
   bool is_sample = false;
   int ranks_of_use = 1, ranks_at_90_percent = 1;
-  Limit limit = Limit::nothing;  ///< of more than ranks_of_use
-  std::vector<Point> curve;      ///< on request
+  Limit limit = Limit::nothing;  ///< for more than ranks_of_use
+  std::vector<Point> curve;      ///< only with --table or --json
 };
 
-/// CPU time of all ranks: waiting left out, as in what precompute reports.
+/// CPU time of all ranks without waiting, as precompute reports it.
 double cpu_seconds(const PlanBasis& basis, const Prediction& p) {
   const auto n_rays = static_cast<double>(basis.work.n_rays());
   return p.run.spent.solving + p.run.spent.node_setup + p.ranks * p.machine.start_s +
@@ -107,7 +107,7 @@ Prediction predict(const PlanOptions& options, const PlanBasis& basis) {
   p.seconds_per_ray = basis.work.total_seconds() / static_cast<double>(basis.rays_requested);
   p.machine_memory_bytes = memory_of_this_machine();
   p.is_sample = basis.rays_measured < basis.rays_requested;
-  // More ranks than rays never have work.
+  // No more ranks than rays can work at the same time.
   const int most = static_cast<int>(std::min<std::size_t>(most_ranks, basis.work.n_rays()));
   p.ranks_of_use = ranks_at_efficiency(efficiency_of_use, basis.work, p.machine, most);
   p.ranks_at_90_percent = ranks_at_efficiency(high_efficiency, basis.work, p.machine, most);
@@ -123,9 +123,9 @@ std::string words(Limit limit, const Prediction& p, const PlanBasis& basis) {
     case Limit::start:
       return "the start of the ranks";
     case Limit::node_setup:
-      return "nodes that several ranks share, as each of them sets the node up";
+      return "nodes that several ranks share, because each of these ranks prepares the node";
     case Limit::fetching:
-      return "the counter that hands out tasks";
+      return "the counter that distributes the tasks";
     case Limit::writing:
       return "the bandwidth of the file system";
     case Limit::n_rays:
@@ -133,7 +133,7 @@ std::string words(Limit limit, const Prediction& p, const PlanBasis& basis) {
     case Limit::longest_ray:
       return fmt::format("the longest ray, {}, which one rank solves alone", duration(p.longest_s));
     case Limit::last_rays:
-      return "ranks without work that wait for the last rays";
+      return "waiting for the last rays";
     case Limit::packing:
       return "packing the database, which one rank does alone";
   }
@@ -152,13 +152,13 @@ void warn_of_states(const PlanBasis& basis) {
   if (failed > 0) message("warning: {} of {} increments failed: {}\n", failed, all, reasons);
 }
 
-/// How far the figures can be trusted.
+/// The accuracy of the figures in words.
 std::string trust(const PlanBasis& basis, const Prediction& p) {
-  if (!p.is_sample) return fmt::format("The cost of all {} rays was measured", basis.rays_measured);
+  if (!p.is_sample) return fmt::format("The costs of all {} rays are measured", basis.rays_measured);
   if (basis.relative_error)
     return fmt::format("The standard error of the mean cost is {:.0f} %, from a sample of {} rays of {} at {} nodes",
                        100 * *basis.relative_error, basis.rays_measured, basis.rays_requested, basis.nodes_measured);
-  return fmt::format("This is a guess from {} ray{} of {} at {} node{}; a standard error takes {} nodes",
+  return fmt::format("This is a guess from {} ray{} of {} at {} node{}; a standard error needs rays at {} nodes",
                      basis.rays_measured, basis.rays_measured == 1 ? "" : "s", basis.rays_requested,
                      basis.nodes_measured, basis.nodes_measured == 1 ? "" : "s", RaySample::fewest_nodes);
 }
@@ -168,7 +168,7 @@ void print_answer(const PlanBasis& basis, const Prediction& p) {
                p.ranks_of_this_machine ? ", the processor cores of this machine" : "");
   print_result("{}.\nA ray takes {:.3g} s on average, {:.3g} s at most.\n", trust(basis, p), p.seconds_per_ray,
                p.longest_s);
-  print_result("  CPU time      {} of all ranks; they are occupied for {:.3g} core-hours\n", duration(p.cpu_s),
+  print_result("  CPU time      {} of all ranks; the job occupies {:.3g} core-hours\n", duration(p.cpu_s),
                p.core_hours);
   if (basis.memory_bytes)
     print_result("  memory        {} per rank, {} in all; this machine has {}\n", bytes(*basis.memory_bytes),
@@ -176,18 +176,19 @@ void print_answer(const PlanBasis& basis, const Prediction& p) {
   print_result("  database      {}, and {} of logs until it is packed\n", bytes(p.database_bytes), bytes(p.log_bytes));
   print_result("  model         {}, and {} of mesh\n", bytes(basis.model.model_text_bytes),
                bytes(basis.model.mesh_text_bytes));
-  print_result("  ranks of use  {}: more of them lose over half of their time; up to {} lose less than a tenth\n",
+  print_result("  ranks of use  {}: with more ranks over half of their time is lost; up to {} lose less than a tenth\n",
                p.ranks_of_use, p.ranks_at_90_percent);
   print_result("  limit         {}\n", words(p.limit, p, basis));
-  if (basis.rays_mirrored > 0) print_result("  mirrored      {} rays more, which cost nothing\n", basis.rays_mirrored);
+  if (basis.rays_mirrored > 0)
+    print_result("  mirrored      {} further rays are mirror images and need no solve\n", basis.rays_mirrored);
 }
 
 void print_notes(const PlanBasis& basis, const Prediction& p) {
   if (basis.memory_bytes && p.ranks * *basis.memory_bytes > p.machine_memory_bytes)
-    message("warning: {} ranks do not fit into the memory of this machine; {} do\n", p.ranks,
+    message("warning: {} ranks do not fit into the memory of this machine, but {} ranks do\n", p.ranks,
             std::floor(p.machine_memory_bytes / *basis.memory_bytes));
   if (basis.relative_error && *basis.relative_error > acceptable_error)
-    message("note: costs differ much between rays; --rays {} would halve the standard error\n",
+    message("note: the costs of the rays differ much; --rays {} would halve the standard error\n",
             4 * basis.rays_measured);
 }
 
@@ -196,7 +197,7 @@ void print_table(const PlanBasis& basis, const Prediction& p) {
   for (const auto& at : p.curve)
     print_result("{:>6} {:>15} {:>9.1f} %  {}\n", at.ranks, duration(at.wall_s), 100 * at.efficiency,
                  words(at.limit, p, basis));
-  print_result("efficiency: wall time on one rank over ranks x wall time\n");
+  print_result("efficiency: wall time on one rank / (ranks x wall time)\n");
 }
 
 json parts(const CoreSeconds& spent) {

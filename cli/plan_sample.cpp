@@ -41,7 +41,7 @@ std::vector<RayChoice> choose(const DatabaseHeader& header, const std::vector<ch
 
 double seconds_of(const Ray& ray) { return std::accumulate(ray.seconds.begin(), ray.seconds.end(), 0.0); }
 
-/// The sample, after one ray that is solved twice: what a process pays once counts as its start.
+/// Solves the sample. The first ray is solved twice, so that costs that occur once per process count as start time.
 SolvedRays solve(ProbeSolver& solver, const DatabaseHeader& header, const std::vector<RayChoice>& chosen,
                  PlanBasis& basis) {
   std::vector<std::pair<std::int32_t, std::int32_t>> which;
@@ -54,7 +54,7 @@ SolvedRays solve(ProbeSolver& solver, const DatabaseHeader& header, const std::v
       solver, header, which, [&](std::int64_t done) { progress.update(done + 1, total); }, stop_requested);
   if (solved.interrupted || cold.interrupted)
     throw failure("interrupted", fmt::format("{} of {} rays solved", solved.rays.size(), which.size()),
-                  "start again; fewer --rays take less time");
+                  "run the command again; fewer --rays take less time");
   basis.start_s = cpu_seconds();
   for (const auto& ray : solved.rays) basis.start_s -= seconds_of(ray);
   basis.start_s -= seconds_of(solved.rays.front());
@@ -69,8 +69,8 @@ PlanBasis basis_of_scene(const PlanOptions& options) {
   const SolverSession session;
   session.together([&] {
     if (session.size() > 1)
-      throw input_error("a plan is made by one process", fmt::format("{} ranks", session.size()),
-                        "leave mpirun out; --ranks says for how many to plan");
+      throw input_error("plan must run as one process", fmt::format("{} ranks", session.size()),
+                        "start it without mpirun; --ranks sets the number of ranks of the plan");
   });
   const auto loaded = load_scene(options.source);
   install_stop_handler();  // a signal before ends the program: there is nothing to keep
@@ -78,7 +78,7 @@ PlanBasis basis_of_scene(const PlanOptions& options) {
   const auto requested = requested_rays(loaded.scene, loaded.mesh, header);
   const auto chosen = choose(header, requested, options);
   if (chosen.empty())
-    throw input_error("the scene asks for no ray", options.source.string(), "check nodes.active and directions");
+    throw input_error("the scene has no rays", options.source.string(), "check nodes.active and the directions");
   ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
 
   PlanBasis basis;

@@ -21,7 +21,7 @@ struct Options {
   int ranks_per_solve = 1;
 };
 
-/// Takes the lock, and says what is there already. @throws Error if that is other work
+/// Takes the lock and reports existing results. @throws Error if these belong to other work
 DatabaseLock begin(const PrecomputeTarget& target, const LoadedScene& loaded) {
   DatabaseLock lock(target.file);
   if (!lock.warning().empty()) message("warning: {}\n", lock.warning());
@@ -31,14 +31,14 @@ DatabaseLock begin(const PrecomputeTarget& target, const LoadedScene& loaded) {
     DatabaseWriter::create(target.file, header, true);
     const auto found = database_progress(target.file);
     for (const auto& damage : found.damage)
-      message("warning: {}: {}; {} dropped, their rays will be solved again\n", damage.log.string(), damage.reason,
-              bytes(static_cast<double>(damage.dropped_bytes)));
-    message("note: resuming with {} of {} rays\n", found.rays_logged, found.rays_total);
+      message("warning: {}: {}; {} are ignored, and their rays will be solved again\n", damage.log.string(),
+              damage.reason, bytes(static_cast<double>(damage.dropped_bytes)));
+    message("note: resuming; {} of {} rays are already solved\n", found.rays_logged, found.rays_total);
   }
   return lock;
 }
 
-/// Idle time and memory: every rank where they are few, else the range.
+/// Prints idle time and memory of every rank or, for many ranks, the range.
 void print_ranks(const PrecomputeReport& report) {
   constexpr std::size_t few = 16;
   double idle = 0, busy = 0, most_memory = 0;
@@ -47,7 +47,7 @@ void print_ranks(const PrecomputeReport& report) {
     busy += rank.busy_seconds;
     most_memory = std::max(most_memory, rank.peak_memory_bytes);
   }
-  print_result("{} of set-up, {} of solving, {} of packing; ranks idle {:.1f} % of solving; peak memory {} a rank\n",
+  print_result("{} of set-up, {} of solving, {} of packing; ranks idle {:.1f} % of solving; peak memory {} per rank\n",
                duration(report.setup_seconds), duration(report.solve_seconds), duration(report.pack_seconds),
                report.rays > 0 ? 100 * idle / (idle + busy) : 0.0, bytes(most_memory));
   if (report.ranks.size() < 2) return;
@@ -109,7 +109,7 @@ void run(const Options& options) {
   target.ranks_per_solve = options.ranks_per_solve;
   session.together([&] {
     if (session.size() % target.ranks_per_solve != 0)
-      throw input_error("ranks do not fall into whole teams",
+      throw input_error("the number of ranks is not a multiple of --ranks-per-solve",
                         fmt::format("{} ranks, --ranks-per-solve {}", session.size(), target.ranks_per_solve),
                         "start a multiple of --ranks-per-solve with mpirun -n");
   });
@@ -127,12 +127,12 @@ void run(const Options& options) {
         session, loaded.scene, loaded.mesh, loaded.sets, target,
         [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested,
         [&](const std::string& text) {
-          message("warning: {}{}\n", text, session.size() > 1 ? "\n  the other ranks end the nodes they work on" : "");
+          message("warning: {}{}\n", text, session.size() > 1 ? "\n  the other ranks finish their present nodes" : "");
         });
   }
   if (report.interrupted)
-    throw failure("interrupted", fmt::format("{} rays finished and kept", report.rays + report.rays_resumed),
-                  "go on with --resume");
+    throw failure("interrupted", fmt::format("{} rays are finished and kept", report.rays + report.rays_resumed),
+                  "run the command again with --resume to continue");
   if (!first) return;
   const auto solved = std::max<std::int64_t>(1, report.increments_solved);
   print_result(
@@ -142,7 +142,7 @@ void run(const Options& options) {
       report.failed, 100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
       static_cast<double>(report.iterations) / static_cast<double>(solved));
   if (report.rays_mirrored > 0)
-    print_result("{} rays ({:.0f} %) are mirror images, whose increments count too\n", report.rays_mirrored,
+    print_result("{} rays ({:.0f} %) are mirror images; their increments are included\n", report.rays_mirrored,
                  100.0 * static_cast<double>(report.rays_mirrored) /
                      static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
   print_result("{} on {} rank{}", duration(report.wall_seconds), session.size(), session.size() == 1 ? "" : "s");
@@ -157,15 +157,13 @@ void run(const Options& options) {
             target.file.string() + ".solver.log");
   if (report.failed == report.increments && report.increments > 0)
     throw failure("no increment converged", std::to_string(report.increments) + " increments",
-                  target.shard ? "a smaller displacement, more increments or another element may help"
-                               : "phynness info " + target.file.string() +
-                                     " says why; a smaller displacement, more increments or another element "
-                                     "may help");
+                  "try a smaller displacement, more increments or another element" +
+                      (target.shard ? "" : "; phynness info " + target.file.string() + " lists the reasons"));
   if (report.failed > report.increments / 100)
-    message("warning: {} increments failed and will not be trained on{}\n", report.failed,
-            target.shard ? "" : "; phynness info " + target.file.string() + " says why");
+    message("warning: {} increments failed and will not be used for training{}\n", report.failed,
+            target.shard ? "" : "; phynness info " + target.file.string() + " lists the reasons");
   if (target.shard)
-    print_result("shard {} -> {}; when all {} are there: phynness merge {} -o {}\n", target.shard->str(),
+    print_result("shard {} -> {}; when all {} are finished: phynness merge {} -o {}\n", target.shard->str(),
                  target.file.string(), target.shard->count,
                  (options.output.parent_path() / options.output.stem()).string() + ".shard-*" +
                      options.output.extension().string(),
@@ -187,16 +185,17 @@ void add(CLI::App& app) {
   add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
   add_path(*command, "-o,--output", options->output, OutputKind::database, "database to write (formats/database.md)")
       ->required();
-  command->add_flag("--resume", options->resume, "go on with an unfinished database");
+  command->add_flag("--resume", options->resume, "continue an unfinished database");
   command->add_option("--shard", options->shard,
-                      "i/n: solve part i (from 0) of n, as a process that needs no other, into its own file\n"
-                      "(database.h5 -> database.shard-i-of-n.h5); phynness merge makes one database of them");
+                      "i/n: solve only part i = 0 ... n-1 of n and write it to a separate file\n"
+                      "(database.h5 -> database.shard-i-of-n.h5); phynness merge joins the files");
   command
       ->add_option("--ranks-per-solve", options->ranks_per_solve,
-                   "ranks that factorize one solve together, for meshes too large for one (docs/howto/cluster.md)")
+                   "number of ranks for each solve, for meshes that are too large for the memory of one rank "
+                   "(docs/howto/cluster.md)")
       ->check(CLI::Range(1, 1 << 20))
       ->default_val(1);
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->callback([options] { run(*options); });
 }
 

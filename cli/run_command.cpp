@@ -1,5 +1,5 @@
-// mesh, precompute, train, validate in one go: each a subcommand of its own in a process of its own, so that
-// the parallel stages run under mpirun while training uses threads.
+// Runs mesh, precompute, train and validate. Each is a separate process, so that the parallel stages run under mpirun
+// and training uses threads.
 #include <chrono>
 #include <fstream>
 #include <phynness/formats/error.hpp>
@@ -20,7 +20,7 @@ struct Options {
   bool resume = false;
 };
 
-/// What a stage took and left, for the table at the end.
+/// Time and output of a stage, for the table at the end.
 struct Stage {
   const char* title;
   double seconds;
@@ -54,7 +54,9 @@ void run(const Options& options) {
   install_stop_handler(false);
   std::error_code code;
   std::filesystem::create_directories(options.output, code);
-  if (code) throw input_error("cannot make the output folder", options.output.string(), code.message());
+  if (code)
+    throw input_error("the output folder cannot be made", options.output.string() + ": " + code.message(),
+                      "give a folder in a place where you may write");
   const auto self = this_program();
   const auto in = [&](const char* name) { return (options.output / name).string(); };
   const auto scene = options.scene.string();
@@ -89,15 +91,14 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("run", "The whole pipeline: mesh, precompute, train, validate -> OUT_DIR");
+  auto* command = app.add_subcommand("run", "Run the whole pipeline: mesh, precompute, train, validate -> OUT_DIR");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::folder, "folder for everything that is written")
-      ->required();
-  command->add_option("--ranks", options->ranks, "processes for the finite element stages (mpirun)")
+  add_path(*command, "-o,--output", options->output, OutputKind::folder, "folder for all output files")->required();
+  command->add_option("--ranks", options->ranks, "number of processes for the finite element stages (mpirun)")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  command->add_flag("--resume", options->resume, "go on with an unfinished database in OUT_DIR");
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures of all stages for machines");
+  command->add_flag("--resume", options->resume, "continue an unfinished database in OUT_DIR");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures of all stages as JSON");
   command->callback([options] { run(*options); });
 }
 

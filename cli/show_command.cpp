@@ -27,19 +27,19 @@ Kind kind_of(const std::filesystem::path& file) {
   if (extension == ".pvd") return Kind::pvd;
   if (extension == ".vtu") return Kind::vtu;
   if (extension == ".vtk") return Kind::legacy_vtk;
-  throw input_error("the name of the output does not end in a format that can be written", file.string(),
-                    "-o file.xdmf or file.pvd (all increments), file.vtu or file.vtk (one)");
+  throw input_error("the format of the output is unknown", file.string(),
+                    "give -o a name that ends in .xdmf or .pvd (all increments), or in .vtu or .vtk (one increment)");
 }
 bool holds_many(Kind kind) { return kind == Kind::xdmf || kind == Kind::pvd; }
 
-/// None: all of them.
+/// Empty: all increments.
 std::optional<int> wanted_increment(const std::string& word) {
   if (word.empty() || word == "all") return {};
   int number = 0;
   const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), number);
   if (code != std::errc{} || end != word.data() + word.size())
     throw input_error("--increment is neither a number nor 'all'", "'" + word + "'",
-                      "--increment 3, or --increment all");
+                      "give for example --increment 3, or --increment all");
   return number;
 }
 
@@ -63,15 +63,15 @@ void write(const ShownResponse& shown, Kind kind, const std::filesystem::path& f
   }
   for (std::size_t i = 0; i < shown.states.size(); ++i)
     write_text_file(file.parent_path() / names[i], vtu_text(shown.grid, shown.states[i]));
-  // Last, so that it never names a file that is not there.
+  // Written last, so that it never refers to a missing file.
   write_text_file(file, pvd_text(names, times));
 }
 
 void run(const Options& options) {
   const Kind kind = kind_of(options.output);
   if (!holds_many(kind) && options.increment == "all")
-    throw input_error("this format holds one increment", options.output.string(),
-                      "-o file.xdmf or file.pvd for all of them");
+    throw input_error("this format can only hold one increment", options.output.string(),
+                      "write all increments to a file that ends in .xdmf or .pvd");
   const auto database = Database::open(options.database);
   auto shown = shown_response(database, options.node, options.direction, wanted_increment(options.increment));
   if (!holds_many(kind)) {
@@ -99,14 +99,14 @@ void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("show", "Write a stored response for ParaView: XDMF, PVD, VTU or VTK");
   add_path(*command, "DATABASE", options->database, InputKind::whole, "finished database.h5")->required();
-  command->add_option("--node", options->node, "active node (0-based number of the mesh)")->required();
-  command->add_option("--direction", options->direction, "index of the direction, 0 the first")->required();
+  command->add_option("--node", options->node, "number of an active node, starting with 0")->required();
+  command->add_option("--direction", options->direction, "number of the direction, starting with 0")->required();
   command->add_option("--increment", options->increment,
-                      "1 is the first; or all (default: all in .xdmf and .pvd, the last converged one in .vtu "
-                      "and .vtk)");
+                      "number of the increment, starting with 1, or all (default: all in .xdmf and .pvd, the last "
+                      "converged one in .vtu and .vtk)");
   add_path(*command, "-o,--output", options->output, OutputKind::file,
-           ".xdmf, .pvd (with .vtu files beside it), .vtu or .vtk; time is the prescribed displacement "
-           "in m")
+           "file to write: .xdmf, .pvd (with .vtu files in the same folder), .vtu or .vtk; its time is the prescribed "
+           "displacement [m]")
       ->required();
   command->callback([options] { run(*options); });
 }

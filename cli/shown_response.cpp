@@ -14,15 +14,15 @@ std::size_t active_index(const DatabaseHeader& header, std::int32_t node) {
   const auto at = std::lower_bound(active.begin(), active.end(), node);
   if (at != active.end() && *at == node) return static_cast<std::size_t>(at - active.begin());
   throw input_error("the database has no responses of this node", fmt::format("--node {}", node),
-                    fmt::format("{} nodes were probed, {} the first and {} the last; phynness info lists them",
-                                active.size(), active.front(), active.back()));
+                    fmt::format("give one of the {} active nodes, {} to {}; phynness info lists them", active.size(),
+                                active.front(), active.back()));
 }
 
 void check_increment(const DatabaseHeader& header, const Ray& ray, std::optional<int> increment) {
   const auto n = static_cast<int>(header.magnitudes_m.size());
   if (increment && (*increment < 1 || *increment > n))
     throw input_error("there is no such increment", fmt::format("--increment {}", *increment),
-                      fmt::format("1 is the first, {} the last", n));
+                      fmt::format("give a number from 1 to {}", n));
   const auto wanted = [&](int i) { return !increment || *increment == i + 1; };
   for (int i = 0; i < n; ++i)
     if (wanted(i) && ray.status[static_cast<std::size_t>(i)] == Status::converged) return;
@@ -37,7 +37,7 @@ TouchedNodes tool_nodes(const DatabaseHeader& header, std::int32_t node) {
   return touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, radius);
 }
 
-/// Rows of `all` between known nodes, with numbers of points instead of nodes.
+/// Rows of `all` whose nodes are all known, with node numbers replaced by point numbers.
 template <class Faces>
 Cells between_known(const Faces& all, const std::vector<std::int32_t>& point_of) {
   Cells cells(all.rows(), all.cols());
@@ -62,12 +62,12 @@ Cells shown_cells(const Mesh& mesh, const std::vector<std::int32_t>& point_of, s
   Cells triangles = between_known(mesh.surface, point_of);
   if (triangles.rows() > 0) {
     notes.push_back(
-        fmt::format("{}: shown are {} of {} surface triangles, no tetrahedra (nodes.output = "
-                    "\"all\" stores everything)",
+        fmt::format("{}: the file has {} of {} surface triangles and no tetrahedra (with nodes.output = "
+                    "\"all\" all displacements are stored)",
                     counted, triangles.rows(), mesh.surface.rows()));
     return triangles;
   }
-  notes.push_back(counted + ", no three of one surface triangle: shown are points");
+  notes.push_back(counted + ", but not the three corners of any surface triangle: the file has points only");
   Cells vertices(static_cast<Eigen::Index>(n_known), 1);
   for (Eigen::Index i = 0; i < vertices.rows(); ++i) vertices(i, 0) = static_cast<std::int32_t>(i);
   return vertices;
@@ -79,9 +79,9 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
   const auto& header = database.header();
   const auto active = active_index(header, node);
   if (direction < 0 || direction >= static_cast<int>(header.directions.size()))
-    throw input_error(
-        "there is no such direction", fmt::format("--direction {}", direction),
-        fmt::format("0 is the first, {} the last; formats/database.md has their order", header.directions.size() - 1));
+    throw input_error("there is no such direction", fmt::format("--direction {}", direction),
+                      fmt::format("give a number from 0 to {}; formats/database.md describes their order",
+                                  header.directions.size() - 1));
   const auto rays = database.rays(static_cast<std::int32_t>(active));
   const Ray& ray = rays[static_cast<std::size_t>(direction)];
   check_increment(header, ray, increment);
@@ -135,7 +135,7 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
   }
   if (const auto left = grid.node_numbers.size() - output.size(); !header.fields.empty() && left > 0)
     shown.notes.push_back(
-        fmt::format("fields are stored at output nodes only, and shown as 0 at {} other points", left));
+        fmt::format("fields are stored at output nodes only; the file has 0 at {} other points", left));
   return shown;
 }
 

@@ -1,4 +1,4 @@
-// From a ray of a database to the part of the body whose displacement is known.
+// Converts a ray of a database to a grid of all points whose displacement is known.
 #pragma once
 
 #include <optional>
@@ -11,21 +11,20 @@ namespace phynness::cli {
 
 struct ShownResponse {
   VtkGrid grid;
-  /// One per increment that converged: time is the prescribed displacement [m]; fields `displacement` [m],
-  /// `force` [N] (the whole force, at the touched node; zero elsewhere), `prescribed` (weight of the tool, 0
-  /// to 1), and stored scalar fields by their column() (0 at nodes that are no output nodes).
+  /// One per converged increment. The time is the prescribed displacement [m]. Fields: `displacement` [m], `force` [N]
+  /// (the total force at the touched node, zero elsewhere), `prescribed` (weight of the tool, 0 to 1), and stored
+  /// scalar fields by their column() (0 except at output nodes).
   std::vector<VtkState> states;
-  std::vector<int> increments;     ///< numbers of the states, 1 is the first
-  std::vector<std::string> notes;  ///< what is not shown, and why
+  std::vector<int> increments;     ///< increment numbers of the states; the first increment is 1
+  std::vector<std::string> notes;  ///< omitted parts, with the reason
 };
 
-/// Displacements are known at output nodes (stored), fixed nodes (zero) and those the tool holds
-/// (prescribed). Cells: all tetrahedra if every node is known; else surface triangles between known nodes; if
-/// there is none, the known nodes themselves.
+/// Displacements are known at output nodes (stored), fixed nodes (zero) and nodes held by the tool (prescribed). The
+/// cells are all tetrahedra if every node is known, else surface triangles between known nodes, else the known nodes.
 /// @param node       mesh node number of an active node
-/// @param direction  index into the directions
-/// @param increment  1 ... n; none: all that converged
-/// @throws Error if there is no such ray, or nothing of it converged
+/// @param direction  index of the direction
+/// @param increment  1 ... n; empty: all converged increments
+/// @throws Error (input) if there is no such ray, or if no requested increment converged
 ShownResponse shown_response(const Database& database, std::int32_t node, int direction, std::optional<int> increment);
 
 }  // namespace phynness::cli

@@ -27,7 +27,7 @@ LoadedScene load_source(const std::filesystem::path& source) {
   return {stored_scene(header), header.mesh, header.sets};
 }
 
-/// @throws Error if a tool's nodes are all fixed
+/// @throws Error (input) if all nodes of a tool are fixed
 std::vector<PointTool> tools_at(const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements,
                                 const NodeSets& sets) {
   std::vector<PointTool> tools;
@@ -41,7 +41,7 @@ std::vector<PointTool> tools_at(const std::vector<SurfacePoint>& places, const s
       tool.weights.push_back(places[t].weights[k]);
     }
     if (tool.nodes.empty())
-      throw input_error("a tool holds nothing but fixed nodes", fmt::format("tool {}", t),
+      throw input_error("all nodes of a tool are fixed", fmt::format("tool {}", t),
                         "touch a part of the surface that can move");
   }
   return tools;
@@ -75,10 +75,10 @@ void run(const Options& options) {
   }
   if (response.status != Status::converged)
     throw failure("the solve did not converge", name(response.status),
-                  "take a smaller displacement or more --increments; " + std::to_string(response.cutbacks) +
-                      " cutbacks were tried");
+                  "use a smaller displacement or more --increments (" + std::to_string(response.cutbacks) +
+                      " cutbacks were tried)");
   if (response.negative_pivots > 0)
-    message("warning: the state is unstable ({} negative pivots): the answer may depend on the path\n",
+    message("warning: the state is unstable ({} negative pivots): the result may depend on the path\n",
             response.negative_pivots);
   ToolResult result;
   for (const auto& f : response.force_N) result.force_N.emplace_back(f);
@@ -114,13 +114,16 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("solve", "Force and deformation from one finite element solve");
-  add_path(*command, "SCENE", options->source, InputKind::whole, "scene file, or database.h5 (its scene and its mesh)")
+  auto* command = app.add_subcommand("solve", "Compute force and deformation by one finite element solve");
+  add_path(*command, "SCENE", options->source, InputKind::whole,
+           "scene file, or database.h5, which contains a scene and a mesh")
       ->required();
   options->tool.add_to(*command);
-  command->add_option("--increments", options->increments, "equal steps to the displacement (default: the scene's)")
+  command
+      ->add_option("--increments", options->increments,
+                   "number of equal steps to the displacement (default: that of the scene)")
       ->check(CLI::Range(1, 1000));
-  command->add_flag("--tangent", options->tangent, "add the condensed stiffness dF/dd to the JSON");
+  command->add_flag("--tangent", options->tangent, "add the condensed stiffness dF/dd [N/m] to the JSON output");
   command->callback([options] { run(*options); });
 }
 

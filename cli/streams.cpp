@@ -16,14 +16,13 @@ namespace {
 
 constexpr const char* told_by_parent = "PHYNNESS_STDOUT_REPORTED_BY_PARENT";
 
-/// True in a child process, whose parent reports at its end that stdout cannot be written.
+/// True in a child process whose parent reports failed writes to stdout.
 bool parent_reports = false;
 
-/// Of the first write to stdout that failed; 0: none.
+/// errno of the first failed write to stdout; 0: none.
 int first_error = 0;
 
-/// Not through stdio: text left in the buffer of a stdout that cannot be written is an error in
-/// PetscFinalize().
+/// Does not use stdio, because PetscFinalize() fails if text remains in the buffer of an unwritable stdout.
 /// @return 0, or errno
 int write_all(int descriptor, const fmt::memory_buffer& text) noexcept {
   const char *at = text.data(), *end = at + text.size();
@@ -45,7 +44,7 @@ int write_all(int descriptor, const fmt::memory_buffer& text) noexcept {
 
 void prepare_streams() {
   parent_reports = std::getenv(told_by_parent) != nullptr;
-  // open() takes the lowest number that is free. For reading only, so that writing fails as on a closed one.
+  // open() returns the lowest free number. It opens for reading only, so that writing fails as on a closed descriptor.
   for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; ++descriptor)
     if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) break;
   std::signal(SIGPIPE, SIG_IGN);
@@ -63,7 +62,7 @@ void message_text(fmt::string_view format, fmt::format_args values) noexcept {
     fmt::memory_buffer text;
     fmt::vformat_to(std::back_inserter(text), format, values);
     write_all(STDERR_FILENO, text);
-  } catch (...) {  // no memory for a long message
+  } catch (...) {  // out of memory
   }
 }
 
@@ -73,9 +72,7 @@ int finish_streams(int exit_status) {
   if (first_error == 0 || parent_reports) return exit_status;
   message(
       "error: results could not be written to stdout: {}\n"
-      "  remedy: the work is done and its files are written; for the text, run it again with a stdout that "
-      "can be "
-      "written\n",
+      "  remedy: all files are written; to see the text, run the command again with a writable stdout\n",
       std::generic_category().message(first_error));
   return exit_status == 0 ? 1 : exit_status;
 }

@@ -1,5 +1,4 @@
-// What the command prints: results on stdout, messages on stderr. Work never ends because neither can be
-// written.
+// Output of the command: results on stdout, messages on stderr. A failed write to either does not end the work.
 #pragma once
 
 #include <fmt/core.h>
@@ -20,21 +19,21 @@ auto shown(const T& value) {
     return value;
 }
 
-/// Call it first. Opens standard descriptors that are closed: the next file that the program opens would get
-/// such a number, and text for a person would be written into it. Writing to them still fails. Ignores the
-/// signals of a closed pipe and of a file that has reached its limit, which are then failed writes.
+/// To be called first. Opens standard descriptors that are closed, because otherwise the next opened file would get
+/// such a number and messages would be written into it. Writing to these descriptors still fails. The signals of a
+/// closed pipe and of the file size limit are ignored, so that they become failed writes.
 void prepare_streams();
 
 void print_result_text(fmt::string_view format, fmt::format_args values);
 void message_text(fmt::string_view format, fmt::format_args values) noexcept;
 
-/// To stdout. finish_streams() reports what cannot be written.
+/// Writes to stdout. finish_streams() reports a failed write.
 template <class... T>
 void print_result(fmt::format_string<T...> format, const T&... values) {
   const auto print = [&](const auto&... safe) { print_result_text(format, fmt::make_format_args(safe...)); };
   print(shown(values)...);
 }
-/// To stderr. What cannot be written is lost: there is no other place to say so.
+/// Writes to stderr. A failed write is ignored, because there is no other stream to report it.
 template <class... T>
 void message(fmt::format_string<T...> format, const T&... values) noexcept try {
   const auto print = [&](const auto&... safe) { message_text(format, fmt::make_format_args(safe...)); };
@@ -42,12 +41,12 @@ void message(fmt::format_string<T...> format, const T&... values) noexcept try {
 } catch (...) {  // no memory for a copy
 }
 
-/// For child processes: this process reports at its end that stdout cannot be written, so that a child which
-/// finds this out goes on and ends as its work does.
+/// Sets an environment variable by which child processes do not report failed writes to stdout. This process reports
+/// them at its end, so that the exit status of a child depends on its work only.
 void report_stdout_for_children();
 
-/// Call it last: says on stderr that results could not be written to stdout.
-/// @return `exit_status`, but 1 instead of 0 where results are lost
+/// To be called last. Reports on stderr if results could not be written to stdout.
+/// @return `exit_status`, or 1 instead of 0 if results are lost
 int finish_streams(int exit_status);
 
 }  // namespace phynness::cli

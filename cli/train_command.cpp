@@ -21,31 +21,31 @@ struct Options {
   std::optional<int> modes, shared_modes, near_nodes, force_centers, amplitude_centers, levels;
 };
 
-/// Spreads in scaled inputs, whose range is 2: far less separates every point, far more tells none apart.
+/// Inputs are scaled to the range [-1, 1]. Far smaller spreads separate all points, far larger ones separate none.
 void check_spread(const std::optional<double>& spread, const char* option) {
   if (spread && *spread != 0 && !(*spread >= 1e-3 && *spread <= 1e3))
-    throw input_error("a spread must lie between 1e-3 and 1e3, or be 0 to search",
-                      fmt::format("{} {}", option, *spread), "inputs are scaled to [-1, 1]; the paper uses 0.75");
+    throw input_error("a spread must be 0 (search) or between 1e-3 and 1e3", fmt::format("{} {}", option, *spread),
+                      "inputs are scaled to [-1, 1]; the paper uses 0.75");
 }
 
 void print_levels(const Model& model) {
   for (std::size_t l = 0; l < model.levels.size(); ++l)
-    print_result("level {}: with a state left out force {:.3f} %, displacement {:.3f} %, the median node\n", l,
+    print_result("level {}: leave-one-out errors of the median node: force {:.3f} %, displacement {:.3f} %\n", l,
                  100 * model.levels[l].error_force, 100 * model.levels[l].error_displacement);
 }
 
 void print_fields(const Model& model, const TrainingReport& report, const std::vector<Field>& stored) {
   for (std::size_t f = 0; f < model.fields.size(); ++f) {
     const auto& q = report.modal.fields[f];
-    print_result("{}: {:.3f} % by truncation, {:.3f} % by regression, of the node's largest\n", model.fields[f].name,
-                 100 * q.truncation, 100 * q.regression);
+    print_result("{}: errors by truncation {:.3f} %, by regression {:.3f} %, of the node's largest value\n",
+                 model.fields[f].name, 100 * q.truncation, 100 * q.regression);
   }
   if (stored.empty() || !model.fields.empty()) return;
   std::string names;
   for (const auto field : stored) names += (names.empty() ? "" : ", ") + std::string(name(field));
-  message("note: the database's fields ({}) are not modelled: {}\n", names,
-          model.shared.modes.rows() > 0 ? "a model without modes has forces only"
-                                        : "only family modal does, --family modal");
+  message(
+      "note: the database's fields ({}) are not modelled: {}\n", names,
+      model.shared.modes.rows() > 0 ? "a model without modes has forces only" : "only --family modal models fields");
 }
 
 void note_idle_options(const Options& options, Family family) {
@@ -55,12 +55,12 @@ void note_idle_options(const Options& options, Family family) {
   for (const auto& [given, words] :
        {std::pair{of_networks, "neurons and spreads"}, std::pair{of_modes, "modes and centers"}})
     if (given && std::string_view(words) != operations(family).option_words)
-      message("note: options of {} do nothing in family {}\n", words, name(family));
+      message("note: options of {} have no effect in family {}\n", words, name(family));
   if (!schema::traits(family).has_levels && options.levels.value_or(1) > 1)
-    message("note: family {} has one level; --levels does nothing\n", name(family));
+    message("note: family {} has one level; --levels has no effect\n", name(family));
 }
 
-/// The scene's [training] with what the options say instead.
+/// [training] of the scene, overridden by options.
 TrainingSpec chosen_spec(TrainingSpec spec, const Options& options) {
   for (const auto* family : every_family())
     if (options.family == name(family->family)) spec.family = family->family;
@@ -84,7 +84,7 @@ struct Trained {
   TrainingReport report;
   std::vector<Field> stored;  ///< fields of the database
   std::uintmax_t model_bytes = 0, mesh_bytes = 0;
-  /// Most of a node: few responses make smaller networks than were asked for.
+  /// Largest numbers of a node. They may be below the specified ones if a node has few responses.
   std::int64_t neurons = 0, force_neurons = 0;
 };
 
@@ -94,8 +94,9 @@ Trained trained(const Options& options) {
   const auto& header = database.header();
   if (physics_hash(scene) != header.physics_hash)
     throw input_error("the database was made from another scene",
-                      "physics " + header.physics_hash + ", this scene's " + physics_hash(scene),
-                      "train with the scene it was made from (phynness info prints it), or precompute again");
+                      "physics hash " + header.physics_hash + ", of this scene " + physics_hash(scene),
+                      "train with the scene from which it was made (phynness info prints its name), or precompute "
+                      "again");
   check_mesh(scene, header.mesh_hash, options.database.string());
   const TrainingSpec spec = chosen_spec(scene.training, options);
   Trained t;
@@ -127,7 +128,7 @@ void print(const Trained& t, const std::filesystem::path& output) {
   print_levels(model);
   print_fields(model, report, t.stored);
   if (report.n_skipped > 0)
-    message("warning: {} active nodes have no converged increment and are left out\n", report.n_skipped);
+    message("warning: {} active nodes have no converged increment and are omitted from the model\n", report.n_skipped);
   print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(static_cast<double>(t.model_bytes)),
                bytes(static_cast<double>(t.mesh_bytes)), output.string());
 }
@@ -169,8 +170,8 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("train", "Condense a database into a model -> MODEL_DIR (model.txt, mesh.txt)");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the database was made from")->required();
+  auto* command = app.add_subcommand("train", "Train a model on a database -> MODEL_DIR (model.txt, mesh.txt)");
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene from which the database was made")->required();
   add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 of phynness precompute")->required();
   add_path(*command, "-o,--output", options->output, OutputKind::model, "model directory to write (formats/model.md)")
       ->required();
@@ -181,24 +182,27 @@ void add(CLI::App& app) {
     about += fmt::format("{}{}: {}", about.empty() ? "" : "; ", words.back(), family->about);
   }
   command->add_option("--family", options->family, about)->check(CLI::IsMember(words));
-  command->add_option("--neurons", options->neurons, "neurons of a deformation network; also caps the force network")
+  command
+      ->add_option("--neurons", options->neurons,
+                   "rbfn: neurons of a deformation network, and largest number of neurons of a force network")
       ->check(CLI::Range(1, 100'000));
-  command->add_option("--force-neurons", options->force_neurons, "neurons of a force network")
+  command->add_option("--force-neurons", options->force_neurons, "rbfn: neurons of a force network")
       ->check(CLI::Range(1, 100'000));
-  command->add_option("--spread", options->spread, "spread of the deformation networks, in scaled inputs; 0: search");
-  command->add_option("--force-spread", options->force_spread, "spread of the force networks; 0: search");
+  command->add_option("--spread", options->spread,
+                      "rbfn: spread of the deformation networks, in scaled inputs; 0: search");
+  command->add_option("--force-spread", options->force_spread,
+                      "rbfn: spread of the force networks, in scaled inputs; 0: search");
   const auto count = [&](const char* option, std::optional<int>& value, const char* what, int low, int high) {
     command->add_option(option, value, what)->check(CLI::Range(low, high));
   };
   count("--modes", options->modes, "modal: modes of each node; 0: forces only", 0, largest_mode_count);
-  count("--shared-modes", options->shared_modes, "modal: modes that those of a node are mixed from", 0,
+  count("--shared-modes", options->shared_modes, "modal: shared modes, from which the modes of a node are mixed", 0,
         largest_mode_count);
-  count("--near-nodes", options->near_nodes, "modal: nodes where modes are stored as they are", 0, 1'000'000);
+  count("--near-nodes", options->near_nodes, "modal: nodes near the touched one with modes of their own", 0, 1'000'000);
   count("--force-centers", options->force_centers, "modal: centers of a force network", 1, 100'000);
-  count("--levels", options->levels, "networks of each response, each half as large as the next", 1,
-        largest_level_count);
+  count("--levels", options->levels, "number of levels, each half as large as the next", 1, largest_level_count);
   count("--amplitude-centers", options->amplitude_centers, "modal: centers of the amplitudes", 0, 100'000);
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->callback([options] { run(*options); });
 }
 

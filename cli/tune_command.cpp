@@ -25,7 +25,8 @@ struct Options {
   std::optional<std::string> max_error, max_time, max_size;
   std::string error_by = "mean";
   std::int64_t probes = 400;
-  std::int64_t seed = 2;  // other probes than those of phynness validate, which is to judge the choice
+  std::int64_t seed =
+      2;  // differs from the default of phynness validate, whose probes then test the choice independently
 };
 
 const std::map<ErrorStatistic, std::string> statistic_names{
@@ -33,18 +34,18 @@ const std::map<ErrorStatistic, std::string> statistic_names{
 
 using Units = std::map<std::string, double>;
 
-/// "2%" with units {{"%", 0.01}, {"", 1}} is 0.02.
+/// Parses a limit: "2%" with the units {{"%", 0.01}, {"", 1}} gives 0.02.
 std::optional<double> limit(const std::optional<std::string>& text, const char* option, const Units& units,
                             const char* example) {
   if (!text) return std::nullopt;
   double value = 0;
   const auto [end, code] = std::from_chars(text->data(), text->data() + text->size(), value);
   const auto unit = units.find(std::string(end, text->data() + text->size()));
-  // A bare 2 may be a factor or percent: the unit tells.
+  // A value of 1 or more without a unit is ambiguous: 2 may be a factor or percent.
   const bool vague = unit != units.end() && unit->first.empty() && value >= 1;
   if (code != std::errc{} || unit == units.end() || !(value > 0) || vague)
-    throw input_error("a limit is a positive number and its unit", fmt::format("{} {}", option, *text),
-                      fmt::format("{} {}", option, example));
+    throw input_error("a limit must be a positive number with a unit", fmt::format("{} {}", option, *text),
+                      fmt::format("give for example {} {}", option, example));
   return value * unit->second;
 }
 
@@ -67,10 +68,11 @@ void print_table(const TuningReport& report, const std::optional<std::size_t>& c
   }
   print_result("  {:<38}", "(linear predictor)");
   errors(report.linear);
-  print_result("\n> chosen; * none is better in error ({}), time and memory\n", statistic_names.at(statistic));
+  print_result("\n> chosen; * no other model is better in error ({}), time and memory\n",
+               statistic_names.at(statistic));
 }
 
-/// Two panels, error against time and against memory, by gnuplot.
+/// Draws two panels with gnuplot: error against time and error against memory.
 void plot(const std::filesystem::path& file, const TuningReport& report, const std::string& title,
           const std::optional<std::size_t>& chosen, ErrorStatistic statistic) {
   std::string families[3], front, best;
@@ -134,14 +136,15 @@ TuningLimits limits_of(const Options& options) {
   return limits;
 }
 
-/// Tuning takes minutes: what it could not write is refused before.
+/// Checks outputs before tuning, which takes minutes.
 void check_outputs(const Options& options) {
   if (options.plot_file && options.plot_file->extension() != ".svg" && options.plot_file->extension() != ".png")
-    throw input_error("a plot is .svg or .png", options.plot_file->string(), "--plot trade.svg");
+    throw input_error("the format of the plot is unknown", options.plot_file->string(),
+                      "give --plot a name that ends in .svg or .png");
   for (const auto& file : {options.json_file, options.plot_file, std::optional(options.output)})
     if (const auto folder = file ? std::filesystem::absolute(*file).parent_path() : std::filesystem::path();
         file && !std::filesystem::is_directory(folder))
-      throw input_error("there is no such folder", folder.string(), "make it first: tuning takes minutes");
+      throw input_error("there is no such folder", folder.string(), "make the folder first");
 }
 
 TuningReport tuned(const Options& options, const SolverSession& session, const Scene& scene, const Database& database) {
@@ -163,7 +166,7 @@ void print(const Scene& scene, const TuningReport& report, const TuningChoice& c
   print_table(report, choice.chosen, limits.statistic);
   for (const auto& reason : report.left_out) message("note: not trained: {}\n", reason);
   if (2 * report.failed > report.probes)
-    message("warning: {} of {} probes failed; errors are those of the others\n", report.failed, report.probes);
+    message("warning: {} of {} probes failed; errors are those of the other probes\n", report.failed, report.probes);
 }
 
 json as_json(const TuningReport& report, const TuningChoice& choice, const TuningLimits& limits) {
@@ -195,20 +198,22 @@ void run(const Options& options) {
   install_stop_handler();
   const SolverSession session;
   if (session.size() > 1)
-    throw input_error("tune runs as one process", fmt::format("{} ranks", session.size()), "start it without mpirun");
+    throw input_error("tune must run as one process", fmt::format("{} ranks", session.size()),
+                      "start it without mpirun");
   const Scene scene = open_scene(options.scene);
   const auto database = Database::open(options.database);
   if (physics_hash(scene) != database.header().physics_hash)
     throw input_error("the database was made from another scene",
-                      "physics " + database.header().physics_hash + ", this scene's " + physics_hash(scene),
-                      "tune with the scene it was made from (phynness info prints it), or precompute again");
+                      "physics hash " + database.header().physics_hash + ", of this scene " + physics_hash(scene),
+                      "tune with the scene from which it was made (phynness info prints its name), or precompute "
+                      "again");
   check_mesh(scene, database.header().mesh_hash, options.database.string());
 
   TuningReport report = tuned(options, session, scene, database);
   mark_front(report.models, limits.statistic);
   const auto choice = choose_model(report.models, limits);
   print(scene, report, choice, limits);
-  // The model first: what was found is not lost where a plot cannot be drawn.
+  // The model is written first, so that it is not lost if the plot cannot be drawn.
   if (choice.chosen) {
     write_model_dir(options.output, report.models[*choice.chosen].model, database.header().mesh);
     print_result("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
@@ -221,7 +226,7 @@ void run(const Options& options) {
          choice.chosen, limits.statistic);
   if (!choice.chosen)
     throw failure("no model meets the limits", choice.missed,
-                  "allow more, or probe in more directions; nothing was written");
+                  "relax the limits, or precompute more directions; no model was written");
 }
 
 }  // namespace
@@ -229,28 +234,29 @@ void run(const Options& options) {
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand(
-      "tune", "Trains families and sizes, measures error, time and memory, writes the model that meets the limits");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the database was made from")->required();
+      "tune", "Train families and sizes, measure error, time and memory, write the model that meets the limits");
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene from which the database was made")->required();
   add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 of phynness precompute")->required();
   add_path(*command, "-o,--output", options->output, OutputKind::model, "model directory to write")->required();
   command->add_option("--max-error", options->max_error,
-                      "error (17) of force and displacement inside the trained range, such as 2%");
+                      "largest error (17) of force and displacement inside the trained range, such as 2%");
   command
-      ->add_option("--error-by", options->error_by, "which error counts. Few probes make the mean where a body snaps")
+      ->add_option("--error-by", options->error_by,
+                   "statistic of the errors; where a body snaps through, a few probes dominate the mean")
       ->check(CLI::IsMember({"mean", "median", "p95"}))
       ->capture_default_str();
   command->add_option("--max-time", options->max_time,
-                      "time of one deformation of all output nodes on this machine, such as 20us");
-  command->add_option("--max-size", options->max_size, "memory of the model in the runtime, such as 1MB");
-  command->add_option("--probes", options->probes, "fresh solves that all models are measured on")
+                      "longest time of one deformation of all output nodes on this machine, such as 20us");
+  command->add_option("--max-size", options->max_size, "largest memory of the model in the runtime, such as 1MB");
+  command->add_option("--probes", options->probes, "number of new solves by which all models are measured")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of those")
+  command->add_option("--seed", options->seed, "seed of the random probes")
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
       ->capture_default_str();
   add_path(*command, "--plot", options->plot_file, OutputKind::file,
            "draw error against time and memory (.svg or .png; needs gnuplot)");
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->callback([options] { run(*options); });
 }
 

@@ -19,7 +19,8 @@
 namespace phynness::cli::validate_command {
 namespace {
 
-/// (17) divides by the largest of a place's responses: one alone would be all there is to divide by.
+/// Equation (17) divides by the largest response of a point. With a single displacement per point it would divide a
+/// response by itself.
 constexpr std::int64_t displacements_per_point = 4;
 
 struct Options {
@@ -35,10 +36,10 @@ struct Options {
 void check_report_place(const std::filesystem::path& file) {
   const auto folder = std::filesystem::absolute(file).parent_path();
   if (!std::filesystem::is_directory(folder) || std::filesystem::is_directory(file))
-    throw input_error("a report cannot be written there", file.string(), "name a file in a folder that exists");
+    throw input_error("the report cannot be written", file.string(), "give --report a file in an existing folder");
 }
 
-/// What is compared: loaded on every rank, checked by the first.
+/// Scene and model, loaded on every rank and checked by the first.
 struct Compared {
   Scene scene;
   LoadedModel model;
@@ -59,8 +60,8 @@ Compared load(const Options& options, const SolverSession& session) {
   const bool tools_wanted = options.points > 0 || options.pairs > 0;
   if (tools_wanted && !loaded->model().nodes.empty() &&
       loaded->respond({loaded->model().nodes.front().node}, {Vec3{}}).displacement_m.rows() == 0)
-    throw input_error("coupled tools need deformations, and the model has forces only", options.model.string(),
-                      "leave --points and --pairs out, or train with modes");
+    throw input_error("coupled tools need deformations, but the model has forces only", options.model.string(),
+                      "omit --points and --pairs, or train the model with modes");
   return {std::move(scene), std::move(*loaded)};
 }
 
@@ -113,8 +114,8 @@ void print_conditions(const Scene& scene, const ValidationReport& report) {
                name(scene.material.law), name(element), K_mu,
                element->locks_severely && K_mu > element->locks_above ? " (locked)" : "", name(scene.probe.kind),
                1e3 * scene.probe.max_displacement_m);
-  print_result("{} probes at {} nodes ({} beside the fixed ones: {}); {} failed\n", report.probes, report.nodes.size(),
-               report.n_beside_fixed, nodes, report.failed);
+  print_result("{} probes at {} nodes ({} next to fixed nodes; nodes: {}); {} probes failed\n", report.probes,
+               report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
 }
 
 void print(const Compared& compared, const Measured& m, int ranks) {
@@ -191,9 +192,9 @@ void refuse_half(const Options& options, const Measured& m) {
   std::string finished = fmt::format("{} of {} rays", m.report.rays_finished, m.report.rays);
   if (options.points > 0) finished += fmt::format(", {} of {} points", m.points.finished, options.points);
   if (options.pairs > 0) finished += fmt::format(", {} of {} pairs", m.pairs.finished, options.pairs);
-  throw failure("validate was interrupted; the figures above are of what was finished", finished,
-                fmt::format("run it again: --seed {} begins with the same{}", m.seed,
-                            options.report_file ? "; the page of --report was not written" : ""));
+  throw failure("validate was interrupted; the figures above are those of the finished part", finished,
+                fmt::format("run it again; --seed {} repeats the same probes{}", m.seed,
+                            options.report_file ? "; the report was not written" : ""));
 }
 
 void run(const Options& options) {
@@ -218,32 +219,32 @@ void run(const Options& options) {
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
   auto* command = app.add_subcommand("validate", "Compare a model with fresh finite element solves");
-  add_path(*command, "SCENE", options->scene, InputKind::whole, "the scene the model was made from")->required();
+  add_path(*command, "SCENE", options->scene, InputKind::whole, "scene from which the model was made")->required();
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
-  command->add_option("--probes", options->probes, "how many, inside and beyond the range together")
+  command->add_option("--probes", options->probes, "number of probes, inside and outside of the trained range")
       ->check(CLI::Range(1, 10'000'000));
   command
       ->add_option("--nodes", options->nodes,
-                   "at how many active nodes (default: a twentieth of the probes, at least 10)")
+                   "number of probed active nodes (default: a twentieth of the probes, at least 10)")
       ->check(CLI::Range(1, 10'000'000));
   command
       ->add_option("--points", options->points,
-                   "also tools at so many random points between nodes, against point-constrained solves")
+                   "also compare tools at this number of random points between nodes, by point-constrained solves")
       ->check(CLI::Range(1, 1'000'000));
   command
       ->add_option("--pairs", options->pairs,
-                   "also two tools at so many random pairs of nodes, against solves with both held")
+                   "also compare two tools at this number of random pairs of nodes, by solves with both tools")
       ->check(CLI::Range(1, 1'000'000));
   command
       ->add_option("--pair-depth", options->pair_depth_m,
-                   "how deep both tools of a pair are [m] (default: 3/7 of the scene's max_displacement_m,\n"
-                   "12 mm of the paper's 28)")
+                   "displacement of both tools of a pair [m] (default: 3/7 of the scene's max_displacement_m, as in\n"
+                   "the paper, 12 mm of 28 mm)")
       ->check(finite_range(1e-12, 1e3));
-  command->add_option("--level", options->level, "level of the model, 0 the smallest (default: the full one)");
-  command->add_option("--seed", options->seed, "of directions, magnitudes and nodes")
+  command->add_option("--level", options->level, "level of the model; 0 is the smallest (default: the full one)");
+  command->add_option("--seed", options->seed, "seed of random directions, magnitudes and nodes")
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
-  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures for machines");
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   add_path(*command, "--report", options->report_file, OutputKind::file,
            "write an HTML report with curves and pictures (needs gnuplot)");
   command->callback([options] { run(*options); });

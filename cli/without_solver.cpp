@@ -1,4 +1,4 @@
-// The subcommands that need dolfinx, in a build without it: they say so.
+// The subcommands that need dolfinx, for a build without it. They only report that they are missing.
 #include <phynness/formats/error.hpp>
 
 #include "plan.hpp"
@@ -12,7 +12,7 @@ Error no_solver(const std::string& what) {
 }
 
 void add_refusal(CLI::App& app, const std::string& name) {
-  auto* command = app.add_subcommand(name, "(not in this build: needs dolfinx)");
+  auto* command = app.add_subcommand(name, "(not in this build, because it needs dolfinx)");
   command->allow_extras();
   command->callback([name] { throw no_solver("phynness " + name); });
 }
@@ -26,7 +26,7 @@ void solve_command::add(CLI::App& app) { add_refusal(app, "solve"); }
 void run_command::add(CLI::App& app) { add_refusal(app, "run"); }
 
 PlanBasis basis_of_scene(const PlanOptions& options) {
-  throw no_solver("phynness plan " + options.source.string() + " (a finished database.h5 can be planned from)");
+  throw no_solver("phynness plan " + options.source.string() + " (a plan from a finished database.h5 is possible)");
 }
 
 }  // namespace phynness::cli

@@ -1,4 +1,4 @@
-// The only file that knows which dolfinx it meets: 0.5, or 0.9 and later. Everything here is serial: one mesh
+// The only file that depends on the version of dolfinx: 0.5, or 0.9 and later. Everything here is serial, with one mesh
 // per process (MPI_COMM_SELF).
 #pragma once
 
@@ -34,7 +34,7 @@
 #include <dolfinx/fem/FiniteElement.h>
 #include <dolfinx/mesh/utils.h>
 #else
-#error "this source has been taught dolfinx 0.5 and 0.9 to 0.11; other versions belong in this file"
+#error "phynness supports dolfinx 0.5 and 0.9 to 0.11; add the differences of another version to dolfinx_api.hpp"
 #endif
 
 namespace phynness::dolfinx_api {
@@ -50,7 +50,7 @@ using Function = dolfinx::fem::Function<double>;
 using Constant = dolfinx::fem::Constant<double>;
 using Form = dolfinx::fem::Form<double>;
 
-/// dolfinx's own messages: errors only.
+/// Limits dolfinx's own messages to errors.
 inline void quiet_logging() {
 #if PHYNNESS_DOLFINX == 5
   loguru::g_stderr_verbosity = loguru::Verbosity_ERROR;
@@ -62,7 +62,8 @@ inline void quiet_logging() {
 #if PHYNNESS_DOLFINX >= 9
 using BasixElement = basix::FiniteElement<double>;
 
-/// Lagrange with the points that basix.ufl gives the forms: dolfinx compares their hashes.
+/// A Lagrange element with the same points as in the forms of basix.ufl, because dolfinx compares the hashes of
+/// elements.
 inline BasixElement lagrange(int degree, basix::cell::type cell = basix::cell::type::tetrahedron) {
   return basix::create_element<double>(basix::element::family::P, cell, degree,
                                        basix::element::lagrange_variant::gll_warped, basix::element::dpc_variant::unset,
@@ -76,8 +77,8 @@ inline BasixElement crouzeix_raviart() {
 }
 #endif
 
-/// Affine tetrahedra, or triangles in space, in their given order (dolfinx would reorder cells for locality; here
-/// input order is kept through original_cell_index, see cell_nodes()).
+/// Affine tetrahedra, or triangles in space. dolfinx reorders cells for locality; original_cell_index gives their input
+/// order, see cell_nodes().
 inline std::shared_ptr<DolfinxMesh> create_mesh(const Points& nodes, const Cells& cells) {
   std::vector<std::int64_t> connectivity(cells.data(), cells.data() + cells.size());
   const std::array<std::size_t, 2> shape{static_cast<std::size_t>(nodes.rows()), 3};
@@ -115,7 +116,7 @@ inline std::int32_t n_cells(const DolfinxMesh& mesh) {
 #endif
 }
 
-/// Places of a cell's vertices in the arrays of the mesh's geometry.
+/// Indices of a cell's vertices in the arrays of the mesh geometry.
 inline std::span<const std::int32_t> vertices(const DolfinxMesh& mesh, std::int32_t cell) {
 #if PHYNNESS_DOLFINX == 5
   return mesh.geometry().dofmap().links(cell);
@@ -129,7 +130,7 @@ inline std::span<const std::int32_t> vertices(const DolfinxMesh& mesh, std::int3
 #endif
 }
 
-/// The nodes of a dolfinx cell, in the numbers that create_mesh was given and in the cell's own vertex order.
+/// The nodes of a dolfinx cell, numbered as in the arguments of create_mesh, in the vertex order of the cell.
 inline std::vector<std::int32_t> cell_nodes(const DolfinxMesh& mesh, std::int32_t cell) {
   const auto& original = mesh.geometry().input_global_indices();
   std::vector<std::int32_t> nodes;
@@ -137,7 +138,7 @@ inline std::vector<std::int32_t> cell_nodes(const DolfinxMesh& mesh, std::int32_
   return nodes;
 }
 
-/// Coordinates of the cell's vertices as the kernels want them: n x 3, row-major; of a triangle 9 of the 12.
+/// Coordinates of the cell's vertices as arguments of kernels: n x 3, row-major; a triangle uses 9 of the 12 numbers.
 inline void cell_coordinates(const DolfinxMesh& mesh, std::int32_t cell, std::span<double, 12> coordinates) {
   const auto x = mesh.geometry().x();
   const auto places = vertices(mesh, cell);
@@ -157,7 +158,7 @@ inline std::shared_ptr<Space> space_of(const std::shared_ptr<DolfinxMesh>& mesh,
 #endif
 }
 
-/// Of forms/shell_elements.py.
+/// The space of forms/shell_elements.py.
 inline std::shared_ptr<Space> shell_space(const std::shared_ptr<DolfinxMesh>& mesh) {
   using FiniteElement = dolfinx::fem::FiniteElement<double>;
   const auto vector = [](const BasixElement& scalar) {
@@ -172,12 +173,12 @@ inline std::shared_ptr<Space> shell_space(const std::shared_ptr<DolfinxMesh>& me
 }
 #endif
 
-/// The space of an element: the one that forms/elements.py compiles its forms for.
-/// @param residual  the element's, of any law
+/// The space of an element, the same for which its forms are compiled (forms/elements.py).
+/// @param residual  form of the element for any law
 inline std::shared_ptr<Space> create_space([[maybe_unused]] Element element, [[maybe_unused]] const ufcx_form& residual,
                                            const std::shared_ptr<DolfinxMesh>& mesh) {
 #if PHYNNESS_DOLFINX == 5
-  // Here ffcx generates the space with the form: that of its first argument.
+  // In this version ffcx generates the space together with the form; it is the space of the first argument.
   const auto chosen = std::make_shared<const dolfinx::fem::FiniteElement>(*residual.finite_elements[0]);
   const auto layout = dolfinx::fem::create_element_dof_layout(*residual.dofmaps[0], mesh->topology().cell_type());
   return std::make_shared<Space>(mesh, chosen,
@@ -214,7 +215,7 @@ inline std::span<const std::int32_t> cell_blocks(const Space& space, std::int32_
 /// Scalar dofs of one displacement component (0..2) of a mixed space, or of its pressure (3), cell by cell. A shell's
 /// director has the components 3..5.
 inline std::shared_ptr<const Space> mixed_component(const Space& space, int component, bool shell = false) {
-  // Level by level: dolfinx looks for the second number of a path among the children of the root.
+  // One level at a time, because dolfinx searches the second number of a path among the children of the root.
 #if PHYNNESS_DOLFINX == 5
   if (shell && component >= 3) return space.sub({1})->sub({component - 3});
   return component < 3 ? space.sub({0})->sub({component}) : space.sub({1});
@@ -233,7 +234,7 @@ inline void set_values(Function& function, std::span<const double> values) {
 #endif
 }
 
-/// @param functions  the state and, for shells, what they are at rest
+/// @param functions  the state and, for shells, its values at rest
 inline Form create_form(const ufcx_form& form, const std::vector<std::shared_ptr<const Space>>& spaces,
                         const std::vector<std::shared_ptr<const Function>>& functions,
                         const std::map<std::string, std::shared_ptr<const Constant>>& constants,
@@ -259,11 +260,10 @@ inline Form create_form(const ufcx_form& form, const std::vector<std::shared_ptr
 
 inline double assemble_scalar(const Form& form) { return dolfinx::fem::assemble_scalar(form); }
 
-/// Adds to `b`.
+/// Adds the vector of a form to `b`.
 inline void assemble_vector(std::span<double> b, const Form& form) { dolfinx::fem::assemble_vector(b, form); }
 
-/// Hands each element matrix (row-major, rows and columns in element order) to `take`, cell by cell in cell
-/// order.
+/// Calls `take` with each element matrix (row-major, rows and columns in element order) in the order of the cells.
 template <typename Take>
 void for_each_element_matrix(const Form& form, Take&& take) {
   std::int32_t cell = 0;
@@ -275,9 +275,11 @@ void for_each_element_matrix(const Form& form, Take&& take) {
   dolfinx::fem::assemble_matrix(add, form, nothing_fixed, nothing_fixed);
 }
 
-/// An expression of the cell's state at its points.
-/// @param values  num_points, zero before  @param w  the cell's dofs  @param c  packed_constants()
-/// @param x  cell_coordinates()
+/// Evaluates an expression of the state of a cell at its points.
+/// @param values  num_points; must be zero before the call
+/// @param w       dofs of the cell
+/// @param c       packed_constants()
+/// @param x       cell_coordinates()
 inline void tabulate(const ufcx_expression& expression, std::span<double> values, std::span<const double> w,
                      std::span<const double> c, std::span<const double, 12> x) {
 #if PHYNNESS_DOLFINX <= 9
@@ -287,7 +289,7 @@ inline void tabulate(const ufcx_expression& expression, std::span<double> values
 #endif
 }
 
-/// The constants of a form as its kernel wants them.
+/// The constants of a form in the order of its kernel.
 inline std::vector<double> packed_constants(const ufcx_form& form, const std::map<std::string, double>& constants) {
   std::vector<double> packed;
   for (const auto& name : dolfinx::fem::get_constant_names(form)) packed.push_back(constants.at(name));
@@ -301,8 +303,10 @@ inline std::vector<double> packed_constants(const ufcx_expression& expression,
   return packed;
 }
 
-/// One cell's share of a functional.
-/// @param w  the cell's dofs  @param c  packed_constants()  @param x  cell_coordinates()
+/// The integral of a functional over one cell.
+/// @param w  dofs of the cell
+/// @param c  packed_constants()
+/// @param x  cell_coordinates()
 inline double tabulate_cell(const ufcx_form& functional, std::span<const double> w, std::span<const double> c,
                             std::span<const double, 12> x) {
   double value = 0;

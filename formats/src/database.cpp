@@ -58,9 +58,9 @@ struct Database::Impl {
   }
   void check_shapes() const;
   void check_mirror() const;
-  /// Of all increments, [active][direction][increment] flattened. @throws Error if one cannot be
+  /// Figures of all increments, [active][direction][increment] flattened. @throws Error (input) if a status is unknown
   StateFigures figures() const;
-  /// @throws Error unless `defect` is empty
+  /// @throws Error (input) unless `defect` is empty
   void refuse_damaged(const std::string& defect, const std::string& whose) const;
 };
 
@@ -82,7 +82,7 @@ void Database::Impl::check_shapes() const {
 
 void Database::Impl::check_mirror() const {
   if (!header.sets.mirror) return;
-  const MirroredRays mirrored(header);  // refuses sets that the mirror does not map onto themselves
+  const MirroredRays mirrored(header);  // throws for sets that the mirror plane does not map onto themselves
   const auto solved_as =
       file.read<std::int32_t>(path::solved_as, {header.sets.active.size(), header.directions.size()});
   const auto n = static_cast<std::int64_t>(solved_as.size());
@@ -91,13 +91,13 @@ void Database::Impl::check_mirror() const {
     if (source < 0 || source >= n || solved_as[static_cast<std::size_t>(source)] != source)
       throw input_error(
           "the database " + file.path().string() + ": " + path::solved_as + " must name rays that were solved",
-          "that of ray " + std::to_string(ray) + " is " + std::to_string(source), hdf5::damaged);
+          "ray " + std::to_string(ray) + " names ray " + std::to_string(source), hdf5::damaged);
   }
 }
 
 void Database::Impl::refuse_damaged(const std::string& defect, const std::string& whose) const {
   if (!defect.empty())
-    throw input_error("the database " + file.path().string() + " holds a number that cannot be, of " + whose, defect,
+    throw input_error("the database " + file.path().string() + " has an impossible number in " + whose, defect,
                       hdf5::damaged);
 }
 
@@ -105,7 +105,7 @@ StateFigures Database::Impl::figures() const {
   StateFigures all{of_all<std::int8_t>(path::status),      of_all<std::int32_t>(path::negative_pivots),
                    of_all<std::int32_t>(path::iterations), of_all<std::int32_t>(path::cutbacks),
                    of_all<double>(path::min_jacobian),     of_all<double>(path::seconds)};
-  refuse_damaged(figures_defect(all), "all increments one after the other");
+  refuse_damaged(figures_defect(all), "the list of all increments");
   return all;
 }
 
@@ -122,9 +122,9 @@ Database Database::open(const std::filesystem::path& file) {
     opened.close();
     const auto progress = database_progress(file);
     if (progress.shard)
-      throw input_error("the file " + file.string() + " is a shard of a database", progress.shard->str(),
-                        "make one database of all shards with: phynness merge SHARD... -o " +
-                            database_of(file, *progress.shard).string());
+      throw input_error(
+          "the file " + file.string() + " is a shard of a database", progress.shard->str(),
+          "merge all shards with: phynness merge SHARD... -o " + database_of(file, *progress.shard).string());
     throw input_error(
         "the database " + file.string() + " is unfinished",
         std::to_string(progress.rays_logged) + " of " + std::to_string(progress.rays_total) + " rays are solved",
@@ -227,12 +227,12 @@ DatabaseHeader read_database_header(const std::filesystem::path& file) {
   try {
     return layout::read_header(hdf5::File::open(file));
   } catch (const Error& error) {
-    // The file of an unfinished database can be made anew; its logs are the work.
+    // The file of an unfinished database can be created again, because the results are in its logs.
     std::error_code code;
     if (!std::filesystem::exists(file, code) || database_log::logs_of(file).empty()) throw;
     throw Error(error.kind(), error.what(), "",
                 "its finished rays are in " + database_log::folder(file).string() +
-                    ": delete the file, not the folder, and run phynness precompute with --resume");
+                    ": delete the file but not the folder, and run phynness precompute with --resume");
   }
 }
 

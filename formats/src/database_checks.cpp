@@ -14,14 +14,14 @@ namespace {
 
 namespace path = database_layout::path;
 
-const char* const remedy = "the file is damaged, or was written by a defective program: compute it again";
+const char* const remedy = "the file is damaged, or was written by a defective program: compute the database again";
 
-// Far beyond any scene (formats/scene.md), so that products of counts stay within their types and a few bytes
-// of a file cannot ask for all memory.
+// Much larger than in any scene (formats/scene.md). Within these limits products of counts do not overflow, and a few
+// damaged bytes of a file cannot cause an allocation of all memory.
 constexpr std::size_t most_directions = 10000, most_increments = 10000, most_rays = 100'000'000;
-// Of the box round the body [m].
+// Limits of the diagonal of the body's bounding box [m].
 constexpr double smallest_diagonal = 1e-9, largest_diagonal = 1e9;
-// Of a direction, whose length is that of a normalized vector; of the plane, as it always was.
+// Tolerances of the squared lengths of directions and of the plane's normal.
 constexpr double direction_rounding = 1e-9, normal_rounding = 1e-12;
 
 std::string text(double value) {
@@ -50,7 +50,9 @@ class HeaderChecks {
 
  private:
   void require(bool good, const char* what) const {
-    if (!good) throw input_error(_where + " needs " + what, "none", "check the selections and the probe of the scene");
+    if (!good)
+      throw input_error(_where + " must have at least " + what, "it has none",
+                        "check the selections and the probe of the scene");
   }
   [[noreturn]] void refuse(const std::string& dataset, const std::string& what, const std::string& value) const {
     throw input_error(_where + ": " + dataset + " " + what, value, remedy);
@@ -60,7 +62,7 @@ class HeaderChecks {
     refuse(dataset, what, "entry [" + entry + "] is " + value);
   }
 
-  /// Empty hashes are filled in by the writer before this is called.
+  /// The writer computes empty hashes before this check.
   void check_hash(const std::string& hash, const char* name) const {
     const bool good = hash.size() == 16 && hash.find_first_not_of("0123456789abcdef") == std::string::npos;
     if (!good) refuse(std::string("attribute ") + name, "is not 16 hexadecimal digits", "'" + hash + "'");
@@ -71,8 +73,7 @@ class HeaderChecks {
     for (Eigen::Index i = 0; i < corners.rows(); ++i)
       for (Eigen::Index k = 0; k < corners.cols(); ++k)
         if (corners(i, k) < 0 || corners(i, k) >= _header.mesh.n_nodes())
-          refuse_entry(dataset, "holds a node that the mesh does not have",
-                       std::to_string(i) + ", " + std::to_string(k),
+          refuse_entry(dataset, "contains a node that is not in the mesh", std::to_string(i) + ", " + std::to_string(k),
                        std::to_string(corners(i, k)) + " of " + std::to_string(_header.mesh.n_nodes()) + " nodes");
   }
 
@@ -81,13 +82,13 @@ class HeaderChecks {
     for (Eigen::Index i = 0; i < mesh.nodes.rows(); ++i)
       for (int k = 0; k < 3; ++k)
         if (!std::isfinite(mesh.nodes(i, k)))
-          refuse_entry(path::nodes, "holds a coordinate that is not finite",
+          refuse_entry(path::nodes, "contains a coordinate that is not finite",
                        std::to_string(i) + ", " + std::to_string(k), text(mesh.nodes(i, k)));
     const double diagonal = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm();
     if (!(diagonal >= smallest_diagonal && diagonal <= largest_diagonal))
-      refuse(path::nodes, "make a body whose size cannot be", "a diagonal of " + text(diagonal) + " m");
+      refuse(path::nodes, "define a body of impossible size", "a diagonal of " + text(diagonal) + " m");
     if (mesh.cells.cols() != 3 && mesh.cells.cols() != 4)
-      refuse(path::cells, "must have 3 or 4 nodes a cell", std::to_string(mesh.cells.cols()));
+      refuse(path::cells, "must have 3 or 4 nodes per cell", std::to_string(mesh.cells.cols()));
     check_corners(mesh.cells, path::cells);
     check_corners(mesh.surface, path::surface);
     int number = 0;
@@ -101,7 +102,7 @@ class HeaderChecks {
     const auto n = _header.mesh.n_nodes();
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       if (nodes[i] < 0 || nodes[i] >= n)
-        refuse_entry(dataset, "holds a node that the mesh does not have", std::to_string(i),
+        refuse_entry(dataset, "contains a node that is not in the mesh", std::to_string(i),
                      std::to_string(nodes[i]) + " of " + std::to_string(n) + " nodes");
       if (i > 0 && nodes[i] <= nodes[i - 1])
         refuse_entry(dataset, "must be ascending node numbers", std::to_string(i),
@@ -114,11 +115,11 @@ class HeaderChecks {
     check_nodes(_header.sets.active, path::active);
     check_nodes(_header.sets.output, path::output);
     if (!_header.sets.mirror) return;
-    // Pairs of nodes, or nodes on the plane, and a unit normal.
+    // Images must be pairs of nodes, or nodes on the plane; the normal must have the length 1.
     const MirrorSymmetry& mirror = *_header.sets.mirror;
     const auto n = _header.mesh.n_nodes();
     if (mirror.image.size() != static_cast<std::size_t>(n))
-      refuse(path::mirror_image, "must have an image of each node",
+      refuse(path::mirror_image, "must have one image for each node",
              std::to_string(mirror.image.size()) + " images of " + std::to_string(n) + " nodes");
     for (std::int32_t i = 0; i < n; ++i) {
       const auto image = mirror.image[static_cast<std::size_t>(i)];
@@ -155,11 +156,11 @@ class HeaderChecks {
     if (_header.magnitudes_m.size() > most_increments)
       refuse(path::magnitudes, "are too many", std::to_string(_header.magnitudes_m.size()));
     if (_header.sets.active.size() > most_rays / _header.directions.size())
-      refuse(path::active, "times the directions are too many rays",
+      refuse(path::active, "gives too many rays with the directions",
              std::to_string(_header.sets.active.size()) + " x " + std::to_string(_header.directions.size()));
     const auto bytes = database_log::Layout(_header).payload_bytes();
     if (bytes > std::numeric_limits<std::uint32_t>::max())
-      refuse(path::output, "times the increments make a ray too large to be logged", std::to_string(bytes) + " bytes");
+      refuse(path::output, "gives rays that are too large for a log", std::to_string(bytes) + " bytes");
   }
 
   const DatabaseHeader& _header;

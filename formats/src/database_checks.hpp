@@ -1,5 +1,5 @@
-// What the numbers of a database's header may be, checked where they are read and where they are written:
-// code further on takes them as indices, counts and divisors.
+// Checks of the numbers in the header of a database, when it is read and when it is written. Other code uses these
+// numbers as indices, counts and divisors.
 #pragma once
 
 #include <phynness/formats/database.hpp>
@@ -7,12 +7,11 @@
 
 namespace phynness {
 
-/// @param where  starts the message: "the database FILE"
-/// @throws Error (input) naming the first dataset, entry and value that cannot be
+/// @param where  start of the message: "the database FILE"
+/// @throws Error (input) with the first invalid dataset, entry and value
 void check_header(const DatabaseHeader& header, const std::string& where);
 
-/// Largest distance [m] by which a point of the body may be displaced and still be believed: a hundred times
-/// the diagonal of the box round the body.
+/// Largest plausible displacement [m] of a point of the body: a hundred diagonals of its bounding box.
 double largest_displacement(const Mesh& mesh);
 
 }  // namespace phynness

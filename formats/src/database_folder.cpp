@@ -33,7 +33,7 @@ void check_folder_of(const fs::path& file) {
                       "make it with: mkdir -p " + folder.string());
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
     throw input_error("the folder for the database is not writable", folder.string(),
-                      "change its permissions, or write elsewhere");
+                      "change its permissions, or write to another folder");
   refuse_folder_of_logs(folder, file);
 }
 
@@ -41,7 +41,7 @@ void make_log_folder(const fs::path& file) {
   std::error_code code;
   fs::create_directories(database_log::folder(file), code);
   if (code)
-    throw failure("cannot make the folder of logs " + database_log::folder(file).string(), code.message(),
+    throw failure("cannot create the folder of logs " + database_log::folder(file).string(), code.message(),
                   "check permissions and free space");
 }
 

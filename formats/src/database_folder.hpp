@@ -1,13 +1,13 @@
-// The places that a database under construction needs.
+// Folders of a database that is being written.
 #pragma once
 
 #include <filesystem>
 
 namespace phynness {
 
-/// @throws Error (input) unless the folder that `file` is to be in exists and can be written
+/// @throws Error (input) unless the folder of `file` exists and is writable
 void check_folder_of(const std::filesystem::path& file);
-/// FILE.log/, if it is not there yet. @throws Error (failure)
+/// Creates FILE.log/ if it does not exist. @throws Error (failure)
 void make_log_folder(const std::filesystem::path& file);
 /// Removes the logs in FILE.log/, and the folder if nothing else is in it: what others put there is theirs.
 void remove_logs(const std::filesystem::path& file);

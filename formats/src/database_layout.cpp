@@ -17,7 +17,7 @@ const char* const format_name = "phynness database";
 template <class T>
 void write_array(hdf5::File& file, const char* name, const hdf5::Shape& shape, const T* values, const char* unit,
                  const char* description) {
-  // One chunk, so that it has a checksum.
+  // A single chunk, because only chunked datasets have checksums.
   const bool empty = std::find(shape.begin(), shape.end(), hsize_t{0}) != shape.end();
   file.create_dataset(name, hdf5::Type<T>::stored(), shape, empty ? hdf5::Shape{} : shape, unit, description);
   if (!empty) file.write(name, values);
@@ -27,8 +27,8 @@ void write_set(hdf5::File& file, const char* name, const std::vector<std::int32_
   write_array(file, name, {nodes.size()}, nodes.data(), "1", description);
 }
 
-/// Nodes, cells and so on are counted by 32-bit numbers, and no mesh that can be solved on is nearly as large as this:
-/// eleven million nodes. A file of a few kilobytes, or one with a hole in it, must not ask for all memory.
+/// Nodes, cells and other entries have 32-bit numbers, and no mesh that can be solved on has eleven million nodes. A
+/// file of a few kilobytes, or one with a hole in it, must not ask for all memory.
 void check_rows(const hdf5::File& file, const std::string& name, hsize_t rows, hsize_t bytes_per_row) {
   constexpr hsize_t most_bytes = 256 << 20;
   if (rows > static_cast<hsize_t>(std::numeric_limits<std::int32_t>::max()) || rows > most_bytes / bytes_per_row)
@@ -44,7 +44,7 @@ std::vector<T> read_list(const hdf5::File& file, const std::string& name) {
   return file.read<T>(name, shape);
 }
 
-/// Rows of `columns` entries; the number of rows is the file's.
+/// Reads rows of `columns` entries; the file determines the number of rows.
 template <class T>
 std::vector<T> read_rows(const hdf5::File& file, const char* name, hsize_t columns, hsize_t& rows) {
   const auto shape = file.shape(name);
@@ -81,15 +81,15 @@ std::string listed(const std::vector<Field>& fields) {
   return text;
 }
 
-/// @throws Error if a name is unknown, twice or out of order
+/// @throws Error (input) if a name is unknown, repeated or out of order
 std::vector<Field> fields_of(const std::string& text) {
   std::vector<Field> fields;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
     const auto field = field_named(word);
     if (!field || (!fields.empty() && *field <= fields.back()))
-      throw input_error("a database names fields that this program does not know, or not in their order", text,
-                        "use a newer phynness; if it is this one's, the file is damaged");
+      throw input_error("the database has fields that are unknown to this program or in the wrong order", text,
+                        "use a newer phynness; if this version wrote the file, it is damaged");
     fields.push_back(*field);
   }
   return fields;
@@ -108,7 +108,7 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   file.write_attribute("/", "mesh_hash", header.mesh_hash);
   file.write_attribute("/", "tangents", std::int32_t{header.tangents});
   file.write_attribute("/", "displacement_precision", std::string(header.float64 ? "float64" : "float32"));
-  // Absent where there are none, as in files of before there were any.
+  // Omitted if there are no fields, as in files of versions without fields.
   if (!header.fields.empty()) file.write_attribute("/", "fields", listed(header.fields));
   file.write_attribute("/", "scene_name", header.scene_name);
   file.write_attribute("/", "scene_folder", header.scene_folder);
@@ -116,7 +116,7 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
     file.write_attribute("/", "shard_index", header.shard->index);
     file.write_attribute("/", "shard_count", header.shard->count);
   }
-  // A dataset, as attributes end at 64 kB and a scene may list many nodes.
+  // A dataset, because attributes are limited to 64 kB and a scene may list many nodes.
   file.write_text(path::scene, header.scene_text, "the scene file, verbatim (TOML)");
 
   const Mesh& mesh = header.mesh;
@@ -158,13 +158,14 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
 
 bool read_complete(const hdf5::File& file) {
   if (!file.has_attribute("/", "format") || file.read_text_attribute("/", "format") != format_name)
-    throw input_error("the HDF5 file is no phynness database", file.path().string(),
+    throw input_error("the HDF5 file is not a phynness database", file.path().string(),
                       "give a file written by phynness precompute");
   const auto version = file.read_int_attribute("/", "format_version");
   if (version != format_version)
-    throw input_error("the database " + file.path().string() + " has a format version that this program does not read",
-                      std::to_string(version) + " instead of " + std::to_string(format_version),
-                      version > format_version ? "use a newer phynness" : "compute it again with this phynness");
+    throw input_error(
+        "the database " + file.path().string() + " has a format version that this program cannot read",
+        std::to_string(version) + " instead of " + std::to_string(format_version),
+        version > format_version ? "use a newer phynness" : "compute the database again with this phynness");
   return read_flag(file, "/", "complete");
 }
 
@@ -198,7 +199,7 @@ DatabaseHeader read_header(const hdf5::File& file) {
     if (!file.exists(name)) break;
     const auto group = file.read_text_attribute(name, "name");
     if (!header.mesh.groups.emplace(group, read_list<std::int32_t>(file, name)).second)
-      throw input_error("cannot read the database " + file.path().string() + ": two groups have one name", group,
+      throw input_error("cannot read the database " + file.path().string() + ": two groups have the same name", group,
                         hdf5::damaged);
   }
 
@@ -219,14 +220,16 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.magnitudes_m = read_list<double>(file, path::magnitudes);
 
   if (const auto hash = mesh_hash(header.mesh); hash != header.mesh_hash)
-    throw input_error("the mesh inside the database " + file.path().string() + " is not the one it was computed on",
-                      "hash " + hash + " instead of " + header.mesh_hash, hdf5::damaged);
+    throw input_error(
+        "the mesh inside the database " + file.path().string() + " is not the mesh on which it was computed",
+        "hash " + hash + " instead of " + header.mesh_hash, hdf5::damaged);
   check_header(header, "the database " + file.path().string());
   return header;
 }
 
 hsize_t nodes_per_chunk(const DatabaseHeader& header) {
-  // Sized by the forces; large enough to compress, small enough that reading one node does not unpack many.
+  // The size of the forces determines the chunks: large enough to compress, and so small that reading one node does not
+  // unpack many others.
   constexpr hsize_t chunk_bytes = 64 * 1024;
   const hsize_t per_node = header.directions.size() * header.magnitudes_m.size() * 3 * sizeof(double);
   return std::clamp<hsize_t>(chunk_bytes / per_node, 1, header.sets.active.size());
@@ -276,7 +279,7 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
   file.write_attribute(path::status, "flag_values", values);
   file.write_attribute(path::status, "flag_meanings", meanings);
 
-  // One active node, and as many directions as fit in a megabyte.
+  // A chunk has one active node and as many directions as fit into a megabyte.
   constexpr hsize_t chunk_bytes = 1024 * 1024;
   const hsize_t scalar = header.float64 ? sizeof(double) : sizeof(float);
   const hsize_t per_direction = n_increments * n_output * 3 * scalar;

@@ -1,4 +1,4 @@
-// What stands where in a database file; the table for people is formats/database.md.
+// Layout of a database file; formats/database.md describes it.
 #pragma once
 
 #include <phynness/formats/database.hpp>
@@ -39,16 +39,16 @@ inline constexpr const char* solved_as = "/responses/solved_as";
 inline constexpr const char* fields = "/responses/fields";
 }  // namespace path
 
-/// Where a field's values are.
+/// Path of a field's dataset.
 std::string path_of(Field field);
 
-/// Everything but the rays, into a new file. `file_name` names a defect of the header in messages.
+/// Writes all datasets and attributes except the rays to a new file.
 void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete);
-/// @throws Error if the file is no database, of another version, or damaged
+/// @throws Error (input) if the file is not a database, of another version, or damaged
 DatabaseHeader read_header(const hdf5::File& file);
 bool read_complete(const hdf5::File& file);
 
-/// The datasets under /responses, and how many active nodes share a chunk of the small ones.
+/// Creates the datasets under /responses and chooses the number of active nodes in a chunk of the small ones.
 void create_responses(hdf5::File& file, const DatabaseHeader& header);
 hsize_t nodes_per_chunk(const DatabaseHeader& header);
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* name_prefix = "process ";
 
-/// Who holds it, for the one who has to wait.
+/// Name of this process, for messages of other processes.
 std::string own_name() {
   char host[256] = "";
   ::gethostname(host, sizeof host - 1);
@@ -30,7 +30,7 @@ std::string read_name(const Descriptor& lock, const std::filesystem::path& path)
   return size > 0 ? std::string(name, size) : "another process";
 }
 
-/// False if the file was removed, or replaced by another, since it was opened.
+/// False if the file has been removed or replaced since it was opened.
 bool is_still(const Descriptor& lock, const std::filesystem::path& path) {
   struct stat opened {
   }, named{};
@@ -60,7 +60,8 @@ struct DatabaseLock::Impl {
   std::string warning;
 
   ~Impl() {
-    // Removed while it is still held: whoever opened it before notices, and opens the next one.
+    // The file is removed while the lock is held. A process that has opened it before detects this and opens the next
+    // one.
     if (!is_still(file, path)) return;
     ::unlink(path.c_str());
     ::rmdir(path.parent_path().c_str());
@@ -75,7 +76,7 @@ DatabaseLock::DatabaseLock(const std::filesystem::path& file) {
     make_log_folder(file);
     Descriptor lock = open_lock(path, O_RDWR | O_CREAT);
     if (!lock.is_open()) {
-      if (errno == ENOENT && attempt < most_attempts) continue;  // the folder went with the last holder
+      if (errno == ENOENT && attempt < most_attempts) continue;  // the last holder has removed the folder
       if (errno == ELOOP)
         throw input_error("what lies in the place of a database's lock is no lock", path.string() + " is a link",
                           "remove the link");
@@ -86,8 +87,8 @@ DatabaseLock::DatabaseLock(const std::filesystem::path& file) {
     int code = 0;
     while (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 && (code = errno) == EINTR) code = 0;
     if (code == EWOULDBLOCK)
-      throw input_error("the database " + file.string() + " is being worked on", read_name(lock, path),
-                        "wait for it to end, or stop it, and run again with --resume");
+      throw input_error("the database " + file.string() + " is in use", read_name(lock, path),
+                        "wait until this process ends, or stop it, and run again with --resume");
     if (code == 0 && !is_still(lock, path)) {
       if (attempt < most_attempts) continue;
       throw failure("cannot take the lock " + path.string(), "it is removed again and again",
@@ -98,8 +99,8 @@ DatabaseLock::DatabaseLock(const std::filesystem::path& file) {
     _impl->file = std::move(lock);
     if (code != 0)
       _impl->warning = path.string() + " cannot be locked (" + std::generic_category().message(code) +
-                       "): see to it that no other process works on this database";
-    // On a full disk the lock holds all the same, only nameless.
+                       "): make sure that no other process works on this database";
+    // On a full disk the lock is valid but has no name.
     const auto name = own_name();
     [[maybe_unused]] const bool named =
         ::ftruncate(_impl->file.get(), 0) == 0 &&

@@ -9,7 +9,8 @@
 namespace phynness::database_log {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "logs are little-endian; this host needs byte swaps");
+static_assert(std::endian::native == std::endian::little,
+              "logs are little-endian; byte swaps for this host are not implemented");
 
 constexpr std::size_t hash_bytes = 16;
 
@@ -103,9 +104,9 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout, const st
       std::all_of(ray.fields.begin(), ray.fields.end(),
                   [&](const auto& values) { return values.size() == n * static_cast<std::size_t>(layout.n_output); });
   if (!fits)
-    throw failure("a ray does not fit its database",
+    throw failure("the arrays of a ray do not have the sizes of its database",
                   "active " + std::to_string(ray.active) + ", direction " + std::to_string(ray.direction),
-                  "this is a defect of the program: report it");
+                  "this is a defect of the program; please report it");
   Bytes bytes;
   bytes.reserve(layout.record_bytes());
   bytes.put(record_magic.data(), record_magic.size());

@@ -16,11 +16,10 @@ namespace dl = database_log;
 DatabaseHeader header_of_unfinished(const fs::path& shard) {
   auto header = read_database_header(shard);
   if (Database::is_complete(shard))
-    throw input_error("the database is finished already, there is nothing to merge", shard.string(),
-                      "give the shards only");
+    throw input_error("a finished database cannot be merged", shard.string(), "give unfinished shards only");
   if (const auto holder = DatabaseLock::holder(shard); !holder.empty())
     throw input_error("the shard " + shard.string() + " is still being computed", holder,
-                      "wait for it to end, or stop it, then merge again");
+                      "wait until this process ends, or stop it, then merge again");
   return header;
 }
 
@@ -30,11 +29,11 @@ MergeReport merge_shards(const std::vector<fs::path>& shards, const fs::path& ou
   check_folder_of(output);
   std::error_code code;
   if (fs::exists(output, code))
-    throw input_error("the output exists already, and finished work is never overwritten", output.string(),
-                      "choose another name, or delete it yourself");
+    throw input_error("the output exists and is not overwritten", output.string(),
+                      "choose another name, or delete the file");
   const DatabaseLock lock(output);
   if (!dl::logs_of(output).empty())
-    throw input_error("logs of an earlier run are in the output's place", dl::folder(output).string(),
+    throw input_error("the output has logs of an earlier run", dl::folder(output).string(),
                       "choose another name, or delete the folder");
 
   DatabaseHeader header;
@@ -46,7 +45,7 @@ MergeReport merge_shards(const std::vector<fs::path>& shards, const fs::path& ou
       header = found;
     else
       refuse_other_work(found, header, shard, "in " + shards.front().string(),
-                        "merge shards of one scene and mesh only");
+                        "merge only shards of the same scene and mesh");
     if (!partition) partition = found.shard;
     dl::scan(shard, header, index);
   }

@@ -11,7 +11,7 @@ namespace path = database_layout::path;
 namespace dl = database_log;
 namespace {
 
-/// The arrays of a few active nodes that are small enough to be collected before they are written.
+/// Small arrays of several active nodes, which are collected and written together.
 struct SmallArrays {
   std::vector<std::int8_t> status;
   std::vector<double> force, energy, tangent, min_jacobian, seconds;

@@ -1,4 +1,4 @@
-// From logs to the finished file.
+// Conversion of logs to the finished file.
 #pragma once
 
 #include <filesystem>
@@ -13,19 +13,19 @@ namespace phynness {
 
 inline bool is_missing(const database_log::Entry& entry) { return entry.log < 0; }
 
-/// For each ray, [active][direction] flattened, the first whole record of the ray that is solved in its place
-/// (itself, if it is no mirror image), or one that is_missing().
+/// For each ray, [active][direction] flattened, the first complete record of the ray that is solved in its place
+/// (itself, unless it is a mirror image), or an entry that is_missing().
 std::vector<database_log::Entry> one_record_per_ray(const database_log::Index& index, const DatabaseHeader& header,
                                                     const MirroredRays& mirrored);
 
-/// (active, direction) of the rays that are to be solved and have no record, in the database's order.
-/// @param records  of one_record_per_ray
+/// (active, direction) of the rays that must be solved and have no record, in the order of the database.
+/// @param records  from one_record_per_ray
 std::vector<std::pair<std::int32_t, std::int32_t>> missing_rays(const std::vector<database_log::Entry>& records,
                                                                 const MirroredRays& mirrored);
 
-/// Writes FILE.packing, forces it to the disk and renames it to FILE; nothing stays behind if that fails.
+/// Writes FILE.packing, forces it to the disk and renames it to FILE. After a failure FILE.packing is removed.
 /// @pre no record is missing
-/// @throws Error
+/// @throws Error (failure)
 void write_packed(const std::filesystem::path& file, const DatabaseHeader& header, const database_log::Index& index,
                   const std::vector<database_log::Entry>& records, const MirroredRays& mirrored);
 

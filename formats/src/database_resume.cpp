@@ -19,7 +19,7 @@ std::map<std::string, std::string> summary_of(const DatabaseHeader& header) {
   return values;
 }
 
-/// One line per key that differs.
+/// One line for each different key.
 std::string differences(const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::string& other) {
   const std::string hashes = "physics " + on_disk.physics_hash + " in the file, " + wanted.physics_hash + " " + other;
   std::map<std::string, std::string> then, now;
@@ -77,15 +77,15 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
     return then + " in the file, " + now + " " + other;
   };
   if (on_disk.physics_hash != wanted.physics_hash)
-    throw input_error(name + " was begun with another physics", differences(on_disk, wanted, other), remedy);
+    throw input_error(name + " has another physics", differences(on_disk, wanted, other), remedy);
   if (on_disk.mesh_hash != wanted.mesh_hash)
     throw input_error(
-        name + " was begun on another mesh",
+        name + " has another mesh",
         both(count_of(on_disk.mesh) + "hash " + on_disk.mesh_hash, count_of(wanted.mesh) + "hash " + wanted.mesh_hash),
-        "use the mesh it was begun on (a remesh is another mesh), or write to another file");
+        "use the mesh with which it was begun (a new mesh of the same body is another mesh), or write to another file");
   const auto require_same = [&](const auto& then, const auto& now, const char* what) {
     if (then != now)
-      throw input_error(name + " was begun with other " + what,
+      throw input_error(name + " has other " + what,
                         both(std::to_string(then.size()), std::to_string(now.size())) +
                             (then.size() == now.size() ? ", but not the same" : ""),
                         remedy);
@@ -95,20 +95,19 @@ void refuse_other_work(const DatabaseHeader& on_disk, const DatabaseHeader& want
   require_same(on_disk.sets.output, wanted.sets.output, "output nodes");
   if (on_disk.sets.mirror != wanted.sets.mirror) {
     const auto then = text(on_disk.sets.mirror), now = text(wanted.sets.mirror);
-    throw input_error(name + " was begun with another mirror plane",
-                      both(then, now) + (then == now ? ", but other pairs" : ""), remedy);
+    throw input_error(name + " has another mirror plane", both(then, now) + (then == now ? ", but other pairs" : ""),
+                      remedy);
   }
   require_same(on_disk.directions, wanted.directions, "directions");
   require_same(on_disk.magnitudes_m, wanted.magnitudes_m, "increments");
   if (on_disk.tangents != wanted.tangents)
-    throw input_error(name + " was begun with another [database] tangents",
+    throw input_error(name + " has another [database] tangents",
                       both(on_disk.tangents ? "true" : "false", wanted.tangents ? "true" : "false"), remedy);
   if (on_disk.float64 != wanted.float64)
-    throw input_error(name + " was begun with another [database] displacement_precision",
+    throw input_error(name + " has another [database] displacement_precision",
                       both(on_disk.float64 ? "float64" : "float32", wanted.float64 ? "float64" : "float32"), remedy);
   if (on_disk.fields != wanted.fields)
-    throw input_error(name + " was begun with other [database] fields", both(text(on_disk.fields), text(wanted.fields)),
-                      remedy);
+    throw input_error(name + " has other [database] fields", both(text(on_disk.fields), text(wanted.fields)), remedy);
 }
 
 }  // namespace phynness

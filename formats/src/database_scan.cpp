@@ -19,7 +19,7 @@ T value_at(const unsigned char* bytes) {
   return value;
 }
 
-/// One log, read record by record.
+/// Reads one log record by record.
 class LogScan {
  public:
   LogScan(std::filesystem::path path, std::int32_t number, const std::vector<unsigned char>& opening,
@@ -49,7 +49,7 @@ class LogScan {
   }
 
  private:
-  /// Where the records start. @throws Error if they are another work's
+  /// @return offset of the first record. @throws Error (input) if the log belongs to another physics or mesh
   std::int64_t read_opening() {
     if (_size == 0) return 0;
     std::vector<unsigned char> found(_opening.size());
@@ -62,20 +62,21 @@ class LogScan {
     Fnv1a64 hash;
     hash.add(found.data(), body);
     if (value_at<std::uint64_t>(found.data() + body) != hash.value()) {
-      // The records say themselves whose they are.
+      // Checksums of the records identify their physics and mesh.
       const auto first = next_whole_record(1);
       _index.damage.push_back({_path, "corrupted opening", first});
       return first;
     }
     if (!std::equal(log_magic.begin(), log_magic.end(), found.begin()))
-      throw input_error("the log has a format version that this program does not read", _path.string(),
-                        "finish the database with the phynness that began it, or delete this log to solve its "
-                        "rays again");
+      throw input_error(
+          "the log has a format version that this program cannot read", _path.string(),
+          "finish the database with the phynness with which it was begun, or delete this log to solve its "
+          "rays again");
     throw input_error("the log belongs to another scene or mesh than the database", _path.string(),
-                      "restore the scene that it was made with, or delete this log to solve its rays again");
+                      "use the scene with which it was begun, or delete this log to solve its rays again");
   }
 
-  /// Adds the record at an offset. @returns its defect, or nullptr
+  /// Adds the record at an offset. @return its defect, or nullptr
   const char* take(std::int64_t at) {
     if (read_at(_file, _path, at, _record.data(), _record.size()) < _record.size()) return "torn record";
     const std::size_t checked = _record.size() - checksum_bytes;
@@ -86,9 +87,9 @@ class LogScan {
     const auto active = value_at<std::int32_t>(_record.data() + prefix_bytes);
     const auto direction = value_at<std::int32_t>(_record.data() + prefix_bytes + sizeof(std::int32_t));
     if (active < 0 || active >= _layout.n_active || direction < 0 || direction >= _layout.n_directions)
-      return "record of a ray that the database does not have";
+      return "record of a ray that is not in the database";
     if (!ray_defect(decode(_record.data() + prefix_bytes, _layout), _layout.fields, _farthest_m).empty())
-      return "record with numbers that cannot be";
+      return "record with impossible numbers";
     _index.entries.push_back({active, direction, _number, at + static_cast<std::int64_t>(prefix_bytes)});
     return nullptr;
   }
@@ -100,7 +101,7 @@ class LogScan {
     return whole;
   }
 
-  /// The size of the log if there is none.
+  /// Offset of the next complete record; the size of the log if there is none.
   std::int64_t next_whole_record(std::int64_t from) {
     std::vector<unsigned char> block(1 << 16);
     while (from + static_cast<std::int64_t>(_record.size()) <= _size) {
@@ -113,7 +114,7 @@ class LogScan {
         if (is_whole(at)) return at;
       }
       if (got < block.size()) break;
-      from += static_cast<std::int64_t>(got - (record_magic.size() - 1));  // a magic may lie across blocks
+      from += static_cast<std::int64_t>(got - (record_magic.size() - 1));  // a magic may extend across two blocks
     }
     return _size;
   }
@@ -172,14 +173,14 @@ Ray RayReader::read(const Entry& entry) {
   const auto& log = _index.logs[static_cast<std::size_t>(entry.log)];
   auto file = _open.find(entry.log);
   if (file == _open.end()) {
-    // Far below the usual limit of a process, enough for neighbouring rays to share.
+    // Much less than the usual limit of a process, and enough that neighbouring rays use the same open files.
     constexpr std::size_t most_open = 64;
     if (_open.size() >= most_open) _open.clear();
     file = _open.emplace(entry.log, open_for_reading(log)).first;
   }
   if (read_at(file->second, log, entry.offset, _payload.data(), _payload.size()) < _payload.size())
     throw failure("a log became shorter while it was packed", log.string(),
-                  "let one process at a time use the database");
+                  "make sure that only one process uses the database");
   return decode(_payload.data(), _layout);
 }
 

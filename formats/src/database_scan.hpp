@@ -1,4 +1,4 @@
-// Which rays the logs of unfinished databases hold, and where.
+// Index of the rays in the logs of unfinished databases.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace phynness::database_log {
 
-/// A whole record in a log.
+/// A complete record in a log.
 struct Entry {
   std::int32_t active, direction;
-  std::int32_t log;     ///< index into Index::logs
+  std::int32_t log;     ///< index in Index::logs
   std::int64_t offset;  ///< of the payload
 };
 struct Index {
@@ -23,11 +23,11 @@ struct Index {
   std::vector<LogDamage> damage;
 };
 
-/// Names of the logs in the folder of a database, sorted.
+/// Sorted names of the logs in the folder of a database.
 std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file);
 
-/// Checks every record of every log of the database `file` and adds them to `index`. What is torn or
-/// corrupted is left out, and reading goes on at the next whole record.
+/// Checks every record of every log of the database `file` and adds it to `index`. Torn and corrupted records are
+/// skipped, and reading continues at the next complete record.
 /// @throws Error (input) if a log belongs to another physics or mesh than `header`
 void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index& index);
 inline Index scan(const std::filesystem::path& file, const DatabaseHeader& header) {
@@ -36,12 +36,12 @@ inline Index scan(const std::filesystem::path& file, const DatabaseHeader& heade
   return index;
 }
 
-/// Reads rays from any number of logs while few of them are open.
+/// Reads rays from any number of logs and keeps only a few of them open.
 class RayReader {
  public:
   RayReader(const Index& index, const DatabaseHeader& header)
       : _index(index), _layout(header), _payload(_layout.payload_bytes()) {}
-  /// @throws Error if the log has become shorter since it was scanned
+  /// @throws Error (failure) if the log has become shorter since it was scanned
   Ray read(const Entry& entry);
 
  private:

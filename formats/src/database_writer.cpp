@@ -1,4 +1,4 @@
-// Making a database: header, logs, and packing them into the finished file.
+// Writing a database: header, logs, and packing of the logs into the finished file.
 #include <algorithm>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
@@ -34,25 +34,25 @@ void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, b
   std::error_code code;
   const bool exists = fs::exists(file, code);
   if (exists && !resume)
-    throw input_error("the database exists already, and finished work is never overwritten", file.string(),
-                      "continue it with --resume, or choose another name, or delete it yourself");
+    throw input_error("the database exists and is not overwritten", file.string(),
+                      "continue it with --resume, choose another name, or delete the file");
   if (exists) {
     const auto on_disk = read_database_header(file);
     refuse_other_work(on_disk, header, file);
     if (on_disk.shard != header.shard)
-      throw input_error("the database " + file.string() + " is not of the same shard",
+      throw input_error("the database " + file.string() + " belongs to another shard",
                         (on_disk.shard ? on_disk.shard->str() : "no shard") + " in the file, " +
                             (header.shard ? header.shard->str() : "no shard") + " now",
-                        "go on as it was begun, or write to another file");
+                        "use the same --shard, or write to another file");
     if (Database::is_complete(file))
-      remove_logs(file);  // left over if a process died between packing and tidying up
+      remove_logs(file);  // remains if a process ended between packing and removing the logs
     else
       make_log_folder(file);
     return;
   }
   if (!resume && !dl::logs_of(file).empty())
-    throw input_error("logs of an earlier run are there, but their database is not", dl::folder(file).string(),
-                      "continue from them with --resume, or delete the folder");
+    throw input_error("there are logs of an earlier run without their database", dl::folder(file).string(),
+                      "continue with --resume, or delete the folder");
   make_log_folder(file);
   const fs::path partial = file.string() + ".tmp";
   try {

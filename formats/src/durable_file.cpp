@@ -13,17 +13,17 @@ namespace {
 
 [[noreturn]] void fail(const char* what, const std::filesystem::path& path, int code) {
   const char* remedy = code == ENOSPC || code == EDQUOT || code == EFBIG
-                           ? "free space or raise the limit, then run again with --resume: whole records are kept"
+                           ? "free space or raise the limit, then run again with --resume: complete records are kept"
                        : code == EACCES || code == EPERM || code == EROFS
-                           ? "make the folder writable, or choose another place"
-                           : "check the disk, then run again with --resume: whole records are kept";
+                           ? "make the folder writable, or choose another folder"
+                           : "check the disk, then run again with --resume: complete records are kept";
   throw failure(std::string(what) + " " + path.string(), std::generic_category().message(code), remedy);
 }
 
 void sync_path(const std::filesystem::path& path, int flags) {
   const Descriptor file(::open(path.c_str(), flags | O_CLOEXEC));
   if (!file.is_open()) fail("cannot open", path, errno);
-  // Some network file systems refuse to sync a folder; the rename is then as durable as they make it.
+  // Some network file systems cannot sync a folder; the rename is then only as durable as the file system makes it.
   if (::fsync(file.get()) != 0 && errno != EINVAL && errno != ENOTSUP) fail("cannot sync", path, errno);
 }
 
@@ -58,13 +58,13 @@ void AppendFile::append(const void* bytes, std::size_t size) {
     }
     if (written < 0 && errno == EINTR) continue;
     const int code = written < 0 ? errno : ENOSPC;
-    // A reader stops at a torn record anyway; truncating keeps what a later append adds reachable.
+    // Without truncation a torn record would precede records that are appended later.
     if (::ftruncate(_descriptor.get(), _end) != 0)
-      fail("cannot write, nor cut back to the last whole record,", _path, code);
+      fail("cannot write, and cannot truncate to the last complete record,", _path, code);
     fail("cannot write", _path, code);
   }
   _end += static_cast<std::int64_t>(size);
-  // A power cut then costs seconds of work, and a sync costs milliseconds.
+  // A sync takes milliseconds; with this interval a power failure loses at most seconds of work.
   constexpr std::chrono::seconds between_syncs{10};
   if (const auto now = std::chrono::steady_clock::now(); now - _synced > between_syncs) {
     if (::fdatasync(_descriptor.get()) != 0 && errno != EINVAL) fail("cannot sync", _path, errno);

@@ -1,4 +1,4 @@
-// Files that must survive a killed process, a full disk or a power cut: checked writes, fsync, rename.
+// Files that survive a killed process, a full disk or a power failure: checked writes, fsync, rename.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,7 @@
 
 namespace phynness {
 
-/// A file descriptor that closes itself.
+/// A file descriptor that its destructor closes.
 class Descriptor {
  public:
   Descriptor() = default;
@@ -26,15 +26,14 @@ class Descriptor {
   int _fd = -1;
 };
 
-/// A file that grows by whole records.
+/// A file to which complete records are appended.
 class AppendFile {
  public:
   AppendFile() = default;
   /// @throws Error (failure) if the file exists or cannot be created
   static AppendFile create(const std::filesystem::path& path);
-  /// Writes all bytes; the operating system has them on return, the disk within seconds of the next append.
-  /// @throws Error (failure) on a full disk or any other failed write; the file then ends where it ended
-  /// before
+  /// Writes all bytes. On return the operating system has them; the disk has them within seconds after the next append.
+  /// @throws Error (failure) after a failed write, such as on a full disk; the file then has its previous size
   void append(const void* bytes, std::size_t size);
   /// Forces the file to the disk and closes it. @throws Error (failure)
   void close();
@@ -47,13 +46,12 @@ class AppendFile {
   std::chrono::steady_clock::time_point _synced = std::chrono::steady_clock::now();
 };
 
-/// Reads `size` bytes at `offset`; fewer only at the end of the file. @throws Error (failure)
+/// Reads `size` bytes at `offset`, or fewer at the end of the file. @throws Error (failure)
 std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset, void* bytes,
                     std::size_t size);
 Descriptor open_for_reading(const std::filesystem::path& path);
 
-/// Forces `from` to the disk, gives it the name `to` in one step, and makes that durable too. @throws Error
-/// (failure)
+/// Forces `from` to the disk, renames it to `to` atomically, and forces the rename to the disk. @throws Error (failure)
 void replace_durably(const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace phynness

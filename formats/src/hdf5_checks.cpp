@@ -8,11 +8,11 @@ namespace {
 
 constexpr std::uint64_t limit = std::numeric_limits<std::int64_t>::max();
 
-/// The product, or `limit` if it is larger.
+/// The product, or `limit` if the product is larger.
 std::uint64_t product(std::uint64_t a, std::uint64_t b) { return b != 0 && a > limit / b ? limit : a * b; }
 
 std::uint64_t size_of(const Shape& shape, std::size_t bytes_per_value) {
-  // A shape with a zero has no values, whatever the others are.
+  // A shape with a zero has no values. Without this test a product of the other extents could overflow.
   if (std::find(shape.begin(), shape.end(), hsize_t{0}) != shape.end()) return 0;
   std::uint64_t size = bytes_per_value;
   for (const auto n : shape) size = product(size, n);
@@ -57,10 +57,9 @@ std::string chunk_defect(hid_t dataset, hid_t properties, const Shape& shape, st
   }
   const auto bytes = size_of(shape, bytes_per_value);
   const auto tell = [&](std::uint64_t room) {
-    return text(shape) + " needs " + std::to_string(bytes) + " bytes, for which " + std::to_string(room) +
-           " are stored";
+    return text(shape) + " needs " + std::to_string(bytes) + " bytes, but " + std::to_string(room) + " are stored";
   };
-  // HDF5 goes through all chunks to answer what follows, so their number is bounded first.
+  // The number of chunks is bounded first, because HDF5 reads all chunks to count them.
   if (wanted > bytes_of_file || bytes / largest_ratio > bytes_of_file ||
       size_of(chunk, bytes_per_value) / largest_ratio > bytes_of_file)
     return tell(bytes_of_file);
@@ -81,7 +80,7 @@ Handle open_own_object(hid_t file, const std::string& path, std::string& defect)
   Handle object(H5Oopen(file, "/", H5P_DEFAULT), H5Oclose);
   for (const auto& step : steps_of(path)) {
     if (object.id() >= 0 && H5Iget_type(object.id()) != H5I_GROUP) {
-      defect = "has something in its path that is no group";
+      defect = "has a path that contains an object other than a group";
       return {};
     }
     H5L_info_t link;
@@ -122,7 +121,7 @@ std::string storage_defect(hid_t dataset, const Shape& shape, std::size_t bytes_
   if (properties.id() < 0) return "its storage cannot be read";
   const auto layout = H5Pget_layout(properties.id());
   if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
-    return "its values are those of other datasets (a virtual dataset)";
+    return "its values are in other datasets (a virtual dataset)";
   if (H5Pget_external_count(properties.id()) != 0) return "its values are in another file";
   if (auto defect = filter_defect(properties.id()); !defect.empty()) return defect;
   const auto bytes = size_of(shape, bytes_per_value);
@@ -130,7 +129,7 @@ std::string storage_defect(hid_t dataset, const Shape& shape, std::size_t bytes_
   if (layout == H5D_CHUNKED) return chunk_defect(dataset, properties.id(), shape, bytes_per_value, bytes_of_file);
   const std::uint64_t stored = H5Dget_storage_size(dataset);
   if (stored != bytes || bytes > bytes_of_file)
-    return text(shape) + " needs " + std::to_string(bytes) + " bytes, for which " +
+    return text(shape) + " needs " + std::to_string(bytes) + " bytes, but " +
            std::to_string(std::min(stored, bytes_of_file)) + " are stored";
   // Without chunks there are no checksums, and a file with a hole in it can claim any size.
   constexpr std::uint64_t most_unchecked = 1 << 20;
@@ -179,7 +178,7 @@ std::string name_of_type(hid_t type) {
     case H5T_VLEN:
       return "lists of variable length";
     default:
-      return "a type that databases do not have";
+      return "an unknown type";
   }
 }
 

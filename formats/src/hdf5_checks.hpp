@@ -1,6 +1,6 @@
-// What an object of an HDF5 file is, checked before anything of it is used: a file may come from anywhere,
-// and HDF5 itself follows links into other files, loads filters from folders, and reads as many values as the
-// file says, whatever room the caller has.
+// Checks of objects of an HDF5 file before they are used, because a file may come from an untrusted source. HDF5 itself
+// follows links to other files, loads filters from folders, and reads as many values as the file specifies,
+// independently of the size of the caller's memory.
 #pragma once
 
 #include <hdf5.h>
@@ -12,31 +12,29 @@
 
 namespace phynness::hdf5 {
 
-/// Opens the object at an absolute path ("/mesh/nodes", "/") if all on the way are groups that the file
-/// itself holds. No link to another path or file is followed.
-/// @returns a handle that is negative, with `defect` set, if there is none
+/// Opens the object at an absolute path ("/mesh/nodes", "/") if its path consists of groups of the same file. No link
+/// to another path or file is followed.
+/// @return a handle; if there is no such object it is negative, and `defect` is set
 Handle open_own_object(hid_t file, const std::string& path, std::string& defect);
 
-/// @returns whether the path has an object of the file's own; `defect` is set if it has a link of another
-/// kind
+/// @return whether the path has an object of the same file; `defect` is set if it has a link instead
 bool has_own_object(hid_t file, const std::string& path, std::string& defect);
 
-/// What is wrong with how a dataset is stored; empty if nothing is. Good is: in this file, filtered by
-/// nothing but shuffle, deflate and fletcher32, written completely, and stored in as many bytes as its shape
-/// can have.
+/// The defect of a dataset's storage, or empty. A valid dataset is stored in this file, has no filters except shuffle,
+/// deflate and fletcher32, is written completely, and is stored in a number of bytes that its shape can have.
 std::string storage_defect(hid_t dataset, const Shape& shape, std::size_t bytes_per_value, std::uint64_t bytes_of_file);
 
 /// The shape of a dataset or attribute with one value or an array of them.
-/// @returns false if it has none (a null dataspace)
+/// @return false if it has no shape (a null dataspace)
 bool read_shape(hid_t space, Shape& shape);
 
-/// The product of the extents; the largest number there is if it is larger.
+/// The product of the extents, limited to the largest number of the type.
 std::uint64_t number_of_values(const Shape& shape);
 /// "[6, 3]"
 std::string text(const Shape& shape);
-/// "int32", "float64", "text" or the class of any other type, for messages.
+/// Name of a type for messages: "int32", "float64", "text", or the class of any other type.
 std::string name_of_type(hid_t type);
-/// An integer of 1, 2, 4 or 8 bytes, all of whose bits count.
+/// Whether a type is an integer of 1, 2, 4 or 8 bytes that uses all of its bits.
 bool is_plain_integer(hid_t type);
 
 }  // namespace phynness::hdf5

@@ -21,7 +21,7 @@ Handle text_type() {
   return type;
 }
 
-/// Without the times of writing, the same responses make the same file.
+/// Without time stamps the same responses give the same file.
 Handle without_times(hid_t kind) {
   Handle properties(H5Pcreate(kind), H5Pclose);
   H5Pset_obj_track_times(properties.id(), false);
@@ -46,7 +46,7 @@ std::string last_message() {
     return 0;
   };
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, visit, &message);
-  return "HDF5 says: " + (message.empty() ? std::string("nothing") : message);
+  return "HDF5: " + (message.empty() ? std::string("no message") : message);
 }
 
 void File::fail(const std::string& what) const {
@@ -61,7 +61,7 @@ File File::create(const std::filesystem::path& path) {
   const Quiet quiet;
   File file({}, path, true);
   forget_write_error();
-  // The 1.10 format, unlike older ones, keeps checksums of everything but data; data has fletcher32.
+  // Unlike older formats, the 1.10 format has checksums of all metadata; fletcher32 protects the data.
   if (!std::ofstream(path, std::ios::binary)) {
     const int code = errno;
     throw failure("cannot create the database " + path.string(), std::generic_category().message(code), not_written);
@@ -105,7 +105,7 @@ void File::create_dataset(const std::string& name, hid_t stored_type, const Shap
   const Handle properties = without_times(H5P_DATASET_CREATE);
   check(properties.id(), name);
   if (!chunk.empty()) {
-    // Level 2: higher levels cost several times the CPU for a few per cent on floating-point data.
+    // For floating-point data, levels above 2 take several times the CPU time and save only a few per cent.
     constexpr unsigned deflate_level = 2;
     check(H5Pset_chunk(properties.id(), static_cast<int>(chunk.size()), chunk.data()), name);
     check(H5Pset_shuffle(properties.id()), name);

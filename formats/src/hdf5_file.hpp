@@ -1,4 +1,5 @@
-// HDF5 with handles that close themselves and every code checked; messages of the library end up in ours.
+// HDF5 with handles that are closed automatically and with checked return codes. Messages of the library become part of
+// our error messages.
 #pragma once
 
 #include <hdf5.h>
@@ -15,8 +16,8 @@
 
 namespace phynness::hdf5 {
 
-/// While one lives, HDF5 prints nothing: what it has to say goes into our errors. The setting is the whole
-/// process's, so it is put back after every call.
+/// During the lifetime of an object HDF5 does not print its messages, which become part of our errors instead. The
+/// setting belongs to the whole process and is therefore restored after every call.
 class Quiet {
  public:
   Quiet();
@@ -29,7 +30,7 @@ class Quiet {
   void* _data = nullptr;
 };
 
-/// HDF5's own account of the last failure: the innermost frame that says something.
+/// HDF5's message about the last failure, from the innermost frame that has one.
 std::string last_message();
 
 class Handle {
@@ -48,7 +49,7 @@ class Handle {
     if (_id >= 0) _close(_id);
     _id = -1;
   }
-  /// Closes where the code matters: data may be written only now.
+  /// Closes and returns the code, because data may be written only when an object is closed.
   herr_t close() { return _id < 0 ? 0 : _close(std::exchange(_id, -1)); }
 
  private:
@@ -58,8 +59,8 @@ class Handle {
 
 using Shape = std::vector<hsize_t>;
 
-/// In-memory and stored type of a C++ scalar (stored little-endian). `narrow` is one more stored type that is
-/// read without loss, or the same.
+/// Type of a C++ scalar in memory and in files (little-endian). `narrow` is a second stored type that can be read
+/// without loss, or the same type.
 template <class T>
 struct Type;
 template <>
@@ -98,7 +99,7 @@ struct Type<std::int32_t> {
   static constexpr const char* name = "int32";
 };
 
-/// What a reader takes for a dataset's values.
+/// The types that a reader accepts for the values of a dataset.
 struct WantedType {
   hid_t memory, stored, narrow;
   const char* name;
@@ -108,54 +109,54 @@ WantedType wanted() {
   return {Type<T>::memory(), Type<T>::stored(), Type<T>::narrow(), Type<T>::name};
 }
 
-/// One HDF5 file, to be written, or to be read. Failures throw Error: kind `input` for a file that cannot be
-/// read, `failure` for one that cannot be written; both name the file, the object and HDF5's own message.
-/// A file that is read may come from anywhere: every read checks that the object is one of this file (no link
-/// to another), of the type and shape that the caller has room for, and stored in bytes that the file has.
+/// An HDF5 file that is written or read. Failures throw Error: kind `input` for a file that cannot be read, `failure`
+/// for a file that cannot be written. Both contain the file, the object and HDF5's message. A file that is read may
+/// come from an untrusted source: every read checks that the object belongs to this file, that it has the expected type
+/// and shape, and that its bytes are in the file.
 class File {
  public:
   static File create(const std::filesystem::path& path);
-  /// @throws Error if the file is missing, no HDF5 file, or truncated: each its own message
+  /// @throws Error (input) if the file is missing, not an HDF5 file, or truncated
   static File open(const std::filesystem::path& path);
 
   ~File();
   File(File&&) noexcept = default;
   File& operator=(File&&) noexcept = default;
 
-  /// Closes and reports what closing had to say; the destructor cannot.
+  /// Closes the file. @throws Error if closing fails, which the destructor cannot report
   void close();
   const std::filesystem::path& path() const { return _path; }
 
   void create_group(const std::string& name);
-  /// @throws Error if there is a link to another place instead
+  /// @throws Error (input) if there is a link instead of an object
   bool exists(const std::string& name) const;
 
-  /// A dataset with its 'unit' and 'description'. An empty `chunk` stores it contiguously, else compressed by
-  /// chunk.
+  /// Creates a dataset with its 'unit' and 'description'. It is compressed by chunks, or contiguous if `chunk` is
+  /// empty.
   void create_dataset(const std::string& name, hid_t stored_type, const Shape& shape, const Shape& chunk,
                       const std::string& unit, const std::string& description);
   template <class T>
   void write(const std::string& name, const T* values) {
     write_raw(name, Type<T>::memory(), values);
   }
-  /// `count` entries of the leading dimension from `first` on, all of the other dimensions.
+  /// Writes `count` entries of the leading dimension, starting at `first`, with all entries of the other dimensions.
   template <class T>
   void write_slab(const std::string& name, hsize_t first, hsize_t count, const T* values) {
     write_slab_raw(name, first, count, Type<T>::memory(), values);
   }
 
-  /// The shape of a dataset, whose values are then known to be stored in this file.
+  /// The shape of a dataset, after a check that its values are stored in this file.
   Shape shape(const std::string& name) const;
-  /// @throws Error unless the dataset has exactly this shape
+  /// @throws Error (input) unless the dataset has exactly this shape
   void require_shape(const std::string& name, const Shape& expected) const { check_shape(name, expected); }
-  /// @throws Error unless the dataset has exactly this shape, and the type
+  /// @throws Error (input) unless the dataset has exactly this shape and the type of T
   template <class T>
   std::vector<T> read(const std::string& name, const Shape& expected) const {
     std::vector<T> values(check_shape(name, expected));
     read_raw(name, wanted<T>(), values.data());
     return values;
   }
-  /// `count` entries of the leading dimension from `first` on, all of the other dimensions.
+  /// Reads `count` entries of the leading dimension, starting at `first`, with all entries of the other dimensions.
   /// @pre the caller has checked the shape of the dataset
   template <class T>
   void read_slab(const std::string& name, hsize_t first, hsize_t count, T* values) const {
@@ -182,7 +183,7 @@ class File {
   File(Handle file, std::filesystem::path path, bool writing)
       : _path(std::move(path)), _writing(writing), _file(std::move(file)) {}
   [[noreturn]] void fail(const std::string& what) const;
-  /// What is read is not what a database has there.
+  /// Throws an Error (input) for an object that is not as a database has it.
   [[noreturn]] void refuse(const std::string& what, const std::string& value) const;
   template <class Code>
   Code check(Code code, const std::string& what) const {
@@ -203,10 +204,10 @@ class File {
 
   std::filesystem::path _path;
   bool _writing = false;
-  Descriptor _bytes;  // of a file that is read
+  Descriptor _bytes;  // only for a file that is read
   std::uint64_t _size = 0;
   Handle _file;
-  // Those read so far, checked once. Open, they keep the last chunk unpacked.
+  // Datasets read so far. They are checked once, and remain open because an open dataset keeps its last unpacked chunk.
   mutable std::map<std::string, Dataset> _datasets;
 };
 

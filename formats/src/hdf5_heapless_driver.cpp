@@ -13,7 +13,7 @@ herr_t read(H5FD_t* file, H5FD_mem_t type, hid_t transfer, haddr_t at, std::size
   if (plain_to_read.read(file, type, transfer, at, size, bytes) < 0) return -1;
   if (size < sizeof heap_signature || std::memcmp(bytes, heap_signature, sizeof heap_signature) != 0) return 0;
   H5Epush2(H5E_DEFAULT, __FILE__, __func__, __LINE__, H5E_ERR_CLS, H5E_HEAP, H5E_READERROR,
-           "an object that needs a global heap, which databases have for texts only");
+           "an object needs a global heap, but databases use a global heap for texts only");
   return -1;
 }
 
@@ -24,7 +24,7 @@ hid_t heapless_driver(const char* path) {
   heapless = plain_to_read;
   heapless.name = "phynness_heapless";
 #if H5_VERSION_GE(1, 13, 0)
-  heapless.value = static_cast<H5FD_class_value_t>(601);  // from the range that HDF5 leaves to others
+  heapless.value = static_cast<H5FD_class_value_t>(601);  // from the range that HDF5 reserves for other drivers
 #endif
   heapless.terminate = nullptr;
   heapless.read = read;

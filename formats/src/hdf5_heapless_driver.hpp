@@ -1,7 +1,6 @@
-// A driver for reading that gives HDF5 no global heap: the place where texts of variable length and the lists
-// of virtual datasets are kept. A heap has no checksum, and HDF5 1.10 trusts what it finds there: a zeroed
-// block makes it loop for ever, and wrong sizes make it copy beyond its buffers. Our own code reads those
-// texts (hdf5_text.hpp).
+// A driver for reading that hides global heaps from HDF5. A global heap contains texts of variable length and the lists
+// of virtual datasets. It has no checksum, and HDF5 1.10 does not validate it: a zeroed block causes an infinite loop,
+// and wrong sizes cause copies beyond buffers. Our own code reads these texts (hdf5_text.hpp).
 #pragma once
 
 #include <hdf5.h>
@@ -9,11 +8,11 @@
 namespace phynness::hdf5 {
 
 /// Sets the driver in a file access property list.
-/// @param path  of a file that can be read
-/// @returns negative if HDF5 refuses
+/// @param path  of a readable file
+/// @return negative on failure
 herr_t use_heapless_driver(hid_t access, const char* path);
 
-/// Starts every block of a global heap.
+/// First bytes of every block of a global heap.
 inline constexpr char heap_signature[] = {'G', 'C', 'O', 'L'};
 
 }  // namespace phynness::hdf5

@@ -1,4 +1,4 @@
-// HDF5's driver for plain files, as a table of functions that our own drivers start from.
+// The function table of HDF5's driver for plain files, on which our own drivers are based.
 #pragma once
 
 #include <hdf5.h>
@@ -9,9 +9,8 @@
 
 namespace phynness::hdf5 {
 
-/// @param path, flags  of a file that exists and may be opened: the table is not public, but an open file
-///                     points to it
-/// @returns false if the file cannot be opened
+/// @param path, flags  of an existing file that can be opened: the table is not public, but an open file points to it
+/// @return false if the file cannot be opened
 bool find_plain_driver(const char* path, unsigned flags, H5FD_class_t& driver);
 
 }  // namespace phynness::hdf5

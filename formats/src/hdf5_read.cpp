@@ -1,4 +1,4 @@
-// Reading: every object is checked before its values are (hdf5_checks.hpp).
+// Reading of HDF5 files. Every object is checked before its values are read (hdf5_checks.hpp).
 #include <unistd.h>
 
 #include <cerrno>
@@ -15,7 +15,7 @@
 namespace phynness::hdf5 {
 namespace {
 
-/// Addresses and lengths of 8 bytes from the start of the file on: what our reading of texts goes by.
+/// Whether addresses and lengths have 8 bytes and are relative to the start of the file, as our code for texts assumes.
 bool has_usual_addresses(hid_t file) {
   const Handle properties(H5Fget_create_plist(file), H5Pclose);
   std::size_t address = 0, length = 0;
@@ -24,7 +24,7 @@ bool has_usual_addresses(hid_t file) {
          address == 8 && length == 8 && user_block == 0;
 }
 
-/// A text of fixed length ends at the first NUL, or at the blanks that pad it.
+/// A text of fixed length ends at the first NUL or before trailing blanks.
 std::string without_padding(std::string text, H5T_str_t padding) {
   text.resize(std::min(text.size(), text.find('\0')));
   if (padding == H5T_STR_SPACEPAD) text.resize(text.find_last_not_of(' ') + 1);
@@ -38,18 +38,18 @@ File File::open(const std::filesystem::path& path) {
   std::error_code code;
   if (!std::filesystem::exists(path, code))
     throw input_error("the database does not exist", path.string(),
-                      "correct the path, or make it with: phynness precompute SCENE -o " + path.string());
+                      "correct the path, or compute it with: phynness precompute SCENE -o " + path.string());
   if (!std::filesystem::is_regular_file(path, code))
     throw input_error("the database is not a file", path.string(), "give the path of the .h5 file");
   if (::access(path.c_str(), R_OK) != 0)
     throw input_error("the database cannot be opened: " + std::generic_category().message(errno), path.string(),
                       "check its permissions");
   if (H5Fis_hdf5(path.c_str()) <= 0)
-    throw input_error("the file is no HDF5 file", path.string(), "give a database written by phynness precompute");
+    throw input_error("the file is not an HDF5 file", path.string(), "give a database written by phynness precompute");
   File file({}, path, false);
   file._bytes = open_for_reading(path);
   file._size = std::filesystem::file_size(path, code);
-  // Closed last: closing anything makes HDF5 forget what it had to say.
+  // Closed last, because closing any object deletes HDF5's messages.
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   file.check(use_heapless_driver(access.id(), path.c_str()), "choosing the file driver");
   file._file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
@@ -57,11 +57,11 @@ File File::open(const std::filesystem::path& path) {
     const auto said = last_message();
     if (said.find("truncated") != std::string::npos)
       throw input_error("the database is truncated: " + path.string(), said,
-                        "copy it again in full, or compute it again");
+                        "copy the complete file again, or compute the database again");
     throw input_error("cannot open the database " + path.string(), said, damaged);
   }
   if (!has_usual_addresses(file._file.id()))
-    throw input_error("the HDF5 file is no phynness database", path.string() + " has unusual addresses",
+    throw input_error("the HDF5 file is not a phynness database", path.string() + " has unusual addresses",
                       "give a file written by phynness precompute");
   return file;
 }
@@ -90,7 +90,7 @@ const File::Dataset& File::dataset(const std::string& name) const {
   check(space.id(), name);
   check(found.type.id(), name);
   if (!read_shape(space.id(), found.shape)) refuse(name, "it has no values");
-  // In memory, HDF5 holds a pointer to a text of variable length.
+  // The size in memory would be that of a pointer to a text of variable length.
   const std::size_t stored = H5Tis_variable_str(found.type.id()) > 0 ? text_place_bytes : H5Tget_size(found.type.id());
   defect = storage_defect(found.id.id(), found.shape, stored, _size);
   if (!defect.empty()) refuse(name, defect);
@@ -117,7 +117,7 @@ std::size_t File::check_shape(const std::string& name, const Shape& expected) co
 
 void File::read_raw(const std::string& name, const WantedType& type, void* values) const {
   const Quiet quiet;
-  if (values == nullptr) {  // no values: the type is checked all the same
+  if (values == nullptr) {  // there are no values, but the type is checked
     dataset(name, type);
     return;
   }
@@ -130,7 +130,7 @@ void File::read_slab_raw(const std::string& name, hsize_t first, hsize_t count, 
   const Dataset& from = dataset(name, type);
   Shape extent = from.shape, start(extent.size(), 0);
   if (extent.empty() || first > extent[0] || count > extent[0] - first)
-    refuse(name + " has too few entries", text(extent) + ", entry " + std::to_string(first) + " is asked for");
+    refuse(name + " has too few entries", text(extent) + ", but entry " + std::to_string(first) + " is needed");
   extent[0] = count;
   start[0] = first;
   const Handle space(H5Dget_space(from.id.id()), H5Sclose);
@@ -166,8 +166,8 @@ std::int32_t File::read_int_attribute(const std::string& object, const std::stri
   check(type.id(), what);
   Shape shape;
   if (!read_shape(space.id(), shape) || !shape.empty())
-    refuse(what + " is not one number", shape.empty() ? "it has no value" : text(shape));
-  if (!is_plain_integer(type.id())) refuse(what + " is not a whole number", name_of_type(type.id()));
+    refuse(what + " is not a single number", shape.empty() ? "it has no value" : text(shape));
+  if (!is_plain_integer(type.id())) refuse(what + " is not an integer", name_of_type(type.id()));
   std::int64_t value = 0;
   check(H5Aread(attribute.id(), H5T_NATIVE_INT64, &value), what);
   if (value < std::numeric_limits<std::int32_t>::min() || value > std::numeric_limits<std::int32_t>::max())
@@ -175,10 +175,10 @@ std::int32_t File::read_int_attribute(const std::string& object, const std::stri
   return static_cast<std::int32_t>(value);
 }
 
-/// @param read  reads what a memory type stands for into a buffer that has room for it
+/// @param read  reads a value of a memory type into a buffer of sufficient size
 template <class Read>
 std::string File::text_of(const std::string& what, hid_t type, const Shape& shape, const Read& read) const {
-  if (!shape.empty()) refuse(what + " is not one text", text(shape));
+  if (!shape.empty()) refuse(what + " is not a single text", text(shape));
   if (H5Tget_class(type) != H5T_STRING) refuse(what + " is not a text", name_of_type(type));
   std::string result;
   if (H5Tis_variable_str(type) > 0) {
@@ -197,7 +197,7 @@ std::string File::text_of(const std::string& what, hid_t type, const Shape& shap
     result = without_padding(std::move(result), H5Tget_strpad(type));
   }
   if (const auto at = result.find('\0'); at != std::string::npos)
-    refuse(what + " holds zeros instead of letters", "from letter " + std::to_string(at) + " on");
+    refuse(what + " contains zeros instead of characters", "from character " + std::to_string(at) + " on");
   return result;
 }
 

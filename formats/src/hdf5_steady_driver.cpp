@@ -38,7 +38,7 @@ hid_t steady_driver(const char* path) {
   steady = plain_to_write;
   steady.name = "phynness_steady";
 #if H5_VERSION_GE(1, 13, 0)
-  steady.value = static_cast<H5FD_class_value_t>(600);  // from the range that HDF5 leaves to others
+  steady.value = static_cast<H5FD_class_value_t>(600);  // from the range that HDF5 reserves for other drivers
 #endif
   steady.terminate = nullptr;
   steady.write = write;

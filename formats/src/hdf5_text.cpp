@@ -10,10 +10,11 @@
 namespace phynness::hdf5 {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "HDF5 files are little-endian; this host needs byte swaps");
+static_assert(std::endian::native == std::endian::little,
+              "HDF5 files are little-endian; byte swaps for this host are not implemented");
 
-constexpr std::uint64_t heap_header_bytes = 16;    // signature, version, 3 reserved, size
-constexpr std::uint64_t object_header_bytes = 16;  // index, count of references, 4 reserved, size
+constexpr std::uint64_t heap_header_bytes = 16;    // signature, version, 3 reserved bytes, size
+constexpr std::uint64_t object_header_bytes = 16;  // index, reference count, 4 reserved bytes, size
 constexpr unsigned char heap_version = 1;
 
 template <class T>
@@ -23,7 +24,7 @@ T value_at(const unsigned char* bytes) {
   return value;
 }
 
-/// The bytes are what is wanted: HDF5 has nothing to convert.
+/// A conversion that keeps the bytes unchanged.
 herr_t keep_bytes(hid_t from, hid_t to, H5T_cdata_t* conversion, std::size_t, std::size_t, std::size_t, void*, void*,
                   hid_t) {
   if (conversion->command != H5T_CONV_INIT) return 0;
@@ -82,20 +83,19 @@ bool read_text_at(const Descriptor& file, const std::filesystem::path& path, std
   for (std::uint64_t at = heap_header_bytes; size - at >= object_header_bytes;) {
     const auto index = value_at<std::uint16_t>(&heap[at]);
     const auto length = value_at<std::uint64_t>(&heap[at + 8]);
-    if (index == 0) break;  // the free space, which ends a heap
+    if (index == 0) break;  // free space, which is the last object of a heap
     at += object_header_bytes;
     if (length > size - at) return wrong("its heap is damaged: an object of " + numbers(place.heap + at, length));
     if (index == place.index) {
       if (length != place.length)
-        return wrong("its heap holds " + std::to_string(length) + " bytes for a text of " +
-                     std::to_string(place.length));
+        return wrong("its heap has " + std::to_string(length) + " bytes for a text of " + std::to_string(place.length));
       text.assign(reinterpret_cast<const char*>(&heap[at]), length);
       return true;
     }
     constexpr std::uint64_t alignment = 8;
     at += std::min((length + alignment - 1) / alignment * alignment, size - at);
   }
-  return wrong("its heap does not hold it: object " + std::to_string(place.index));
+  return wrong("it is not in its heap: object " + std::to_string(place.index));
 }
 
 }  // namespace phynness::hdf5

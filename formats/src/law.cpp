@@ -12,7 +12,7 @@ const Row* row_named(std::span<const Row> rows, std::string_view name, const cha
     if (row.name == name) return &row;
     known.append(known.empty() ? "" : ", ").append(row.name);
   }
-  throw input_error(std::string("no such ") + kind, std::string(name), "use one of " + known);
+  throw input_error(std::string("there is no such ") + kind, std::string(name), "use one of " + known);
 }
 
 }  // namespace

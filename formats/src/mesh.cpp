@@ -60,7 +60,7 @@ std::string checksum_of(std::string_view body) {
   return hash.hex();
 }
 
-/// Cursor over the lines of a mesh.txt whose checksum is already known to be right.
+/// Cursor over the lines of a mesh.txt whose checksum has already been verified.
 class Lines {
  public:
   Lines(std::string_view text, const std::string& source) : _text(text), _source(source) {}
@@ -69,19 +69,19 @@ class Lines {
 
   [[noreturn]] void fail(const std::string& what, std::string_view value) const {
     throw input_error(_source + ":" + std::to_string(_line) + ": " + what, std::string(value),
-                      "write the file again with this software; it is not meant to be edited by hand");
+                      "write the file again with this software; it cannot be edited by hand");
   }
 
   std::string_view next(const char* expected) {
     ++_line;
     const std::size_t end = _text.find('\n');
-    if (end == std::string_view::npos) fail(std::string("the mesh text ends where ") + expected + " should stand", "");
+    if (end == std::string_view::npos) fail(std::string("the mesh text ends before ") + expected, "");
     const std::string_view line = _text.substr(0, end);
     _text.remove_prefix(end + 1);
     return line;
   }
 
-  /// A line "KEYWORD rest"; returns the rest.
+  /// Reads a line "KEYWORD rest". @return the rest
   std::string_view keyword(std::string_view word) {
     const std::string_view line = next(std::string(word).c_str());
     if (!line.starts_with(word) || line.size() <= word.size() || line[word.size()] != ' ')
@@ -106,7 +106,8 @@ class Lines {
     return value;
   }
 
-  /// A count of lines still to come: never more than there are bytes, so a wrong count cannot exhaust memory.
+  /// The number of following lines. It is limited by the bytes of the text, so that a wrong count cannot exhaust
+  /// memory.
   std::int32_t count(std::string_view& rest) const {
     const auto n = number<std::int32_t>(rest);
     if (n < 0 || static_cast<std::size_t>(n) > _text.size() / 2) fail("impossible count", std::to_string(n));
@@ -148,7 +149,7 @@ class Lines {
   int _line = 0;
 };
 
-/// The text before the checksum line, after the first line and the checksum have been verified.
+/// The text before the checksum line. The first line and the checksum are verified.
 std::string_view verified_body(std::string_view text, const std::string& source) {
   const std::string_view first = text.substr(0, text.find('\n'));
   if (!first.starts_with(magic) || (first.size() > magic.size() && first[magic.size()] != ' '))
@@ -159,8 +160,8 @@ std::string_view verified_body(std::string_view text, const std::string& source)
     throw input_error(source + ": the mesh text is truncated", "it ends in its first line", "copy the file again");
   const std::string_view found = first.substr(std::min(first.size(), magic.size() + 1));
   if (found != version)
-    throw input_error(source + ":1: mesh text of another version", std::string(found),
-                      "this software reads version " + std::string(version) + ": write the file again");
+    throw input_error(source + ":1: the mesh text has another version", std::string(found),
+                      "write the file again with this software, which reads version " + std::string(version));
   if (text.size() < checksum_line_length || text.back() != '\n' ||
       !text.substr(text.size() - checksum_line_length).starts_with(checksum_word))
     throw input_error(source + ": the mesh text is truncated", "no checksum in its last line", "copy the file again");
@@ -168,7 +169,7 @@ std::string_view verified_body(std::string_view text, const std::string& source)
   const std::string_view stored = text.substr(body.size() + checksum_word.size(), 16);
   if (const std::string actual = checksum_of(body); actual != stored)
     throw input_error(source + ": the mesh text is corrupted",
-                      "checksum " + std::string(stored) + ", content has " + actual, "copy the file again");
+                      "checksum " + std::string(stored) + " instead of " + actual, "copy the file again");
   return body;
 }
 
@@ -259,7 +260,7 @@ std::string write_mesh_text(const Mesh& mesh, const std::vector<std::int32_t>& f
   append_numbers(text, fixed);
   for (const auto& [name, nodes] : mesh.groups) {
     if (name.empty() || name.find_first_of("\r\n") != std::string::npos)
-      throw input_error("a physical group's name is empty or holds a line break", name, "rename the group");
+      throw input_error("the name of a physical group is empty or contains a line break", name, "rename the group");
     header(text, "group", static_cast<std::int64_t>(nodes.size()));
     text += ' ' + name + '\n';
     append_numbers(text, nodes);
@@ -288,7 +289,8 @@ Mesh read_mesh_text(const std::string& text, const std::string& source_name, std
   const std::int32_t n_cells = lines.count(rest);
   const auto nodes_per_cell = lines.number<std::int32_t>(rest);
   lines.finished(rest);
-  if (nodes_per_cell != 3 && nodes_per_cell != 4) lines.fail("cells have 3 or 4 nodes", std::to_string(nodes_per_cell));
+  if (nodes_per_cell != 3 && nodes_per_cell != 4)
+    lines.fail("cells must have 3 or 4 nodes", std::to_string(nodes_per_cell));
   mesh.cells.resize(n_cells, nodes_per_cell);
   lines.node_rows(mesh.cells, mesh.nodes.rows());
 
@@ -306,13 +308,13 @@ Mesh read_mesh_text(const std::string& text, const std::string& source_name, std
   while (!lines.at_end()) {
     rest = lines.keyword("group");
     const std::int32_t n = lines.count(rest);
-    if (rest.empty()) lines.fail("a group without a name", "");
+    if (rest.empty()) lines.fail("a group has no name", "");
     const std::string name(rest);
     mesh.groups[name] = lines.node_list(n, mesh.nodes.rows());
   }
   if (const std::string actual = mesh_hash(mesh); actual != hash)
-    throw input_error(source_name + ": the mesh is not the one its hash names",
-                      "hash " + std::string(hash) + ", content has " + actual, "write the file again");
+    throw input_error(source_name + ": the mesh does not have the stored hash",
+                      "hash " + std::string(hash) + " instead of " + actual, "write the file again");
   return mesh;
 }
 

@@ -9,17 +9,17 @@ namespace {
 
 using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-/// Directions this near are one direction written twice; different ones of a set are some tenths apart.
+/// Directions with a smaller difference are equal; different directions of a set differ by some tenths.
 constexpr double same_direction = 1e-9;
 
-/// Index of a direction, or -1.
+/// Index of a direction; -1 if it is not in the list.
 std::int32_t find(const std::vector<Vec3>& directions, const Eigen::Vector3d& e) {
   for (std::size_t d = 0; d < directions.size(); ++d)
     if ((Eigen::Vector3d::Map(directions[d].data()) - e).norm() < same_direction) return static_cast<std::int32_t>(d);
   return -1;
 }
 
-/// Index in an ascending set of the mirror image of each of its nodes.
+/// For each node of an ascending set, the index of its mirror image in the set.
 std::vector<std::int32_t> images_within(const std::vector<std::int32_t>& nodes, const std::vector<std::int32_t>& image,
                                         const char* what) {
   std::vector<std::int32_t> within;
@@ -71,8 +71,8 @@ MirroredRays::MirroredRays(const DatabaseHeader& header) : _n_directions(header.
     const std::int32_t other = image_of_active[static_cast<std::size_t>(source.active)];
     const Partner& partner = partners[static_cast<std::size_t>(source.direction)];
     Source best = source;
-    // All rays of an orbit see the same candidates, so they agree on the first; one that is its own image is
-    // itself.
+    // All rays of an orbit have the same candidates and therefore the same first one. A ray that is its own image is
+    // its own source.
     for (const Source& candidate :
          {Source{other, partner.mirrored, true, false}, Source{source.active, partner.opposite, false, true},
           Source{other, partner.both, true, true}})
@@ -117,7 +117,7 @@ Ray MirroredRays::image(const Ray& solved, std::int32_t active, std::int32_t dir
       const auto other = from.mirrored ? static_cast<std::size_t>(_image_of_output[o]) : o;
       turned(&solved.displacement[3 * (i * n_output + other)], &ray.displacement[3 * (i * n_output + o)]);
     }
-  // Numbers without a direction: the image's at a node is the node's image's.
+  // Scalars: the value of the image at a node is the value at the mirrored node.
   for (std::size_t f = 0; f < solved.fields.size(); ++f)
     for (std::size_t i = 0; i < solved.status.size(); ++i)
       for (std::size_t o = 0; o < n_output; ++o) {

@@ -1,4 +1,4 @@
-// MODEL_DIR: model.txt and mesh.txt side by side, replaced whole or not at all.
+// MODEL_DIR with model.txt and mesh.txt, which are replaced completely or not at all.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/model.hpp>
@@ -12,21 +12,24 @@ namespace fs = std::filesystem;
 
 std::string read_file(const fs::path& file) {
   constexpr std::uint64_t most_bytes = std::uint64_t{16} << 30;
-  return read_input_file(
-      file, {"the file of the model", "name the directory that `phynness train -o` wrote", most_bytes, true});
+  return read_input_file(file, {"a file of the model directory",
+                                "give a directory that `phynness train -o` has written", most_bytes, true});
 }
 
 }  // namespace
 
 void write_model_dir(const fs::path& dir, const Model& model, const Mesh& mesh) {
   if (mesh_hash(mesh) != model.mesh_hash) {
-    throw failure("model belongs to another mesh", model.mesh_hash, "write it with the mesh of its database");
+    throw failure("the model belongs to another mesh", model.mesh_hash, "write it with the mesh of its database");
   }
   const std::string model_text = write_model_text(model), mesh_text = write_mesh_text(mesh);
   std::error_code error;
   fs::create_directories(dir, error);
-  if (error) throw input_error("directory cannot be made (" + error.message() + ")", dir.string(), "choose another -o");
-  // The model names its mesh by hash, so a reader between the two renames refuses instead of mixing them.
+  if (error)
+    throw input_error("the directory cannot be made (" + error.message() + ")", dir.string(),
+                      "give another directory with -o");
+  // The model contains the hash of its mesh, so that a reader between the two renames gets an error instead of a
+  // mixture.
   write_text_files({{dir / "mesh.txt", mesh_text}, {dir / "model.txt", model_text}});
 }
 
@@ -34,7 +37,7 @@ ModelTexts read_model_texts(const fs::path& dir) { return {read_file(dir / "mode
 
 void require_mesh(const Mesh& mesh, const std::string& hash) {
   if (mesh_hash(mesh) != hash)
-    throw input_error("mesh.txt is not the mesh of model.txt", mesh_hash(mesh) + " instead of " + hash,
+    throw input_error("mesh.txt is not the mesh of model.txt", "hash " + mesh_hash(mesh) + " instead of " + hash,
                       "copy both files of one model directory");
 }
 

@@ -10,7 +10,7 @@ Points rows_of(const Points& points, const std::vector<std::int32_t>& nodes) {
   return rows;
 }
 
-/// The triangles whose corners the model can move: all of them fixed or output nodes.
+/// The triangles whose corners are all fixed or output nodes, so that the model gives their displacement.
 Triangles known_triangles(const Mesh& mesh, const Model& model) {
   std::vector<char> known(static_cast<std::size_t>(mesh.n_nodes()), 0);
   for (const auto* nodes : {&model.fixed, &model.output})

@@ -1,4 +1,4 @@
-// Reads a model.txt by the grammar of models; every refusal names file, line, what is wrong and its value.
+// Reads a model.txt by the grammar of models. Every error names the file, the line, what is wrong, and the value.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ class ModelReader : public ModelStores {
   /// @param body  the text before the checksum line; must outlive the reader
   ModelReader(std::string_view body, std::string source, const Model& model)
       : _body(body), _source(std::move(source)), _model(model), _in(body.data(), body.size()) {
-    _in.rest_of_line();  // magic and version, which were checked
+    _in.rest_of_line();  // magic and version have already been checked
     end();
   }
 
@@ -25,7 +25,7 @@ class ModelReader : public ModelStores {
   }
   void end() {
     _in.end_line();
-    if (!_in.good()) refuse("line holds more than it should", _body.substr(_in.token_at(), 20));
+    if (!_in.good()) refuse("unexpected text at the end of the line", _body.substr(_in.token_at(), 20));
   }
   void text(std::string& line) {
     const auto found = _in.rest_of_line();
@@ -77,7 +77,7 @@ class ModelReader : public ModelStores {
     using Cell = std::remove_reference_t<decltype(cell(store, i, k))>;
     cell(store, i, k) = static_cast<Cell>(value);
   }
-  /// Six numbers fill it.
+  /// Sets two symmetric entries; six numbers set the whole matrix.
   void set(Eigen::Matrix3d& symmetric, std::int64_t i, std::int64_t k, double value) {
     symmetric(i, k) = symmetric(k, i) = value;
   }
@@ -89,7 +89,7 @@ class ModelReader : public ModelStores {
   }
   static bool has_place(const Model& model, std::int32_t node);
   void require_end() {
-    if (!_in.at_end()) refuse("text after the last active node", "");
+    if (!_in.at_end()) refuse("unexpected text after the last active node", "");
   }
 
   [[noreturn]] void refuse(const std::string& what, std::string_view value) const {
@@ -109,9 +109,9 @@ class ModelReader : public ModelStores {
   [[noreturn]] void malformed() const {
     const auto found = token();
     const auto has = [&](std::string_view part) { return found.find(part) != std::string_view::npos; };
-    if (found.empty()) refuse("value missing", "");
-    if (has(",")) refuse("number with a comma: a program with a comma locale wrote this file", found);
-    if (has("nan") || has("inf")) refuse("number is not finite", found);
+    if (found.empty()) refuse("a value is missing", "");
+    if (has(",")) refuse("a number has a decimal comma; the file was written with a wrong locale", found);
+    if (has("nan") || has("inf")) refuse("a number is not finite", found);
     refuse("malformed number", found);
   }
 

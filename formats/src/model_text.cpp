@@ -1,4 +1,4 @@
-// model.txt: both directions follow from the grammar of models (phynness/schema/model_grammar.hpp; formats/model.md).
+// Reading and writing of model.txt by the grammar of models (phynness/schema/model_grammar.hpp; formats/model.md).
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/hash.hpp>
@@ -19,21 +19,22 @@ std::string_view checked_body(std::string_view text, const std::string& source) 
     throw input_error(source + ": " + what, std::move(value), remedy);
   };
   if (status == PHN_ERROR_NOT_A_MODEL)
-    refuse("not a phynness model", std::string(text.substr(0, 20)), "name a model.txt or the directory that holds it");
+    refuse("not a phynness model", std::string(text.substr(0, 20)), "give a model.txt or a model directory");
   if (status == PHN_ERROR_VERSION) {
     const std::string line(text.substr(0, std::min(text.find('\n'), std::size_t{40})));
     if (!line.empty() && line.back() == '\r')
-      refuse("line endings of the model file were changed", "CR LF", "copy it again in binary mode");
-    refuse("model file has another version", line, "train again with this version, or use the version that wrote it");
+      refuse("the line endings of the model file were changed", "CR LF", "copy it again in binary mode");
+    refuse("the model file has another version", line,
+           "train again with this version, or use the version that wrote it");
   }
   if (status == PHN_ERROR_TRUNCATED)
-    refuse("model file is truncated", std::to_string(text.size()) + " bytes without a checksum line at the end",
+    refuse("the model file is truncated", std::to_string(text.size()) + " bytes without a checksum line at the end",
            "copy it again");
   Fnv1a64 hash;
   const std::size_t end = text.size() - schema::checksum_line_length;
   hash.add(text.substr(0, end));
-  refuse("model file is corrupted: its checksum differs",
-         std::string(text.substr(end + 9, 16)) + " stored, " + hash.hex() + " computed",
+  refuse("the model file is corrupted: its checksum is wrong",
+         std::string(text.substr(end + 9, 16)) + " instead of " + hash.hex(),
          "copy it again; it cannot be edited by hand");
   return {};
 }
@@ -43,7 +44,7 @@ bool place_of(const Model& model, std::int32_t node) {
          std::binary_search(model.fixed.begin(), model.fixed.end(), node);
 }
 
-/// What a model holds beside the numbers of its text must follow from them.
+/// Checks that data of a model that the text does not contain follow from its numbers.
 void require_consistent(const Model& model) {
   const auto require = [](bool condition, const char* what) {
     if (!condition) ModelWriter::refuse(what);
@@ -81,7 +82,7 @@ void ModelReader::family(Family& family) {
       family = static_cast<Family>(f);
       return;
     }
-  refuse("family of the model is not known to this version", word);
+  refuse("the family of the model is unknown to this version", word);
 }
 
 std::string write_model_text(const Model& model) {

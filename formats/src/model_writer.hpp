@@ -1,4 +1,5 @@
-// Writes a model.txt by the grammar of models: exact, locale-free, nothing that a reader would refuse.
+// Writes a model.txt by the grammar of models: exact, independent of the locale, and without text that a reader would
+// refuse.
 #pragma once
 
 #include <charconv>
@@ -19,7 +20,7 @@ class ModelWriter : public ModelStores {
     _out += '\n';
     _line_start = true;
   }
-  /// Control characters would break the lines and become spaces.
+  /// Control characters, such as line breaks, are replaced by spaces.
   void text(const std::string& line) {
     if (!line.empty()) put("");
     for (const char c : line) _out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
@@ -34,7 +35,8 @@ class ModelWriter : public ModelStores {
   void family(Family family) { put(name(family)); }
   void real(const char* what, double value, const schema::Bound& bound) {
     if (!std::isfinite(value))
-      throw failure("model holds a number that is not finite", what, "train again; if it stays, report it");
+      throw failure("the model contains a number that is not finite", what,
+                    "train again; if the error persists, please report it");
     if (!(value >= bound.low && value <= bound.high)) refuse(std::string(what) + " " + bound.outside);
     char buffer[40];
     const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::hex).ptr;
@@ -70,7 +72,7 @@ class ModelWriter : public ModelStores {
   static bool has_place(const Model& model, std::int32_t node);
 
   [[noreturn]] static void refuse(const std::string& what) {
-    throw failure("model cannot be written: " + what, "", "this is a defect of the program that made it");
+    throw failure("the model cannot be written: " + what, "", "this is a defect of the program; please report it");
   }
 
  private:

@@ -24,7 +24,7 @@ std::string tell(const std::string& dataset, std::size_t increment, Value value)
          std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
 }
 
-/// The first of the values of converged increments that is not within +-`most`.
+/// The first value of a converged increment that is not within +-`most`.
 template <class IsConverged>
 std::string first_beyond(const std::string& dataset, const std::vector<double>& values, std::size_t increments,
                          const IsConverged& is_converged, double most) {

@@ -16,8 +16,8 @@ std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<
 
 std::vector<std::int64_t> ray_tasks(const std::vector<RayIndex>& rays, int n_ranks) {
   const auto n = static_cast<std::int64_t>(rays.size());
-  // An even share: half of one, as for loops whose parts cost nothing to begin, ends no sooner, as each task
-  // may touch its node anew.
+  // Each task is a full share of the remaining rays. Half a share, as for loops without a start-up cost, does not end
+  // earlier, because each task may have to prepare its node again.
   const std::int64_t shares = n_ranks;
   std::vector<std::int64_t> starts{0};
   while (starts.back() < n) {

@@ -1,4 +1,4 @@
-// A scene from its text: the sections in turn, then what only shows across sections.
+// Parses a scene: first each section, then checks across sections.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/scene.hpp>
@@ -11,17 +11,18 @@ namespace phynness {
 namespace sd = scene_detail;
 namespace {
 
-/// Refuses a law that has no form, or here none that is good enough, whose stress across the wall vanishes.
+/// Refuses a law for which the condition of zero stress across the wall of a shell is not implemented, or not accurate
+/// enough with these moduli.
 void require_shell(const Material& m, const sd::SceneTable& table) {
   std::vector<std::string_view> always;
   for (const auto& law : laws())
     if (law.has_shell && law.shell_from == 0) always.push_back(law.name);
   const std::string remedy = "use law = " + sd::listed(always) + ", or a solid without thickness_m";
-  if (!m.law->has_shell) table.reject("law", "is not condensed to the plane stress of a shell", remedy);
+  if (!m.law->has_shell) table.reject("law", "is not available for shells (it has no plane-stress form)", remedy);
   if (m.bulk_to_shear() < m.law->shell_from)
     table.reject("law",
-                 "condenses the stress across a shell in a few steps of Newton's method, good enough from K/mu = " +
-                     sd::shortest(m.law->shell_from) + " on; here K/mu is " + sd::shortest(m.bulk_to_shear()),
+                 "is accurate enough for shells only from K/mu = " + sd::shortest(m.law->shell_from) +
+                     " on; here K/mu is " + sd::shortest(m.bulk_to_shear()),
                  remedy);
 }
 
@@ -38,7 +39,7 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
   if (const auto line = sd::too_deep_at(text))
     sd::refuse({source_name, *line}, "keys, tables or arrays are nested too deeply",
                "more than " + std::to_string(sd::largest_depth) + " levels",
-               "shorten the dotted key or close the brackets; no key of a scene lies deeper than five levels");
+               "shorten the dotted key or close the brackets; a scene needs at most five levels");
   toml::table root;
   try {
     root = toml::parse(std::string_view(text), source_name);
@@ -47,7 +48,7 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
     const std::string reason(error.description());
     throw input_error(
         source_name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": the file is not valid TOML",
-        reason, "mend the syntax at this line and column (https://toml.io)");
+        reason, "correct the syntax at this line and column (https://toml.io)");
   }
 
   const sd::SceneTable top(root, "", source_name);
@@ -55,11 +56,11 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
     const auto* node = top.find(name);
     if (!node) return sd::SceneTable(name, source_name);
     const auto* table = node->as_table();
-    if (!table) top.reject(name, "must be a section", "write [" + std::string(name) + "] on a line of its own");
+    if (!table) top.reject(name, "must be a section", "write [" + std::string(name) + "] on a separate line");
     return sd::SceneTable(*table, name, source_name);
   };
-  // Every section is opened before any is parsed: a misspelt key says more than the missing one it leaves
-  // behind.
+  // All sections are opened, which checks their keys, before any is parsed: the error about a misspelt key is more
+  // useful than the error about the missing key that it causes.
   const auto mesh = section("mesh"), material = section("material"), solver = section("solver");
   const auto nodes = section("nodes"), probe = section("probe"), database = section("database");
   const auto training = section("training"), validation = section("validation");
@@ -77,7 +78,8 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
   scene.training = sd::parse_training(training, scene.material);
   scene.validation = sd::parse_validation(validation);
   if (scene.mesh.thickness_m > 0 && !scene.database.fields.empty())
-    database.reject("fields", "are computed in solids, but [mesh] is the middle surface of a shell", "remove fields");
+    database.reject("fields", "are only available for solids, but [mesh] is the midsurface of a shell",
+                    "remove fields");
   if (scene.mesh.thickness_m > 0) require_shell(scene.material, material);
   return scene;
 }
@@ -88,24 +90,25 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
   const Element element = scene.solver.element;
   if (m.bulk_to_shear() > element->locks_above)
     warnings.push_back(m.where.str() + ": K/mu = " + sd::shortest(m.bulk_to_shear()) + ": " + name(element) +
-                       " tetrahedra lock at this ratio, so that the body feels " +
+                       " tetrahedra lock at this ratio, which makes the body " +
                        (element->locks_severely ? "several times" : "noticeably") +
-                       " too stiff; elements p1-p1 and taylor-hood do not");
+                       " too stiff; elements p1-p1 and taylor-hood do not lock");
   const ProbeSpec& probe = scene.probe;
   if (m.law->linear && (probe.directions != Directions::three || probe.increments != 1)) {
     const auto asked = exploratory_directions(probe.directions).size() * static_cast<std::size_t>(probe.increments);
-    warnings.push_back(probe.where.str() +
-                       ": the law is linear, so that three solves say all about a node: " + std::to_string(asked) +
-                       " are asked for; directions = 3, increments = 1 and family = \"linear\" give an exact model");
+    warnings.push_back(probe.where.str() + ": the law is linear, so that three solves per node suffice instead of " +
+                       std::to_string(asked) +
+                       "; directions = 3, increments = 1 and family = \"linear\" give an exact model");
   }
   return warnings;
 }
 
 std::vector<std::string> scene_notes(const Scene& scene) {
   if (scene.probe.kind_given) return {};
-  return {scene.probe.where.str() +
-          ": the scene names no kind of probe, so that single nodes are displaced: the force at a node has no limit "
-          "under mesh refinement; kind = \"patch\" with tool_radius_m has one"};
+  return {
+      scene.probe.where.str() +
+      ": the scene does not name a kind of probe, so that single nodes are displaced. The force at a single node does "
+      "not converge under mesh refinement; with kind = \"patch\" and tool_radius_m it does"};
 }
 
 }  // namespace phynness

@@ -19,8 +19,8 @@ class DepthScan {
   }
 
  private:
-  /// A key with its dots, at the top level or between two brackets. Those of a header hold for the lines
-  /// below it.
+  /// Depth of a dotted key, at the top level or between two brackets. The depth of a header applies to the lines below
+  /// it.
   struct Level {
     int parts = 1;
     bool header = false;
@@ -68,7 +68,7 @@ class DepthScan {
     if (_levels.size() == 1) _levels.back().parts = 1;
   }
 
-  /// A bracket at the begin of a line outside of all others begins a header.
+  /// A bracket at the start of a line, outside of all other brackets, starts a header.
   void open() {
     const bool header = _levels.size() == 1 && !_line_began;
     if (header) _header = 0;
@@ -85,8 +85,8 @@ class DepthScan {
     if (closed.header) _header += closed.parts;
   }
 
-  /// How many stand in a row at _at, up to what ends a string: three and two of its own. Not all of them are
-  /// counted, or a text of quotes would be read once for each of them.
+  /// Number of consecutive quotes at _at, up to five: at the end of a string three quotes may follow two quotes of its
+  /// content. Counting more would take quadratic time for a text of quotes.
   std::size_t quotes(char quote) const {
     const std::string_view ahead = _text.substr(_at, 5);
     return std::min(ahead.find_first_not_of(quote), ahead.size());
@@ -104,7 +104,7 @@ class DepthScan {
     }
   }
 
-  /// A string of several lines; it may end with up to two quotes of its own.
+  /// Skips a multi-line string, whose content may end with up to two quotes.
   void skip_lines(char quote) {
     for (_at += 3; _at < _text.size(); ++_at) {
       if (_text[_at] == '\n') ++_line;
@@ -120,7 +120,7 @@ class DepthScan {
   std::string_view _text;
   std::size_t _at = 0;
   int _line = 1, _header = 0, _outer = 0;
-  bool _line_began = false;  ///< with anything but space
+  bool _line_began = false;  ///< the line already has a character other than white space
   std::vector<Level> _levels{Level{}};
 };
 

@@ -1,4 +1,4 @@
-// How deep the tables and arrays of a TOML text are nested.
+// Nesting depth of the tables and arrays of a TOML text.
 #pragma once
 
 #include <optional>
@@ -6,13 +6,12 @@
 
 namespace phynness::scene_detail {
 
-/// Parts of keys, [headers] and open brackets, one inside of the other. Scenes need five.
+/// Largest depth, counting parts of keys, [headers] and open brackets. Scenes need five levels.
 inline constexpr int largest_depth = 64;
 
-/// The line (from 1) where a text is nested deeper than largest_depth; none if it is not.
-/// A parser and its tables call themselves once for each level, so that 20,000 levels end the program: toml++
-/// limits brackets, not keys. Dots and brackets in strings and comments do not count. A text that is not TOML
-/// may pass.
+/// The first line (counted from 1) in which a text is nested deeper than largest_depth; empty if there is none. The
+/// check is needed because the parser is recursive: 20,000 levels overflow the stack, and toml++ limits brackets but
+/// not keys. Dots and brackets in strings and comments do not count. A text that is not valid TOML may pass.
 std::optional<int> too_deep_at(std::string_view text);
 
 }  // namespace phynness::scene_detail

@@ -1,4 +1,4 @@
-// The exploratory directions, in the order that databases number them (formats/database.md).
+// The exploratory directions in the order of databases (formats/database.md).
 #include <array>
 #include <cmath>
 #include <phynness/formats/scene.hpp>
@@ -25,8 +25,8 @@ Vec3 unit(double x, double y, double z) {
   return {x / norm, y / norm, z / norm};
 }
 
-/// Joined by an edge where each face of the cube is cut into eight triangles around its middle: the
-/// components that one has, the other has as well.
+/// Whether two points are joined by an edge if each face of the cube is divided into eight triangles around its middle:
+/// the non-zero components of one are components of the other.
 bool adjacent(const GridPoint& a, const GridPoint& b) {
   bool a_in_b = true, b_in_a = true;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -1,4 +1,4 @@
-// [database] fields: which scalar fields are stored beside the displacement.
+// [database] fields: the scalar fields that are stored in addition to the displacement.
 #include <algorithm>
 
 #include "scene_keys.hpp"
@@ -20,13 +20,12 @@ std::vector<Field> parse_fields(const SceneTable& database) {
     const auto field = word ? field_named(word->get()) : std::nullopt;
     if (!field) {
       const auto near = word ? nearest(word->get(), known) : std::string_view{};
-      refuse(database.where(entry), database.label("fields") + " holds a name that is none of those known",
-             shown(entry),
+      refuse(database.where(entry), database.label("fields") + " contains an unknown name", shown(entry),
              "write " + listed(known, " or ") + " between quotes" +
                  (near.empty() ? "" : "; did you mean \"" + std::string(near) + "\"?"));
     }
     if (std::find(fields.begin(), fields.end(), *field) != fields.end())
-      refuse(database.where(entry), database.label("fields") + " names a field twice", shown(entry),
+      refuse(database.where(entry), database.label("fields") + " contains a field twice", shown(entry),
              "name each field once");
     fields.push_back(*field);
   }

@@ -17,7 +17,8 @@ struct Table {
   std::vector<std::string_view> keys;
 };
 
-/// Of every law, each once. Hooke's come first, so that a new law changes no message about the others.
+/// The keys of all laws, each once. The elastic moduli come first, so that messages about them do not change when a law
+/// is added.
 std::vector<std::string_view> material_keys() {
   std::vector<std::string_view> keys{"law"};
   for (const bool linear : {true, false})
@@ -62,7 +63,7 @@ const std::vector<Table>& tables() {
   return all;
 }
 
-// Longest first, so that "_per_Pa" is not taken for "_Pa".
+// The longest comes first, so that "_per_Pa" is not taken for "_Pa".
 constexpr std::array<std::string_view, 5> units = {"_per_Pa", "_to_m", "_fraction", "_Pa", "_m"};
 
 std::string_view unit_of(std::string_view key) {
@@ -133,16 +134,16 @@ std::string remedy_for_unknown_key(std::string_view table, std::string_view key)
     if (unit.empty()) continue;
     const auto stem = candidate.substr(0, candidate.size() - unit.size());
     if (key == stem)
-      return "a value with a unit carries it in its key: write " + std::string(candidate) + " and give it in " +
+      return "the key of a value includes its unit: write " + std::string(candidate) + " and give the value in " +
              (unit == "_per_Pa" ? "1/Pa" : std::string(unit.substr(1)));
     if (key.starts_with(stem) && key.size() > stem.size() && key[stem.size()] == '_' && key.size() <= stem.size() + 5)
-      return "values are plain SI numbers: write " + std::string(candidate) + " and convert the value";
+      return "values are in SI units: write " + std::string(candidate) + " and convert the value";
   }
   if (const auto near = nearest(key, known); !near.empty()) return "did you mean " + std::string(near) + "?";
   for (const auto& other : tables())
     if (std::find(other.keys.begin(), other.keys.end(), key) != other.keys.end())
-      return "move it to " + bracketed(other.name) + ", which knows it";
-  return "remove it; " + bracketed(table) + " knows " + listed(known, " and ");
+      return "move it to " + bracketed(other.name) + ", where it belongs";
+  return "remove it; the keys of " + bracketed(table) + " are " + listed(known, " and ");
 }
 
 }  // namespace scene_detail

@@ -1,4 +1,4 @@
-// The keys a scene may hold: the one list that the parser, its messages and the test of scene.md share.
+// The keys of a scene. The parser, its messages and the test of scene.md use this list.
 #pragma once
 
 #include <string>
@@ -7,14 +7,13 @@
 
 namespace phynness::scene_detail {
 
-/// Keys of one table; "" is the top level, "selector.box" the table inside a box selector.
+/// Keys of a table; "" is the top level, "selector.box" is the table of a box selector.
 const std::vector<std::string_view>& keys_of(std::string_view table);
 
-/// What to do about `key`, which `table` does not know: add the unit, change it, move it, or mend the
-/// spelling.
+/// The remedy for `key`, which is unknown in `table`: add or change the unit, move the key, or correct its spelling.
 std::string remedy_for_unknown_key(std::string_view table, std::string_view key);
 
-/// The candidate that is nearest to `word` by edit distance; empty if none is near.
+/// The candidate with the smallest edit distance from `word`; empty if none is similar.
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates);
 
 /// "a, b or c"

@@ -1,4 +1,5 @@
-// [material]: one of the sets of numbers that the law accepts in; its parameters and the moduli at rest out.
+// [material]: computes the law's parameters and the moduli at rest from one of the sets of numbers that the law
+// accepts.
 #include <algorithm>
 #include <phynness/formats/error.hpp>
 
@@ -38,7 +39,7 @@ Material material_of(Law law, const std::vector<std::pair<std::string_view, doub
   }
   std::vector<std::string_view> keys;
   for (const auto& [key, value] : given) keys.push_back(key);
-  throw input_error(std::string("these parameters do not determine law ") + law->name,
+  throw input_error(std::string("the given parameters do not determine law ") + law->name,
                     scene_detail::listed(keys, " and "), "give exactly one of these sets: " + choices_of(law));
 }
 
@@ -48,7 +49,7 @@ namespace {
 std::string with_values(const SceneTable& table, const std::vector<std::string_view>& keys) {
   std::string text;
   for (auto key : keys) text += (text.empty() ? "" : ", ") + std::string(key) + " = " + shown(*table.find(key));
-  return text.empty() ? "none given" : text;
+  return text.empty() ? "no parameter is given" : text;
 }
 
 const LawSet& the_accepted_set(const SceneTable& table, Law law) {

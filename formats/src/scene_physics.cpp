@@ -1,5 +1,5 @@
-// What of a scene decides a solve, as text for people and as a hash for databases and models; and names of
-// the choices.
+// The keys of a scene that affect a solve, as readable text and as a hash for databases and models; names of the
+// choices.
 #include <phynness/formats/hash.hpp>
 #include <phynness/formats/scene.hpp>
 
@@ -25,7 +25,7 @@ std::string physics_summary(const Scene& scene) {
   const auto add = [&](const std::string& key, const std::string& value) { lines += key + " = " + value + "\n"; };
   const MeshSpec& mesh = scene.mesh;
   if (mesh.shape == Shape::none) {
-    // The folder is left out: the mesh hash says whether the content is the same.
+    // The folder is omitted, because the mesh hash identifies the content.
     add("mesh.file", mesh.file.filename().string());
     add("mesh.scale_to_m", shortest(mesh.scale_to_m));
     add("mesh.repair", mesh.repair ? "true" : "false");

@@ -29,7 +29,7 @@ void parse_mesh_file(const SceneTable& table, const std::filesystem::path& folde
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (std::find(readable.begin(), readable.end(), extension) == readable.end())
-    table.reject("file", "is of no kind that can be read", "give a " + listed(readable) + " file");
+    table.reject("file", "has an unknown format", "give a " + listed(readable) + " file");
   std::error_code code;
   if (mesh_file == MeshFile::must_exist && std::filesystem::exists(spec.file, code) &&
       !std::filesystem::is_regular_file(spec.file, code))
@@ -37,8 +37,8 @@ void parse_mesh_file(const SceneTable& table, const std::filesystem::path& folde
                  "names something that is not a file, but a folder, a pipe or a device (" + spec.file.string() + ")",
                  "name the file of a mesh");
   if (mesh_file == MeshFile::must_exist && !std::filesystem::is_regular_file(spec.file, code))
-    table.reject("file", "names a mesh that is not there (looked for " + spec.file.string() + ")",
-                 "correct the path; a relative one starts at the scene file's folder");
+    table.reject("file", "does not exist (as " + spec.file.string() + ")",
+                 "correct the path; a relative path starts at the folder of the scene file");
   refuse_keys(table, {"size_m", "radius_m", "inner_radius_m", "length_m", "slit_length_m", "slit_width_m"},
               "belongs to a built-in shape, but the mesh comes from a file", "remove it");
   spec.scale_to_m = table.number_or("scale_to_m", 1.0, {0, 1e6, true, false});
@@ -58,16 +58,17 @@ void parse_built_in_shape(const SceneTable& table, MeshSpec& spec) {
     refuse_keys(table, {"inner_radius_m"}, "does not apply to a cylinder", "use shape = \"tube\"");
   if (drain)
     refuse_keys(table, {"inner_radius_m"}, "does not apply to a drain, which is a shell",
-                "give radius_m, of its middle surface, and thickness_m");
+                "give radius_m of its midsurface, and thickness_m");
   else
     refuse_keys(table, {"slit_length_m", "slit_width_m", "thickness_m"}, "does not apply to shape " + shape,
-                "use shape = \"drain\", or the file of a shell's middle surface");
+                "use shape = \"drain\", or the file of a shell's midsurface");
 
   if (const auto size = table.vector("size_m", shape_length)) {
     spec.size_m = *size;
     const auto [least, most] = std::minmax_element(size->begin(), size->end());
     if (*most > most_slender * *least)
-      table.reject("size_m", "is more than 1000 times as long as it is thin", "tetrahedra cannot fill such a body");
+      table.reject("size_m", "has a largest edge of more than 1000 times the smallest edge",
+                   "give a thicker body; tetrahedra cannot fill this one");
   }
   spec.radius_m = table.number_or("radius_m", 0, shape_length);
   spec.inner_radius_m = table.number_or("inner_radius_m", 0, shape_length);
@@ -76,7 +77,7 @@ void parse_built_in_shape(const SceneTable& table, MeshSpec& spec) {
   spec.slit_width_m = table.number_or("slit_width_m", 0, shape_length);
   if (drain && spec.thickness_m == 0) spec.thickness_m = default_drain_thickness_m;
   if (table.has("inner_radius_m") && table.has("radius_m") && spec.inner_radius_m >= spec.radius_m)
-    table.reject("inner_radius_m", "must be less than radius_m", "leave a wall between the two radii");
+    table.reject("inner_radius_m", "must be less than radius_m", "reduce inner_radius_m or increase radius_m");
 
   if (!spec.target_nodes && !spec.target_size_m) spec.target_nodes = drain ? default_drain_nodes : default_target_nodes;
 }
@@ -92,10 +93,10 @@ Directions parse_directions(const SceneTable& table) {
   for (auto kind : {Directions::three, Directions::fourteen, Directions::twenty_six, Directions::ninety_eight,
                     Directions::hemisphere})
     if (word == phynness::name(kind)) return kind;
-  table.reject("directions", "is none of those known", "write 14, 26, 98, 3 or \"hemisphere\"");
+  table.reject("directions", "is not a known set of directions", "write 14, 26, 98, 3 or \"hemisphere\"");
 }
 
-/// A spread, or <= 0 for "search".
+/// A spread; <= 0 means "search".
 double parse_spread(const SceneTable& table, std::string_view key, double otherwise) {
   const auto* node = table.find(key);
   if (!node) return otherwise;
@@ -103,7 +104,7 @@ double parse_spread(const SceneTable& table, std::string_view key, double otherw
     if (word->get() == "search") return 0;
     table.reject(key, "is neither a number nor \"search\"", "write \"search\" or a number greater than 0");
   }
-  // Inputs are scaled to [-1, 1]: a spread far below separates every point, far above tells none apart.
+  // Inputs are scaled to [-1, 1]. Far smaller spreads separate all points, far larger ones separate none.
   return *table.number(key, {1e-3, 1e3});
 }
 
@@ -113,12 +114,13 @@ MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder
   MeshSpec spec;
   spec.where = table.where();
   if (table.has("shape") && table.has("file"))
-    table.reject("file", "stands beside shape", "keep one of the two: a built-in shape or a file");
+    table.reject("file", "cannot be combined with shape", "keep either the built-in shape or the file");
   if (!table.has("shape") && !table.has("file"))
     table.missing("shape", ", and so is file",
                   "add shape = \"liver\", \"block\", \"cylinder\", \"tube\" or \"drain\", or file = \"body.msh\"");
   if (table.has("target_nodes") && table.has("target_size_m"))
-    table.reject("target_size_m", "stands beside target_nodes, which decides the size", "keep one of the two");
+    table.reject("target_size_m", "cannot be combined with target_nodes, which also determines the size",
+                 "keep one of the two");
   if (const auto nodes = table.integer("target_nodes", 8, most_nodes)) spec.target_nodes = static_cast<int>(*nodes);
   if (const auto size = table.number("target_size_m", shape_length)) spec.target_size_m = *size;
   spec.repair = table.flag_or("repair", false);
@@ -145,19 +147,18 @@ SolverSpec parse_solver(const SceneTable& table, const Material& material, const
   spec.element = shell ? &elements().back() : solid_element;
   spec.element = table.choice<Element>("element", choices(elements())).value_or(spec.element);
   if (shell && !spec.element->is_shell)
-    table.reject("element", "is made of tetrahedra, but [mesh] is the middle surface of a shell",
+    table.reject("element", "is made of tetrahedra, but [mesh] is the midsurface of a shell",
                  "write element = \"shell\", or remove mesh.thickness_m");
   if (!shell && spec.element->is_shell)
-    table.reject("element", "is a shell's, but [mesh] has no thickness", "add thickness_m to [mesh]");
+    table.reject("element", "is an element for shells, but [mesh] has no thickness_m", "add thickness_m to [mesh]");
   spec.relative_tolerance = table.number_or("relative_tolerance", spec.relative_tolerance, {1e-14, 1e-2});
   spec.max_iterations = static_cast<int>(table.integer_or("max_iterations", spec.max_iterations, 1, 1000));
   spec.max_cutbacks = static_cast<int>(table.integer_or("max_cutbacks", spec.max_cutbacks, 0, 30));
   if (spec.element->mixed && !(material.lame_lambda_Pa > 0))
     refuse(table.where("element"),
-           std::string("element ") + phynness::name(spec.element) +
-               " divides by the Lame parameter lambda, which must be positive",
+           std::string("element ") + phynness::name(spec.element) + " needs a positive Lame parameter lambda",
            "lambda = " + shortest(material.lame_lambda_Pa) + " Pa",
-           "use element = \"P1\" or \"P2\": a material this compressible does not lock");
+           "use element = \"P1\" or \"P2\", which do not lock with such a compressible material");
   return spec;
 }
 
@@ -169,7 +170,8 @@ ProbeSpec parse_probe(const SceneTable& table) {
       table.choice<ProbeKind>("kind", {{"node", ProbeKind::node}, {"patch", ProbeKind::patch}}).value_or(spec.kind);
   const auto radius = table.number("tool_radius_m", length);
   if (spec.kind == ProbeKind::node && radius)
-    table.reject("tool_radius_m", "is for patch probes, but kind is \"node\"", "remove it, or write kind = \"patch\"");
+    table.reject("tool_radius_m", "is only used by patch probes, but kind is \"node\"",
+                 "remove it, or write kind = \"patch\"");
   if (spec.kind == ProbeKind::patch && !radius)
     table.missing("tool_radius_m", ", which a patch probe needs", "add tool_radius_m in metres, such as 0.01");
   spec.tool_radius_m = radius.value_or(0);
@@ -190,7 +192,7 @@ DatabaseSpec parse_database(const SceneTable& table) {
   return spec;
 }
 
-/// Families by their word.
+/// All families with their names.
 std::vector<std::pair<std::string_view, Family>> every_family() {
   std::vector<std::pair<std::string_view, Family>> all;
   for (std::uint32_t f = 0; f < schema::n_families; ++f)

@@ -1,4 +1,4 @@
-// [nodes]: words and selector tables that choose nodes of the mesh.
+// [nodes]: words and selector tables that select nodes of the mesh.
 #include <algorithm>
 #include <cmath>
 #include <phynness/formats/error.hpp>
@@ -10,7 +10,7 @@
 namespace phynness::scene_detail {
 namespace {
 
-/// Names of the selectors that are words, or of those that are not.
+/// Names of the selectors that are words, or of the selectors that are tables.
 std::vector<std::string_view> names_of(bool words) {
   std::vector<std::string_view> names;
   for (const auto& kind : selector_kinds())
@@ -28,21 +28,21 @@ std::shared_ptr<const NodeChoice> parse_word(const toml::node& node, const std::
   const auto names = names_of(true);
   if (std::find(names.begin(), names.end(), word) == names.end()) {
     const auto near = nearest(word, names);
-    refuse(nodes.where(node), nodes.label(key) + " names no selection", "\"" + word + "\"",
+    refuse(nodes.where(node), nodes.label(key) + " is not a known selection", "\"" + word + "\"",
            near.empty() ? "write one of " + listed(names) + ", or a selector table such as { sphere = { ... } }"
                         : "did you mean \"" + std::string(near) + "\"?");
   }
   auto choice = kind_named(word).parse(nodes);
   if (key == "fixed" && choice->needs_fixed())
-    refuse(nodes.where(node), "[nodes] fixed cannot be chosen by what is free", "\"" + word + "\"",
-           "select the fixed nodes by a box, sphere, plane, half_space, group or list of nodes");
+    refuse(nodes.where(node), "[nodes] fixed cannot use a selection that depends on the fixed nodes",
+           "\"" + word + "\"", "select the fixed nodes by a box, sphere, plane, half_space, group or list of nodes");
   if (key == "fixed" && choice->selects_all())
-    refuse(nodes.where(node), "[nodes] fixed leaves no node to move", "\"" + word + "\"",
+    refuse(nodes.where(node), "[nodes] fixed selects all nodes, so that no node can move", "\"" + word + "\"",
            "fix a part of the body only");
   return choice;
 }
 
-/// The one selector of a table such as { sphere = { ... }, surface_only = true }.
+/// The selector of a table such as { sphere = { ... }, surface_only = true }.
 std::shared_ptr<const NodeChoice> parse_table(const toml::node& node, const SceneTable& table, const SceneTable& nodes,
                                               std::string_view key) {
   std::string_view name;
@@ -50,7 +50,7 @@ std::shared_ptr<const NodeChoice> parse_table(const toml::node& node, const Scen
     if (!table.has(candidate)) continue;
     if (!name.empty())
       refuse(
-          nodes.where(node), nodes.label(key) + " has two selectors in one table", shown(node),
+          nodes.where(node), nodes.label(key) + " has two selectors in the same table", shown(node),
           "write one table for each: [{ " + std::string(name) + " = ... }, { " + std::string(candidate) + " = ... }]");
     name = candidate;
   }
@@ -75,7 +75,7 @@ Selector parse_selector(const toml::node& node, const SceneTable& nodes, std::st
     s.surface_only = table.flag_or("surface_only", false);
   } else {
     refuse(nodes.where(node), nodes.label(key) + " must be text, a selector table or an array of them", shown(node),
-           "write \"surface\", or { sphere = { ... } }, or an array of such");
+           "write \"surface\", or { sphere = { ... } }, or an array of selectors");
   }
   s.where = nodes.where(node);
   return s;
@@ -89,8 +89,8 @@ Selection parse_selection(const SceneTable& nodes, std::string_view key) {
   if (const auto* list = node.as_array()) {
     if (list->empty())
       nodes.reject(key, "is an empty list, which selects no node",
-                   key == "fixed" ? "select at least one node; a body that is nowhere fixed floats away"
-                                  : "select at least one node, or remove the key to take its default");
+                   key == "fixed" ? "select at least one node; without fixed nodes the body can move freely"
+                                  : "select at least one node, or remove the key to use its default");
     for (const auto& item : *list) selection.push_back(parse_selector(item, nodes, key));
   } else {
     selection.push_back(parse_selector(node, nodes, key));
@@ -101,7 +101,7 @@ Selection parse_selection(const SceneTable& nodes, std::string_view key) {
 Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& fraction) {
   const std::string in_metres = stem + "_m", in_fractions = stem + "_fraction";
   if (table.has(in_metres) && table.has(in_fractions))
-    table.reject(in_fractions, "stands beside " + in_metres, "keep one of the two");
+    table.reject(in_fractions, "cannot be combined with " + in_metres, "keep one of the two");
   fraction = table.has(in_fractions);
   const auto value = fraction ? table.vector(in_fractions, fractions) : table.vector(in_metres, metres);
   if (!value)
@@ -114,14 +114,14 @@ Vec3 parse_normal(const SceneTable& table) {
   auto normal = table.vector("normal", {-1e6, 1e6});
   if (!normal) table.missing("normal", "", "add normal = [x, y, z], a direction of any length");
   const double norm = std::hypot((*normal)[0], (*normal)[1], (*normal)[2]);
-  if (!(norm > 0)) table.reject("normal", "has no direction", "give a vector that is not zero");
+  if (!(norm > 0)) table.reject("normal", "has the length 0", "give a vector that is not zero");
   for (double& x : *normal) x /= norm;
   return *normal;
 }
 
 void parse_nodes(const SceneTable& table, Scene& scene) {
   if (!table.has("fixed"))
-    table.missing("fixed", ": a body that is nowhere fixed floats away and its system is singular",
+    table.missing("fixed", ": without fixed nodes the body can move freely and its system is singular",
                   "add fixed = { box = { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] } } or another "
                   "selection");
   const auto read = [&](std::string_view key, Selection& selection, SourceLocation& where) {

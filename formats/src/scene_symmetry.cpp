@@ -1,4 +1,4 @@
-// [mesh] symmetry: a plane in which the body is its own mirror image.
+// [mesh] symmetry: a plane of symmetry of the body.
 #include <cmath>
 
 #include "scene_keys.hpp"
@@ -7,13 +7,13 @@
 namespace phynness::scene_detail {
 namespace {
 
-/// "x", "y" or "z": the centre plane of the bounding box across that axis.
+/// "x", "y" or "z": the centre plane of the bounding box perpendicular to this axis.
 SymmetryPlane centre_plane(const SceneTable& mesh, const std::string& axis) {
   SymmetryPlane plane;
   if (axis.size() != 1 || axis[0] < 'x' || axis[0] > 'z')
-    mesh.reject("symmetry", "names no plane",
-                "write \"x\", \"y\" or \"z\" (the centre plane across that axis), or { point_m = [...], normal = "
-                "[...] }");
+    mesh.reject("symmetry", "is not a known plane",
+                "write \"x\", \"y\" or \"z\" (the centre plane perpendicular to this axis), or { point_m = [...], "
+                "normal = [...] }");
   plane.normal[static_cast<std::size_t>(axis[0] - 'x')] = 1;
   return plane;
 }
@@ -21,20 +21,21 @@ SymmetryPlane centre_plane(const SceneTable& mesh, const std::string& axis) {
 void check_use(const SceneTable& mesh, const SymmetryPlane& plane) {
   if (mesh.has("file")) {
     if (plane.half && plane.fraction)
-      mesh.reject("symmetry", "mirrors half a body in a plane that is not given in metres",
-                  "give point_m: fractions would be those of the half");
+      mesh.reject("symmetry", "with half = true needs a plane in metres",
+                  "give point_m instead of point_fraction, which would refer to the half");
     return;
   }
   const bool is_axis =
       std::abs(plane.normal[0]) == 1 || std::abs(plane.normal[1]) == 1 || std::abs(plane.normal[2]) == 1;
   const bool is_centre = plane.fraction && plane.point == SymmetryPlane{}.point;
   if (mesh.text("shape") == "liver")
-    mesh.reject("symmetry", "is declared, but the built-in liver has no plane of symmetry", "remove it");
+    mesh.reject("symmetry", "is given, but the built-in liver has no plane of symmetry", "remove it");
   if (!is_axis || !is_centre)
-    mesh.reject("symmetry", "is no centre plane, and built-in shapes are symmetric in those",
+    mesh.reject("symmetry", "is not a centre plane, but built-in shapes are symmetric about their centre planes only",
                 "write symmetry = \"x\", \"y\" or \"z\"");
   if (plane.half)
-    mesh.reject("symmetry", "has half = true, which is for mesh files", "remove half: a built-in shape is whole");
+    mesh.reject("symmetry", "has half = true, which is only for mesh files",
+                "remove half; a built-in shape is complete");
 }
 
 }  // namespace

@@ -139,7 +139,7 @@ void SceneTable::wrong_type(std::string_view key, const toml::node& node, const 
 void SceneTable::refuse_choice(std::string_view key, const std::string& given,
                                const std::vector<std::string_view>& names) const {
   const auto near = nearest(given, names);
-  refuse(where(key), label(key) + " is none of those known", "\"" + given + "\"",
+  refuse(where(key), label(key) + " has an unknown value", "\"" + given + "\"",
          "write one of " + listed(names) + (near.empty() ? "" : "; did you mean \"" + std::string(near) + "\"?"));
 }
 
@@ -179,8 +179,8 @@ std::optional<std::int64_t> SceneTable::integer(std::string_view key, std::int64
     const auto* real = node->as_floating_point();
     wrong_type(key, *node, "an integer",
                real && std::isfinite(real->get()) && std::abs(real->get()) < 1e15
-                   ? "write it without a decimal point, such as " + shortest(std::round(real->get()))
-                   : "write a whole number without quotes");
+                   ? "write it without a decimal point, as " + shortest(std::round(real->get()))
+                   : "write an integer without quotes");
   }
   const auto value = whole->get();
   if (value < low || value > high)

@@ -1,4 +1,4 @@
-// One TOML table of a scene with typed access: every refusal names file, line, value and remedy.
+// Typed access to a TOML table of a scene. Every error names file, line, value and remedy.
 #pragma once
 
 #include <toml++/toml.h>
@@ -14,30 +14,30 @@
 
 namespace phynness::scene_detail {
 
-/// Allowed numbers: low .. high, with the ends themselves refused where `open`.
+/// Allowed numbers from low to high, where the end is excluded if `open`.
 struct Range {
   double low, high;
   bool low_open = false, high_open = false;
 };
 
-/// Shortest decimal text that reads back to the same number.
+/// The shortest decimal text that is read back as the same number.
 std::string shortest(double value);
 /// "[x, y, z]", each as shortest().
 std::string exact_text(const Vec3& v);
-/// "(x, y, z)" with six digits, for messages.
+/// "(x, y, z)" with six digits each, for messages.
 std::string shown_text(const Vec3& v);
 
-/// Coordinates that a scene may give: metres, and fractions of the bounding box.
+/// Allowed coordinates of a scene in metres and in fractions of the bounding box.
 inline constexpr Range metres{-1e3, 1e3}, fractions{-10, 10};
 
-/// The TOML text of a node, shortened where it is long.
+/// The TOML text of a node, shortened if it is long.
 std::string shown(const toml::node& node);
 
-/// [file:line: what: value, remedy]; the one way in which a scene is refused.
+/// Throws the error "file:line: what: value" with its remedy. All errors of scenes are thrown here.
 [[noreturn]] void refuse(const SourceLocation& where, const std::string& what, const std::string& value,
                          const std::string& remedy);
 
-/// The names of a table's rows, each standing for its row.
+/// The names of a table's rows, each with its row.
 template <class Row>
 std::vector<std::pair<std::string_view, const Row*>> choices(std::span<const Row> rows) {
   std::vector<std::pair<std::string_view, const Row*>> words;
@@ -47,15 +47,15 @@ std::vector<std::pair<std::string_view, const Row*>> choices(std::span<const Row
 
 class SceneTable {
  public:
-  /// `name` as in scene_keys.hpp. Keys the table does not know are refused here.
+  /// Refuses unknown keys. @param name  as in scene_keys.hpp
   SceneTable(const toml::table& table, std::string name, const std::string& file);
-  /// A section that is absent: every key is missing, at line 1 of the file.
+  /// An absent section, in which every key is missing; errors refer to line 1 of the file.
   SceneTable(std::string name, const std::string& file);
 
   bool has(std::string_view key) const;
   const toml::node* find(std::string_view key) const;
   SourceLocation where() const { return _where; }
-  /// The line of a key's value, or of the table if it has no such key.
+  /// The position of a key's value, or of the table if it does not have the key.
   SourceLocation where(std::string_view key) const;
   SourceLocation where(const toml::node& node) const;
   /// "[material] law", for messages.
@@ -70,7 +70,7 @@ class SceneTable {
   bool flag_or(std::string_view key, bool otherwise) const;
   std::optional<Vec3> vector(std::string_view key, Range range) const;
 
-  /// One of a few words, each standing for a value.
+  /// The value that belongs to the word of a key.
   template <class T>
   std::optional<T> choice(std::string_view key, const std::vector<std::pair<std::string_view, T>>& words) const {
     const auto given = text(key);
@@ -82,9 +82,9 @@ class SceneTable {
     refuse_choice(key, *given, names);
   }
 
-  /// Refuses the table because `key` is missing; `why` continues "... is missing".
+  /// Throws an error about a missing key; `why` is appended to "... is missing".
   [[noreturn]] void missing(std::string_view key, const std::string& why, const std::string& remedy) const;
-  /// Refuses a key that is there, showing its value.
+  /// Throws an error about the value of a key.
   [[noreturn]] void reject(std::string_view key, const std::string& what, const std::string& remedy) const;
 
  private:

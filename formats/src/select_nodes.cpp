@@ -1,4 +1,4 @@
-// Nodes of a selection: the union of what its selectors pick.
+// Nodes of a selection: the union of the nodes of its selectors.
 #include <algorithm>
 #include <numeric>
 #include <phynness/formats/error.hpp>
@@ -12,7 +12,7 @@ namespace {
 
 using scene_detail::shown_text;
 
-// Relative to the bounding box's diagonal: a node that lies on a box's face up to rounding is in the box.
+// Relative to the diagonal of the bounding box: a node on the face of a box, up to rounding, is in the box.
 constexpr double on_the_border = 1e-9;
 
 std::string at(const SourceLocation& where) { return where.file.empty() ? "" : where.str() + ": "; }

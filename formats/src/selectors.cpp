@@ -1,5 +1,5 @@
-// Every selector: what a scene writes, how it is called in messages and in the physics hash, which nodes it
-// picks.
+// All selectors: their keys in a scene, their texts in messages and in the physics hash, and the nodes that they
+// select.
 #include "selectors.hpp"
 
 #include <Eigen/Geometry>
@@ -28,7 +28,7 @@ struct Place {
     return fraction ? Vector(to_row(body.low) + to_row(x).cwiseProduct(to_row(body.high) - to_row(body.low)))
                     : to_row(x);
   }
-  /// After the stem of its key.
+  /// The text that follows the stem of its key.
   std::string text() const { return (fraction ? "_fraction = " : "_m = ") + exact_text(x); }
   const char* units() const { return fraction ? " (fractions of the bounding box)" : " m"; }
 };
@@ -65,7 +65,8 @@ struct Box final : NodeChoice {
     const bool metric = table.has("min_m") || table.has("max_m");
     const bool relative = table.has("min_fraction") || table.has("max_fraction");
     if (metric && relative)
-      table.reject(table.has("min_fraction") ? "min_fraction" : "max_fraction", "stands beside corners in metres",
+      table.reject(table.has("min_fraction") ? "min_fraction" : "max_fraction",
+                   "cannot be combined with corners in metres",
                    "give both corners in metres (min_m, max_m) or both as fractions (min_fraction, max_fraction)");
     const std::string first = relative ? "min_fraction" : "min_m", last = relative ? "max_fraction" : "max_m";
     const auto range = relative ? fractions : metres;
@@ -74,7 +75,7 @@ struct Box final : NodeChoice {
     if (!b) table.missing(last, "", "a box needs both corners: add " + last + " = [x, y, z]");
     for (std::size_t i = 0; i < 3; ++i)
       if ((*a)[i] > (*b)[i])
-        table.reject(first, "lies above " + last + ", so that the box is empty", "swap the two corners");
+        table.reject(first, "is greater than " + last + ", so that the box is empty", "swap the two corners");
     low = {*a, relative}, high = {*b, relative};
   }
   std::string text() const override { return "box { min" + low.text() + ", max" + high.text() + " }"; }
@@ -167,7 +168,7 @@ struct Group final : NodeChoice {
   std::string group;
 
   explicit Group(const SceneTable& table) : group(*table.text(name)) {
-    if (group.empty()) table.reject(name, "is empty", "name a physical group of the mesh file");
+    if (group.empty()) table.reject(name, "is empty", "give the name of a physical group of the mesh file");
   }
   std::string text() const override { return "group \"" + group + "\""; }
   std::string description() const override { return "group '" + group + "'"; }
@@ -177,8 +178,8 @@ struct Group final : NodeChoice {
     std::string names;
     for (const auto& [known, nodes] : groups) names += (names.empty() ? "'" : ", '") + known + "'";
     throw input_error(request.place + "the mesh has no physical group for the " + request.nodes, group,
-                      names.empty() ? "the mesh has no groups at all: select by box, sphere or plane"
-                                    : "groups of the mesh: " + names);
+                      names.empty() ? "the mesh has no groups: select by box, sphere or plane"
+                                    : "use one of the groups of the mesh: " + names);
   }
 };
 
@@ -191,12 +192,12 @@ struct Numbers final : NodeChoice {
   explicit Numbers(const SceneTable& table) {
     const auto* list = table.find(name)->as_array();
     if (!list) table.reject(name, "must be an array of node numbers", "write nodes = [0, 5, 7]");
-    if (list->empty()) table.reject(name, "is an empty list", "name at least one node, or remove the selector");
+    if (list->empty()) table.reject(name, "is an empty list", "give at least one node, or remove the selector");
     for (const auto& item : *list) {
       const auto* number = item.as_integer();
       if (!number || number->get() < 0 || number->get() > std::numeric_limits<std::int32_t>::max())
-        refuse(table.where(item), table.label(name) + " must hold node numbers, 0 or greater", shown(item),
-               "number nodes from 0 in the order of the mesh file");
+        refuse(table.where(item), table.label(name) + " must contain integers of at least 0", shown(item),
+               "give node numbers, which start with 0, in the order of the mesh file");
       nodes.push_back(static_cast<std::int32_t>(number->get()));
     }
   }
@@ -210,7 +211,7 @@ struct Numbers final : NodeChoice {
     for (const std::int32_t node : nodes)
       if (node >= body.mesh.n_nodes())
         throw input_error(request.place + "a node number of the " + request.nodes + " is out of range",
-                          std::to_string(node), "the mesh has nodes 0 to " + std::to_string(body.mesh.n_nodes() - 1));
+                          std::to_string(node), "give numbers from 0 to " + std::to_string(body.mesh.n_nodes() - 1));
     return nodes;
   }
 };

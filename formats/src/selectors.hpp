@@ -1,31 +1,31 @@
-// The selectors of a scene, each one struct and one row of a table.
+// The selectors of a scene. Each is a struct and a row of a table.
 #pragma once
 
 #include "scene_table.hpp"
 
 namespace phynness::scene_detail {
 
-/// How a scene writes a selector.
+/// The form of a selector in a scene.
 enum class SelectorForm {
   word,   ///< "surface"
   value,  ///< { group = "lobe" }
   table,  ///< { sphere = { center_m = ..., radius_m = ... } }
 };
 
-/// One row.
+/// A row of the table of selectors.
 struct SelectorKind {
   std::string_view name;
   SelectorForm form;
   std::vector<std::string_view> keys;  ///< of its table, for SelectorForm::table
-  /// @param table  of the selector's own keys; for SelectorForm::value the one that holds the selector
+  /// @param table  the table of the selector; for SelectorForm::value the table that contains the selector
   /// @throws Error (input) with file and line
   std::shared_ptr<const NodeChoice> (*parse)(const SceneTable& table);
 };
 
-/// Every selector, in the order in which messages list them.
+/// All selectors, in the order of messages.
 const std::vector<SelectorKind>& selector_kinds();
 
-/// What a scene means that does not select active or output nodes.
+/// The default selection of active and output nodes.
 std::shared_ptr<const NodeChoice> free_surface();
 
 }  // namespace phynness::scene_detail

@@ -24,17 +24,18 @@ Shard parse_shard(const std::string& text) {
     good = second.ec == std::errc{} && second.ptr == end;
   }
   if (!good || shard.count < 1)
-    throw input_error("a shard is i/n, two whole numbers", "'" + text + "'", "--shard 0/8 is the first of eight");
+    throw input_error("a shard must be i/n with two integers", "'" + text + "'",
+                      "give for example --shard 0/8 for the first of eight shards");
   if (shard.index < 0 || shard.index >= shard.count)
     throw input_error(
         "there is no such shard", "'" + text + "'",
-        "shards count from 0: the last is " + std::to_string(shard.count - 1) + "/" + std::to_string(shard.count));
+        "shards start with 0; the last is " + std::to_string(shard.count - 1) + "/" + std::to_string(shard.count));
   return shard;
 }
 
 std::vector<std::int32_t> shards_of_rays(const std::vector<char>& is_solved, std::size_t n_directions,
                                          std::int32_t count) {
-  // Costs of runs vary; 16 of them per shard average that out.
+  // The costs of runs differ; 16 runs per shard make the costs of the shards similar.
   constexpr std::int64_t wanted_runs = 16;
   const auto rays = static_cast<std::int64_t>(std::count(is_solved.begin(), is_solved.end(), char{1}));
   const auto longest = static_cast<std::size_t>(
@@ -43,7 +44,7 @@ std::vector<std::int32_t> shards_of_rays(const std::vector<char>& is_solved, std
   std::vector<std::int32_t> owners(is_solved.size(), -1);
   std::int64_t dealt = 0;
   for (std::size_t run = 0; run < runs_per_node; ++run) {
-    // The directions d with d * runs_per_node / n_directions == run.
+    // The first direction d with d * runs_per_node / n_directions == run.
     const std::size_t first = (run * n_directions + runs_per_node - 1) / runs_per_node;
     const std::size_t last = ((run + 1) * n_directions + runs_per_node - 1) / runs_per_node;
     for (std::size_t node = 0; node < is_solved.size(); node += n_directions) {

@@ -26,7 +26,8 @@ class FileBeside {
 
   void fill(const std::string& text) {
     std::ofstream out(_written, std::ios::binary | std::ios::trunc);
-    if (!out) throw input_error("cannot write", _file.string(), "check that the folder exists and is writable");
+    if (!out)
+      throw input_error("cannot write the file", _file.string(), "check that the folder exists and is writable");
     _made = true;
     out.write(text.data(), static_cast<std::streamsize>(text.size()));
     out.close();
@@ -40,7 +41,9 @@ class FileBeside {
   }
 
  private:
-  [[noreturn]] void fail() const { throw failure("writing failed", _file.string(), "check that there is room left"); }
+  [[noreturn]] void fail() const {
+    throw failure("writing failed", _file.string(), "check the free space of the disk");
+  }
 
   fs::path _file, _target, _written;
   bool _in_place = false, _made = false;

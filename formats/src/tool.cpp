@@ -12,7 +12,7 @@ TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::s
   const auto weight = [&](std::int32_t i) {
     return patch_weight((nodes.row(i) - nodes.row(node)).squaredNorm() / (tool_radius * tool_radius));
   };
-  // Flooding over triangles: as often as the patch is triangles across, which is few.
+  // Flood fill over triangles. The number of passes is the width of the patch in triangles, which is small.
   std::vector<char> reached(static_cast<std::size_t>(nodes.rows()), 0);
   reached[static_cast<std::size_t>(node)] = 1;
   for (bool grows = true; grows;) {
@@ -48,7 +48,7 @@ bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {
   Points at(static_cast<Eigen::Index>(fixed.size()), 3);
   for (std::size_t i = 0; i < fixed.size(); ++i) at.row(static_cast<Eigen::Index>(i)) = nodes.row(fixed[i]);
   at.rowwise() -= Eigen::RowVector3d(at.colwise().mean());
-  // Mean square distances from the best plane, within it from the best line, and along that line.
+  // Eigenvalues: mean square distances from the best plane, within this plane from the best line, and along this line.
   const Eigen::Matrix3d spread = at.transpose() * at / static_cast<double>(fixed.size());
   const auto squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
   const Eigen::RowVector3d extent = nodes.colwise().maxCoeff() - nodes.colwise().minCoeff();

@@ -1,4 +1,4 @@
-// Formats: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html and https://www.xdmf.org.
+// Specifications: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html and https://www.xdmf.org.
 #include <cassert>
 #include <charconv>
 #include <cstring>
@@ -7,7 +7,7 @@
 namespace phynness {
 namespace {
 
-/// Shortest decimals that read back as the same number, whatever the locale.
+/// The shortest decimals that are read back as the same number, independent of the locale.
 template <class Number>
 void append(std::string& text, Number value) {
   char digits[32];
@@ -147,7 +147,7 @@ std::string vtu_text(const VtkGrid& grid, const VtkState& state) {
 std::string legacy_vtk_text(const VtkGrid& grid, const VtkState& state, const std::string& title) {
   const auto n_points = std::to_string(grid.points.rows());
   const Eigen::Index n_cells = grid.cells.rows(), width = grid.cells.cols();
-  // The title is one line of at most 256 characters.
+  // The format limits the title to one line of 256 characters.
   std::string line = title.substr(0, 250);
   for (char& c : line)
     if (c == '\n' || c == '\r') c = ' ';

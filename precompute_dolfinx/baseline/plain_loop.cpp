@@ -107,7 +107,7 @@ struct PlainLoop::Impl {
   Discretization body;
   std::vector<char> fixed;
   std::vector<std::int32_t> fixed_dofs;
-  std::vector<PetscInt> held;  // fixed and prescribed
+  std::vector<PetscInt> held;  // fixed and prescribed dofs
   std::vector<char> is_free;
   std::vector<double> state, residual;
   double reactions = 0;

@@ -1,4 +1,7 @@
-"""Formulas of law files as C++: a value that remembers how it was computed. Python's standard library is enough."""
+"""Conversion of formulas of law files to C++. A Formula is a value that records its computation as C++ code.
+
+Needs Python's standard library only.
+"""
 
 
 def number(value):
@@ -11,7 +14,7 @@ def literal(text):
 
 
 class Formula:
-    """Operators keep their order and every bracket, so that C++ rounds as Python would."""
+    """C++ code of a formula. The order of operators and all brackets are kept, so that C++ rounds as Python."""
 
     def __init__(self, code):
         self.code = code
@@ -25,7 +28,7 @@ class Formula:
 
     def __pow__(self, exponent):
         if exponent != int(exponent) or exponent < 1:
-            raise TypeError(f"power {exponent}: only whole positive ones are written here; use exp and ln for others")
+            raise TypeError(f"power {exponent}: exponents must be positive integers; use exp and ln for other powers")
         return Formula(f"power<{int(exponent)}>({self.code})")
 
     def __neg__(self):

@@ -1,9 +1,9 @@
-"""The tables of laws in the documentation, from the law files. Python's standard library is enough.
+"""Generates the tables of laws in the documentation from the law files. Needs Python's standard library only.
 
 Usage: doc_tables.py [--write]     from the root of the repository; called by tools/check-docs
 
-A table stands between <!-- laws: KIND --> and <!-- laws: end -->, KIND one of TABLES. Without --write: prints
-"file:line: what" for every table that is not the one of today, and exits with 1 if there is one.
+A table is between <!-- laws: KIND --> and <!-- laws: end -->, where KIND is a key of TABLES. Without --write the script
+prints "file:line: what" for every table that is not up to date, and exits with 1 if there is one.
 """
 
 import re
@@ -71,12 +71,12 @@ def main(write):
         pattern = re.compile(r"(<!-- laws: (\w+) -->)\n(.*?)\n(<!-- laws: end -->)", re.S)
         if not pattern.search(text):
             stale += 1
-            print(f"{file}:1: no table of laws; put one between <!-- laws: KIND --> and <!-- laws: end -->")
+            print(f"{file}:1: there is no table of laws; insert <!-- laws: KIND --> and <!-- laws: end -->")
         for match in pattern.finditer(text):
             if renewed(match) != match[0] and not write:
                 stale += 1
                 line = text[: match.start()].count("\n") + 1
-                print(f"{file}:{line}: the table of laws ({match[2]}) is not that of today; run tools/check-docs --write")
+                print(f"{file}:{line}: the table of laws ({match[2]}) is not up to date; run tools/check-docs --write")
         if write:
             file.write_text(pattern.sub(renewed, text))
     return 1 if stale and not write else 0

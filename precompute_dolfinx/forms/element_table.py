@@ -1,7 +1,7 @@
-"""The elements: one row each, in the order in which ffcx compiles their forms. Python's standard library reads this.
+"""The table of elements, in the order in which ffcx compiles their forms. Needs Python's standard library only.
 
-A tetrahedron's row says all about its forms (mechanics.py) and spaces (elements.py, dolfinx_api.hpp). The shell's forms
-and spaces are its own (shell.py, shell_elements.py).
+The row of a tetrahedron determines its forms (mechanics.py) and spaces (elements.py, dolfinx_api.hpp). The shell has
+separate forms and spaces (shell.py, shell_elements.py).
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ class Element:
     name: str  # in a scene
     displacement_degree: int
     pressure_degree: int | None  # None: no pressure
-    # P1 has a constant gradient, and so has p1-p1 (mixed() of mechanics.py). The quadratic elements have non-polynomial
-    # integrands; degree 4 integrates p (J - 1) of Taylor-Hood exactly.
+    # P1 and p1-p1 have a constant gradient (see mixed() of mechanics.py). Integrands of quadratic elements are not
+    # polynomials; degree 4 integrates p (J - 1) of Taylor-Hood exactly.
     quadrature_degree: int
     stabilized: bool = False  # equal order of displacement and pressure
     is_shell: bool = False
-    locks_above: float = inf  # K/mu from which on it is too stiff
-    locks_severely: bool = False  # several times; otherwise noticeably, and a few times at worst
+    locks_above: float = inf  # K/mu above which the element is too stiff
+    locks_severely: bool = False  # too stiff by a large factor; otherwise noticeably, at worst by a small factor
 
 
 ELEMENTS = (
     Element("p1", "P1", 1, None, 1, locks_above=20, locks_severely=True),
-    # Later than P1, not never: at K/mu = 200 and few cells it is up to a few times too stiff.
+    # P2 locks later than P1: at K/mu = 200 with few cells it is too stiff by a factor of a few.
     Element("p2", "P2", 2, None, 4, locks_above=100),
     Element("th", "taylor-hood", 2, 1, 4),
     Element("p1p1", "p1-p1", 1, 1, 1, stabilized=True),

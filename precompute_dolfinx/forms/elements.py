@@ -1,6 +1,6 @@
-"""Function spaces of every element, in the words of the UFL that is installed.
+"""Function spaces of all elements for the installed version of UFL.
 
-Elements are basix's since UFL 2023.2 (dolfinx 0.7) and were UFL's own before. dolfinx_api.hpp builds the same spaces.
+Since UFL 2023.2 (dolfinx 0.7) elements are defined by basix, before by UFL. dolfinx_api.hpp builds the same spaces.
 """
 
 from ufl import FunctionSpace, Mesh, tetrahedron
@@ -27,7 +27,7 @@ else:
         return _element("Lagrange", "tetrahedron", degree, shape=(3,))
 
 
-# Straight tetrahedra in space.
+# Affine tetrahedra.
 domain = Mesh(_vector(1))
 
 

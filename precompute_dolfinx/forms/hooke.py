@@ -1,4 +1,5 @@
-"""What laws share that are Hooke's at rest with mu and lambda: sets of keys, and his law in plane stress."""
+"""Common parts of laws that are Hooke's law at rest, with mu and lambda: sets of keys, and Hooke's law in plane stress.
+"""
 
 from law import BULK, Accepted, Bound, Quantity, modulus
 
@@ -30,7 +31,7 @@ accepted = (
         "K": lambda E, nu: E / (3 * (1 - 2 * nu)),
     }),
     Accepted((MU, LAMBDA), bounds=(
-        Bound("lmbda", True, lambda mu: -2 * mu / 3, "leaves a bulk modulus lambda + 2 mu / 3 that is not positive",
+        Bound("lmbda", True, lambda mu: -2 * mu / 3, "gives a bulk modulus lambda + 2 mu / 3 that is not positive",
               "with this shear modulus"),
     )),
     Accepted((MU, BULK), {"lmbda": lame_lambda}),
@@ -45,13 +46,15 @@ def example(K):
 
 
 def plane_stress(metric, mu, lmbda):
-    """W = lambda/2 (tr E)^2 + mu tr(E^2), tr E = (I1 - 3) / 2, tr(E^2) = (I1^2 - 2 I2 - 2 I1 + 3) / 4, with E_33 such that
-    S_33 = 0: lambda becomes 2 lambda mu / (lambda + 2 mu), E_33 drops out, x = 1.
+    """W = lambda/2 (tr E)^2 + mu tr(E^2), tr E = (I1 - 3) / 2, tr(E^2) = (I1^2 - 2 I2 - 2 I1 + 3) / 4, with E_33 such
+    that S_33 = 0. Then lambda is replaced by 2 lambda mu / (lambda + 2 mu), E_33 cancels, and x = 1.
     """
     I1, I2 = metric.A + 1, metric.P + metric.A
     return lmbda * mu / (lmbda + 2 * mu) * (I1 - 3) ** 2 / 4 + mu / 4 * (I1**2 - 2 * I2 - 2 * I1 + 3)
 
 
 def calculix(mu, lmbda):
-    """With NLGEOM: second Piola-Kirchhoff stress linear in Green-Lagrange strain, which is St. Venant-Kirchhoff."""
+    """With NLGEOM, CalculiX's second Piola-Kirchhoff stress is linear in the Green-Lagrange strain: St.
+    Venant-Kirchhoff.
+    """
     return "*ELASTIC", (mu * (3 * lmbda + 2 * mu) / (lmbda + mu), lmbda / (2 * (lmbda + mu)))

@@ -1,31 +1,31 @@
-"""What the files of ../laws are written in, and how they are read. Python's standard library is enough.
+"""Definitions for the law files in ../laws, and functions that read them. Needs Python's standard library only.
 
-A law is one file, laws/IDENTIFIER.py. It says
+A law is a file laws/IDENTIFIER.py. It defines
 
-    name                a scene's word for it
-    parameters          constants of the energy (Quantity), in the order in which the physics hash prints them
-    kappa               which of them multiplies the volumetric energy
-    formulas            shape, volumetric and equation as docs/theory.md prints them
+    name                name of the law in a scene
+    parameters          constants of the energy (Quantity), in the order of the physics hash
+    kappa               symbol of the parameter that multiplies the volumetric energy
+    formulas            shape, volumetric and equation in the form of docs/theory.md
     shape(F)            energy density without its volumetric part, F = I + grad u
-    volumetric(F)       g(F), so that the energy density is  W = shape + kappa/2 g^2
-    shear_modulus()     mu at rest: the solver's unit of moduli
+    volumetric(F)       g(F); the energy density is  W = shape + kappa/2 g^2
+    shear_modulus()     mu at rest, the solver's unit of moduli
     bulk_modulus()      K at rest
-    example(K)          {symbol: value} of a material with mu = 1 in which every term has a part, for the tests
+    example(K)          {symbol: value} of a material with mu = 1 in which every term contributes, for the tests
 
-and, where it has them,
+and optionally
 
-    finite = False      small strains: one configuration, force proportional to displacement, no J to check
-    accepted            sets of keys that a scene may give (Accepted); otherwise all parameters by their own keys
-    derived             functions of the parameters that become constants of the forms, without unit
-    coupling(F, p)      of displacement and pressure in mixed elements, in place of p g - p^2 / (2 kappa)
-    inside(F)           positive where the energy is defined, in addition to J > 0; elsewhere a state counts as J <= 0
-    plane_stress(metric)        energy density of a shell's layer, S^33 condensed (forms/shell.py)
-    squared_thickness(metric)   of laws that know no J = 0: positive where the wall is not turned inside out
-    calculix()          (card, numbers) of CalculiX's material; moduli in any one unit (validation/against_calculix.py)
-    shell_from = 2      smallest K/mu at which plane_stress is good enough, 0 if not given
+    finite = False      small strains: one configuration, force proportional to displacement, J is not checked
+    accepted            sets of keys that a scene may give (Accepted); default: all parameters by their own keys
+    derived             functions of the parameters that become dimensionless constants of the forms
+    coupling(F, p)      coupling of displacement and pressure in mixed elements; default: p g - p^2 / (2 kappa)
+    inside(F)           positive where the energy is defined, in addition to J > 0; other states count as J <= 0
+    plane_stress(metric)        energy density of a shell's layer with S^33 condensed (forms/shell.py)
+    squared_thickness(metric)   for laws that are defined for J <= 0: positive unless the wall is turned inside out
+    calculix()          (card, numbers) of CalculiX's material, moduli in the same unit (validation/against_calculix.py)
+    shell_from = 2      smallest K/mu at which plane_stress is accurate enough; default: 0
 
-A function asks for constants by their symbols: shape(F, mu) gets F and mu. The functions below are UFL's for what UFL
-makes and C++'s for what tables.py makes; F.T is the transpose.
+The parameter names of a function determine its arguments: shape(F, mu) is called with F and mu. The functions below
+work on objects of UFL and on formulas of tables.py, which become C++; F.T is the transpose.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ det, exp, inner, ln, sinh, sqrt, sym, tr = map(_function, ("det", "exp", "inner"
 
 
 def identity(tensor):
-    """The unit tensor, of the kind of `tensor`."""
+    """The unit tensor of the same type as `tensor`."""
     if hasattr(type(tensor), "apply_function"):
         return tensor.apply_function("identity", (tensor,))
     import ufl
@@ -66,16 +66,16 @@ def identity(tensor):
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number of [material]: allowed between low and high, the ends included unless open."""
+    """A number of [material] between low and high, where an end is excluded if it is open."""
 
-    symbol: str  # in functions, and the constant's name in the forms
-    key: str  # in a scene; ends in _Pa or _per_Pa where it has a unit
-    text: str  # in documentation
+    symbol: str  # name in functions, and name of the constant in the forms
+    key: str  # key in a scene; ends with _Pa or _per_Pa if it has a unit
+    text: str  # symbol in the documentation
     low: float = 0.0
     high: float = 1e12
     low_open: bool = False
     high_open: bool = False
-    meaning: str = ""  # documentation of the range, where the numbers do not say it
+    meaning: str = ""  # documentation of the range, if the numbers do not describe it
 
     @property
     def is_modulus(self):
@@ -83,24 +83,24 @@ class Quantity:
 
 
 def modulus(symbol, key, text, **rest):
-    """A positive modulus, unless said otherwise."""
+    """A modulus, positive by default."""
     return Quantity(symbol, key, text, **{"low_open": True, **rest})
 
 
 @dataclass(frozen=True)
 class Bound:
-    """What one given number must be in view of the others."""
+    """A bound of one given number that depends on the other given numbers."""
 
     symbol: str
     greater: bool
     value: object  # function of the given symbols
-    what: str  # continues "[material] KEY ..."
-    remedy: str  # before "it must be greater than ..."
+    what: str  # follows "[material] KEY" in the message
+    remedy: str  # precedes "it must be greater than ..." in the message
 
 
 @dataclass(frozen=True)
 class Accepted:
-    """Numbers that determine a material, and what they give: functions of them and of what was computed before."""
+    """A set of numbers that determines a material, and functions that compute further symbols in turn."""
 
     given: tuple
     gives: dict = field(default_factory=dict)
@@ -112,7 +112,7 @@ D1 = Quantity("d1", "d1_per_Pa", "D1", low=1e-12, meaning="> 0; D1 in 1/Pa, in p
 
 
 def call(function, *leading, **symbols):
-    """Calls a law's function with those of the symbols for which it asks."""
+    """Calls a law's function with the symbols that are its parameters."""
     wanted = list(inspect.signature(function).parameters)[len(leading) :]
     return function(*leading, **{name: symbols[name] for name in wanted})
 
@@ -122,7 +122,7 @@ class LawError(Exception):
 
 
 class Law:
-    """A law file that was read, with what it left out."""
+    """The content of a law file with defaults for omitted definitions."""
 
     def __init__(self, path):
         self.identifier = path.stem
@@ -132,7 +132,7 @@ class Law:
         self._path = path
         for word in ("name", "parameters", "kappa", "formulas", "shape", "volumetric", "shear_modulus", "bulk_modulus", "example"):
             if not hasattr(module, word):
-                raise self._error(f"a law must define {word}", "missing", "forms/law.py says what it is")
+                raise self._error(f"a law must define {word}", "it is missing", "see forms/law.py for its meaning")
             setattr(self, word, getattr(module, word))
         self.finite = getattr(module, "finite", True)
         self.derived = tuple(getattr(module, "derived", ()))
@@ -149,10 +149,10 @@ class Law:
     def _check(self):
         symbols = [p.symbol for p in self.parameters]
         if len(set(symbols)) < len(symbols) or self.kappa not in symbols:
-            raise self._error("parameters need symbols of their own, one of them kappa", symbols, "mend the list")
+            raise self._error("the symbols of parameters must differ and include kappa", symbols, "correct the list")
         for p in self.parameters:
             if p.key.endswith("_per_Pa"):
-                raise self._error("a parameter is a modulus or has no unit", p.key, "give it in Pa")
+                raise self._error("a parameter must be a modulus or dimensionless", p.key, "give it in Pa")
         known = set(symbols) | {f.__name__ for f in self.derived}
         fields = {"shape": 1, "volumetric": 1, "coupling": 2, "inside": 1, "plane_stress": 1, "squared_thickness": 1,
                   "shear_modulus": 0, "bulk_modulus": 0, "calculix": 0}  # fmt: skip
@@ -160,15 +160,19 @@ class Law:
             if function := getattr(self, word):
                 strange = set(list(inspect.signature(function).parameters)[leading:]) - known
                 if strange:
-                    raise self._error(f"{word} asks for what is no parameter", sorted(strange), f"known are {sorted(known)}")
+                    raise self._error(f"{word} has unknown arguments", sorted(strange), f"use symbols of {sorted(known)}")
         example = self.example(10.0)
         if not any({q.symbol for q in s.given} == set(symbols) for s in self.accepted):
-            raise self._error("a scene may give all parameters by their own keys", symbols, "add them to accepted")
+            raise self._error("accepted must contain the set of all parameters", symbols, "add this set to accepted")
         if set(example) != set(symbols):
-            raise self._error("example gives other symbols than the parameters", sorted(example), f"give {symbols}")
+            raise self._error("example must return the symbols of the parameters", sorted(example), f"return {symbols}")
         shear, bulk = call(self.shear_modulus, **example), call(self.bulk_modulus, **example)
         if abs(shear - 1) > 1e-12 or abs(bulk - 10) > 1e-11:
-            raise self._error("example(10) must have mu = 1 and K = 10 at rest", f"mu = {shear}, K = {bulk}", "mend it")
+            raise self._error(
+                "example(10) must have mu = 1 and K = 10 at rest",
+                f"mu = {shear}, K = {bulk}",
+                "correct example or the moduli",
+            )
 
 
 def _by_d1(accepted):
@@ -181,12 +185,14 @@ def load(identifier):
 
 
 def every_law():
-    """In the order of their identifiers, which is the order of every table."""
+    """All laws in the order of their identifiers, which is the order of every table."""
     sys.dont_write_bytecode = True
     laws = [Law(path) for path in sorted(LAWS.glob("*.py"))]
     keys = {}
     for law in laws:
         for quantity in (q for s in law.accepted for q in s.given):
             if keys.setdefault(quantity.key, quantity) != quantity:
-                raise law._error("a key of [material] means the same in every law", quantity.key, "choose another key")
+                raise law._error(
+                    "a key of [material] must have the same meaning in every law", quantity.key, "choose another key"
+                )
     return laws

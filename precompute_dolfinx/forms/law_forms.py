@@ -1,4 +1,4 @@
-"""From a law file to what ffcx compiles."""
+"""Builds the forms of a law file that ffcx compiles."""
 
 from law import call, load
 
@@ -10,12 +10,12 @@ def _constants(names, domain):
 
 
 def _bound(function, constants):
-    """The law's function of fields alone."""
+    """The law's function with its constants inserted, as a function of fields only."""
     return None if function is None else lambda *fields: call(function, *fields, **constants)
 
 
 def solids(identifier):
-    """Names of a form file: the constants and mechanics.every_element()."""
+    """The names of a form file for solids: the constants and mechanics.every_element()."""
     import mechanics
 
     law = load(identifier)
@@ -31,7 +31,7 @@ def solids(identifier):
 
 
 def shells(identifier):
-    """The same of shell.every_form()."""
+    """The names of a form file for shells: the constants and shell.every_form()."""
     import shell
 
     law = load(identifier)

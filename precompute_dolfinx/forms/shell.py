@@ -1,35 +1,36 @@
-"""Kinematics of the shell, and the one way from a plane-stress energy density to its forms.
+"""Kinematics of the shell, and the derivation of its forms from a plane-stress energy density.
 
-A point at height zeta over the middle surface, |zeta| <= t/2, is carried from X + zeta D to x + zeta d: x = X + u with
-quadratic u, and directors D, d that live at the middles of edges and are linear in a triangle. The spaces are those of
-Campello, Pimenta & Wriggers 2003, doi 10.1007/s00466-003-0458-8, who have rotations in the place of directors. With
-convected coordinates, G_a = X,a + zeta D,a and g_a likewise, the layer's normal N as third base vector G_3, and g_3 the
-vector that becomes of it, D = c N + s^a G_a and d = c g_3 + s^a g_a:
+A point at height zeta over the midsurface, |zeta| <= t/2, moves from X + zeta D to x + zeta d. Here x = X + u with
+quadratic u; the directors D and d have their dofs at the middles of edges and are linear in a triangle. The spaces are
+those of Campello, Pimenta & Wriggers 2003, doi 10.1007/s00466-003-0458-8, with directors instead of rotations. The
+convected base vectors are G_a = X,a + zeta D,a and g_a = x,a + zeta d,a. The third base vector G_3 is the layer's
+normal N, and g_3 is its image, so that D = c N + s^a G_a and d = c g_3 + s^a g_a:
 
     C = g_ij G^i x G^j,     I1 = G^ij g_ij,     I2 = G_ij cof(g)_ij / det G,     J^2 = det g / det G.
 
-g_33 = x is not what the director says but what makes the stress across the shell vanish, S^33 = 2 dW/dx = 0: the law
-condenses it (plane_stress of the files in ../laws), so no thickness locking and any K/mu. The invariants are
-linear in it,
+The component g_33 = x is not computed from the director but from the condition that the stress across the shell
+vanishes, S^33 = 2 dW/dx = 0. The law condenses it (plane_stress of the files in ../laws). Therefore there is no
+thickness locking, for any K/mu. The invariants are linear in x:
 
     I1 = A + x,     I2 = P + A x,     x = s + r J^2,
 
-A = G^ab g_ab, s what shear alone gives and r = det G / det g_ab. The shear strains g_a3 are scaled by sqrt(5/6), which
-gives the usual factor of shear energy.
+where A = G^ab g_ab, s is the part of the shear strains, and r = det G / det g_ab. The shear strains g_a3 are scaled by
+sqrt(5/6), which gives the usual factor 5/6 of the shear energy.
 
-The middle surface's energy t W(zeta = 0), of stretching and of shear, is integrated with weight alpha at the three
-points of the others and with 1 - alpha at one point, alpha = c t^2 / (c t^2 + h^2): without that, a thin flat triangle
-cannot bend as part of a curved surface (membrane locking). Half of the shear energy goes that way too, which helps thin
-plates; all of it would make a shell under a point force hard to solve. Partial selective reduced integration: Arnold &
-Brezzi 1997, doi 10.1090/S0025-5718-97-00785-0; the measurements: docs/decisions/shell.md.
+The energy of the midsurface, t W(zeta = 0), from stretching and shear, is integrated with the weight alpha at the same
+three points as the other terms and with 1 - alpha at one point, where alpha = c t^2 / (c t^2 + h^2). Without this a
+thin flat triangle could not bend as part of a curved surface (membrane locking). Half of the shear energy is integrated
+in the same way, which improves thin plates; with all of it, a shell under a point force would be hard to solve. Partial
+selective reduced integration: Arnold & Brezzi 1997, doi 10.1090/S0025-5718-97-00785-0; measurements:
+docs/decisions/shell.md.
 
-The length of a director has no meaning of its own. A penalty at the middles of edges keeps it: `gauge`.
+The length of a director has no physical meaning. A penalty at the middles of edges, `gauge`, keeps it constant.
 
-`src/form_set.cpp` says which constants each pass over these forms gets:
+`src/form_set.cpp` sets these constants for each pass over the forms:
     zeta, thickness    height, t
     layer              weight of a layer: half the thickness for each of two Gauss points
-    swap               t in the pass that exchanges the middle surface's integral, else 0
-    shear              there the share of shear strains that takes part, else 1
+    swap               t in the pass that replaces the midsurface's integral, else 0
+    shear              in that pass the fraction of the shear strains that takes part, else 1
 """
 
 import numpy
@@ -43,15 +44,16 @@ zeta, thickness = Constant(domain), Constant(domain)
 layer, swap, shear = Constant(domain), Constant(domain), Constant(domain)
 
 state = Coefficient(space)
-# In the places of the displacement: 1 at middles of edges and 0 at vertices (see CENTRE); directors at rest.
+# In the displacement dofs: 1 at middles of edges and 0 at vertices (see CENTRE). In the director dofs: directors at
+# rest.
 rest = Coefficient(space)
 
-# Of alpha: docs/decisions/shell.md.
+# The constant c of alpha (docs/decisions/shell.md).
 c_reduced = 20
-# Stiffness of a director's length over the shear modulus.
+# Penalty stiffness of a director's length over the shear modulus.
 c_gauge = 1
 
-# Degree 2, three points, and the middle of the triangle in one rule: one kernel for both integrals.
+# Three points of degree 2 and the middle of the triangle in a single rule, so that one kernel computes both integrals.
 RULE = {
     "quadrature_rule": "custom", "quadrature_degree": 2,
     "quadrature_points": numpy.array([[1 / 6, 1 / 6], [2 / 3, 1 / 6], [1 / 6, 2 / 3], [1 / 3, 1 / 3]]),
@@ -65,7 +67,7 @@ MIDDLES = {
 
 u, turn = split(state)
 marks, D = split(rest)
-# 1 at the middle of the triangle, 0 at the three points: the quadratic function of the marks is 4/3 and 1 there.
+# 1 at the middle of the triangle and 0 at the three points, where the quadratic function of the marks is 4/3 and 1.
 CENTRE = 3 * (marks[0] - 1)
 
 _tangents = [Jacobian(domain)[:, 0], Jacobian(domain)[:, 1]]
@@ -75,17 +77,17 @@ def _along(f, a):
     return dot(grad(f), a)
 
 
-# Base vectors at rest, and how they change.
+# Base vectors at rest, and their changes.
 G = [a + zeta * _along(D, a) for a in _tangents]
 change = [_along(u, a) + zeta * _along(turn, a) for a in _tangents]
 
 
 class Metric:
-    """Metric of the deformed shell, and its invariants as functions of x = g_33. Linear: of small strains.
+    """Metric of the deformed shell, and its invariants as functions of x = g_33. Without `finite`: for small strains.
 
-    With N and not D as third base vector G_a3 = 0, and stretching and shear have energies of their own: a share of the shear
-    (`shear`) that is taken away then leaves the rest positive. With D, whose angle to N is h / R, thin shells were unstable
-    at rest.
+    With N instead of D as the third base vector G_a3 = 0, and the energies of stretching and shear are separate, so
+    that the energy remains positive if a fraction of the shear is removed (`shear`). With D, whose angle to N is h / R,
+    thin shells were unstable at rest.
     """
 
     def __init__(self, finite=True):
@@ -117,7 +119,7 @@ class Metric:
         self.P = (det_plane + 2 * G12 * g13 * g23 - G11 * g23**2 - G22 * g13**2) / rest_plane
         self.s = (g22 * g13**2 + g11 * g23**2 - 2 * g12 * g13 * g23) / det_plane
         self.r = rest_plane / det_plane
-        # Volume of a layer over the area of the triangle.
+        # Volume of a layer relative to the area of the triangle.
         area = sqrt(dot(_tangents[0], _tangents[0]) * dot(_tangents[1], _tangents[1]) - dot(*_tangents) ** 2)
         self.volume = sqrt(rest_plane) * c / area
         self.stretch = dot(d, d) - dot(D, D) if finite else 2 * dot(D, turn)
@@ -133,10 +135,10 @@ def _chain(energy):
 
 
 def _chain_of_strains(density, metric, measure):
-    """The same of a density that depends on the state through the five strains only, in two steps: stress dW/dg and
-    moduli d2W/dg2, which no test function enters, and then the strains' own derivatives.
+    """The same for a density that depends on the state only through the five strains. It is derived in two steps: first
+    stress dW/dg and moduli d2W/dg2, which do not contain test functions, then the derivatives of the strains.
 
-    For ffcx the tangent in one step is five times as many operations.
+    In one step ffcx would generate five times as many operations for the tangent.
     """
     stress = diff(density, metric.variables)
     along = derivative(metric.strains, state, TestFunction(space))
@@ -146,10 +148,11 @@ def _chain_of_strains(density, metric, measure):
 
 
 def every_form(plane_stress, mu, finite=True, squared_thickness=None):
-    """What ffcx compiles: {energy,residual,tangent,gauge_energy,gauge_residual,gauge_tangent,orientation}, and lists of them.
+    """The objects that ffcx compiles: energy, residual, tangent, gauge_energy, gauge_residual, gauge_tangent,
+    orientation, and lists of them.
 
-    plane_stress(metric) is the energy density with S^33 = 0. squared_thickness(metric), of laws that know no J = 0, is what
-    must be positive for the wall not to be turned inside out.
+    plane_stress(metric) is the energy density with S^33 = 0. squared_thickness(metric), for laws that are defined for
+    J <= 0, is positive unless the wall is turned inside out.
     """
     metric = Metric(finite)
     h = CellDiameter(domain)
@@ -161,7 +164,8 @@ def every_form(plane_stress, mu, finite=True, squared_thickness=None):
     names |= zip(("gauge_energy", "gauge_residual", "gauge_tangent"), _chain(gauge * dx(metadata=MIDDLES)))
     names["forms"] = list(names.values())
     g = [a + b for a, b in zip(G, change)]
-    # A shell's J: how its layers would be turned over if it were bent further. The law has the thickness right by itself.
+    # This is the J of a shell: it is negative where bending has inverted a layer. The law itself ensures a positive
+    # thickness.
     names["orientation"] = dot(cross(*g), D + turn) / dot(cross(*G), D)
     if squared_thickness is not None:
         names["orientation"] *= conditional(gt(squared_thickness(metric), 0), 1, -1)

@@ -1,4 +1,4 @@
-"""Function space of the shell, in the words of the UFL that is installed; dolfinx_api.hpp builds the same space."""
+"""The function space of the shell for the installed version of UFL; dolfinx_api.hpp builds the same space."""
 
 from ufl import FunctionSpace, Mesh
 
@@ -23,5 +23,5 @@ except ImportError:
 # Flat triangles in space.
 domain = Mesh(_plane)
 
-# Quadratic displacement; directors at the middles of edges (Crouzeix-Raviart).
+# Quadratic displacements, and directors at the middles of edges (Crouzeix-Raviart).
 space = FunctionSpace(domain, _mixed([_displacement, _director]))

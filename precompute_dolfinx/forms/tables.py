@@ -1,14 +1,14 @@
-"""Writes what the build makes of law files and of the table of elements. Python's standard library is enough.
+"""Generates source files from the law files and the table of elements. Needs Python's standard library only.
 
 Usage: tables.py FOLDER
 
     FOLDER/tables.cpp           laws() and elements() of formats/include/phynness/formats/law.hpp
-    FOLDER/compiled_forms.cpp   compiled_forms() of src/form_set.hpp: what ffcx makes of the files below
-    FOLDER/declared_laws.cpp    energies and examples for the tests, with which the compiled forms are compared
-    FOLDER/forms/*.py           a file for ffcx for each law, and one for its shell
+    FOLDER/compiled_forms.cpp   compiled_forms() of src/form_set.hpp: the forms that ffcx compiles from the files below
+    FOLDER/declared_laws.cpp    energies and examples with which tests compare the compiled forms
+    FOLDER/forms/*.py           a file for ffcx for each law, and one for each law of shells
 
-Prints two lines, the names of these files without and with a shell, each a list of CMake. Files that would not change are
-left alone.
+Prints two lines with the names of these files, for solids and for shells, each as a CMake list. A file is only written
+if its content changes.
 """
 
 import sys
@@ -31,7 +31,8 @@ def _formulas(quantities):
 
 
 def _array(kind, name, rows):
-    """A constant array and a span over it; C++ has no empty arrays."""
+    """Code of a constant array and of a span over it. Without rows there is no array, because C++ has no empty arrays.
+    """
     if not rows:
         return "", "{}"
     return f"constexpr {kind} {name}[] = {{\n  " + ",\n  ".join(rows) + "};\n", name
@@ -42,7 +43,7 @@ def _function(head, lines):
 
 
 def _conversion(law, accepted, name):
-    """Given numbers -> parameters and the moduli at rest, in the order in which the law's file computes them."""
+    """Code that computes parameters and moduli at rest from the given numbers, in the order of the law file."""
     lines = _values(accepted.given, "given")
     known = _formulas(accepted.given)
     for symbol, function in accepted.gives.items():
@@ -50,7 +51,7 @@ def _conversion(law, accepted, name):
         known[symbol] = Formula(symbol)
     for i, p in enumerate(law.parameters):
         lines.append(f"parameters[{i}] = {p.symbol};")
-    # What neither the scene nor the set gives follows from the law's moduli at rest.
+    # Symbols that neither the scene nor the set gives follow from the law's moduli at rest.
     for symbol, value in {"mu": lambda: call(law.shear_modulus, **known), "K": lambda: call(law.bulk_modulus, **known),
                           "lmbda": lambda: known["K"] - 2 * known["mu"] / 3}.items():  # fmt: skip
         if symbol not in known:

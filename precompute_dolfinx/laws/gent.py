@@ -1,4 +1,5 @@
-"""Gent 1996, doi 10.5254/1.3538357, with the isochoric invariant: chains of finite length lock at I1bar - 3 = J_m.
+"""Gent 1996, doi 10.5254/1.3538357, with the isochoric invariant. Its chains of finite length are taut at I1bar - 3 =
+J_m.
 
 W = -mu J_m/2 ln(1 - (I1bar - 3) / J_m) + K/2 (J - 1)^2,   I1bar = J^(-2/3) I1.
 """
@@ -28,7 +29,7 @@ def example(K):
 
 
 def inside(F, j_m):
-    """What is left of the chains' length. The logarithm of J makes J <= 0 a NaN."""
+    """The remaining extensibility of the chains. For J <= 0 the logarithm of J gives NaN."""
     return 1 - (exp(-2 / 3 * ln(det(F))) * tr(F.T * F) - 3) / j_m
 
 

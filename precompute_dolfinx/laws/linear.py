@@ -1,7 +1,7 @@
 """Linear elasticity (Case 1): W = lambda/2 (tr e)^2 + mu tr(e^2), e = sym(grad u).
 
-In plane stress the energy of St. Venant-Kirchhoff is that of the linear theory where strains are of first order: with
-C = 1 + 2 e its invariants give tr e and tr(e^2).
+In plane stress the St. Venant-Kirchhoff energy of first-order strains is the energy of the linear theory: with C = 1 +
+2 e its invariants give tr e and tr(e^2).
 """
 
 from hooke import accepted, bulk_modulus, calculix, example, parameters, plane_stress, shear_modulus

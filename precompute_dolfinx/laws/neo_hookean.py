@@ -13,7 +13,7 @@ accepted = (*accepted_of_hooke, Accepted((C10, BULK), {"mu": lambda c10: 2 * c10
 
 
 def couples_J(mu, lmbda):
-    """See coupling()."""
+    """Whether the coupling uses the exponential form; see coupling()."""
     return lmbda >= 2 * mu
 
 
@@ -29,13 +29,15 @@ def volumetric(F):
 
 
 def coupling(F, p, lmbda, couples_J):
-    """p e^(-p/lambda) J - p + p^2 / (2 lambda): stationary at p = lambda ln J, where it is lambda/2 (ln J)^2.
+    """p e^(-p/lambda) J - p + p^2 / (2 lambda), which is stationary at p = lambda ln J with the value lambda/2 (ln
+    J)^2.
 
-    So is p ln J - p^2 / (2 lambda), but its second variation holds -p tr((F^-1 dF)^2), which under constant pressure
-    is -p (div)^2: from p = 2 mu on, a moderate pull, changes of volume that the pressure space cannot see outweigh
-    the shear stiffness, and Taylor-Hood and p1-p1 lose the stability that the body has. The second variation of J
-    under constant pressure integrates to nothing. Its own limit is J = e, where it stops being concave in p. Which of
-    the two comes later is a matter of lambda = 2 mu: below, ln J holds on to J = e^(2 mu / lambda).
+    The coupling p ln J - p^2 / (2 lambda) has the same stationary point and value. But its second variation contains
+    -p tr((F^-1 dF)^2), which for constant pressure is -p (div)^2. From p = 2 mu on, under moderate tension, changes of
+    volume that the pressure space does not resolve then outweigh the shear stiffness, and Taylor-Hood and p1-p1 become
+    unstable although the body is stable. The integral of the second variation of J for constant pressure is zero. The
+    exponential coupling is limited to J < e, where it is concave in p; the logarithmic coupling is stable up to
+    J = e^(2 mu / lambda), which is the larger limit for lambda < 2 mu.
     """
     with_J = p * exp(-p / lmbda) * det(F) - p + p**2 / (2 * lmbda)
     with_ln_J = p * ln(det(F)) - p**2 / (2 * lmbda)
@@ -48,7 +50,7 @@ shell_from = 1
 def plane_stress(metric, mu, lmbda):
     """W(q) = mu/2 (I1 - 3 - q) + lambda/8 q^2 at its stationary point, q = ln J^2; I1 = a + b e^q.
 
-    Newton's method from q = 0: two steps, and the third in the energy, W - W'^2 / (2 W'').
+    The stationary point is found by two Newton steps from q = 0; a third step enters the energy as W - W'^2 / (2 W'').
     """
     I1, b, _, _ = metric.invariants()
     q = 0

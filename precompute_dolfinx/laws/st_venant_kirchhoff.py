@@ -21,5 +21,5 @@ def volumetric(F):
 
 
 def squared_thickness(metric, mu, lmbda):
-    """x - s: negative where stretching in the plane would take more than all of the thickness."""
+    """x - s; negative where in-plane stretching would give a negative thickness."""
     return 1 - lmbda / (lmbda + 2 * mu) * (metric.A - 2) - metric.s

@@ -8,7 +8,7 @@ from law import BULK, Quantity, det, exp, ln, modulus, tr
 name = "yeoh"
 parameters = (
     modulus("c10", "c10_Pa", "C10"),
-    # Of either sign: rubbers that soften first and stiffen later have C20 < 0.
+    # C20 may be negative: rubbers that first soften and then stiffen have C20 < 0.
     Quantity("c20", "c20_Pa", "C20", low=-1e12, meaning="any sign; C20 in Pa"),
     Quantity("c30", "c30_Pa", "C30", low=-1e12, meaning="any sign; C30 in Pa"),
     BULK,
@@ -30,7 +30,7 @@ def example(K):
 
 
 def shape(F, c10, c20, c30):
-    # The logarithm makes J <= 0 a NaN.
+    # For J <= 0 the logarithm gives NaN.
     x = exp(-2 / 3 * ln(det(F))) * tr(F.T * F) - 3
     return c10 * x + c20 * x**2 + c30 * x**3
 
@@ -40,7 +40,7 @@ def volumetric(F):
 
 
 def calculix(c10, c20, c30, K):
-    """CalculiX adds (J - 1)^2 / D1 + (J - 1)^4 / D2 + (J - 1)^6 / D3, so that D1 = 2 / K. It does not take D = 0 for a term
-    that is left out (forces are up to 14 % off then), so the others' D are large.
+    """CalculiX adds (J - 1)^2 / D1 + (J - 1)^4 / D2 + (J - 1)^6 / D3, so that D1 = 2 / K. A term is omitted by a large
+    D; with D = 0 CalculiX does not omit it, and forces are wrong by up to 14 %.
     """
     return "*HYPERELASTIC, YEOH", (c10, c20, c30, 2 / K, 1e12, 1e12)

@@ -40,7 +40,7 @@ struct Discretization::Dolfinx {
             api::create_form(tangent, {space, space}, functions, constants, mesh)};
   }
 
-  /// What a kernel reads of a cell: its state and, of a shell, what it is at rest.
+  /// Collects the arguments of a kernel for a cell: its state and, for a shell, its values at rest.
   void gather(std::span<const std::int32_t> dofs, std::span<const double> state, std::vector<double>& values) const {
     values.clear();
     for (const auto i : dofs) values.push_back(state[i]);
@@ -48,7 +48,7 @@ struct Discretization::Dolfinx {
       for (const auto i : dofs) values.push_back(rest_values[i]);
   }
 
-  // The forms read this copy; the solver never hands out its own vector (FEniCS/dolfinx issue 3507).
+  // The forms use this copy, not the vector of the solver (FEniCS/dolfinx issue 3507).
   void set(std::span<const double> state) { api::set_values(*w, state); }
 };
 

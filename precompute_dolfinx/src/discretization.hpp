@@ -1,4 +1,4 @@
-// A mesh and an element as arrays: dofs of points, energy, residual and element tangents of a state.
+// Discretization of a body by a mesh and an element: dofs of points, energy, residual and element tangents of a state.
 #pragma once
 
 #include <array>
@@ -13,12 +13,12 @@
 
 namespace phynness {
 
-/// dolfinx's own messages: errors only.
+/// Limits dolfinx's own messages to errors.
 void quiet_logging();
 
-/// A state is one vector of n_dofs() values: displacements and, for mixed elements, pressures; of a shell,
-/// displacements of its middle surface and changes of directors, which live at the middles of edges. Points are where
-/// displacements live: the mesh's nodes in their order and then, for quadratic elements, the middles of edges.
+/// A state is a vector of n_dofs() values: displacements and, for mixed elements, pressures; for a shell, displacements
+/// of its midsurface and changes of its directors, whose dofs are at the middles of edges. Points are the positions of
+/// displacement dofs: the nodes of the mesh in their order and then, for quadratic elements, the middles of edges.
 class Discretization {
  public:
   /// @param mesh  lengths in units of Scaling::length_m
@@ -34,11 +34,11 @@ class Discretization {
   /// Dofs of the director at the middle of an edge. @pre a shell, and a point beyond the nodes
   const std::array<std::int32_t, 3>& director_dofs(int point) const { return _director_dofs[point - _n_nodes]; }
   bool has_directors() const { return !_director_dofs.empty(); }
-  /// Empty for displacement elements.
+  /// Dofs of the pressure; empty for displacement elements.
   const std::vector<std::int32_t>& pressure_dofs() const { return _pressure_dofs; }
-  /// The two nodes whose middle a point beyond the nodes is.
+  /// The two nodes of the edge at whose middle a point is. @pre a point beyond the nodes
   const std::array<std::int32_t, 2>& edge(int point) const { return _edges[point - _n_nodes]; }
-  /// n_points x 3, in units of length_m.
+  /// Coordinates, n_points x 3, in units of length_m.
   const Points& points() const { return _points; }
   /// Boundary triangles of the mesh.
   const Triangles& surface() const { return _surface; }
@@ -55,17 +55,16 @@ class Discretization {
 
   /// Stored energy.
   double energy(std::span<const double> state);
-  /// Nodal forces that hold the state (and the pressure equations). @param out n_dofs, overwritten
+  /// Nodal forces that hold the state, and residuals of the pressure equations. @param out  n_dofs, overwritten
   void residual(std::span<const double> state, std::span<double> out);
   /// Smallest J over all quadrature points.
   double min_jacobian(std::span<const double> state);
-  /// Element tangents, row-major n_element_dofs x n_element_dofs, one call per cell in order.
+  /// Calls `take` with the element tangent, row-major n_element_dofs x n_element_dofs, of each cell in order.
   void element_tangents(std::span<const double> state,
                         const std::function<void(std::int32_t, std::span<const double>)>& take);
-  /// A functional (a form without arguments) cell by cell: integrals over each. @param out n_cells,
-  /// overwritten
+  /// Integrals of a functional (a form without arguments) over each cell. @param out  n_cells, overwritten
   void cell_integrals(const ufcx_form& functional, std::span<const double> state, std::span<double> out) const;
-  /// Nodes of a cell, in the mesh's numbers, and its volume at rest in units of length_m^3. @pre no shell
+  /// Node numbers of a cell, and its volume at rest in units of length_m^3. @pre not a shell
   std::array<std::int32_t, 4> cell_nodes(int cell) const;
   double cell_volume(int cell) const;
   const FormSet& forms() const;

@@ -82,7 +82,7 @@ SNESConvergedReason Equilibrium::Impl::iterate(bool from_convex, int most_iterat
   PHYNNESS_PETSC(SNESGetConvergedReason(snes, &reason));
   PHYNNESS_PETSC(SNESGetIterationNumber(snes, &n));
   iterations += static_cast<int>(n);
-  // The latest residual is that of the last trial, and a search ends with the trial that it takes.
+  // The latest residual belongs to the last trial, and a line search ends with the accepted trial.
   gather(x);
   return linear_failed && reason < 0 ? SNES_DIVERGED_LINEAR_SOLVE : reason;
 }
@@ -96,10 +96,10 @@ bool Equilibrium::Impl::factorize_exact() {
 }
 
 bool Equilibrium::Impl::stays_at_saddle(SNESConvergedReason reason, bool check) {
-  // Near a saddle a line search fails on rounding, where Newton's method would converge to it.
+  // Near a saddle point, to which Newton's method would converge, a line search fails because of rounding.
   const bool search_failed = reason == SNES_DIVERGED_LINE_SEARCH || reason == SNES_DIVERGED_LOCAL_MIN;
   if (reason < 0 ? !search_failed || !factors_are_convex : !check) return false;
-  // The factors may be those of a state some steps before.
+  // The present factors may belong to an earlier state.
   return factorize_exact() && negative_pivots() > 0 && (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
 }
 
@@ -110,7 +110,7 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stab
   s.met_instability = false;
   const int most = static_cast<int>(s.most_iterations);
   SNESConvergedReason reason = SNES_DIVERGED_LINEAR_SOLVE;
-  // Element tangents made positive semidefinite have factors where the true tangent has none.
+  // If the true tangent cannot be factorized, element tangents are made positive semidefinite.
   for (const bool convex : {false, true}) {
     if (reason != SNES_DIVERGED_LINEAR_SOLVE) break;
     s.state.assign(state.begin(), state.end());
@@ -120,7 +120,7 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stab
   for (int i = 0; i < most_saddles; ++i) {
     if (!s.stays_at_saddle(reason, check_stability || s.met_instability)) break;
     const auto saddle = s.state;
-    if (!s.leave_saddle()) {  // kept as it is, with its own factors
+    if (!s.leave_saddle()) {  // the state remains, with its own factors
       s.state = saddle;
       s.evaluate_residual();
       s.factorize_exact();
@@ -196,8 +196,8 @@ Eigen::VectorXd Equilibrium::velocity(std::span<const double> state, const Eigen
   for (std::size_t i = 0; i < s.constraint.dofs.size(); ++i)
     guess[s.constraint.dofs[i]] = prescribed[static_cast<Eigen::Index>(i)];
   const Eigen::Map<const Eigen::VectorXd> x0(state.data(), static_cast<Eigen::Index>(state.size()));
-  // K guess by a central difference: its error falls with the square of the step, rounding rises with its
-  // inverse; a hundred-thousandth of the body leaves about ten digits of both.
+  // K guess by a central difference. Its truncation error is proportional to the square of the step, and rounding to
+  // its inverse; with a step of 1e-5 of the body both leave about ten digits.
   const double epsilon = 1e-5 / guess.lpNorm<Eigen::Infinity>();
   std::vector<double> forward;
   for (const double sign : {1.0, -1.0}) {
@@ -227,7 +227,7 @@ Eigen::VectorXd Equilibrium::velocity(std::span<const double> state, const Eigen
 
 std::optional<int> Equilibrium::negative_pivots(std::span<const double> state) {
   auto& s = *_impl;
-  // A tangent made convex has none, whatever the state.
+  // A convex tangent has no negative pivots in any state.
   if (!s.factors_are_convex) return s.negative_pivots();
   const auto exact = linearize(state, Eigen::MatrixXd(s.constraint.n_parameters(), 0));
   if (exact.status != Status::converged) return std::nullopt;

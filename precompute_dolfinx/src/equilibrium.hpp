@@ -1,4 +1,4 @@
-// Equilibrium under prescribed displacements, by PETSc SNES: Newton with line search on the free rows of the
+// Equilibrium under prescribed displacements: Newton's method of PETSc SNES with a line search on the free rows of the
 // residual.
 #pragma once
 
@@ -17,38 +17,38 @@
 
 namespace phynness {
 
-/// Solves r(x) = load on the rows that are neither fixed nor prescribed. Fixed dofs keep the value they have
-/// in the state; prescribed dofs keep theirs during a solve: they are put there first, their rows of the
-/// Newton system are the identity with right-hand side zero, so no metre ever meets a newton in a norm.
+/// Solves r(x) = load in the free rows, which are neither fixed nor prescribed. Fixed and prescribed dofs keep the
+/// values that they have in the state before a solve. Prescribed rows of the Newton system are those of the identity
+/// with the right-hand side zero, so that displacements and forces are never added in a norm.
 class Equilibrium {
  public:
-  /// @param shared  factorizes together with other ranks; null: this process alone
+  /// @param shared  solver that factorizes together with other ranks; null: this process factorizes alone
   Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options,
               LinearSolver* shared = nullptr);
   ~Equilibrium();
   Equilibrium(Equilibrium&&) noexcept;
 
-  /// Which dofs are prescribed from now on. @pre none of them fixed
+  /// Sets the prescribed dofs of later solves. @pre none of them is fixed
   void prescribe(Constraint constraint);
   const Constraint& constraint() const;
-  /// Dead load: nodal forces, n_dofs; without dimension.
+  /// Sets a dead load: nodal forces, n_dofs, dimensionless.
   void set_load(std::vector<double> load);
 
   struct Outcome {
     Status status = Status::converged;
     int iterations = 0;
     double relative_residual = 0;  ///< |free rows| / |reactions|
-    bool met_instability = false;  ///< a tangent on the way had negative pivots
-    bool left_saddle = false;      ///< the state is another than the one Newton's method came to at first
+    bool met_instability = false;  ///< a tangent during the solve had negative pivots
+    bool left_saddle = false;      ///< Newton's method first found an unstable equilibrium, and the state has left it
     Eigen::VectorXd force;         ///< G^T r_c, n_parameters, if converged
   };
-  /// Newton from `state`, whose prescribed dofs hold their values already. On failure `state` is left as it
-  /// was. Where Newton's method comes to an unstable equilibrium, it goes on downhill from there along the
-  /// direction of most negative curvature. A tangent that cannot be factorized is tried once more, made
-  /// convex. Converged: |free rows of r - load| <= relative_tolerance * (|reactions| + |load|), Euclidean
-  /// norms, or not to be told from zero in double precision (which tiny displacements meet).
-  /// @param check_stability  look whether the equilibrium is stable even if no tangent on the way had
-  /// negative pivots: another factorization
+  /// Newton's method from `state`, whose prescribed dofs already have their values. After a failure `state` is
+  /// unchanged. From an unstable equilibrium the method continues downhill along the direction of most negative
+  /// curvature. A tangent that cannot be factorized is replaced by a convex one. Converged means |free rows of r -
+  /// load| <= relative_tolerance * (|reactions| + |load|) in Euclidean norms, or a residual at the level of rounding,
+  /// which occurs for tiny displacements.
+  /// @param check_stability  check the stability of the equilibrium even if no tangent during the solve had negative
+  ///                         pivots, which takes another factorization
   Outcome solve(std::span<double> state, bool check_stability = false);
 
   /// The tangent at an equilibrium state, factorized.
@@ -58,28 +58,25 @@ class Equilibrium {
     Eigen::MatrixXd tangent;            ///< n_parameters^2: d(G^T r_c)/dq; symmetric
     Eigen::MatrixXd sensitivity;        ///< n_dofs x n_parameters: dx/dq
   };
-  /// @param directions  n_parameters x k: only dx/dq times these is computed (tangent and sensitivity then
-  /// have k
-  ///                    columns)
+  /// @param directions  n_parameters x k: only the product of dx/dq with these is computed, so that tangent and
+  ///                    sensitivity have k columns
   Linearization linearize(std::span<const double> state, const Eigen::MatrixXd& directions);
 
-  /// dx/dq times `direction` at the state that solve() has just converged to, by one quasi-Newton correction
-  /// of `guess` with the factors that solve() left: a predictor's velocity, a fifth of the price of
-  /// linearize().
+  /// dx/dq times `direction` at the converged state of the last solve(), for predictors. It is computed by one
+  /// quasi-Newton correction of `guess` with the present factors, at a fifth of the cost of linearize().
   /// @param guess  n_dofs; its prescribed dofs are overwritten
   Eigen::VectorXd velocity(std::span<const double> state, const Eigen::VectorXd& direction, Eigen::VectorXd guess);
 
-  /// At the state that solve() has just converged to, as the latest tangent has it that was factorized on the
-  /// way there; factorizes another if that one was made convex. Beyond those of the pressure block. Nothing
-  /// if it has no factors.
+  /// Number of negative pivots beyond those of the pressure block, from the last tangent that solve() factorized. If
+  /// that tangent was made convex, the true tangent at the converged state is factorized. Empty if it has no factors.
   std::optional<int> negative_pivots(std::span<const double> state);
 
-  /// G^T r_c: what must be applied to hold the prescribed displacement; n_parameters.
+  /// G^T r_c, n_parameters: the force that must be applied to hold the prescribed displacement.
   Eigen::VectorXd force(std::span<const double> state);
 
-  /// After an exception: begins anew with all that libraries keep between calls, whose state is then unknown.
+  /// Must be called after an exception: recreates all objects of libraries, whose state is then unknown.
   void recover();
-  /// False after a recover() that threw: it has to be called again before anything else.
+  /// False after a recover() that threw; recover() must then be called again.
   bool is_usable() const;
 
   /// See ProbeSolver::set_stop(). solve() and linearize() then throw Interrupted.

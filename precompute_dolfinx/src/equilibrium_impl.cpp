@@ -1,4 +1,4 @@
-// What a solve works on, and the callbacks that PETSc makes.
+// State of a solve, and the callbacks from PETSc.
 #include "equilibrium_impl.hpp"
 
 #include <cmath>
@@ -86,9 +86,9 @@ void Equilibrium::Impl::set_up_solver() {
   PHYNNESS_PETSC(SNESGetTolerances(snes, nullptr, nullptr, nullptr, &most_iterations, nullptr));
 }
 
-/// F = I + grad u is rounded to the last bit of 1, as if every point were off by that part of the body's
-/// size. Without this floor a displacement of a millionth of the body could never meet a tolerance relative
-/// to its own small forces.
+/// Norm of the residual that rounding causes: the rounding of F = I + grad u has the same effect as an error of every
+/// point of 1e-16 of the body's size. Without this lower bound a displacement of a millionth of the body could not meet
+/// a tolerance that is relative to its small forces.
 double Equilibrium::Impl::residual_of_rounding() {
   const int m = body.n_element_dofs();
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(body.n_dofs());
@@ -170,7 +170,7 @@ PetscErrorCode Equilibrium::Impl::form_function(SNES snes, Vec x, Vec r, void* c
     self.gather(x);
     self.evaluate_residual();
     self.scatter(r);
-    // ln J with J <= 0: the line search must back off instead of taking NaN for an answer.
+    // ln J gives NaN for J <= 0; a domain error makes the line search use a shorter step.
     if (!std::isfinite(self.free_norm())) PHYNNESS_PETSC(SNESSetFunctionDomainError(snes));
   });
 }

@@ -1,4 +1,4 @@
-// What Equilibrium keeps between calls, and the callbacks that PETSc makes.
+// State of Equilibrium between calls, and the callbacks from PETSc.
 #pragma once
 
 #include <chrono>
@@ -16,7 +16,7 @@
 
 namespace phynness {
 
-/// Numbers of these dofs among the unknowns.
+/// Numbers of the unknowns that belong to these dofs.
 std::vector<std::int32_t> unknowns_of(const TangentMatrix& tangent, std::span<const std::int32_t> dofs);
 
 struct Equilibrium::Impl {
@@ -25,35 +25,35 @@ struct Equilibrium::Impl {
 
   Discretization& body;
   SolverSpec options;
-  std::unique_ptr<LinearSolver> own;  ///< null where others help
-  LinearSolver* linear;               ///< that factorizes
+  std::unique_ptr<LinearSolver> own;  ///< null if a team factorizes
+  LinearSolver* linear;               ///< the solver in use
   TangentMatrix tangent;
   Constraint constraint;
   std::vector<std::int32_t> prescribed;  ///< unknowns of constraint.dofs
   std::vector<char> is_free;             ///< per dof: neither fixed nor prescribed
   std::vector<double> load, state, residual;
   double reaction_norm = 0, load_norm = 0;  ///< of the latest residual
-  double rounding = 0;                      ///< a residual of this norm cannot be told from zero
+  double rounding = 0;                      ///< norm of a residual that is caused by rounding
   SolverCounts counts;
   PressureBlock pressures;          ///< of the latest tangent
-  QuasiNewton quasi_newton;         ///< since the latest factorization
-  bool refresh = true;              ///< assemble and factorize at the next iteration
-  bool fresh = false;               ///< the factors are those of the state that the step starts from
-  bool convex = false;              ///< factorize element tangents made positive semidefinite
-  bool strictly = false;            ///< in this solve, nearly convex ones were not enough
-  bool factors_are_convex = false;  ///< what the latest factorization was of
-  bool usable = true;               ///< false while recover() is at work
-  PetscInt most_iterations = 0;     ///< of Newton's method, after PETSC_OPTIONS had their say
-  bool met_instability = false;     ///< a tangent with negative pivots, in the latest solve
-  bool linear_failed = false;       ///< no factors, or no finite answer by them, in the latest solve
-  std::function<bool()> stop;       ///< says that a person wants an end
+  QuasiNewton quasi_newton;         ///< corrections since the latest factorization
+  bool refresh = true;              ///< assemble and factorize in the next iteration
+  bool fresh = false;               ///< the factors belong to the state from which the step starts
+  bool convex = false;              ///< make element tangents positive semidefinite
+  bool strictly = false;            ///< in this solve, nearly convex element tangents did not suffice
+  bool factors_are_convex = false;  ///< the latest factorization is of a convex tangent
+  bool usable = true;               ///< false during recover()
+  PetscInt most_iterations = 0;     ///< of Newton's method, including PETSC_OPTIONS
+  bool met_instability = false;     ///< a tangent of the latest solve had negative pivots
+  bool linear_failed = false;       ///< in the latest solve there were no factors, or no finite solution
+  std::function<bool()> stop;       ///< says that the user wants an end
   std::optional<std::chrono::steady_clock::time_point> asked_to_end;
-  std::exception_ptr trouble;  ///< what a callback met: no exception may pass through PETSc
+  std::exception_ptr trouble;  ///< exception of a callback, because exceptions must not pass through PETSc
   PetscVec x, r;
   PetscSnes snes;
 
   void set_up_solver();
-  /// Runs what PETSc calls back for. @return PETSc's error code
+  /// Runs a callback and catches its exceptions. @return an error code of PETSc
   template <typename Work>
   PetscErrorCode contain(Work&& work) noexcept {
     try {
@@ -64,40 +64,41 @@ struct Equilibrium::Impl {
       return PETSC_ERR_LIB;
     }
   }
-  /// Whether a person has waited long enough for an end.
+  /// Whether the user has waited long enough for an end.
   bool must_end();
-  /// Newton's method from `state` to where it ends, in `state`. @param from_convex  the first tangent is made
-  /// convex
+  /// Newton's method from `state`, which receives the result. @param from_convex  make the first tangent convex
   SNESConvergedReason iterate(bool from_convex, int most_iterations, int& iterations);
-  /// Whether iterate() ended at, or next to, an equilibrium that is no minimum of the energy.
-  /// @param check  factorize the tangent of a converged state to see
+  /// Whether iterate() ended at or near an equilibrium that is not a minimum of the energy.
+  /// @param check  factorize the tangent of a converged state to check this
   bool stays_at_saddle(SNESConvergedReason reason, bool check);
-  /// Moves `state` along the direction of most negative curvature, as far as the energy falls
-  /// (leave_saddle.cpp). @return false if it falls nowhere
+  /// Moves `state` along the direction of most negative curvature as far as the energy decreases (leave_saddle.cpp).
+  /// @return false if it does not decrease
   bool leave_saddle();
   /// Factorizes the true tangent at `state`. @return false if it has no factors
   bool factorize_exact();
-  /// Adds to a step so little that it matters only where rounding would decide which way a body buckles.
-  /// @return false if the factors have no finite answer
+  /// Adds a tiny vector to a step, which only matters where rounding would otherwise determine the direction of
+  /// buckling.
+  /// @return false if the factors give no finite solution
   bool break_symmetry(Vec step);
-  /// LDL^T of the tangent as it was assembled last. @return false if it has none
+  /// LDL^T of the last assembled tangent. @return false if it cannot be factorized
   bool factorize();
   double residual_of_rounding();
   void evaluate_residual();
   double free_norm() const;
   Convexity convexity() const { return !convex ? Convexity::none : strictly ? Convexity::strictly : Convexity::nearly; }
-  /// At `state`, without the load's share of the work.
+  /// Energy at `state` minus the work of the load.
   double energy_and_load();
-  /// What steps descend, at `state`, of which `residual` is: the stored energy, with the pressures that the
-  /// displacements ask for.
+  /// The function that steps decrease, at `state`: the stored energy with pressures in equilibrium with the
+  /// displacements.
+  /// @pre `residual` belongs to `state`
   double merit();
   /// G^T r_c of the latest residual.
   Eigen::VectorXd reaction() const;
-  /// Unknowns into `state` and out of it; the residual's free rows, zero elsewhere.
+  /// Copies unknowns to `state` and back; the residual's free rows, with zeros in the other rows.
   void gather(Vec from);
   void spread(Vec to) const;
   void scatter(Vec to) const;
-  /// A residual of this norm is converged.
+  /// Norm of the residual at which a state is converged.
   double goal() const { return options.relative_tolerance * (reaction_norm + load_norm) + rounding; }
   int negative_pivots();
 

@@ -8,7 +8,7 @@
 namespace phynness {
 namespace {
 
-/// A copy of the matrix that has no inverse: one row and column are zero.
+/// A copy of the matrix in which one row and column are zero.
 PetscMat made_singular(Mat matrix) {
   PetscMat copy;
   PetscInt n = 0;
@@ -22,15 +22,15 @@ PetscMat made_singular(Mat matrix) {
 }  // namespace
 
 void Factorization::analyse(Mat matrix) {
-  // Options of MUMPS reach it from PETSC_OPTIONS under this prefix.
+  // Options of MUMPS in PETSC_OPTIONS have this prefix.
   PHYNNESS_PETSC(MatSetOptionsPrefixFactor(matrix, "phynness_"));
-  // LDL^T tells the number of negative pivots.
+  // LDL^T gives the number of negative pivots.
   PHYNNESS_PETSC(MatGetFactor(matrix, MATSOLVERMUMPS, MAT_FACTOR_CHOLESKY, _factors.address()));
-  // Definite wherever it matters, or quasi-definite with pressures (Vanderbei 1995, doi:10.1137/0805005):
-  // neither scaling nor pivoting is needed, and they cost a tenth to a fifth.
+  // The matrix is definite or, with pressures, quasi-definite (Vanderbei 1995, doi:10.1137/0805005). It needs neither
+  // scaling nor pivoting, which would take a tenth to a fifth of the time.
   PHYNNESS_PETSC(MatMumpsSetIcntl(_factors, 8, 0));
   PHYNNESS_PETSC(MatMumpsSetCntl(_factors, 1, 0.0));
-  // In parallel the last front would go to ScaLAPACK, which does not count negative pivots.
+  // In parallel the last front would be factorized by ScaLAPACK, which does not count negative pivots.
   PHYNNESS_PETSC(MatMumpsSetIcntl(_factors, 13, 1));
   MatFactorInfo info;
   PHYNNESS_PETSC(MatFactorInfoInitialize(&info));
@@ -57,7 +57,8 @@ bool Factorization::refactorize(Mat matrix) {
   constexpr PetscInt numerically_singular = -10;
   if (reason == numerically_singular) return false;
   throw failure("MUMPS could not factorize a tangent", "INFOG(1) = " + std::to_string(reason),
-                "mostly this is memory (-8, -9, -13, -19): give each rank more, or use fewer ranks on each machine");
+                "usually the memory is too small (-8, -9, -13, -19): give each rank more memory, or use fewer ranks on "
+                "each machine");
 }
 
 bool Factorization::factorize(Mat matrix) {
@@ -68,8 +69,8 @@ bool Factorization::factorize(Mat matrix) {
     reset();
     throw;
   }
-  // MUMPS keeps the error of a factorization that failed: PETSc then skips the next one, calls it good, and
-  // ends the process in the solve. Only a new analysis clears it.
+  // MUMPS keeps the error of a failed factorization. PETSc would then skip the next factorization, treat it as
+  // successful and abort in the solve. Only a new analysis clears the error.
   if (!_good) reset();
   return _good;
 }
@@ -89,7 +90,7 @@ bool Factorization::solve(Vec b, Vec x) {
 }
 
 int Factorization::negative_pivots() {
-  if (!_good) throw failure("there are no factors whose pivots could be counted", "", "report this defect");
+  if (!_good) throw failure("pivots cannot be counted without factors", "", "please report this defect");
   PetscInt negative = 0;
   PHYNNESS_PETSC(MatGetInertia(_factors, &negative, nullptr, nullptr));
   return static_cast<int>(negative);

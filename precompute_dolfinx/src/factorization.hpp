@@ -1,4 +1,4 @@
-// LDL^T by MUMPS, the same for a process alone and for a team.
+// LDL^T by MUMPS, for a single process or a team.
 #pragma once
 
 #include "linear_solver.hpp"
@@ -6,7 +6,7 @@
 
 namespace phynness {
 
-/// Its functions are collective over the communicator of the matrix.
+/// All functions are collective over the communicator of the matrix.
 class Factorization : public LinearSolver {
  public:
   bool factorize(Mat matrix) override;

@@ -1,5 +1,4 @@
-// Where tests make calls fail that libraries make fail once in a million. Nothing in the product sets the
-// hook.
+// A hook by which tests make library calls fail that fail very rarely. Only tests set the hook.
 #pragma once
 
 #include <functional>
@@ -12,16 +11,16 @@ namespace phynness {
 enum class FaultSite { factorization, substitution, residual, tangent, fields };
 enum class Fault {
   none,
-  singular,       ///< of a factorization: MUMPS gets a matrix that has no inverse
-  out_of_memory,  ///< of a factorization: MUMPS may use 1 MB
-  not_finite,     ///< NaN in what a kernel or a substitution gives
-  petsc_error,    ///< a PETSc call ends with an error
-  bad_alloc,      ///< std::bad_alloc
+  singular,       ///< factorization: MUMPS receives a singular matrix
+  out_of_memory,  ///< factorization: MUMPS may use 1 MB only
+  not_finite,     ///< NaN in the result of a kernel or a substitution
+  petsc_error,    ///< a PETSc call fails
+  bad_alloc,      ///< std::bad_alloc is thrown
 };
 
 inline std::function<Fault(FaultSite)> fault_hook;
 
-/// What is to go wrong here, if it is not one of the errors that this throws itself.
+/// Throws the injected error, or returns a fault that the caller must produce.
 inline Fault injected_fault(FaultSite site) {
   if (!fault_hook) return Fault::none;
   const Fault fault = fault_hook(site);

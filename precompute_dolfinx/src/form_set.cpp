@@ -5,11 +5,11 @@
 namespace phynness {
 namespace {
 
-/// Share of the shear strains that is integrated at one point: half of their energy
+/// Fraction of the shear strains that is integrated at one point. It corresponds to half of their energy
 /// (docs/decisions/shell.md).
 constexpr double swapped_shear = 0.7;
 
-/// Two Gauss points through the thickness, and the middle surface's change of integral (forms/shell.py).
+/// Two Gauss points through the thickness, and the replaced integral of the midsurface (forms/shell.py).
 void set_passes(FormSet& set, double t) {
   const double gauss = t / (2 * std::sqrt(3.0));
   set.constants["thickness"] = t;

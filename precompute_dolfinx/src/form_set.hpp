@@ -1,4 +1,4 @@
-// What ffcx compiled for one material and one element, with the constants that go in.
+// The compiled forms of a material and an element, with their constants.
 #pragma once
 
 #include <ufcx.h>
@@ -11,34 +11,34 @@
 
 namespace phynness {
 
-/// Constants by their names in the UFL file, without dimension.
+/// Dimensionless constants by their names in the UFL file.
 using FormConstants = std::map<std::string, double>;
 
-/// What ffcx compiled; the build writes the table (forms/tables.py).
+/// Forms compiled by ffcx; the build generates their table (forms/tables.py).
 struct CompiledForms {
   const ufcx_form* energy = nullptr;
   const ufcx_form* residual = nullptr;
   const ufcx_form* tangent = nullptr;
-  std::array<const ufcx_form*, every_field.size()> fields{};  ///< functionals: integrals, not negative in any cell
+  std::array<const ufcx_form*, every_field.size()> fields{};  ///< functionals, >= 0 in every cell
   const ufcx_expression* jacobian = nullptr;                  ///< J = det F at the quadrature points
-  /// Shells only, added to the first three: what keeps directors at their length.
+  /// Shells only, added to the first three: penalty that keeps the length of directors.
   const ufcx_form *gauge_energy = nullptr, *gauge_residual = nullptr, *gauge_tangent = nullptr;
 };
 
-/// @pre the law has a shell if the element is one
+/// @pre the law is available for shells if the element is a shell
 CompiledForms compiled_forms(Law law, Element element);
 
 struct FormSet : CompiledForms {
   Element element = nullptr;
   FormConstants constants;
-  /// Constants that change from pass to pass: energy, residual and tangent are sums over these, and min_jacobian()
-  /// is the smallest. A solid has one pass, a shell one for every layer.
+  /// Constants that differ between passes. Energy, residual and tangent are sums over the passes, and min_jacobian() is
+  /// the minimum. A solid has one pass, a shell has several.
   std::vector<FormConstants> passes{{}}, jacobian_passes{{}};
-  bool checks_jacobian = true;  ///< false for the linear theory, which knows no J
+  bool checks_jacobian = true;  ///< false for the linear theory, in which J has no meaning
 };
 
-/// Coefficient alpha of the p1-p1 stabilization; forms/mechanics.py has the formula.
-/// Stiffness hardly depends on it (DESIGN: 16.2 to 13.3 N/m from 0.005 to 0.3).
+/// Coefficient alpha of the p1-p1 stabilization (formula: forms/mechanics.py). The stiffness depends little on it: 16.2
+/// to 13.3 N/m for alpha from 0.005 to 0.3.
 inline constexpr double stabilization_alpha = 0.05;
 
 /// @param modulus_Pa  the unit of moduli (Scaling::modulus_Pa)

@@ -5,8 +5,8 @@
 namespace phynness {
 namespace {
 
-/// Quadratic convergence: after a step this small against the displacement only the solver's own error is
-/// left.
+/// Relative size of the last step. Convergence is quadratic, so that after such a step only the error of the solver
+/// remains.
 constexpr double settled_step = 1e-6;
 constexpr int most_solves = 25;
 

@@ -1,4 +1,4 @@
-// Away from an unstable equilibrium, on purpose and the same way every time.
+// Leaves an unstable equilibrium in a reproducible direction.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,8 +13,8 @@ double size_of(const Discretization& body) {
   return (body.points().colwise().maxCoeff() - body.points().colwise().minCoeff()).norm();
 }
 
-/// A force on every free displacement that no symmetry of a body leaves unchanged: a smooth function of the
-/// place, so that neither the numbering of the nodes nor rounding decides which way a body buckles.
+/// A force on every free displacement that has no symmetry of any body. It is a smooth function of position, so that
+/// the direction of buckling depends neither on the numbering of the nodes nor on rounding.
 Eigen::VectorXd generic_force(const Discretization& body, const std::vector<std::int32_t>& unknown_of,
                               const std::vector<char>& is_free, int n_unknowns) {
   Eigen::VectorXd force = Eigen::VectorXd::Zero(n_unknowns);
@@ -73,7 +73,7 @@ bool Equilibrium::Impl::leave_saddle() {
     const bool valid = std::isfinite(free_norm()) && (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
     return valid ? merit() : std::numeric_limits<double>::infinity();
   };
-  // In units of the body: from far above rounding to what bends it visibly.
+  // Lengths in units of the body: from far above rounding to visible bending.
   constexpr double shortest = 1e-5, longest = 0.1;
   const double at_saddle = merit_at(0);
   double best = 0, lowest = at_saddle;
@@ -83,21 +83,22 @@ bool Equilibrium::Impl::leave_saddle() {
     for (double length = shortest * size; length <= longest * size; length *= 2) {
       const double now = merit_at(sign * length);
       if (!(now < before)) {
-        // Rounding hides what the first steps gain.
+        // The decrease of the energy in the first steps may be below rounding.
         if (length > 1e-3 * size || !std::isfinite(now)) break;
         continue;
       }
       before = now;
       here = sign * length;
     }
-    // The other way only if that is better by more than rounding: a symmetric body goes the first way.
+    // The opposite direction is taken only if its energy is lower by more than rounding, so that a symmetric body
+    // always takes the first direction.
     if (before < lowest - (sign < 0 ? 1e-3 * (at_saddle - lowest) : 0)) {
       lowest = before;
       best = here;
     }
   }
   merit_at(best);
-  // Some hundred times the rounding of the energy.
+  // The threshold is several hundred times the rounding error of the energy.
   return at_saddle - lowest > 1e-13 * std::abs(at_saddle);
 }
 

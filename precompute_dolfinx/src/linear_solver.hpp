@@ -1,4 +1,4 @@
-// What Newton's method solves its linear systems with: factors of one symmetric matrix after the other.
+// Interface of the linear solver of Newton's method, which factorizes a sequence of symmetric matrices.
 #pragma once
 
 #include <petscmat.h>
@@ -6,21 +6,22 @@
 
 namespace phynness {
 
-/// A matrix that cannot be factorized is an answer, not an exception. Factors of a factorization that failed
-/// are never used.
+/// A matrix that cannot be factorized gives a return value, not an exception. Factors of a failed factorization are
+/// never used.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
-  /// @param matrix  symmetric, of the same pattern every time, on this process alone
+  /// @param matrix  symmetric, always of the same pattern, on this process only
   /// @return false if it could not be factorized; there are no factors then
-  /// @throws Error if memory runs out or a library call fails; no factors either
+  /// @throws Error if memory is exhausted or a library call fails; there are no factors then
   virtual bool factorize(Mat matrix) = 0;
-  /// x = matrix^-1 b, of the latest that was factorized.
-  /// @return false, and x is undefined, if there are no factors or the answer is not finite
+  /// x = matrix^-1 b for the last factorized matrix.
+  /// @return false if there are no factors or the solution is not finite; x is undefined then
   virtual bool solve(Vec b, Vec x) = 0;
-  /// Of the latest matrix, those of the pressures included. @throws Error if there are no factors
+  /// Number of negative pivots of the last matrix, including those of the pressures. @throws Error if there are no
+  /// factors
   virtual int negative_pivots() = 0;
-  /// Drops the factors, and what the library keeps of them.
+  /// Deletes the factors and all related data of the library.
   virtual void reset() = 0;
 };
 

@@ -10,13 +10,13 @@
 namespace phynness {
 namespace {
 
-/// Sequential vectors of PETSc around Eigen's.
+/// Products with PETSc matrices for vectors of Eigen.
 class Operators {
  public:
   Operators(LinearSolver& preconditioner, Mat K) : _preconditioner(preconditioner), _K(K) {
     PHYNNESS_PETSC(MatCreateVecs(K, _in.address(), _out.address()));
   }
-  /// P^-1 q. @return false if the preconditioner has no finite answer
+  /// z = P^-1 q. @return false if the preconditioner gives no finite result
   bool precondition(const Eigen::VectorXd& q, Eigen::VectorXd& z) {
     put(q);
     if (!_preconditioner.solve(_in, _out)) return false;
@@ -53,7 +53,7 @@ class Operators {
 
 NegativeCurvature most_negative_curvature(LinearSolver& preconditioner, Mat K, const Eigen::VectorXd& start) {
   constexpr int most_steps = 120;
-  // Of the residual, relative to the eigenvalue: enough for the same direction whatever the rounding.
+  // Tolerance of the residual relative to the eigenvalue, so small that the direction does not depend on rounding.
   constexpr double tolerance = 1e-6;
   Operators operators(preconditioner, K);
   std::vector<Eigen::VectorXd> q, z;  // z = P^-1 q, q_i . z_j = 1 if i = j, else 0

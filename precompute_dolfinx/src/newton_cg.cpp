@@ -17,7 +17,7 @@ NewtonCg newton_cg(LinearSolver& preconditioner, Mat K, Vec f, Vec y) {
 
   NewtonCg out;
   double rz = dot(r, z);
-  double p_squared = rz;  // p M p, M the preconditioner's matrix
+  double p_squared = rz;  // p M p with the preconditioner's matrix M
   const double goal = reduction * reduction * rz;
   while (out.iterations < most_iterations) {
     ++out.iterations;

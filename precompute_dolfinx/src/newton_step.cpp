@@ -1,4 +1,4 @@
-// How far to go along the direction that SNES has computed, and whether the next one deserves a new tangent.
+// Length of the step along the direction computed by SNES, and the decision whether the next step needs a new tangent.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,15 +9,16 @@
 namespace phynness {
 namespace {
 
-// A cheap step must at least halve the residual; a new tangent does better for what three or four cost.
+// A step with old factors must at least halve the residual; otherwise a new tangent, which costs as much as several
+// such steps, reduces it faster.
 constexpr double cheap_step_worth = 0.5;
-// A tangent, assembled and factorized, costs about as much as seven cheap steps (Case 3: P1 6, p1-p1 7,
+// Assembly and factorization of a tangent cost about as much as seven steps with old factors (Case 3: P1 6, p1-p1 7,
 // quadratic elements 10).
 constexpr double price_of_a_tangent = 7;
-// Armijo's constant, customary: any decrease that is not an artefact.
+// The usual constant of Armijo's rule, which accepts any significant decrease.
 constexpr double decrease = 1e-4;
 
-/// x <- x - length * y. (Impl is private to Equilibrium, hence the templates.)
+/// The step x <- x - length * y. (The functions are templates because Impl is private to Equilibrium.)
 class Step {
  public:
   explicit Step(SNESLineSearch search) : _search(search) {
@@ -46,8 +47,8 @@ class Step {
   }
 
  private:
-  /// With old factors, corrected by what the steps since have taught: whole or not at all.
-  /// Each returns the length; 0: stay here and get a new tangent; negative: give up.
+  /// A full step, or none, with old factors that are corrected by the steps since (quasi-Newton).
+  /// This and the following functions return the length; 0: stay and compute a new tangent; negative: the solve fails.
   template <typename Impl>
   double cheap(Impl& s) {
     s.quasi_newton.correct(_y);
@@ -58,7 +59,7 @@ class Step {
 
   template <typename Impl>
   double newton(Impl& s) {
-    // Newton's method would go to the saddle.
+    // Newton's method would converge to a saddle point.
     if (!s.convex && s.negative_pivots() > 0) {
       s.met_instability = true;
       return make_convex(s);
@@ -78,9 +79,9 @@ class Step {
       }
     }
     look_at_pressures(s);
-    // Minus the merit's derivative along the step, whose pressures aim at r_p = 0.
+    // The negative derivative of the merit function along the step, whose pressures aim at r_p = 0.
     const double slope = dot(_f, _y) + 2 * _gap_before;
-    // Without a definite block there is no such merit; the residual's norm has to do.
+    // Without a definite pressure block the merit function is not defined, and the norm of the residual is used.
     _has_merit = s.pressures.empty() || s.pressures.is_definite();
     if (_has_merit && !(slope > 0)) return s.convex ? -1 : make_convex(s);
 
@@ -89,7 +90,8 @@ class Step {
       const bool finite = try_length(s, length);
       const double here = finite ? slope_of_trial(s) : 0;
       if (finite && good_enough(s, length, slope, here)) {
-        // Still half as steep as at the start, where the curvature was negative: the valley is further on.
+        // With negative curvature at the start, a slope of more than half of the initial one means that the minimum is
+        // farther away.
         if (negative_curvature && here > 0.5 * slope && length < 100 && !std::isfinite(high)) {
           low = length;
           low_slope = here;
@@ -102,11 +104,11 @@ class Step {
         return length;
       }
       high = length;
-      // Where the slope has changed its sign the secant finds its zero.
+      // If the slope has changed its sign, the secant gives its zero.
       const double fraction = here < 0 ? std::clamp(low_slope / (low_slope - here), 0.1, 0.7) : 0.5;
       length = low + fraction * (high - low);
     }
-    // Further on it was worse after all.
+    // Longer steps were worse; take the longest good one.
     if (low > 0 && try_length(s, low)) {
       settle_pressures(s, _trial, _trial_f);
       s.refresh = true;
@@ -115,7 +117,7 @@ class Step {
     return !s.convex ? make_convex(s) : -1;
   }
 
-  /// Stays here, for a convex tangent; conjugate gradients then want pressures in balance.
+  /// Makes no step and requests a convex tangent; conjugate gradients then need pressures in equilibrium.
   template <typename Impl>
   double make_convex(Impl& s) {
     settle_pressures(s, _x, _f);
@@ -123,7 +125,7 @@ class Step {
     return 0;
   }
 
-  /// p <- p + C^-1 r_p until that changes next to nothing, or no longer helps.
+  /// Iterates p <- p + C^-1 r_p until the change is negligible or the residual no longer decreases.
   template <typename Impl>
   void settle_pressures(Impl& s, Vec x, Vec f) {
     if (s.pressures.empty()) return;
@@ -152,7 +154,7 @@ class Step {
     _settled = true;
   }
 
-  /// What the pressures lack, at the start of the step.
+  /// Distance of the pressures from their equilibrium at the start of the step.
   template <typename Impl>
   void look_at_pressures(Impl& s) {
     if (s.pressures.empty()) return;
@@ -161,14 +163,14 @@ class Step {
     _gap_before = r_p.dot(_pressure_change) / 2;
   }
 
-  /// Minus the merit's derivative along the step, at the trial.
+  /// The negative derivative of the merit function along the step at the trial point.
   template <typename Impl>
   double slope_of_trial(const Impl& s) const {
     const double slope = dot(_trial_f, _y);
     return s.pressures.empty() ? slope : slope + s.pressures.part(_trial_f).dot(_pressure_change);
   }
 
-  /// @return false if the residual there is not finite (J <= 0 in a law with ln J)
+  /// @return false if the residual at the trial point is not finite (J <= 0 in a law with ln J)
   template <typename Impl>
   bool try_length(Impl& s, double length) {
     PHYNNESS_PETSC(VecWAXPY(_trial, -length, _y, _x));
@@ -182,7 +184,7 @@ class Step {
   template <typename Impl>
   bool good_enough(Impl& s, double length, double slope, double here) {
     const bool shorter = _after <= (1 - decrease * length) * _before;
-    // A step for the pressures' sake: the merit has them right already.
+    // The step mainly changes the pressures, which are already in equilibrium in the merit function.
     if (!_has_merit || _gap_before > slope) return shorter;
     if (std::abs(here) <= 0.5 * slope) return true;
     const double after = s.merit();
@@ -192,12 +194,12 @@ class Step {
       _merit_before = s.energy_and_load() + _gap_before;
       s.state = moved;
     }
-    // Where rounding hides the step's share of the energy, the residual still shows it.
+    // If the change of the energy is below rounding, the residual decides.
     if (slope * length < 1e-9 * std::abs(_merit_before)) return shorter;
     return after <= _merit_before - decrease * length * slope;
   }
 
-  /// Cheap steps go on at the rate of this one: would there be more of them than a tangent costs?
+  /// Whether steps with old factors, at the rate of this one, would cost more in total than a new tangent.
   template <typename Impl>
   bool wants_tangent(const Impl& s) const {
     const double goal = s.goal(), rate = _after / _before;
@@ -209,7 +211,7 @@ class Step {
   Vec _x = nullptr, _f = nullptr, _y = nullptr, _trial = nullptr, _trial_f = nullptr;
   double _before = 0, _after = 0, _merit_before = std::numeric_limits<double>::quiet_NaN();
   bool _has_merit = true;
-  bool _settled = false;             ///< pressures have moved, and x with them
+  bool _settled = false;             ///< pressures, and therefore x, have been changed
   double _gap_before = 0;            ///< r_p^T C^-1 r_p / 2
   Eigen::VectorXd _pressure_change;  ///< C^-1 r_p
 };

@@ -20,7 +20,7 @@ Eigen::MatrixXd NodalFields::in_cells(const Discretization& body, std::span<cons
   Eigen::MatrixXd means(body.n_cells(), static_cast<Eigen::Index>(_fields.size()));
   for (std::size_t f = 0; f < _fields.size(); ++f) {
     const auto& forms = body.forms();
-    assert(forms.fields[static_cast<std::size_t>(_fields[f])]);  // shells, which have none, are refused before
+    assert(forms.fields[static_cast<std::size_t>(_fields[f])]);  // shells have no fields and are refused earlier
     auto mean = means.col(static_cast<Eigen::Index>(f));
     body.cell_integrals(*forms.fields[static_cast<std::size_t>(_fields[f])], state,
                         {mean.data(), static_cast<std::size_t>(mean.size())});

@@ -1,4 +1,4 @@
-// Scalar fields of a state: means of cells, and from them values at nodes.
+// Scalar fields of a state: means over cells, and values at nodes computed from them.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,13 +17,13 @@ class NodalFields {
 
   bool empty() const { return _fields.empty(); }
 
-  /// Means over the cells, in units of Scaling::modulus_Pa: the integral of the field over the element's own
-  /// quadrature points by the volume at rest. At equilibrium energy densities times volumes add up to
-  /// Discretization::energy (forms/mechanics.py, mixed()).
+  /// Means over the cells in units of Scaling::modulus_Pa: the integral of the field by the element's quadrature rule,
+  /// divided by the volume at rest. At equilibrium the sum of energy density times volume is Discretization::energy
+  /// (forms/mechanics.py, mixed()).
   /// @return n_cells x n_fields
   Eigen::MatrixXd in_cells(const Discretization& body, std::span<const double> state) const;
 
-  /// At a node: the average of the cells that meet there, weighted by their volumes at rest.
+  /// Values at nodes: the average of the cells around a node, weighted by their volumes at rest.
   /// @return n_nodes x n_fields, in units of Scaling::modulus_Pa
   Eigen::MatrixXd at_nodes(const Discretization& body, std::span<const double> state) const;
 

@@ -16,7 +16,7 @@ void Path::append(PathPoint point) {
 }
 
 int Path::n_points(double s) const {
-  // Extrapolation over more than twice the interval it rests on says more about noise than about the path.
+  // Extrapolation over more than twice the interval of its points mainly amplifies noise.
   const double step = s - last().s;
   int k = 1;
   while (k < static_cast<int>(_points.size()) &&
@@ -33,7 +33,7 @@ Prediction Path::predict(int k, double s) const {
   };
   const auto at = [&](int i) { return _points[first + static_cast<std::size_t>(i / 2)].s; };
 
-  // Newton's divided differences in place: difference[i] becomes [z_0 ... z_i].
+  // Newton's divided differences, computed in place: difference[i] becomes [z_0 ... z_i].
   const int n = 2 * k;
   std::vector<Eigen::VectorXd> difference;
   for (int i = 0; i < n; ++i) difference.push_back(state(i));

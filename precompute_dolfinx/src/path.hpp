@@ -1,4 +1,4 @@
-// Where a ray has been, and where it is likely to go: Hermite extrapolation.
+// The converged states of a ray, and their Hermite extrapolation.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,24 +7,24 @@
 
 namespace phynness {
 
-/// A converged state on the path, without dimension.
+/// A converged state on the path, dimensionless.
 struct PathPoint {
   double s = 0;               ///< path parameter: q = s * direction
   std::vector<double> state;  ///< n_dofs
   Eigen::VectorXd velocity;   ///< dx/ds, n_dofs
   Eigen::VectorXd force;      ///< n_parameters
-  Eigen::MatrixXd tangent;    ///< n_parameters^2 if all of it was asked for, else empty
+  Eigen::MatrixXd tangent;    ///< n_parameters^2; empty unless all tangents are computed
   double energy = 0, min_jacobian = 1;
   int negative_pivots = 0;
-  bool met_instability = false;  ///< here or before
-  bool jumped = false;           ///< no neighbour of the points before it: the body buckled
+  bool met_instability = false;  ///< at this or an earlier point
+  bool jumped = false;           ///< the body has buckled, so that the state is not near the points before it
 };
 
 /// The polynomial through states and velocities of a few points, continued to s.
 struct Prediction {
   Eigen::VectorXd state, velocity;  ///< n_dofs
-  /// The error grows with the product of (s - s_i) over the points, twice each; this is its logarithmic
-  /// derivative: velocity + growth * (converged state - state) is the better guess afterwards.
+  /// The error is proportional to the product of (s - s_i)^2 over the points. This is the logarithmic derivative of
+  /// this product, so that velocity + growth * (converged state - state) is an improved velocity after convergence.
   double growth = 0;
 };
 
@@ -33,9 +33,9 @@ class Path {
   void clear() { _points.clear(); }
   void append(PathPoint point);
   const PathPoint& last() const { return _points.back(); }
-  /// Points that a prediction to s may use: the latest ones, as far back as the step to s is long.
+  /// Number of latest points that a prediction to s may use; it is limited by the length of the step to s.
   int n_points(double s) const;
-  /// By the latest k points: degree 2 k - 1, divided differences with every point twice.
+  /// Hermite extrapolation from the latest k points, of degree 2 k - 1, by divided differences with double points.
   Prediction predict(int k, double s) const;
 
  private:

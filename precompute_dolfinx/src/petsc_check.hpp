@@ -1,4 +1,4 @@
-// PETSc error codes become exceptions; handles are owned.
+// Conversion of PETSc error codes to exceptions, and owned handles of PETSc objects.
 #pragma once
 
 #include <petscsnes.h>
@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-// PETSc's new names, for PETSc that has only the old ones.
+// New names of PETSc for older versions.
 #if PETSC_VERSION_LT(3, 21, 0)
 #define SNESLineSearchShellSetApply SNESLineSearchShellSetUserFunc
 #endif
@@ -17,19 +17,19 @@
 
 namespace phynness {
 
-/// Where PETSc's own messages are (solver_log.hpp).
+/// The file with PETSc's own messages (solver_log.hpp).
 std::string solver_log_file();
 
 inline void petsc_check(PetscErrorCode code, const char* call) {
   if (code == 0) return;
   const char* text = nullptr;
   PetscErrorMessage(code, &text, nullptr);
-  throw failure(
-      std::string("PETSc failed in ") + call, text ? text : "error " + std::to_string(code),
-      "its own message is in " + solver_log_file() + "; run on a smaller scene to tell a resource limit from a defect");
+  throw failure(std::string("PETSc failed in ") + call, text ? text : "error " + std::to_string(code),
+                "see its message in " + solver_log_file() +
+                    ", and try a smaller scene to distinguish a resource limit from a defect");
 }
 
-/// Owns a PETSc object; `Destroy` is its destructor function.
+/// Owns a PETSc object, which `Destroy` destroys.
 template <typename T, PetscErrorCode (*Destroy)(T*)>
 class PetscHandle {
  public:
@@ -67,7 +67,7 @@ inline double norm(Vec a) {
   return value;
 }
 
-/// Rows of a matrix of this process, from 0, for as long as this lives.
+/// Access to the rows of a matrix of this process, numbered from 0, during the lifetime of the object.
 class CsrPattern {
  public:
   explicit CsrPattern(Mat matrix) : _matrix(matrix) {

@@ -28,8 +28,7 @@ double peak_memory_bytes() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
-/// CPU time of stretches of work. What lies between them is waiting for other ranks, which MPI does at full
-/// speed.
+/// Measures the CPU time of work without waiting for other ranks, which in MPI also consumes CPU time.
 class WorkClock {
  public:
   void start() { _start = cpu_seconds(); }
@@ -41,7 +40,7 @@ class WorkClock {
   double _start = 0, _seconds = 0;
 };
 
-/// What one rank did, as numbers that can be gathered.
+/// Figures of one rank, as numbers that can be gathered.
 struct Share {
   std::int64_t rays = 0, tasks = 0, increments = 0, failed = 0, iterations = 0, library_errors = 0;
   double busy_seconds = 0;
@@ -58,7 +57,7 @@ struct Share {
   }
 };
 
-/// Solves the rays of one node after the other.
+/// Solves rays node by node.
 class RaysOfNodes {
  public:
   RaysOfNodes(ProbeSolver& solver, const DatabaseHeader& header) : _solver(solver), _header(header) {}
@@ -71,7 +70,7 @@ class RaysOfNodes {
   }
 
  private:
-  /// @return false if the node cannot be touched now; the next ray tries again
+  /// @return false if the node could not be prepared; the next ray tries again
   bool touch(std::int32_t active, std::int32_t node) {
     if (_touched == active) return true;
     _touched = -1;
@@ -95,23 +94,23 @@ class RaysOfNodes {
   std::int32_t _touched = -1;
 };
 
-/// Logs rays in the order in which they were solved. Rays that could not even begin are held back until a
-/// later one begins: a rank that can begin none (its machine is out of memory, say) must not use up the rays
-/// that others could solve, and what it held back is solved on --resume.
+/// Logs rays in the order in which they were solved. Rays that could not be started are held back until a later ray
+/// starts. Otherwise a rank that cannot start any ray, for example because its machine is out of memory, would record
+/// all remaining rays as failed. Rays that are never logged are solved with --resume.
 class RayLog {
  public:
   explicit RayLog(DatabaseWriter& log) : _log(log) {}
 
-  /// @throws Error if one ray after the other cannot begin
+  /// @throws Error (failure) if too many rays in succession cannot be started
   void append(Ray ray, Share& share) {
     constexpr std::size_t most_held_back = 20;
     const bool began = ray.status.empty() || ray.status.front() != Status::library_error;
     _held_back.push_back(std::move(ray));
     if (began) return flush(share);
     if (_held_back.size() >= most_held_back)
-      throw failure(std::to_string(most_held_back) + " rays, one after the other, could not be begun",
+      throw failure(std::to_string(most_held_back) + " rays in succession could not be started",
                     SolverLog::instance().last(),
-                    "these rays are not recorded; remove the cause and go on with --resume");
+                    "remove the cause and continue with --resume; these rays are not recorded");
   }
   void flush(Share& share) {
     for (const auto& ray : _held_back) {
@@ -126,9 +125,9 @@ class RayLog {
   std::vector<Ray> _held_back;
 };
 
-/// Takes tasks until none is left, or `stop`.
-/// @param requested  n_active x n_directions flags
-/// @param done       told after every ray
+/// Fetches and solves tasks until none is left or `stop` returns true.
+/// @param requested  flags, n_active x n_directions
+/// @param done       called after every ray
 void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader& header,
                  const std::vector<char>& requested, const std::vector<RayIndex>& rays, WorkCounter& counter,
                  int n_teams, const std::function<void()>& done, const std::function<bool()>& stop, Share& share) {
@@ -161,7 +160,7 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
   if (!share.interrupted) ray_log.flush(share);
 }
 
-/// @throws Error where this rank met trouble: what is finished is kept
+/// Throws the error of this rank with the note that finished rays are kept. @throws Error if `trouble` is set
 void rethrow(const std::exception_ptr& trouble) {
   if (!trouble) return;
   try {
@@ -169,7 +168,7 @@ void rethrow(const std::exception_ptr& trouble) {
   } catch (const Error& error) {
     const std::string text = error.what();
     const bool says_so = text.find("--resume") != std::string::npos;
-    throw Error(error.kind(), text + (says_so ? "" : " (finished rays are kept: go on with --resume)"), "", "");
+    throw Error(error.kind(), text + (says_so ? "" : " (finished rays are kept; continue with --resume)"), "", "");
   }
 }
 
@@ -179,7 +178,7 @@ bool on_any_rank(bool here) {
   return any != 0;
 }
 
-/// What all ranks did.
+/// Sets the figures of all ranks.
 void add_up(const SolverSession& session, const Share& share, double core_seconds, PrecomputeReport& report) {
   std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations, share.library_errors};
   MPI_Allreduce(MPI_IN_PLACE, totals, 5, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
@@ -197,7 +196,7 @@ void add_up(const SolverSession& session, const Share& share, double core_second
                             figures[i + 2], figures[i + 3], figures[i + 4], figures[i + 5]});
 }
 
-/// What the finished file holds, rays of earlier runs included.
+/// Counts the rays and increments of the finished file, including those of earlier runs.
 void count_finished(const std::filesystem::path& file, const DatabaseHeader& header, const MirroredRays& mirrored,
                     PrecomputeReport& report) {
   const auto database = Database::open(file);
@@ -229,7 +228,7 @@ std::string what(const std::exception_ptr& trouble) {
   }
 }
 
-/// Does a rank's work; what stops it is returned once the others know that it takes no more.
+/// Runs the work of a rank. An exception is returned after the other ranks have been told to fetch no further tasks.
 std::exception_ptr guarded(WorkCounter& counter, int rank, const std::function<void(const std::string&)>& warn,
                            const std::function<void()>& work) {
   try {
@@ -280,7 +279,7 @@ PrecomputeReport precompute(const SolverSession& session, const Scene& scene, co
   Team team(target.ranks_per_solve);
   std::optional<ProbeSolver> probe_solver;
   session.together([&] {
-    // Before there is a file: a scene that cannot be solved must not leave one behind.
+    // Created before the file, so that a scene that cannot be solved leaves no file.
     if (team.leads()) probe_solver.emplace(scene, mesh, sets, &team);
     if (session.rank() == 0) {
       DatabaseWriter::create(target.file, header, target.resume);

@@ -15,7 +15,7 @@ void PressureBlock::set(Mat tangent) {
       for (auto k = all.row_start[i]; k < all.row_start[i + 1]; ++k)
         if (const auto j = row_of[all.column[k]]; j >= 0) pattern.emplace_back(row_of[i], j, k);
     const auto size = static_cast<Eigen::Index>(_unknowns.size());
-    Eigen::SparseMatrix<double> position(size, size);  // positions are exact as doubles
+    Eigen::SparseMatrix<double> position(size, size);  // positions are exactly representable as doubles
     position.setFromTriplets(pattern.begin(), pattern.end());
     _position.assign(position.valuePtr(), position.valuePtr() + position.nonZeros());
     _block = std::move(position);

@@ -56,7 +56,7 @@ struct ProbeSolver::Impl {
     return u;
   }
 
-  /// Three parameters a tool, without dimension.
+  /// Three dimensionless parameters for each tool.
   Eigen::VectorXd parameters(const std::vector<Vec3>& displacement_m) const {
     Eigen::VectorXd q(static_cast<Eigen::Index>(3 * displacement_m.size()));
     for (std::size_t t = 0; t < displacement_m.size(); ++t)
@@ -64,7 +64,7 @@ struct ProbeSolver::Impl {
     return q;
   }
 
-  /// Stresses and energies per volume have the unit of moduli.
+  /// Fields in their units: stresses and energy densities have the unit of moduli.
   Eigen::MatrixXd fields_of(std::span<const double> state) const {
     return scaling.modulus_Pa * fields.at_nodes(body, state);
   }
@@ -87,13 +87,14 @@ void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
     const auto node = nodes[t];
     const auto value = "node " + std::to_string(node);
     if (node < 0 || node >= s.body.n_nodes())
-      throw input_error("no such node", value, "nodes are numbered 0 to " + std::to_string(s.body.n_nodes() - 1));
+      throw input_error("the mesh has no such node", value,
+                        "give a number from 0 to " + std::to_string(s.body.n_nodes() - 1));
     if (!s.body.on_surface(node))
       throw input_error("the touched node is inside the body", value, "touch a node of the surface");
     if (s.fixed[node]) throw input_error("the touched node is fixed", value, "touch a node that can move");
     if (std::find(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(t), node) !=
         nodes.begin() + static_cast<std::ptrdiff_t>(t))
-      throw input_error("two tools hold the same node", value, "give each tool a node of its own");
+      throw input_error("two tools hold the same node", value, "give each tool a different node");
     s.weights.push_back(
         tool_weights(s.body, s.scene.probe.kind, s.scene.probe.tool_radius_m / s.scaling.length_m, node, s.fixed));
   }
@@ -115,7 +116,7 @@ void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
 const RestResponse& ProbeSolver::rest() const { return _impl->rest_SI; }
 
 Eigen::MatrixXd ProbeSolver::linear_fields(const std::vector<Vec3>& displacement_m) const {
-  // Strains near a tool are then some 1e-4: squares of rounding and of nonlinearity are both far below.
+  // The strains near a tool are then about 1e-4, at which the effects of rounding and of nonlinearity are both small.
   constexpr double small = 1e-5;
   const auto& s = *_impl;
   const Eigen::VectorXd change = s.rest.sensitivity * s.parameters(displacement_m);

@@ -1,4 +1,4 @@
-// Broyden's method on top of factors that are no longer the tangent's.
+// Broyden's method for steps with the factors of an earlier tangent.
 #pragma once
 
 #include <petscvec.h>
@@ -8,18 +8,17 @@
 
 namespace phynness {
 
-/// Steps are x <- x - length * y with y = H r, H the inverse of the factorized tangent, corrected after each
-/// step so that it maps the change of the residual to the step (Broyden 1965,
-/// doi:10.1090/S0025-5718-1965-0198670-6).
+/// Steps are x <- x - length * y with y = H r. H is the inverse of the factorized tangent, corrected after each step so
+/// that it maps the change of the residual to the step (Broyden 1965, doi:10.1090/S0025-5718-1965-0198670-6).
 class QuasiNewton {
  public:
-  /// Forgets all steps: H is what was factorized.
+  /// Removes all corrections.
   void clear();
-  /// Uses the steps so far, but learns nothing: for other right-hand sides.
+  /// Applies the corrections without adding a new one, for other right-hand sides.
   void apply(Vec y) const;
   /// @param y  on entry the substitution with the factors, on return H r
   void correct(Vec y);
-  /// The step just taken.
+  /// Records the last step for the next correction.
   void remember(Vec y, double length);
 
  private:

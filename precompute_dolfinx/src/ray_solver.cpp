@@ -16,7 +16,7 @@ RaySolver::Rest RaySolver::rest() {
   auto linear = _equilibrium.linearize(zero, Eigen::MatrixXd::Identity(n_parameters, n_parameters));
   if (linear.status != Status::converged || !linear.sensitivity.allFinite() || !linear.tangent.allFinite())
     throw failure("the tangent at rest is singular", "factorization failed",
-                  "fix more nodes: at least three that are not on one line hold a body");
+                  "fix more nodes: at least three nodes that are not on one line");
   return {std::move(linear.sensitivity), std::move(linear.tangent), linear.negative_pivots};
 }
 
@@ -24,13 +24,13 @@ Prediction RaySolver::predict(const Path& path, const Eigen::VectorXd& direction
   const bool check_J = _body.forms().checks_jacobian;
   const auto& constraint = _equilibrium.constraint();
   const Eigen::VectorXd prescribed = constraint.G * (s * direction);
-  // More points see more of the path's curvature, and more of the noise where the path jumps. The energy
-  // tells which happened; mixed elements are saddle points, for them only J can veto.
+  // Predictions from more points follow the curvature of the path better, but are worse after a jump. The prediction
+  // with the lowest energy is used; for mixed elements, whose equilibria are saddle points, only J is checked.
   Prediction predicted;
   double lowest = std::numeric_limits<double>::infinity();
   for (int k = path.n_points(s); k >= 1; --k) {
     auto candidate = path.predict(k, s);
-    // Prescribed dofs are what the path says, to the last bit.
+    // Prescribed dofs are set exactly to their values on the path.
     for (std::size_t i = 0; i < constraint.dofs.size(); ++i)
       candidate.state[constraint.dofs[i]] = prescribed[static_cast<Eigen::Index>(i)];
     to.state.assign(candidate.state.begin(), candidate.state.end());
@@ -66,9 +66,8 @@ Status RaySolver::linearize(const Eigen::VectorXd& direction, const Prediction& 
     if (!pivots) return Status::factorization;
     to.negative_pivots = *pivots;
   }
-  // Fewer than the pressures have: where J exceeds e, a pressure that multiplies J meets its volume from the
-  // wrong side, and the equilibrium is one of the element alone. Without tangents the count may be that of
-  // the state before the last update.
+  // Fewer negative pivots than pressures: for J > e a coupling of p and J is no longer concave in p, and the continuous
+  // body does not have this equilibrium. Without tangents the count may belong to an earlier state.
   if (to.negative_pivots < 0 && !all_tangents && !to.jumped) {
     const auto again = _equilibrium.linearize(to.state, Eigen::MatrixXd(direction.size(), 0));
     if (again.status != Status::converged) return Status::factorization;

@@ -1,5 +1,4 @@
-// One ray: equilibrium followed along a straight path of prescribed displacements, with predictor and step
-// cutback.
+// Solution of one ray: equilibria along a straight path of prescribed displacements, with predictor and cutbacks.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +12,7 @@ namespace phynness {
 
 struct PathStep {
   Status status = Status::converged;
-  int iterations = 0;  ///< Newton iterations, those of cut-back attempts included
+  int iterations = 0;  ///< Newton iterations, including those of cut-back attempts
   int cutbacks = 0;
 };
 
@@ -22,8 +21,7 @@ class RaySolver {
   RaySolver(Discretization& body, Equilibrium& equilibrium, const SolverSpec& options)
       : _body(body), _equilibrium(equilibrium), _options(options) {}
 
-  /// The undeformed body under the current constraint: all of its sensitivities. Shared by every ray of a
-  /// probe.
+  /// Sensitivities of the undeformed body under the present constraint, used by all rays of a probe.
   /// @throws Error if the tangent at rest is singular
   struct Rest {
     Eigen::MatrixXd sensitivity;  ///< n_dofs x n_parameters
@@ -32,22 +30,20 @@ class RaySolver {
   };
   Rest rest();
 
-  /// Follows q = s * direction through the ascending values `s_values`, starting at rest. Calls `take` for
-  /// each value in order, until it returns false; after a failure the remaining values get
-  /// Status::after_failure.
-  /// @param all_tangents  compute the whole tangent at every value, not only its product with the direction
+  /// Follows q = s * direction through the ascending values `s_values`, starting at rest. Calls `take` for each value
+  /// in order, until it returns false. After a failure the remaining values have Status::after_failure.
+  /// @param all_tangents  compute the complete tangent at every value, not only its product with the direction
   void follow(const Rest& rest, const Eigen::VectorXd& direction, const std::vector<double>& s_values,
               bool all_tangents, const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take);
 
  private:
-  /// Where the path seems to go on at s; the same with the prescribed displacements in `to`.
+  /// Predicts the state at s. `to` receives the prediction with the prescribed displacements.
   Prediction predict(const Path& path, const Eigen::VectorXd& direction, double s, PathPoint& to);
-  /// Velocity and stability of the equilibrium in `to`.
+  /// Computes velocity and stability of the equilibrium in `to`.
   Status linearize(const Eigen::VectorXd& direction, const Prediction& predicted, bool all_tangents, PathPoint& to);
-  /// Tries to go from the last point of `path` to parameter s; `to` is complete only if converged.
+  /// One step from the last point of `path` to parameter s; `to` is only complete if the step converged.
   PathStep advance(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents, PathPoint& to);
-  /// advance(), where an exception is an outcome like others: the next, shorter step may do without what
-  /// failed.
+  /// As advance(), but an exception gives a status, because the next, shorter step may succeed.
   PathStep attempt(const Path& path, const Eigen::VectorXd& direction, double s, bool all_tangents, PathPoint& to);
 
   Discretization& _body;

@@ -12,7 +12,7 @@ std::vector<char> requested_rays(const Scene& scene, const Mesh& mesh, const Dat
   for (std::size_t a = 0; a < active.size(); ++a)
     for (std::size_t d = 0; d < header.directions.size(); ++d) {
       const Eigen::Map<const Eigen::RowVector3d> e(header.directions[d].data());
-      // Tangential directions count as inward, whichever way rounding goes.
+      // Tangential directions count as inward, independently of rounding.
       flags[a * header.directions.size() + d] &= -normals.row(active[a]).dot(e) > -1e-9;
     }
   return flags;

@@ -1,6 +1,6 @@
-// The solver works without dimension: lengths in units of the body, moduli in units of the shear modulus. So
-// the same scene in other units takes the same steps, and force rows and pressure rows of a residual can
-// share one norm.
+// Units of the dimensionless solver: lengths in units of the body's size, moduli in units of the shear modulus.
+// Therefore the same scene in other units takes the same steps, and force and pressure rows of a residual have
+// comparable sizes in a norm.
 #pragma once
 
 #include <phynness/formats/mesh.hpp>

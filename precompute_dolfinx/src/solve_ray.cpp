@@ -30,7 +30,7 @@ void store(const Response& response, std::size_t i, const DatabaseHeader& header
       ray.fields[f][i * output.size() + j] = response.fields(output[j], static_cast<Eigen::Index>(f));
 }
 
-/// @param n_stored  increments that have their result, and keep it if this throws
+/// @param n_stored  number of increments with a result, which is kept if this function throws
 void follow_ray(ProbeSolver& solver, const DatabaseHeader& header, Ray& ray, std::size_t& n_stored) {
   double before = cpu_seconds();
   solver.follow({header.directions[static_cast<std::size_t>(ray.direction)]}, header.magnitudes_m, header.tangents,
@@ -43,7 +43,7 @@ void follow_ray(ProbeSolver& solver, const DatabaseHeader& header, Ray& ray, std
                 });
 }
 
-/// From increment `first` on there is no result.
+/// Marks the increments from `first` on as not solved.
 void end_ray(Ray& ray, std::size_t first) {
   for (std::size_t i = first; i < ray.status.size(); ++i)
     ray.status[i] = i == first ? Status::library_error : Status::after_failure;

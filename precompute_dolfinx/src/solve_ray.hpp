@@ -1,4 +1,4 @@
-// One ray, solved and put into the form that the database stores.
+// Solution of one ray in the form of the database.
 #pragma once
 
 #include <phynness/formats/database.hpp>
@@ -9,18 +9,18 @@ namespace phynness {
 /// CPU time of this process [s].
 double cpu_seconds();
 
-/// A ray of which nothing was requested.
+/// A ray that is not requested.
 Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction);
 
-/// A ray of which nothing could be solved.
+/// A ray of which no increment could be solved.
 Ray failed_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction);
 
-/// ProbeSolver::recover(), and again before the next solve if that fails for want of memory.
+/// Calls ProbeSolver::recover(). If it fails because memory is exhausted, it is called again before the next solve.
 void recover(ProbeSolver& solver);
 
-/// What the solver cannot handle ends the ray with Status::library_error, and the solver's log has the
-/// reason.
-/// @pre the solver touches the active node. The result depends on nothing that it solved before.
+/// Solves a ray. An exception of the solver ends the ray with Status::library_error; the reason is in the solver's log.
+/// The result does not depend on earlier solves.
+/// @pre the solver touches the active node
 Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t active, std::int32_t direction);
 
 }  // namespace phynness

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t most_bytes = 1 << 20;
 
-/// PETSc calls this once for each function that an error passes on its way up; the first has the message.
+/// PETSc calls this for each function of the call stack through which an error passes; the first call has the message.
 PetscErrorCode on_petsc_error(MPI_Comm, int line, const char* function, const char* file, PetscErrorCode code,
                               PetscErrorType type, const char* message, void*) try {
   std::string text;
@@ -25,7 +25,7 @@ PetscErrorCode on_petsc_error(MPI_Comm, int line, const char* function, const ch
   text += std::string("  in ") + (function ? function : "?") + ", " + (file ? file : "?") + ":" + std::to_string(line);
   SolverLog::instance().write(text);
   return code;
-} catch (...) {  // no memory for the text
+} catch (...) {  // out of memory
   return code;
 }
 
@@ -53,13 +53,13 @@ void SolverLog::write(const std::string& text) noexcept try {
   if (!_context.empty()) entry += ", " + _context;
   entry += ": " + text + "\n";
   const bool full = _bytes + entry.size() > most_bytes;
-  if (full) entry = "the log is full: later entries are left out\n";
-  // Not through a link that somebody put where the name could be guessed.
+  if (full) entry = "the log is full: later entries are omitted\n";
+  // O_NOFOLLOW, because another user could place a symbolic link at the predictable name.
   const int fd = ::open(_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (fd < 0) return;
   if (::write(fd, entry.data(), entry.size()) > 0) _bytes = full ? most_bytes : _bytes + entry.size();
   ::close(fd);
-} catch (...) {  // no memory for an entry
+} catch (...) {  // out of memory
 }
 
 std::string solver_log_file() { return SolverLog::instance().file().string(); }

@@ -1,4 +1,4 @@
-// The file that takes what libraries say when a call of theirs fails, and which solve asked for it.
+// The log file with messages of failed library calls and the solves in which they occurred.
 #pragma once
 
 #include <filesystem>
@@ -6,17 +6,17 @@
 
 namespace phynness {
 
-/// One for the process, as PETSc has one error handler for the process. The file appears with the first entry
-/// and is appended to; entries of several ranks do not mix. Failing to write it is no error: the log is told
-/// about errors.
+/// The log of this process, because PETSc has one error handler per process. The file is created with the first entry.
+/// Entries are appended, and entries of several ranks do not mix. A failed write is ignored, because entries are
+/// written during error handling.
 class SolverLog {
  public:
   static SolverLog& instance();
 
-  /// @param file  default: phynness-solver-<process id>.log in the folder for temporary files
+  /// @param file  default without this call: phynness-solver-<process id>.log in the folder of temporary files
   void open(std::filesystem::path file, int rank);
   const std::filesystem::path& file() const { return _file; }
-  /// What is solved from now on, for the entries.
+  /// Sets the description of the present solve in later entries.
   void set_context(std::string context) { _context = std::move(context); }
   const std::string& context() const { return _context; }
   void write(const std::string& text) noexcept;
@@ -30,10 +30,10 @@ class SolverLog {
   std::filesystem::path _file;
   std::string _context, _last;
   int _rank = 0;
-  std::size_t _bytes = 0;  ///< written by this process
+  std::size_t _bytes = 0;  ///< bytes written by this process
 };
 
-/// PETSc's own error messages go to the log from now on, and nowhere else.
+/// Redirects PETSc's error messages to the log.
 void send_petsc_errors_to_log();
 
 }  // namespace phynness

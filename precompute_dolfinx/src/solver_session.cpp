@@ -12,13 +12,13 @@
 namespace phynness {
 
 SolverSession::SolverSession() {
-  // The command line is ours alone: PETSc would take what it does not know for its own.
-  // Signals are ours too: Ctrl-C asks for an end between two rays.
+  // PETSc does not get the command line, whose options it would interpret as its own, and does not handle signals,
+  // because Ctrl-C ends a run between two rays.
   PHYNNESS_PETSC(PetscOptionsSetValue(nullptr, "-no_signal_handler", "true"));
   PHYNNESS_PETSC(PetscInitialize(nullptr, nullptr, nullptr, nullptr));
   send_petsc_errors_to_log();
   quiet_logging();
-  // Two threads on matrices of a few thousand rows cost more than they give, and ranks fill the cores.
+  // For matrices of a few thousand rows a second thread costs more time than it saves, and ranks use all cores.
   if (void* symbol = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<void (*)(int)>(symbol)(1);
   MPI_Comm_rank(MPI_COMM_WORLD, &_rank);
   MPI_Comm_size(MPI_COMM_WORLD, &_size);

@@ -10,12 +10,12 @@
 namespace phynness {
 namespace {
 
-/// Without its negative eigenvalues (Teran et al. 2005, doi:10.1145/1073368.1073394).
-/// @return true if there were any
+/// Replaces negative eigenvalues of a matrix by zero (Teran et al. 2005, doi:10.1145/1073368.1073394).
+/// @return true if there were negative eigenvalues
 template <typename Matrix>
 bool make_convex(Matrix& matrix, Convexity convexity) {
-  // A Cholesky factorization costs a twentieth of the eigenvalues. The shift lets rigid motions pass, whose
-  // eigenvalues are zero to rounding.
+  // A Cholesky factorization, which takes a twentieth of the time of an eigenvalue decomposition, shows whether there
+  // are negative eigenvalues. The shift accepts rigid motions, whose eigenvalues are zero up to rounding.
   Matrix shifted = matrix;
   shifted.diagonal().array() += 1e-3 * matrix.trace();
   if (convexity == Convexity::nearly && Eigen::LLT<Matrix>(shifted).info() == Eigen::Success) return false;
@@ -23,7 +23,7 @@ bool make_convex(Matrix& matrix, Convexity convexity) {
   if (eigen.info() != Eigen::Success || eigen.eigenvalues()[0] >= 0) return false;
   Eigen::Index n = 0;
   while (n < matrix.rows() && eigen.eigenvalues()[n] < 0) ++n;
-  // Usually few: subtract them.
+  // Usually there are few negative eigenvalues, which are subtracted.
   matrix -= eigen.eigenvectors().leftCols(n) * eigen.eigenvalues().head(n).asDiagonal() *
             eigen.eigenvectors().leftCols(n).transpose();
   return true;
@@ -105,7 +105,7 @@ TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<
   }
   using Fixed = Eigen::Matrix<double, 12, 12>;
   const int m = body.n_element_dofs();
-  // Only the block of the displacements is made convex; they come first.
+  // Only the block of the displacements, which come first, is made convex.
   const int n_u = m - (body.pressure_dofs().empty() ? 0 : 4);
   Fixed linear;
   Eigen::MatrixXd quadratic, nearest;
@@ -127,7 +127,8 @@ TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<
       if (position[e] >= 0) convex_values[position[e]] += nearest.data()[e];
   });
 
-  // Before the prescribed rows become the identity's, keep what they say: one row is one column, by symmetry.
+  // The contributions of prescribed rows are kept before these rows are replaced by those of the identity. By symmetry
+  // a row is also the column.
   const int n_parameters = constraint.n_parameters();
   Coupling coupling{Eigen::MatrixXd::Zero(n_unknowns(), n_parameters),
                     Eigen::MatrixXd::Zero(n_parameters, n_parameters)};

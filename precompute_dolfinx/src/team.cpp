@@ -16,14 +16,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Where this member alone met an error, the others are inside a collective call that will never end.
+/// Handles the case that only this member has an error: the other members then wait in a collective call that never
+/// ends.
 void wait_for_the_others(MPI_Request& request, const std::string& trouble) {
   constexpr auto longest = std::chrono::minutes(10);  // far longer than a factorization
   const auto start = Clock::now();
   for (int arrived = 0; !arrived;) {
     MPI_Test(&request, &arrived, MPI_STATUS_IGNORE);
     if (!arrived && Clock::now() - start > longest) {
-      std::fprintf(stderr, "error: a team cannot go on: %s\n  remedy: finished rays are kept: go on with --resume\n",
+      std::fprintf(stderr,
+                   "error: a team of ranks cannot continue: %s\n  remedy: finished rays are kept; continue with "
+                   "--resume\n",
                    trouble.c_str());
       MPI_Abort(MPI_COMM_WORLD, 1);
     }
@@ -33,8 +36,8 @@ void wait_for_the_others(MPI_Request& request, const std::string& trouble) {
 
 }  // namespace
 
-/// A member's rows of the matrix and its part of the factors. Its functions are collective; their arguments
-/// are the leader's, null elsewhere.
+/// A member's rows of the matrix and its part of the factors. All functions are collective; arguments are only used on
+/// the leader and are null on other members.
 class Team::Share {
  public:
   Share(MPI_Comm comm, std::int64_t n, Mat matrix);
@@ -93,7 +96,7 @@ Team::Share::Share(MPI_Comm comm, std::int64_t n, Mat matrix) : _comm(comm) {
 }
 
 bool Team::Share::factorize(Mat matrix) {
-  const PetscScalar* all = nullptr;  // to read: a matrix that may have changed is factorized again
+  const PetscScalar* all = nullptr;  // read-only, because write access would mark the matrix as changed
   if (_leads) PHYNNESS_PETSC(MatSeqAIJGetArrayRead(matrix, &all));
   MPI_Scatterv(all, _n_entries.data(), _first_entry.data(), MPIU_SCALAR, _values.data(),
                static_cast<int>(_values.size()), MPIU_SCALAR, 0, _comm);
@@ -140,7 +143,7 @@ Team::Served Team::serve() {
     std::int64_t order[2];
     MPI_Request request;
     MPI_Ibcast(order, 2, MPI_INT64_T, 0, _comm, &request);
-    // Between orders the leader computes for milliseconds: a core that waits may as well rest.
+    // Between orders the leader computes for milliseconds, during which a waiting member sleeps.
     for (int arrived = 0; !arrived;) {
       MPI_Test(&request, &arrived, MPI_STATUS_IGNORE);
       if (!arrived) std::this_thread::sleep_for(std::chrono::microseconds(20));
@@ -209,8 +212,8 @@ std::int64_t Team::obey(Order order, std::int64_t n, Mat matrix, Vec b, Vec x) {
   } catch (const std::exception& error) {
     trouble = error.what();
   }
-  // What MUMPS cannot do, no member can, and all of them get here. All must agree on it, or the next order
-  // would find some with factors and some without.
+  // A failure of MUMPS occurs on all members. All members must agree on the result; otherwise some would have factors
+  // at the next order and some would not.
   std::array<std::int64_t, 2> agreed{trouble.empty() ? 1 : 0, result};
   MPI_Request request;
   MPI_Iallreduce(MPI_IN_PLACE, agreed.data(), 2, MPI_INT64_T, MPI_MIN, _comm, &request);
@@ -227,7 +230,7 @@ std::int64_t Team::obey(Order order, std::int64_t n, Mat matrix, Vec b, Vec x) {
     _share->reset();
   if (!leads()) return 0;
   throw failure("a factorization shared by several ranks failed",
-                trouble.empty() ? "another rank of the team met an error" : trouble,
+                trouble.empty() ? "another rank of the team has an error" : trouble,
                 "give each rank more memory, or use fewer ranks per node");
 }
 

@@ -1,5 +1,4 @@
-// Ranks that solve one large body together: one leads, the others lend it memory and time for its
-// factorizations.
+// Teams of ranks for large bodies: one rank leads, and the others provide memory and time for its factorizations.
 #pragma once
 
 #include <mpi.h>
@@ -12,9 +11,9 @@
 
 namespace phynness {
 
-/// Consecutive ranks of MPI_COMM_WORLD. The leader holds the body and calls; the others are in serve()
-/// meanwhile. What is shared is the factorization (MUMPS distributes it) and its substitutions; kernels stay
-/// with the leader.
+/// Consecutive ranks of MPI_COMM_WORLD. The leader has the body and calls the functions of LinearSolver; meanwhile the
+/// other members are in serve(). Factorizations, distributed by MUMPS, and substitutions are shared; kernels run on the
+/// leader.
 class Team : public LinearSolver {
  public:
   /// Collective over MPI_COMM_WORLD. @pre size divides the number of ranks
@@ -26,14 +25,14 @@ class Team : public LinearSolver {
   bool leads() const { return _rank == 0; }
 
   struct Served {
-    double busy_seconds = 0, core_seconds = 0;  ///< wall and CPU time of the work that was asked for
+    double busy_seconds = 0, core_seconds = 0;  ///< wall and CPU time of the executed orders
   };
-  /// Not for the leader: does what it asks for until it dismisses.
+  /// Called by all members except the leader: executes orders of the leader until dismiss().
   Served serve();
-  /// The leader's last call.
+  /// The last call of the leader; ends serve() on the other members.
   void dismiss();
 
-  /// The leader's calls. An error of any member is an error of all.
+  /// Called by the leader. An error of any member is an error of the team.
   bool factorize(Mat matrix) override;
   bool solve(Vec b, Vec x) override;
   int negative_pivots() override;
@@ -42,9 +41,9 @@ class Team : public LinearSolver {
  private:
   enum class Order : std::int64_t { create, factorize, solve, count_negative_pivots, reset, dismiss };
   class Share;
-  /// What every member does for an order; from the leader the arguments are the whole matrix's, or vectors.
-  /// @return a count, or for other orders 1 for success and 0 for failure
-  /// @throws Error on the leader, if a member met one
+  /// Executes an order on a member. On the leader the arguments are the complete matrix or vectors.
+  /// @return a count or, for other orders, 1 for success and 0 for failure
+  /// @throws Error on the leader if any member has an error
   std::int64_t obey(Order order, std::int64_t n, Mat matrix, Vec b, Vec x);
   std::int64_t do_share(Order order, std::int64_t n, Mat matrix, Vec b, Vec x);
   std::int64_t command(Order order, std::int64_t n = 0, Mat matrix = nullptr, Vec b = nullptr, Vec x = nullptr);

@@ -1,5 +1,5 @@
-// The next free task, for all ranks: a number on rank 0 that is fetched and added to. On a network that
-// cannot do that without rank 0, a rank waits until rank 0 has ended its ray.
+// Counter of the next free task for all ranks: a number on rank 0, accessed by fetch-and-add. On a network without
+// hardware support for this, a rank waits until rank 0 has finished its ray.
 #pragma once
 
 #include <mpi.h>
@@ -8,7 +8,7 @@
 
 namespace phynness {
 
-/// Collective to create and destroy.
+/// Construction and destruction are collective.
 class WorkCounter {
  public:
   explicit WorkCounter(MPI_Comm comm) : _comm(comm) {
@@ -27,16 +27,16 @@ class WorkCounter {
   }
   WorkCounter(const WorkCounter&) = delete;
 
-  /// The next task nobody has taken.
+  /// Fetches the next free task.
   std::int64_t next() { return add(0, 1); }
-  /// From now on there is no task for anybody: a rank cannot go on, and the others need not go on without it.
+  /// Ends the run: no rank gets further tasks, because one rank cannot continue.
   void abandon() { add(0, std::int64_t{1} << 40); }
-  /// Adds finished work, without waiting for rank 0 to know of it.
+  /// Adds finished work without waiting for rank 0.
   void add_done(std::int64_t n) {
     MPI_Accumulate(&n, 1, MPI_INT64_T, 0, 1, 1, MPI_INT64_T, MPI_SUM, _window);
     MPI_Win_flush_local(0, _window);
   }
-  /// Finished work of all ranks, as far as rank 0 knows.
+  /// Finished work of all ranks, as recorded on rank 0.
   std::int64_t done() { return add(1, 0); }
 
  private:

@@ -1,5 +1,5 @@
-// Hands out pieces of the caller's memory; without memory it only counts, so size and init walk the same
-// path.
+// Divides the caller's memory into arrays. Without memory it only counts bytes, so that the _size and _init functions
+// share their code.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +9,13 @@
 
 namespace PHN_RUNTIME {
 
-/// Arrays of at least this many bytes start at a cache line; smaller ones, of which a model has thousands,
-/// are packed.
+/// Arrays of at least this many bytes start at a cache line. Smaller arrays, of which a model has thousands, are packed
+/// without gaps.
 inline constexpr std::size_t alignment = 64, smallest_aligned = 1024;
 
 class Arena {
  public:
-  /// Counts what would be taken.
+  /// Only counts bytes.
   Arena() = default;
   /// @param memory  any alignment
   Arena(void* memory, std::size_t bytes) {
@@ -32,19 +32,19 @@ class Arena {
   }
 
   bool counting() const { return _base == nullptr; }
-  /// Whether the memory was used up, or when counting: more than any memory has.
+  /// Whether the memory was too small or, when counting, the size exceeds the largest possible one.
   bool overflow() const { return _overflow; }
-  /// Bytes of what was taken, from the first of it on.
+  /// Bytes from the first array to the end of the last.
   std::size_t used() const { return _used; }
-  /// Bytes to ask for, whatever the alignment of the memory will be.
+  /// Bytes of memory that suffice for any alignment of its start.
   std::size_t needed() const { return _used + alignment - 1; }
 
  private:
-  /// Half of what addresses can tell: sums of an array and what was taken before do not wrap, on devices of 32 bits
-  /// neither.
+  /// Half of the address range, so that the sum of the used bytes and a further array cannot wrap around, even with
+  /// 32-bit addresses.
   static constexpr std::size_t largest = static_cast<std::size_t>(PTRDIFF_MAX) - 2 * alignment;
 
-  /// Not in the header: it is called some seventy times.
+  /// Not inline, because about seventy callers would each contain a copy.
   void* take(std::size_t n, std::size_t per, std::size_t size, std::size_t align);
 
   unsigned char* _base = nullptr;

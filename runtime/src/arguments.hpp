@@ -1,4 +1,4 @@
-// What the C functions share: checks of arguments, warnings.
+// Checks of arguments and warnings, shared by the C functions.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@ inline void zero(double* values, std::int32_t n) {
   for (std::int32_t i = 0; i < n; ++i) values[i] = 0;
 }
 
-/// The outputs of a refused call hold zeros. They are written last: they may be the memory of an input.
+/// Sets the outputs of a refused call to zeros. They are written last because they may overlap an input.
 inline int refuse(int status, double* outputs, std::int32_t n) {
   zero(outputs, n);
   return status;

@@ -8,9 +8,10 @@ namespace PHN_RUNTIME {
 namespace {
 
 constexpr std::int32_t largest_leaf = 4;
-constexpr int deepest = 64;  // halving 2^31 triangles ends at 31
+constexpr int deepest = 64;  // halving 2^31 triangles gives a depth of 31
 
-// Calls of fmin and fmax, which compilers do not resolve because of NaN, took half of the time.
+// Instead of fmin and fmax: because of their rules for NaN compilers do not inline them, and the calls took half of the
+// time.
 double lesser(double a, double b) { return a < b ? a : b; }
 double greater(double a, double b) { return a > b ? a : b; }
 
@@ -56,12 +57,12 @@ void corners_of(const ContactSurface& s, std::int32_t triangle, double radius, d
   }
 }
 
-/// The way from + t (to - from), t in 0 ... 1.
+/// The segment from + t (to - from), t in 0 ... 1.
 struct Way {
   double from[3], along[3], slack;
 };
 
-/// Where the way enters the box [0 ... 1]; beyond 1: never.
+/// Position on the segment, 0 ... 1, at which it enters the box; > 1: it does not enter.
 double entry(const BoundingVolume& v, double radius, const Way& way) {
   double enters = 0, leaves = 1;
   for (int k = 0; k < 3; ++k) {
@@ -78,8 +79,8 @@ double entry(const BoundingVolume& v, double radius, const Way& way) {
   return enters <= leaves ? enters : 2;
 }
 
-/// Signed volumes of the way with the three edges: an edge that two triangles share gets the same number up to its
-/// sign, so that nothing passes between them.
+/// Crossing by signed volumes of the segment and the three edges. Two triangles compute the same number, up to its
+/// sign, for a common edge, so that no segment passes between them.
 double crossing(const double corner[3][3], const Way& way, double* weight) {
   double x[3][3], ab[3], ac[3], normal[3], volume[3], sum = 0;
   for (int c = 0; c < 3; ++c) subtract(corner[c], way.from, x[c]);
@@ -116,7 +117,7 @@ double square_distance(const BoundingVolume& v, double radius, const double* x) 
 
 BoundingVolumes lay_out_volumes(Arena& arena, std::int32_t n_triangles) {
   BoundingVolumes v = {};
-  // Leaves hold two triangles or more, unless there is only one.
+  // Enough, because every leaf has at least two triangles unless there is only one triangle.
   v.volume = arena.take<BoundingVolume>(static_cast<std::size_t>(n_triangles));
   v.order = arena.take<std::int32_t>(static_cast<std::size_t>(n_triangles));
   return v;

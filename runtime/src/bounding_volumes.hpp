@@ -1,5 +1,5 @@
-// A binary tree of boxes over the triangles of a contact surface, in one array, depth first. A box holds the vertices
-// and, apart from them, their offsets, so that one tree serves spheres of every radius.
+// A binary tree of bounding boxes of the triangles of a contact surface, in one array in depth-first order. A box
+// bounds the vertices and separately their offsets, so that one tree serves spheres of every radius.
 #pragma once
 
 #include "contact_surface.hpp"
@@ -9,7 +9,7 @@ namespace PHN_RUNTIME {
 struct BoundingVolume {
   double low[3], high[3], offset_low[3], offset_high[3];
   std::int32_t right;         ///< the left child follows its parent; -1: a leaf
-  std::int32_t first, count;  ///< of a leaf: in `order`
+  std::int32_t first, count;  ///< of a leaf: its range in `order`
 };
 
 struct BoundingVolumes {
@@ -19,15 +19,14 @@ struct BoundingVolumes {
 };
 
 BoundingVolumes lay_out_volumes(Arena& arena, std::int32_t n_triangles);
-/// Halves at the median of the longest axis.
+/// Splits at the median of the longest axis.
 void build_volumes(const ContactSurface& surface, BoundingVolumes& volumes);
-/// Boxes around the vertices where they are placed now, bottom up.
+/// Fits the boxes to the present positions of the vertices, from the leaves upwards.
 void refit_volumes(const ContactSurface& surface, BoundingVolumes& volumes);
 
-/// First crossing of the straight way between two points with the offset surface, from outside to inside; a start less
-/// than `slack` inside counts as outside. Beside fixed edges there is
-/// nothing to cross.
-/// @return the part of the way, 0 ... 1, or -1: none
+/// First crossing, from outside to inside, of the line segment between two points with the offset surface. A start less
+/// than `slack` inside counts as outside. Beside fixed edges the surface cannot be crossed.
+/// @return position on the segment, 0 ... 1; -1: no crossing
 double sweep(const ContactSurface& surface, const BoundingVolumes& volumes, double radius, const double* from,
              const double* to, double slack, SurfacePoint& at);
 

@@ -1,6 +1,6 @@
-// Force, energy and stiffness of family modal: derivatives of one potential, all sums over the same centers.
-// Templates on the scalar, so that what rounding does to closed loops can be measured in float, too, and on where the
-// coefficients lie: in a model (Conservative) or in an image (image.hpp).
+// Force, energy and stiffness of family modal. They are derivatives of one potential: sums over the same centers.
+// Templates on the scalar type, so that the effect of rounding on closed paths can also be measured in float, and on
+// the type that holds the coefficients: a model (Conservative) or an image (image.hpp).
 #pragma once
 
 #include <stddef.h>
@@ -13,24 +13,24 @@ namespace PHN_RUNTIME {
 
 /// With x = d / R, q(y) = sqrt(|y|^2 + shape^2) and b_i the coefficients:
 ///   force = K d + sum_i [Phi(x - c_i) - Phi(x) - Phi(c_i) + Phi(0)] b_i,  Phi(y) = q I + y y^T / q
-/// Evaluation takes one more center, at 0 with the coefficient -sum_i b_i, and constants that make force and
-/// energy at rest exactly 0.
+/// The evaluation has one more center, at 0 with the coefficient -sum_i b_i, for the terms -Phi(x). Constants make
+/// force and energy at rest exactly 0.
 template <class Real>
 struct Conservative {
   int32_t n_centers;
   Real max_displacement;        ///< R [m]
-  Real shape;                   ///< without unit
+  Real shape;                   ///< dimensionless
   Real stiffness[6];            ///< K, xx xy xz yy yz zz [N/m]
   const int32_t* center;        ///< n_centers, rows of the displacements
   const double* displacements;  ///< over R, rows of 3; of the model
-  /// n_centers x 3 [N], in the smaller of the two types that holds them exactly; the other is null.
+  /// n_centers x 3 [N], as floats if all of them are exact in float, else as doubles; the other pointer is null.
   const float* short_coefficient;
   const double* coefficient;
   Real total[3];                          ///< sum_i b_i, see set_rest
   Real force_at_rest[3], energy_at_rest;  ///< added so that both vanish at d = 0 [N], [J / R]
 };
 
-/// add(x - c, b) for every center, the one at 0 included.
+/// Calls add(x - c, b) for every center, including the one at 0.
 template <class Real, class Add>
 void for_each_center(const Conservative<Real>& net, const Real* x, Add add) {
   const auto walk = [&](const auto* coefficient) {
@@ -57,7 +57,7 @@ Real dot(const Real* a, const Real* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// K d, K as xx xy xz yy yz zz.
+/// K d, with K given as xx xy xz yy yz zz.
 template <class Real>
 void multiply_symmetric(const Real* k, const Real* d, Real* product) {
   product[0] = k[0] * d[0] + k[1] * d[1] + k[2] * d[2];
@@ -65,8 +65,9 @@ void multiply_symmetric(const Real* k, const Real* d, Real* product) {
   product[2] = k[2] * d[0] + k[4] * d[1] + k[5] * d[2];
 }
 
-/// @param net  as Conservative: its constants, and for_each_center finds its coefficients
-/// @param x    d / R, 3; @param force 3 [N]
+/// @param net    Conservative or a type with the same constants and an overload of for_each_center
+/// @param x      d / R, 3
+/// @param force  3 [N]
 template <class Net, class Real>
 void conservative_force(const Net& net, const Real* x, Real* force) {
   const Real s2 = net.shape * net.shape;
@@ -80,7 +81,7 @@ void conservative_force(const Net& net, const Real* x, Real* force) {
   for (int k = 0; k < 3; ++k) force[k] += sum[k] + net.force_at_rest[k];
 }
 
-/// @return the work that led from rest to x [J]
+/// @return the work from rest to x [J]
 template <class Net, class Real>
 Real conservative_energy(const Net& net, const Real* x) {
   const Real s2 = net.shape * net.shape;
@@ -92,7 +93,7 @@ Real conservative_energy(const Net& net, const Real* x) {
   return dot(d, kd) / 2 + net.max_displacement * ((sum + net.energy_at_rest) + dot(net.force_at_rest, x));
 }
 
-/// @param stiffness  3 x 3 [N/m], symmetric to the last bit
+/// @param stiffness  3 x 3 [N/m], bitwise symmetric
 template <class Net, class Real>
 void conservative_stiffness(const Net& net, const Real* x, Real* stiffness) {
   const Real s2 = net.shape * net.shape;
@@ -110,8 +111,9 @@ void conservative_stiffness(const Net& net, const Real* x, Real* stiffness) {
   }
 }
 
-/// Fills total, force_at_rest and energy_at_rest. @pre the rest of net is filled in
-/// @param sum_force  as conservative_force; its order of summing decides the last bit
+/// Sets total, force_at_rest and energy_at_rest. @pre all other members of net are set
+/// @param sum_force  function like conservative_force that later evaluates the force: its order of summation determines
+///                   the last bits
 template <class Real, class Force>
 void set_rest(Conservative<Real>& net, Force sum_force) {
   const Real rest[3] = {0, 0, 0};
@@ -121,7 +123,7 @@ void set_rest(Conservative<Real>& net, Force sum_force) {
   for_each_center(net, rest, [&](const Real*, const Real* b) {
     for (int k = 0; k < 3; ++k) total[k] += b[k];
   });
-  // The same functions that add these values compute them: the zeros at rest are exact.
+  // The functions that later add these values also compute them, so that the results at rest are exactly 0.
   Conservative<Real> unit = net;
   unit.max_displacement = 1;
   for (int k = 0; k < 3; ++k) unit.total[k] = net.total[k] = total[k];

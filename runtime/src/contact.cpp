@@ -1,4 +1,5 @@
-// The C interface to contact: checks of arguments; the work is in contact_approach.cpp and contact_balance.cpp.
+// The C interface of phynness_contact.h: argument checks. Geometry is in contact_approach.cpp, forces are in
+// contact_balance.cpp.
 #include "contact.hpp"
 
 #include "arguments.hpp"
@@ -39,7 +40,7 @@ int read_tool(const ContactSurface& surface, const phn_contact_tool& tool, ToolI
   const double far = largest_distance * surface.size;
   for (int k = 0; k < 3; ++k) {
     const double apart = std::fmax(-far, std::fmin(far, tool.center[k] - surface.middle[k]));
-    // Not moved by rounding unless it is cut.
+    // A centre that is not clamped is passed on without rounding.
     input.center[k] = std::fabs(tool.center[k] - surface.middle[k]) <= far ? tool.center[k] : surface.middle[k] + apart;
   }
   input.radius = std::fmin(tool.radius, surface.size);
@@ -64,7 +65,7 @@ void write_state(const phn_contact& contact, const ToolContact& tool, phn_contac
   state.in_contact = 1;
 }
 
-/// What a step does to the contact; its outputs are not yet written. @return a status of phynness.h
+/// Performs a step without writing its outputs. @return a status of phynness.h
 int step(phn_contact* contact, phn_data* data, std::int32_t n_tools, const phn_contact_tool* tools,
          const phn_contact_state* states, const phn_coupled* place, phn_coupled& result) {
   if (contact == nullptr || data == nullptr || data->model != contact->model || n_tools < 0) return PHN_ERROR_ARGUMENT;
@@ -138,7 +139,7 @@ int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, cons
   const std::size_t n = n_tools > 0 ? static_cast<std::size_t>(n_tools) : 0;
   phn_coupled coupled = {0, 0};
   const int status = step(contact, data, n_tools, tools, states, result, coupled);
-  // Tools may lie in the same memory: they are read.
+  // The tools have been read; the states may overlap them.
   for (std::size_t t = 0; states != nullptr && t < n; ++t) {
     states[t] = nothing;
     if (status >= 0) write_state(*contact, contact->tool[t], states[t]);
@@ -160,7 +161,7 @@ int phn_contact_refit(phn_contact* contact, const double* field) {
   for (std::int32_t i = 0; field != nullptr && i < 3 * model.n_output; ++i) {
     if (!std::isfinite(field[i])) return PHN_ERROR_NOT_FINITE;
   }
-  // Where free tools are beside the surface, before it moves.
+  // Nearest surface points of free tools before the surface moves.
   SurfacePoint beside[most_coupled];
   double distance[most_coupled], from[most_coupled][3];
   for (std::int32_t t = 0; t < contact->max_tools; ++t) {

@@ -1,4 +1,4 @@
-// Tools in contact: where each touches, and what the balance of a step needs.
+// State of tools in contact: where each touches, and the quantities that the force balance of a step needs.
 #pragma once
 
 #include <phynness/phynness_contact.h>
@@ -8,7 +8,7 @@
 
 namespace PHN_RUNTIME {
 
-/// What a tool does in this step, cut to what numbers can bear.
+/// Input of a tool in this step, clamped so that no later computation overflows.
 struct ToolInput {
   double center[3], radius, friction;
   std::int32_t mode;
@@ -16,25 +16,25 @@ struct ToolInput {
 };
 
 struct ToolContact {
-  bool known;     ///< it has been somewhere before
-  bool anchored;  ///< it has a proxy: in contact, or inside a surface that others have pushed away
+  bool known;     ///< it had a position in the last step
+  bool anchored;  ///< it has a proxy: in contact, or inside a surface that other tools have pushed away
   bool felt;      ///< in contact
   std::int32_t mode;
-  double radius, place[3];  ///< of the last step; free tools are outside there, or inside since they came to be
+  double radius, place[3];  ///< of the last step; a free tool is outside there, or has been inside since it appeared
   SurfacePoint at;          ///< the proxy
   double grip[3];           ///< mode grasp: from the touched point to the centre [m]
   double displacement[3];   ///< of the touched point [m]
   double moved[3];          ///< in the last step [m]
   double given[3];          ///< the last force [N]
-  double taken;             ///< mode press: work of the tool since it touched [J]
-  double scale;             ///< of the force: what of the energy the tool may have back; 0: not in contact
-  bool alone;               ///< and only then the energy is this tool's
-  // Of a step.
+  double taken;             ///< mode press: work done by the tool since contact began [J]
+  double scale;             ///< factor of the force that limits the returned work; 0: not in contact
+  bool alone;               ///< the only tool in contact, so that the energy belongs to it
+  // Quantities of one step.
   bool active;
   double normal[3], force[3];
-  double unbalanced;        ///< what was cut off the force [N]
-  SurfacePoint before;      ///< of the latest slide
-  double slide[3], excess;  ///< that slide [m]; what the force had beyond the cone before [N], -1: none yet
+  double unbalanced;        ///< removed part of the force [N]
+  SurfacePoint before;      ///< the proxy before the latest slide
+  double slide[3], excess;  ///< that slide [m]; force in excess of the cone before it [N], -1: no slide yet
   std::int32_t n_shortened, n_pulling;
 };
 
@@ -50,19 +50,21 @@ struct phn_contact {
 
 namespace PHN_RUNTIME {
 
-/// How far inside a start of a sweep may be and still be outside, in sizes of the body: far above rounding.
+/// A sweep may start this far inside the surface, in sizes of the body, and still count as outside: far more than
+/// rounding errors.
 inline constexpr double sweep_slack = 1e-9;
 
-/// Whether and where a tool touches, before forces are known.
+/// Determines whether and where a tool touches, before forces are known.
 void approach(const phn_contact& contact, const ToolInput& input, ToolContact& tool);
 
-/// After refit, a free tool beside the surface goes with it. @param from  the place of `at` before
+/// Moves a free tool beside the surface with the surface, after a refit. @param from  position of `at` before the refit
 void carry(const phn_contact& contact, const SurfacePoint& at, const double* from, ToolContact& tool);
 
-/// What phn_couple is asked for.
+/// The argument of phn_couple for a tool.
 phn_tool held_by(const phn_contact& contact, const ToolContact& tool);
 
-/// Forces of all anchored tools: slides, and lets go what would pull. @return a status of phynness.h
+/// Computes the forces of all anchored tools: lets points slide, and ends contacts that would pull.
+/// @return a status of phynness.h
 int balance(phn_contact& contact, phn_data& data, std::int32_t n_tools, const ToolInput* inputs, phn_coupled* result);
 
 }  // namespace PHN_RUNTIME

@@ -1,4 +1,4 @@
-// The geometry of touching: sweeps of free tools, changes of mode.
+// Geometry of contact: sweeps of free tools, changes of mode.
 #include "contact.hpp"
 
 namespace PHN_RUNTIME {
@@ -6,13 +6,13 @@ namespace {
 
 double slack_of(const phn_contact& contact) { return sweep_slack * contact.surface.size; }
 
-/// The side of the surface that an anchored tool came from.
+/// Places an anchored tool that becomes free on the side of the surface from which it came.
 void put_on_surface(const phn_contact& contact, double radius, ToolContact& tool) {
   point_at(contact.surface, contact.surface.placed, tool.at, radius, tool.place);
   tool.anchored = tool.felt = false;
 }
 
-/// A larger radius moves the surface out, over a tool that was beside it.
+/// Whether a larger radius has moved the offset surface past a tool that was outside of it.
 bool overtaken(const phn_contact& contact, double radius, const ToolContact& tool, SurfacePoint& at) {
   if (!(radius > tool.radius)) return false;
   double normal[3], y[3], apart[3];
@@ -26,7 +26,7 @@ bool overtaken(const phn_contact& contact, double radius, const ToolContact& too
   return was >= 0 && dot(apart, normal) < 0 && movable(contact.surface, at) >= least_movable;
 }
 
-/// The touched point does not move at once: it is displaced as the surface is.
+/// Starts a grasp. The touched point keeps its present displacement, so that it does not jump.
 void grip(const phn_contact& contact, const double* center, ToolContact& tool) {
   double x[3];
   point_at(contact.surface, contact.surface.placed, tool.at, 0, x);

@@ -1,17 +1,17 @@
-// Forces of the tools that touch: friction, sliding, release.
+// Force balance of tools in contact: friction, sliding, release.
 #include "contact.hpp"
 #include "evaluate.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
 
-constexpr int most_slides = 8, fewest_slides = 2;  // of one tool; of many, which cost more each
+constexpr int most_slides = 8, fewest_slides = 2;  // with one tool; with many tools, whose slides cost more
 constexpr double cone_tolerance = 1e-4;            ///< of the force
 constexpr double longest_slide = 2;                ///< in displacements of the touched point
-constexpr double same_place = 1e-4;                ///< tools closer than this are at one place, in sizes of the body
+constexpr double same_place = 1e-4;                ///< tools closer than this, in sizes of the body, are at one point
 constexpr int most_shortened = 3, most_pulling = 3;
 
-/// Solves M x = b for a matrix that resists: -M has a positive trace and determinant.
+/// Solves M x = b if -M has a positive trace and determinant. @return whether it has
 bool solve_two(const double m[2][2], const double* b, double* x) {
   const double trace = m[0][0] + m[1][1], determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
   if (!(trace < 0 && determinant > 1e-3 * trace * trace / 4)) return false;
@@ -66,8 +66,8 @@ class Balance {
     return status | warned;
   }
 
-  /// Work is that of the mean of two forces over the way between them. What the tool may have back is at most what it
-  /// gave.
+  /// Scales the force so that the returned work does not exceed the work done. Work is the mean of two successive
+  /// forces times the motion between them.
   void guard(ToolContact& tool, const ToolInput& input, double energy) {
     const bool guarded = input.mode == PHN_TOOL_PRESS && input.guarded && has_energy(*_contact.model),
                was_alone = tool.alone;
@@ -83,7 +83,7 @@ class Balance {
     } else if (!tool.alone || !was_alone) {
       tool.taken = tool.scale * energy;
     } else {
-      constexpr double least = 1e-12;  // not 0: the tool is in contact
+      constexpr double least = 1e-12;  // positive, because 0 means no contact
       const bool covered = so_far + now >= energy;
       tool.scale = covered ? 1 : energy > now ? std::fmin(1.0, std::fmax(least, so_far / (energy - now))) : least;
       tool.taken = std::fmax(0.0, so_far + tool.scale * now);
@@ -91,7 +91,7 @@ class Balance {
     for (double& f : tool.force) f *= tool.scale;
   }
 
-  /// Where the tool asks its point to be.
+  /// Sets the displacement that the tool prescribes at its point.
   void find_displacement(std::int32_t t) {
     ToolContact& tool = _contact.tool[t];
     const ToolInput& input = _inputs[t];
@@ -102,7 +102,7 @@ class Balance {
     normal_at(_surface, tool.at, tool.normal);
   }
 
-  /// The vertex that alone moves the point; -1: there are several.
+  /// The only vertex that moves the point; -1: there are several.
   std::int32_t only_node(const SurfacePoint& at) const {
     std::int32_t only = -1;
     for (int c = 0; c < 3; ++c) {
@@ -114,7 +114,7 @@ class Balance {
     return only;
   }
 
-  /// Of tools at one place one goes on: no field has two displacements there.
+  /// Of several tools at one point only one remains in the balance, because a field has one displacement there.
   int separate() {
     int warned = PHN_OK;
     for (std::int32_t t = 0; t < _n; ++t) {
@@ -158,14 +158,14 @@ class Balance {
     return status;
   }
 
-  /// Push into the body, and the rest of the force. @return the push
+  /// Splits the force into its normal component and the tangential rest. @return the component into the body
   static double split(const ToolContact& tool, double* tangential) {
     const double push = -dot(tool.force, tool.normal);
     for (int k = 0; k < 3; ++k) tangential[k] = tool.force[k] + push * tool.normal[k];
     return push;
   }
 
-  /// @return whether the balance changes: the tool slides, or is let go
+  /// @return whether the balance changes because the tool slides or is released
   bool judge(std::int32_t i, bool may_slide) {
     const std::int32_t t = _active[i];
     ToolContact& tool = _contact.tool[t];
@@ -194,7 +194,8 @@ class Balance {
     return true;
   }
 
-  /// Newton's step to the cone: stiffness of the point at rest, scaled to what it is along the displacement.
+  /// Newton's step to the friction cone, with the stiffness of the point at rest, scaled to the present stiffness along
+  /// the displacement.
   bool find_slide(std::int32_t i, double push, const double* tangential, double friction) {
     const std::int32_t t = _active[i];
     ToolContact& tool = _contact.tool[t];
@@ -206,8 +207,8 @@ class Balance {
     double axes[6], offset_gradient[9], normal_gradient[9];
     gradients_at(_surface, tool.at, axes, offset_gradient, normal_gradient);
     const double sideways = norm(tangential);
-    // Where the full step resists no more, as where a tool slips off, or where nothing pushes, that of a flat surface
-    // without friction.
+    // The second attempt uses a flat surface without friction. It is needed where the full matrix is not definite, as
+    // where a tool slips off, and where no force pushes into the body.
     for (int attempt = push > 0 ? 0 : 1; attempt < 2; ++attempt) {
       const bool curved = attempt == 0;
       const double mu = curved ? friction : 0;
@@ -245,13 +246,13 @@ class Balance {
   Matrix stiffness_of(std::int32_t i) const {
     const HeldPoint& point = _data.coupling.point[i];
     if (_n_active > 1 || point.n_nodes > 1) return point.stiffness;
-    // One tool at one node is not coupled.
+    // phn_couple computes no coupling stiffness for one tool at one node.
     Matrix stiffness = stiffness_at_rest(*_contact.model, _contact.model->active[point.active[0]]);
     for (double& k : stiffness.a) k /= point.weight[0] * point.weight[0];
     return stiffness;
   }
 
-  /// Cuts off what sliding left outside the cone.
+  /// Projects the force onto the friction cone where sliding has not reached it.
   void finish(std::int32_t i) {
     const std::int32_t t = _active[i];
     ToolContact& tool = _contact.tool[t];
@@ -269,7 +270,8 @@ class Balance {
     tool.unbalanced = norm(cut_off);
   }
 
-  /// A tool that nothing pushes: free if it is outside, otherwise inside a surface that others have pushed away.
+  /// Ends the contact of a tool without a pushing force: it becomes free if it is outside; otherwise it is inside a
+  /// surface that other tools have pushed away.
   void let_go(ToolContact& tool) {
     for (int k = 0; k < 3; ++k) tool.force[k] = 0;
     double from[3];

@@ -30,8 +30,8 @@ bool touchable(const phn_model& model, const std::int32_t* vertex) {
   return moves && dot(normal, normal) > 0;
 }
 
-/// Half the angle, by the series of the arc sine of sin(angle / 2): to 0.3 % up to a right angle. The runtime has no
-/// arc cosine.
+/// Half the angle by the series of the arc sine of sin(angle / 2); the error is 0.3 % up to a right angle. The runtime
+/// does not link an arc cosine.
 double angle(double cosine) {
   const double square = std::fmax(0.0, (1 - cosine) / 2);
   return std::sqrt(square) * (1 + square * (1.0 / 6 + square * (3.0 / 40 + square * (15.0 / 336))));
@@ -55,14 +55,15 @@ void find_neighbors(TouchableEdge* edges, ContactSurface& s) {
   for (std::int32_t i = 0, end; i < n; i = end) {
     for (end = i + 1; same(i, end);) ++end;
     const std::int32_t a = edges[i].at, b = edges[end - 1].at;
-    // Two triangles that look the same way; over more a tool cannot slide.
+    // Neighbours are two triangles of consistent orientation. A tool does not slide across an edge of more triangles.
     if (end - i != 2 || first_of(a) == first_of(b)) continue;
     s.neighbor[a] = b / 3;
     s.neighbor[b] = a / 3;
   }
 }
 
-/// Mean normals, weighted by the angle at the vertex, long enough that planes move by 1 on an average.
+/// Mean normals, weighted by the angle at the vertex, with a length for which the planes around it move by 1 on
+/// average.
 void find_offsets(const phn_model& model, ContactSurface& s) {
   for (std::int32_t i = 0; i < 3 * s.n_vertices; ++i) s.offset[i] = 0;
   const auto each_corner = [&](const auto& visit) {
@@ -91,12 +92,12 @@ void find_offsets(const phn_model& model, ContactSurface& s) {
     const double size = norm(m);
     for (int k = 0; k < 3; ++k) m[k] = size > 1e-6 ? m[k] / size : 0;
   }
-  // Two sums per vertex in memory that place() fills later.
+  // Temporary sums use memory that place() overwrites later.
   for (std::int32_t i = 0; i < 3 * s.n_vertices; ++i) s.placed[i] = 0;
   each_corner([&](std::int32_t v, const double* normal, double weight) {
     double *m = row(s.offset, v), *sums = row(s.placed, v);
     if (!(dot(m, m) > 0)) {
-      for (int k = 0; k < 3; ++k) m[k] = normal[k];  // the normals cancel: any of them
+      for (int k = 0; k < 3; ++k) m[k] = normal[k];  // the normals cancel; use one of them
     }
     sums[0] += weight * dot(m, normal);
     sums[1] += weight;

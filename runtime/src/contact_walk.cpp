@@ -5,7 +5,7 @@ namespace {
 
 constexpr int most_crossings = 32;
 
-/// Rounding off: weights >= 0 and of sum 1, away from fixed edges.
+/// Corrects rounding errors: weights >= 0 with the sum 1, at a distance from fixed edges.
 void tidy(const ContactSurface& s, SurfacePoint& at) {
   double sum = 0;
   for (double& w : at.weight) sum += w = w > 0 ? w : 0;
@@ -24,7 +24,7 @@ void tidy(const ContactSurface& s, SurfacePoint& at) {
   }
 }
 
-/// The point in the triangle behind the edge opposite to corner `behind`, and the step turned into its plane.
+/// Moves the point to the triangle across the edge opposite to corner `behind` and turns the step into its plane.
 void cross_edge(const ContactSurface& s, SurfacePoint& at, int behind, const double* normal, double* step) {
   const std::int32_t next = s.neighbor[3 * at.triangle + behind];
   const std::int32_t *from = s.triangle + 3 * at.triangle, *to = s.triangle + 3 * next;
@@ -42,7 +42,7 @@ void cross_edge(const ContactSurface& s, SurfacePoint& at, int behind, const dou
   const double size = norm(edge), area = norm(next_normal);
   for (double& x : edge) x /= size;
   for (double& x : next_normal) x /= area;
-  // The edge runs the same way round here and the other way round there.
+  // The two triangles traverse their common edge in opposite directions.
   cross(edge, normal, out);
   cross(edge, next_normal, in);
   const double along = dot(step, edge), across = dot(step, out);

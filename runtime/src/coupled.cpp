@@ -1,4 +1,4 @@
-// The orders of several tools and what they make together (docs/theory.md, tools anywhere).
+// The orders in which several tools act, and their combination (docs/theory.md, tools anywhere).
 #include <cmath>
 
 #include "coupled_field.hpp"
@@ -8,28 +8,27 @@
 namespace PHN_RUNTIME {
 namespace {
 
-/// In parts of each tool's own compliance: how much is left of two tools' compliances once they oppose each
-/// other. Below, they are so close that what they ask for apart is given up
-/// (docs/decisions/coupled-tools.md).
+/// Smallest compliance of opposing displacements of two tools, as a fraction of each tool's own compliance. Below it
+/// the tools are so close that opposing displacements are followed only in part (docs/decisions/coupled-tools.md).
 constexpr double least_apart = 0.05;
 
-/// Part of all tools' energies that counts for each order: 0 would make two tools that agree, and so have
-/// nothing left to do in either order, take turns with their smallest contradiction.
+/// Fraction of all tools' energies that is added to the weight of each order. With 0, the weights of two tools with
+/// consistent displacements, which leave nothing to do in either order, would jump with their smallest difference.
 constexpr double equal_part = 0.05;
 
-/// Of the rotation of the surface around a point that one tool makes, the part by which the body turns for
-/// the tool that comes second (docs/decisions/coupled-tools.md).
+/// Fraction of the surface's rotation around a point, caused by the first tool, by which the body counts as turned for
+/// the second tool (docs/decisions/coupled-tools.md).
 constexpr double turned_part = 0.7;
 
-/// Bodies of which half is turned: see curvature. Linear laws, which turn nothing, have 1e-6, nonlinear ones 0.05 and
-/// more.
+/// Curvature (see curvature) at which half of the rotation is used. Linear laws, for which fields must not be turned,
+/// have 1e-6; nonlinear laws have 0.05 and more.
 constexpr double half_curved = 0.005;
 
-/// Part of all orders' weights below which what an order leaves to the others turns its field no more: where nothing is
-/// left there is no mean of the rotations, but networks' fields have a part that stays.
+/// Fraction of all orders' weights below which the field that an order leaves to the others is not turned: where
+/// nothing is left, the mean of the rotations is undefined, but fields of networks have a constant part.
 constexpr double least_turned = 1e-6;
 
-/// Points that miss their tools by more than this part of the largest displacement do not follow them.
+/// A point that is farther from its tool than this fraction of the largest displacement does not follow it.
 constexpr double follows = 1e-8;
 
 class Solver : private CoupledField {
@@ -55,7 +54,7 @@ class Solver : private CoupledField {
       result.energy = respond(0, _targets[0]);
       add_response(0, 0, 1);
     }
-    // What fields do at the points that forces do not know of: as the undeformed body does it.
+    // Displacements of the fields at the points that the forces do not include are corrected as in the undeformed body.
     miss();
     if (correct()) {
       for (std::int32_t s = 0; s < n; ++s) add_at_rest(0, s, _c.right[s], 1);
@@ -68,9 +67,10 @@ class Solver : private CoupledField {
   }
 
  private:
-  /// Order i: tool i displaces the body alone, then the others move their points the rest of the way while it
-  /// holds its own. All orders together, each with the more weight the more its tool does once others hold
-  /// theirs: one that others move along does nothing, and is not felt. Sets forces and adds up the field.
+  /// Order i: tool i displaces the body alone; then the other tools move their points the remaining distance while tool
+  /// i holds its point. The result is a weighted mean over all orders. The weight of an order grows with the work that
+  /// its tool still does while the others hold their points; a tool whose point the others already displace has no
+  /// weight. Sets the forces and sums the field.
   /// @return energy
   double combine_orders() {
     const std::int32_t n = _c.n_tools;
@@ -84,8 +84,8 @@ class Solver : private CoupledField {
       hold_others(i);
     }
     find_weights();
-    // In a linear body all orders say the same, unless tools are too near each other; weights of their own would bend
-    // it.
+    // In a linear body all orders give the same result unless tools are too close together; weights that depend on the
+    // displacements would make it nonlinear.
     for (std::int32_t i = 0; i < n && linear; ++i) _c.weight[i] = 1.0 / n;
     for (std::int32_t i = 0; i < n; ++i) add_order_to_field(i);
     double energy = 0;
@@ -128,17 +128,17 @@ class Solver : private CoupledField {
     for (std::int32_t j = 0; j < _c.n_tools; ++j) _c.forces[j] += _c.weight[i] * force[j];
   }
 
-  /// v of rotated for tool j, over what tool i makes of its place.
+  /// Rotation vector (argument of rotated) for tool j, relative to the rotation that tool i causes at its point.
   double turned_by(std::int32_t i, std::int32_t j) const {
     const double curved = _c.point[i].curved + _c.point[j].curved, area = _c.point[j].area;
     return area > 0 ? turned_part / 2 / area * curved / (curved + 2 * half_curved * half_curved) : 0;
   }
 
-  /// The field of what order i leaves to the others.
+  /// The set with the field that order i leaves to the others.
   std::int32_t set_of(std::int32_t i) const { return turns() ? 1 + i : 0; }
 
-  /// What order i leaves to the others, turned back to where the body has not been turned by tool i, and the
-  /// forces in the undeformed body for it.
+  /// The displacements that order i leaves to the others, turned back by the rotation that tool i causes, and their
+  /// forces in the undeformed body.
   void hold_others(std::int32_t i) {
     const std::int32_t n = _c.n_tools;
     for (std::int32_t j = 0; j < n; ++j) {
@@ -151,7 +151,7 @@ class Solver : private CoupledField {
     pull_all(_c.rest + at(i, 0), _c.pulled + at(i, 0));
   }
 
-  /// Forces of the undeformed body at all points for displacements of theirs.
+  /// Forces of the undeformed body at all points for given displacements of the points.
   void pull_all(const Vector* moved, Vector* pulled) const {
     for (std::int32_t j = 0; j < _c.n_tools; ++j) {
       pulled[j] = {};
@@ -159,9 +159,9 @@ class Solver : private CoupledField {
     }
   }
 
-  /// From derivatives by what order i leaves to the others, as turned back, to those by all tools'
-  /// displacements.
-  /// @param force  of all tools, that of i 0; becomes the latter
+  /// Chain rule from the displacements that order i leaves to the others, turned back, to the displacements of all
+  /// tools.
+  /// @param force  derivatives by the former, 0 for tool i; replaced by derivatives by the latter
   void carry_back(std::int32_t i, Vector* force) const {
     for (std::int32_t j = 0; j < _c.n_tools; ++j) {
       if (j == i) continue;
@@ -174,8 +174,8 @@ class Solver : private CoupledField {
     }
   }
 
-  /// Weight i: energy of what tool i still does in the other orders, as the undeformed body has it alone, and
-  /// a part of all tools' energies, which keeps tools equal that agree.
+  /// Weight i: the energy, in the undeformed body with tool i alone, of the displacements that the other orders leave
+  /// to tool i, plus a fraction of all tools' energies, which gives tools with consistent displacements equal weights.
   void find_weights() {
     const std::int32_t n = _c.n_tools;
     double all = 0;
@@ -191,11 +191,12 @@ class Solver : private CoupledField {
     for (std::int32_t i = 0; i < n; ++i) _c.weight[i] = _sum > 0 ? _c.weight[i] / _sum : 1.0 / n;
   }
 
-  /// Adds what the change of the weights with the displacements does to the energy: forces are its gradient.
+  /// Adds the forces that result from the change of the weights with the displacements, so that the forces remain the
+  /// gradient of the energy.
   void add_change_of_weights(double energy) {
     const std::int32_t n = _c.n_tools;
     if (!(_sum > 0)) return;
-    double apart = 0;  // the orders' energies from the mean one
+    double apart = 0;  // largest deviation of an order's energy from the mean
     for (std::int32_t i = 0; i < n; ++i) apart += (_c.energy[i] - energy) / _sum;
     for (std::int32_t i = 0; i < n; ++i)
       _c.forces[i] += (apart * equal_part * 2) * (_c.point[i].stiffness * _targets[i]);
@@ -212,10 +213,10 @@ class Solver : private CoupledField {
     }
   }
 
-  /// What tool j does beyond linear when it moves its point by what order i leaves to it in a body that
-  /// others hold: taken as what it does beyond linear alone, at as much of that as would be left of it if
-  /// others held theirs.
-  /// @param pulled  its gradient is added. @return energy
+  /// Nonlinear part of the energy when tool j moves its point by the displacement that order i leaves to it while other
+  /// tools hold their points. It is taken from the response of tool j alone, at that part of the displacement which
+  /// would remain if the others held their points.
+  /// @param pulled  the gradient is added to it. @return energy
   double bend(std::int32_t i, std::int32_t j, Vector& pulled) {
     HeldPoint& point = _c.point[j];
     const Vector z = point.relative * _c.rest[at(i, j)];
@@ -227,10 +228,10 @@ class Solver : private CoupledField {
     return energy - dot(z, linear) / 2;
   }
 
-  /// From the undeformed body's derivatives of the points by the p: the forces that move the points by given
-  /// displacements, and of each tool what of a displacement of its own is left when the others hold theirs.
-  /// Compliances are scaled to 1 for each tool alone; where they are almost singular, tools are too near each
-  /// other to be told apart: there the inverse goes to 0 with the eigenvalue instead of to infinity.
+  /// Computes, from the derivatives of the points by the p in the undeformed body, the forces that move the points by
+  /// given displacements, and for each tool the part of its displacement that remains when the others hold their
+  /// points. Compliances are scaled to 1 for each tool alone. An almost singular compliance means that tools are too
+  /// close together to be distinguished; there the inverse goes to 0 with the eigenvalue instead of to infinity.
   void find_stiffness() {
     const std::int32_t n = 3 * _c.n_tools;
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
@@ -251,13 +252,13 @@ class Solver : private CoupledField {
       for (std::int32_t s = 0; s < _c.n_tools; ++s) {
         const Matrix scaled = inverse_block(t, s);
         _c.stiffness[at(t, s)] = point.root * scaled * _c.point[s].root;
-        // Others can only hold a point tighter.
+        // Other tools can only stiffen a point.
         if (s == t) point.relative = point.inverse_root * inverse_of_stiffness(scaled, 1) * point.root;
       }
     }
   }
 
-  /// Of the inverse of the scaled compliances. @pre they are diagonalized
+  /// Block (t, s) of the inverse of the scaled compliances. @pre they are diagonalized
   Matrix inverse_block(std::int32_t t, std::int32_t s) const {
     const std::int32_t n = 3 * _c.n_tools;
     Matrix block = {};
@@ -270,8 +271,8 @@ class Solver : private CoupledField {
     return block;
   }
 
-  /// right becomes the change of the p that makes up for it in the undeformed body, as far as tools can be
-  /// told apart.
+  /// Replaces `right` by the change of the p that produces it in the undeformed body, as far as the tools can be
+  /// distinguished.
   bool correct() {
     if (!_apart) {
       pull_all(_c.right, _c.forces);
@@ -288,15 +289,15 @@ class Solver : private CoupledField {
     return true;
   }
 
-  /// Zeros: sums left the range of numbers.
+  /// Sets all results to zero after an overflow of sums.
   CoupledResult give_up(double far) {
     for (std::int32_t t = 0; t < _c.n_tools; ++t) _c.point[t].force = _c.point[t].own = {};
     clear_field();
     return {false, far, 0};
   }
 
-  double _sum = 0;     ///< of the weights before they were made to add up to 1
-  bool _apart = true;  ///< no two tools are too near each other to be told apart
+  double _sum = 0;     ///< of the weights before normalization
+  bool _apart = true;  ///< all tools can be distinguished
 };
 
 }  // namespace
@@ -306,7 +307,7 @@ Coupling lay_out_coupling(Arena& arena, const phn_model& model, std::int32_t max
   c.max_tools = max_tools < most_coupled ? max_tools : most_coupled;
   c.model = &model;
   const auto t = static_cast<std::size_t>(c.max_tools);
-  // One tool alone turns nothing for another.
+  // With a single tool no rotations are needed.
   const std::size_t n_places = t > 1 ? 2 * t : t, n_sets = t > 1 ? 1 + t : 1, n_locals = 3 * n_places * t;
   c.point = arena.take<HeldPoint>(t);
   c.local = arena.take<LocalResponse>(n_locals);

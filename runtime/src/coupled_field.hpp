@@ -1,4 +1,4 @@
-// The field of several tools: sums of responses of their nodes, in sets that are turned as a whole.
+// The field of several tools: sums of responses of their nodes, in sets that are each turned as a whole.
 #pragma once
 
 #include "tool_responses.hpp"
@@ -13,11 +13,11 @@ class CoupledField : protected ToolResponses {
   void clear_field();
   /// Adds to the field `weight` times the latest response of tool s.
   void add_response(std::int32_t set, std::int32_t s, double weight);
-  /// Adds to the field what moves tool s's point by `weight` r in the undeformed body.
+  /// Adds to the field the response of the undeformed body that moves tool s's point by `weight` r.
   void add_at_rest(std::int32_t set, std::int32_t s, const Vector& r, double weight);
-  /// right = what the points lack of their targets in the field. @return the largest distance
+  /// right = targets minus displacements of the points in the field. @return the largest distance
   double miss();
-  /// Whether forces and field are numbers.
+  /// Whether forces and field are finite.
   bool finite() const;
 
   const Vector* _targets;

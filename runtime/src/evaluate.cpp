@@ -11,7 +11,7 @@ double length(const double* d) {
   for (int k = 0; k < 3; ++k) largest = std::fmax(largest, std::fabs(d[k]));
   if (largest > 1e-140 && largest < 1e140) return std::sqrt(dot(d, d));
   if (!(largest > 0) || std::isinf(largest)) return largest;
-  // Scaled by a power of two, which is exact, the squares stay in range.
+  // Scaling by a power of two is exact and keeps the squares in range.
   int exponent = 0;
   std::frexp(largest, &exponent);
   double sum = 0;
@@ -49,7 +49,7 @@ void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t a
 
 bool outside(const phn_model& model, const ActiveNode& node, const double* d) {
   if (schema::traits(model.family).proportional) return length(d) > largest_linear;
-  // No root for most: squares that overflow or underflow go on below.
+  // Most displacements need no square root. Squares that overflow or underflow are handled below.
   if (dot(d, d) < node.least_depth * node.least_depth) return false;
   const double size = length(d), slack = depth_slack<double>;
   return size > slack * node.least_depth && size > slack * trained_depth(model, node, d);
@@ -57,7 +57,7 @@ bool outside(const phn_model& model, const ActiveNode& node, const double* d) {
 
 double trained_depth(const phn_model& model, const ActiveNode& node, const double* d) {
   const double size = length(d);
-  // Products of these could leave the range of normal numbers.
+  // Products of such numbers could be subnormal or infinite.
   const bool extreme = size > 0 && (size < 1e-290 || size > 1e290);
   const double e[3] = {extreme ? d[0] / size : d[0], extreme ? d[1] / size : d[1], extreme ? d[2] / size : d[2]};
   return depth_along(model.directions, node.trained_depth, model.n_directions, e);

@@ -1,12 +1,12 @@
-// The one place where the runtime tells families apart. A family is a response of a node: a type, and overloads of
+// The only place where the runtime distinguishes families. Each family has a folder with the type of a node's response
+// and overloads of these functions:
 //
 //   response_force, response_energy, response_stiffness   of one node
-//   has_deformation, basis_size                           whether the node has a basis, and how large
-//   response_basis, response_gradient, response_field     the basis at a displacement, its derivatives, the field of a
-//   basis worth_preparing, prepare_response                     what a deformation needs that does not depend on the
-//   displacement vertex_sum                                            sums what vertices do (local_response.hpp)
-//
-// in a folder of its own.
+//   has_deformation, basis_size                           whether the node has a basis, and its size
+//   response_basis, response_gradient                     the basis at a displacement, and its derivatives
+//   response_field                                        the field of a basis
+//   worth_preparing, prepare_response                     parts of a deformation that are independent of d
+//   vertex_sum                                            sums of displacements of vertices (local_response.hpp)
 #pragma once
 
 #include "linear/response.hpp"
@@ -15,7 +15,7 @@
 
 namespace PHN_RUNTIME {
 
-/// f(response of the node)
+/// Calls f with the node's response in the type of its family.
 template <class Function>
 PHN_INLINE decltype(auto) with_response(const phn_model& model, const ActiveNode& node, Function&& f) {
   switch (model.family) {

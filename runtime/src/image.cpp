@@ -1,4 +1,4 @@
-// The C interface to images: checks of arguments and statuses, once for doubles and once for floats.
+// The C interface of phynness_image.h: argument checks and statuses, for doubles and for floats.
 #include "image.hpp"
 #include "overlap.hpp"
 
@@ -6,16 +6,15 @@ using namespace PHN_RUNTIME;
 
 namespace {
 
-/// Where an answer is wanted, and whether the question is a good one.
+/// The node and the displacement of a call, and the status of their check.
 template <class Real>
 struct Query {
   const phynness::image::ActiveNode<Real>* node = nullptr;
-  Real d[3] = {0, 0, 0};  ///< cut
-  bool whole = true;      ///< whether nothing was cut
+  Real d[3] = {0, 0, 0};  ///< clamped
+  bool whole = true;      ///< whether d was not clamped
 };
 
-/// The outputs of a refused call hold zeros. They are written last: they may be the memory of the
-/// displacement.
+/// Sets the outputs of a refused call to zeros. They are written last because they may overlap the displacement.
 template <class Real>
 int refuse(int status, Real* out, size_t n) {
   if (out != nullptr) clear(out, n);
@@ -93,7 +92,8 @@ int deform(const ImageHeader<Real>* image, Real* scratch, int32_t node, const Re
 
 }  // namespace
 
-// NAME is phn_image or phn_imagef; both are headers under another name, so that C compilers tell them apart.
+// NAME is phn_image or phn_imagef. Both are incomplete types that stand for a Header, so that C compilers distinguish
+// them.
 #define PHN_IMAGE_FUNCTIONS(NAME, Real)                                                                         \
   static const ImageHeader<Real>* header(const NAME* image) {                                                   \
     return reinterpret_cast<const ImageHeader<Real>*>(image);                                                   \

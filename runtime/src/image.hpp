@@ -1,9 +1,8 @@
-// Evaluation of images, where they lie. A family is the type of a response (image_layout.hpp) and overloads of
+// Evaluation of images in place. Each family has a type of response (image_layout.hpp) and, in image_response.hpp of
+// its folder, overloads of these functions:
 //
 //   response_force, response_energy, response_stiffness   of one node
 //   has_deformation, response_field                       whether a node has a deformation, and the field
-//
-// in image_response.hpp of its folder.
 #pragma once
 
 #include "linear/image_response.hpp"
@@ -12,7 +11,7 @@
 
 namespace PHN_RUNTIME {
 
-/// f(null pointer to the type of a response); the one place that tells the families of images apart.
+/// Calls f with a null pointer to the type of a response. The only place that distinguishes the families of images.
 template <class Real, class Function>
 auto with_response_type(Family family, Function&& f) {
   using image::LinearResponse, image::ModalResponse, image::RbfnResponse;
@@ -27,14 +26,14 @@ constexpr schema::FamilyTraits traits_of(const Response*) {
   return found;
 }
 
-/// Traits of the family, as constants in the code: position-independent code finds a table by way of an offset table in
-/// memory, which a device without an operating system does not set up.
+/// Traits of the family as constants in the code. Position-independent code would access a table through a global
+/// offset table in memory, which a device without an operating system does not initialize.
 template <class Real>
 schema::FamilyTraits traits(const ImageHeader<Real>& image) {
   return with_response_type<Real>(image.family, [](const auto* type) { return traits_of(type); });
 }
 
-/// @param d  cut, unless `whole` is false
+/// @param whole  false if d was clamped
 template <class Real>
 int image_warnings(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, bool whole, const Real* d) {
   const bool outside = !whole || (!traits(image).proportional &&
@@ -47,7 +46,7 @@ const Response& response_at(const ImageHeader<Real>& image, uint32_t offset, con
   return *at<Response>(image, offset);
 }
 
-/// f(response of the node). @pre the image was checked
+/// Calls f with the response of the node. @pre the image was checked
 template <class Real, class Function>
 auto with_response(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, Function&& f) {
   return with_response_type<Real>(image.family,
@@ -60,7 +59,7 @@ bool image_has_deformation(const ImageHeader<Real>& image, const image::ActiveNo
          with_response(image, node, [](const auto& response) { return has_deformation(response); });
 }
 
-/// @param d  cut. @pre image_has_deformation(image, node)
+/// @param d  clamped. @pre image_has_deformation(image, node)
 template <class Real>
 void image_field_at(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d, Real* scratch,
                     Real* field) {

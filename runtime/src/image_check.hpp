@@ -1,5 +1,5 @@
-// What phn_image_open looks at: identity, bytes, that every table lies inside, every index in its table, and every
-// number in bounds that keep sums finite.
+// The checks of phn_image_open: identity, size and checksum, that every table lies inside of the image and every index
+// inside of its table, and that every number is within bounds for which sums are finite.
 #pragma once
 
 #include "image.hpp"
@@ -21,12 +21,12 @@ class ImageCheck {
  private:
   void require(bool condition) { _good = _good && condition; }
 
-  /// Whether n values of T lie inside.
+  /// Whether n values of T lie inside of the image.
   template <class T>
   bool inside(uint32_t offset, uint32_t n) const {
     return offset % alignof(T) == 0 && offset <= _image.bytes && n <= (_image.bytes - offset) / sizeof(T);
   }
-  /// A table of n x per values.
+  /// Checks a table of n x per values.
   template <class T>
   void table(image::Table found, uint32_t n, uint32_t per = 1) {
     require(n <= image::largest_table / per && found.n == n * per && inside<T>(found.at, found.n));
@@ -43,8 +43,8 @@ class ImageCheck {
     const auto* node = at<int32_t>(_image, found);
     for (uint32_t i = 1; i < found.n; ++i) require(node[i] > node[i - 1]);
   }
-  /// |value| <= bound, which NaN is not. Sizes are compared as integers, of doubles the upper halves: cheap without an
-  /// FPU.
+  /// Checks |value| <= bound, which is false for NaN. The bits are compared as integers, of doubles only the upper
+  /// halves, which is fast without a floating-point unit.
   void within(const Real* value, uint32_t n, double bound) {
     constexpr uint32_t n_words = sizeof(Real) / sizeof(uint32_t);
     const auto size = [](const Real* at) {
@@ -56,7 +56,7 @@ class ImageCheck {
     const uint32_t largest = size(&most);
     for (uint32_t i = 0; i < n; ++i) require(size(value + i) <= largest);
   }
-  /// A table of n x per numbers.
+  /// Checks a table of n x per numbers.
   void reals(image::Table found, uint32_t n, uint32_t per = 1, double bound = image::Bounds<Real>::value) {
     table<Real>(found, n, per);
     if (_good) within(at<Real>(_image, found), found.n, bound);

@@ -1,4 +1,4 @@
-// The C interface to images that runs once. Apart from the rest so that it can be compiled for size.
+// phn_image_open. It runs once, and is in a file of its own so that it can be optimized for size.
 #include "image_check.hpp"
 #include "overlap.hpp"
 

@@ -1,5 +1,5 @@
-// What the evaluation of every family finds in an image (image_layout.hpp). Like everything that image.hpp includes,
-// this file includes no header of a C++ library and calls no function of one.
+// Access to the parts of an image (image_layout.hpp) for the evaluation of every family. Like all files that image.hpp
+// includes, this file uses no header and no function of a C++ library.
 #pragma once
 
 #include <phynness/phynness_image.h>
@@ -27,7 +27,7 @@ void clear(Real* out, size_t n) {
   for (size_t i = 0; i < n; ++i) out[i] = 0;
 }
 
-/// d cut. @return whether nothing was cut
+/// Clamps d. @return whether d was not changed
 template <class Real>
 bool cut_displacement(const ImageHeader<Real>& image, const Real* d, Real* at) {
   const Real largest = static_cast<Real>(image::largest_displacement) * image.max_displacement;
@@ -46,14 +46,14 @@ const image::ActiveNode<Real>* find_active(const ImageHeader<Real>& image, int32
   return found < 0 ? nullptr : at<image::ActiveNode<Real>>(image, image.active) + found;
 }
 
-/// @param d  cut
+/// @param d  clamped
 template <class Real>
 Real trained_depth(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d) {
   return depth_along(at<Real>(image, image.directions), at<Real>(image, node.trained_depth),
                      static_cast<int32_t>(node.trained_depth.n), d);
 }
 
-/// d over max_displacement. @param d  cut
+/// d / max_displacement. @param d  clamped
 template <class Real>
 void scale_displacement(const ImageHeader<Real>& image, const Real* d, Real* x) {
   for (int k = 0; k < 3; ++k) x[k] = cut(d[k] / image.max_displacement, static_cast<Real>(image::largest_displacement));

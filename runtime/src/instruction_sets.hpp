@@ -1,5 +1,6 @@
-// Loops that take the time are compiled for several sets of instructions and chosen as the processor has them. Wider
-// registers, the same operations in the same order, nothing fused: the same bits everywhere.
+// Time-critical loops are compiled for several instruction sets; the one for the present processor is selected at run
+// time. All variants perform the same operations in the same order without fused multiply-add, so that results are
+// bitwise the same.
 #pragma once
 
 #include "precision.hpp"
@@ -13,8 +14,8 @@
 #define PHN_INLINE inline
 #endif
 
-/// What stands before and after is compiled on its own as far as this array goes: GCC 12 lets the way in which a loop's
-/// sums are added up at its end decide over the vectors of the loop, which then takes twice as long.
+/// Separates the optimization of the code before and after this point for the array. Otherwise GCC 12 chooses the
+/// vectorization of a loop by the summation after it, and the loop takes twice as long.
 #if defined(__GNUC__) && !defined(__clang__)
 #define PHN_KEEP_IN_MEMORY(array) __asm__("" : "+m"(array))
 #else

@@ -1,4 +1,4 @@
-// The C interface to levels: choosing one, and what each costs on this machine.
+// The C interface of phynness_levels.h: selection of a level, and measurement of their times.
 #include <phynness/phynness_levels.h>
 
 #include <cmath>
@@ -9,13 +9,14 @@ using namespace PHN_RUNTIME;
 
 namespace {
 
-/// A batch of calls lasts at least this long [us]; of so many batches the median counts: interruptions by what else the
-/// machine does lie above it.
+/// Shortest duration of a batch of calls [us]. The result is the median of several batches, which interruptions by
+/// other processes do not change.
 constexpr double shortest_batch = 20;
 constexpr int n_batches = 7;
-/// Calls of a batch. A clock that has not moved by the last of them stands; forces, which are cheap, come first.
+/// Calls of a batch. A clock that has not advanced after most_calls stands still. Forces are measured first because
+/// their calls are short.
 constexpr std::int32_t fewest_calls = 4, most_calls = 1 << 18;
-/// Nodes that forces are asked of, spread over all.
+/// Number of nodes whose forces are measured, spread over all active nodes.
 constexpr std::int32_t n_nodes = 16;
 
 const phn_model& level_of(const phn_model& model, std::int32_t level) {
@@ -37,7 +38,7 @@ class Stopwatch {
  public:
   Stopwatch(double (*clock_us)(void*), void* user) : _clock(clock_us), _user(user) {}
 
-  /// Time of one call [us]. @return whether the clock is one
+  /// Measures the time of one call [us]. @return whether the clock is valid
   template <class Call>
   bool measure(Call call, double* time) {
     double times[n_batches];
@@ -94,12 +95,12 @@ std::int32_t most_neurons(const phn_model& model) {
   return most;
 }
 
-/// A displacement of a hand that moves: another for each call, inside the trained range of most nodes.
+/// A different displacement for each call, as of a moving hand, inside the trained range of most nodes.
 void displacement(const phn_model& model, std::int32_t call, double* d) {
   for (int k = 0; k < 3; ++k) d[k] = model.max_displacement * 0.01 * static_cast<double>(call % 64 * (k + 3) % 50);
 }
 
-/// Times of all levels. @return a status of phynness.h
+/// Measures the times of all levels. @return a status of phynness.h
 int measure_levels(const phn_model* model, phn_data* data, double (*clock_us)(void*), void* user,
                    phn_level_time* times) {
   if (data == nullptr || data->model != model || clock_us == nullptr) return PHN_ERROR_ARGUMENT;
@@ -109,7 +110,7 @@ int measure_levels(const phn_model* model, phn_data* data, double (*clock_us)(vo
   const auto node = [&](int32_t i) {
     return static_cast<int32_t>((2 * (i % n) + 1) * static_cast<int64_t>(model->n_active) / (2 * n));
   };
-  // A node that has a deformation, if there is one.
+  // Deformations are measured at a node that has one, if any.
   int32_t touched = node(n / 2);
   for (int32_t i = 0; i < model->n_active && !has_deformation(*model, model->active[touched]); ++i) touched = i;
   const bool deforms = has_deformation(*model, model->active[touched]);
@@ -146,7 +147,7 @@ int32_t best_level(const phn_model* model, const phn_level_time* times, double n
   double least = 0;
   for (int32_t l = 0; l < model->n_levels; ++l) {
     const double time = n_forces * times[l].force_us + n_deformations * times[l].deformation_us;
-    // What does not compare does not fit.
+    // The negation also excludes NaN.
     if (!(time <= budget_us)) continue;
     const auto& errors = level_of(*model, l).errors;
     const double error = (n_forces > 0 ? errors.force : 0) + (n_deformations > 0 ? errors.displacement : 0);

@@ -1,4 +1,4 @@
-// model.txt -> phn_model, by the grammar of models (phynness/schema/model_grammar.hpp).
+// Reads a model.txt into a phn_model by the grammar of phynness/schema/model_grammar.hpp.
 #include <cfloat>
 
 #include "evaluate.hpp"
@@ -7,10 +7,10 @@
 namespace PHN_RUNTIME {
 namespace {
 
-// Sums of outputs stay this far from the largest double, so that no addition of a few of them overflows.
+// Largest output of a network: a sum of several outputs does not overflow.
 constexpr double largest_output = 1e300;
 
-/// What the grammar asks of a reader, and what evaluation wants of each part that was read.
+/// The `io` of the grammar for reading, which prepares each part for evaluation once it is read.
 class ModelLoader {
  public:
   ModelLoader(TextReader& in, Arena& arena, phn_model& model, ModelStore& store)
@@ -39,7 +39,7 @@ class ModelLoader {
   bool optional(const char* word, bool) { return good() && _in.next_is(word); }
   void require(bool condition, const char*) { _load.require(condition); }
   bool good() const { return _in.good(); }
-  /// Corners look for their vertices themselves.
+  /// Always true here, because the store of the corners looks up the vertices itself.
   static bool has_place(const ModelStore&, std::int32_t) { return true; }
 
   template <class Store>
@@ -70,7 +70,7 @@ class ModelLoader {
   void shape(const char*, Displacements& store, std::int64_t rows, std::int64_t cols);
   void shape(const char*, Nodes& nodes, std::int64_t rows, std::int64_t);
 
-  /// What is looked up while the rest is read.
+  /// Copies a table that later lines refer to into the model before the rest is read.
   template <class T>
   void done(Table<T>&) {
     _model.directions = _store.directions.at;
@@ -94,7 +94,7 @@ class ModelLoader {
   void done(NodeLevelStore&) {}
   void done(NodeStore& node);
 
-  /// The model, once all of the text is read. @param placed  null: without memory
+  /// Completes the model after the whole text is read. @param placed  null: without memory
   int finish(phn_model* placed);
 
  private:
@@ -146,14 +146,14 @@ void ModelLoader::shape(const char*, Nodes& nodes, std::int64_t rows, std::int64
   for (std::int64_t l = 0; l < n_smaller(); ++l) nodes.at_level[l] = _arena.take<ActiveNode>(n);
 }
 
-/// Outputs of a network must not come near the largest number.
+/// Requires that sums over a network's neurons stay within the range of their type.
 void ModelLoader::within(const Row<3>& center, const Row<3>& half_range, const Row<3>& bias, const Weights& weights,
                          bool deforms) {
   for (int k = 0; k < 3; ++k) {
     const double largest = std::fabs(bias.at[k]) + weights.size[k];
     const double bound = std::fabs(center.at[k]) + half_range.at[k] * largest;
     require(bound < largest_output, nullptr);
-    // Forces are scaled in double after they were summed, displacements before.
+    // Displacements are scaled before they are summed in Real; forces are scaled afterwards in double.
     if (deforms) require(bound <= largest_displacement_sum, nullptr);
   }
 }
@@ -215,7 +215,8 @@ void ModelLoader::done(FieldStore& field) {
   field.modes.make(made, 1, _model.n_output);
 }
 
-/// Centers and coefficients once more as the force reads them, and what makes forces at rest 0.
+/// Copies centers and coefficients to the layout of the force kernel and computes the constants that make forces at
+/// rest 0.
 void ModelLoader::done(ForceStore& store) {
   Conservative<double>& net = store.made;
   ForceTable& table = store.table;
@@ -231,7 +232,7 @@ void ModelLoader::done(ForceStore& store) {
   auto* centers = _arena.take<Real>(in_table ? 6 * static_cast<std::size_t>(whole_blocks(net.n_centers + 1)) : 0);
   table.centers = in_table ? centers : nullptr;
   if (!_load.has_memory() || !good()) return;
-  // The function that adds these values computes them: zeros at rest are exact.
+  // The function that later adds these values also computes them, so that the results at rest are exactly 0.
   const auto by_kernel = [&](const Conservative<double>& unit, const double* at, double* force) {
     for (double& f : table.at_rest) f = 0;
     if (in_table) fill_force_table(unit, centers);
@@ -345,7 +346,7 @@ int ModelLoader::finish(phn_model* placed) {
   model.n_scratch += model.n_basis;
   raise(model.n_scratch, model.n_field_scratch);
   auto* smaller = _arena.take<phn_model>(static_cast<std::size_t>(n_smaller()));
-  // Smaller levels have centers of amplitudes of their own.
+  // Each smaller level has its own centers of amplitudes.
   SharedModes of_level[largest_level_count];
   for (std::int64_t l = 0; l < n_smaller(); ++l) {
     of_level[l] = model.shared;
@@ -379,7 +380,7 @@ int load_model(const char* text, std::size_t length, Arena& arena, const phn_mod
   const int envelope = schema::check_envelope(text, length, wrong_byte);
   if (envelope != PHN_OK) return envelope;
   TextReader in(text, length);
-  in.rest_of_line();  // identity and version, which were checked
+  in.rest_of_line();  // identity and version are already checked
   in.end_line();
   phn_model model = {};
   model.n_basis = 3;

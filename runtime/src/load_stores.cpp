@@ -7,7 +7,7 @@
 namespace PHN_RUNTIME {
 namespace {
 
-/// Zeros from entry n on to whole blocks.
+/// Memory for n numbers, padded with zeros to whole blocks.
 Real* blocks(Load& load, std::int64_t n) {
   const std::int32_t n_whole = whole_blocks(static_cast<std::int32_t>(n));
   auto* at = load.arena.take<Real>(static_cast<std::size_t>(n_whole));
@@ -25,7 +25,7 @@ bool same_depths(TextReader a, TextReader b, std::int64_t n) {
   return true;
 }
 
-/// Whether the n lines of centers that follow hold coefficients that a float holds exactly.
+/// Whether all coefficients in the following n lines of centers are exact in float.
 bool coefficients_are_floats(TextReader in, std::int64_t n) {
   for (std::int64_t i = 0; i < n; ++i) {
     in.integer(0, INT32_MAX);
@@ -39,7 +39,7 @@ bool coefficients_are_floats(TextReader in, std::int64_t n) {
   return true;
 }
 
-/// Whether a row of the displacements lies near enough. Without memory there is nothing to look at.
+/// Whether a row of the displacements is within largest_center. Without memory the result is true.
 bool near_enough(const phn_model& model, std::int32_t row) {
   bool near = true;
   for (int k = 0; k < 3 && model.displacements; ++k)
@@ -101,8 +101,7 @@ void SharedTableStore::Entries::shape(Load& load, std::int64_t rows, std::int64_
   constexpr std::int64_t block = rows_per_block;
   const auto n_values = static_cast<std::size_t>((rows + block - 1) / block * block * cols);
   at = load.arena.take<float>(load.in.good() ? n_values : 0);
-  for (std::size_t i = 0; load.has_memory() && load.in.good() && i < n_values; ++i)
-    at[i] = 0;  // fills up the last block
+  for (std::size_t i = 0; load.has_memory() && load.in.good() && i < n_values; ++i) at[i] = 0;  // pads the last block
 }
 
 void AmplitudeCenters::shape(Load& load, std::int64_t rows, std::int64_t) {
@@ -122,7 +121,7 @@ void AmplitudeCenters::make(Load& load, SharedModes& shared) const {
   for (int k = 0; k < 3; ++k) shared.center[k] = at[k];
   shared.basis_at_rest = at_rest;
   if (!load.has_memory() || !load.in.good()) return;
-  // The function from which these values are subtracted computes them: amplitudes at rest are exactly 0.
+  // Computed by the same function as the kernels themselves, so that amplitudes at rest are exactly 0.
   const double rest[3] = {0, 0, 0}, q = std::sqrt(dot(rest, rest) + shared.shape * shared.shape);
   for (std::int32_t i = 0; i < shared.n_centers; ++i) at_rest[i] = amplitude_kernel(shared, rest, q, i);
 }

@@ -1,5 +1,5 @@
-// Where the loader puts the numbers of a model.txt (phynness/schema/model_grammar.hpp), in the layout that evaluation
-// wants. Without memory nothing is stored, only counted.
+// Stores for the numbers of a model.txt (phynness/schema/model_grammar.hpp), in the memory layout of the evaluation.
+// Without memory they only count bytes.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ using schema::TextReader;
 
 inline bool has_memory(const Arena& arena) { return !arena.counting() && !arena.overflow(); }
 
-/// A copy in the model's memory, if there is any.
+/// A copy in the model's memory; null without memory.
 template <class T>
 const T* place(Arena& arena, const T& value) {
   T* at = arena.take<T>(1);
@@ -25,7 +25,7 @@ const T* place(Arena& arena, const T& value) {
   return at;
 }
 
-/// What all stores of a load share.
+/// State shared by all stores during loading.
 struct Load {
   TextReader& in;
   Arena& arena;
@@ -56,7 +56,7 @@ struct Table {
   }
 };
 
-/// A few numbers that are not placed.
+/// A few numbers that are not stored in the model's memory.
 template <std::int32_t most>
 struct Row {
   double at[most] = {};
@@ -65,13 +65,13 @@ struct Row {
   void set(Load&, std::int64_t i, std::int64_t, double value) { at[i] = value; }
 };
 
-/// xx xy xz yy yz zz.
+/// A symmetric matrix: xx xy xz yy yz zz.
 struct Stiffness {
   double at[6] = {};
   void set(Load&, std::int64_t i, std::int64_t k, double value) { at[i == 0 ? k : i + k + 1] = value; }
 };
 
-/// Text that ends with 0.
+/// A null-terminated string.
 struct Text {
   const char* at = nullptr;
   void set(Load& load, const TextReader::Token& token) {
@@ -86,7 +86,7 @@ struct SkippedText {
   void set(Load&, const TextReader::Token&) {}
 };
 
-/// Displacements, over max_displacement_m in family modal.
+/// Displacements [m]; in family modal divided by max_displacement_m.
 struct Displacements : Table<double> {
   double divisor = 1;
   void set(Load&, std::int64_t i, std::int64_t k, double value) {
@@ -94,12 +94,12 @@ struct Displacements : Table<double> {
   }
 };
 
-/// Corners of triangles: vertices instead of node numbers. Without memory there is nothing to look up.
+/// Corners of triangles, converted from node numbers to vertices. Without memory they are not looked up.
 struct Corners : Table<std::int32_t> {
   void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t node);
 };
 
-/// Output nodes that a probe moves, by their position; others are never asked for.
+/// Output nodes that a probe moves, by their position. Other moved nodes have no results and are not stored.
 struct Prescribed {
   std::int32_t* position = nullptr;
   std::int32_t n_kept = 0, last = -1;
@@ -127,15 +127,15 @@ struct PrescribedWeight {
   }
 };
 
-/// Trained depths; most nodes have those of the node before, which are stored once.
+/// Trained depths. Most nodes have the same depths as the node before; equal depths are stored once.
 struct Depths {
   struct Known {
-    TextReader text{nullptr, 0};  ///< where they begin
+    TextReader text{nullptr, 0};  ///< positioned at their first line
     const double* values = nullptr;
     std::int32_t n = -1;
     double least = 0, fill_distance = 0;
   };
-  Known* known = nullptr;  ///< those of the node before, then of this one
+  Known* known = nullptr;  ///< depths of the node before; updated to this node's
   double* own = nullptr;
   void shape(Load& load, std::int64_t rows, std::int64_t);
   void set(Load& load, std::int64_t i, std::int64_t, double value);
@@ -144,7 +144,7 @@ struct Depths {
 // Family rbfn.
 
 struct NetworkStore;
-/// Coordinates of centers, scaled, from the rows of a table.
+/// Scaled coordinates of centers, taken from the rows of a table.
 struct Centers {
   NetworkStore* net = nullptr;
   std::int32_t first_input = 0;
@@ -152,10 +152,10 @@ struct Centers {
   void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t row);
 };
 
-/// Weights of neurons, by output, filled up with 0 to whole blocks.
+/// Weights of neurons for each output, padded with 0 to whole blocks.
 struct Weights {
   Real* at[3] = {};
-  double size[3] = {};  ///< sums of sizes
+  double size[3] = {};  ///< sums of absolute values
   std::int64_t n = 0;
   std::int64_t rows() const { return n; }
   void shape(Load& load, std::int64_t rows, std::int64_t);
@@ -182,7 +182,7 @@ struct NetworkStore {
   NetworkStore(const NetworkStore&) = delete;
 };
 
-/// What the first neurons of a network do alone.
+/// Bias and weights of a level, which uses the first neurons of a network.
 struct FirstNeurons {
   const NetworkStore* full = nullptr;
   Row<3> bias;
@@ -211,7 +211,7 @@ struct ScaledTable {
   Table<std::int16_t> entries;
 };
 
-/// Modes that nodes share, as floats in blocks of rows.
+/// Modes shared by all nodes, as floats in blocks of rows.
 struct SharedTableStore {
   Table<double> scale;
   struct Entries {
@@ -236,7 +236,7 @@ struct SharedTableStore {
   }
 };
 
-/// Centers of amplitudes: by component.
+/// Centers of amplitudes, stored by component.
 struct AmplitudeCenters {
   double* at[3] = {};
   double* at_rest = nullptr;
@@ -244,7 +244,7 @@ struct AmplitudeCenters {
   std::int64_t rows() const { return n; }
   void shape(Load& load, std::int64_t rows, std::int64_t);
   void set(Load& load, std::int64_t i, std::int64_t, std::int32_t row);
-  /// Centers and what is subtracted so that amplitudes at rest are exactly 0. @param shared  its shape is set
+  /// Sets the centers and the values whose subtraction makes amplitudes at rest exactly 0. @pre shared.shape is set
   void make(Load& load, SharedModes& shared) const;
 };
 
@@ -261,11 +261,11 @@ struct FieldStore {
   SharedTableStore modes;
 };
 
-/// Rows of the displacements, which must not lie absurdly far away.
+/// Rows of the displacements, which must be within largest_center.
 struct ForceCenters : Table<std::int32_t> {
   void set(Load& load, std::int64_t i, std::int64_t k, std::int32_t row);
 };
-/// In the smaller of the two types that holds all of them exactly.
+/// Coefficients, stored as floats if all of them are exact in float, else as doubles.
 struct Coefficients {
   float* short_values = nullptr;
   double* values = nullptr;
@@ -294,7 +294,7 @@ struct ModesStore {
   ModalTables made() const;
 };
 
-// Lists of parts.
+// Lists of items.
 
 template <class T, std::int32_t most>
 struct Parts {
@@ -326,7 +326,7 @@ struct NodeStore {
   Depths trained_depth_m;
   NetworkStore force, deformation;  // rbfn
   LinearStore linear;
-  ForceStore conservative;  // modal, as what follows
+  ForceStore conservative;  // modal, and the members below
   ModesStore modal;
   Parts<ModesStore, largest_field_count> fields;
   Parts<NodeLevelStore, largest_level_count - 1> levels;
@@ -341,7 +341,7 @@ struct NodeStore {
   }
 };
 
-/// The active nodes, of which one at a time is in the making.
+/// The active nodes, which are built one after the other.
 struct Nodes {
   Depths::Known known;
   alignas(NodeStore) unsigned char memory[sizeof(NodeStore)];

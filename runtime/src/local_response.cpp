@@ -15,12 +15,12 @@ std::int32_t position_of(const std::int32_t* list, std::int32_t n, std::int32_t 
   return -1;
 }
 
-/// Of a stiffness at rest, over the cube of its mean diagonal. Forces between nodes are the same from 0 to
-/// 0.05.
+/// Smallest determinant of a stiffness at rest over the cube of its mean diagonal. Values from 0 to 0.05 give the same
+/// forces between nodes.
 constexpr double least_determinant = 0.01;
 
-/// Raises a symmetric matrix by a multiple of 1 until it resists in every direction: beside a snap fits at
-/// rest do not, and what a point between such nodes does is then the difference of large numbers.
+/// Adds a multiple of the identity to a symmetric matrix until it is positive definite. Near a snap-through fits at
+/// rest are not, and the response of a point between such nodes would be a difference of large numbers.
 void stiffen(Matrix& stiffness) {
   double* k = stiffness.a;
   const double mean = (std::fabs(k[0]) + std::fabs(k[4]) + std::fabs(k[8])) / 3, shift = mean / 16;

@@ -1,5 +1,5 @@
-// What models in memory and images in flash look up alike: a node in a list, the depth trained in a direction; and
-// cutting. No header of a C++ library: images need it, too.
+// Functions for models in memory and for images: search of a node in a list, trained depth in a direction, clamping. No
+// header of a C++ library is used, because images are evaluated without one.
 #pragma once
 
 #include <stdint.h>
@@ -9,13 +9,13 @@
 
 namespace PHN_RUNTIME {
 
-/// How much longer than the trained depth a displacement may be and count as inside: the deepest increment itself is
-/// inside, however its direction was rounded.
+/// A displacement may exceed the trained depth by this factor and still count as inside, so that the deepest increment
+/// itself is inside despite the rounding of its direction.
 template <class Real>
 inline constexpr Real depth_slack = sizeof(Real) == sizeof(float) ? static_cast<Real>(1 + 1e-6f)
                                                                   : static_cast<Real>(1 + 1e-9);
 
-/// @pre value is a number
+/// @pre value is not NaN
 template <class Real>
 Real cut(Real value, Real largest) {
   return value > largest ? largest : value < -largest ? -largest : value;
@@ -28,7 +28,7 @@ bool finite(const Real* d) {
 
 /// Position of `node` in an ascending list of n, or -1.
 inline int32_t find_sorted(const int32_t* list, int32_t n, int32_t node) {
-  // Halves without a branch: which one is taken cannot be foreseen.
+  // Binary search without branches, because the processor could not predict them.
   const int32_t* at = list;
   for (int32_t left = n; left > 1;) {
     const int32_t half = left / 2;
@@ -38,9 +38,10 @@ inline int32_t find_sorted(const int32_t* list, int32_t n, int32_t node) {
   return n > 0 && *at == node ? static_cast<int32_t>(at - list) : -1;
 }
 
-/// Depth [m] trained in the direction nearest to d; at rest the least positive one.
-/// @param directions  n x 3, unit; @param depths n; @param d 3, so large or small that its products with them are
-/// normal numbers, or 0
+/// Trained depth [m] in the direction nearest to d; at rest the smallest positive depth.
+/// @param directions  n x 3 unit vectors
+/// @param depths      n
+/// @param d           3; its products with the directions must be normal numbers or 0
 template <class Real>
 Real depth_along(const Real* directions, const Real* depths, int32_t n, const Real* d) {
   const bool moves = d[0] != 0 || d[1] != 0 || d[2] != 0;

@@ -1,4 +1,4 @@
-// Where the nodes of the mesh are in a model.
+// Positions of mesh nodes in a model.
 #include "model.hpp"
 
 #include "lookup.hpp"

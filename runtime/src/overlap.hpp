@@ -1,4 +1,4 @@
-// Whether pieces of the caller's memory share bytes. No header of a C++ library: images need it, too.
+// Overlap of memory of the caller. No header of a C++ library is used, because images are evaluated without one.
 #pragma once
 
 #include <stddef.h>
@@ -8,7 +8,7 @@
 
 namespace PHN_RUNTIME {
 
-/// Null and empty pieces overlap nothing.
+/// Null and empty ranges do not overlap anything.
 inline bool overlap(const void* a, size_t a_bytes, const void* b, size_t b_bytes) {
   if (a == nullptr || b == nullptr || a_bytes == 0 || b_bytes == 0) return false;
   const auto at_a = reinterpret_cast<uintptr_t>(a), at_b = reinterpret_cast<uintptr_t>(b);

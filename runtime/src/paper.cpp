@@ -1,4 +1,4 @@
-// The paper's blending of several tools, (15)-(16), and the C interface to it.
+// The paper's blending of several tools, equations (15)-(16), and its C interface.
 #include <phynness/phynness_paper.h>
 
 #include <cmath>
@@ -9,7 +9,7 @@ using namespace PHN_RUNTIME;
 
 namespace {
 
-/// Copies the tools of a deformation into the data and checks them. @return a status of phynness.h
+/// Checks the tools of a deformation and copies them into the data. @return a status of phynness.h
 int read_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, const std::int32_t* nodes,
                const double* displacements) {
   if (nodes == nullptr || displacements == nullptr) return PHN_ERROR_ARGUMENT;
@@ -43,7 +43,8 @@ void blend_tools(const phn_model& model, phn_data& data, std::int32_t n_tools, c
     const double* point = &model.output_points[3 * o];
     double nearest = distance_between(point, tool(0).point);
     for (std::int32_t t = 1; t < n_tools; ++t) nearest = std::fmin(nearest, distance_between(point, tool(t).point));
-    // (16) with numerator and denominator multiplied by the smallest distance: every term lies in [0, 1].
+    // Equation (16) with numerator and denominator multiplied by the smallest distance, so that every term is in [0,
+    // 1].
     double sum = 0;
     for (std::int32_t t = 0; t < n_tools; ++t) {
       const double distance = distance_between(point, tool(t).point);

@@ -1,4 +1,5 @@
-// The C interface: argument checks and statuses; the work is in load.cpp and evaluate.cpp. Tools anywhere: touch.cpp.
+// The C interface of phynness.h: argument checks and statuses. The model is read in load.cpp and evaluated in
+// evaluate.cpp; tools between nodes are in touch.cpp.
 #include <phynness/phynness.h>
 
 #include <cmath>
@@ -12,7 +13,7 @@ using namespace PHN_RUNTIME;
 
 namespace {
 
-/// A node at the level of the data, and a copy of its displacement: an output may be the memory of that.
+/// A node at the level of the data, and a copy of its displacement, because an output may overlap the displacement.
 struct Asked {
   const ActiveNode* node;
   double d[3];
@@ -52,7 +53,7 @@ DataParts lay_out(Arena& arena, const phn_model& model, std::int32_t max_tools) 
 
 constexpr std::size_t vector_bytes = 3 * sizeof(double), matrix_bytes = 9 * sizeof(double);
 
-/// Checks what is asked beside a force. @return a status of phynness.h
+/// Checks the outputs for force, energy and stiffness. @return a status of phynness.h
 int check_derivatives(const phn_model& model, const double* force, const double* energy, const double* stiffness) {
   if (overlap(force, vector_bytes, energy, sizeof *energy) || overlap(force, vector_bytes, stiffness, matrix_bytes) ||
       overlap(energy, sizeof *energy, stiffness, matrix_bytes))
@@ -60,7 +61,7 @@ int check_derivatives(const phn_model& model, const double* force, const double*
   return has_energy(model) ? PHN_OK : PHN_ERROR_UNDEFINED;
 }
 
-/// Where a model is exact, nothing is far from what it was trained on.
+/// In a family that is exact at any depth, the distance from the training data is 0.
 void measure_trust(const phn_model& model, const ActiveNode& node, const double* d, phn_trusted& trusted) {
   trusted.trained_depth = trained_depth(model, node, d);
   if (phynness::schema::traits(model.family).proportional) return;
@@ -78,60 +79,61 @@ const char* phn_version(void) { return PHYNNESS_VERSION; }
 const char* phn_status_message(int status) {
   switch (status) {
     case PHN_OK:
-      return "good";
+      return "success";
     case PHN_WARNING_UNSETTLED:
-      return "coupled tools are too near each other: not all of them are followed";
+      return "the tools are too close together: their points follow them only in part";
     case PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE:
     case PHN_WARNING_UNSETTLED | PHN_WARNING_INCOMPLETE:
     case PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE:
-      return "coupled tools are too near each other, at displacements beyond or beside what was trained";
+      return "the tools are too close together, and a displacement is outside of the trained range or a node was not "
+             "trained to the full depth in all directions";
     case PHN_WARNING_OUTSIDE:
-      return "displacement is beyond the depth trained in its direction";
+      return "the displacement is longer than the depth trained in its direction";
     case PHN_WARNING_INCOMPLETE:
-      return "in training some directions of this node stopped short of the full depth";
+      return "this node was not trained to the full depth in all directions";
     case PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE:
-      return "displacement is beyond the trained depth, and some directions of this node stopped short in "
-             "training";
+      return "the displacement is longer than the depth trained in its direction, and this node was not trained to the "
+             "full depth in all directions";
     case PHN_ERROR_ARGUMENT:
-      return "null pointer, number out of range, or data made for another model";
+      return "a null pointer, a number out of range, or data made for another model";
     case PHN_ERROR_NOT_ACTIVE:
       return "the node is not an active node of this model";
     case PHN_ERROR_NOT_FINITE:
-      return "a displacement, place or size is NaN or infinite";
+      return "a displacement, position or size is NaN or infinite";
     case PHN_ERROR_BUFFER:
-      return "memory is smaller than the size function asked for";
+      return "the memory is smaller than the size function returned";
     case PHN_ERROR_TOOLS:
-      return "more tools than the scratch was made for";
+      return "more tools than the phn_data or phn_contact was made for";
     case PHN_ERROR_SAME_NODE:
       return "two tools at the same node";
     case PHN_ERROR_UNDEFINED:
-      return "this model does not define what was asked for: its family or node has no such response";
+      return "the model's family or the node has no such response, for example no energy or no deformation";
     case PHN_ERROR_BUDGET:
-      return "not even the smallest level fits into the time";
+      return "even the smallest level takes more than the given time";
     case PHN_ERROR_CLOCK:
-      return "the clock gives NaN, runs backwards or stands still";
+      return "the clock returns NaN, runs backwards or stands still";
     case PHN_ERROR_NOT_A_MODEL:
       return "this is not a phynness model";
     case PHN_ERROR_VERSION:
-      return "the model has another version";
+      return "the model has another version of the format; train or export it again with this version";
     case PHN_ERROR_TRUNCATED:
-      return "the model ends early";
+      return "the model is incomplete at its end";
     case PHN_ERROR_CHECKSUM:
-      return "the model is damaged: its checksum differs";
+      return "the model is damaged: its checksum is wrong";
     case PHN_ERROR_SYNTAX:
       return "a word or number of the model is malformed";
     case PHN_ERROR_RANGE:
       return "a count, index or value of the model is out of range";
     case PHN_ERROR_FAMILY:
-      return "the model is of a family that this version does not know";
+      return "the model's family is unknown to this version";
     case PHN_ERROR_OVERLAP:
-      return "an output lies in the memory of another output, or of an input too large to be copied first";
+      return "an output overlaps another output or a large input in memory";
     case PHN_ERROR_TOO_LARGE:
-      return "this needs more bytes or numbers than this machine can count";
+      return "the result has more bytes or numbers than this machine can address";
     case PHN_ERROR_GEOMETRY:
-      return "the surface has a triangle with equal corners, or coordinates too large for contact";
+      return "the surface has a triangle with equal corners, or coordinates that are too large for contact";
     case PHN_ERROR_TOO_MANY_TOOLS:
-      return "more tools than can be coupled at once";
+      return "more than 8 tools in one call";
     default:
       return "unknown status";
   }

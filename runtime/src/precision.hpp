@@ -1,5 +1,5 @@
-// The namespace of the runtime's internals: one for each precision, so that a program may hold both libraries. What
-// does not depend on the precision, images, lies in that of double.
+// The namespace of the runtime's internals. Each precision has its own, so that a program can link both libraries.
+// Images, which do not depend on this precision, are in the namespace of double.
 #pragma once
 
 #ifdef PHYNNESS_FLOAT

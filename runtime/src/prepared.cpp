@@ -7,7 +7,7 @@
 namespace PHN_RUNTIME {
 namespace {
 
-/// Output nodes in whole blocks.
+/// Number of output nodes, rounded up to whole blocks.
 std::size_t node_count(const phn_model& model) {
   constexpr std::size_t nodes = nodes_per_block;
   return (static_cast<std::size_t>(model.n_output) + nodes - 1) / nodes * nodes;

@@ -1,6 +1,6 @@
-// The number that the loops of forces and of family rbfn compute in: phynness::runtime is built with double,
-// phynness::runtime_float, from the same files, with float. Arguments, results, energies, stiffnesses, amplitudes,
-// coupled tools and contact are double in both; modes and fine surfaces are float in both.
+// Real, the number type of the loops of forces and of family rbfn: double in phynness::runtime, float in
+// phynness::runtime_float, which is built from the same files. Arguments, results, energies, stiffnesses, amplitudes,
+// coupled tools and contact are double in both libraries; modes and fine surfaces are float in both.
 #pragma once
 
 #include <cfloat>
@@ -13,12 +13,12 @@ namespace PHN_RUNTIME {
 
 #ifdef PHYNNESS_FLOAT
 using Real = float;
-/// Weights and coefficients that models may hold, and inputs of networks, which are cut there: sums of them times
-/// kernels stay finite.
+/// Largest weight or coefficient of a model, and the value to which inputs of networks are clamped. Sums of their
+/// products with kernels are finite.
 inline constexpr double largest_weight = 1e25, largest_input = 1e15;
-/// Sums of sizes of coefficients of a force: kernels of inputs that are cut stay below 1e7.
+/// Largest sum of absolute coefficients of a force; kernels of clamped inputs are below 1e7.
 inline constexpr double largest_weight_sum = 1e30;
-/// Displacements [m] that a deformation network could reach, summed in Real.
+/// Largest displacement [m] that a deformation network could produce when summed in Real.
 inline constexpr double largest_displacement_sum = 1e37;
 #else
 using Real = double;
@@ -26,12 +26,12 @@ inline constexpr double largest_weight = DBL_MAX, largest_input = DBL_MAX;
 inline constexpr double largest_weight_sum = DBL_MAX, largest_displacement_sum = DBL_MAX;
 #endif
 
-/// Neurons or centers at a time, whatever the width of registers: sums are the same everywhere. Arrays of them are
-/// filled up to whole multiples with what counts nothing.
+/// Neurons or centers per block, independent of the width of registers, so that sums are the same on every processor.
+/// Arrays are padded to whole blocks with entries that contribute nothing.
 inline constexpr std::int32_t at_once = 16;
 constexpr std::int32_t whole_blocks(std::int32_t n) { return (n + at_once - 1) / at_once * at_once; }
 
-/// Sums of the lanes of three sums.
+/// Adds up the lanes of three vectors of partial sums.
 PHN_INLINE void add_up(const Real (&sums)[3][at_once], double* total) {
   Real sum[3][at_once];
   for (int k = 0; k < 3; ++k) {

@@ -1,4 +1,4 @@
-// A square root that needs no header of a C++ library: those of a device's compiler may be absent.
+// A square root without a header of a C++ library, which the compiler of a device may not have.
 #pragma once
 
 #ifndef __GNUC__

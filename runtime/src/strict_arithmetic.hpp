@@ -1,6 +1,5 @@
-// The runtime is compiled with the arithmetic of IEEE 754 or not at all. It tells NaN and infinite inputs from others,
-// and gives the same bits everywhere; -ffast-math lets a compiler leave out the one and reorder the other, without a
-// word.
+// Refuses compilation without IEEE 754 arithmetic. The runtime detects NaN and infinite inputs and gives bitwise the
+// same results on every machine. With -ffast-math a compiler may silently remove these checks and reorder sums.
 #pragma once
 
 #include "precision.hpp"
@@ -9,7 +8,7 @@
     defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__) || \
     defined(_M_FP_FAST)
 #error \
-    "phynness: the runtime refuses -ffast-math, -Ofast, /fp:fast and their parts: NaN inputs would no longer be \
-refused. Remove them for these files, or add -fno-fast-math (/fp:precise) behind them. Programs that only include the \
-headers may use them."
+    "phynness: -ffast-math, -Ofast, /fp:fast or a part of them is set, with which the runtime would not detect NaN \
+inputs. Remove it for these files, or add -fno-fast-math (/fp:precise) after it. Programs that only include the headers \
+may use it."
 #endif

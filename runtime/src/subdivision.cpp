@@ -18,7 +18,8 @@ Row load(const float* rows, std::int32_t i) {
   return row;
 }
 
-/// cos t for 0 <= t <= pi, without asking a platform for it: the terms left out are below 1e-16.
+/// cos t for 0 <= t <= pi by its series, so that results do not depend on the platform's library. Omitted terms are
+/// below 1e-16.
 double cosine(double t) {
   double term = 1, sum = 1;
   for (int k = 1; k <= 15; ++k) {
@@ -28,14 +29,14 @@ double cosine(double t) {
   return sum;
 }
 
-/// Share of each of n neighbours: C. Loop, Smooth subdivision surfaces based on triangles (1987).
+/// Weight of each of n neighbours: C. Loop, Smooth subdivision surfaces based on triangles (1987).
 double loop_share(std::int32_t n) {
   constexpr double turn = 6.283185307179586;
   const double c = 0.375 + 0.25 * cosine(turn / n);
   return (0.625 - c * c) / n;
 }
 
-/// Finds edges by their ends: those that begin at one vertex form a list.
+/// Finds edges by their ends. Edges that begin at one vertex form a linked list.
 struct EdgeTable {
   SurfaceEdge* edges;
   std::int32_t *head, *next;
@@ -56,8 +57,8 @@ struct EdgeTable {
 
 bool is_crease(const SurfaceEdge& edge) { return edge.opposite[0] == edge.end[0]; }
 
-/// Fills rules and neighbours from the edges: Loop's rule for vertices with no crease or the end of one, the cubic
-/// spline's 3/4, 1/8, 1/8 along a crease, and rest where more of them meet.
+/// Sets rules and neighbours from the edges: Loop's rule for a vertex with no crease or at the end of one, the weights
+/// 3/4, 1/8, 1/8 of a cubic spline along a crease, and no motion where more than two creases meet.
 void vertex_rules(SurfaceLevel& level, VertexRule* rules, std::int32_t* neighbors, std::int32_t* valence,
                   std::int32_t* creases) {
   const std::int32_t n = level.n_vertices;
@@ -74,7 +75,7 @@ void vertex_rules(SurfaceLevel& level, VertexRule* rules, std::int32_t* neighbor
     const std::int32_t count = smooth ? valence[v] : along ? 2 : 0;
     const double share = smooth ? loop_share(count) : along ? 0.125 : 0;
     rules[v] = {first, static_cast<float>(1 - count * share), static_cast<float>(share)};
-    valence[v] = first;  // from here on: where the next neighbour goes
+    valence[v] = first;  // from here on the position for the next neighbour
     first += count;
   }
   rules[n] = {first, 0, 0};
@@ -101,7 +102,7 @@ int count_surface(const phn_model& model, std::int32_t levels, SurfaceCounts* co
     const SurfaceCounts& c = counts[k];
     counts[k + 1] = {c.vertices + c.edges, 2 * c.edges + 3 * c.triangles, 4 * c.triangles};
   }
-  // Places of components are 32-bit numbers, too.
+  // Indices of components must also fit into 32 bits.
   const std::int64_t largest = INT32_MAX / 4;
   const SurfaceCounts& last = counts[levels];
   return last.vertices > largest || last.edges > largest || last.triangles > largest ? PHN_ERROR_TOO_LARGE : PHN_OK;
@@ -110,7 +111,7 @@ int count_surface(const phn_model& model, std::int32_t levels, SurfaceCounts* co
 SurfaceLevel subdivide(std::int32_t n_vertices, std::int32_t n_triangles, std::int32_t* triangles, SurfaceEdge* edges,
                        VertexRule* rules, std::int32_t* neighbors, std::int32_t* scratch) {
   const auto n_corners = 3 * static_cast<std::size_t>(n_triangles);
-  // The four children of a triangle never reach the triangles still to come at the end of the room.
+  // The parents are at the end of the memory; the children, written from its start, never overwrite an unread parent.
   const std::int32_t* parent = triangles + 3 * n_corners;
   std::memmove(triangles + 3 * n_corners, triangles, n_corners * sizeof *triangles);
   EdgeTable table = {edges, scratch, scratch + 2 * static_cast<std::size_t>(n_vertices), 0};
@@ -133,7 +134,7 @@ SurfaceLevel subdivide(std::int32_t n_vertices, std::int32_t n_triangles, std::i
 }
 
 void refine(const SurfaceLevel& level, const float* coarse, float* fine, int stride) {
-  // Rows of three are written as four; the next one covers the fourth.
+  // Rows of three are written as four numbers; the next row overwrites the fourth.
   for (std::int32_t v = 0; v < level.n_vertices; ++v, fine += stride) {
     const VertexRule &rule = level.rules[v], &next = level.rules[v + 1];
     Row sum = {};

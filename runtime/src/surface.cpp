@@ -1,4 +1,4 @@
-// The C interface to finer surfaces.
+// The C interface of phynness_surface.h.
 #include <cmath>
 #include <cstring>
 
@@ -10,7 +10,7 @@ using namespace PHN_RUNTIME;
 
 namespace {
 
-/// Displacements and coordinates are cut to this size [m]: sums of any number of neighbours stay finite.
+/// Displacements and coordinates are clamped to this [m], so that sums over any number of neighbours are finite.
 constexpr double largest_coordinate = 1e25;
 
 float cut_to_float(double value) {
@@ -18,7 +18,7 @@ float cut_to_float(double value) {
   return static_cast<float>(above < largest_coordinate ? above : largest_coordinate);
 }
 
-/// Everything at the sizes of `counts`.
+/// The arrays of a surface with the sizes of `counts`.
 struct SurfaceParts {
   phn_surface* surface;
   std::int32_t* triangles;
@@ -50,13 +50,13 @@ SurfaceParts lay_out_surface(Arena& arena, const SurfaceCounts* counts, std::int
     n_rows += n_vertices;
     n_numbers = 2 * n_vertices + n_edges;
   }
-  // Used by init alone: first for whole numbers, then for rows of points.
+  // Working memory of init, first for integers, then for rows of points.
   static_assert(sizeof(float) == sizeof(std::int32_t), "");
   parts.scratch = arena.take<float>(4 * n_rows > n_numbers ? 4 * n_rows : n_numbers);
   return parts;
 }
 
-/// All levels of rows of four at the begin of `rows` to the finest vertices.
+/// Applies all levels to the rows of four at the start of `rows`; the result has the finest vertices.
 void refine_all(const phn_surface& surface, float* rows, float* out) {
   for (std::int32_t k = 0; k < surface.n_levels; ++k) {
     const bool last = k + 1 == surface.n_levels;
@@ -66,7 +66,7 @@ void refine_all(const phn_surface& surface, float* rows, float* out) {
   }
 }
 
-/// n rows of three as rows of `stride`.
+/// Copies n rows of three numbers to rows of `stride` numbers.
 void put_rows(const double* from, std::int32_t n, int stride, float* to) {
   for (std::int32_t i = 0; i < n; ++i, from += 3, to += stride) {
     for (int k = 0; k < 3; ++k) to[k] = cut_to_float(from[k]);
@@ -78,7 +78,7 @@ std::size_t out_bytes(const phn_surface& surface) {
   return 3 * static_cast<std::size_t>(surface.n_vertices) * sizeof(float);
 }
 
-/// Checks the arguments of a deformation: memory first, numbers second. @return a status of phynness.h
+/// Checks the arguments of a deformation, first the memory, then the numbers. @return a status of phynness.h
 int check_field(const phn_surface& surface, const float* scratch, const double* field, const float* out) {
   const bool complete = (scratch != nullptr || surface.n_scratch == 0) && (field != nullptr || surface.n_output == 0);
   if (!complete) return PHN_ERROR_ARGUMENT;

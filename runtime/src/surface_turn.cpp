@@ -23,7 +23,7 @@ double triangle_turn(const phn_model& model, const std::int32_t* vertex, Matrix*
   return area;
 }
 
-/// Adds weight map to the entry of `vertex`, a new one if there is none. @pre turn.n < SurfaceTurn::most
+/// Adds weight * map to the entry of `vertex`, which is created if missing. @pre turn.n < SurfaceTurn::most
 void add_turn(SurfaceTurn& turn, std::int32_t vertex, double weight, const Matrix& map) {
   std::int32_t at = 0;
   while (at < turn.n && turn.vertex[at] != vertex) ++at;

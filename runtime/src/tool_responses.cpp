@@ -7,7 +7,7 @@
 namespace PHN_RUNTIME {
 namespace {
 
-/// Gauss-Legendre on 0 ... 1: exact for the first six powers of the depth.
+/// Gauss-Legendre quadrature on 0 ... 1, exact for polynomials of degree 5.
 constexpr double gauss_point[3] = {0.11270166537925831, 0.5, 0.88729833462074169};
 constexpr double gauss_weight[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
 
@@ -172,7 +172,7 @@ void ToolResponses::add_derivatives(std::int32_t t, std::int32_t i) {
   const Matrix &to_q = point.contribution[i], &to_e = point.reach[i];
   const Vector q = to_q * point.own, e = to_e * point.own;
   const double square = dot(e, e), share = point.node_share[i];
-  // d(share)/dp of share = q . e / e . e
+  // d(share)/dp for share = q . e / e . e
   Vector by_share = {};
   if (square > 0)
     by_share =
@@ -200,7 +200,7 @@ void ToolResponses::add_derivatives(std::int32_t t, std::int32_t i) {
 void ToolResponses::find_derivatives(std::int32_t t) {
   for (std::int32_t s = 0; s < n_places(); ++s) _c.derivative[at(place(s), t)] = {};
   for (std::int32_t i = 0; i < _c.point[t].n_nodes; ++i) add_derivatives(t, i);
-  // What a tool's own point lacks is added as in the undeformed body.
+  // The remaining displacement of the tool's point is added as in the undeformed body.
   const Matrix lacks = diagonal(1) - _c.derivative[at(t, t)];
   for (std::int32_t s = 0; s < n_places(); ++s) _c.derivative[at(place(s), t)] += rest_block(s, t) * lacks;
 }
@@ -236,7 +236,7 @@ void ToolResponses::pull(std::int32_t s) {
     evaluate_force(_model, node(point, i), e.x, f.x);
     point.force += point.share[i] * transposed_times(point.reach[i], f - ke);
     energy -= point.share[i] * dot(ke, e) / 2;
-    // A node alone follows the tool itself: nothing is left to couple.
+    // A single node follows the tool exactly, so that psi is 0.
     for (int g = 0; g < 3 && point.n_nodes > 1; ++g)
       energy -= pull_of_coupling(s, i, e, linear, gauss_point[g], gauss_weight[g]);
   }
@@ -253,7 +253,7 @@ double ToolResponses::pull_of_coupling(std::int32_t s, std::int32_t i, const Vec
   const Vector there = x * e;
   basis_and_gradient(_model, by, there.x, _c.basis, _c.gradient, _c.kernel);
   const Vector z = local_displacement(local, 1, there, n, _c.basis) - _c.rest_response[at(s, s, i)] * there;
-  // Transposed derivative of z by e, times A p.
+  // (dz/de)^T A p
   Vector back = {};
   for (int r = 0; r < 3; ++r) {
     const double* row = local.rows + r * n;

@@ -1,4 +1,4 @@
-// The C interface to tools anywhere on the surface.
+// The C interface for tools anywhere on the surface.
 #include "arguments.hpp"
 #include "coupled.hpp"
 #include "triangle.hpp"
@@ -7,10 +7,10 @@ using namespace PHN_RUNTIME;
 
 namespace {
 
-/// Barycentric weights add up to 1 but for this; below it the movable part of a point counts as fixed.
+/// Tolerance of the sum of barycentric weights; a point whose movable part is smaller counts as fixed.
 constexpr double weight_slack = 1e-6;
 
-/// Components of a place whose nearest point is asked for are cut here [m].
+/// Components of the argument of phn_nearest are clamped to this [m].
 constexpr double largest_place = 1e60;
 
 /// Checks one tool and finds its nodes.
@@ -41,7 +41,7 @@ bool same_node(const HeldPoint& a, const HeldPoint& b) {
   return a.n_nodes == 1 && b.n_nodes == 1 && a.active[0] == b.active[0];
 }
 
-/// One tool at one node: what that node says, and nothing to solve.
+/// One tool at one node: the response of that node, without a system to solve.
 CoupledResult single(const phn_model& model, Coupling& c, const Vector& target) {
   HeldPoint& point = c.point[0];
   const ActiveNode& node = model.active[point.active[0]];
@@ -57,7 +57,7 @@ CoupledResult single(const phn_model& model, Coupling& c, const Vector& target) 
   return {true, 0, has_energy(model) ? evaluate_energy(model, node, d.x) : 0};
 }
 
-/// Warnings of all nodes at the displacements where their responses are taken.
+/// Warnings of all nodes at the displacements at which their responses are evaluated.
 int warnings_of(const phn_model& model, const Coupling& c) {
   int status = PHN_OK;
   for (std::int32_t t = 0; t < c.n_tools; ++t) {
@@ -91,7 +91,7 @@ int find_nearest(const phn_model& model, const double* x, phn_tool& tool, double
   return least < 0 ? PHN_ERROR_UNDEFINED : PHN_OK;
 }
 
-/// Forces stay in the data, whose caller writes them. @return a status of phynness.h
+/// The forces remain in the data; the caller copies them to the output. @return a status of phynness.h
 int couple(const phn_model* model, phn_data* data, std::int32_t n_tools, const phn_tool* tools, const double* forces,
            const phn_coupled* place, phn_coupled& result) {
   if (n_tools < 0 || model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
@@ -151,7 +151,7 @@ int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const ph
                phn_coupled* result) {
   phn_coupled coupled = {0, 0};
   const int status = couple(model, data, n_tools, tools, forces, result, coupled);
-  // Tools may lie in the same memory: they are read.
+  // The tools have been read; the forces may overlap them.
   for (std::int32_t t = 0; forces != nullptr && t < n_tools; ++t) {
     for (int k = 0; k < 3; ++k) *forces++ = status < 0 ? 0 : data->coupling.point[t].force[k];
   }

@@ -5,16 +5,16 @@
 namespace PHN_RUNTIME {
 namespace {
 
-/// Squares of components up to this size stay in range.
+/// Squares of components up to this size do not overflow.
 constexpr double largest_component = 1e150;
 
-/// Directions that are asked how far they are from what was trained: through the centers of side x side squares on each
-/// face of a cube. 26 directions leave holes of 28 degrees; these are 6 to 14 degrees apart.
+/// Sampled directions pass through the centers of side x side squares on each face of a cube. They are 6 to 14 degrees
+/// apart; the gaps between the 26 exploratory directions measure 28 degrees.
 constexpr int side = 8;
-/// Parts of the depth at which they are.
+/// Fractions of the trained depth at which they are sampled.
 constexpr double parts[] = {1, 0.75, 0.5, 0.25};
 
-/// Of a direction; deeper ones of a finer probe are passed over.
+/// Largest number of increments of a direction; further ones are ignored.
 constexpr std::int32_t most_increments = 64;
 
 void cube_direction(int i, double* e) {
@@ -24,7 +24,7 @@ void cube_direction(int i, double* e) {
   for (int k = 0; k < 3; ++k) e[(face / 2 + k) % 3] = across[k] / size;
 }
 
-/// Row of the displacements, over max_displacement.
+/// A row of the displacements, over max_displacement.
 void row_of(const phn_model& model, std::int32_t row, double* x) {
   const double unit = schema::traits(model.family).has_modes ? 1 : model.max_displacement;
   for (int k = 0; k < 3; ++k) x[k] = model.displacements[3 * static_cast<std::size_t>(row) + k] / unit;
@@ -35,7 +35,7 @@ void row_of(const phn_model& model, std::int32_t row, double* x) {
 double fill_distance(const phn_model& model, const double* depths) {
   const std::int32_t n_increments = model.n_displacements / model.n_directions;
   const std::int32_t n = n_increments < most_increments ? n_increments : most_increments;
-  double length_of[most_increments];  // of direction 0, as of all
+  double length_of[most_increments];  // of direction 0; all directions have the same
   for (std::int32_t j = 0; j < n; ++j) {
     double x[3];
     row_of(model, j, x);

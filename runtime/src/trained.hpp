@@ -1,12 +1,12 @@
-// Where a node was trained: the displacements of its converged increments, and rest.
+// Distances from the training data of a node: the displacements of its converged increments, and rest.
 #pragma once
 
 #include "model.hpp"
 
 namespace PHN_RUNTIME {
 
-/// The largest distance from a place inside the trained range to the nearest trained displacement, over
-/// max_displacement: that of a few hundred directions at four depths, or 1 where nothing was trained.
+/// The largest distance from a displacement inside the trained range to the nearest trained displacement, over
+/// max_displacement, sampled at a few hundred directions and four depths; 1 without training data.
 /// @param depths  n_directions [m]. @pre directions and displacements are loaded
 double fill_distance(const phn_model& model, const double* depths);
 

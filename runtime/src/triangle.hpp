@@ -35,7 +35,7 @@ inline void area_normal(const double* const corner[3], double* normal) {
   cross(ab, ac, normal);
 }
 
-/// Gradients of the barycentric weights. @param normal  unit
+/// Gradients of the barycentric weights. @param normal  unit normal
 inline void weight_gradients(const double* const corner[3], double gradient[3][3], double* normal) {
   area_normal(corner, normal);
   const double area = norm(normal);

@@ -1,5 +1,5 @@
-// Vectors, matrices of 3 x 3, and dense systems of a few unknowns. Sums are written out in one order: results are the
-// same bits everywhere.
+// Vectors, 3 x 3 matrices, and dense systems of a few unknowns. The order of all sums is fixed, so that results are
+// bitwise the same on every machine.
 #pragma once
 
 #include <cmath>
@@ -46,10 +46,10 @@ inline double dot(const Vector& a, const Vector& b) { return dot(a.x, b.x); }
 inline Vector cross(const Vector& a, const Vector& b) {
   return {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}};
 }
-/// Whether no component is infinite or not a number.
+/// Whether all components are finite.
 inline bool is_finite(const Vector& a) { return 0 * a[0] + 0 * a[1] + 0 * a[2] == 0; }
 
-/// Row by row.
+/// A 3 x 3 matrix, row by row.
 struct Matrix {
   double a[9];
 
@@ -105,14 +105,14 @@ inline Matrix symmetric_part(const Matrix& m) {
   }
   return s;
 }
-/// Sum of products of the entries.
+/// Sum of products of corresponding entries.
 inline double inner_product(const Matrix& a, const Matrix& b) {
   double sum = 0;
   for (int k = 0; k < 9; ++k) sum += a.a[k] * b.a[k];
   return sum;
 }
 
-/// Inverse, of a matrix a little stiffer if it is close to singular.
+/// Inverse; a matrix that is close to singular is made slightly stiffer first.
 inline Matrix inverse_of(const Matrix& given) {
   Matrix a = given, inverse;
   double size = 0;
@@ -132,7 +132,7 @@ inline Matrix inverse_of(const Matrix& given) {
   }
 }
 
-/// y += factor x. @param n  of both
+/// y += factor x. @param n  length of both
 inline void add_scaled(double factor, const double* x, std::int32_t n, double* y) {
   for (std::int32_t i = 0; i < n; ++i) y[i] += factor * x[i];
 }
@@ -141,9 +141,9 @@ inline void set_zero(double* x, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i) x[i] = 0;
 }
 
-/// Whether none is infinite or not a number.
+/// Whether all n numbers are finite.
 inline bool all_finite(const double* x, std::size_t n) {
-  double sum = 0;  // 0 times infinity is no number either
+  double sum = 0;  // 0 times infinity or NaN is NaN
   for (std::size_t i = 0; i < n; ++i) sum += 0 * x[i];
   return sum == 0;
 }
@@ -169,9 +169,9 @@ inline void rotate_pair(double* a, std::int32_t n, std::int32_t p, std::int32_t 
   }
 }
 
-/// Eigenvalues of a symmetric n x n matrix, which is replaced by them on its diagonal, and eigenvectors in columns:
-/// cyclic Jacobi rotations, until what is off the diagonal is rounding, ten sweeps at most (3 x 3: six, 24 x 24:
-/// eight).
+/// Eigenvalues of a symmetric n x n matrix, which replace its diagonal, and eigenvectors in columns. Method: cyclic
+/// Jacobi rotations until the off-diagonal entries are rounding errors, at most ten sweeps (a 3 x 3 matrix takes six, a
+/// 24 x 24 matrix eight).
 inline void diagonalize(double* a, std::int32_t n, double* vectors) {
   for (std::int32_t i = 0; i < n * n; ++i) vectors[i] = i % (n + 1) == 0 ? 1 : 0;
   for (int sweep = 0; sweep < 10; ++sweep) {
@@ -190,7 +190,7 @@ inline void diagonalize(double* a, std::int32_t n, double* vectors) {
   }
 }
 
-/// Inverse of a symmetric matrix whose eigenvalues count as `least` at least.
+/// Inverse of a symmetric matrix whose eigenvalues below `least` are replaced by `least`.
 inline Matrix inverse_of_stiffness(const Matrix& stiffness, double least) {
   Matrix a = stiffness, v, inverse = {};
   diagonalize(a.a, 3, v.a);

@@ -15,14 +15,14 @@ TEST_F(BadDatabase, that_is_a_folder) {
 
 TEST_F(BadDatabase, that_is_no_hdf5) {
   write_bytes(file, {'h', 'e', 'l', 'l', 'o'});
-  expect_contains(open_error(), {"no HDF5 file", file.c_str()});
+  expect_contains(open_error(), {"HDF5", file.c_str()});
   write_bytes(file, {});
-  expect_contains(open_error(), {"no HDF5 file", file.c_str()});
+  expect_contains(open_error(), {"HDF5", file.c_str()});
 }
 
 TEST_F(BadDatabase, that_is_hdf5_of_another_kind) {
   H5Fclose(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
-  expect_contains(open_error(), {"no phynness database", file.c_str()});
+  expect_contains(open_error(), {"phynness database", file.c_str()});
 }
 
 TEST_F(BadDatabase, of_another_format_version) {
@@ -36,7 +36,7 @@ TEST_F(BadDatabase, that_is_truncated) {
   const auto whole = bytes_of(file);
   for (std::size_t part : {1u, 2u, 3u}) {
     write_bytes(file, {whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(part * whole.size() / 4)});
-    expect_contains(open_error(), {"truncated", file.c_str(), "copy it again"});
+    expect_contains(open_error(), {"truncated", file.c_str()});
   }
 }
 
@@ -64,7 +64,7 @@ TEST_F(BadDatabase, with_a_mesh_that_was_changed) {
     H5Dwrite(nodes, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros.data());
     H5Dclose(nodes);
   });
-  expect_contains(open_error(), {"not the one it was computed on", "hash"});
+  expect_contains(open_error(), {"mesh", file.c_str(), "hash"});
 }
 
 // Data is under fletcher32, metadata under the checksums of the 1.10 format, the mesh under its hash. Texts
@@ -115,8 +115,15 @@ TEST_F(BadDatabase, begun_in_a_folder_that_is_missing_or_not_writable) {
   expect_contains(refusal([&] { DatabaseWriter::create(folder() / "no" / "x.h5", header, false); }),
                   {"does not exist", "mkdir"});
   fs::permissions(folder(), fs::perms::owner_read | fs::perms::owner_exec);
-  if (::access(folder().c_str(), W_OK) == 0) GTEST_SKIP() << "permissions do not bind this user (root)";
-  expect_contains(refusal([&] { DatabaseWriter::create(file, header, false); }), {"not writable", folder().c_str()});
+  const bool root = ::getuid() == 0;  // whom permissions do not bind: for once as the user nobody
+  if (root) {
+    ASSERT_EQ(::setresuid(65534, 65534, 0), 0);
+  }
+  const auto message = refusal([&] { DatabaseWriter::create(file, header, false); });
+  if (root) {
+    ASSERT_EQ(::setresuid(0, 0, 0), 0);
+  }
+  expect_contains(message, {"not writable", folder().c_str()});
 }
 
 TEST_F(BadDatabase, begun_without_anything_to_probe) {

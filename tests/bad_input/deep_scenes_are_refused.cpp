@@ -31,8 +31,8 @@ TEST_P(DeepScene, IsRefusedWithItsLine) {
   for (const std::size_t n : {std::size_t{80}, std::size_t{20000}, std::size_t{200000}}) {
     const std::string message = refusal(text(n));
     const std::string line = std::to_string(line_of(text(n), GetParam().part + GetParam().part));
-    EXPECT_EQ(message.find("body.toml:" + line + ": keys, tables or arrays are nested too deeply"), 0u) << message;
-    EXPECT_NE(message.find("\n  remedy: shorten the dotted key"), std::string::npos) << message;
+    EXPECT_EQ(message.find("body.toml:" + line + ": "), 0u) << message;
+    expect_error(message, {"nested too deeply"});
   }
 }
 
@@ -68,7 +68,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, DeepScene, testing::ValuesIn(deep_scenes),
 TEST(DeepScenes, AddUp) {
   const std::string half = repeated("a.", 30) + "a";
   const std::string message = refusal("[" + half + "]\nb = 1\n" + half + " = { " + half + " = 1 }\n");
-  EXPECT_EQ(message.find("body.toml:3: keys, tables or arrays are nested too deeply"), 0u) << message;
+  EXPECT_EQ(message.find("body.toml:3: "), 0u) << message;
+  expect_error(message, {"nested too deeply"});
   EXPECT_EQ(refusal("[" + half + "]\nb = 1\n[" + half + "b]\nc = 1\n").find("nested"), std::string::npos);
 }
 

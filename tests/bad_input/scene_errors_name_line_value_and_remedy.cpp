@@ -14,7 +14,7 @@ struct Mistake {
   const char* part;
   const char* replacement;
   const char* at;
-  std::vector<const char*> said;  ///< value and words of the remedy
+  std::vector<std::string> said;  ///< key, value and keys or values of the remedy
 };
 
 void PrintTo(const Mistake& mistake, std::ostream* stream) { *stream << mistake.name; }
@@ -35,23 +35,20 @@ TEST_P(SceneMistake, is_refused_with_line_value_and_remedy) {
   const std::string message = refusal(text);
   const std::string at = *mistake.at ? mistake.at : mistake.replacement;
   EXPECT_EQ(message.find("body.toml:" + std::to_string(line_of(text, at)) + ":"), 0u) << message;
-  EXPECT_NE(message.find("\n  remedy: "), std::string::npos) << message;
-  for (const char* words : mistake.said) EXPECT_NE(message.find(words), std::string::npos) << words << "\n" << message;
+  expect_error(message, mistake.said);
 }
 
 TEST(ShellScene, RefusesWhatShellsDoNotHave) {
   const auto shell = with(with(good_scene, shape, "shape = \"drain\""), "element = \"P1\"", "");
   EXPECT_EQ(parsed(shell).solver.element, element_named("shell"));
   const auto fields = refusal(shell + "[database]\nfields = [\"von-mises-stress\"]\n");
-  EXPECT_NE(fields.find("fields are computed in solids"), std::string::npos) << fields;
-  EXPECT_NE(fields.find("remove fields"), std::string::npos) << fields;
+  expect_error(fields, {"[database] fields", "von-mises-stress"});
   // Condensed by Newton steps that are good near incompressibility.
   const auto soft = refusal(with(shell, moduli, "shear_modulus_Pa = 500.0\nbulk_modulus_Pa = 400.0"));
-  EXPECT_NE(soft.find("K/mu is 0.8"), std::string::npos) << soft;
-  EXPECT_NE(soft.find("st-venant-kirchhoff"), std::string::npos) << soft;
+  expect_error(soft, {"[material] law", "0.8", "st-venant-kirchhoff"});
   const auto mooney = refusal(
       with(shell, law_and_moduli, "law = \"mooney-rivlin\"\nc10_Pa = 200.0\nc01_Pa = 50.0\nbulk_modulus_Pa = 900.0"));
-  EXPECT_NE(mooney.find("K/mu is 1.8"), std::string::npos) << mooney;
+  expect_error(mooney, {"[material] law", "1.8"});
   parsed(with(shell, law_and_moduli, "law = \"linear\"\nshear_modulus_Pa = 500.0\nbulk_modulus_Pa = 400.0"));
 }
 
@@ -63,7 +60,7 @@ const std::vector<Mistake> keys = {
      {"unknown key in [probe]", "incremnets = 4", "did you mean increments?"}},
     {"misspelt_section", "[training]", "[trainning]", "", {"unknown key", "did you mean training?"}},
     {"key_of_another_section", increments, "increments = 4\nsamples = 5", "samples = 5", {"samples = 5", "[training]"}},
-    {"far_from_any_key", increments, "zzzzzz = 4", "", {"zzzzzz = 4", "[probe] knows", "max_displacement_m"}},
+    {"far_from_any_key", increments, "zzzzzz = 4", "", {"zzzzzz = 4", "[probe]", "max_displacement_m"}},
     {"unit_forgotten", shear, "youngs_modulus = 20e3", "", {"youngs_modulus = 20000", "youngs_modulus_Pa", "in Pa"}},
     {"unit_forgotten_length", depth, "max_displacement = 0.02", "", {"max_displacement = 0.02", "max_displacement_m"}},
     {"other_unit", depth, "max_displacement_mm = 20", "", {"max_displacement_mm = 20", "max_displacement_m", "SI"}},
@@ -77,13 +74,9 @@ const std::vector<Mistake> keys = {
 INSTANTIATE_TEST_SUITE_P(keys, SceneMistake, testing::ValuesIn(keys), [](const auto& info) { return info.param.name; });
 
 const std::vector<Mistake> types = {
-    {"text_for_number",
-     depth,
-     "max_displacement_m = \"28 mm\"",
-     "",
-     {"must be a number, not text", "28 mm", "without quotes"}},
-    {"float_for_integer", increments, "increments = 4.0", "", {"must be an integer", "4", "without a decimal point"}},
-    {"number_for_text", "law = \"neo-hookean\"", "law = 3", "", {"must be text", "3", "quotes"}},
+    {"text_for_number", depth, "max_displacement_m = \"28 mm\"", "", {"max_displacement_m", "number", "28 mm"}},
+    {"float_for_integer", increments, "increments = 4.0", "", {"increments", "integer", "4"}},
+    {"number_for_text", "law = \"neo-hookean\"", "law = 3", "", {"law", "text", "3"}},
     {"text_for_boolean",
      "[training]",
      "[database]\ntangents = \"yes\"\n[training]",
@@ -93,17 +86,17 @@ const std::vector<Mistake> types = {
      "[training]",
      "[database]\nfields = \"von-mises-stress\"\n[training]",
      "fields = ",
-     {"[database] fields must be an array", "von-mises-stress", "[\"von-mises-stress\"]"}},
+     {"[database] fields", "array", "[\"von-mises-stress\"]"}},
     {"number_for_a_field",
      "[training]",
      "[database]\nfields = [3]\n[training]",
      "fields = ",
-     {"none of those known", "3", "von-mises-stress or energy-density"}},
+     {"[database] fields", "3", "von-mises-stress or energy-density"}},
     {"misspelt_field",
      "[training]",
      "[database]\nfields = [\n  \"energy-density\",\n  \"von-mises\"]\n[training]",
      "\"von-mises\"",
-     {"none of those known", "'von-mises'", "von-mises-stress or energy-density"}},
+     {"[database] fields", "'von-mises'", "von-mises-stress or energy-density"}},
     {"energy_densitty",
      "[training]",
      "[database]\nfields = [\"energy-densitty\"]\n[training]",
@@ -113,16 +106,12 @@ const std::vector<Mistake> types = {
      "[training]",
      "[database]\nfields = [\"energy-density\",\n \"energy-density\"]\n[training]",
      " \"energy-density\"]",
-     {"twice", "energy-density", "once"}},
-    {"two_numbers_for_three",
-     shape,
-     "shape = \"block\"\nsize_m = [0.1, 0.2]",
-     "size_m",
-     {"three numbers", "[0.1, 0.2]"}},
-    {"not_a_number", depth, "max_displacement_m = nan", "", {"finite", "nan"}},
-    {"infinite", shear, "shear_modulus_Pa = inf", "", {"finite", "inf"}},
+     {"[database] fields", "twice", "energy-density"}},
+    {"two_numbers_for_three", shape, "shape = \"block\"\nsize_m = [0.1, 0.2]", "size_m", {"size_m", "[0.1, 0.2]"}},
+    {"not_a_number", depth, "max_displacement_m = nan", "", {"max_displacement_m", "finite", "nan"}},
+    {"infinite", shear, "shear_modulus_Pa = inf", "", {"shear_modulus_Pa", "finite", "inf"}},
     {"selection_of_number", fixed_line, "fixed = 3", "", {"[nodes] fixed", "3", "selector"}},
-    {"node_numbers_as_floats", fixed_line, "fixed = { nodes = [0, 1.5] }", "", {"node numbers", "1.5", "from 0"}},
+    {"node_numbers_as_floats", fixed_line, "fixed = { nodes = [0, 1.5] }", "", {"nodes", "1.5"}},
 };
 INSTANTIATE_TEST_SUITE_P(types, SceneMistake, testing::ValuesIn(types),
                          [](const auto& info) { return info.param.name; });
@@ -178,13 +167,13 @@ const std::vector<Mistake> values = {
      fixed_line,
      "fixed = { plane = { point_m = [0,0,0], normal = [0,0,0] } }",
      "",
-     {"no direction", "[0, 0, 0]"}},
+     {"normal", "[0, 0, 0]"}},
     {"box_upside_down",
      fixed_line,
      "fixed = { box = { min_m = [1,0,0], max_m = [0,1,1] } }",
      "",
-     {"[1, 0, 0]", "swap"}},
-    {"negative_node", fixed_line, "fixed = { nodes = [-1] }", "", {"-1", "0 or greater"}},
+     {"min_m", "max_m", "[1, 0, 0]"}},
+    {"negative_node", fixed_line, "fixed = { nodes = [-1] }", "", {"nodes", "-1"}},
 };
 INSTANTIATE_TEST_SUITE_P(values, SceneMistake, testing::ValuesIn(values),
                          [](const auto& info) { return info.param.name; });
@@ -195,11 +184,7 @@ const std::vector<Mistake> combinations = {
      "shear_modulus_Pa = 500.0",
      "shear_modulus_Pa",
      {"do not determine", "shear_modulus_Pa = 500", "bulk_modulus_Pa"}},
-    {"no_parameters",
-     moduli,
-     "",
-     "[material]",
-     {"do not determine", "none given", "youngs_modulus_Pa and poisson_ratio"}},
+    {"no_parameters", moduli, "", "[material]", {"do not determine", "youngs_modulus_Pa and poisson_ratio"}},
     {"over_determined",
      moduli,
      "shear_modulus_Pa = 500.0\nbulk_modulus_Pa = 5000.0\nyoungs_modulus_Pa = 3",
@@ -221,48 +206,40 @@ const std::vector<Mistake> combinations = {
      "bulk_modulus_Pa",
      {"mooney-rivlin", "c01_Pa"}},
     {"no_law", "law = \"neo-hookean\"", "", "[material]", {"law is missing", "neo-hookean"}},
-    {"shape_and_file", shape, "shape = \"block\"\nfile = \"a.msh\"", "file", {"beside shape", "a.msh", "keep one"}},
-    {"symmetry_of_no_plane",
-     shape,
-     "shape = \"block\"\nsymmetry = \"w\"",
-     "symmetry",
-     {"names no plane", "w", "\"x\""}},
+    {"shape_and_file", shape, "shape = \"block\"\nfile = \"a.msh\"", "file", {"[mesh] file", "shape", "a.msh"}},
+    {"symmetry_of_no_plane", shape, "shape = \"block\"\nsymmetry = \"w\"", "symmetry", {"symmetry", "w", "\"x\""}},
     {"symmetry_of_the_wrong_type", shape, "shape = \"block\"\nsymmetry = 1", "symmetry", {"text or a table", "1"}},
     {"symmetry_without_normal",
      shape,
      "shape = \"block\"\nsymmetry = { point_m = [0, 0, 0] }",
      "symmetry",
      {"normal is missing", "add normal"}},
-    {"symmetry_of_the_liver",
-     shape,
-     "shape = \"liver\"\nsymmetry = \"y\"",
-     "symmetry",
-     {"no plane of symmetry", "remove"}},
+    {"symmetry_of_the_liver", shape, "shape = \"liver\"\nsymmetry = \"y\"", "symmetry", {"symmetry", "liver"}},
     {"symmetry_off_the_centre",
      shape,
      "shape = \"tube\"\nsymmetry = { point_m = [0.01, 0, 0], normal = [1, 0, 0] }",
      "symmetry",
-     {"no centre plane", "\"x\""}},
+     {"symmetry", "0.01", "\"x\""}},
     {"half_of_a_shape",
      shape,
      "shape = \"block\"\nsymmetry = { normal = [1, 0, 0], half = true }",
      "symmetry",
-     {"half", "mesh files"}},
+     {"symmetry", "half"}},
     {"neither_shape_nor_file", shape, "", "[mesh]", {"shape is missing", "file"}},
-    {"file_not_there", shape, "file = \"no/such/mesh.msh\"", "", {"not there", "no/such/mesh.msh", "correct the path"}},
+    {"file_not_there", shape, "file = \"no/such/mesh.msh\"", "", {"[mesh] file", "no/such/mesh.msh"}},
     {"file_of_unknown_kind", shape, "file = \"body.step\"", "", {"body.step", ".msh"}},
     {"nodes_and_size",
      shape,
      "shape = \"block\"\ntarget_nodes = 100\ntarget_size_m = 0.01",
      "target_size_m",
-     {"0.01", "keep one"}},
-    {"scale_of_a_shape", shape, "shape = \"block\"\nscale_to_m = 0.001", "scale_to_m", {"0.001", "remove it"}},
+     {"target_nodes", "target_size_m", "0.01"}},
+    {"scale_of_a_shape", shape, "shape = \"block\"\nscale_to_m = 0.001", "scale_to_m", {"scale_to_m", "0.001"}},
     {"radius_of_a_block", shape, "shape = \"block\"\nradius_m = 0.1", "radius_m", {"block", "size_m"}},
     {"wall_without_thickness",
      shape,
      "shape = \"tube\"\nradius_m = 0.01\ninner_radius_m = 0.01",
      "inner_radius_m",
-     {"less than radius_m", "0.01"}},
+     {"inner_radius_m", "radius_m", "0.01"}},
     {"thickness_of_a_solid",
      shape,
      "shape = \"block\"\nthickness_m = 0.001",
@@ -272,32 +249,32 @@ const std::vector<Mistake> combinations = {
      shape,
      "shape = \"drain\"\nthickness_m = 0",
      "thickness_m",
-     {"greater than 0", "not in mm"}},
+     {"thickness_m", "greater than 0"}},
     {"slit_of_a_tube", shape, "shape = \"tube\"\nslit_width_m = 0.001", "slit_width_m", {"tube", "0.001", "drain"}},
     {"inner_radius_of_a_drain",
      shape,
      "shape = \"drain\"\ninner_radius_m = 0.001",
      "inner_radius_m",
-     {"which is a shell", "0.001", "thickness_m"}},
+     {"drain", "0.001", "thickness_m"}},
     {"tetrahedra_of_a_shell",
      shape,
      "shape = \"drain\"",
      "element = \"P1\"",
      {"tetrahedra", "P1", "element = \"shell\""}},
-    {"shell_of_a_solid", "element = \"P1\"", "element = \"shell\"", "", {"has no thickness", "add thickness_m"}},
+    {"shell_of_a_solid", "element = \"P1\"", "element = \"shell\"", "", {"[solver] element", "thickness_m"}},
     {"nothing_fixed", fixed_line, "", "[nodes]", {"fixed is missing", "singular", "box"}},
-    {"empty_selection", fixed_line, "fixed = []", "", {"empty list", "[]", "at least one"}},
-    {"empty_active", "active = \"free-surface\"", "active = []", "", {"[nodes] active", "empty list", "default"}},
-    {"empty_node_list", fixed_line, "fixed = { nodes = [] }", "", {"empty list", "at least one"}},
-    {"fixed_by_what_is_free", fixed_line, "fixed = \"free\"", "", {"\"free\"", "box"}},
-    {"everything_fixed", fixed_line, "fixed = \"all\"", "", {"no node to move", "a part"}},
+    {"empty_selection", fixed_line, "fixed = []", "", {"[nodes] fixed", "empty", "[]"}},
+    {"empty_active", "active = \"free-surface\"", "active = []", "", {"[nodes] active", "empty", "[]"}},
+    {"empty_node_list", fixed_line, "fixed = { nodes = [] }", "", {"nodes", "empty"}},
+    {"fixed_by_what_is_free", fixed_line, "fixed = \"free\"", "", {"[nodes] fixed", "\"free\"", "box"}},
+    {"everything_fixed", fixed_line, "fixed = \"all\"", "", {"[nodes] fixed", "\"all\""}},
     {"two_shapes_in_a_selector",
      fixed_line,
      "fixed = { group = \"a\", nodes = [1] }",
      "",
-     {"two selectors", "one table for each"}},
-    {"selector_without_shape", fixed_line, "fixed = { surface_only = true }", "", {"without a shape", "sphere"}},
-    {"half_a_box", fixed_line, "fixed = { box = { min_m = [0,0,0] } }", "", {"max_m is missing", "both corners"}},
+     {"[nodes] fixed", "two selectors"}},
+    {"selector_without_shape", fixed_line, "fixed = { surface_only = true }", "", {"[nodes] fixed", "sphere"}},
+    {"half_a_box", fixed_line, "fixed = { box = { min_m = [0,0,0] } }", "", {"max_m is missing"}},
     {"box_in_two_measures",
      fixed_line,
      "fixed = { box = { min_m = [0,0,0], max_fraction = [1,1,1] } }",
@@ -310,13 +287,13 @@ const std::vector<Mistake> combinations = {
      "[probe]",
      {"tool_radius_m is missing", "0.01"}},
     {"node_with_radius", increments, "increments = 4\ntool_radius_m = 0.01", "tool_radius_m", {"0.01", "patch"}},
-    {"unknown_family", "family = \"rbfn\"", "family = \"fourier\"", "", {"none of those known", "modal"}},
+    {"unknown_family", "family = \"rbfn\"", "family = \"fourier\"", "", {"[training] family", "\"fourier\"", "modal"}},
     {"too_many_modes", "samples = 1000", "modes = 2000", "", {"2000", "1024"}},
     {"linear_family_of_a_nonlinear_law",
      "family = \"rbfn\"",
      "family = \"linear\"",
      "",
-     {"'linear'", "needs the linear law", "law is \"neo-hookean\"",
+     {"[training] family", "'linear'", "law is \"neo-hookean\"",
       "family = \"modal\" or \"rbfn\", or law = \"linear\""}},
     {"no_depth_given", depth, "", "[probe]", {"max_displacement_m is missing", "0.028"}},
     {"mixed_without_lambda",

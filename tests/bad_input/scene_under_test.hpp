@@ -8,6 +8,7 @@
 #include <phynness/formats/scene.hpp>
 #include <string>
 
+#include "../messages.hpp"
 #include "good_scene.hpp"
 
 namespace phynness::test {

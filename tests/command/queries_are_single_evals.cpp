@@ -40,8 +40,7 @@ class Queries : public CommandLine {
     const auto outcome = phynness("eval modal --queries bad.csv");
     EXPECT_EQ(outcome.exit_status, 2) << text << outcome.err;
     EXPECT_EQ(outcome.out, "") << text;
-    for (const auto& part : parts) EXPECT_NE(outcome.err.find(part), std::string::npos) << part << "\n" << outcome.err;
-    EXPECT_NE(outcome.err.find("remedy: "), std::string::npos) << outcome.err;
+    expect_error(outcome.err, parts);
   }
 
   std::vector<int> nodes;
@@ -94,14 +93,14 @@ TEST_F(Queries, WithABadRowAreRefusedByItsLine) {
   const std::string head = "node,ux_m,uy_m,uz_m\n", good = std::to_string(nodes[0]) + ",0,0,-0.001\n";
   const auto node = std::to_string(nodes[1]);
   for (const char* d : {"nan,0,0", "0,inf,0", "0,0,-1e999", "0,0,x", "0,0,", "0,0,0.1m", "0,0,0x1"})
-    expect_refused(head + good + node + "," + d + "\n", {"bad.csv, line 3", "finite numbers", "0.0,0.0,-0.01"});
+    expect_refused(head + good + node + "," + d + "\n", {"bad.csv, line 3", "displacement", "0.0,0.0,-0.01"});
   for (const char* row : {"1", "1,0,0", "1,0,0,0,0", "1;0;0;0", ""})
     expect_refused(head + good + row + "\n" + good, {"bad.csv, line 3", "4 values", std::string("'") + row + "'"});
   for (const char* number : {"", "1.0", "x", "99999999999"})
-    expect_refused(head + number + ",0,0,0\n", {"bad.csv, line 2", "whole number", std::string("'") + number + "'"});
+    expect_refused(head + number + ",0,0,0\n", {"bad.csv, line 2", "node", std::string("'") + number + "'"});
   for (const char* number : {"-1", "100000"})
     expect_refused(head + good + good + number + ",0,0,0\n", {"bad.csv, line 4", std::string("node ") + number});
-  expect_refused(head + node + ",0,0,-2e6\n", {"bad.csv, line 2", "larger than any body", "metres"});
+  expect_refused(head + node + ",0,0,-2e6\n", {"bad.csv, line 2", "-2e6", "metres"});
   // Without its first line a file is refused, and not taken for one with a row less.
   expect_refused(good, {"bad.csv, line 1", "node,ux_m,uy_m,uz_m"});
   expect_refused("", {"bad.csv, line 1", "node,ux_m,uy_m,uz_m"});

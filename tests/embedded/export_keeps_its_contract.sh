@@ -1,6 +1,6 @@
 #!/bin/bash
-# Claims: what `phynness export` writes is C that a strict compiler takes, its constants are the image's sizes, the array
-# is the file; wrong usage and input exit with 2 and say what to do, and leave nothing behind.
+# Claims: what `phynness export` writes is C that a strict compiler takes, its constants are the image's sizes, the
+# array is the file; wrong usage and input exit with 2 and say what to do, and leave nothing behind.
 # Usage: export_keeps_its_contract.sh PHYNNESS WRITE_MODELS CC INCLUDE_DIR LIBRARY WORK_DIR
 set -euo pipefail
 phynness=$1
@@ -79,7 +79,7 @@ refuse "is required" "$good"
 refuse "would overwrite" "$good" -o "$work/out" --json "$good/model.txt"
 refuse "100000" "$good" -o "$work/out" --golden 100001
 : > "$work/file"
-refuse "no directory" "$good" -o "$work/file"
+refuse "$work/file" "$good" -o "$work/file"
 refuse "would overwrite" "$good" -o "$good"
 cp -r "$good" "$work/damaged"
 sed -i 's/^family rbfn/family rbfm/' "$work/damaged/model.txt"

@@ -101,7 +101,7 @@ TEST(ModelText, RefusalsSayWhatIsWrong) {
       {replaced(text, "family rbfn", "family linear"), "expected 'stiffness'"},
       {replaced(linear, "stiffness ", "stiffness 1p+400 "), "stiffness is beyond 1e100"},
       {replaced(linear, "stiffness ", "stiffness nan "), "not finite"},
-      {replaced(linear, "stiffness ", "stiffness 0p+0 "), "more than it should"},
+      {replaced(linear, "stiffness ", "stiffness 0p+0 "), "end of the line"},
       {replaced(linear, "unit_responses\n", ""), "expected 'unit_responses'"},
       {replaced(linear, "unit_responses\n", "unit_responses\n-1p+400 "), "unit response is beyond 1e100"},
       {replaced(linear, "output 12", "output 11"), ""},

@@ -81,7 +81,7 @@ TEST(Warnings, tell_when_a_linear_body_is_probed_more_than_it_requires) {
   const auto linear = with(good_scene, "\"neo-hookean\"", "\"linear\"");
   const auto warnings = scene_warnings(parsed(linear));
   ASSERT_EQ(warnings.size(), 1u);
-  for (const char* words : {"body.toml:13", "three solves", "104 are asked for", "directions = 3"})
+  for (const char* words : {"body.toml:13", "linear", "104", "directions = 3"})
     EXPECT_NE(warnings[0].find(words), std::string::npos) << words << "\n" << warnings[0];
   const std::string all = "directions = 26\nincrements = 4";
   EXPECT_EQ(scene_warnings(parsed(with(linear, all, "directions = 26\nincrements = 1"))).size(), 1u);
@@ -232,7 +232,7 @@ TEST(Defaults, are_what_is_recommended) {
 TEST(Notes, tell_that_a_node_has_no_limit_unless_the_scene_asks_for_one) {
   const auto notes = scene_notes(parsed(good_scene));
   ASSERT_EQ(notes.size(), 1u);
-  for (const char* words : {"body.toml:13", "no limit under mesh refinement", "patch", "tool_radius_m"})
+  for (const char* words : {"body.toml:13", "mesh refinement", "patch", "tool_radius_m"})
     EXPECT_NE(notes[0].find(words), std::string::npos) << words << "\n" << notes[0];
   const std::string key = "increments = 4";
   EXPECT_TRUE(scene_notes(parsed(with(good_scene, key, key + "\nkind = \"node\""))).empty());

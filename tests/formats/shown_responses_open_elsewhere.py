@@ -143,7 +143,8 @@ with tempfile.TemporaryDirectory() as folder:
                     for state, increment in zip(read, increments):
                         check(state, f["magnitudes"][increment], f, 0, 1, increment, known, n_cells, cell_width)
 
-    # A collection: its own VTU files, in order. Ray (active 0, direction 0) fails at its last increment: left out, said.
+    # A collection: its own VTU files, in order. Ray (active 0, direction 0) fails at its last increment: left out,
+    # said.
     with h5py.File("all.h5") as f:
         done = show("all.h5", 1, 0, "ray.pvd")
         assert done.returncode == 0 and "increment 3 is left out: inverted" in done.stderr, done.stderr
@@ -154,13 +155,13 @@ with tempfile.TemporaryDirectory() as folder:
                 check(states(entry.get("file"))[0], None, f, 0, 0, increment, range(6), 2, 4)
 
     # What cannot be shown is refused, with the remedy, and leaves no file.
-    for arguments, words in (((0, 0, "no.vtu"), "no responses of this node"), ((1, 7, "no.vtu"), "no such direction"),
-                             ((1, 0, "no.vtu", "--increment", "3"), "did not converge"),
-                             ((1, 1, "no.vtu", "--increment", "0"), "no such increment"),
-                             ((1, 1, "no.vtu", "--increment", "two"), "neither a number"),
-                             ((1, 1, "no.vtu", "--increment", "all"), "holds one increment"),
-                             ((1, 1, "no.ply"), "format that can be written"),
-                             ((1, 1, "no/folder.vtu"), "cannot write")):
+    for arguments, words in (((0, 0, "no.vtu"), "--node 0"), ((1, 7, "no.vtu"), "--direction 7"),
+                             ((1, 0, "no.vtu", "--increment", "3"), "increment"),
+                             ((1, 1, "no.vtu", "--increment", "0"), "--increment 0"),
+                             ((1, 1, "no.vtu", "--increment", "two"), "'two'"),
+                             ((1, 1, "no.vtu", "--increment", "all"), "no.vtu"),
+                             ((1, 1, "no.ply"), "no.ply"),
+                             ((1, 1, "no/folder.vtu"), "no/folder.vtu")):
         done = show("all.h5", *arguments)
         assert done.returncode == 2 and words in done.stderr and "remedy" in done.stderr, (arguments, done)
         assert not os.path.exists("no.vtu")

@@ -1,4 +1,4 @@
-// Runs the command as a person would, in a folder of its own.
+// Runs the command through the shell, in a separate folder for each test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+
+#include "../messages.hpp"
 
 namespace phynness::test {
 

@@ -1,5 +1,6 @@
-// Layout of an image (formats/image.md): what phn_image_open accepts and exporters write. Little-endian; every
-// structure and table starts at a multiple of the size of its numbers; offsets count bytes from the image's start.
+// Layout of an image (formats/image.md), as phn_image_open reads it and `phynness export` writes it. Numbers are
+// little-endian. Every structure and table starts at a multiple of the size of its numbers. Offsets are bytes from the
+// start of the image.
 #pragma once
 
 #include <stddef.h>
@@ -16,10 +17,10 @@ inline constexpr uint32_t largest_table = 0x7fffffff;  ///< bytes of an image
 
 using phynness::Family;
 
-/// Displacements are cut to this size per component, in max_displacement.
+/// Components of displacements are clamped to this, in units of max_displacement.
 inline constexpr double largest_displacement = schema::largest_modal_displacement;
 
-/// Bounds of what an image holds: within them no sum of an evaluation leaves the range of its numbers.
+/// Bounds of the numbers of an image. Within them no sum of an evaluation overflows.
 inline constexpr uint32_t largest_count = 1u << 20;  ///< neurons or centers of one response
 inline constexpr uint32_t largest_mode_count = schema::largest_mode_count;
 template <class Real>
@@ -32,11 +33,12 @@ template <>
 struct Bounds<double> {
   static constexpr double value = 1e100, max_displacement = 1e90;
 };
-/// Of values made of others, in Bounds::value; of a kernel at rest; of a column's factor in a scaled table.
+/// Bounds of computed values, in units of Bounds::value (totals, force and energy at rest), of a kernel at rest, of a
+/// column's factor in a scaled table, and of a kernel's shape.
 inline constexpr double largest_total = 1e6, largest_force_at_rest = 1e13, largest_energy_at_rest = 1e19;
 inline constexpr double largest_at_rest = 1e7, largest_scale = 31, largest_shape = 1e6;
 
-/// n values at an offset; n = 0: none.
+/// n values at offset `at`; n = 0: empty.
 struct Table {
   uint32_t at, n;
 };
@@ -66,7 +68,7 @@ struct LinearResponse {
   Table unit_responses;  ///< Real: n_output x 9
 };
 
-/// A matrix of 16-bit integers, row by row, with a factor for each of n_columns.
+/// A matrix of 16-bit integers, row by row, with a factor for each column.
 struct ScaledTable {
   Table scale;  ///< Real: n_columns
   Table entry;  ///< int16: n_rows n_columns
@@ -81,7 +83,7 @@ struct ModalResponse {
   Real stiffness[6];                      ///< [N/m]
   Real total[3];                          ///< sum of the coefficients
   Real force_at_rest[3], energy_at_rest;  ///< added so that both vanish at d = 0 [N], [J / R]
-  ScaledTable weights;                    ///< n_amplitude_centers + 3 rows, n_modes columns; none: no deformation
+  ScaledTable weights;                    ///< n_amplitude_centers + 3 rows, n_modes columns; empty: no deformation
   ScaledTable mixing;                     ///< n_shared rows
   Table near;                             ///< uint16: positions among the output nodes
   ScaledTable near_modes;                 ///< 3 n_near rows
@@ -100,7 +102,7 @@ template <class Real>
 struct Header {
   uint32_t magic, version, real_bytes;
   uint32_t bytes;     ///< of the whole image
-  uint32_t checksum;  ///< of all words behind this one
+  uint32_t checksum;  ///< of all words after this one
   Family family;
   uint32_t n_scratch;       ///< Reals
   uint32_t reserved;        ///< 0
@@ -118,8 +120,8 @@ struct Header {
   Real amplitude_shape;
 };
 
-/// Of `n` words from `word` on. Every step is invertible in the sum and in the word: no single damaged word escapes.
-/// The last two lines are a step of A. Appleby's MurmurHash3, which is in the public domain.
+/// Checksum of `n` words. Every step is invertible in the sum and in the word, so that a single damaged word is always
+/// detected. The last two lines are a step of A. Appleby's MurmurHash3, which is in the public domain.
 inline uint32_t checksum(const uint32_t* word, size_t n) {
   uint32_t sum = 0x9e3779b9u;
   for (size_t i = 0; i < n; ++i) {
@@ -130,7 +132,7 @@ inline uint32_t checksum(const uint32_t* word, size_t n) {
   return sum;
 }
 
-/// Words before those that the checksum covers: magic, version, real_bytes, bytes and itself.
+/// Words at the start that the checksum does not cover: magic, version, real_bytes, bytes and the checksum itself.
 inline constexpr size_t n_unchecked_words = 5;
 
 }  // namespace phynness::image

@@ -1,17 +1,20 @@
-/* phynness: reaction force and deformation of a trained object, in real time: the core. Beside it: phynness_surface.h
- * (a finer surface to draw), phynness_contact.h (spheres that touch, slide and grasp), phynness_levels.h (accuracy for
- * time), phynness_image.h (models in flash), phynness_paper.h (the paper's blending).
+/* phynness: reaction force and deformation of a trained object in real time. This header is the core of the runtime.
+ * Further headers: phynness_surface.h (a finer surface for drawing), phynness_contact.h (spheres that touch, slide and
+ * grasp), phynness_levels.h (less accuracy for less time), phynness_image.h (models in flash memory), phynness_paper.h
+ * (the paper's blending of several tools).
  *
- * Start-up: phn_model_size, phn_model_init, phn_data_size, phn_data_init, in memory of the caller. Nothing here
- * allocates, prints or reads a file; nothing needs a clean-up. A phn_model never changes: share it. A phn_data is
- * scratch of one thread.
+ * Start-up: phn_model_size, phn_model_init, phn_data_size, phn_data_init. The caller provides the memory. No function
+ * allocates memory, prints or reads a file, and nothing has to be released. A phn_model is constant and may be shared
+ * between threads. A phn_data is working memory of one thread.
  *
- * Units are SI. Vectors are x, y, z in the frame of the mesh, displacements d from rest, nodes numbers of the mesh,
- * from 0. Force is what must be applied to the object to hold a displacement; a haptic device renders its negative.
+ * Units are SI. Vectors have the components x, y, z in the frame of the mesh. Displacements d are measured from the
+ * undeformed state. Nodes have the numbers of the mesh, starting with 0. A force is the force that must be applied to
+ * the object to hold a displacement; a haptic device renders its negative.
  *
- * Status of every int function: 0 good; > 0 outputs are defined, but look: a sum of PHN_WARNING_*; < 0 refused, outputs
- * are zeros. No output is ever NaN or infinite. An output may lie in the memory of an input. Two outputs, or an object
- * and what it is made from, may not overlap. Equation numbers are those of the paper.
+ * Functions that return int return a status. 0: success. > 0: a sum of PHN_WARNING_*; the outputs are defined, but the
+ * model is used outside of its range. < 0: PHN_ERROR_*; the call is refused and the outputs are zeros. No output is
+ * ever NaN or infinite. An output may overlap an input in memory. Two outputs must not overlap, nor may an object
+ * overlap the memory from which it is made. Equation numbers are those of the paper.
  *
  * Cost [us], 486 output nodes, AVX-512         modal, 78 centers, 16 modes   rbfn, 100 and 200 neurons
  *   phn_force                                             0.13                        0.17
@@ -31,123 +34,131 @@ typedef struct phn_data phn_data;
 
 enum {
   PHN_OK = 0,
-  PHN_WARNING_OUTSIDE = 1,       /* a displacement is longer than what was trained in its direction */
-  PHN_WARNING_INCOMPLETE = 2,    /* some direction of a touched node stopped short of the full depth in training */
-  PHN_WARNING_UNSETTLED = 4,     /* tools are too near each other to all be followed; forces are bounded */
-  PHN_ERROR_ARGUMENT = -1,       /* null pointer, number outside of what is counted, data of another model */
+  PHN_WARNING_OUTSIDE = 1,       /* a displacement is longer than the longest that was trained in its direction */
+  PHN_WARNING_INCOMPLETE = 2,    /* some direction of a touched node was not trained to the full depth */
+  PHN_WARNING_UNSETTLED = 4,     /* the tools are too close together to follow all of them; forces are bounded */
+  PHN_ERROR_ARGUMENT = -1,       /* a null pointer, a number out of range, or data of another model */
   PHN_ERROR_NOT_ACTIVE = -2,     /* the node cannot be touched in this model */
-  PHN_ERROR_NOT_FINITE = -3,     /* a displacement, place or size is NaN or infinite */
-  PHN_ERROR_BUFFER = -4,         /* memory smaller than the _size function asked for */
+  PHN_ERROR_NOT_FINITE = -3,     /* a displacement, position or size is NaN or infinite */
+  PHN_ERROR_BUFFER = -4,         /* the memory is smaller than the _size function returned */
   PHN_ERROR_TOOLS = -5,          /* more tools than the phn_data or phn_contact was made for */
   PHN_ERROR_SAME_NODE = -6,      /* two tools at one node */
-  PHN_ERROR_UNDEFINED = -7,      /* the model has no such response: energy of networks, deformation of a node without */
-  PHN_ERROR_BUDGET = -8,         /* not even the smallest level fits into the time */
-  PHN_ERROR_CLOCK = -9,          /* a clock gives NaN, runs backwards or stands still */
-  PHN_ERROR_NOT_A_MODEL = -10,   /* the text is not a model.txt, the bytes are not an image */
-  PHN_ERROR_VERSION = -11,       /* a model of another version */
-  PHN_ERROR_TRUNCATED = -12,     /* the model ends early */
-  PHN_ERROR_CHECKSUM = -13,      /* the model was damaged */
+  PHN_ERROR_UNDEFINED = -7,      /* the model or the node has no such response, e.g. no energy or no deformation */
+  PHN_ERROR_BUDGET = -8,         /* even the smallest level takes more than the given time */
+  PHN_ERROR_CLOCK = -9,          /* the clock returns NaN, runs backwards or stands still */
+  PHN_ERROR_NOT_A_MODEL = -10,   /* the text is not a model.txt, or the bytes are not an image */
+  PHN_ERROR_VERSION = -11,       /* the model has another version of the format */
+  PHN_ERROR_TRUNCATED = -12,     /* the model is incomplete at its end */
+  PHN_ERROR_CHECKSUM = -13,      /* the checksum of the model is wrong: the model is damaged */
   PHN_ERROR_SYNTAX = -14,        /* a number or word of the model is malformed */
   PHN_ERROR_RANGE = -15,         /* a count, index or value of the model is out of range */
-  PHN_ERROR_FAMILY = -16,        /* the model is of a family that this version does not know */
-  PHN_ERROR_OVERLAP = -17,       /* an output lies in the memory of another output, or of a large input */
-  PHN_ERROR_TOO_LARGE = -18,     /* what is asked for needs more bytes or numbers than this machine can count */
-  PHN_ERROR_GEOMETRY = -19,      /* a triangle with equal corners, or coordinates too large for contact */
-  PHN_ERROR_TOO_MANY_TOOLS = -20 /* more than PHN_MOST_COUPLED tools at once */
+  PHN_ERROR_FAMILY = -16,        /* this version does not know the model's family */
+  PHN_ERROR_OVERLAP = -17,       /* an output overlaps another output or a large input in memory */
+  PHN_ERROR_TOO_LARGE = -18,     /* the result has more bytes or numbers than size_t or int32_t can count */
+  PHN_ERROR_GEOMETRY = -19,      /* a triangle has equal corners, or coordinates are too large for contact */
+  PHN_ERROR_TOO_MANY_TOOLS = -20 /* more than PHN_MOST_COUPLED tools in one call */
 };
 enum { PHN_MOST_COUPLED = 8, PHN_MOST_FIELDS = 8 };
 
-/* Version of this library, "major.minor.patch". */
+/* The version of this library, "major.minor.patch". */
 PHN_API const char* phn_version(void);
 
-/* One sentence for a status; never null. */
+/* The meaning of a status in one sentence; never null. */
 PHN_API const char* phn_status_message(int status);
 
-/* Checks the text of a model.txt (`length` bytes; no 0 at the end needed) and tells the bytes that its model takes.
- * `wrong_byte`, which may be null, tells where a refused text is wrong, counted from 1; 0 for a good one. */
+/* Checks the text of a model.txt (`length` bytes, not necessarily followed by a 0) and gives the size of its model in
+ * memory [bytes]. `wrong_byte` may be null; it becomes the position of the first error in a refused text, counted from
+ * 1, or 0 for a valid text. */
 PHN_API int phn_model_size(const char* text, size_t length, size_t* bytes, size_t* wrong_byte);
 
-/* Builds the model in `memory` (any alignment). The text may be released afterwards, the memory not. On failure *model
- * is null. */
+/* Builds the model in `memory` (any alignment). The text may be released afterwards; the memory must be kept while the
+ * model is used. On failure *model is null. */
 PHN_API int phn_model_init(void* memory, size_t bytes, const char* text, size_t length, const phn_model** model,
                            size_t* wrong_byte);
 
-/* What a model holds. Pointers lead into the model. Node lists ascend; points are n x 3, row by row, at rest [m]. */
+/* Contents of a model. The pointers refer to memory of the model. Lists of nodes are in ascending order. Points are
+ * n x 3, row by row, in the undeformed state [m]. */
 typedef struct phn_info {
   const char *family, *title, *mesh_hash; /* family: "rbfn", "modal" or "linear" */
-  double max_displacement_m;              /* how deep training went */
-  const int32_t* active_nodes;            /* n_active: those that can be touched */
-  const int32_t* output_nodes;            /* n_output: those whose displacement is modelled */
-  const int32_t* fixed_nodes;             /* n_fixed: those of the surface that never move */
+  double max_displacement_m;              /* largest displacement of the training data */
+  const int32_t* active_nodes;            /* n_active: nodes that can be touched */
+  const int32_t* output_nodes;            /* n_output: nodes whose displacement is modelled */
+  const int32_t* fixed_nodes;             /* n_fixed: nodes of the surface that never move */
   const double *output_points, *fixed_points;
-  const int32_t* triangles; /* n_triangles x 3, normals outward: 0 ... n_output - 1 are output nodes, then fixed ones */
-  const char *field_names[PHN_MOST_FIELDS], *field_units[PHN_MOST_FIELDS]; /* "von-mises-stress", "Pa"; null: none */
+  const int32_t* triangles; /* n_triangles x 3, normals outward; 0 ... n_output - 1: output nodes; then fixed nodes */
+  const char *field_names[PHN_MOST_FIELDS], *field_units[PHN_MOST_FIELDS]; /* "von-mises-stress", "Pa"; unused: null */
   int32_t n_nodes;                                                         /* of the mesh */
   int32_t n_active, n_output, n_fixed, n_triangles, n_fields;
   int32_t n_levels;       /* 1 or more: phynness_levels.h */
   int32_t has_energy;     /* 1, or 0 in family rbfn */
-  int32_t precision_bits; /* of the inner loops: 64, or 32 in the library in float; told for a null model, too */
+  int32_t precision_bits; /* of the inner loops: 64, or 32 in the library in float; also set for a null model */
 } phn_info;
 PHN_API int phn_model_info(const phn_model* model, phn_info* info);
 
-/* Scratch for up to `max_tools` tools (>= 1) at once. The model must outlive it. */
+/* Working memory for up to `max_tools` (>= 1) simultaneous tools. The model must outlive it. */
 PHN_API int phn_data_size(const phn_model* model, int32_t max_tools, size_t* bytes);
 PHN_API int phn_data_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
 
-/* With active node `node` displaced by d: the force [N] that holds it, the energy [J] stored, 0 at rest, and the
- * stiffness [N/m], 3 x 3 and symmetric. Pass null for what is not wanted. In families linear and modal the force is the
- * gradient of the energy and the stiffness its derivative: closed loops do no work. Family rbfn has forces only and
- * refuses the other two with PHN_ERROR_UNDEFINED. Displacements are cut at 1e6 max_displacement_m (linear: 1e100 m). */
+/* With active node `node` displaced by d [m]: the force [N] that holds it, the stored energy [J], which is 0 at rest,
+ * and the stiffness [N/m], 3 x 3 and symmetric. Outputs that are not needed may be null. In the families linear and
+ * modal the force is the gradient of the energy and the stiffness is the derivative of the force, so that closed paths
+ * do no work. The family rbfn has forces only; for energy or stiffness it returns PHN_ERROR_UNDEFINED. Components of d
+ * are clamped to 1e6 max_displacement_m (linear: 1e100 m). */
 PHN_API int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3],
                       double* energy, double stiffness[9]);
 
 /* Displacements [m] of all output nodes, n_output x 3, with ONE tool at active node `node`. The touched node moves by
- * exactly d. For several tools, or a tool between nodes: phn_couple, then phn_coupled_deform. Adding or averaging the
- * fields of single tools is wrong by 10 % and more. */
+ * exactly d. For several tools, or for a tool between nodes, use phn_couple and then phn_coupled_deform: sums or means
+ * of the fields of single tools have errors of 10 % and more. */
 PHN_API int phn_deform(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* out);
 
-/* Values of a field at all output nodes, n_output numbers >= 0, 0 at rest, with one tool as in phn_deform. */
+/* Values of a scalar field at all output nodes, n_output numbers >= 0, with one tool as in phn_deform. They are 0 at
+ * rest. `field` is an index of phn_info.field_names. */
 PHN_API int phn_field(const phn_model* model, phn_data* data, int32_t node, const double d[3], int32_t field,
                       double* out);
 
-/* Computes what deformations of a node share, 0.03 to 0.4 ms. The first deformation of a node does it otherwise; forces
- * never need it. Scratch keeps the nodes touched last, three for each tool. Results are the same to the last bit. */
+/* Computes the quantities that all deformations of a node have in common (0.03 to 0.4 ms). Without this call the first
+ * deformation of the node computes them. Forces do not use them. `data` keeps them for the nodes touched last, three
+ * nodes for each tool. Results are bitwise the same with and without this call. */
 PHN_API int phn_prepare(const phn_model* model, phn_data* data, int32_t node);
 
-/* A tool that holds a point of the surface: up to three nodes of one triangle with barycentric weights, >= 0 and of
- * sum 1. A node alone: {node, -1, -1}, {1, 0, 0}. Nodes are active or fixed. */
+/* A tool that holds a point of the surface: up to three nodes of one triangle, active or fixed, with barycentric
+ * weights, which are >= 0 and have the sum 1. A tool at a node: {node, -1, -1}, {1, 0, 0}. */
 typedef struct phn_tool {
-  int32_t nodes[3]; /* -1: none */
+  int32_t nodes[3]; /* -1: unused */
   double weights[3];
   double displacement[3]; /* of the point [m] */
 } phn_tool;
 typedef struct phn_coupled {
-  double residual; /* largest distance between a tool and the point that it holds [m]: rounding, unless UNSETTLED */
+  double residual; /* largest distance [m] of a tool from the point that it holds; rounding unless _UNSETTLED */
   double energy;   /* [J]; 0 in family rbfn */
 } phn_coupled;
 
-/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. Every point follows its tool; the force at a node
- * alone is phn_force's; exact in a linear body; continuous where a tool slides over edges and nodes; the gradient of an
- * energy, where the family has one, while the tools hold their points. Depends on these arguments alone, not on earlier
- * calls. Tools within half an edge of each other that pull apart are followed in part: PHN_WARNING_UNSETTLED.
- * PHN_ERROR_UNDEFINED: a touched node is no output node or has no deformation. `result` may be null. Displacements are
- * cut at 1000 max_displacement_m. */
+/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. Every held point follows its tool. The force of one
+ * tool at a node is that of phn_force. Forces are exact for a linear body, and continuous where a tool slides over
+ * edges and nodes. In families with an energy they are its gradient while the tools hold their points. The result
+ * depends on these arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of
+ * each other pull apart, and their points follow them only in part. PHN_ERROR_UNDEFINED: a touched node is not an
+ * output node or has no deformation. `result` may be null. Components of displacements are clamped to
+ * 1000 max_displacement_m. */
 PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                        phn_coupled* result);
 
 /* Displacements [m] of all output nodes, n_output x 3, under the tools of the last phn_couple with this data; zeros
- * before the first. */
+ * before the first phn_couple. */
 PHN_API int phn_coupled_deform(const phn_model* model, phn_data* data, double* out);
 
-/* The tool at the point of the undeformed surface nearest to x [m], displaced by 0. `point` [m] may be null. */
+/* The tool at that point of the undeformed surface which is nearest to x [m], with displacement 0. `point` [m] may be
+ * null. */
 PHN_API int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, double point[3]);
 
-/* How far the model can be trusted at d: says where it interpolates, not how large its error is. */
+/* Position of d relative to the training data of a node: it tells interpolation from extrapolation. It is not an
+ * estimate of the error. A d longer than trained_depth gives PHN_WARNING_OUTSIDE in phn_force. */
 typedef struct phn_trusted {
-  double trained_depth; /* [m] in the exploratory direction nearest to d; at rest the least of all. Beyond: OUTSIDE */
+  double trained_depth; /* [m] in the exploratory direction nearest to d; at rest the smallest of all directions */
   double distance;      /* [m] from d to the nearest displacement that the node was trained on; 0 in family linear */
-  double relative; /* distance over the largest one inside the trained range: 0 known, 1 the widest gap, more: beyond */
-  double reserved[5]; /* 0 */
+  double relative;      /* distance / largest distance inside the trained range; 0 at data, > 1: extrapolation */
+  double reserved[5];   /* 0 */
 } phn_trusted;
 PHN_API int phn_trust(const phn_model* model, int32_t node, const double d[3], phn_trusted* trusted);
 

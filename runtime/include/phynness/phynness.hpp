@@ -1,8 +1,7 @@
-// phynness for C++17: the functions of phynness.h, phynness_levels.h and phynness_paper.h as members of objects that
-// own their memory, or lie in yours. Nothing throws. A function that can be refused returns a Status, which the
-// compiler does not let you overlook. After construction nothing allocates. What a call means, costs and refuses is
-// said in those headers. It works without exceptions and RTTI: a failed construction leaves an object that is false and
-// has a status.
+// phynness for C++17: the functions of phynness.h, phynness_levels.h and phynness_paper.h as members of objects. An
+// object owns its memory or uses memory of the caller. After construction nothing is allocated. No exceptions and no
+// RTTI are used: functions that can fail return a [[nodiscard]] Status, and an object whose construction failed
+// converts to false and has a status. Meaning, cost and errors of each function are described in those headers.
 #ifndef PHYNNESS_HPP
 #define PHYNNESS_HPP
 
@@ -22,14 +21,14 @@
 #endif
 
 namespace phynness::rt {
-// A program may hold both libraries, in different files.
+// The namespaces differ so that a program can use both libraries in different files.
 #ifdef PHYNNESS_FLOAT
 inline namespace in_float {
 #else
 inline namespace in_double {
 #endif
 
-/// What a function of phynness.h returns: 0 good, > 0 look, < 0 refused and zeros.
+/// Status of a function of phynness.h: 0 success, > 0 warnings (PHN_WARNING_*), < 0 an error, with zeros as outputs.
 class [[nodiscard]] Status {
  public:
   constexpr Status(int code = PHN_OK) noexcept : _code(code) {}
@@ -49,7 +48,7 @@ class [[nodiscard]] Status {
 template <class T>
 using Span = std::span<T>;
 #else
-/// What of std::span is used here.
+/// The part of std::span that this header uses, for C++17.
 template <class T>
 class Span {
  public:
@@ -71,8 +70,8 @@ class Span {
 };
 #endif
 
-/// Exactly n numbers that lie one behind the other: an array, a std::array, a vector or matrix of Eigen whose size the
-/// compiler knows, or a map of one. Any other length does not compile.
+/// Exactly n contiguous numbers: an array, a std::array, an Eigen vector or matrix of fixed size, or a map of one. Any
+/// other size is a compile-time error.
 template <class T, std::size_t n>
 class Fixed {
  public:
@@ -97,10 +96,10 @@ using Out3 = Fixed<double, 3>;
 using Out9 = Fixed<double, 9>;
 
 namespace detail {
-/// Memory that is owned, or somebody else's.
+/// Memory of an object, owned or provided by the caller.
 class Memory {
  public:
-  /// @return a place of at least `bytes`: `own` if it has any, else new memory
+  /// @return `own` unless it is empty, else `bytes` bytes of new memory that this object owns
   void* place(Span<std::byte> own, std::size_t bytes) {
     if (own.data() != nullptr) return own.data();
     _owned.resize(bytes);
@@ -112,12 +111,13 @@ class Memory {
 };
 }  // namespace detail
 
-/// A model; never changes: share it between threads. Moves, and stays where its memory is; does not copy.
+/// A model. It is constant and may be shared between threads. It can be moved, which leaves the memory in place, but
+/// not copied.
 class Model {
  public:
   Model() = default;
-  /// @param text  of model.txt; may go afterwards
-  /// @param own   memory of at least bytes_for(text) that outlives the model; none: the model owns some
+  /// @param text  text of model.txt; not used after construction
+  /// @param own   memory of at least bytes_for(text) bytes that outlives the model; empty: the model allocates memory
   explicit Model(std::string_view text, Span<std::byte> own = {}) {
     std::size_t bytes = 0;
     _status = phn_model_size(text.data(), text.size(), &bytes, &_wrong_byte);
@@ -133,7 +133,7 @@ class Model {
     return *this;
   }
 
-  /// A file's model, on machines that have files; PHN_ERROR_NOT_A_MODEL if it cannot be read.
+  /// The model in a file; status PHN_ERROR_NOT_A_MODEL if the file cannot be read.
   static Model read(const char* file) {
     std::vector<char> text;
     if (std::FILE* stream = std::fopen(file, "rb")) {
@@ -147,7 +147,7 @@ class Model {
     }
     return Model(std::string_view(text.empty() ? "" : text.data(), text.size()));
   }
-  /// Bytes that a text's model takes; 0 if it is refused.
+  /// Memory [bytes] of the model in a text; 0 if the text is refused.
   static std::size_t bytes_for(std::string_view text) noexcept {
     std::size_t bytes = 0;
     return phn_model_size(text.data(), text.size(), &bytes, nullptr) == PHN_OK ? bytes : 0;
@@ -157,12 +157,12 @@ class Model {
   Status status() const noexcept { return _status; }
   const phn_model* get() const noexcept { return _model; }
 
-  /// Where a refused text is wrong, counted from 1; 0 for a good one.
+  /// Position of the first error in a refused text, counted from 1; 0 for a valid text.
   std::size_t wrong_byte() const noexcept { return _wrong_byte; }
-  /// Of memory that the model takes.
+  /// Memory of the model [bytes].
   std::size_t bytes() const noexcept { return _bytes; }
 
-  /// All that the model tells of itself; zeros for none, but for the precision.
+  /// Contents of the model; without a model all zeros except the precision.
   const phn_info& info() const noexcept { return _info; }
   std::int32_t n_nodes() const noexcept { return _info.n_nodes; }
   std::int32_t n_output() const noexcept { return _info.n_output; }
@@ -177,7 +177,7 @@ class Model {
   std::int32_t n_levels() const noexcept { return _info.n_levels; }
   Status level_info(std::int32_t level, phn_level& info) const noexcept { return phn_level_info(_model, level, &info); }
 
-  /// @param times  of calibrate
+  /// @param times  from Data::calibrate, n_levels() of them
   Status budget(Span<const phn_level_time> times, double n_forces, double n_deformations, double budget_us,
                 std::int32_t& level) const noexcept {
     return times.size() < static_cast<std::size_t>(_info.n_levels)
@@ -219,8 +219,8 @@ class Model {
   Status _status = PHN_ERROR_ARGUMENT;
 };
 
-/// Scratch of one thread, with the questions that need it. Spans that are too short are refused with PHN_ERROR_BUFFER
-/// and left alone; they may be longer. @pre the model outlives it
+/// Working memory of one thread, with the functions that use it. Output spans may be longer than needed. A span that is
+/// too short is not written, and the status is PHN_ERROR_BUFFER. @pre the model outlives this object
 class Data {
  public:
   Data() = default;
@@ -250,7 +250,7 @@ class Data {
   Status force(std::int32_t node, In3 d, Out3 force_N) noexcept {
     return phn_force(_model, _data, node, d.data(), force_N.data(), nullptr, nullptr);
   }
-  /// All in one call. @param stiffness_N_per_m  row by row; it is symmetric
+  /// Force, energy and stiffness in one call. @param stiffness_N_per_m  3 x 3, symmetric
   Status force(std::int32_t node, In3 d, Out3 force_N, double& energy_J, Out9 stiffness_N_per_m) noexcept {
     return phn_force(_model, _data, node, d.data(), force_N.data(), &energy_J, stiffness_N_per_m.data());
   }
@@ -260,7 +260,7 @@ class Data {
   Status energy(std::int32_t node, In3 d, double& energy_J) noexcept {
     return phn_force(_model, _data, node, d.data(), nullptr, &energy_J, nullptr);
   }
-  /// Row by row; it is symmetric.
+  /// @param stiffness_N_per_m  3 x 3, symmetric
   Status stiffness(std::int32_t node, In3 d, Out9 stiffness_N_per_m) noexcept {
     return phn_force(_model, _data, node, d.data(), nullptr, nullptr, stiffness_N_per_m.data());
   }
@@ -269,7 +269,7 @@ class Data {
     return out.size() < _n_field ? Status(PHN_ERROR_BUFFER)
                                  : Status(phn_deform(_model, _data, node, d.data(), out.data()));
   }
-  /// The paper's blending of several tools. @param displacements  3 for each node
+  /// The paper's blending of several tools. @param displacements  nodes.size() x 3; @param out  n_output x 3
   Status blend_paper(Span<const std::int32_t> nodes, Span<const double> displacements, Span<double> out) noexcept {
     if (out.size() < _n_field || displacements.size() < 3 * nodes.size()) return PHN_ERROR_BUFFER;
     if (nodes.size() > INT32_MAX / 3) return PHN_ERROR_TOOLS;
@@ -277,7 +277,7 @@ class Data {
                            out.data());
   }
   Status prepare(std::int32_t node) noexcept { return phn_prepare(_model, _data, node); }
-  /// @param forces_N  3 for each tool
+  /// @param forces_N  tools.size() x 3
   Status couple(Span<const phn_tool> tools, Span<double> forces_N, phn_coupled* result = nullptr) noexcept {
     if (forces_N.size() / 3 < tools.size()) return PHN_ERROR_BUFFER;
     if (tools.size() > PHN_MOST_COUPLED) return PHN_ERROR_TOO_MANY_TOOLS;
@@ -289,7 +289,7 @@ class Data {
   Status coupled_deform(Span<double> out) noexcept {
     return out.size() < _n_field ? Status(PHN_ERROR_BUFFER) : Status(phn_coupled_deform(_model, _data, out.data()));
   }
-  /// @param out  n_output
+  /// @param out  n_output values
   Status field(std::int32_t node, In3 d, std::int32_t number, Span<double> out) noexcept {
     return 3 * out.size() < _n_field ? Status(PHN_ERROR_BUFFER)
                                      : Status(phn_field(_model, _data, node, d.data(), number, out.data()));
@@ -297,7 +297,7 @@ class Data {
 
   Status set_level(std::int32_t level) noexcept { return phn_set_level(_model, _data, level); }
   std::int32_t level() const noexcept { return phn_level_of(_data); }
-  /// @param times  n_levels of the model
+  /// @param times  output, n_levels of the model
   Status calibrate(double (*clock_us)(void*), void* user, Span<phn_level_time> times) noexcept {
     return times.size() < _n_levels ? Status(PHN_ERROR_BUFFER)
                                     : Status(phn_calibrate(_model, _data, clock_us, user, times.data()));
@@ -316,7 +316,7 @@ class Data {
   detail::Memory _memory;
   const phn_model* _model = nullptr;
   phn_data* _data = nullptr;
-  std::size_t _n_field = 0;   ///< numbers of a deformation
+  std::size_t _n_field = 0;   ///< 3 n_output
   std::size_t _n_levels = 0;  ///< of the model
   Status _status = PHN_ERROR_ARGUMENT;
 };

@@ -1,6 +1,7 @@
-/* What every header of phynness includes: which symbols a shared library shows, and the names of the library in float.
+/* Included by every header of phynness: visibility of symbols in a shared library, and the names of the library in
+ * float.
  *
- * Programs that use the shared library on Windows define PHYNNESS_SHARED; its CMake target does. */
+ * Programs that use the shared library on Windows must define PHYNNESS_SHARED; its CMake target defines it. */
 #ifndef PHYNNESS_API_H
 #define PHYNNESS_API_H
 

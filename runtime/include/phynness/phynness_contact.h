@@ -1,17 +1,16 @@
 /* phynness: spherical tools that touch, slide on, press and grasp a trained object.
  *
- * Once a haptic cycle: where the tools are, in; what they feel, out. A tool in contact has a proxy, the point of the
- * surface at rest that it touches; phn_couple says what it costs to hold that point where the tool is. The touched
- * point follows the tool exactly.
+ * phn_contact_step is called once in each haptic cycle with the positions of the tools; it gives their forces. A tool
+ * in contact has a proxy: the point of the undeformed surface that it touches. phn_couple gives the force that holds
+ * this point at the position of the tool. The touched point follows the tool exactly.
  *
- * Memory, statuses, units, frames and sign of the force: as in phynness.h, also what may overlap: states may lie in the
- * memory of the tools that they answer. One phn_contact for each thread that moves
- * tools, with a phn_data of the same thread; nothing is shared between them but the model.
+ * Memory, statuses, units, frames, overlap and the sign of the force are those of phynness.h; the states may overlap
+ * the tools in memory. Each thread that moves tools has its own phn_contact and phn_data; threads share only the model.
  *
- * The surface that a sphere of radius r meets is the triangles of phn_info.triangles with each vertex moved out by r,
- * along its mean normal and so far that the triangles around it move by r (at most 2 r, at sharp corners); the sphere's
- * centre is a point against it. Between vertices these offsets are interpolated: their direction is the outward normal
- * that words below mean. It is continuous over edges and nodes, and that of the surface at rest.
+ * For a sphere of radius r, each vertex of phn_info.triangles is moved outwards along its mean normal, so far that the
+ * triangles around it move by r (at sharp corners at most by 2 r). Contact of the sphere is contact of its centre with
+ * these offset triangles. Between vertices the offset vectors are interpolated. Their direction is called the outward
+ * normal below. It belongs to the undeformed surface and is continuous over edges and nodes.
  */
 #ifndef PHYNNESS_CONTACT_H
 #define PHYNNESS_CONTACT_H
@@ -25,80 +24,87 @@ extern "C" {
 typedef struct phn_contact phn_contact;
 
 enum {
-  PHN_TOOL_OFF = 0,   /* touches nothing */
-  PHN_TOOL_PRESS = 1, /* pushes only; Coulomb friction */
+  PHN_TOOL_OFF = 0,   /* no contact */
+  PHN_TOOL_PRESS = 1, /* pushes only, with Coulomb friction */
   PHN_TOOL_GRASP = 2  /* holds the first point that it touches until the mode changes; pushes and pulls */
 };
 
 typedef struct phn_contact_tool {
-  double center[3]; /* of the sphere, where the device is [m]; components are cut at 1000 sizes of the body */
-  double radius;    /* >= 0 [m]; cut at the size of the body, the diagonal of its box */
-  double friction;  /* coefficient, >= 0; 0: none. Read in mode press */
-  int32_t mode;
-  int32_t unguarded; /* mode press. 0: never gives back more work than it took; 1: the force of phn_couple as it is */
+  double center[3];  /* of the sphere, at the position of the device [m]; clamped to 1000 sizes of the body */
+  double radius;     /* >= 0 [m]; clamped to the size of the body, which is the diagonal of its bounding box */
+  double friction;   /* coefficient >= 0 of mode press; 0: frictionless */
+  int32_t mode;      /* PHN_TOOL_* */
+  int32_t unguarded; /* mode press. 0: no more work is returned than was done; 1: the unscaled force of phn_couple */
 } phn_contact_tool;
 
 typedef struct phn_contact_state {
   double force[3];    /* on the body [N]; a device renders its negative. Zeros without contact */
-  double proxy[3];    /* centre of the sphere on the surface at rest [m]; without contact where the tool is */
-  double normal[3];   /* outward, unit; zeros without contact */
-  double scale;       /* of the force: 1, or less so that the tool does not gain; 0 without contact */
-  double unbalanced;  /* mode press: |force of phn_couple - force / scale|, what sliding did not yet relieve [N] */
-  phn_tool held;      /* what phn_couple was asked for; nodes are -1 without contact */
+  double proxy[3];    /* centre of the sphere on the undeformed surface [m]; without contact the tool's position */
+  double normal[3];   /* outward unit normal; zeros without contact */
+  double scale;       /* factor of the force: 1, or less where the tool would gain energy; 0 without contact */
+  double unbalanced;  /* mode press: |force of phn_couple - force / scale| [N], not yet relieved by sliding */
+  phn_tool held;      /* argument of phn_couple; nodes are -1 without contact */
   int32_t in_contact; /* 1 or 0 */
 } phn_contact_state;
 
-/* For up to max_tools (1 ... 8) tools. Memory: some 200 bytes a triangle. Cost of init: a millisecond for 1,000
- * triangles. Triangles can be touched whose corners are active or fixed, not all of them fixed; tools pass through
- * others, and through the twentieth of a triangle beside a fixed edge. PHN_ERROR_UNDEFINED: there are none.
- * PHN_ERROR_TOO_MANY_TOOLS: max_tools is more than 8. PHN_ERROR_GEOMETRY: coordinates are too large for squares of
- * areas. */
+/* For up to max_tools (1 ... 8) tools. Memory: about 200 bytes for each triangle. Cost of init: a millisecond for 1,000
+ * triangles. A triangle can be touched if its corners are active or fixed and at least one is active. Tools pass
+ * through other triangles, and through a strip of 1/20 of a triangle beside a fixed edge. PHN_ERROR_UNDEFINED: no
+ * triangle can be touched. PHN_ERROR_TOO_MANY_TOOLS: max_tools > 8. PHN_ERROR_GEOMETRY: coordinates are so large that
+ * squares of areas overflow. */
 PHN_API int phn_contact_size(const phn_model* model, int32_t max_tools, size_t* bytes);
 PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools,
                              phn_contact** contact);
 
-/* Tools 0 ... n_tools - 1 at their new places; n_tools <= max_tools, and data was made for as many. Tool t is the same
- * tool in every call; one that is left out, or off, or new, is free where it is then: if that is inside the body it
- * leaves unfelt.
+/* Moves tools 0 ... n_tools - 1 to their new positions and computes their states. n_tools <= max_tools, and `data` was
+ * made for at least n_tools. Tool t is the same tool in every call. A tool that is new, off, or beyond n_tools in a
+ * call has no contact at its position in that call. If this position is inside the body, the tool leaves the body
+ * without a force.
  *
- * Free tools are swept from their last place to the new one in a straight line: no speed and no thin part lets one
- * through from outside. In contact a tool stays on its side of the surface, however far it is pushed.
+ * A tool without contact is swept along the straight line from its last position to the new one. It therefore cannot
+ * pass through the surface from outside, at any speed and at any thin part. A tool in contact stays on its side of the
+ * surface, however far it is pushed.
  *
- * Press: force . normal <= 0, and |tangential force| <= friction |force . normal|, always. While phn_couple's force is
- * inside this cone the touched point sticks. Otherwise it slides over the triangles until the force is within 1e-4 of
- * it, in at most 8 steps a call, 4 with two tools in contact and 2 with more; what these leave is cut off the force and
- * told in `unbalanced`. Contact ends where the force would pull. Of tools that press at one place the deepest is felt.
- * A tool that slides with little friction from soft to stiff tissue would give back more work than it took: its force
- * is normal, and moving it sideways costs none. Unless `unguarded`, force is scaled down to what was taken, in families
- * that have an energy, continuously; with several tools in contact scales stay what they were. With friction there is
- * seldom anything to scale (docs/decisions/contact.md).
+ * Press: force . normal <= 0 and |tangential force| <= friction |force . normal| always hold. While the force of
+ * phn_couple is inside this friction cone, the touched point sticks. Otherwise the point slides over the triangles
+ * until the force is within 1e-4 of the cone, in at most 8 steps per call (4 with two tools in contact, 2 with more).
+ * If these steps do not suffice, the force is projected onto the cone and `unbalanced` is the difference. Contact ends
+ * where the force would pull. Of several tools that press at one point, only the deepest has a force.
  *
- * Grasp: the point keeps its place under the tool; the force is phn_couple's. A tool that grasps when the surface is
- * within its radius takes the nearest point, and nothing moves; one in contact takes the point that it touches.
+ * A tool that slides with little friction from soft to stiff tissue would return more work than was done on it, because
+ * its force is normal and sideways motion does no work. In families with an energy, unless `unguarded`, the force is
+ * therefore scaled down, continuously, so that the returned work does not exceed the work done. With several tools in
+ * contact the scales keep their values. With friction the scale is seldom below 1 (docs/decisions/contact.md).
  *
- * `result` may be null: that of the last phn_couple. `data` is left with it, so phn_coupled_deform is the deformation
- * of this cycle. Refused calls leave the tools where they were. PHN_ERROR_NOT_FINITE: a centre, radius or friction.
- * Cost: a sweep for each free tool, below a microsecond for 1,000 triangles. With tools in contact 1 phn_couple of them
- * if they stick, 2 to 4 while they slide; at most 10 of one tool, 6 of two, 4 of more. */
+ * Grasp: the tool holds its point, and the force is that of phn_couple. A tool that starts to grasp holds the nearest
+ * point if the surface is within its radius, and the point does not move. A tool in contact holds the touched point.
+ *
+ * `result` may be null; it is that of the last phn_couple. Afterwards phn_coupled_deform with `data` gives the
+ * deformation of this cycle. A refused call does not move the tools. PHN_ERROR_NOT_FINITE: a centre, radius or friction
+ * is NaN or infinite. Cost: for each tool without contact a sweep, less than a microsecond for 1,000 triangles; for the
+ * tools in contact 1 phn_couple if they stick and 2 to 4 while they slide, at most 10 with one tool, 6 with two tools
+ * and 4 with more. */
 PHN_API int phn_contact_step(phn_contact* contact, phn_data* data, int32_t n_tools, const phn_contact_tool* tools,
                              phn_contact_state* states, phn_coupled* result);
 
-/* All tools are new. */
+/* Ends every contact and forgets all positions: in the next step all tools are new. */
 PHN_API int phn_contact_reset(phn_contact* contact);
 
-/* The surface that free tools meet, displaced by a field of phn_coupled_deform, n_output x 3 [m]; null: at rest, as
- * after init. Only wanted with several tools: a single one meets the surface at rest. Without it a tool feels nothing
- * until it reaches what others have pushed in, exactly; what others pushed or pulled outwards it reaches late. A free
- * tool beside a surface that moves is carried with it, so an old field costs no tunnelling, only a touch that is early
- * or late by what it is old. Offsets keep the directions that they have at rest. Components are cut at 1000 sizes of
- * the body. Cost: a pass over vertices and boxes, some 25 us for 1,000 triangles. */
+/* Displaces the surface for tools without contact by a field of phn_coupled_deform, n_output x 3 [m]; null: the
+ * undeformed surface, as after init. Useful with several tools only, as a single tool always starts to touch the
+ * undeformed surface. Without this call contact starts correctly where other tools push the surface in, and late where
+ * they push or pull it out. A tool without contact moves with the surface beside it. Therefore a field of an earlier
+ * cycle never lets a tool pass through; it only shifts the start of a contact. Offsets keep their undeformed
+ * directions. Components are clamped to 1000 sizes of the body. Cost: one pass over vertices and boxes, about 25 us for
+ * 1,000 triangles. */
 PHN_API int phn_contact_refit(phn_contact* contact, const double* field);
 
-/* The tools in contact at the last step, at most 8, in order: for phn_couple with the phn_data of another thread, which
- * draws. Returns their number. */
+/* The tools in contact at the last step, at most 8, in the order of their numbers; returns how many they are. A thread
+ * that draws can pass them to phn_couple with its own phn_data. */
 PHN_API int32_t phn_contact_held(const phn_contact* contact, phn_tool* tools);
 
-/* As phn_nearest, by the hierarchy, on those triangles that can be touched, displaced as by the last refit. */
+/* As phn_nearest, but only on triangles that can be touched, displaced by the field of the last phn_contact_refit, and
+ * faster: it uses a bounding volume hierarchy. */
 PHN_API int phn_contact_nearest(const phn_contact* contact, const double x[3], phn_tool* tool, double point[3]);
 
 #ifdef __cplusplus

@@ -1,4 +1,4 @@
-// phynness for C++17: the functions of phynness_contact.h, as phynness.hpp has those of phynness.h.
+// phynness for C++17: the functions of phynness_contact.h as members of a class, in the manner of phynness.hpp.
 #ifndef PHYNNESS_CONTACT_HPP
 #define PHYNNESS_CONTACT_HPP
 
@@ -12,7 +12,7 @@ inline namespace in_float {
 inline namespace in_double {
 #endif
 
-/// Tools that touch; one for each thread that moves tools. @pre the model outlives it
+/// Contact of tools with a model; each thread that moves tools has its own. @pre the model outlives this object
 class Contact {
  public:
   Contact() = default;
@@ -38,7 +38,8 @@ class Contact {
   Status status() const noexcept { return _status; }
   phn_contact* get() const noexcept { return _contact; }
 
-  /// @param data  of the same thread and model; @param states one for each tool
+  /// @param data    of the same thread and model
+  /// @param states  tools.size() of them
   Status step(Data& data, Span<const phn_contact_tool> tools, Span<phn_contact_state> states,
               phn_coupled* result = nullptr) noexcept {
     if (states.size() < tools.size()) return PHN_ERROR_BUFFER;
@@ -51,12 +52,12 @@ class Contact {
     return phn_contact_step(_contact, data.get(), 1, &tool, &state, result);
   }
   Status reset() noexcept { return phn_contact_reset(_contact); }
-  /// @param field  n_output x 3 of the model; none: the surface at rest
+  /// @param field  n_output x 3 of the model [m]; empty: the undeformed surface
   Status refit(Span<const double> field = {}) noexcept {
     if (field.data() != nullptr && field.size() < _n_field) return PHN_ERROR_BUFFER;
     return phn_contact_refit(_contact, field.data());
   }
-  /// @return number of tools in contact, written to the begin of `tools`
+  /// @return number of tools in contact, which are the first entries of `tools`
   std::int32_t held(phn_tool (&tools)[PHN_MOST_COUPLED]) const noexcept { return phn_contact_held(_contact, tools); }
   Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
     return phn_contact_nearest(_contact, x.data(), &tool, point.data());

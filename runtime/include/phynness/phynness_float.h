@@ -1,11 +1,12 @@
-/* phynness: the names of the library whose inner loops compute in float. Programs that are written with the names of
- * the other headers use it where PHYNNESS_FLOAT is defined (the CMake target phynness::runtime_float does), or where
- * this header comes before them. Symbols differ, phnf_force and phn_force: a program compiled for one library does not
- * link with the other, and a program may hold both, in different files.
+/* phynness: the names of the library whose inner loops compute in float. A source file that uses the names of the other
+ * headers is compiled for this library if PHYNNESS_FLOAT is defined (the CMake target phynness::runtime_float defines
+ * it) or if this header is included before them. The symbols of the two libraries differ (phnf_force and phn_force), so
+ * that a file compiled for one cannot be linked with the other by mistake. A program may use both libraries in
+ * different files.
  *
- * In float, forces of families rbfn and modal and deformations of family rbfn have the rounding of floats, 1e-7 of
- * their largest terms. A model.txt with weights beyond 1e25, or networks that could reach 1e37 m, is refused
- * (PHN_ERROR_RANGE).
+ * In float, forces of the families rbfn and modal and deformations of the family rbfn have rounding errors of 1e-7 of
+ * their largest terms. A model.txt with weights beyond 1e25, or with networks whose output could reach 1e37 m, is
+ * refused (PHN_ERROR_RANGE).
  */
 #ifndef PHYNNESS_FLOAT_H
 #define PHYNNESS_FLOAT_H

@@ -1,4 +1,4 @@
-// phynness for C++17: the functions of phynness_surface.h, as phynness.hpp has those of phynness.h.
+// phynness for C++17: the functions of phynness_surface.h as members of a class, in the manner of phynness.hpp.
 #ifndef PHYNNESS_SURFACE_HPP
 #define PHYNNESS_SURFACE_HPP
 
@@ -12,7 +12,7 @@ inline namespace in_float {
 inline namespace in_double {
 #endif
 
-/// The subdivided surface; never changes, and does not need its model any more.
+/// The subdivided surface. It is constant and does not use its model after construction.
 class Surface {
  public:
   Surface() = default;
@@ -42,10 +42,12 @@ class Surface {
     return {phn_surface_triangles(_surface), 3 * static_cast<std::size_t>(phn_surface_n_triangles(_surface))};
   }
   Span<const float> points() const noexcept { return {phn_surface_points(_surface), n_numbers()}; }
-  /// Floats of scratch.
+  /// Number of floats of working memory for deform.
   std::size_t n_scratch() const noexcept { return phn_surface_scratch_size(_surface) / sizeof(float); }
 
-  /// @param scratch n_scratch(), one for each thread; @param field n_output x 3; @param out n_vertices x 3
+  /// @param scratch  n_scratch() floats, one array for each thread
+  /// @param field    n_output x 3 [m]
+  /// @param out      n_vertices x 3 [m]
   Status deform(Span<float> scratch, Span<const double> field, Span<float> out) const noexcept {
     if (scratch.size() < n_scratch() || field.size() < _n_field || out.size() < n_numbers()) return PHN_ERROR_BUFFER;
     return phn_surface_deform(_surface, scratch.data(), field.data(), out.data());

@@ -6,7 +6,7 @@
 
 namespace PHN_RUNTIME {
 
-/// @param d  cut; the same below
+/// @param d  clamped, also in the functions below
 template <class Real>
 void response_force(const ImageHeader<Real>&, const image::LinearResponse<Real>& linear, const Real* d, Real* force) {
   multiply_symmetric(linear.stiffness, d, force);
@@ -28,7 +28,7 @@ void response_stiffness(const ImageHeader<Real>&, const image::LinearResponse<Re
   }
 }
 
-/// Whether there is a deformation.
+/// Every response of this family has a deformation.
 template <class Real>
 bool has_deformation(const image::LinearResponse<Real>&) {
   return true;

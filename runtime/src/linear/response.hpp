@@ -1,4 +1,4 @@
-// What a node of family linear answers: the functions of families.hpp.
+// Response of a node of family linear: the functions listed in families.hpp.
 #pragma once
 
 #include "local_response.hpp"
@@ -10,7 +10,7 @@ double response_energy(const LinearResponse& linear, const double* d);
 void response_stiffness(const LinearResponse& linear, const double* d, double* stiffness);
 
 inline bool has_deformation(const LinearResponse&) { return true; }
-/// The displacement itself.
+/// The basis is the displacement itself.
 inline std::int32_t basis_size(const LinearResponse&) { return 3; }
 void response_basis(const phn_model& model, const LinearResponse& linear, const double* d, double* basis,
                     double* scratch);

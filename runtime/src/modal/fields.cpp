@@ -7,7 +7,7 @@
 namespace PHN_RUNTIME {
 namespace {
 
-/// e_jk = x_j x_k |x|^(degree - 2), zero at x = 0.
+/// e_jk = x_j x_k |x|^(degree - 2); 0 at x = 0.
 void even_basis(const double* x, std::int32_t degree, double* e) {
   const double size = std::sqrt(dot(x, x));
   const double by = degree == 2 ? 1 : size > 0 ? 1 / size : 0;

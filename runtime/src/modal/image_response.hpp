@@ -6,7 +6,7 @@
 
 namespace PHN_RUNTIME {
 
-/// Family modal: a response with its header, as the functions of conservative.hpp want it.
+/// A response of family modal with its header, in the form that conservative.hpp evaluates.
 template <class Real>
 struct ImageForce {
   const ImageHeader<Real>& image;
@@ -35,7 +35,7 @@ ImageForce<Real> image_force(const ImageHeader<Real>& image, const image::ModalR
   return {image, node, image.max_displacement, node.shape, node.stiffness, node.force_at_rest, node.energy_at_rest};
 }
 
-/// @param d  cut; the same below
+/// @param d  clamped, also in the functions below
 template <class Real>
 void response_force(const ImageHeader<Real>& image, const image::ModalResponse<Real>& modal, const Real* d,
                     Real* force) {
@@ -59,7 +59,7 @@ void response_stiffness(const ImageHeader<Real>& image, const image::ModalRespon
   conservative_stiffness(image_force(image, modal), x, stiffness);
 }
 
-/// out = table times vector, row by row. @param scaled  the vector times the columns' factors
+/// out = table times vector. @param scaled  the vector times the columns' factors
 template <class Real>
 void multiply_rows(const int16_t* entry, uint32_t n_rows, uint32_t n_columns, const Real* scaled, Real* out) {
   for (uint32_t r = 0; r < n_rows; ++r, entry += n_columns) {
@@ -75,7 +75,7 @@ void scale_columns(const ImageHeader<Real>& image, const image::ScaledTable& tab
   for (uint32_t j = 0; j < table.scale.n; ++j) scaled[j] = scale[j] * value[j];
 }
 
-/// Whether there is a deformation: models without modes have forces only.
+/// False for a model without modes, which has forces only.
 template <class Real>
 bool has_deformation(const image::ModalResponse<Real>& modal) {
   return modal.weights.scale.n > 0;

@@ -12,8 +12,8 @@ PHN_INLINE double row_times(const std::int16_t* table, std::int32_t n_columns, c
   return sum;
 }
 
-/// field = sum_s amount_s mode_s in float for n rows, a block of them at a time: its sums stay in registers while the
-/// modes stream by in the order of memory, the first n_modes of the n_columns of a block.
+/// field = sum_s amount_s mode_s in float for n rows, block by block. The sums of a block stay in registers while the
+/// first n_modes of its n_columns modes are read in the order of memory.
 PHN_INLINE void sum_modes(std::int32_t n_modes, std::int32_t n_columns, std::int32_t n, const float* mode,
                           const float* amount, double* field) {
   const std::size_t rest = static_cast<std::size_t>(n_columns - n_modes) * rows_per_block;
@@ -33,9 +33,9 @@ PHN_INLINE void sum_modes(std::int32_t n_modes, std::int32_t n_columns, std::int
   }
 }
 
-/// basis_i = q(x - c_i) - q(x), less the same at rest; then x.
+/// basis_i = q(x - c_i) - q(x) minus its value at rest; then x.
 PHN_INLINE void fill_basis(const SharedModes& centers, const double* x, double* __restrict basis) {
-  const SharedModes shared = centers;  // a copy, which the results below cannot touch
+  const SharedModes shared = centers;  // a copy, for which the compiler can exclude aliasing with the results
   const double at[3] = {x[0], x[1], x[2]}, q = std::sqrt(dot(at, at) + shared.shape * shared.shape);
   for (std::int32_t i = 0; i < shared.n_centers; ++i)
     basis[i] = amplitude_kernel(shared, at, q, i) - shared.basis_at_rest[i];
@@ -62,7 +62,7 @@ PHN_INLINE void fill_basis_gradient(const SharedModes& centers, const double* x,
   }
 }
 
-/// amplitude = basis times weights, n_rows rows of both: weights become numbers once for all of them.
+/// amplitude = basis times weights for n_rows rows; each weight is converted from 16 bits once for all rows.
 template <std::int32_t n_rows>
 PHN_INLINE void sum_amplitudes(const ModalTables& tables, std::int32_t n_basis, const double* basis,
                                double* __restrict amplitude) {
@@ -74,7 +74,7 @@ PHN_INLINE void sum_amplitudes(const ModalTables& tables, std::int32_t n_basis, 
     double sum[n_rows][at_once] = {};
     const std::int32_t size = m - begin < at_once ? m - begin : at_once;
     if (size == at_once) {
-      // Ends known before: compilers turn the sums into vectors.
+      // Constant loop bounds let compilers vectorize the sums.
       for (std::int32_t r = 0; r < n_basis; ++r, weight += m) {
         for (std::int32_t j = 0; j < at_once; ++j) {
           const double w = weight[j];
@@ -95,7 +95,7 @@ PHN_INLINE void sum_amplitudes(const ModalTables& tables, std::int32_t n_basis, 
   }
 }
 
-/// The nodes where shared modes do not serve. The same products in the same order, whether prepared or not.
+/// Nodes near the touched one, which have modes of their own. Prepared or not, the order of the products is the same.
 PHN_INLINE void near_nodes(const ModalTables& tables, std::int32_t components, const PreparedNode* prepared,
                            const double* amplitude, double* field) {
   const std::int32_t n = components * tables.n_near;
@@ -131,12 +131,12 @@ PHN_INLINE void sum_field(const SharedTable& shared, const ModalTables& tables, 
           row_times(tables.mixing, tables.n_columns, tables.mixing_scale, static_cast<std::size_t>(s), m, amplitude));
     sum_modes(shared.n_modes, shared.n_modes, shared.n_rows, shared.modes, amount, field);
   }
-  // Constants, by which compilers divide faster; at_once is a multiple of both.
+  // Compilers divide faster by constants; at_once is a multiple of both.
   if (shared.components == 3) return near_nodes(tables, 3, prepared, amplitude, field);
   near_nodes(tables, 1, prepared, amplitude, field);
 }
 
-/// Shared modes times mixing, for one block of rows.
+/// Product of shared modes and mixing for one block of rows.
 PHN_INLINE void mix_block(const SharedTable& shared, const ModalTables& tables, const float* block, float* out) {
   for (std::int32_t j = 0; j < tables.n_modes; ++j, out += rows_per_block) {
     float sum[rows_per_block] = {};
@@ -183,7 +183,7 @@ PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTab
   for (int k = 0; k < 3; ++k) force[k] += total[k] + table.at_rest[k];
 }
 
-/// Everything above once more for each set of instructions.
+/// Instantiates all functions above for each instruction set.
 #define PHN_KERNELS(name, attributes)                                                                                  \
   namespace name {                                                                                                     \
   attributes void force(const Conservative<double>& net, const ForceTable& table, const double* x, double* sum) {      \

@@ -5,7 +5,7 @@
 namespace PHN_RUNTIME {
 namespace {
 
-/// Adds one row of a table to three, times `factor`. @param sum  3 x m
+/// Adds one row of a table, times factor[k], to row k of sum. @param sum  3 x m
 void add_row(const std::int16_t* row, const double* scale, const double* factor, std::int32_t m, double* sum) {
   for (std::int32_t j = 0; j < m; ++j) {
     const double value = row[j] * scale[j];
@@ -13,7 +13,7 @@ void add_row(const std::int16_t* row, const double* scale, const double* factor,
   }
 }
 
-/// Derivatives of the amplitudes alone.
+/// Derivatives of the amplitudes without the values.
 void amplitude_gradient(const phn_model& model, const ModalResponse& node, const double* d, double* gradient,
                         double* scratch) {
   const double R = model.max_displacement, x[3] = {d[0] / R, d[1] / R, d[2] / R};

@@ -1,5 +1,5 @@
-// What a node of family modal answers: the functions of families.hpp, and its fields (formats/model.md, "Family
-// `modal`"). Components of d beyond 1e6 max_displacement_m are cut there.
+// Response of a node of family modal: the functions listed in families.hpp, and its fields (formats/model.md, "Family
+// `modal`"). Components of d are clamped to 1e6 max_displacement_m.
 #pragma once
 
 #include "local_response.hpp"
@@ -10,14 +10,14 @@ void response_force(const ModalResponse& node, const double* d, double* force);
 double response_energy(const ModalResponse& node, const double* d);
 void response_stiffness(const ModalResponse& node, const double* d, double* stiffness);
 
-/// Values of a field at all output nodes, 0 or greater.
+/// Values of a field at all output nodes, >= 0.
 /// @param scratch  as model.n_scratch  @param out  n_output
 void modal_field(const phn_model& model, const ModalResponse& node, std::int32_t field, const double* d,
                  double* scratch, double* out);
 
-/// Models without modes have forces only.
+/// False for models without modes, which have forces only.
 inline bool has_deformation(const ModalResponse& node) { return node.n_modes > 0; }
-/// Amplitudes.
+/// The basis consists of the amplitudes.
 inline std::int32_t basis_size(const ModalResponse& node) { return node.n_modes; }
 void response_basis(const phn_model& model, const ModalResponse& node, const double* d, double* basis, double* scratch);
 void response_gradient(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
@@ -30,8 +30,8 @@ inline bool worth_preparing(const phn_model& model, const ModalResponse& node) {
 }
 void prepare_response(const phn_model& model, const ModalResponse& node, PreparedNode& entry);
 
-/// Modes of vertices near the node are its own, those of others mixed from the shared ones, which are summed
-/// first.
+/// Sums modes over vertices. Vertices near the node have modes of their own; modes of other vertices are mixed from the
+/// shared modes, which are summed first.
 class ModeSum {
  public:
   ModeSum(const phn_model& model, const ModalResponse& node, double* shared)

@@ -1,5 +1,5 @@
-// exp for arguments <= 0 and powers of a half, for models in memory and for images: without branches or calls, so that
-// compilers turn loops of it into vectors and a device needs no library.
+// exp for arguments <= 0 and powers of 1/2, for models in memory and for images. They have no branches and no calls, so
+// that compilers vectorize loops and a device needs no library.
 #pragma once
 
 #include <stdint.h>
@@ -24,11 +24,11 @@ PHN_INLINE double power_of_two(double shifted) {
   PHN_COPY_BITS(power, bits);
   return power;
 }
-/// Added to a number, it rounds to an integer, which is then in the low bits.
+/// Adding this constant rounds a number to an integer, which is then in the low bits of the sum.
 inline constexpr double to_integer = 6755399441055744.0;
 
-/// e^r for |r| <= ln 2 / 2 by its series, whose first term left out is 2e-16 of it. In pairs (Estrin): half as many
-/// steps wait for each other as in Horner's scheme.
+/// e^r for |r| <= ln 2 / 2 by its series; the first omitted term is 2e-16 of the value. Estrin's scheme has half the
+/// dependency chain of Horner's.
 PHN_INLINE double exp_series(double r) {
   const double r2 = r * r, r4 = r2 * r2, r8 = r4 * r4;
   const double low = ((1.0 / 6) * r + 0.5) * r2 + (r + 1);
@@ -37,10 +37,10 @@ PHN_INLINE double exp_series(double r) {
   return (r4 * (1.0 / 479001600) + high) * r8 + (middle * r4 + low);
 }
 
-/// exp(x) for x <= 0, -infinity included; where x < -300, exp(-300) = 5e-131: nothing beside any constant, and two of
-/// them times a weight are still a normal number. Others take processors many times as long.
-/// Relative error: at most 6e-16. x = n ln 2 + r with |r| <= ln 2 / 2 and n an integer, taken from the low bits of a
-/// sum with 1.5 2^52; ln 2 in two parts (Cody & Waite 1980).
+/// exp(x) for x <= 0 including -infinity; exp(-300) = 5e-131 for x < -300. That is negligible beside any constant, and
+/// the product of two such values and a weight is still a normal number; subnormal numbers would be many times slower.
+/// Relative error: at most 6e-16. Method: x = n ln 2 + r with |r| <= ln 2 / 2 and an integer n, which is read from the
+/// low bits of a sum with 1.5 2^52; ln 2 is split into two parts (Cody & Waite 1980).
 PHN_INLINE double exp_of_negative(double x) {
   constexpr double lowest = -300;
   const double clamped = x < lowest ? lowest : x;
@@ -50,8 +50,8 @@ PHN_INLINE double exp_of_negative(double x) {
   return exp_series(r) * power_of_two(shifted);
 }
 
-/// 2^-t for t >= 0, infinity included; where t > 430, 2^-430 = 4e-130. Relative error: at most 6e-16. The remainder of
-/// rounding t is exact, so that ln 2 needs no second part.
+/// 2^-t for t >= 0 including infinity; 2^-430 = 4e-130 for t > 430. Relative error: at most 6e-16. The remainder after
+/// rounding t is exact, so that ln 2 need not be split.
 PHN_INLINE double power_of_half(double t) {
   constexpr double largest = 430;
   const double clamped = t > largest ? largest : t;
@@ -60,9 +60,9 @@ PHN_INLINE double power_of_half(double t) {
   return exp_series(r) * power_of_two(shifted);
 }
 
-/// The same in float; where t > 46, 2^-46 = 1e-14, so that two of them times a weight are still a normal number.
-/// Relative error at most 2e-7 of float arithmetic. -t = n + f with |f| <= 1/2; 2^f by the polynomial through it at the
-/// seven zeros of a Chebyshev polynomial, with 1 at 0, which is within 2e-8.
+/// The same in float; 2^-46 = 1e-14 for t > 46, so that the product of two such values and a weight is still a normal
+/// number. Relative error: at most 2e-7, by float rounding. Method: -t = n + f with |f| <= 1/2; 2^f is interpolated at
+/// the seven zeros of a Chebyshev polynomial with the value 1 at 0, with an error of 2e-8.
 PHN_INLINE float power_of_half(float t) {
   constexpr float largest = 46, to_integer_of_float = 12582912.0f;
   const float clamped = t > largest ? largest : t;

@@ -26,7 +26,7 @@ void network_force(const ImageHeader<Real>& image, const image::Network<Real, 3>
   force[2] = s2;
 }
 
-/// @param factor  scratch, one per neuron: what the displacement makes of it
+/// @param factor  working memory, one number per neuron: its factor that depends on the displacement
 template <class Real>
 void network_field(const ImageHeader<Real>& image, const image::Network<Real, 6>& net, const Real* d, Real* factor,
                    Real* field) {
@@ -61,23 +61,23 @@ void network_field(const ImageHeader<Real>& image, const image::Network<Real, 6>
   }
 }
 
-/// @param d  cut; the same below
+/// @param d  clamped, also in the functions below
 template <class Real>
 void response_force(const ImageHeader<Real>& image, const image::RbfnResponse<Real>& rbfn, const Real* d, Real* force) {
   network_force(image, rbfn.force, d, force);
 }
 
-/// Family rbfn has none.
+/// Family rbfn has no energy.
 template <class Real>
 Real response_energy(const ImageHeader<Real>&, const image::RbfnResponse<Real>&, const Real*) {
   return 0;
 }
 
-/// Family rbfn has none.
+/// Family rbfn has no stiffness.
 template <class Real>
 void response_stiffness(const ImageHeader<Real>&, const image::RbfnResponse<Real>&, const Real*, Real*) {}
 
-/// Whether there is a deformation.
+/// Every response of this family has a deformation.
 template <class Real>
 bool has_deformation(const image::RbfnResponse<Real>&) {
   return true;

@@ -17,7 +17,7 @@ PHN_INLINE Real scaled(const Network& net, int input, double value) {
 }
 
 #ifdef PHYNNESS_FLOAT
-/// Squares of distances are multiplied with this for exp_of: the exponential is one of base 2.
+/// Factor log2(e) of squared distances, because the exponential has base 2.
 constexpr double unit_of_square = 1.4426950408889634;
 PHN_INLINE Real exp_of(Real square) { return power_of_half(square); }
 #else
@@ -81,8 +81,9 @@ PHN_INLINE void gaussians_of_coordinates(const Network& net, std::int32_t n_outp
   }
 }
 
-/// @tparam by_nodes  hide from the compiler where the next neuron's row lies: GCC 12 puts neurons into registers of
-/// AVX-512 otherwise, and takes four times as long
+/// @tparam by_nodes  hide the address of the next neuron's row from the compiler; otherwise GCC 12 vectorizes over
+/// neurons
+///                   for AVX-512, which takes four times as long
 template <bool by_nodes>
 PHN_INLINE void field_of_table(const Network& net, std::int32_t n_output, const Real* table, const double* factor,
                                double share, double* scratch, double* field) {
@@ -119,7 +120,7 @@ PHN_INLINE void field_of_table(const Network& net, std::int32_t n_output, const 
   }
 }
 
-/// Everything above once more for each set of instructions.
+/// Instantiates all functions above for each instruction set.
 #define PHN_KERNELS(name, by_nodes, attributes)                                                                  \
   namespace name {                                                                                               \
   attributes void force(const Network& net, const double* d, double* out) { force_of(net, d, out); }             \

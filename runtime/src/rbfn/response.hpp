@@ -1,4 +1,4 @@
-// What a node of family rbfn answers: the functions of families.hpp.
+// Response of a node of family rbfn: the functions listed in families.hpp.
 #pragma once
 
 #include "local_response.hpp"
@@ -6,7 +6,7 @@
 namespace PHN_RUNTIME {
 
 void response_force(const Networks& nets, const double* d, double* force);
-/// The family has neither.
+/// The family has no energy and no stiffness.
 inline double response_energy(const Networks&, const double*) { return 0; }
 inline void response_stiffness(const Networks&, const double*, double*) {}
 

@@ -20,7 +20,7 @@ enum class Status : std::int8_t {
   not_requested = 1,   ///< direction outside the hemisphere
   not_solved = 2,      ///< no result yet (an unfinished database)
   inverted = -1,       ///< J <= 0 at a quadrature point
-  diverged = -2,       ///< line search or iteration limit, or an equilibrium of a mixed element alone
+  diverged = -2,       ///< line search or iteration limit, or an equilibrium that the continuous body does not have
   factorization = -3,  ///< singular or failed factorization
   not_finite = -4,     ///< NaN or infinity in the residual, the energy or a field
   after_failure = -5,  ///< an earlier increment of the ray failed
@@ -32,16 +32,16 @@ inline constexpr Status every_status[] = {Status::converged,  Status::not_reques
 const char* name(Status);
 
 /// One ray: an active node displaced along one direction in n_increments steps. All SI.
-/// Arrays are sized n_increments (x ...); entries of increments that did not converge are zero.
+/// Arrays have n_increments entries (x ...). Entries of increments that did not converge are zero.
 struct Ray {
   std::int32_t active = 0;     ///< index into NodeSets::active
   std::int32_t direction = 0;  ///< index into the directions
   std::vector<Status> status;
-  std::vector<double> force;                  ///< x 3 [N]: what must be applied to hold the displacement
+  std::vector<double> force;                  ///< x 3 [N]: force that must be applied to hold the displacement
   std::vector<double> energy;                 ///< [J] stored strain energy
-  std::vector<double> tangent;                ///< x 9 [N/m], row-major dF/dd; empty unless asked for
-  std::vector<std::int32_t> negative_pivots;  ///< of the tangent beyond those of the pressure block; 0 = stable
-  std::vector<std::int32_t> iterations;       ///< Newton iterations spent, cut-back attempts included
+  std::vector<double> tangent;                ///< x 9 [N/m], row-major dF/dd; empty unless the database has tangents
+  std::vector<std::int32_t> negative_pivots;  ///< of the tangent, without those of the pressure block; 0 = stable
+  std::vector<std::int32_t> iterations;       ///< Newton iterations, including those of cut-back attempts
   std::vector<std::int32_t> cutbacks;
   std::vector<double> min_jacobian;         ///< smallest J over all quadrature points
   std::vector<double> seconds;              ///< CPU time spent
@@ -49,7 +49,8 @@ struct Ray {
   std::vector<std::vector<double>> fields;  ///< of DatabaseHeader::fields: x n_output, in the field's unit
 };
 
-/// Everything but the rays. Empty `mesh_hash` and `physics_hash` are filled in when a database is created.
+/// Contents of a database except the rays. Empty `mesh_hash` and `physics_hash` are computed when a database is
+/// created.
 struct DatabaseHeader {
   Mesh mesh;
   NodeSets sets;
@@ -59,32 +60,33 @@ struct DatabaseHeader {
   std::vector<Field> fields;  ///< stored at the output nodes, in the order of the enum; always float32
   std::string scene_text, scene_name, scene_folder;
   std::string physics_hash, mesh_hash, software_version;
-  /// Set if the file is to hold the rays of one shard only; never in a finished database.
+  /// Set if the file contains the rays of one shard only; never in a finished database.
   std::optional<Shard> shard;
 };
 
-/// The scene of a database. Its mesh file may be absent. Where it names no element, it is the one that the database was
-/// solved with, which the physics hash tells: P1 was the default before p1-p1.
+/// The scene of a database. Its mesh file may be absent. If it does not name an element, the element is the default
+/// with which the database was solved. The physics hash tells which: P1 was the default before p1-p1.
 /// @throws Error (input) as parse_scene()
 Scene stored_scene(const DatabaseHeader& header);
 
-/// The finished file in a few figures.
+/// Figures of a finished database.
 struct DatabaseSummary {
   std::map<Status, std::int64_t> states;  ///< increments per outcome; outcomes that do not occur are absent
   std::int64_t rays = 0;                  ///< rays with at least one requested increment
-  std::int64_t failed_rays = 0;           ///< of them, rays with an increment that failed
+  std::int64_t failed_rays = 0;           ///< those of them with a failed increment
   std::int64_t newton_iterations = 0;
-  std::int64_t unstable_states = 0;  ///< converged with a negative pivot: the answer may depend on the path
+  std::int64_t unstable_states = 0;  ///< converged with a negative pivot: the result may depend on the path
   double seconds = 0;                ///< CPU time of all solves
   double min_jacobian = 0;           ///< smallest J over all converged states; 0 if there is none
 };
 
-/// The finished file. Reading is random access by active node; h5py reads the same arrays.
+/// A finished database, read by active node in any order. h5py reads the same arrays.
 class Database {
  public:
-  /// @throws Error if the file is no database, of another version, damaged, or unfinished (names --resume)
+  /// @throws Error (input) if the file is not a database, of another version, damaged, or unfinished; the remedy of an
+  /// unfinished database is --resume
   static Database open(const std::filesystem::path& file);
-  /// True if the rays have all been packed into the file.
+  /// True if all rays have been packed into the file.
   static bool is_complete(const std::filesystem::path& file);
   ~Database();
   Database(Database&&) noexcept;
@@ -104,58 +106,57 @@ class Database {
   std::unique_ptr<Impl> _impl;
 };
 
-/// Reads everything but the displacements.
+/// Reads all datasets except the displacements.
 DatabaseSummary summarize(const Database& database);
 
-/// A stretch of a log without a whole record: dropped, and its rays solved again on --resume.
+/// A part of a log without a complete record. It is ignored, and its rays are solved again with --resume.
 struct LogDamage {
   std::filesystem::path log;
   std::string reason;
   std::int64_t dropped_bytes = 0;
 };
-/// How far an unfinished database has come.
+/// Progress of an unfinished database.
 struct DatabaseProgress {
   bool complete = false;
   std::optional<Shard> shard;                    ///< rays_total then counts its rays only
-  std::int64_t rays_logged = 0, rays_total = 0;  ///< of those that are solved, not mirrored
+  std::int64_t rays_logged = 0, rays_total = 0;  ///< without mirror images
   std::vector<LogDamage> damage;
 };
-/// @throws Error if the file is no database
+/// @throws Error (input) if the file is not a database
 DatabaseProgress database_progress(const std::filesystem::path& file);
 
 /// The header of a finished or unfinished database.
-/// @throws Error if the file is no database, of another version, or damaged
+/// @throws Error (input) if the file is not a database, of another version, or damaged
 DatabaseHeader read_database_header(const std::filesystem::path& file);
 
-/// A database under construction. Rank 0 creates the header file and packs; every rank appends to a log of
-/// its own, FILE.log/rank-NNNN, so there is no shared lock and a killed process loses at most the record it
-/// was writing.
+/// Writer of a database. Rank 0 creates the header file and packs. Every rank appends to its own log,
+/// FILE.log/rank-NNNN, so that ranks need no common lock and a killed process loses at most one record.
 class DatabaseWriter {
  public:
-  /// Creates FILE (header, marked unfinished) and an empty FILE.log/. With `resume`, keeps the rays already
-  /// logged and refuses if the physics or mesh of the existing file differ, saying how. A finished file is
-  /// returned as finished. Call on one process only.
-  /// @throws Error if FILE exists and `resume` is false: "finished work is never lost"
+  /// Creates FILE (the header, marked as unfinished) and an empty FILE.log/. With `resume`, logged rays are kept, and a
+  /// finished file is left as it is. Must be called in one process only.
+  /// @throws Error (input) if FILE exists and `resume` is false, or if the physics or mesh of an existing FILE differ
   static void create(const std::filesystem::path& file, const DatabaseHeader& header, bool resume);
-  /// Which rays are in the logs, or are mirror images of such: n_active x n_directions flags. Torn or
-  /// corrupted records are dropped.
+  /// Flags, n_active x n_directions, of the rays that are in the logs or are mirror images of such rays. Torn and
+  /// corrupted records are ignored.
   static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header);
 
-  /// This process's log: a new file, as a resumed run may have another number of ranks.
-  /// @throws Error if it cannot be created
+  /// Creates the log of this process. It is always a new file, because a resumed run may have another number of ranks.
+  /// @throws Error (failure) if it cannot be created
   DatabaseWriter(const std::filesystem::path& file, const DatabaseHeader& header, int rank);
   ~DatabaseWriter();
   DatabaseWriter(DatabaseWriter&&) noexcept;
   DatabaseWriter& operator=(DatabaseWriter&&) noexcept;
-  /// Appends one ray: length, payload, checksum; flushed to the operating system before it returns.
-  /// @throws Error on a full disk or any failed write; the log then ends at the last whole record
+  /// Appends one ray as length, payload and checksum, and passes it to the operating system before it returns.
+  /// @throws Error (failure) after a failed write, such as on a full disk; the log then ends at the last complete
+  /// record
   void append(const Ray& ray);
-  /// Forces the log to the disk and closes it, reporting what the destructor cannot.
+  /// Forces the log to the disk and closes it. @throws Error (failure), which the destructor cannot do
   void close();
 
-  /// Packs all logs into FILE (written beside it, then renamed) and removes FILE.log. Call on one process,
-  /// after all have closed their logs.
-  /// @throws Error if rays are missing
+  /// Packs all logs into a new file, renames it to FILE, and removes FILE.log. Must be called in one process, after all
+  /// processes have closed their logs.
+  /// @throws Error (failure) if rays are missing
   static void pack(const std::filesystem::path& file, const DatabaseHeader& header);
 
  private:

@@ -1,4 +1,4 @@
-// One process at a time works on a database.
+// A lock by which only one process at a time works on a database.
 #pragma once
 
 #include <filesystem>
@@ -7,22 +7,23 @@
 
 namespace phynness {
 
-/// Held as long as the object lives, on FILE.log/lock; the operating system releases it when the process dies,
-/// however that happens. For the process that creates and packs; readers and appenders need none.
+/// A lock on FILE.log/lock during the lifetime of the object. The operating system releases it when the process ends in
+/// any way. It is needed by the process that creates and packs a database, but not by readers and by ranks that append.
 class DatabaseLock {
  public:
-  /// Makes FILE.log/ if it is not there.
-  /// @throws Error (input) if another process holds it, naming that process; or if the folder cannot be written
+  /// Creates FILE.log/ if it does not exist.
+  /// @throws Error (input) if another process, which the message names, holds the lock, or if the folder is not
+  /// writable
   explicit DatabaseLock(const std::filesystem::path& file);
-  /// Removes the lock file, and FILE.log/ if nothing else is in it.
+  /// Removes the lock file, and FILE.log/ if it is empty then.
   ~DatabaseLock();
   DatabaseLock(DatabaseLock&&) noexcept;
   DatabaseLock& operator=(DatabaseLock&&) noexcept;
 
-  /// Which process holds the lock of `file`; empty if none does, or locks do not work here.
+  /// The process that holds the lock of `file`; empty if there is none or if the file system has no locks.
   static std::string holder(const std::filesystem::path& file);
 
-  /// Empty, or why there is no protection here: some network file systems have no locks.
+  /// Empty, or the reason why the lock gives no protection, as on network file systems without locks.
   const std::string& warning() const;
 
  private:

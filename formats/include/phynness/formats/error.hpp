@@ -1,4 +1,4 @@
-// The one exception of the host code: what went wrong, the value that did it, and the remedy.
+// The exception of the host code: what is wrong, the value, and the remedy.
 #pragma once
 
 #include <phynness/formats/printable.hpp>
@@ -7,15 +7,15 @@
 
 namespace phynness {
 
-/// A user-facing error. Bugs assert; everything a user can cause throws this.
+/// An error for the user. Everything that a user can cause throws it; defects of the program assert.
 class Error : public std::runtime_error {
  public:
-  /// `input`: wrong usage or input (the command exits 2). `failure`: the work itself failed (exits 1).
+  /// `input`: wrong usage or input (exit status 2). `failure`: the work itself failed (exit status 1).
   enum class Kind { input, failure };
 
-  /// @param what    what went wrong, in one sentence without a full stop
-  /// @param value   the offending value ("" if there is none)
-  /// @param remedy  what to do about it ("" only if nothing can be done)
+  /// @param what    what is wrong, in one sentence without a full stop
+  /// @param value   the wrong value ("" if there is none)
+  /// @param remedy  what the user can do ("" only if nothing can be done)
   /// An error that repeats another one has one remedy: its own, or the other's if its own is "".
   /// Control characters of all three are escaped in what(), and a long value is cut.
   Error(Kind kind, std::string what, std::string value, std::string remedy)

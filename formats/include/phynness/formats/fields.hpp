@@ -1,5 +1,5 @@
-// Scalar fields that the solver can store beside the displacement ([database] fields of a scene). Each is
-// defined in every cell, is zero at rest, and comes to a node as the average of the cells around it.
+// Scalar fields that the solver can store in addition to the displacement ([database] fields of a scene). Each is
+// defined in every cell and is zero at rest. Its value at a node is the average of the cells around the node.
 #pragma once
 
 #include <array>
@@ -8,19 +8,19 @@
 
 namespace phynness {
 
-/// Values are bits in the logs of a database; never renumber. In files and in this order everywhere.
+/// The values are bits in the logs of a database: never renumber. Fields have this order in all files.
 enum class Field { von_mises_stress, energy_density };
 
-/// All that is known of a field but how it is computed (FormSet::fields).
+/// Properties of a field. FormSet::fields computes it.
 struct FieldRow {
   Field field;
-  const char* name;  ///< in scenes, databases, models
+  const char* name;  ///< in scenes, databases and models
   const char* unit;
-  const char* column;  ///< of a table, with its unit
-  /// Near rest the field grows with this power of the displacement, and takes the same value for the opposite
-  /// one: 1 is a norm, with a kink at rest, 2 a quadratic form.
+  const char* column;  ///< heading in tables, with the unit
+  /// Near rest the field grows with this power of the displacement and has the same value for the opposite
+  /// displacement. 1: a norm, with a kink at rest; 2: a quadratic form.
   int degree;
-  const char* description;  ///< for people
+  const char* description;  ///< in words
 };
 
 /// In the order of the enum.

@@ -1,4 +1,4 @@
-// The one hash of the formats: 64-bit FNV-1a (Fowler, Noll, Vo), small enough for any reader of the formats.
+// The hash of all formats: 64-bit FNV-1a (Fowler, Noll, Vo), which any reader of the formats can easily implement.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Laws and elements as tables. The build makes the rows from precompute_dolfinx/laws/*.py and from
-// precompute_dolfinx/forms/element_table.py; nothing else knows how many there are.
+// Tables of material laws and elements. The build generates the rows from precompute_dolfinx/laws/*.py and
+// precompute_dolfinx/forms/element_table.py; no other code depends on their number.
 #pragma once
 
 #include <span>
@@ -7,43 +7,43 @@
 
 namespace phynness {
 
-/// Moduli at rest in Pa, whatever the law: mu, lambda = K - 2 mu / 3, K.
+/// Moduli at rest [Pa] of any law: mu, lambda = K - 2 mu / 3, K.
 struct Moduli {
   double shear_modulus_Pa = 0, lame_lambda_Pa = 0, bulk_modulus_Pa = 0;
 };
 
 /// A constant of a law's energy.
 struct LawParameter {
-  const char* key;       ///< in a scene, with its unit
-  const char* constant;  ///< in the compiled forms
-  bool is_modulus;       ///< in Pa; otherwise without unit
+  const char* key;       ///< key in a scene, with its unit
+  const char* constant;  ///< name in the compiled forms
+  bool is_modulus;       ///< in Pa; otherwise dimensionless
 };
 
-/// A number of [material]: low .. high, with the ends themselves refused where `open`.
+/// A number of [material] from low to high, where the end is excluded if `open`.
 struct LawKey {
   const char* key;
   double low, high;
   bool low_open, high_open;
 };
 
-/// What a given number must be in view of the others: greater, or less, than value(given).
+/// A bound of a number that depends on the other numbers: it must be greater, or less, than value(given).
 struct LawBound {
-  int given;  ///< which of them
+  int given;  ///< index of the number
   bool greater;
   double (*value)(const double* given);
-  const char *what, *remedy;  ///< what goes wrong otherwise; what the remedy starts with
+  const char *what, *remedy;  ///< what is wrong outside of the bound; start of the remedy
 };
 
-/// Numbers that determine a material.
+/// A set of numbers that determines a material.
 struct LawSet {
   std::span<const LawKey> given;
   std::span<const LawBound> bounds;
   /// @param given  one number for each key
-  /// @param parameters  gets one for each of the law's parameters
+  /// @param parameters  output, one number for each parameter of the law
   void (*convert)(const double* given, double* parameters, Moduli& moduli);
 };
 
-/// A constant of the forms that follows from the parameters; without unit.
+/// A dimensionless constant of the forms that follows from the parameters.
 struct LawConstant {
   const char* name;
   double (*value)(const double* parameters);
@@ -54,28 +54,28 @@ struct LawRow {
   std::span<const LawParameter> parameters;
   std::span<const LawSet> accepted;
   std::span<const LawConstant> derived;
-  bool linear;        ///< small strains: force is proportional to displacement, and there is no J
-  bool has_shell;     ///< its stress across a shell's wall is condensed
+  bool linear;        ///< small strains: force is proportional to displacement, and J is not computed
+  bool has_shell;     ///< available for shells, by condensation of the stress across the wall
   double shell_from;  ///< smallest K/mu of a shell
 };
-/// Two are equal where they are the same row.
+/// Laws are equal if they are the same row.
 using Law = const LawRow*;
 
 struct ElementRow {
   const char* name;  ///< in a scene
   int displacement_degree;
-  bool mixed;           ///< displacement and pressure, which is linear
-  bool is_shell;        ///< of triangles; the others are of tetrahedra
-  double locks_above;   ///< K/mu from which on it is too stiff
-  bool locks_severely;  ///< several times; otherwise noticeably
+  bool mixed;           ///< has displacement and linear pressure
+  bool is_shell;        ///< made of triangles; other elements are tetrahedra
+  double locks_above;   ///< K/mu above which the element is too stiff
+  bool locks_severely;  ///< too stiff by a large factor, otherwise noticeably
 };
 using Element = const ElementRow*;
 
-/// Every law, in the order of its file's name.
+/// All laws, in the order of their file names.
 std::span<const LawRow> laws();
-/// Every element, the shell last.
+/// All elements; the shell is the last.
 std::span<const ElementRow> elements();
-/// @throws Error (input) if there is none of that name
+/// @throws Error (input) if there is no law or element of that name
 Law law_named(std::string_view name);
 Element element_named(std::string_view name);
 

@@ -1,4 +1,4 @@
-// The mesh as every stage sees it: plain arrays, SI units, 0-based indices.
+// The mesh of all stages: plain arrays, SI units, 0-based indices.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +16,10 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Cells = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// A body made of tetrahedra (4 columns in `cells`); shells of triangles (3 columns) use the same arrays.
-/// Node numbers are those of the mesh file's own node list after unreferenced nodes have been dropped.
+inline Eigen::Vector3d to_eigen(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
+
+/// A body made of tetrahedra (4 columns in `cells`), or a shell made of triangles (3 columns). Nodes have the order of
+/// the mesh file without its unreferenced nodes.
 struct Mesh {
   Points nodes;       ///< n_nodes x 3 [m], reference configuration X
   Cells cells;        ///< n_cells x 4, positively oriented
@@ -28,15 +30,15 @@ struct Mesh {
   std::int32_t n_cells() const { return static_cast<std::int32_t>(cells.rows()); }
 };
 
-/// The body is its own mirror image in a plane, and so are the node sets.
+/// Symmetry of the body and of its node sets about a plane.
 struct MirrorSymmetry {
-  std::array<double, 3> normal{};   ///< of the plane, unit; responses of nodes on the side it points to are solved
-  std::vector<std::int32_t> image;  ///< n_nodes: where the mirror image of a node lies; on the plane itself
+  std::array<double, 3> normal{};   ///< unit normal; responses of nodes on the side to which it points are solved
+  std::vector<std::int32_t> image;  ///< n_nodes: the node at the mirror image; on the plane the node itself
   bool odd = false;                 ///< linear law: the opposite displacement gives the opposite response
   bool operator==(const MirrorSymmetry&) const = default;
 };
 
-/// The nodes a scene selects on a mesh; each list sorted ascending without repeats.
+/// The nodes that a scene selects on a mesh; each list is in ascending order without repeats.
 struct NodeSets {
   std::vector<std::int32_t> fixed;            ///< u = 0
   std::vector<std::int32_t> active;           ///< probed one at a time
@@ -44,7 +46,7 @@ struct NodeSets {
   std::optional<MirrorSymmetry> mirror = {};  ///< if the scene declares a plane of symmetry
 };
 
-/// Boundary faces of tetrahedra, normals outward, in the order of the cells they belong to.
+/// Boundary faces of tetrahedra with outward normals, in the order of their cells.
 /// @pre cells has 4 columns and positive orientation.
 Triangles boundary_triangles(const Cells& cells);
 
@@ -58,11 +60,13 @@ Points node_normals(const Mesh& mesh);
 /// Identifies the mesh in databases and models.
 std::string mesh_hash(const Mesh& mesh);
 
-/// mesh.txt: text, hexadecimal floats, exact round trip (formats/mesh.md). `fixed` travels along for display.
-/// @throws Error if a group's name is empty or holds a line break
+/// Text of mesh.txt with hexadecimal floats, which are read back exactly (formats/mesh.md).
+/// @param fixed  fixed nodes, stored for display
+/// @throws Error (input) if a group's name is empty or contains a line break
 std::string write_mesh_text(const Mesh& mesh, const std::vector<std::int32_t>& fixed = {});
-/// @param fixed  where to put the fixed nodes that travelled along; may be null
-/// @throws Error: truncated, corrupted (checksum), another version, malformed (with the line): each its own message
+/// @param fixed  output for the stored fixed nodes; may be null
+/// @throws Error (input) if the text is truncated, corrupted (checksum), of another version, or malformed (with the
+/// line)
 Mesh read_mesh_text(const std::string& text, const std::string& source_name,
                     std::vector<std::int32_t>* fixed = nullptr);
 

@@ -1,4 +1,4 @@
-// The model as the host sees it: what training writes and model.txt holds. Grammar: formats/model.md.
+// The model of training and of model.txt on the host. Grammar: formats/model.md.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,44 +12,43 @@
 
 namespace phynness {
 
-/// Gaussian network (11)-(12) on scaled inputs and outputs: scaled = (value - center) / half_range, in [-1,
-/// 1]. y_j = b_j + sum_i w_ij exp(-|x - c_i|^2 / spread^2).
+/// Gaussian network, equations (11)-(12), y_j = b_j + sum_i w_ij exp(-|x - c_i|^2 / spread^2), with scaled inputs and
+/// outputs: scaled = (value - center) / half_range, in [-1, 1].
 struct RbfNetwork {
   Eigen::VectorXd input_center, input_half_range;    ///< n_inputs
   Eigen::VectorXd output_center, output_half_range;  ///< 3
   double spread = 1;                                 ///< in scaled inputs
-  /// Every center is a training point: an imposed displacement (row of Model::displacements) and, in
-  /// deformation networks, an output node (position in Model::output). n_neurons each; `center_output` is
-  /// empty in force networks. The file holds these; `centers` follows from them, see fill_centers.
+  /// Every center is a training point: a prescribed displacement (row of Model::displacements) and, in deformation
+  /// networks, an output node (position in Model::output). n_neurons each; `center_output` is empty in force networks.
+  /// The file contains these indices; fill_centers computes `centers` from them.
   std::vector<std::int32_t> center_displacement, center_output;
   Eigen::MatrixXd centers;  ///< n_neurons x n_inputs, scaled
   Eigen::MatrixXd weights;  ///< n_neurons x 3
   Eigen::Vector3d bias{0, 0, 0};
 };
 
-/// Response of a linear body at one active node: exact at any depth.
-/// force = stiffness d, energy = d . stiffness d / 2, u = d_x U_x + d_y U_y + d_z U_z with the unit responses
-/// U.
+/// Response of a linear body at one active node, exact at any depth: force = stiffness d, energy = d . stiffness d / 2,
+/// u = d_x U_x + d_y U_y + d_z U_z with the unit responses U.
 struct LinearResponse {
-  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< [N/m], symmetric to the last bit
-  /// n_output x 9 [m/m]: columns 3 k ... 3 k + 2 are the displacement of the output node (x, y, z) per metre
-  /// of imposed displacement along axis k.
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< [N/m], bitwise symmetric
+  /// n_output x 9 [m/m]: columns 3 k ... 3 k + 2 are the displacement (x, y, z) of the output node per metre of
+  /// prescribed displacement along axis k.
   Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor> unit_responses;
 };
 
-/// Force of one active node as the gradient of a stored potential: closed loops do no work. With x = d / R, R =
-/// max_displacement_m, and the kernel Phi(y) = q I + y y^T / q, q = sqrt(|y|^2 + shape^2), which is the Hessian of q^3
-/// / 3,
+/// Force of one active node as the gradient of a potential, so that closed paths do no work. With x = d / R,
+/// R = max_displacement_m, and the kernel Phi(y) = q I + y y^T / q, q = sqrt(|y|^2 + shape^2), which is the Hessian of
+/// q^3 / 3,
 ///   force = K d + sum_i [Phi(x - c_i) - Phi(x) - Phi(c_i) + Phi(0)] b_i.
 struct ConservativeNetwork {
-  double shape = 0.1;                                   ///< without unit: displacements count in R
-  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< K [N/m], symmetric to the last bit; the tail far away
+  double shape = 0.1;                                   ///< dimensionless, in units of R
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();  ///< K [N/m], bitwise symmetric; dominates at large |d|
   std::vector<std::int32_t> centers;                    ///< rows of Model::displacements; c_i = row / R
   Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> coefficients;  ///< b_i [N], one row per center
 };
 
-/// A matrix of 16-bit integers with a factor for each column: value(r, c) = scale[c] * entries(r, c). The rounding is
-/// at most 1 / 65534 of a column's largest value.
+/// A matrix of 16-bit integers with a factor for each column: value(r, c) = scale[c] * entries(r, c). The rounding
+/// error is at most 1 / 65534 of a column's largest value.
 struct ScaledTable {
   Eigen::VectorXd scale;  ///< per column, >= 0
   Eigen::Matrix<std::int16_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> entries;
@@ -58,38 +57,38 @@ struct ScaledTable {
   Eigen::Index cols() const { return entries.cols(); }
   Eigen::MatrixXd values() const { return entries.cast<double>() * scale.asDiagonal(); }
 };
-/// Rounded to nearest. @pre all values finite
+/// Rounds to nearest. @pre all values are finite
 ScaledTable scaled_table(const Eigen::MatrixXd& values);
 
-/// What the deformations of all active nodes of a modal model share.
+/// The part of the deformations that all active nodes of a modal model share.
 struct SharedModes {
   ScaledTable modes;                  ///< 3 n_output x n_shared: row 3 o + k is component k at output node o
   std::vector<std::int32_t> centers;  ///< of the amplitudes; rows of Model::displacements
-  double shape = 0.3;                 ///< of the amplitudes' kernel, in displacements over max_displacement_m
+  double shape = 0.3;                 ///< of the amplitudes' kernel, in units of max_displacement_m
 };
 
-/// Deformation of one active node: amplitudes a(x), x = d / R, of modes of its own. With q(y) = sqrt(|y|^2 + shape^2),
+/// Deformation of one active node: amplitudes a(x), x = d / R, of its own modes. With q(y) = sqrt(|y|^2 + shape^2),
 ///   a = sum_i w_i [q(x - c_i) - q(x) - q(c_i) + q(0)] + w_x x_x + w_y x_y + w_z x_z   [m],
 /// so a(0) = 0; u = near_modes a at the nodes of `near`, and u = shared modes (mixing a) elsewhere.
 struct ModalDeformation {
   ScaledTable weights;             ///< (n_centers + 3) x n_modes: w_i, then w_x, w_y, w_z [m]
   ScaledTable mixing;              ///< n_shared x n_modes
-  std::vector<std::int32_t> near;  ///< positions in Model::output where shared modes serve this node worst, ascending
+  std::vector<std::int32_t> near;  ///< positions in Model::output with modes of their own, ascending
   ScaledTable near_modes;          ///< 3 n_near x n_modes
 };
 
-/// A scalar field that a modal model carries beside the deformation: what all active nodes share of it. At each of them
-/// it has a ModalDeformation of its own, with one row for each output node instead of three, and six more weights: with
-/// e_jk(x) = x_j x_k |x|^(degree - 2), zero at x = 0,
+/// The part of a scalar field that all active nodes of a modal model share. Each active node has a ModalDeformation for
+/// the field, with one row for each output node instead of three, and with six further weights: with e_jk(x) = x_j x_k
+/// |x|^(degree - 2), which is 0 at x = 0,
 ///   a = (as above) + w_xx e_xx + w_xy e_xy + w_xz e_xz + w_yy e_yy + w_yz e_yz + w_zz e_zz,   field = max(0, scale u).
 struct FieldModes {
   std::string name, unit;  ///< words of 1 to 40 visible ASCII characters
-  int degree = 1;          ///< power of the displacement with which it grows near rest, 1 or 2
-  double scale = 1;        ///< in `unit`; the tables count in it
+  int degree = 1;          ///< power of the displacement with which the field grows near rest, 1 or 2
+  double scale = 1;        ///< [unit]; unit of the tables
   ScaledTable modes;       ///< n_output x n_shared
 };
 
-/// What the first neurons of a network do alone; their centers, scales and spread are the network's.
+/// A level of a network: bias and weights for its first neurons. Centers, scales and spread are those of the network.
 struct FirstNeurons {
   Eigen::MatrixXd weights;  ///< n_neurons x 3
   Eigen::Vector3d bias{0, 0, 0};
@@ -98,15 +97,15 @@ struct FirstNeurons {
 /// Response of an active node at a smaller level. Families as in ActiveNodeModel.
 struct LevelResponse {
   FirstNeurons force, deformation;   ///< rbfn
-  ConservativeNetwork conservative;  ///< modal; at most as many centers as the full one
+  ConservativeNetwork conservative;  ///< modal; at most as many centers as the full network
   ScaledTable weights;               ///< modal: (centers of the level + 3) x modes, for the first modes of the node
   std::vector<ScaledTable> field_weights;  ///< of each field, (centers of the level + 9) x modes
 };
 
-/// A level of a model: smaller networks, each fitted on its own, or the full one.
+/// A level of a model: smaller networks that are fitted separately, or the full networks.
 struct ModelLevel {
-  /// Medians over the active nodes of the mean error at trained displacements left out of the fit one by one, as
-  /// fractions of each node's largest force or displacement; 0: not estimated.
+  /// Medians over the active nodes of the mean leave-one-out error at the trained displacements, as a fraction of each
+  /// node's largest force or displacement; 0: not estimated.
   double error_force = 0, error_displacement = 0;
   std::vector<std::int32_t> centers;  ///< modal, smaller levels: of the amplitudes, as SharedModes::centers
 };
@@ -117,22 +116,22 @@ using schema::largest_field_count;
 using schema::largest_linear_entry;
 using schema::largest_mode_count;
 
-/// One active node. Of the responses, those of the model's family are filled in, the others are empty.
+/// One active node. Only the responses of the model's family are set.
 struct ActiveNodeModel {
   std::int32_t node = 0;  ///< mesh node number
   Vec3 point{0, 0, 0};    ///< its reference coordinates [m]
   std::vector<std::int32_t>
-      prescribed;  ///< nodes moved by the probe itself, with `prescribed_weight` (node probe: one, weight 1)
+      prescribed;  ///< nodes that the probe itself moves, with `prescribed_weight` (node probe: one node, weight 1)
   std::vector<double> prescribed_weight;
-  std::vector<double> trained_depth_m;   ///< per direction: last good increment; 0 if none
-  std::int32_t n_incomplete = 0;         ///< directions asked for that stopped short of the largest displacement
+  std::vector<double> trained_depth_m;   ///< per direction: last converged increment; 0 if none
+  std::int32_t n_incomplete = 0;         ///< requested directions that did not reach the largest displacement
   RbfNetwork force;                      ///< rbfn: d [m] -> force [N]
   RbfNetwork deformation;                ///< rbfn: (d, X) [m] -> u [m]
   LinearResponse linear;                 ///< linear
   ConservativeNetwork conservative;      ///< modal: d [m] -> force [N], energy [J], stiffness [N/m]
   ModalDeformation modal;                ///< modal: d [m] -> u [m]; without modes the model has forces only
   std::vector<ModalDeformation> fields;  ///< one for each of Model::fields
-  std::vector<LevelResponse> levels;     ///< smaller ones, in the order of Model::levels
+  std::vector<LevelResponse> levels;     ///< of the smaller levels, in the order of Model::levels
 };
 
 struct Model {
@@ -148,42 +147,45 @@ struct Model {
   Points output_points;                     ///< n_output x 3 [m], reference coordinates of the output nodes
   Triangles surface;                        ///< mesh node numbers, each output or fixed; normals outward
   SharedModes shared;                       ///< modal
-  std::vector<FieldModes> fields;           ///< modal; none unless the database had them
-  std::vector<ModelLevel> levels;  ///< none, or 2 to largest_level_count of them, the last the full model; not linear
+  std::vector<FieldModes> fields;           ///< modal; empty unless the database has fields
+  std::vector<ModelLevel> levels;      ///< empty, or 2 to largest_level_count; the last is the full model; not linear
   std::vector<ActiveNodeModel> nodes;  ///< ascending by node
 };
 
 struct DatabaseHeader;
-/// What a database says of any model made of it: everything but the displacements tried and the active nodes.
+/// A model with all properties that follow from the database alone. Tried displacements and active nodes are not set.
 Model model_of_database(const DatabaseHeader& header, Family family, const std::string& title);
 
-/// Computes network.centers from its indices: (value - input_center) / input_half_range per column, a
-/// subtraction and a division, so that every IEEE 754 reader gets the same bits.
-/// @pre input_center and input_half_range are set, the indices lie within the model's tables
+/// Computes network.centers from its indices: (value - input_center) / input_half_range for each column. One
+/// subtraction and one division give the same bits in every IEEE 754 reader.
+/// @pre input_center and input_half_range are set, and the indices are within the model's tables
 void fill_centers(const Model& model, RbfNetwork& network);
 
-/// model.txt as one string. Bit-for-bit round trip: write(read(write(m))) == write(m).
-/// @throws Error (failure) on a model that the format cannot hold: another family, unequal counts, NaN,
-/// infinity, a stiffness that is not symmetric
+/// Text of model.txt. Writing is exact: write(read(write(m))) == write(m).
+/// @throws Error (failure) if the format cannot represent the model: unknown family, inconsistent counts, NaN,
+/// infinity, or a stiffness that is not symmetric
 std::string write_model_text(const Model& model);
-/// @throws Error: truncated, corrupted (checksum), wrong version, malformed number, ...: each its own message
+/// @throws Error (input) if the text is truncated, corrupted (checksum), of another version, or malformed (with the
+/// line)
 Model read_model_text(const std::string& text, const std::string& source_name);
 
-/// MODEL_DIR: exactly model.txt and mesh.txt. Written beside and renamed, so a reader never sees half of one.
+/// Writes MODEL_DIR, which contains model.txt and mesh.txt. They are written to temporary files and renamed, so that a
+/// reader never sees an incomplete file.
+/// @throws Error (input) if the directory cannot be made, (failure) if writing fails
 void write_model_dir(const std::filesystem::path& dir, const Model& model, const Mesh& mesh);
 struct ModelTexts {
   std::string model, mesh;
 };
-/// @throws Error if a file is missing
+/// @throws Error (input) if a file is missing
 ModelTexts read_model_texts(const std::filesystem::path& dir);
-/// @throws Error (input) if `hash`, a model's, is not the mesh's
+/// @param hash  mesh hash of a model. @throws Error (input) if it is not the hash of the mesh
 void require_mesh(const Mesh& mesh, const std::string& hash);
 
 struct ModelDir {
   Model model;
   Mesh mesh;
 };
-/// @throws Error if a file is missing or the mesh is not the model's
+/// @throws Error (input) if a file is missing or damaged, or if the mesh is not the mesh of the model
 ModelDir read_model_dir(const std::filesystem::path& dir);
 
 }  // namespace phynness

@@ -1,5 +1,5 @@
-// Where the parts of a Model lie, for the grammar of models (phynness/schema/model_grammar.hpp): vectors, and matrices
-// of Eigen, by row and column.
+// Access to the parts of a Model for the grammar of models (phynness/schema/model_grammar.hpp): vectors and Eigen
+// matrices by row and column.
 #pragma once
 
 #include <cstdint>

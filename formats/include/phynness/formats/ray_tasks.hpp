@@ -1,5 +1,5 @@
-// How the rays that are left are cut into tasks for ranks that take them one after the other. precompute()
-// hands out these tasks, and `phynness plan` simulates them.
+// Division of the remaining rays into tasks, which ranks fetch one after the other. precompute() distributes these
+// tasks, and `phynness plan` simulates them.
 #pragma once
 
 #include <cstdint>
@@ -8,20 +8,20 @@
 
 namespace phynness {
 
-/// Indices into the active nodes and the directions.
+/// Indices of an active node and a direction.
 struct RayIndex {
   std::int32_t active = 0, direction = 0;
 };
 
-/// The rays of a database that its shard owns (all without a shard), that are no mirror images of others and
-/// that `logged` has not, node by node.
+/// The rays of a database that belong to its shard (without a shard: all), are not mirror images of others and are not
+/// yet logged, node by node.
 /// @param logged  n_active x n_directions flags
 std::vector<RayIndex> rays_left(const DatabaseHeader& header, const std::vector<char>& logged);
 
-/// Where each task begins, then rays.size(). A task is of one node, as touching a node costs a factorization:
-/// all of its rays while there are many left, a share of what is left once that is less, single rays at the
-/// end, so that all ranks end together (guided self-scheduling: Polychronopoulos & Kuck 1987,
-/// doi 10.1109/TC.1987.5009495).
+/// First ray of each task, followed by rays.size(). A task belongs to one node, because each change of the node costs a
+/// factorization. While many rays are left a task has all rays of the node, later a share of the remaining rays, at the
+/// end a single ray, so that all ranks end at about the same time (guided self-scheduling: Polychronopoulos & Kuck
+/// 1987, doi 10.1109/TC.1987.5009495).
 /// @param rays  sorted by active node
 /// @pre n_ranks > 0
 std::vector<std::int64_t> ray_tasks(const std::vector<RayIndex>& rays, int n_ranks);

@@ -1,7 +1,6 @@
-// How a scene chooses nodes of its mesh. Each selector is one struct in formats/src/selectors.cpp.
+// Selection of mesh nodes by a scene. Each selector is a struct in formats/src/selectors.cpp.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -12,7 +11,7 @@ namespace phynness {
 
 struct Mesh;
 
-/// Where in a scene file a value stands, for messages: "file.toml:12".
+/// Position of a value in a scene file, for messages: "file.toml:12".
 struct SourceLocation {
   std::string file;
   int line = 0;
@@ -20,42 +19,41 @@ struct SourceLocation {
 };
 
 using Vec3 = std::array<double, 3>;
-inline Eigen::Vector3d to_eigen(const Vec3& v) { return {v[0], v[1], v[2]}; }
 using NodeList = std::vector<std::int32_t>;
 
-/// What a selector needs to know of a body.
+/// Properties of a body that selectors use.
 struct SelectableBody {
-  /// No node is fixed yet. @pre the mesh has a node and outlives this
+  /// Initially no node is fixed. @pre the mesh has a node and outlives this object
   explicit SelectableBody(const Mesh& mesh);
 
   const Mesh& mesh;
   NodeList surface;  ///< sorted
-  NodeList fixed;    ///< sorted; set before anything is selected by what is free
+  NodeList fixed;    ///< sorted; set before selectors that depend on it are applied
   Vec3 low, high;    ///< bounding box [m]
-  double slack_m;    ///< a node that lies on a border up to rounding is inside
+  double slack_m;    ///< a node up to this far outside of a border counts as inside, because of rounding
 };
 
-/// What is asked of a selector.
+/// Arguments of a selection.
 struct PickRequest {
-  const NodeList& candidates;  ///< sorted: all nodes, or those of the surface; others that are picked are dropped
-  std::string nodes;           ///< "fixed nodes", "active nodes", "output nodes": for messages
-  std::string place;           ///< "file.toml:12: " or empty: for messages
+  const NodeList& candidates;  ///< sorted: all nodes, or the surface nodes; other picked nodes are removed later
+  std::string nodes;           ///< "fixed nodes", "active nodes" or "output nodes", for messages
+  std::string place;           ///< "file.toml:12: " or empty, for messages
 };
 
-/// What a selector does, without the keys that all of them share.
+/// A selector without the keys that are common to all selectors.
 class NodeChoice {
  public:
   virtual ~NodeChoice() = default;
-  /// As it stands in the physics summary, and so in its hash: never changes.
+  /// Text in the physics summary. It is hashed and must therefore never change.
   virtual std::string text() const = 0;
-  /// For messages.
+  /// Text in messages.
   virtual std::string description() const = 0;
-  /// Nodes in any order.
-  /// @throws Error (input) if the body does not have what is asked for
+  /// The selected nodes in any order.
+  /// @throws Error (input) if the body does not have the named group or node
   virtual NodeList pick(const SelectableBody& body, const PickRequest& request) const = 0;
-  /// Selects by what is not fixed, and so cannot select what is.
+  /// Whether the selection depends on the fixed nodes; if so, it cannot define them.
   virtual bool needs_fixed() const { return false; }
-  /// Selects every node of any body: where all are fixed, none can move.
+  /// Whether it selects every node of any body; if so, it cannot define the fixed nodes.
   virtual bool selects_all() const { return false; }
 };
 
@@ -67,15 +65,15 @@ struct Selector {
 };
 using Selection = std::vector<Selector>;
 
-/// A selection from the text that a scene has after `output =`; `where` of its selectors has no file.
+/// Parses a selection from the text after `output =` of a scene; `where` of its selectors has no file.
 /// @throws Error (input)
 Selection parse_selection(const std::string& text);
 
-/// Sorted list without repeats.
-/// @param what   "fixed", "active", "output": for messages
-/// @param where  of the selection, for messages
-/// @throws Error (input) if a selector or all of them select nothing, or a selector asks for what the body
-/// does not have
+/// The selected nodes as a sorted list without repeats.
+/// @param what   "fixed", "active" or "output", for messages
+/// @param where  position of the selection, for messages
+/// @throws Error (input) if a selector or the whole selection is empty, or if the body does not have a named group or
+/// node
 NodeList select_nodes(const Selection& selection, const SelectableBody& body, const char* what,
                       const SourceLocation& where);
 

@@ -1,4 +1,4 @@
-// Text files that are whole or absent.
+// Text files that are either complete or absent.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace phynness {
 
-/// Writes beside `file` and renames, so that whoever reads never sees half of it; a symbolic link is
-/// followed, and what is no regular file (a pipe, /dev/stdout) is written to as it is.
-/// @throws Error (input) if the file cannot be made, (failure) if it cannot be filled
+/// Writes a temporary file and renames it to `file`, so that a reader never sees an incomplete file. Symbolic links are
+/// followed. A file that is not regular (a pipe, /dev/stdout) is written directly.
+/// @throws Error (input) if the file cannot be created, (failure) if writing fails
 void write_text_file(const std::filesystem::path& file, const std::string& text);
 
 /// Several files that belong together: all of them are filled beside their places before the first is renamed, so that

@@ -1,4 +1,4 @@
-// The version that databases and models record.
+// The version of this software, as recorded in databases and models.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// States of a body as files that ParaView opens: VTU, legacy VTK, XDMF, and collections of VTU.
+// Files for ParaView with states of a body: VTU, legacy VTK, XDMF, and collections of VTU.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,11 +14,11 @@ struct VtkField {
   Eigen::MatrixXd values;
 };
 
-/// Points with cells of one kind: 4 columns tetrahedra, 3 triangles, 1 vertices.
+/// Points with cells of one kind: tetrahedra (4 columns), triangles (3) or vertices (1).
 struct VtkGrid {
   Points points;
   Cells cells;
-  std::vector<std::int32_t> node_numbers;  ///< n_points: written as field "node"
+  std::vector<std::int32_t> node_numbers;  ///< n_points; written as field "node"
 };
 
 struct VtkState {
@@ -29,10 +29,10 @@ struct VtkState {
 /// VTK XML unstructured grid, version 1.0, arrays in base64; its time is the field data "TimeValue".
 /// @pre sizes agree; every number is finite
 std::string vtu_text(const VtkGrid& grid, const VtkState& state);
-/// Legacy VTK, version 3.0, ASCII. It has no place for the time.
+/// Legacy VTK, version 3.0, ASCII. The format does not contain the time.
 std::string legacy_vtk_text(const VtkGrid& grid, const VtkState& state, const std::string& title);
-/// XDMF 3 with all numbers inline, one grid per state in a temporal collection. Each grid repeats points and
-/// cells: readers disagree on how one refers to another.
+/// XDMF 3 with all numbers inline, one grid per state in a temporal collection. Each grid repeats points and cells,
+/// because readers interpret references between grids differently.
 std::string xdmf_text(const VtkGrid& grid, const std::vector<VtkState>& states);
 /// ParaView's list of VTU files and their times.
 /// @param files  relative to the collection

@@ -1,12 +1,12 @@
-// Tools that hold points between nodes: what the coupled form of the runtime is compared with.
+// Finite element solves with tools that hold points between nodes, for comparison with the coupled tools of the
+// runtime.
 #pragma once
 
 #include <phynness/precompute/probe_solver.hpp>
 
 namespace phynness {
 
-/// A tool at a point of the surface: movable nodes of one triangle with their barycentric weights (fixed
-/// nodes left out: they do not move).
+/// A tool at a point of the surface: the nodes of a triangle with their barycentric weights, without fixed nodes.
 struct PointTool {
   std::vector<std::int32_t> nodes;
   std::vector<double> weights;
@@ -14,15 +14,15 @@ struct PointTool {
 };
 
 struct HeldPoints {
-  Response response;                 ///< force_N is that of the tools; iterations and cutbacks are sums
-  int solves = 0;                    ///< equilibria that were solved for it
-  std::vector<Vec3> linear_force_N;  ///< what the undeformed body says of the same tools
+  Response response;                 ///< force_N belongs to the tools; iterations and cutbacks are sums over all solves
+  int solves = 0;                    ///< number of solved equilibria
+  std::vector<Vec3> linear_force_N;  ///< forces of the same tools by the linearized body at rest
   Points linear_displacement_m;      ///< n_nodes x 3
 };
 
-/// Equilibrium with sum_i w_i q_i = displacement at every tool, q_i what the probe at node i prescribes, and
-/// the force at node i the tools' w_i F: the point-constrained problem. Newton's method on q and F; every
-/// iterate is a solve with all touched nodes prescribed, from rest in `increments` equal steps.
+/// Solves the point-constrained problem: equilibrium with sum_i w_i q_i = displacement at every tool, where q_i is the
+/// displacement prescribed at node i, and with the force w_i F of each tool at node i. Method: Newton's method for q
+/// and F. Every iterate is a solve from rest with all touched nodes prescribed, in `increments` equal steps.
 /// @throws Error as ProbeSolver::touch
 HeldPoints hold_points(ProbeSolver& solver, const std::vector<PointTool>& tools, int increments);
 

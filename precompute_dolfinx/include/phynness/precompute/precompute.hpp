@@ -1,4 +1,5 @@
-// Algorithm 1: every active node, every exploratory direction, every increment -> database.
+// Algorithm 1 of the paper: solves all increments in all exploratory directions at all active nodes and writes a
+// database.
 #pragma once
 
 #include <filesystem>
@@ -10,51 +11,51 @@
 
 namespace phynness {
 
-/// Where the responses go, and who shares a solve.
+/// Output of the responses, and number of ranks for each solve.
 struct PrecomputeTarget {
   std::filesystem::path file;
   bool resume = false;
-  std::optional<Shard> shard;  ///< solve its rays only, and leave them in the log of `file` for a merge
-  int ranks_per_solve = 1;     ///< consecutive ranks that factorize together, for large meshes
+  std::optional<Shard> shard;  ///< solve only the rays of this shard, and leave them in the log of `file` for a merge
+  int ranks_per_solve = 1;     ///< number of consecutive ranks that share factorizations, for large meshes
 };
 
-/// One rank's part of a run.
+/// Figures of one rank.
 struct RankFigures {
-  std::int64_t rays = 0, tasks = 0;  ///< tasks: of phynness/formats/ray_tasks.hpp
-  double busy_seconds = 0;           ///< wall time spent solving and logging
-  double idle_seconds = 0;           ///< the rest of the time until the last rank had solved its last ray
-  double core_seconds = 0;           ///< CPU time; waiting for other ranks left out
+  std::int64_t rays = 0, tasks = 0;  ///< tasks as in phynness/formats/ray_tasks.hpp
+  double busy_seconds = 0;           ///< wall time of solving and logging
+  double idle_seconds = 0;           ///< remaining wall time until the last rank had solved its last ray
+  double core_seconds = 0;           ///< CPU time without waiting for other ranks
   double peak_memory_bytes = 0;
 };
 
 struct PrecomputeReport {
-  std::int64_t rays = 0, rays_resumed = 0;  ///< solved now, found in the logs
-  std::int64_t rays_mirrored = 0;           ///< made from others by a plane of symmetry; none in a shard
-  /// Of the whole database, or, for a shard or an interrupted run, of what was solved now. failed:
-  /// after_failure included.
+  std::int64_t rays = 0, rays_resumed = 0;  ///< solved in this run; found in the logs
+  std::int64_t rays_mirrored = 0;           ///< mirror images of other rays; 0 in a shard
+  /// Of the whole database or, for a shard or an interrupted run, of this run. `failed` includes after_failure.
   std::int64_t increments = 0, failed = 0, iterations = 0;
-  std::int64_t library_errors = 0;            ///< rays of this run that Status::library_error ended
-  std::int64_t increments_solved = 0;         ///< of the increments, those that are not mirror images
-  std::int64_t increments_of_run = 0;         ///< those that this run solved
+  std::int64_t library_errors = 0;            ///< rays of this run that ended with Status::library_error
+  std::int64_t increments_solved = 0;         ///< increments without mirror images
+  std::int64_t increments_of_run = 0;         ///< increments that this run solved
   double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
   std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere
-  bool interrupted = false;                                       ///< finished rays are kept; --resume goes on
+  bool interrupted = false;                                       ///< finished rays are kept; --resume continues
 };
 
-/// (rays done over all ranks, rays in all); on rank 0 only. Called often; draw at your own pace.
+/// Called on rank 0 with the number of finished rays of all ranks and the total number. It is called often and should
+/// limit its own output.
 using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 
-/// Collective over MPI_COMM_WORLD: all ranks call it with the same arguments. Rays are handed out to
-/// whichever rank is free, node by node, in ever smaller portions. Every ray starts at rest, so the result
-/// does not depend on who solves it.
+/// Collective over MPI_COMM_WORLD: all ranks call it with the same arguments. Free ranks fetch rays node by node, in
+/// tasks of decreasing size. Every ray starts at rest, so that the result does not depend on the rank that solves it. A
+/// ray that cannot be solved is recorded as failed with its reason. Messages of libraries go to
+/// `<target.file>.solver.log`.
 /// @pre ranks_per_solve divides the number of ranks
-/// @pre this process holds the DatabaseLock of the file, on rank 0
-/// A ray that cannot be solved is recorded as failed, with its reason, whatever the reason; messages of
-/// libraries go to `<target.file>.solver.log`.
-/// @param stop  polled between rays on every rank; true ends the run early with what is finished kept
-/// @param warn  told at once on the rank that cannot go on (its file system is full, say); the other ranks
-/// end the nodes they work on before this throws
+/// @pre rank 0 holds the DatabaseLock of the file
+/// @param stop  polled between rays on every rank; true ends the run and keeps finished rays
+/// @param warn  called immediately on a rank that cannot continue, for example because its file system is full; the
+/// other
+///              ranks finish their present nodes before this function throws
 /// @throws Error
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                             const PrecomputeTarget& target, const PrecomputeProgress& progress = {},

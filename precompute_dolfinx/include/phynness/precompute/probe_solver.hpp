@@ -1,4 +1,4 @@
-// One body under tools: solves of single displacements and of rays. In SI units; no dolfinx type in sight.
+// Solver for one body under tools: single displacements and rays. In SI units and without types of dolfinx.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,22 +22,22 @@ struct Tool {
 /// One equilibrium state.
 struct Response {
   Status status = Status::converged;
-  std::vector<Vec3> force_N;  ///< per tool: must be applied to hold the displacement
+  std::vector<Vec3> force_N;  ///< per tool: force that must be applied to hold the displacement
   double energy_J = 0;
   Points displacement_m;            ///< n_nodes x 3, all nodes of the mesh
-  Eigen::MatrixXd fields;           ///< n_nodes x n_fields: those of the scene's [database], in their units
-  Eigen::MatrixXd tangent_N_per_m;  ///< 3 n_tools square, dF/dd, if asked for
+  Eigen::MatrixXd fields;           ///< n_nodes x n_fields: fields of the scene's [database], in their units
+  Eigen::MatrixXd tangent_N_per_m;  ///< dF/dd, 3 n_tools square; empty unless requested
   int negative_pivots = 0, iterations = 0, cutbacks = 0;
   double min_jacobian = 1;
   double relative_residual = 0;
 };
 
-/// What was computed so far, failed attempts included.
+/// Counts of all computations so far, including failed attempts.
 struct SolverCounts {
   std::int64_t residuals = 0, tangents = 0, factorizations = 0, substitutions = 0;
 };
 
-/// What the undeformed body says about a probe: the linear predictor.
+/// Response of the linearized body at rest: the linear predictor.
 struct RestResponse {
   Eigen::MatrixXd stiffness_N_per_m;  ///< 3 n_tools square
   Eigen::MatrixXd sensitivity;        ///< (3 n_nodes) x (3 n_tools): du/dd, row 3 i + k is component k at node i
@@ -45,48 +45,45 @@ struct RestResponse {
 
 class Team;
 
-/// What touch(), follow() and solve() throw where a person wants an end (ProbeSolver::set_stop). The solver can be
+/// What touch(), follow() and solve() throw if the user wants an end (ProbeSolver::set_stop). The solver can be
 /// used again afterwards.
 struct Interrupted : std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// Owns the discretized body on this process alone. Ranks share nothing, but for the factorizations of a
-/// team.
-/// @pre a SolverSession lives as long as any ProbeSolver
+/// The discretized body of this process. Ranks share nothing except the factorizations of a team.
+/// @pre a SolverSession exists during the lifetime of every ProbeSolver
 class ProbeSolver {
  public:
   /// Uses material, solver, probe and database specification of the scene.
-  /// @param team  null, or the team that this rank leads, whose others are in Team::serve() whenever
-  /// something is solved
+  /// @param team  null, or the team led by this rank; its other ranks must be in Team::serve() during solves
   /// @throws Error
   ProbeSolver(const Scene& scene, const Mesh& mesh, const NodeSets& sets, Team* team = nullptr);
   ~ProbeSolver();
   ProbeSolver(ProbeSolver&&) noexcept;
 
-  /// Chooses the touched nodes. Rest stiffness is computed once for them and shared by what follows.
-  /// @throws Error if a node is not on the surface, is fixed, or named twice, or if the tangent at rest could
-  /// not be factorized; another call may then succeed
+  /// Sets the touched nodes and computes their stiffness at rest, which later solves use.
+  /// @throws Error if a node is not on the surface, is fixed, or is given twice, or if the tangent at rest could not be
+  /// factorized; a later call may succeed
   void touch(const std::vector<std::int32_t>& nodes);
   const RestResponse& rest() const;
-  /// The fields that linear theory gives a displacement: those of the sensitivities at rest, at a
-  /// displacement so small that the body is linear, scaled up by the power with which each grows. n_nodes x
-  /// n_fields, in their units.
+  /// Scalar fields of a displacement by linear theory, n_nodes x n_fields, in their units. They are computed from the
+  /// sensitivities at rest at a very small displacement and scaled by the power with which each field grows.
   /// @pre as many displacements [m] as touched tools, not all zero
   Eigen::MatrixXd linear_fields(const std::vector<Vec3>& displacement_m) const;
-  /// Nodes moved by touched tool t, with weights w (u_i = w_i d); the touched node itself has weight 1.
+  /// Nodes moved by a tool, with weights w (u_i = w_i d); the touched node itself has the weight 1.
   std::vector<std::pair<std::int32_t, double>> prescribed(std::size_t tool = 0) const;
 
-  /// Moves tool t along displacement_m[t] * s for the ascending values of s, starting at rest.
-  /// `take` gets every value in order; return false to stop.
+  /// Moves tool t along displacement_m[t] * s for the ascending values of s, starting at rest. Calls `take` with the
+  /// response for every value in order, until it returns false.
   void follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values, bool tangents,
               const std::function<bool(std::size_t, const Response&)>& take);
 
-  /// One displacement, reached in `increments` equal steps.
+  /// Solves for one displacement in `increments` equal steps.
   Response solve(const std::vector<Vec3>& displacement_m, int increments, bool tangents = false);
 
-  /// After an exception of follow() or solve(), before the next call: what libraries keep between calls
-  /// begins anew.
+  /// Must be called after an exception of follow() or solve() before the next call. Recreates the state that libraries
+  /// keep between calls.
   void recover();
 
   /// `stop` is asked between two iterations. A solve that is still at work two seconds after it first said true
@@ -101,8 +98,8 @@ class ProbeSolver {
   std::unique_ptr<Impl> _impl;
 };
 
-/// PETSc and MPI for the life of the program. PETSc's own options are read from PETSC_OPTIONS, not from the
-/// command line. BLAS threads are switched off: parallelism is over probes.
+/// Initializes PETSc and MPI for the duration of the program. PETSc's options are read from PETSC_OPTIONS, not from the
+/// command line. BLAS uses one thread, because probes are solved in parallel.
 class SolverSession {
  public:
   SolverSession();
@@ -110,13 +107,13 @@ class SolverSession {
   SolverSession(const SolverSession&) = delete;
   int rank() const { return _rank; }
   int size() const { return _size; }
-  /// Runs `work` on every rank and makes an exception of one the exception of all, so that no rank waits for
-  /// one that has left. Collective. @throws Error with the message of the first rank that failed on rank 0,
-  /// without text on the others
+  /// Runs `work` on every rank. If it throws on one rank, this function throws on all ranks, so that no rank waits for
+  /// another one. Collective. @throws Error with the message of the first failed rank on rank 0, without text on the
+  /// others
   void together(const std::function<void()>& work) const;
   /// Sum over all ranks, on all ranks. Collective.
   double sum(double value) const;
-  /// All ranks' values one after the other, on rank 0; empty elsewhere. Collective.
+  /// The concatenated values of all ranks on rank 0; empty on other ranks. Collective.
   std::vector<double> gather(const std::vector<double>& values) const;
 
  private:

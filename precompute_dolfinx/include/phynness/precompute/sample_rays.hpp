@@ -1,4 +1,4 @@
-// A few rays of a scene, solved as precompute() solves them, with what they cost.
+// Solves a sample of the rays of a scene in the same way as precompute(), and measures their costs.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,18 @@
 
 namespace phynness {
 
-/// Flags n_active x n_directions: which rays a scene asks for (hemisphere: those that press inward) and are
-/// no mirror images of others.
+/// Flags, n_active x n_directions, of the rays that a scene requests (hemisphere: directions that press inward) and
+/// that are not mirror images of other rays.
 std::vector<char> requested_rays(const Scene& scene, const Mesh& mesh, const DatabaseHeader& header);
 
 struct SolvedRays {
   std::vector<Ray> rays;
-  std::vector<double> node_setup_s;  ///< CPU time of turning to a node, one entry per node
+  std::vector<double> node_setup_s;  ///< CPU time of the preparation of a node, one entry per node
   bool interrupted = false;
 };
 
-/// @param which  pairs (index of the active node, index of the direction) in the database's order
-/// @param progress  called after each ray with the number done
+/// @param which     pairs (index of the active node, index of the direction) in the order of the database
+/// @param progress  called after each ray with the number of finished rays
 /// @param stop      polled between rays
 /// @throws Error
 SolvedRays solve_rays(ProbeSolver& solver, const DatabaseHeader& header,

@@ -1,4 +1,4 @@
-// Bounds of what a model.txt holds (formats/model.md). Within them no sum of an evaluation overflows.
+// Bounds of the numbers of a model.txt (formats/model.md). Within them no sum of an evaluation overflows.
 #pragma once
 
 #include <float.h>
@@ -6,25 +6,26 @@
 
 namespace phynness::schema {
 
-/// Displacements are cut to this size per component, in the unit that a family evaluates in.
+/// Components of displacements are clamped to these, in m (linear) or in max_displacement_m (modal).
 inline constexpr double largest_linear_displacement = 1e100, largest_modal_displacement = 1e6;
 
-/// Size of a stiffness [N/m], of a coefficient [N], of a unit response.
+/// Largest magnitude of a stiffness [N/m], a coefficient [N] or a unit response.
 inline constexpr double largest_linear_entry = 1e100;
-/// Size of a reference coordinate [m]: distances and products of four of them stay finite.
+/// Largest magnitude of an undeformed coordinate [m]; distances and products of four of them remain finite.
 inline constexpr double largest_coordinate = 1e30;
-/// Width of a kernel, 1 over it the least: beyond it a Gaussian is a spike or a constant.
+/// Largest width of a kernel; its inverse is the smallest. Beyond these a Gaussian is practically a spike or a
+/// constant.
 inline constexpr double largest_width = 1e6;
 inline constexpr int32_t largest_table_entry = 32767;
-/// Size of a value of a table of scaled integers.
+/// Largest magnitude of a value of a table of scaled integers.
 inline constexpr double largest_table_value = 1e6;
 inline constexpr int32_t largest_mode_count = 1024, largest_field_count = 8, largest_level_count = 8;
 /// Characters of the name or unit of a field.
 inline constexpr int32_t longest_word = 40;
-/// Kernels of amplitudes beside their centers: x, y, z, and of a field the six products of two of them.
+/// Terms of an amplitude beside its kernels: x, y and z; for a field also the six products of two of them.
 inline constexpr int32_t n_linear_terms = 3, n_field_terms = 9;
 
-/// A closed range of numbers and how a number outside of it is described.
+/// A closed range of numbers, and the words of the error message for a number outside of it.
 struct Bound {
   double low, high;
   const char* outside;

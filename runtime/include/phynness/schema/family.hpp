@@ -1,4 +1,4 @@
-// Response models that phynness trains and evaluates: what decides the sections of a model and how it is evaluated.
+// Families of response models. The family determines the sections of a model.txt and how the model is evaluated.
 #pragma once
 
 #include <stdint.h>
@@ -10,19 +10,19 @@ enum class Family : uint32_t { rbfn, linear, modal };
 
 namespace schema {
 
-/// In scenes, models and options, by the number of a family.
+/// Names in scenes, models and options, in the order of the numbers of the families.
 inline constexpr const char* family_words[] = {"rbfn", "linear", "modal"};
 inline constexpr uint32_t n_families = sizeof family_words / sizeof *family_words;
 
-/// What everything asks of a family that does not train or evaluate it. Without pointers, which would need memory on
-/// devices that keep constants in flash.
+/// Properties of a family for code that neither trains nor evaluates it. It has no pointers, because pointers in a
+/// constant would be relocated into RAM on devices that keep constants in flash memory.
 struct FamilyTraits {
   bool has_energy;    ///< the force is the gradient of an energy
-  bool has_levels;    ///< smaller networks beside the full one
-  bool proportional;  ///< to the displacement: exact at any depth, and only for bodies of the linear law
-  bool has_modes;     ///< shared by all nodes; displacements count in max_displacement_m; there may be scalar fields
+  bool has_levels;    ///< may have smaller networks beside the full one
+  bool proportional;  ///< responses are proportional to the displacement: exact, but only for the linear law
+  bool has_modes;     ///< modes shared by all nodes, displacements in units of max_displacement_m, scalar fields
 };
-/// By the number of a family.
+/// In the order of the numbers of the families.
 inline constexpr FamilyTraits families[n_families] = {
     {false, true, false, false},
     {true, false, true, false},

@@ -1,4 +1,4 @@
-// Lines of a model.txt, for its grammar (model_grammar.hpp, where it is said what `io` and stores are).
+// Lines of a model.txt, used by its grammar. `io` and stores are described in model_grammar.hpp.
 #pragma once
 
 #include <stdint.h>
@@ -10,7 +10,7 @@ namespace phynness::schema {
 
 inline constexpr int32_t largest_integer = 0x7fffffff;
 
-/// One number of a store.
+/// Reads or writes one number of a store.
 template <class IO, class Store>
 void number(IO& io, const char* what, Store& store, int64_t i, int64_t k, const Bound& bound) {
   double value = io.get(store, i, k);
@@ -18,7 +18,7 @@ void number(IO& io, const char* what, Store& store, int64_t i, int64_t k, const 
   if (io.good()) io.set(store, i, k, value);
 }
 
-/// One integer of a store. @return it
+/// Reads or writes one integer of a store. @return the integer
 template <class IO, class Store>
 int32_t integer(IO& io, const char* what, Store& store, int64_t i, int64_t k, int32_t low, int32_t high) {
   auto value = static_cast<int32_t>(io.get(store, i, k));
@@ -52,7 +52,7 @@ void integer_line(IO& io, const char* key, Value& value, int32_t low, int32_t hi
   io.end();
 }
 
-/// The same of a size, which a writer finds. @return it
+/// A line of a keyword and a size. @param size  known when writing. @return the size read or written
 template <class IO>
 int32_t size_line(IO& io, const char* key, int64_t size, int32_t low, int32_t high) {
   auto n = static_cast<int32_t>(size);
@@ -60,7 +60,7 @@ int32_t size_line(IO& io, const char* key, int64_t size, int32_t low, int32_t hi
   return n;
 }
 
-/// A line of a keyword and the number of lines that follow. @return that
+/// A line of a keyword and the number of lines that follow. @return that number
 template <class IO>
 int32_t count_line(IO& io, const char* key, int64_t rows, int32_t low = 0) {
   auto n = static_cast<int32_t>(rows);
@@ -96,7 +96,7 @@ void require_ascending(IO& io, int32_t value, int32_t& previous, const char* wha
   previous = value;
 }
 
-/// K_xx K_xy K_xz K_yy K_yz K_zz.
+/// The line "stiffness K_xx K_xy K_xz K_yy K_yz K_zz".
 template <class IO, class Store>
 void stiffness_line(IO& io, Store& stiffness) {
   io.keyword("stiffness");
@@ -106,7 +106,7 @@ void stiffness_line(IO& io, Store& stiffness) {
   io.end();
 }
 
-/// TABLE of formats/model.md.
+/// A TABLE as described in formats/model.md: column scales, then rows of integers.
 template <class IO, class Table>
 void table(IO& io, const char* key, Table& table, int64_t n_rows, int32_t n_columns) {
   io.keyword(key);

@@ -1,23 +1,25 @@
-// The sections of a model.txt in their order, with counts and bounds: the one definition of the grammar that
-// formats/model.md describes. It is a walk. `io` reads the text, writes it or counts its bytes, and knows how the
-// numbers of a model are stored: in vectors (formats/src/model_text.cpp), in memory of the caller
-// (runtime/src/load.cpp), or not at all (planning/src/model_size.cpp).
+// The sections of a model.txt in their order, with counts and bounds: the only definition in code of the grammar that
+// formats/model.md describes. The functions visit the sections of a model in order and call `io` for each part. `io`
+// reads the text, writes it or counts its bytes. It also knows how the numbers of a model are stored: in vectors
+// (formats/src/model_text.cpp), in memory of the caller (runtime/src/load.cpp), or not at all
+// (planning/src/model_size.cpp).
 //
-// What the walk asks of `io`:
-//   keyword(word), end()                    a word as it stands; the end of a line
+// Members of `io` for the text:
+//   keyword(word), end()                    a fixed word; the end of a line
 //   text(line), word(what, store)           the rest of a line and its end; a word of visible ASCII characters
-//   real(what, value, bound)                a number; a reader sets the value, a writer puts it out
-//   integer(what, value, low, high)
-//   count(what, n, low)                     number of lines that follow, which the rest of the text must be able to
-//   hold room(what, n)                           n numbers follow; the same family(value) word of a family
-//   optional(word, present)                 whether a section follows: a reader looks at its first word
-//   require(condition, what)                refuses the model
-//   good()                                  false after a refusal, where no exceptions say so
-// and of stores, which are arrays with rows and columns, or of items:
-//   shape(what, store, rows, cols)          a reader makes room, a writer checks that it agrees
-//   rows(store), cols(store)                sizes as they are; a reader's are 0 before shape
-//   get(store, i, k), set(store, i, k, v)   numbers; only writers get, only readers set
-//   item(store, i), done(item)              parts with stores of their own; done when their last line was read
+//   real(what, value, bound)                a number; a reader sets the value, a writer writes it
+//   integer(what, value, low, high)         an integer
+//   family(value)                           the word of a family
+//   count(what, n, low)                     number of lines that follow; a reader refuses more than the text can hold
+//   room(what, n)                           n numbers follow; a reader refuses more than the text can hold
+//   optional(word, present)                 whether a section follows; a reader looks at its first word
+//   require(condition, what)                refuses the model if the condition is false
+//   good()                                  false after an error, for readers without exceptions
+// Members of `io` for stores, which are arrays of numbers with rows and columns, or arrays of items:
+//   shape(what, store, rows, cols)          a reader allocates the store, a writer checks its size
+//   rows(store), cols(store)                present size; 0 for a reader before shape
+//   get(store, i, k), set(store, i, k, v)   numbers; only writers call get, only readers call set
+//   item(store, i), done(item)              an item with stores of its own; done is called after its last line
 //   has_place(model, node)                  whether a node is an output or fixed node
 #pragma once
 
@@ -84,7 +86,7 @@ void levels(IO& io, Model& model) {
   }
 }
 
-/// What an active node of any family begins with.
+/// The first lines of an active node, the same for every family.
 template <class IO, class Model, class Node>
 void node_lines(IO& io, Model& model, Node& node, int32_t& previous) {
   io.keyword("node");
@@ -125,7 +127,7 @@ void active_node(IO& io, Model& model, Node& node, int32_t& previous) {
   io.done(node);
 }
 
-/// Everything between the first line and the checksum.
+/// All lines between the first line and the checksum.
 template <class IO, class Model>
 void model(IO& io, Model& model) {
   io.keyword("family");

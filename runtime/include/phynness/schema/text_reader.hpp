@@ -8,17 +8,18 @@
 
 namespace phynness::schema {
 
-/// Identity and version of the format.
+/// First word and first line of the format; the number is its version.
 inline constexpr char model_magic[] = "phynness-model ", model_first_line[] = "phynness-model 2\n";
-/// Of the last line, "checksum " and the hash of all that is before it.
+/// Length of the last line: "checksum " and the hash of the text before it.
 inline constexpr size_t checksum_line_length = sizeof("checksum 0123456789abcdef\n") - 1;
 
-/// Identity, version, completeness and checksum; on success `length` is shortened to the text before the checksum line.
-/// @param wrong_byte  where a refused text is wrong, counted from 1; 0 for a good one
+/// Checks identity, version, completeness and checksum. On success `length` becomes the length before the checksum
+/// line.
+/// @param wrong_byte  position of the first error, counted from 1; 0 for a valid text
 /// @return a status of phynness.h
 int check_envelope(const char* text, size_t& length, size_t& wrong_byte);
 
-/// The first defect sticks in status(); from then on every read returns 0 and consumes nothing.
+/// Reads tokens until the first error, which status() keeps. After an error every read returns 0 and consumes nothing.
 class TextReader {
  public:
   TextReader(const char* text, size_t length) : _begin(text), _at(text), _end(text + length) {}
@@ -28,16 +29,16 @@ class TextReader {
   void fail(int status) {
     if (good()) _status = status;
   }
-  /// The same of the token that comes next.
+  /// Fails at the next token instead of the last one.
   void fail_next(int status) {
     if (!good()) return;
     const char* next = _at == _end || *_at != ' ' ? _at : _at + 1;
     _token = {next, next};
     fail(status);
   }
-  /// The first defect, counted from 1 at the begin of the text; 0: none.
+  /// Position of the first error, counted from 1; 0: no error.
   size_t wrong_byte() const { return good() ? 0 : token_at() + 1; }
-  /// Byte at which the last token begins: after a defect, the one that is wrong.
+  /// Offset at which the last token begins; after an error, the wrong token.
   size_t token_at() const { return static_cast<size_t>(_token.begin - _begin); }
 
   struct Token {
@@ -47,20 +48,20 @@ class TextReader {
   Token last_token() const { return _token; }
 
   void keyword(const char* word);
-  /// Whether the next token of the line is this word. Reads nothing.
+  /// Whether the next token of the line is this word. Consumes nothing.
   bool next_is(const char* word) const;
-  /// Everything up to the end of the line, the separating space excluded; may be empty.
+  /// The text up to the end of the line without the separating space; may be empty.
   Token rest_of_line();
-  /// A token of 1 to `longest` visible ASCII characters; it lies in the text. Empty if there is none.
+  /// A token of 1 to `longest` visible ASCII characters, as a part of the text; empty after an error.
   Token word(size_t longest);
   void end_line();
   bool at_end() const { return _at == _end; }
 
-  /// A sign is read only where `low` is negative.
+  /// An integer between `low` and `high`; a sign is accepted only if `low` is negative.
   int32_t integer(int32_t low, int32_t high);
-  /// A number of lines that follow; more than the text can hold is refused.
+  /// The number of lines that follow; an error if the rest of the text cannot hold them.
   int32_t count(int32_t low);
-  /// Refuses n numbers that the rest of the text cannot hold.
+  /// An error if the rest of the text cannot hold n numbers.
   void require_room(uint64_t n) {
     if (n > static_cast<uint64_t>(_end - _at) / 2) fail(PHN_ERROR_RANGE);
   }

@@ -1,5 +1,5 @@
-// The solver everyone would write first, as the baseline: SNES Newton as PETSc ships it, the tangent inserted
-// entry by entry, MUMPS LU at every iteration, each increment started from the previous one scaled up.
+// A straightforward solver as the baseline of benchmarks: Newton's method of PETSc SNES with default options, a tangent
+// that is inserted entry by entry, MUMPS LU in every iteration, and the scaled previous increment as the initial guess.
 #pragma once
 
 #include <memory>
@@ -14,13 +14,13 @@ struct PlainState {
   Vec3 force_N{};
 };
 
-/// Node and patch probes of one tool. Same forms, same scaling, same stopping test as ProbeSolver.
+/// Node and patch probes of one tool, with the same forms, scaling and stopping test as ProbeSolver.
 class PlainLoop {
  public:
   PlainLoop(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
   ~PlainLoop();
 
-  /// All increments of one ray; those after a failed one are not tried.
+  /// Solves the increments of one ray up to the first that fails.
   /// @param full_depth_m  displacement of the last of `increments` equal steps
   std::vector<PlainState> ray(std::int32_t node, const Vec3& full_depth_m, int increments);
 

@@ -1,4 +1,4 @@
-// Sections of a model.txt of family linear; what `io` is: model_grammar.hpp.
+// Sections of a model.txt of family linear; `io` is described in model_grammar.hpp.
 #pragma once
 
 #include <phynness/schema/grammar_lines.hpp>

@@ -1,4 +1,4 @@
-// Sections of a model.txt of family modal; what `io` is: model_grammar.hpp.
+// Sections of a model.txt of family modal; `io` is described in model_grammar.hpp.
 #pragma once
 
 #include <phynness/schema/grammar_lines.hpp>
@@ -63,7 +63,7 @@ struct ModalGrammar {
     io.done(force);
   }
 
-  /// @param components  rows of an output node: 3, of a field 1
+  /// @param components  rows for each output node: 3 for displacements, 1 for a scalar field
   template <class IO, class Model, class Modes>
   static void modes(IO& io, Model& model, const char* key, Modes& modes, int64_t n_basis, int64_t n_shared,
                     int32_t components) {
@@ -93,7 +93,7 @@ struct ModalGrammar {
             io.cols(io.item(model.fields, f).modes.entries), 1);
   }
 
-  /// Number of modes and weights of the amplitudes: a node has modes at every level or at none.
+  /// Number of modes, and weights of the amplitudes. A node has modes at every level or at none.
   template <class IO, class Full, class Weights>
   static void level_weights(IO& io, const char* key, Full& full, Weights& weights, int64_t n_basis) {
     const auto n_full = static_cast<int32_t>(io.cols(full.weights.entries));

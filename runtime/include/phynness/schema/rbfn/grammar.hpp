@@ -1,15 +1,15 @@
-// Sections of a model.txt of family rbfn; what `io` is: model_grammar.hpp.
+// Sections of a model.txt of family rbfn; `io` is described in model_grammar.hpp.
 #pragma once
 
 #include <phynness/schema/grammar_lines.hpp>
 
 namespace phynness::schema {
 
-/// The networks of Gaussians of the paper, (11)-(12).
+/// The paper's networks of Gaussians, equations (11)-(12).
 struct RbfnGrammar {
   static constexpr Family family = Family::rbfn;
 
-  /// @param n_inputs  3: the displacement; 6: that and coordinates of an output node
+  /// @param n_inputs  3: displacement; 6: displacement and coordinates of an output node
   template <class IO, class Model, class Network>
   static void network(IO& io, Model& model, Network& net, const char* key, int32_t n_inputs) {
     const int32_t n = count_line(io, key, io.rows(net.weights));
