@@ -39,7 +39,7 @@ Vec3 parse_vector(const std::string& text, const std::string& what, const std::s
   return v;
 }
 
-/// @throws Error if depth, thickness or tool have sizes that the body cannot have; warns of those that are doubtful
+/// Warns of a depth or a tool that is unusual for the body. @throws Error (input) if it cannot be
 void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
   const double depth = scene.probe.max_displacement_m;
   const Vec3 extent{q.max_m[0] - q.min_m[0], q.max_m[1] - q.min_m[1], q.max_m[2] - q.min_m[2]};

@@ -35,9 +35,13 @@ TEST_F(StrangeFile, is_called_what_it_is) {
   fs::permissions(path("closed"), fs::perms::none);
   fs::permissions(folder(), fs::perms::owner_all | fs::perms::others_exec);
   const bool root = ::getuid() == 0;  // whom permissions do not bind: for once as the user nobody
-  if (root) ASSERT_EQ(::setresuid(65534, 65534, 0), 0);
+  if (root) {
+    ASSERT_EQ(::setresuid(65534, 65534, 0), 0);
+  }
   const auto message = refused(path("closed"));
-  if (root) ASSERT_EQ(::setresuid(0, 0, 0), 0);
+  if (root) {
+    ASSERT_EQ(::setresuid(0, 0, 0), 0);
+  }
   expect_contains(message, {"ermission"});
 }
 
