@@ -35,6 +35,7 @@ struct PrecomputeReport {
   std::int64_t increments = 0, failed = 0, iterations = 0;
   std::int64_t library_errors = 0;            ///< rays of this run that ended with Status::library_error
   std::int64_t increments_solved = 0;         ///< increments without mirror images
+  std::int64_t increments_of_run = 0;         ///< increments that this run solved
   double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
   std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere
