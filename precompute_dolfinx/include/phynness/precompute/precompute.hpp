@@ -52,7 +52,8 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// `<target.file>.solver.log`.
 /// @pre ranks_per_solve divides the number of ranks
 /// @pre rank 0 holds the DatabaseLock of the file
-/// @param stop  polled between rays on every rank; true ends the run and keeps finished rays
+/// @param stop  polled between rays, and between iterations of a solve, on every rank; true ends the run and keeps
+/// finished rays
 /// @param warn  called immediately on a rank that cannot continue, for example because its file system is full; the
 /// other
 ///              ranks finish their present nodes before this function throws
