@@ -43,6 +43,9 @@ void add(CLI::App& app);
 namespace bench_command {
 void add(CLI::App& app);
 }
+namespace check_command {
+void add(CLI::App& app);
+}
 namespace solve_command {
 void add(CLI::App& app);
 }
