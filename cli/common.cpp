@@ -77,7 +77,8 @@ Scene open_scene(const std::filesystem::path& file) {
   return scene;
 }
 
-LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
+LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
+                       const std::function<void(const LoadedScene&)>& refused) {
   LoadedScene loaded;
   loaded.scene = open_scene(file);
   auto made = make_mesh(loaded.scene);
@@ -87,9 +88,14 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
     for (const auto& warning : made.warnings) message("warning: {}\n", warning);
     for (const auto& warning : scene_warnings(loaded.scene)) message("warning: {}\n", warning);
   }
-  check_sizes(loaded.scene, made.quality, quiet);
   loaded.mesh = std::move(made.mesh);
-  loaded.sets = resolve_selections(loaded.scene, loaded.mesh);
+  try {
+    check_sizes(loaded.scene, made.quality, quiet);
+    resolve_selections(loaded.scene, loaded.mesh, loaded.sets);
+  } catch (const Error&) {
+    if (refused) refused(loaded);
+    throw;
+  }
   return loaded;
 }
 

@@ -160,6 +160,20 @@ TEST_F(AbsurdInput, AResumeOfOtherWorkIsRefusedBeforeItIsAnnounced) {
   EXPECT_EQ(outcome.err.find("resuming"), std::string::npos) << outcome.err;
 }
 
+TEST_F(AbsurdInput, ASelectionOfNothingStillLeavesTheMeshToLookAt) {
+  write_file(folder / "changed.toml", small_scene());
+  auto text = small_scene();
+  text.insert(text.find("[probe]"), "output = { sphere = { center_m = [0, 0, 0.1], radius_m = 0.01 } }\n");
+  write_file(folder / "changed.toml", text);
+  expect_refused("mesh changed.toml -o m.msh",
+                 {"changed.toml:16", "output nodes", "at (0, 0, 0.05) m, 0.04 m", "m.msh"});
+  const auto mesh = read_file(folder / "m.msh");
+  for (const char* group : {"\"phynness_fixed\"", "\"phynness_active\""})
+    EXPECT_NE(mesh.find(group), std::string::npos) << group;
+  EXPECT_EQ(mesh.find("phynness_output"), std::string::npos);
+  EXPECT_EQ(phynness("info m.msh").exit_status, 0);
+}
+
 TEST_F(AbsurdInput, TheCostOfAnIncrementIsThatOfTheIncrementsOfTheRun) {
   ASSERT_EQ(phynness("precompute scene.toml -o d.h5 --json first.json").exit_status, 0);
   EXPECT_EQ(json("first.json").at("increments_of_run"), json("first.json").at("increments"));
