@@ -109,7 +109,8 @@ TEST_F(AbsurdInput, FilesWithoutPermissionAreSaidToBe) {
 }
 
 TEST_F(AbsurdInput, GigabytesOfZerosEndSoonAndCostNoMemory) {
-  for (const char* name : {"large.toml", "large.msh", "large.vtk", "large.stl", "large.obj"}) {
+  for (const char* name : {"large.toml", "large.msh", "large.vtk", "large.stl", "large.obj", "large.vtu", "large.ply",
+                           "large.off", "large.inp"}) {
     write_file(folder / name, "");
     fs::resize_file(folder / name, std::uintmax_t{3} << 30);
     const auto outcome = shell(std::string("timeout 20 \"$PHYNNESS\" info ") + name);
