@@ -1,4 +1,6 @@
 // VTK's XML files: unstructured grids (.vtu) and poly data (.vtp), as ParaView, PyVista and `phynness show` write them.
+#include <phynness/formats/error.hpp>
+
 #include "raw_mesh.hpp"
 #include "vtk_cells.hpp"
 #include "vtk_xml.hpp"
