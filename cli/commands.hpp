@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <phynness/formats/mesh.hpp>
@@ -72,7 +73,9 @@ struct LoadedScene {
   Mesh mesh;
   NodeSets sets;
 };
-LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false);
+/// @param refused  called with the mesh, and with the sets selected so far, before an error about them leaves
+LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false,
+                       const std::function<void(const LoadedScene&)>& refused = {});
 
 /// Prints patch_warnings() on stderr. load_scene does it; others that read a database do it themselves.
 void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets);

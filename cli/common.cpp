@@ -72,7 +72,8 @@ Scene open_scene(const std::filesystem::path& file) {
   return scene;
 }
 
-LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
+LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
+                       const std::function<void(const LoadedScene&)>& refused) {
   LoadedScene loaded;
   loaded.scene = open_scene(file);
   auto made = make_mesh(loaded.scene);
@@ -83,9 +84,14 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
     for (const auto& warning : scene_warnings(loaded.scene, made.quality.mean_edge_m))
       message("warning: {}\n", warning);
   }
-  check_sizes(loaded.scene, made.quality, quiet);
   loaded.mesh = std::move(made.mesh);
-  loaded.sets = resolve_selections(loaded.scene, loaded.mesh);
+  try {
+    check_sizes(loaded.scene, made.quality, quiet);
+    resolve_selections(loaded.scene, loaded.mesh, loaded.sets);
+  } catch (const Error&) {
+    if (refused) refused(loaded);
+    throw;
+  }
   if (!quiet) warn_of_patch(loaded.scene, loaded.mesh, loaded.sets);
   return loaded;
 }

@@ -44,6 +44,11 @@ RawMesh read_msh(const std::string& bytes, const std::string& source);
 RawMesh read_vtk(const std::string& bytes, const std::string& source);
 RawMesh read_stl(const std::string& bytes, const std::string& source);
 RawMesh read_obj(const std::string& bytes, const std::string& source);
+RawMesh read_vtu(const std::string& bytes, const std::string& source);
+RawMesh read_vtp(const std::string& bytes, const std::string& source);
+RawMesh read_ply(const std::string& bytes, const std::string& source);
+RawMesh read_off(const std::string& bytes, const std::string& source);
+RawMesh read_inp(const std::string& bytes, const std::string& source);
 
 /// Chooses the reader by the file's extension.
 RawMesh read_mesh_file(const std::filesystem::path& file);

@@ -68,5 +68,7 @@ void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::pa
 ///         group (lists those there are), a node number out of range, a mesh or a set that is declared symmetric
 ///         and is not
 NodeSets resolve_selections(const Scene& scene, const Mesh& mesh);
+/// The same into `sets`, which after an error holds what was selected before it, to look at.
+void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets);
 
 }  // namespace phynness
