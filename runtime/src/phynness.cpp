@@ -240,9 +240,14 @@ int phn_force(const phn_model* model, phn_data* data, int32_t node, const double
     zero(energy, 1);
     return refuse(status, stiffness, 9);
   }
-  if (force != nullptr) evaluate_force(*data->level, *asked.node, asked.d, force);
-  if (energy != nullptr) *energy = evaluate_energy(*data->level, *asked.node, asked.d);
-  if (stiffness != nullptr) evaluate_stiffness(*data->level, *asked.node, asked.d, stiffness);
+  double other[3];
+  if (!derivatives) {
+    evaluate_force(*data->level, *asked.node, asked.d, force);
+  } else if (force == nullptr && stiffness == nullptr) {
+    *energy = evaluate_energy(*data->level, *asked.node, asked.d);
+  } else {
+    evaluate_derivatives(*data->level, *asked.node, asked.d, force != nullptr ? force : other, energy, stiffness);
+  }
   return warnings(*model, *asked.node, asked.d);
 }
 

@@ -151,22 +151,85 @@ PHN_INLINE void mix_block(const SharedTable& shared, const ModalTables& tables, 
   }
 }
 
-PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTable& table, const double* x,
-                                 double* force) {
-  const Real shape = static_cast<Real>(net.shape), s2 = shape * shape;
-  const Real x0 = static_cast<Real>(x[0]), x1 = static_cast<Real>(x[1]), x2 = static_cast<Real>(x[2]);
-  Real few[6 * (most_gathered + 1)];
+/// @param table  6 whole_blocks(n_centers + 1), as ForceTable::centers
+void fill_force_table(const Conservative<double>& net, Real* table) {
+  const std::int32_t n = net.n_centers, n_whole = whole_blocks(n + 1);
+  for (int k = 0; k < 3; ++k) {
+    Real *center = table + k * n_whole, *coefficient = table + (3 + k) * n_whole;
+    for (std::int32_t i = 0; i < n_whole; ++i) {
+      const std::size_t at = 3 * static_cast<std::size_t>(i) + k;
+      center[i] = coefficient[i] = 0;
+      if (i >= n) continue;
+      center[i] = static_cast<Real>(net.displacements[3 * static_cast<std::size_t>(net.center[i]) + k]);
+      coefficient[i] =
+          net.short_coefficient ? static_cast<Real>(net.short_coefficient[at]) : static_cast<Real>(net.coefficient[at]);
+    }
+    coefficient[n] = static_cast<Real>(-net.total[k]);
+  }
+}
+
+/// The terms of a force in whole blocks: centers, then coefficients.
+struct ForceTerms {
+  const Real *center[3], *coefficient[3];
+  std::int32_t n;  ///< with the center at 0
+};
+
+/// @param few  for the terms of a node that has no table
+PHN_INLINE ForceTerms terms_of(const Conservative<double>& net, const ForceTable& table,
+                               Real (&few)[6 * (most_gathered + 1)]) {
   const Real* from = table.centers;
   if (from == nullptr) {
     fill_force_table(net, few);
     from = few;
   }
   const std::int32_t n_whole = whole_blocks(net.n_centers + 1);
-  const Real *c0 = from, *c1 = c0 + n_whole, *c2 = c1 + n_whole, *w0 = c2 + n_whole, *w1 = w0 + n_whole,
-             *w2 = w1 + n_whole;
+  return {{from, from + n_whole, from + 2 * n_whole},
+          {from + 3 * n_whole, from + 4 * n_whole, from + 5 * n_whole},
+          net.n_centers + 1};
+}
+
+/// force = K d + total + at_rest
+PHN_INLINE void finish_force(const Conservative<double>& net, const double* x, const double* total,
+                             const double* at_rest, double* force) {
+  const double d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
+  multiply_symmetric(net.stiffness, d, force);
+  for (int k = 0; k < 3; ++k) force[k] += total[k] + at_rest[k];
+}
+
+PHN_INLINE double finish_energy(const Conservative<double>& net, const double* x, double total) {
+  const double d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
+  double kd[3];
+  multiply_symmetric(net.stiffness, d, kd);
+  return dot(d, kd) / 2 + net.max_displacement * ((total + net.energy_at_rest) + dot(net.force_at_rest, x));
+}
+
+/// Rows of the sums from which force, stiffness and energy are made.
+constexpr std::int32_t stiffness_row = 3, along_row = 9;
+constexpr std::int32_t n_sums(bool with_stiffness, bool with_energy) {
+  return 3 + (with_stiffness ? 7 : 0) + (with_energy ? 1 : 0);
+}
+
+/// @param total  of sum_derivatives
+PHN_INLINE void finish_stiffness(const Conservative<double>& net, const double* total, double* stiffness) {
+  const double* sum = total + stiffness_row;
+  const double along = total[along_row], by = 1 / net.max_displacement;
+  const double xx = net.stiffness[0] + by * (sum[0] + along), xy = net.stiffness[1] + by * sum[1],
+               xz = net.stiffness[2] + by * sum[2], yy = net.stiffness[3] + by * (sum[3] + along),
+               yz = net.stiffness[4] + by * sum[4], zz = net.stiffness[5] + by * (sum[5] + along);
+  const double rows[9] = {xx, xy, xz, xy, yy, yz, xz, yz, zz};
+  for (int k = 0; k < 9; ++k) stiffness[k] = rows[k];
+}
+
+PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTable& table, const double* x,
+                                 double* force) {
+  const Real shape = static_cast<Real>(net.shape), s2 = shape * shape;
+  const Real x0 = static_cast<Real>(x[0]), x1 = static_cast<Real>(x[1]), x2 = static_cast<Real>(x[2]);
+  Real few[6 * (most_gathered + 1)];
+  const ForceTerms terms = terms_of(net, table, few);
+  const Real *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
+             *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
   Real sum[3][at_once] = {};
-  const std::int32_t n_centers = net.n_centers;
-  for (std::int32_t begin = 0; begin <= n_centers; begin += at_once) {
+  for (std::int32_t begin = 0; begin < terms.n; begin += at_once) {
     for (std::int32_t i = 0; i < at_once; ++i) {
       const std::int32_t j = begin + i;
       const Real y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
@@ -178,16 +241,128 @@ PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTab
   }
   double total[3];
   add_up(sum, total);
-  const double d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
-  multiply_symmetric(net.stiffness, d, force);
-  for (int k = 0; k < 3; ++k) force[k] += total[k] + table.at_rest[k];
+  finish_force(net, x, total, table.at_rest, force);
+}
+
+/// Adds the terms of all centers: the force as force_of_centers, in its order, and of the same square roots and
+/// quotients stiffness and energy. With q^2 = |y|^2 + shape^2, a = y . b / q, p = q b - a y the stiffness is the sum of
+///   (p y^T + y (q b)^T) / q^2 + a I
+/// @param lanes  of a register: each lane has a sum of its own, so that the sums do not depend on it
+template <std::int32_t lanes, bool with_stiffness, bool with_energy>
+PHN_INLINE void sum_derivatives(const ForceTerms& terms, const Real* x, Real s2,
+                                Real (&sums)[n_sums(with_stiffness, with_energy)][at_once]) {
+  constexpr std::int32_t n = n_sums(with_stiffness, with_energy);
+  const Real *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
+             *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
+  const Real x0 = x[0], x1 = x[1], x2 = x[2];
+  Real zero = 0;
+  PHN_HIDE(zero);
+  for (std::int32_t first = 0; first < at_once; first += lanes) {
+    Real sum[n][lanes];
+    for (std::int32_t k = 0; k < n; ++k) {
+      for (std::int32_t i = 0; i < lanes; ++i) sum[k][i] = zero;
+    }
+    for (std::int32_t begin = 0; begin < terms.n; begin += at_once) {
+      for (std::int32_t i = 0; i < lanes; ++i) {
+        const std::int32_t j = begin + first + i;
+        const Real y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
+        const Real square = y0 * y0 + y1 * y1 + y2 * y2 + s2, q = square_root(square);
+        const Real product = y0 * b0 + y1 * b1 + y2 * b2, along = product / q;
+        const Real t0 = q * b0, t1 = q * b1, t2 = q * b2, a0 = along * y0, a1 = along * y1, a2 = along * y2;
+        sum[0][i] += t0 + a0;
+        sum[1][i] += t1 + a1;
+        sum[2][i] += t2 + a2;
+        if constexpr (with_energy) sum[n - 1][i] += q * product;
+        if constexpr (with_stiffness) {
+          const Real inverse = 1 / square, g0 = y0 * inverse, g1 = y1 * inverse, g2 = y2 * inverse;
+          const Real p0 = t0 - a0, p1 = t1 - a1, p2 = t2 - a2;
+          sum[stiffness_row][i] += (p0 + t0) * g0;
+          sum[stiffness_row + 1][i] += p0 * g1 + t1 * g0;
+          sum[stiffness_row + 2][i] += p0 * g2 + t2 * g0;
+          sum[stiffness_row + 3][i] += (p1 + t1) * g1;
+          sum[stiffness_row + 4][i] += p1 * g2 + t2 * g1;
+          sum[stiffness_row + 5][i] += (p2 + t2) * g2;
+          sum[along_row][i] += along;
+        }
+      }
+    }
+    for (std::int32_t k = 0; k < n; ++k) {
+      for (std::int32_t i = 0; i < lanes; ++i) sums[k][first + i] = sum[k][i];
+    }
+  }
+}
+
+/// The energy in double, also where forces are in float: an energy in float would have steps.
+template <std::int32_t lanes>
+PHN_INLINE double energy_of_centers(const Conservative<double>& net, const ForceTable& table, const double* x) {
+  Real few[6 * (most_gathered + 1)];
+  const ForceTerms terms = terms_of(net, table, few);
+  const Real *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
+             *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
+  const double x0 = x[0], x1 = x[1], x2 = x[2], s2 = net.shape * net.shape;
+  double sums[1][at_once], total;
+  for (std::int32_t first = 0; first < at_once; first += lanes) {
+    double sum[lanes] = {};
+    for (std::int32_t begin = 0; begin < terms.n; begin += at_once) {
+      for (std::int32_t i = 0; i < lanes; ++i) {
+        const std::int32_t j = begin + first + i;
+        const double y0 = x0 - static_cast<double>(c0[j]), y1 = x1 - static_cast<double>(c1[j]),
+                     y2 = x2 - static_cast<double>(c2[j]);
+        const double product =
+            y0 * static_cast<double>(w0[j]) + y1 * static_cast<double>(w1[j]) + y2 * static_cast<double>(w2[j]);
+        sum[i] += square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2) * product;
+      }
+    }
+    for (std::int32_t i = 0; i < lanes; ++i) sums[0][first + i] = sum[i];
+  }
+  add_up_many(sums, &total);
+  return finish_energy(net, x, total);
+}
+
+template <std::int32_t lanes, bool with_stiffness, bool with_energy>
+PHN_INLINE void derivatives_of_centers(const Conservative<double>& net, const ForceTable& table, const double* x,
+                                       double* force, double* energy, double* stiffness) {
+  const Real shape = static_cast<Real>(net.shape);
+  const Real at[3] = {static_cast<Real>(x[0]), static_cast<Real>(x[1]), static_cast<Real>(x[2])};
+  constexpr std::int32_t n = n_sums(with_stiffness, with_energy);
+  Real few[6 * (most_gathered + 1)], sums[n][at_once];
+  double total[n];
+  sum_derivatives<lanes, with_stiffness, with_energy>(terms_of(net, table, few), at, shape * shape, sums);
+  add_up_many(sums, total);
+  finish_force(net, x, total, table.at_rest, force);
+  if constexpr (with_energy) *energy = finish_energy(net, x, total[n - 1]);
+  if constexpr (with_stiffness) finish_stiffness(net, total, stiffness);
+}
+
+/// @param energy, stiffness  may be null
+template <std::int32_t bytes>
+PHN_INLINE void evaluate_centers(const Conservative<double>& net, const ForceTable& table, const double* x,
+                                 double* force, double* energy, double* stiffness) {
+  constexpr auto lanes = bytes / static_cast<std::int32_t>(sizeof(Real));
+  if constexpr (sizeof(Real) == sizeof(double)) {
+    if (energy != nullptr && stiffness != nullptr)
+      return derivatives_of_centers<lanes, true, true>(net, table, x, force, energy, stiffness);
+    if (energy != nullptr)
+      return derivatives_of_centers<at_once, false, true>(net, table, x, force, energy, nullptr);
+  } else if (energy != nullptr) {
+    *energy = energy_of_centers<at_once>(net, table, x);
+  }
+  if (stiffness == nullptr) return force_of_centers(net, table, x, force);
+  derivatives_of_centers<lanes, true, false>(net, table, x, force, nullptr, stiffness);
 }
 
 /// Instantiates all functions above for each instruction set.
-#define PHN_KERNELS(name, attributes)                                                                                  \
+#define PHN_KERNELS(name, attributes, bytes)                                                                           \
   namespace name {                                                                                                     \
   attributes void force(const Conservative<double>& net, const ForceTable& table, const double* x, double* sum) {      \
     force_of_centers(net, table, x, sum);                                                                              \
+  }                                                                                                                    \
+  attributes double energy(const Conservative<double>& net, const ForceTable& table, const double* x) {                \
+    return energy_of_centers<at_once>(net, table, x);                        \
+  }                                                                                                                    \
+  attributes void evaluate(const Conservative<double>& net, const ForceTable& table, const double* x, double* force,   \
+                           double* energy, double* stiffness) {                                                        \
+    evaluate_centers<bytes>(net, table, x, force, energy, stiffness);                                                  \
   }                                                                                                                    \
   attributes void basis(const SharedModes& shared, const double* x, double* values) { fill_basis(shared, x, values); } \
   attributes void basis_gradient(const SharedModes& shared, const double* x, double* values) {                         \
@@ -208,32 +383,45 @@ PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTab
   attributes void sum_block(const SharedTable& shared, const ModalTables& tables, const float* block, float* out) {    \
     mix_block(shared, tables, block, out);                                                                             \
   }                                                                                                                    \
-  constexpr ModalKernels kernels = {#name, force,    basis, basis_gradient, amplitudes, three_amplitudes,              \
-                                    field, sum_block};                                                                 \
+  constexpr ModalKernels kernels = {#name,          force,      evaluate,         energy, basis,                       \
+                                    basis_gradient, amplitudes, three_amplitudes, field,  sum_block};                  \
   }
 
-PHN_KERNELS(any, )
+PHN_KERNELS(any, , 16)
 #ifdef PHN_X86_64
-PHN_KERNELS(avx2, __attribute__((target("avx2"))))
-PHN_KERNELS(avx512, __attribute__((target("avx512f"))))
+PHN_KERNELS(avx2, __attribute__((target("avx2"))), 32)
+PHN_KERNELS(avx512, __attribute__((target("avx512f"))), 64)
 #endif
 
 }  // namespace
 
-void fill_force_table(const Conservative<double>& net, Real* table) {
-  const std::int32_t n = net.n_centers, n_whole = whole_blocks(n + 1);
-  for (int k = 0; k < 3; ++k) {
-    Real *center = table + k * n_whole, *coefficient = table + (3 + k) * n_whole;
-    for (std::int32_t i = 0; i < n_whole; ++i) {
-      const std::size_t at = 3 * static_cast<std::size_t>(i) + k;
-      center[i] = coefficient[i] = 0;
-      if (i >= n) continue;
-      center[i] = static_cast<Real>(net.displacements[3 * static_cast<std::size_t>(net.center[i]) + k]);
-      coefficient[i] =
-          net.short_coefficient ? static_cast<Real>(net.short_coefficient[at]) : static_cast<Real>(net.coefficient[at]);
+void set_rest(Conservative<double>& net, ForceTable& table, Real* centers) {
+  const double rest[3] = {0, 0, 0};
+  double force[3];
+  for (double& f : table.at_rest) f = 0;
+  set_rest(net);
+  if (centers != nullptr) fill_force_table(net, centers);
+  // The functions that later add these values also compute them, so that the results at rest are exactly 0.
+  const ModalKernels& kernels = best_modal_kernels();
+  kernels.force(net, table, rest, force);
+  for (int k = 0; k < 3; ++k) table.at_rest[k] = -force[k];
+  Real few[6 * (most_gathered + 1)];
+  const ForceTerms terms = terms_of(net, table, few);
+  const double s2 = net.shape * net.shape;
+  for (int k = 0; k < 3; ++k) net.force_at_rest[k] = 0;
+  for (std::int32_t i = 0; i < terms.n; ++i) {
+    double c[3], b[3];
+    for (int k = 0; k < 3; ++k) {
+      c[k] = static_cast<double>(terms.center[k][i]);
+      b[k] = static_cast<double>(terms.coefficient[k][i]);
     }
-    coefficient[n] = static_cast<Real>(-net.total[k]);
+    const double q = square_root(dot(c, c) + s2), along = dot(c, b) / q;
+    for (int k = 0; k < 3; ++k) net.force_at_rest[k] -= q * b[k] + along * c[k];
   }
+  net.energy_at_rest = 0;
+  Conservative<double> unit = net;
+  unit.max_displacement = 1;
+  net.energy_at_rest = -kernels.energy(unit, table, rest);
 }
 
 const ModalKernels* modal_kernels(int set) {

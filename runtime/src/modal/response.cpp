@@ -34,13 +34,14 @@ void response_force(const ModalResponse& node, const double* d, double* force) {
 double response_energy(const ModalResponse& node, const double* d) {
   double x[3];
   cut(d, node.force.max_displacement, largest_modal, x);
-  return conservative_energy(node.force, x);
+  return best_modal_kernels().energy(node.force, node.force_table, x);
 }
 
-void response_stiffness(const ModalResponse& node, const double* d, double* stiffness) {
+void response_derivatives(const ModalResponse& node, const double* d, double* force, double* energy,
+                          double* stiffness) {
   double x[3];
   cut(d, node.force.max_displacement, largest_modal, x);
-  conservative_stiffness(node.force, x, stiffness);
+  best_modal_kernels().evaluate(node.force, node.force_table, x, force, energy, stiffness);
 }
 
 void response_basis(const phn_model& model, const ModalResponse& node, const double* d, double* basis,
