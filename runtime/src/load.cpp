@@ -3,6 +3,7 @@
 
 #include "evaluate.hpp"
 #include "load_stores.hpp"
+#include "modal/force_kernels.hpp"
 
 namespace PHN_RUNTIME {
 namespace {

@@ -10,18 +10,6 @@ namespace PHN_RUNTIME {
 
 struct ModalKernels {
   const char* name;
-  /// As conservative_force, but with another order of summation.
-  /// @param x      d / max_displacement, clamped
-  /// @param force  3 [N]
-  void (*force)(const Conservative<double>& net, const ForceTable& table, const double* x, double* force);
-  /// The same bits of the force, and in the same pass over the centers energy and stiffness. In the library in float
-  /// the energy is summed in double, in a pass of its own.
-  /// @param energy     [J], as of the function below; may be null
-  /// @param stiffness  3 x 3 [N/m], bitwise symmetric; may be null
-  void (*evaluate)(const Conservative<double>& net, const ForceTable& table, const double* x, double* force,
-                   double* energy, double* stiffness);
-  /// @return the work from rest to x [J]
-  double (*energy)(const Conservative<double>& net, const ForceTable& table, const double* x);
   /// Basis of all amplitudes: kernels minus their values at rest, then x.
   /// @param x      d / max_displacement, clamped
   /// @param basis  n_centers + 3
@@ -42,11 +30,6 @@ struct ModalKernels {
   /// @param out  tables.n_modes x rows_per_block
   void (*sum_block)(const SharedTable& shared, const ModalTables& tables, const float* block, float* out);
 };
-
-/// Fills the table of a force and sets the constants that make force and energy at rest exactly 0.
-/// @pre all other members of net are set, and table.centers
-/// @param centers  table.centers
-void set_rest(Conservative<double>& net, ForceTable& table, Real* centers);
 
 /// Null if the library or the processor does not have the instruction set.
 const ModalKernels* modal_kernels(int set);
