@@ -233,7 +233,7 @@ void ModelLoader::done(ForceStore& store) {
   auto* centers = _arena.take<Real>(in_table ? 6 * static_cast<std::size_t>(whole_blocks(net.n_centers + 1)) : 0);
   table.centers = in_table ? centers : nullptr;
   if (!_load.has_memory() || !good()) return;
-  set_rest(net, table, centers);
+  set_rest(net, table, in_table ? centers : nullptr);
 }
 
 ModalTables with_weights(ModalTables tables, const ScaledTable& weights) {

@@ -28,7 +28,7 @@ struct ForceKernels {
 
 /// Fills the table of a force and sets the constants that make force and energy at rest exactly 0.
 /// @pre all other members of net are set, and table.centers
-/// @param centers  table.centers
+/// @param centers  table.centers; null: they are gathered
 void set_rest(Conservative<double>& net, ForceTable& table, Real* centers);
 
 /// Null if the library or the processor does not have the instruction set.
