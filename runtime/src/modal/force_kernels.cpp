@@ -81,7 +81,8 @@ PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTab
   const Real *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
              *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
   Real sum[3][at_once] = {};
-  for (std::int32_t begin = 0; begin < terms.n; begin += at_once) {
+  const std::int32_t n_centers = net.n_centers;
+  for (std::int32_t begin = 0; begin <= n_centers; begin += at_once) {
     for (std::int32_t i = 0; i < at_once; ++i) {
       const std::int32_t j = begin + i;
       const Real y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
