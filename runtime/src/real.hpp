@@ -1,6 +1,7 @@
 // Real, the number type of the loops of forces and of family rbfn: double in phynness::runtime, float in
-// phynness::runtime_float, which is built from the same files. Arguments, results, energies, stiffnesses, amplitudes,
-// coupled tools and contact are double in both libraries; modes and fine surfaces are float in both.
+// phynness::runtime_float, which is built from the same files. The stiffness of family modal is summed together with
+// the force. Arguments, results, energies, amplitudes, coupled tools and contact are double in both libraries; modes
+// and fine surfaces are float in both.
 #pragma once
 
 #include <cfloat>
