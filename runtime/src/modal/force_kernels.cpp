@@ -100,7 +100,7 @@ PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTab
 /// Adds the terms of all centers: the force as force_of_centers, in its order, and of the same square roots and
 /// quotients stiffness and energy. With q^2 = |y|^2 + shape^2, a = y . b / q, p = q b - a y the stiffness is the sum of
 ///   (p y^T + y (q b)^T) / q^2 + a I
-/// @param lanes  of a register: each lane has a sum of its own, so that the sums do not depend on it
+/// @param lanes  which are summed at once: each lane has a sum of its own, so that the sums do not depend on it
 template <std::int32_t lanes, bool with_stiffness, bool with_energy>
 PHN_INLINE void sum_derivatives(const ForceTerms& terms, const Real* x, Real s2,
                                 Real (&sums)[n_sums(with_stiffness, with_energy)][at_once]) {
@@ -182,8 +182,9 @@ PHN_INLINE void derivatives_of_centers(const Conservative<double>& net, const Fo
   if constexpr (with_stiffness) finish_stiffness(net, total, stiffness);
 }
 
-/// Instantiates all functions above for each instruction set. @param bytes  of a register
-#define PHN_KERNELS(name, attributes, bytes)                                                                          \
+/// Instantiates all functions above for each instruction set.
+/// @param lanes  of the sums that are kept in registers. With few registers all sums are kept in memory.
+#define PHN_KERNELS(name, attributes, lanes)                                                                          \
   namespace name {                                                                                                    \
   attributes void force(const Conservative<double>& net, const ForceTable& table, const double* x, double* sum) {     \
     force_of_centers(net, table, x, sum);                                                                             \
@@ -194,23 +195,23 @@ PHN_INLINE void derivatives_of_centers(const Conservative<double>& net, const Fo
   template <bool with_stiffness, bool with_energy>                                                                    \
   attributes void derivatives(const Conservative<double>& net, const ForceTable& table, const double* x, double* sum, \
                               double* work, double* stiffness) {                                                      \
-    constexpr std::int32_t lanes = with_stiffness ? bytes / static_cast<std::int32_t>(sizeof(Real)) : at_once;        \
     if constexpr (with_energy && !energy_in_pass) {                                                                   \
       *work = energy(net, table, x);                                                                                  \
       if constexpr (with_stiffness) return derivatives<true, false>(net, table, x, sum, nullptr, stiffness);          \
       return force(net, table, x, sum);                                                                               \
     } else {                                                                                                          \
-      derivatives_of_centers<lanes, with_stiffness, with_energy>(net, table, x, sum, work, stiffness);                \
+      derivatives_of_centers<with_stiffness ? lanes : at_once, with_stiffness, with_energy>(net, table, x, sum, work, \
+                                                                                            stiffness);               \
     }                                                                                                                 \
   }                                                                                                                   \
   constexpr ForceKernels kernels = {                                                                                  \
       #name, force, energy, derivatives<false, true>, derivatives<true, false>, derivatives<true, true>};             \
   }
 
-PHN_KERNELS(any, , 16)
+PHN_KERNELS(any, , at_once)
 #ifdef PHN_X86_64
-PHN_KERNELS(avx2, __attribute__((target("avx2"))), 32)
-PHN_KERNELS(avx512, __attribute__((target("avx512f"))), 64)
+PHN_KERNELS(avx2, __attribute__((target("avx2"))), 32 / sizeof(Real))
+PHN_KERNELS(avx512, __attribute__((target("avx512f"))), 64 / sizeof(Real))
 #endif
 
 }  // namespace
