@@ -17,7 +17,7 @@
  * overlap the memory from which it is made. Equation numbers are those of the paper.
  *
  * Cost [us], 486 output nodes, AVX-512         modal, 78 centers, 16 modes   rbfn, 100 and 200 neurons
- *   phn_force; with stiffness                             0.13; 0.19                  0.17; -
+ *   phn_force; with stiffness, see there                  0.13; 1.5 times              0.17; -
  *   phn_deform; phn_prepare before a node's first         1.6; 35                     8.4; 76
  *   phn_couple, 1, 2, 4, 8 tools between nodes            32, 150, 550, 2200          - */
 #ifndef PHYNNESS_H
