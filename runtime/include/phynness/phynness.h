@@ -106,7 +106,7 @@ PHN_API int phn_data_init(void* memory, size_t bytes, const phn_model* model, in
  * stiffness it returns PHN_ERROR_UNDEFINED. Components of d are clamped to 1e6 max_displacement_m (linear: 1e100 m).
  *
  * Cost in family modal, 78 centers, AVX2 or AVX-512: a force with stiffness takes 1.5 times a force (without AVX2 2.1
- * times), with the energy as well 1.6 times, in the library in float 2.3 times. A force with energy takes no longer
+ * times), with the energy as well 1.6 times, in the library in float 2.5 times. A force with energy takes no longer
  * than a force; in the library in float twice as long.
  *
  * The stiffness may be indefinite inside the trained range: in the demo's model in 2 % of all directions at 10 mm and

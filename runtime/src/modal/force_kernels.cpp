@@ -182,8 +182,18 @@ PHN_INLINE void derivatives_of_centers(const Conservative<double>& net, const Fo
   if constexpr (with_stiffness) finish_stiffness(net, total, stiffness);
 }
 
+/// How many sums of stiffnesses stay in registers of so many bytes. GCC takes the loops over fewer lanes than a block
+/// as operations of whole registers; other compilers may not.
+constexpr std::int32_t lanes_of([[maybe_unused]] std::int32_t bytes) {
+#if defined(__GNUC__) && !defined(__clang__)
+  return bytes / static_cast<std::int32_t>(sizeof(Real));
+#else
+  return at_once;
+#endif
+}
+
 /// Instantiates all functions above for each instruction set.
-/// @param lanes  of the sums that are kept in registers. With few registers all sums are kept in memory.
+/// @param lanes  of the sums that are kept in registers; with few registers all sums are kept in memory
 #define PHN_KERNELS(name, attributes, lanes)                                                                          \
   namespace name {                                                                                                    \
   attributes void force(const Conservative<double>& net, const ForceTable& table, const double* x, double* sum) {     \
@@ -210,8 +220,8 @@ PHN_INLINE void derivatives_of_centers(const Conservative<double>& net, const Fo
 
 PHN_KERNELS(any, , at_once)
 #ifdef PHN_X86_64
-PHN_KERNELS(avx2, __attribute__((target("avx2"))), 32 / sizeof(Real))
-PHN_KERNELS(avx512, __attribute__((target("avx512f"))), 64 / sizeof(Real))
+PHN_KERNELS(avx2, __attribute__((target("avx2"))), lanes_of(32))
+PHN_KERNELS(avx512, __attribute__((target("avx512f"))), lanes_of(64))
 #endif
 
 }  // namespace
