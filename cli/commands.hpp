@@ -43,6 +43,9 @@ void add(CLI::App& app);
 namespace bench_command {
 void add(CLI::App& app);
 }
+namespace check_command {
+void add(CLI::App& app);
+}
 namespace solve_command {
 void add(CLI::App& app);
 }
@@ -70,6 +73,9 @@ struct LoadedScene {
   NodeSets sets;
 };
 LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false);
+
+/// Prints patch_warnings() on stderr. load_scene does it; others that read a database do it themselves.
+void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 
 /// Checks that a mesh belongs to the scene. Only a mesh file is compared, by its hash. Built-in shapes are covered by
 /// the physics hash, because another version of gmsh makes another mesh.

@@ -1,6 +1,7 @@
 // Where shapes come from: built-in shapes, files of the user, quality and topology checks, node selections.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -46,6 +47,16 @@ MeshResult make_shell(const std::filesystem::path& file);
 
 /// The checks alone, for a mesh from elsewhere.
 QualityReport measure_quality(const Mesh& mesh);
+
+/// Edges of the cells, the smaller node first, ascending.
+std::vector<std::array<std::int32_t, 2>> mesh_edges(const Mesh& mesh);
+
+/// The same body with half the edge length: each tetrahedron is cut into eight, each triangle into four. The nodes keep
+/// their numbers, and those in the middles of mesh_edges() follow in that order. Flat triangles of a surface stay flat.
+Mesh refined(const Mesh& mesh);
+/// Of a set of nodes (ascending): these, and the middles of edges between two of them.
+std::vector<std::int32_t> refined(const std::vector<std::int32_t>& nodes,
+                                  const std::vector<std::array<std::int32_t, 2>>& edges, std::int32_t n_nodes);
 
 /// Writes gmsh format 4.1 (ASCII): nodes in their order, tetrahedra if it has any, triangles, physical groups; when
 /// `sets` is given its lists become physical point groups phynness_fixed, phynness_active, phynness_output. Written by
