@@ -46,7 +46,7 @@ TouchingTool::TouchingTool(const TouchingSettings& settings, const phn_model* of
 Vector3 TouchingTool::follow(Vector3 position, Vector3 tool, double coupling, double deepest) {
   const Vector3 center = _origin + to_body(tool);
   const phn_contact_tool sphere = {
-      {center.x, center.y, center.z}, _settings.radius_m, _settings.friction, PHN_TOOL_PRESS, 0};
+      {center.x, center.y, center.z}, _settings.radius_m, _settings.friction, PHN_TOOL_PRESS};
   const bool before = in_contact();
   _status = phn_contact_step(_contact, _data, 1, &sphere, &_state, nullptr);
   // In the air nothing holds the sphere back.
