@@ -51,8 +51,9 @@ typedef struct phn_loop_settings {
   double device_damping_Ns_per_m;   /* damping that the device certainly has; dissipation that may be used [0] */
   double reach_m;                   /* largest displacement of the body, body frame; 0: no limit [0] */
   double largest_damping_Ns_per_m;  /* of the passivity controller [2] */
-  double allowance_J;               /* energy that the loop may deliver in all before the controller acts [2e-5] */
-  double largest_reserve_J;         /* energy beyond the stored energy that may be returned later [5e-4] */
+  double least_mass_kg;     /* smallest apparent mass of device and hand; bounds forces before a reversal [0.05] */
+  double allowance_J;       /* energy that the loop may deliver in all before the controller acts [2e-5] */
+  double largest_reserve_J; /* energy beyond the stored energy that may be returned later [5e-4] */
 
   double largest_force_N;      /* a longer force is shortened [8] */
   double largest_slew_N_per_s; /* rate of change of the force [4000] */
@@ -61,9 +62,9 @@ typedef struct phn_loop_settings {
   double check_force_N; /* test pulses of phn_loop_engage; 0: no test [0.4] */
   double engage_s;      /* ramp of the force after phn_loop_engage [0.1] */
   double release_s;     /* ramp after phn_loop_release and phn_loop_clutch [0.1] */
-  double trip_ramp_s;   /* ramp after a trip [0.005] */
+  double trip_ramp_s;   /* ramp after a trip; PHN_TRIP_ENERGY ends the force at once [0.005] */
 
-  double trip_energy_J;      /* delivered by the loop beyond what it took and device_damping dissipated [1e-3] */
+  double trip_energy_J;      /* delivered by the loop beyond what it took and device_damping dissipated [3e-4] */
   double trip_force_N;       /* of the coupling before all limits [40] */
   double trip_speed_m_per_s; /* of the device, over 4 samples [2] */
   double trip_jump_m;        /* between two samples one period apart [0.01] */
@@ -91,7 +92,7 @@ enum { /* phn_loop_report.trip */
        PHN_TRIP_STALE = 5,
        PHN_TRIP_FROZEN = 6,
        PHN_TRIP_OVERRUN = 7,
-       PHN_TRIP_NOT_FINITE = 8, /* a position or a response of the body is NaN or infinite */
+       PHN_TRIP_NOT_FINITE = 8, /* a position beyond 1000 m, or one or a response of the body is NaN or infinite */
        PHN_TRIP_CLOCK = 9,      /* now_s runs backwards */
        PHN_TRIP_CHECK = 10,     /* the device does not move along the test pulses: wrong axis, sign or unit */
        PHN_TRIP_BODY = 11       /* the response of the body was refused: status < 0 in phn_loop_response */

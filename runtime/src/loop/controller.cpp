@@ -32,6 +32,12 @@ Vector kept_passive(phn_loop& loop, Vector force, double stored, double now) {
   if (power > 0 && share * power * unseen > 0.5 * left) share = std::fmax(0.0, 0.5 * left) / (power * unseen);
   loop.share = share;
   Vector result = share < 1 ? share * force : force;
+  if (s.least_mass_kg > 0) {
+    // A motion can turn before that is observed: a force f moves a mass m within the time t by f t^2 / (2 m) and so
+    // delivers up to f^2 t^2 / (2 m).
+    const double may_deliver = std::fmax(left, 0.125 * s.allowance_J);
+    result = shortened(result, std::sqrt(2 * s.least_mass_kg * may_deliver) / unseen);
+  }
   if (left < 0 && speed2 > 0) {
     const double damping = std::fmin(-left / (unseen * speed2), s.largest_damping_Ns_per_m);
     result = result - damping * velocity;

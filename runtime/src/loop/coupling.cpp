@@ -99,6 +99,10 @@ Vector couple(phn_loop& loop, const phn_loop_response& response, double now, dou
   Vector step = newton_step(response, coupling, coupling * (target - loop.tool) - of_body);
   if (s.reach_m > 0 && length(displacement + step) > s.reach_m)
     step = shortened(displacement + step, s.reach_m) - displacement;
+  if (!finite(step)) {
+    trip(loop, PHN_TRIP_NOT_FINITE, now);
+    return {};
+  }
   loop.tool = loop.tool + step;
   loop.path.add(vector_to_device(loop, loop.tool));
 

@@ -31,6 +31,7 @@ int refuse(const phn_loop_settings& s) {
                                s.device_damping_Ns_per_m,
                                s.reach_m,
                                s.largest_damping_Ns_per_m,
+                               s.least_mass_kg,
                                s.allowance_J,
                                s.largest_reserve_J,
                                s.largest_slew_N_per_s,
@@ -61,6 +62,14 @@ int refuse(const phn_loop_settings& s) {
   return proper_rotation(s.rotation) ? PHN_OK : PHN_ERROR_ARGUMENT;
 }
 
+/// A position that a device can have [m]; others are treated like NaN.
+bool plausible(const phn_loop_sample& sample) {
+  constexpr double largest = 1e3;
+  bool all = true;
+  for (const double x : sample.position_m) all &= std::fabs(x) <= largest;
+  return all;
+}
+
 bool is_on(const phn_loop& loop) { return loop.state != PHN_LOOP_OFF && loop.state != PHN_LOOP_TRIPPED; }
 
 /// Factor of the force; ends ramps.
@@ -87,10 +96,11 @@ double advance_ramp(phn_loop& loop, double now) {
   return loop.ramp;
 }
 
-/// The last force, lowered to zero within trip_ramp_s. A part that would help the motion ends at once.
+/// The last force, lowered to zero within trip_ramp_s. A part that would help the motion ends at once, and so does the
+/// whole force after PHN_TRIP_ENERGY: what acts there is not the force of this loop.
 Vector ramped_down(const phn_loop& loop, double now) {
   const double ramp = loop.settings.trip_ramp_s, dt = now - loop.last_hold, left = loop.ramp_from + ramp - now;
-  if (!(left > 0)) return {};
+  if (!(left > 0) || loop.trip == PHN_TRIP_ENERGY) return {};
   Vector force = (left / (left + std::fmax(0.0, dt))) * loop.force;
   const Vector velocity = loop.observer.velocity(n_velocity);
   const double power = dot(force, velocity), speed2 = dot(velocity, velocity);
@@ -157,7 +167,7 @@ void take_sample(phn_loop& loop, const phn_loop_sample* sample) {
   }
   const phn_loop_settings& s = loop.settings;
   const double time = s.has_times != 0 ? sample->time_s : loop.now - s.latency_s;
-  if (!finite(load(sample->position_m)) || !std::isfinite(time)) {
+  if (!plausible(*sample) || !std::isfinite(time)) {
     trip(loop, PHN_TRIP_NOT_FINITE, loop.now);
     return;
   }
@@ -184,6 +194,7 @@ int phn_loop_defaults(phn_loop_settings* settings) {
   s.coupling_N_per_m = 400;
   s.coupling_damping_Ns_per_m = 0.2;
   s.largest_damping_Ns_per_m = 2;
+  s.least_mass_kg = 0.05;
   s.allowance_J = 2e-5;
   s.largest_reserve_J = 5e-4;
   s.largest_force_N = 8;
@@ -191,7 +202,7 @@ int phn_loop_defaults(phn_loop_settings* settings) {
   s.check_force_N = 0.4;
   s.engage_s = s.release_s = 0.1;
   s.trip_ramp_s = 0.005;
-  s.trip_energy_J = 1e-3;
+  s.trip_energy_J = 3e-4;
   s.trip_force_N = 40;
   s.trip_speed_m_per_s = 2;
   s.trip_jump_m = 0.01;
