@@ -1,8 +1,10 @@
-// The latest value from one thread to another, without locks and without waiting: three slots, of which the writer and
-// the reader own one each and swap theirs with the third.
+// The latest value from one thread to another, without locks and without waiting. Of three slots the writer and the
+// reader own one each; they exchange theirs with the third.
 #pragma once
 
 #include <atomic>
+
+namespace phynness::devices {
 
 template <class Value>
 class Latest {
@@ -12,7 +14,7 @@ class Latest {
     _slot[_writing] = value;
     _writing = _middle.exchange(_writing | fresh, std::memory_order_acq_rel) & index;
   }
-  /// One other thread only. @return whether there was a newer value than at the last call
+  /// One other thread only. @return whether the value is newer than at the last call
   bool read(Value& value) {
     const bool is_new = _middle.load(std::memory_order_relaxed) & fresh;
     if (is_new) _reading = _middle.exchange(_reading, std::memory_order_acq_rel) & index;
@@ -26,3 +28,5 @@ class Latest {
   unsigned _writing = 0, _reading = 1;
   std::atomic<unsigned> _middle{2};
 };
+
+}  // namespace phynness::devices
