@@ -83,10 +83,10 @@ void add(CLI::App& app) {
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
   command->add_option("--budget", options->budget_us, "print the level that fits into this time [us]")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--forces", options->forces, "number of forces within the budget")->check(CLI::NonNegativeNumber);
+      ->check(finite_range(0, 1e12));
+  command->add_option("--forces", options->forces, "number of forces within the budget")->check(finite_range(0, 1e12));
   command->add_option("--deformations", options->deformations, "number of deformations within the budget")
-      ->check(CLI::NonNegativeNumber);
+      ->check(finite_range(0, 1e12));
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->callback([options] { run(*options); });
 }

@@ -77,11 +77,18 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false);
 /// @throws Error (input) if the hashes differ
 void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::string& where);
 
+/// For options: a finite number from `low` to `high`; CLI11's own ranges let nan pass.
+CLI::Validator finite_range(double low, double high);
+
 void write_json(const std::optional<std::filesystem::path>& file, const json& value);
 
 /// Much larger than any body that passes the mesh checks without a warning, and much smaller than numbers whose squares
 /// overflow.
 inline constexpr double largest_displacement_m = 1e6;
+
+/// Of a body with this diagonal: solves in double precision have some four digits of the force at this displacement,
+/// and none at a ten-thousandth of it.
+inline double smallest_displacement(double diagonal_m) { return 1e-12 * diagonal_m; }
 
 /// Tools from repeated --node J or --point x,y,z and --displacement dx,dy,dz.
 struct ToolOptions {

@@ -39,6 +39,36 @@ Vec3 parse_vector(const std::string& text, const std::string& what, const std::s
   return v;
 }
 
+/// Warns of a depth or a tool that is unusual for the body. @throws Error (input) if it cannot be
+void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
+  const double depth = scene.probe.max_displacement_m;
+  const Vec3 extent{q.max_m[0] - q.min_m[0], q.max_m[1] - q.min_m[1], q.max_m[2] - q.min_m[2]};
+  const double smallest = smallest_displacement(std::hypot(extent[0], extent[1], extent[2]));
+  if (depth / scene.probe.increments < smallest)
+    throw input_error(scene.probe.where.str() + ": the first increment is too small for double precision",
+                      fmt::format("max_displacement_m = {:g} in {} increments, the smallest is {:.3g} m in this body",
+                                  depth, scene.probe.increments, smallest),
+                      "displacements are in metres; some per cent of the body's size are usual");
+  const auto [thinnest, longest] = std::minmax_element(extent.begin(), extent.end());
+  if (depth > *longest)
+    throw input_error(scene.probe.where.str() + ": the maximum displacement is longer than the body",
+                      fmt::format("max_displacement_m = {:g}, the body is {:.3g} m long", depth, *longest),
+                      "give displacements in metres, and check mesh.scale_to_m");
+  if (depth > *thinnest && !quiet)
+    message("warning: the maximum displacement, {:g} m, exceeds the smallest extent of the body, {:.3g} m\n", depth,
+            *thinnest);
+  const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
+  if (radius > *longest)
+    throw input_error(scene.probe.where.str() + ": the tool is larger than the body",
+                      fmt::format("tool_radius_m = {:g}, the body is {:.3g} m long", radius, *longest),
+                      "give radii in metres, and check mesh.scale_to_m");
+  if (radius > 0 && radius < q.mean_edge_m && !quiet)
+    message(
+        "warning: the tool radius, {:g} m, is smaller than the mean edge of the mesh, {:.3g} m: a patch has "
+        "hardly more than one node\n",
+        radius, q.mean_edge_m);
+}
+
 }  // namespace
 
 Scene open_scene(const std::filesystem::path& file) {
@@ -57,27 +87,7 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
     for (const auto& warning : made.warnings) message("warning: {}\n", warning);
     for (const auto& warning : scene_warnings(loaded.scene)) message("warning: {}\n", warning);
   }
-  const double depth = loaded.scene.probe.max_displacement_m;
-  const auto& q = made.quality;
-  const Vec3 extent{q.max_m[0] - q.min_m[0], q.max_m[1] - q.min_m[1], q.max_m[2] - q.min_m[2]};
-  const auto [thinnest, longest] = std::minmax_element(extent.begin(), extent.end());
-  if (depth > *longest)
-    throw input_error(loaded.scene.probe.where.str() + ": the maximum displacement is longer than the body",
-                      fmt::format("max_displacement_m = {:g}, the body is {:.3g} m long", depth, *longest),
-                      "give displacements in metres, and check mesh.scale_to_m");
-  if (depth > *thinnest && !quiet)
-    message("warning: the maximum displacement, {:g} m, exceeds the smallest extent of the body, {:.3g} m\n", depth,
-            *thinnest);
-  const double radius = loaded.scene.probe.kind == ProbeKind::patch ? loaded.scene.probe.tool_radius_m : 0;
-  if (radius > *longest)
-    throw input_error(loaded.scene.probe.where.str() + ": the tool is larger than the body",
-                      fmt::format("tool_radius_m = {:g}, the body is {:.3g} m long", radius, *longest),
-                      "give radii in metres, and check mesh.scale_to_m");
-  if (radius > 0 && radius < q.mean_edge_m && !quiet)
-    message(
-        "warning: the tool radius, {:g} m, is smaller than the mean edge of the mesh, {:.3g} m: a patch has "
-        "hardly more than one node\n",
-        radius, q.mean_edge_m);
+  check_sizes(loaded.scene, made.quality, quiet);
   loaded.mesh = std::move(made.mesh);
   loaded.sets = resolve_selections(loaded.scene, loaded.mesh);
   return loaded;
@@ -90,6 +100,16 @@ void check_mesh(const Scene& scene, const std::string& hash, const std::string& 
     throw input_error("the mesh of " + where + " is not the mesh of the scene",
                       "hash " + hash + ", in the scene " + own,
                       "use the scene and mesh file from which it was made, or precompute again");
+}
+
+CLI::Validator finite_range(double low, double high) {
+  const auto check = [low, high](std::string& text) {
+    double value = 0;
+    const bool number = CLI::detail::lexical_cast(text, value);
+    if (number && value >= low && value <= high) return std::string();
+    return fmt::format("'{}' is not a number from {:g} to {:g}", text, low, high);
+  };
+  return CLI::Validator(check, fmt::format("FLOAT in [{:g} - {:g}]", low, high));
 }
 
 void write_json(const std::optional<std::filesystem::path>& file, const json& value) {

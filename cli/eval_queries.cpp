@@ -75,10 +75,19 @@ Query parse_row(std::string_view row, const Place& place) {
   return query;
 }
 
-/// The next line without its end, which may be "\n" or "\r\n".
+/// The next line without its end, which may be "\n" or "\r\n". @throws Error (input) if it is far longer than a query
 bool next_line(std::ifstream& in, std::string& line, Place& place) {
-  if (!std::getline(in, line)) return false;
+  constexpr std::size_t most_bytes = 4096;
+  line.clear();
   ++place.line;
+  int c = in.get();
+  if (c == std::ifstream::traits_type::eof()) return false;
+  for (; c != std::ifstream::traits_type::eof() && c != '\n'; c = in.get()) {
+    if (line.size() == most_bytes)
+      throw place.error("a line is too long", fmt::format("more than {} bytes", most_bytes),
+                        fmt::format("give a CSV file whose first line is {}", queries_header));
+    line += static_cast<char>(c);
+  }
   if (line.ends_with('\r')) line.pop_back();
   return true;
 }

@@ -82,8 +82,9 @@ void run(const Options& options) {
   const std::size_t n_measured = queries.query.size();
   queries.query.resize(options.golden);
   check_output(options);
+  std::vector<std::pair<std::filesystem::path, std::string>> files;
   const auto write = [&](const std::string& suffix, const std::string& text) {
-    write_text_file(options.output / (options.name + suffix), text);
+    files.emplace_back(options.output / (options.name + suffix), text);
   };
   const CSource source = c_source(image, model, options.name);
   write(".h", source.header);
@@ -94,6 +95,7 @@ void run(const Options& options) {
     write("_golden.h", golden.header);
     write("_golden.c", golden.source);
   }
+  write_text_files(files);
   print_result("{}: family {}, {} active nodes, {}, {}\n", (options.output / options.name).string(), name(model.family),
                image.n_active, deforms ? fmt::format("{} output nodes", image.n_output) : std::string("forces only"),
                options.floats ? "float" : "double");

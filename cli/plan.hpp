@@ -21,7 +21,7 @@ struct PlanOptions {
   std::optional<int> ranks;  ///< default: the number of processor cores of this machine
   int rays = 96;
   bool table = false;
-  std::uint64_t seed = 1;
+  std::int64_t seed = 1;
   // Properties of the target machine, which a sample on this machine does not measure.
   double launch_s = 1, bandwidth_MB_per_s = 500, open_ms = 1, fetch_us = 5;
   std::optional<double> start_s, setup_ms;  ///< for plans from a database, which does not contain them

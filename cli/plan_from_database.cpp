@@ -9,6 +9,7 @@
 namespace phynness::cli {
 
 PlanBasis basis_of_database(const PlanOptions& options) {
+  install_stop_handler();
   const auto database = Database::open(options.source);
   const auto& header = database.header();
   const MirroredRays mirrored(header);

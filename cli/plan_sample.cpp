@@ -36,7 +36,7 @@ std::vector<RayChoice> choose(const DatabaseHeader& header, const std::vector<ch
     return x;
   };
   return choose_rays(points(header.sets.active), points(header.sets.fixed), requested, header.directions.size(),
-                     static_cast<std::size_t>(options.rays), options.seed);
+                     static_cast<std::size_t>(options.rays), static_cast<std::uint64_t>(options.seed));
 }
 
 double seconds_of(const Ray& ray) { return std::accumulate(ray.seconds.begin(), ray.seconds.end(), 0.0); }
@@ -73,6 +73,7 @@ PlanBasis basis_of_scene(const PlanOptions& options) {
                         "start it without mpirun; --ranks sets the number of ranks of the plan");
   });
   const auto loaded = load_scene(options.source);
+  install_stop_handler();  // a signal before ends the program: there is nothing to keep
   const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
   const auto requested = requested_rays(loaded.scene, loaded.mesh, header);
   const auto chosen = choose(header, requested, options);
@@ -90,7 +91,7 @@ PlanBasis basis_of_scene(const PlanOptions& options) {
     for (const auto status : ray.status) ++basis.states[status];
   }
   const auto rays = rays_left(header, std::vector<char>(requested.size(), 0));
-  basis.work = work_like(sample, rays, requested, header.directions.size(), options.seed);
+  basis.work = work_like(sample, rays, requested, header.directions.size(), static_cast<std::uint64_t>(options.seed));
   basis.increments = static_cast<int>(header.magnitudes_m.size());
   basis.rays_mirrored = static_cast<std::int64_t>(requested.size() - rays.size());
   basis.relative_error = sample.relative_error();

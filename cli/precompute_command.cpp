@@ -21,11 +21,14 @@ struct Options {
   int ranks_per_solve = 1;
 };
 
-/// Takes the lock and reports existing results.
-DatabaseLock begin(const PrecomputeTarget& target) {
+/// Takes the lock and reports existing results. @throws Error if these belong to other work
+DatabaseLock begin(const PrecomputeTarget& target, const LoadedScene& loaded) {
   DatabaseLock lock(target.file);
   if (!lock.warning().empty()) message("warning: {}\n", lock.warning());
   if (target.resume && std::filesystem::exists(target.file)) {
+    auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);
+    header.shard = target.shard;
+    DatabaseWriter::create(target.file, header, true);
     const auto found = database_progress(target.file);
     for (const auto& damage : found.damage)
       message("warning: {}: {}; {} are ignored, and their rays will be solved again\n", damage.log.string(),
@@ -75,6 +78,7 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
            {"rays", report.rays + report.rays_resumed},
            {"rays_resumed", report.rays_resumed},
            {"increments", report.increments},
+           {"increments_of_run", report.increments_of_run},
            {"failed", report.failed},
            {"rays_with_library_errors", report.library_errors},
            {"newton_iterations", report.iterations},
@@ -100,7 +104,6 @@ void run(const Options& options) {
     target.file = shard_file(options.output, *target.shard);
     declare_output("--shard", target.file, OutputKind::database);
   }
-  install_stop_handler();
   const SolverSession session;
   const bool first = session.rank() == 0;
   target.ranks_per_solve = options.ranks_per_solve;
@@ -114,8 +117,9 @@ void run(const Options& options) {
   std::optional<DatabaseLock> lock;
   session.together([&] {
     loaded = load_scene(options.scene, !first);
-    if (first) lock.emplace(begin(target));
+    if (first) lock.emplace(begin(target, loaded));
   });
+  install_stop_handler();  // a signal before ends the program: there is nothing to keep yet
   PrecomputeReport report;
   {
     Progress progress(target.shard ? "shard " + target.shard->str() : "precompute", "rays");
@@ -141,8 +145,12 @@ void run(const Options& options) {
     print_result("{} rays ({:.0f} %) are mirror images; their increments are included\n", report.rays_mirrored,
                  100.0 * static_cast<double>(report.rays_mirrored) /
                      static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
-  print_result("{} on {} rank{}, {:.1f} core-ms per increment\n", duration(report.wall_seconds), session.size(),
-               session.size() == 1 ? "" : "s", 1e3 * report.core_seconds / static_cast<double>(solved));
+  print_result("{} on {} rank{}", duration(report.wall_seconds), session.size(), session.size() == 1 ? "" : "s");
+  if (report.increments_of_run > 0)
+    print_result(", {:.1f} core-ms per increment{}",
+                 1e3 * report.core_seconds / static_cast<double>(report.increments_of_run),
+                 report.rays_resumed > 0 ? fmt::format(" of the {} of this run", report.increments_of_run) : "");
+  print_result("\n");
   print_ranks(report);
   if (report.library_errors > 0)
     message("warning: {} rays ended because a library call failed; its messages are in {}\n", report.library_errors,

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/held_points.hpp>
@@ -46,10 +47,22 @@ std::vector<PointTool> tools_at(const std::vector<SurfacePoint>& places, const s
   return tools;
 }
 
+void refuse_tiny(const std::vector<Vec3>& displacements, const Mesh& mesh) {
+  const double smallest =
+      smallest_displacement((mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm());
+  for (const auto& d : displacements)
+    if (const double size = std::hypot(d[0], d[1], d[2]); d != Vec3{0, 0, 0} && size < smallest)
+      throw input_error("a displacement is too small for double precision",
+                        fmt::format("--displacement {:g},{:g},{:g}, the smallest is {:.3g} m in this body", d[0], d[1],
+                                    d[2], smallest),
+                        "displacements are in metres");
+}
+
 void run(const Options& options) {
   const auto displacements = options.tool.parsed_displacements();
   const SolverSession session;
   const auto loaded = load_source(options.source);
+  refuse_tiny(displacements, loaded.mesh);
   ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
   const auto places = options.tool.places(loaded.mesh);
   const int increments = options.increments.value_or(loaded.scene.probe.increments);

@@ -3,7 +3,21 @@
 
 #include <fmt/core.h>
 
+#include <phynness/formats/printable.hpp>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
 namespace phynness::cli {
+
+/// Texts without control characters, whatever file they are from; numbers as they are.
+template <class T>
+auto shown(const T& value) {
+  if constexpr (std::is_convertible_v<const T&, std::string_view>)
+    return printable(std::string_view(value));
+  else
+    return value;
+}
 
 /// To be called first. Opens standard descriptors that are closed, because otherwise the next opened file would get
 /// such a number and messages would be written into it. Writing to these descriptors still fails. The signals of a
@@ -16,12 +30,15 @@ void message_text(fmt::string_view format, fmt::format_args values) noexcept;
 /// Writes to stdout. finish_streams() reports a failed write.
 template <class... T>
 void print_result(fmt::format_string<T...> format, const T&... values) {
-  print_result_text(format, fmt::make_format_args(values...));
+  const auto print = [&](const auto&... safe) { print_result_text(format, fmt::make_format_args(safe...)); };
+  print(shown(values)...);
 }
 /// Writes to stderr. A failed write is ignored, because there is no other stream to report it.
 template <class... T>
-void message(fmt::format_string<T...> format, const T&... values) noexcept {
-  message_text(format, fmt::make_format_args(values...));
+void message(fmt::format_string<T...> format, const T&... values) noexcept try {
+  const auto print = [&](const auto&... safe) { message_text(format, fmt::make_format_args(safe...)); };
+  print(shown(values)...);
+} catch (...) {  // no memory for a copy
 }
 
 /// Sets an environment variable by which child processes do not report failed writes to stdout. This process reports

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <charconv>
+#include <limits>
 #include <map>
 #include <phynness/drawing/gnuplot.hpp>
 #include <phynness/formats/error.hpp>
@@ -251,7 +252,7 @@ void add(CLI::App& app) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "seed of the random probes")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
       ->capture_default_str();
   add_path(*command, "--plot", options->plot_file, OutputKind::file,
            "draw error against time and memory (.svg or .png; needs gnuplot)");

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/version.hpp>
@@ -198,9 +199,9 @@ void refuse_half(const Options& options, const Measured& m) {
 
 void run(const Options& options) {
   if (options.report_file) check_report_place(*options.report_file);
-  install_stop_handler();
   const SolverSession session;
   const Compared compared = load(options, session);
+  install_stop_handler();
   const Measured measured = measure(options, session, compared);
   if (session.rank() != 0) return;
   print(compared, measured, session.size());
@@ -239,10 +240,10 @@ void add(CLI::App& app) {
       ->add_option("--pair-depth", options->pair_depth_m,
                    "displacement of both tools of a pair [m] (default: 3/7 of the scene's max_displacement_m, as in\n"
                    "the paper, 12 mm of 28 mm)")
-      ->check(CLI::PositiveNumber);
+      ->check(finite_range(1e-12, 1e3));
   command->add_option("--level", options->level, "level of the model; 0 is the smallest (default: the full one)");
   command->add_option("--seed", options->seed, "seed of random directions, magnitudes and nodes")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   add_path(*command, "--report", options->report_file, OutputKind::file,
            "write an HTML report with curves and pictures (needs gnuplot)");

@@ -62,7 +62,8 @@ bool gnuplot_is_there() { return output_of("gnuplot --version 2>/dev/null").has_
 
 std::string gnuplot(const std::string& script, const std::string& what, const std::string& remedy) {
   const TemporaryFile file(script);
-  const auto out = output_of("gnuplot " + shell_word(file.path().string()) + " 2>/dev/null");
+  // -d: without what a person keeps in ~/.gnuplot, so that every reader of a page sees the same.
+  const auto out = output_of("gnuplot -d " + shell_word(file.path().string()) + " 2>/dev/null");
   if (!out) throw failure("gnuplot did not draw", what, "install gnuplot-nox, or " + remedy);
   return *out;
 }

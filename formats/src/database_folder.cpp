@@ -4,10 +4,26 @@
 
 #include <phynness/formats/error.hpp>
 
-#include "database_log.hpp"
+#include "database_scan.hpp"
 
 namespace phynness {
 namespace fs = std::filesystem;
+namespace {
+
+/// @throws Error (input) if `folder` holds the logs of a database, or is where they would be
+void refuse_folder_of_logs(const fs::path& folder, const fs::path& file) {
+  std::error_code code;
+  const auto resolved = fs::weakly_canonical(folder, code);
+  if (resolved.extension() != ".log") return;
+  const auto database = resolved.parent_path() / resolved.stem();
+  if (database_log::logs_of(database).empty() && !fs::exists(resolved / "lock", code) &&
+      !fs::is_regular_file(database, code))
+    return;
+  throw input_error("the database is to be written into the folder of logs of another one", file.string(),
+                    "choose another folder: " + resolved.string() + " belongs to " + database.string());
+}
+
+}  // namespace
 
 void check_folder_of(const fs::path& file) {
   const auto folder = fs::absolute(file).parent_path();
@@ -18,6 +34,7 @@ void check_folder_of(const fs::path& file) {
   if (::access(folder.c_str(), W_OK | X_OK) != 0)
     throw input_error("the folder for the database is not writable", folder.string(),
                       "change its permissions, or write to another folder");
+  refuse_folder_of_logs(folder, file);
 }
 
 void make_log_folder(const fs::path& file) {
@@ -26,6 +43,20 @@ void make_log_folder(const fs::path& file) {
   if (code)
     throw failure("cannot create the folder of logs " + database_log::folder(file).string(), code.message(),
                   "check permissions and free space");
+}
+
+void remove_logs(const fs::path& file) {
+  std::error_code code;
+  for (const auto& log : database_log::logs_of(file)) fs::remove(log, code);
+  const auto folder = database_log::folder(file);
+  const auto lock = folder / "lock";
+  // A holder's lock goes with its folder; where the folder has to stay, the holder takes its lock away itself.
+  std::vector<fs::path> others;
+  for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code))
+    if (entry->path() != lock) others.push_back(entry->path());
+  if (!others.empty()) return;
+  fs::remove(lock, code);
+  fs::remove(folder, code);
 }
 
 }  // namespace phynness

@@ -27,9 +27,11 @@ void write_set(hdf5::File& file, const char* name, const std::vector<std::int32_
   write_array(file, name, {nodes.size()}, nodes.data(), "1", description);
 }
 
-/// Nodes, cells and other entries have 32-bit numbers.
-void check_rows(const hdf5::File& file, const std::string& name, hsize_t rows) {
-  if (rows > static_cast<hsize_t>(std::numeric_limits<std::int32_t>::max()))
+/// Nodes, cells and other entries have 32-bit numbers, and no mesh that can be solved on has eleven million nodes. A
+/// file of a few kilobytes, or one with a hole in it, must not ask for all memory.
+void check_rows(const hdf5::File& file, const std::string& name, hsize_t rows, hsize_t bytes_per_row) {
+  constexpr hsize_t most_bytes = 256 << 20;
+  if (rows > static_cast<hsize_t>(std::numeric_limits<std::int32_t>::max()) || rows > most_bytes / bytes_per_row)
     throw input_error("cannot read the database " + file.path().string() + ": " + name + " has too many entries",
                       std::to_string(rows), hdf5::damaged);
 }
@@ -38,7 +40,7 @@ template <class T>
 std::vector<T> read_list(const hdf5::File& file, const std::string& name) {
   auto shape = file.shape(name);
   shape.resize(1);
-  check_rows(file, name, shape[0]);
+  check_rows(file, name, shape[0], sizeof(T));
   return file.read<T>(name, shape);
 }
 
@@ -47,7 +49,7 @@ template <class T>
 std::vector<T> read_rows(const hdf5::File& file, const char* name, hsize_t columns, hsize_t& rows) {
   const auto shape = file.shape(name);
   rows = shape.empty() ? 0 : shape[0];
-  check_rows(file, name, rows);
+  check_rows(file, name, rows, std::max<hsize_t>(1, columns) * sizeof(T));
   return file.read<T>(name, {rows, columns});
 }
 

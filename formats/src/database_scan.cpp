@@ -4,6 +4,7 @@
 #include <cstring>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/hash.hpp>
+#include <string_view>
 
 #include "database_checks.hpp"
 #include "ray_checks.hpp"
@@ -129,6 +130,21 @@ class LogScan {
   std::vector<unsigned char> _record;
 };
 
+/// rank-0012 or rank-0012-3: at least four digits, and a number where a rank began a second log.
+bool is_name_of_log(const std::string& name) {
+  constexpr std::string_view prefix = "rank-";
+  constexpr std::size_t least_digits = 4;
+  if (!name.starts_with(prefix)) return false;
+  const auto digits = [&](std::size_t from) {
+    std::size_t at = from;
+    while (at < name.size() && name[at] >= '0' && name[at] <= '9') ++at;
+    return at - from;
+  };
+  const std::size_t n_rank = digits(prefix.size()), end = prefix.size() + n_rank;
+  if (n_rank < least_digits) return false;
+  return end == name.size() || (name[end] == '-' && digits(end + 1) > 0 && end + 1 + digits(end + 1) == name.size());
+}
+
 }  // namespace
 
 std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file) {
@@ -137,7 +153,7 @@ std::vector<std::filesystem::path> logs_of(const std::filesystem::path& file) {
   std::error_code code;
   if (!std::filesystem::is_directory(dir, code)) return logs;
   for (const auto& item : std::filesystem::directory_iterator(dir))
-    if (item.is_regular_file() && item.path().filename().string().starts_with("rank-")) logs.push_back(item.path());
+    if (item.is_regular_file() && is_name_of_log(item.path().filename().string())) logs.push_back(item.path());
   std::sort(logs.begin(), logs.end());
   return logs;
 }

@@ -45,7 +45,7 @@ void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, b
                             (header.shard ? header.shard->str() : "no shard") + " now",
                         "use the same --shard, or write to another file");
     if (Database::is_complete(file))
-      fs::remove_all(dl::folder(file), code);  // remains if a process ended between packing and removing the logs
+      remove_logs(file);  // remains if a process ended between packing and removing the logs
     else
       make_log_folder(file);
     return;
@@ -109,7 +109,6 @@ void DatabaseWriter::close() { _impl->log.close(); }
 void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given) {
   const DatabaseHeader header = with_hashes(given);
   refuse_other_work(read_database_header(file), header, file);
-  std::error_code code;
   if (!Database::is_complete(file)) {
     const auto index = dl::scan(file, header);
     const MirroredRays mirrored(header);
@@ -120,7 +119,7 @@ void DatabaseWriter::pack(const fs::path& file, const DatabaseHeader& given) {
                     "solve them with: phynness precompute SCENE -o " + file.string() + " --resume");
     write_packed(file, header, index, records, mirrored);
   }
-  fs::remove_all(dl::folder(file), code);
+  remove_logs(file);
 }
 
 DatabaseProgress database_progress(const fs::path& file) {

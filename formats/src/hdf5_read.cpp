@@ -1,4 +1,7 @@
 // Reading of HDF5 files. Every object is checked before its values are read (hdf5_checks.hpp).
+#include <unistd.h>
+
+#include <cerrno>
 #include <limits>
 #include <phynness/formats/error.hpp>
 #include <system_error>
@@ -38,6 +41,9 @@ File File::open(const std::filesystem::path& path) {
                       "correct the path, or compute it with: phynness precompute SCENE -o " + path.string());
   if (!std::filesystem::is_regular_file(path, code))
     throw input_error("the database is not a file", path.string(), "give the path of the .h5 file");
+  if (::access(path.c_str(), R_OK) != 0)
+    throw input_error("the database cannot be opened: " + std::generic_category().message(errno), path.string(),
+                      "check its permissions");
   if (H5Fis_hdf5(path.c_str()) <= 0)
     throw input_error("the file is not an HDF5 file", path.string(), "give a database written by phynness precompute");
   File file({}, path, false);
@@ -184,7 +190,8 @@ std::string File::text_of(const std::string& what, hid_t type, const Shape& shap
     if (!read_text_at(_bytes, _path, _size, text_place(place), result, defect)) refuse(what, defect);
   } else {
     const std::size_t size = H5Tget_size(type);
-    if (size > _size) refuse(what + " is longer than the file", std::to_string(size) + " bytes");
+    if (size > _size || size > most_text_bytes)
+      refuse(what + " is too long for this file", std::to_string(size) + " bytes");
     result.resize(size);
     check(read(type, result.data()), what);
     result = without_padding(std::move(result), H5Tget_strpad(type));

@@ -74,7 +74,7 @@ bool read_text_at(const Descriptor& file, const std::filesystem::path& path, std
   const auto size = value_at<std::uint64_t>(header + 8);
   if (std::memcmp(header, heap_signature, sizeof heap_signature) != 0 || header[4] != heap_version)
     return wrong("there is no heap at its address " + std::to_string(place.heap));
-  if (size < heap_header_bytes || size > bytes_of_file - place.heap)
+  if (size < heap_header_bytes || size > bytes_of_file - place.heap || size > most_text_bytes)
     return wrong("its heap has an impossible size: " + numbers(place.heap, size));
 
   std::vector<unsigned char> heap(size);

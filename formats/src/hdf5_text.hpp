@@ -24,6 +24,9 @@ struct TextPlace {
 /// Bytes of such a position in an attribute or a dataset.
 inline constexpr std::size_t text_place_bytes = 16;
 
+/// More than any scene that is read (scene.cpp), with what HDF5 puts around it.
+inline constexpr std::uint64_t most_text_bytes = 32 << 20;
+
 /// A memory type for texts of variable length; reading into it gives the bytes of the text's position.
 /// @return a handle, negative on failure
 Handle text_place_type();

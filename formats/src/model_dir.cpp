@@ -1,8 +1,8 @@
 // MODEL_DIR with model.txt and mesh.txt, which are replaced completely or not at all.
-#include <fstream>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/input_file.hpp>
 #include <phynness/formats/model.hpp>
-#include <sstream>
+#include <phynness/formats/text_file.hpp>
 #include <system_error>
 
 namespace phynness {
@@ -11,32 +11,9 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string read_file(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) {
-    throw input_error("a file of the model directory cannot be read", file.string(),
-                      "give a directory that `phynness train -o` has written");
-  }
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (stream.bad()) throw failure("reading failed", file.string(), "check the disk");
-  return std::move(text).str();
-}
-
-void write_file(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-  stream.close();
-  if (!stream) {
-    std::error_code ignored;
-    fs::remove(file, ignored);
-    throw failure("writing failed", file.string(), "check free space and permissions");
-  }
-}
-
-void rename_over(const fs::path& from, const fs::path& to) {
-  std::error_code error;
-  fs::rename(from, to, error);
-  if (error) throw failure("renaming failed (" + error.message() + ")", to.string(), "check permissions");
+  constexpr std::uint64_t most_bytes = std::uint64_t{16} << 30;
+  return read_input_file(file, {"a file of the model directory",
+                                "give a directory that `phynness train -o` has written", most_bytes, true});
 }
 
 }  // namespace
@@ -51,12 +28,9 @@ void write_model_dir(const fs::path& dir, const Model& model, const Mesh& mesh) 
   if (error)
     throw input_error("the directory cannot be made (" + error.message() + ")", dir.string(),
                       "give another directory with -o");
-  write_file(dir / "mesh.txt.part", mesh_text);
-  write_file(dir / "model.txt.part", model_text);
   // The model contains the hash of its mesh, so that a reader between the two renames gets an error instead of a
   // mixture.
-  rename_over(dir / "mesh.txt.part", dir / "mesh.txt");
-  rename_over(dir / "model.txt.part", dir / "model.txt");
+  write_text_files({{dir / "mesh.txt", mesh_text}, {dir / "model.txt", model_text}});
 }
 
 ModelTexts read_model_texts(const fs::path& dir) { return {read_file(dir / "model.txt"), read_file(dir / "mesh.txt")}; }

@@ -1,8 +1,7 @@
 // Parses a scene: first each section, then checks across sections.
-#include <fstream>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/input_file.hpp>
 #include <phynness/formats/scene.hpp>
-#include <sstream>
 
 #include "scene_depth.hpp"
 #include "scene_keys.hpp"
@@ -30,16 +29,9 @@ void require_shell(const Material& m, const sd::SceneTable& table) {
 }  // namespace
 
 Scene read_scene(const std::filesystem::path& file) {
-  std::error_code code;
-  if (!std::filesystem::exists(file, code))
-    throw input_error("the scene file does not exist", file.string(), "correct the path");
-  if (!std::filesystem::is_regular_file(file, code))
-    throw input_error("the scene is not a file", file.string(), "give the path of a TOML file");
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw input_error("the scene file cannot be read", file.string(), "check its permissions");
-  return parse_scene(text.str(), file.string(), std::filesystem::absolute(file).parent_path());
+  constexpr std::uint64_t most_bytes = 16 << 20;  // lists of two million nodes
+  const auto text = read_input_file(file, {"the scene file", "give the path of a TOML file", most_bytes, true});
+  return parse_scene(text, file.string(), std::filesystem::absolute(file).parent_path());
 }
 
 Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,

@@ -31,6 +31,11 @@ void parse_mesh_file(const SceneTable& table, const std::filesystem::path& folde
   if (std::find(readable.begin(), readable.end(), extension) == readable.end())
     table.reject("file", "has an unknown format", "give a " + listed(readable) + " file");
   std::error_code code;
+  if (mesh_file == MeshFile::must_exist && std::filesystem::exists(spec.file, code) &&
+      !std::filesystem::is_regular_file(spec.file, code))
+    table.reject("file",
+                 "names something that is not a file, but a folder, a pipe or a device (" + spec.file.string() + ")",
+                 "name the file of a mesh");
   if (mesh_file == MeshFile::must_exist && !std::filesystem::is_regular_file(spec.file, code))
     table.reject("file", "does not exist (as " + spec.file.string() + ")",
                  "correct the path; a relative path starts at the folder of the scene file");
@@ -58,18 +63,18 @@ void parse_built_in_shape(const SceneTable& table, MeshSpec& spec) {
     refuse_keys(table, {"slit_length_m", "slit_width_m", "thickness_m"}, "does not apply to shape " + shape,
                 "use shape = \"drain\", or the file of a shell's midsurface");
 
-  if (const auto size = table.vector("size_m", length)) {
+  if (const auto size = table.vector("size_m", shape_length)) {
     spec.size_m = *size;
     const auto [least, most] = std::minmax_element(size->begin(), size->end());
     if (*most > most_slender * *least)
       table.reject("size_m", "has a largest edge of more than 1000 times the smallest edge",
                    "give a thicker body; tetrahedra cannot fill this one");
   }
-  spec.radius_m = table.number_or("radius_m", 0, length);
-  spec.inner_radius_m = table.number_or("inner_radius_m", 0, length);
-  spec.length_m = table.number_or("length_m", 0, length);
-  spec.slit_length_m = table.number_or("slit_length_m", 0, length);
-  spec.slit_width_m = table.number_or("slit_width_m", 0, length);
+  spec.radius_m = table.number_or("radius_m", 0, shape_length);
+  spec.inner_radius_m = table.number_or("inner_radius_m", 0, shape_length);
+  spec.length_m = table.number_or("length_m", 0, shape_length);
+  spec.slit_length_m = table.number_or("slit_length_m", 0, shape_length);
+  spec.slit_width_m = table.number_or("slit_width_m", 0, shape_length);
   if (drain && spec.thickness_m == 0) spec.thickness_m = default_drain_thickness_m;
   if (table.has("inner_radius_m") && table.has("radius_m") && spec.inner_radius_m >= spec.radius_m)
     table.reject("inner_radius_m", "must be less than radius_m", "reduce inner_radius_m or increase radius_m");
@@ -117,7 +122,7 @@ MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder
     table.reject("target_size_m", "cannot be combined with target_nodes, which also determines the size",
                  "keep one of the two");
   if (const auto nodes = table.integer("target_nodes", 8, most_nodes)) spec.target_nodes = static_cast<int>(*nodes);
-  if (const auto size = table.number("target_size_m", length)) spec.target_size_m = *size;
+  if (const auto size = table.number("target_size_m", shape_length)) spec.target_size_m = *size;
   spec.repair = table.flag_or("repair", false);
   spec.thickness_m = table.number_or("thickness_m", 0, length);
   spec.symmetry = parse_symmetry(table);

@@ -7,6 +7,8 @@ namespace phynness::scene_detail {
 
 /// Range of lengths of a scene [m].
 inline constexpr Range length{0, 1e3, true, false};
+/// Of a built-in shape: gmsh and the squares and cubes of lengths need more than the smallest number there is.
+inline constexpr Range shape_length{1e-9, 1e3};
 
 /// A position under the key `stem`_m or `stem`_fraction, one of which must be given.
 Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& fraction);

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "body.hpp"
+#include "coordinates.hpp"
 #include "generate.hpp"
 #include "liver_surface.hpp"
 #include "mirror.hpp"
@@ -231,6 +232,39 @@ RawMesh mirrored_file(RawMesh half, const MeshSpec& spec, const std::string& sou
   return whole;
 }
 
+/// @throws Error (input) if the body is smaller or larger than any whose squares and cubes of lengths can be computed
+void require_size(const RawMesh& raw, const MeshSpec& spec, const std::string& source) {
+  constexpr double smallest_m = 1e-9, largest_m = 1e9;
+  Eigen::AlignedBox3d box;
+  for (const auto& x : raw.nodes)
+    if (const Eigen::Vector3d point(x[0], x[1], x[2]); point.allFinite()) box.extend(point);
+  if (box.isEmpty()) return;
+  const double size_m = spec.scale_to_m * box.sizes().maxCoeff();
+  // What is said of points in one place, and of coordinates that are too large, is said by those who look at nodes.
+  if ((size_m >= smallest_m && size_m <= largest_m) || box.sizes().isZero(0) ||
+      box.sizes().maxCoeff() > largest_coordinate_m)
+    return;
+  std::ostringstream value;
+  value << source << ", " << size_m << " m with scale_to_m = " << spec.scale_to_m;
+  throw input_error(place(spec) + ": the body has a size that cannot be", value.str(),
+                    "correct mesh.scale_to_m: it is the length of the file's unit in metres");
+}
+
+MeshResult from_file(const MeshSpec& spec) {
+  const std::string source = spec.file.filename().string();
+  RawMesh raw = read_mesh_file(spec.file);
+  require_size(raw, spec, source);
+  if (spec.symmetry && spec.symmetry->half) raw = mirrored_file(std::move(raw), spec, source);
+  if (spec.thickness_m > 0) return shell_from_file(spec, raw, source);
+  if (raw.tetrahedra.empty()) return from_surface(spec, raw, source);
+  MeshResult result = checked_body(raw, spec.scale_to_m, spec.repair, source);
+  if (spec.target_nodes || spec.target_size_m)
+    result.warnings.push_back(
+        "the file holds tetrahedra, which are used as they are: mesh.target_nodes and mesh.target_size_m "
+        "mean nothing here");
+  return result;
+}
+
 }  // namespace
 
 bool holds_open_surface(const std::filesystem::path& file) {
@@ -249,18 +283,13 @@ MeshResult make_shell(const std::filesystem::path& file) {
 MeshResult make_mesh(const Scene& scene) {
   const MeshSpec& spec = scene.mesh;
   check_spec(spec);
-  if (spec.shape != Shape::none) return from_shape(spec);
-  const std::string source = spec.file.filename().string();
-  RawMesh raw = read_mesh_file(spec.file);
-  if (spec.symmetry && spec.symmetry->half) raw = mirrored_file(std::move(raw), spec, source);
-  if (spec.thickness_m > 0) return shell_from_file(spec, raw, source);
-  if (raw.tetrahedra.empty()) return from_surface(spec, raw, source);
-  MeshResult result = checked_body(raw, spec.scale_to_m, spec.repair, source);
-  if (spec.target_nodes || spec.target_size_m)
-    result.warnings.push_back(
-        "the file holds tetrahedra, which are used as they are: mesh.target_nodes and mesh.target_size_m "
-        "mean nothing here");
-  return result;
+  try {
+    return spec.shape == Shape::none ? from_file(spec) : from_shape(spec);
+  } catch (const Error& error) {
+    // gmsh and what checks its meshes know nothing of scenes.
+    if (error.kind() == Error::Kind::input || spec.where.file.empty()) throw;
+    throw Error(error.kind(), place(spec) + ": " + error.what(), "", "");
+  }
 }
 
 }  // namespace phynness

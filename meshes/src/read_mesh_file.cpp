@@ -1,24 +1,11 @@
 #include <algorithm>
-#include <fstream>
 #include <phynness/formats/error.hpp>
-#include <sstream>
+#include <phynness/formats/input_file.hpp>
 
 #include "raw_mesh.hpp"
 
 namespace phynness::meshes {
 namespace {
-
-std::string read_bytes(const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error))
-    throw input_error("the mesh file is a folder", file.string(), "name a .msh, .vtk, .stl or .obj file");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw input_error("cannot open the mesh file", file.string(), "check the path and its permissions");
-  std::ostringstream bytes;
-  if (stream.peek() != std::ifstream::traits_type::eof()) bytes << stream.rdbuf();
-  if (stream.bad()) throw failure("cannot read the mesh file", file.string(), "check the disk");
-  return std::move(bytes).str();
-}
 
 const char* dimension_name(int dimension) {
   constexpr const char* names[] = {"point", "line", "surface", "volume"};
@@ -76,7 +63,10 @@ RawMesh read_mesh_file(const std::filesystem::path& file) {
   if (!reader)
     throw input_error("mesh file of an unknown kind", file.string(),
                       "give .msh (1, 2.2, 4.1), .vtk (legacy), .stl or .obj");
-  const std::string bytes = read_bytes(file);
+  // Ten million tetrahedra, a hundred times what is solved, take some 600 MB as text.
+  constexpr std::uint64_t most_bytes = 1 << 30;
+  const std::string bytes =
+      read_input_file(file, {"the mesh file", "name a .msh, .vtk, .stl or .obj file", most_bytes, false});
   if (bytes.empty()) throw input_error("the mesh file is empty", file.string(), "export the file again");
   return reader(bytes, file.filename().string());
 }

@@ -117,16 +117,17 @@ RawMesh read_msh_1(Scanner& scanner) {
 RawMesh read_msh(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
   Scanner probe = scanner;
-  const std::string first(probe.word_or_end());
+  constexpr std::size_t longest_name = 40;  // a damaged file may be one word
+  const std::string first(probe.word_or_end().substr(0, longest_name));
   if (first == "$NOD") return read_msh_1(scanner);
   // Comments may stand before the header.
   std::string section = first;
   while (section == "$Comments" || section == "$Comment") {
     skip_section(probe, section);
-    section = std::string(probe.word_or_end());
+    section = std::string(probe.word_or_end().substr(0, longest_name));
   }
   if (section != "$MeshFormat")
-    scanner.fail("not a gmsh mesh: it does not start with $MeshFormat or $NOD", section.substr(0, 40),
+    scanner.fail("not a gmsh mesh: it does not start with $MeshFormat or $NOD", section,
                  "export the mesh as .msh 4.1 or 2.2");
   scanner = probe;
   const std::string version(scanner.word("the format version"));

@@ -34,6 +34,10 @@ NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
     throw input_error(at(scene.fixed_where) + "the fixed nodes do not hold the body: it can still turn",
                       std::to_string(sets.fixed.size()) + " nodes: " + first_of(sets.fixed),
                       "fix at least three nodes that are not on one line");
+  if (std::includes(sets.fixed.begin(), sets.fixed.end(), body.surface.begin(), body.surface.end()))
+    throw input_error(at(scene.fixed_where) + "every node of the surface is fixed, so that nothing can be touched",
+                      std::to_string(sets.fixed.size()) + " of " + std::to_string(mesh.n_nodes()) + " nodes",
+                      "fix a part of the body only");
   sets.active = select_nodes(scene.active, body, "active", scene.active_where);
   sets.output = select_nodes(scene.output, body, "output", scene.output_where);
   Nodes both;

@@ -22,6 +22,8 @@ constexpr double flat_triangle = 1e-6;  // twice the area over the square of the
 // Area of the inner face over that of the middle surface, 1 - t / (2 R) of a bend of radius R. Below 0.75, t > R / 2,
 // the theory of shells has errors of some per cent by itself; the inner face of a wall as thick as 2 R meets itself.
 constexpr double thick_layer = 0.75, thickest_layer = 0.05;
+// Of the surface's length. A wall resists bending with the square of this, as a fraction of what resists stretching.
+constexpr double thinnest_wall = 1e-12;
 
 /// Keeps what `kept` says and renumbers the nodes that are left, in their order.
 void reduce(RawMesh& raw, const std::vector<char>& kept, std::vector<std::string>& notes) {
@@ -221,6 +223,10 @@ void check_wall(MeshResult& result, double thickness_m, const std::string& sourc
     throw input_error(source + ": the shell is thicker than it is long",
                       "thickness_m = " + metres(thickness_m) + ", the middle surface is " + metres(longest) + " long",
                       "lengths are in metres; simulate a thick wall as a solid, without thickness_m");
+  if (thickness_m < thinnest_wall * longest)
+    throw input_error(source + ": the wall is too thin for double precision",
+                      "thickness_m = " + metres(thickness_m) + ", the middle surface is " + metres(longest) + " long",
+                      "lengths are in metres; make it at least " + metres(thinnest_wall * longest) + " thick");
   std::map<Edge, Eigen::RowVector3d> directors;
   const auto corner = [&](Eigen::Index t, int i) -> Eigen::RowVector3d { return mesh.nodes.row(mesh.cells(t, i % 3)); };
   const auto edge = [&](Eigen::Index t, int i) -> Edge {

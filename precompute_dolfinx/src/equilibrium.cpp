@@ -54,7 +54,18 @@ void Equilibrium::set_load(std::vector<double> load) {
   _impl->load = std::move(load);
 }
 
+void Equilibrium::set_stop(std::function<bool()> stop) { _impl->stop = std::move(stop); }
+
+bool Equilibrium::Impl::must_end() {
+  constexpr std::chrono::seconds patience{2};
+  if (!stop || !stop()) return false;
+  const auto now = std::chrono::steady_clock::now();
+  if (!asked_to_end) asked_to_end = now;
+  return now - *asked_to_end >= patience;
+}
+
 SNESConvergedReason Equilibrium::Impl::iterate(bool from_convex, int most_iterations, int& iterations) {
+  if (must_end()) throw Interrupted();
   PHYNNESS_PETSC(SNESSetTolerances(snes, 0, 0, 0, most_iterations, 100 * most_iterations));
   spread(x);
   refresh = true;
@@ -65,6 +76,7 @@ SNESConvergedReason Equilibrium::Impl::iterate(bool from_convex, int most_iterat
   const auto code = SNESSolve(snes, nullptr, x);
   if (trouble) std::rethrow_exception(std::exchange(trouble, nullptr));
   petsc_check(code, "SNESSolve");
+  if (must_end()) throw Interrupted();
   SNESConvergedReason reason;
   PetscInt n = 0;
   PHYNNESS_PETSC(SNESGetConvergedReason(snes, &reason));
@@ -141,6 +153,7 @@ Equilibrium::Outcome Equilibrium::solve(std::span<double> state, bool check_stab
 
 Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state, const Eigen::MatrixXd& directions) {
   auto& s = *_impl;
+  if (s.must_end()) throw Interrupted();
   s.state.assign(state.begin(), state.end());
   const auto coupling = s.tangent.assemble(s.body, s.state, s.constraint, s.prescribed);
   ++s.counts.tangents;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <phynness/formats/database.hpp>
@@ -77,6 +78,9 @@ class Equilibrium {
   void recover();
   /// False after a recover() that threw; recover() must then be called again.
   bool is_usable() const;
+
+  /// See ProbeSolver::set_stop(). solve() and linearize() then throw Interrupted.
+  void set_stop(std::function<bool()> stop);
 
   SolverCounts counts() const;
 

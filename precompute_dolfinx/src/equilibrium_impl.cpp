@@ -196,13 +196,16 @@ PetscErrorCode Equilibrium::Impl::form_jacobian(SNES snes, Vec x, Mat, Mat, void
 
 PetscErrorCode Equilibrium::Impl::test_convergence(SNES, PetscInt, PetscReal, PetscReal, PetscReal norm,
                                                    SNESConvergedReason* reason, void* context) {
-  const auto& self = *static_cast<Impl*>(context);
-  *reason = SNES_CONVERGED_ITERATING;
-  if (!std::isfinite(norm))
-    *reason = SNES_DIVERGED_FUNCTION_NANORINF;
-  else if (norm <= self.goal())
-    *reason = SNES_CONVERGED_FNORM_RELATIVE;
-  return 0;
+  auto& self = *static_cast<Impl*>(context);
+  return self.contain([&] {
+    *reason = SNES_CONVERGED_ITERATING;
+    if (!std::isfinite(norm))
+      *reason = SNES_DIVERGED_FUNCTION_NANORINF;
+    else if (norm <= self.goal())
+      *reason = SNES_CONVERGED_FNORM_RELATIVE;
+    else if (self.must_end())
+      *reason = SNES_DIVERGED_FUNCTION_COUNT;  // iterate() then says why
+  });
 }
 
 }  // namespace phynness

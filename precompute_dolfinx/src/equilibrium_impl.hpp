@@ -1,7 +1,10 @@
 // State of Equilibrium between calls, and the callbacks from PETSc.
 #pragma once
 
+#include <chrono>
 #include <exception>
+#include <functional>
+#include <optional>
 #include <span>
 
 #include "equilibrium.hpp"
@@ -43,7 +46,9 @@ struct Equilibrium::Impl {
   PetscInt most_iterations = 0;     ///< of Newton's method, including PETSC_OPTIONS
   bool met_instability = false;     ///< a tangent of the latest solve had negative pivots
   bool linear_failed = false;       ///< in the latest solve there were no factors, or no finite solution
-  std::exception_ptr trouble;       ///< exception of a callback, because exceptions must not pass through PETSc
+  std::function<bool()> stop;       ///< says that the user wants an end
+  std::optional<std::chrono::steady_clock::time_point> asked_to_end;
+  std::exception_ptr trouble;  ///< exception of a callback, because exceptions must not pass through PETSc
   PetscVec x, r;
   PetscSnes snes;
 
@@ -59,6 +64,8 @@ struct Equilibrium::Impl {
       return PETSC_ERR_LIB;
     }
   }
+  /// Whether the user has waited long enough for an end.
+  bool must_end();
   /// Newton's method from `state`, which receives the result. @param from_convex  make the first tangent convex
   SNESConvergedReason iterate(bool from_convex, int most_iterations, int& iterations);
   /// Whether iterate() ended at or near an equilibrium that is not a minimum of the energy.

@@ -76,6 +76,8 @@ class RaysOfNodes {
     _touched = -1;
     try {
       _solver.touch({node});
+    } catch (const Interrupted&) {
+      throw;
     } catch (const std::exception& error) {
       const auto* known = dynamic_cast<const Error*>(&error);
       if (known && known->kind() == Error::Kind::input) throw;
@@ -133,6 +135,7 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
   const auto n_tasks = static_cast<std::int64_t>(tasks.size()) - 1;
   RaysOfNodes nodes(solver, header);
   RayLog ray_log(log);
+  solver.set_stop(stop);
   for (auto task = counter.next(); task < n_tasks; task = counter.next()) {
     const auto start = Clock::now();
     ++share.tasks;
@@ -140,7 +143,12 @@ void solve_tasks(ProbeSolver& solver, DatabaseWriter& log, const DatabaseHeader&
       const auto ray = rays[static_cast<std::size_t>(i)];
       const bool asked_for = requested[static_cast<std::size_t>(ray.active) * header.directions.size() +
                                        static_cast<std::size_t>(ray.direction)] != 0;
-      ray_log.append(asked_for ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction), share);
+      try {
+        ray_log.append(asked_for ? nodes.solve(ray) : empty_ray(header, ray.active, ray.direction), share);
+      } catch (const Interrupted&) {
+        share.interrupted = true;
+        break;
+      }
       share.interrupted = stop && stop();
       done();
       if (share.interrupted) break;
@@ -158,7 +166,9 @@ void rethrow(const std::exception_ptr& trouble) {
   try {
     std::rethrow_exception(trouble);
   } catch (const Error& error) {
-    throw Error(error.kind(), std::string(error.what()) + " (finished rays are kept; continue with --resume)", "", "");
+    const std::string text = error.what();
+    const bool says_so = text.find("--resume") != std::string::npos;
+    throw Error(error.kind(), text + (says_so ? "" : " (finished rays are kept; continue with --resume)"), "", "");
   }
 }
 
@@ -173,7 +183,7 @@ void add_up(const SolverSession& session, const Share& share, double core_second
   std::int64_t totals[] = {share.rays, share.increments, share.failed, share.iterations, share.library_errors};
   MPI_Allreduce(MPI_IN_PLACE, totals, 5, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   report.rays = totals[0];
-  report.increments = report.increments_solved = totals[1];
+  report.increments = report.increments_solved = report.increments_of_run = totals[1];
   report.failed = totals[2];
   report.iterations = totals[3];
   report.library_errors = totals[4];

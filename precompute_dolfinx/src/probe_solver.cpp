@@ -77,6 +77,7 @@ ProbeSolver::ProbeSolver(ProbeSolver&&) noexcept = default;
 
 int ProbeSolver::n_dofs() const { return _impl->body.n_dofs(); }
 void ProbeSolver::recover() { _impl->equilibrium.recover(); }
+void ProbeSolver::set_stop(std::function<bool()> stop) { _impl->equilibrium.set_stop(std::move(stop)); }
 SolverCounts ProbeSolver::counts() const { return _impl->equilibrium.counts(); }
 
 void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {

@@ -105,6 +105,8 @@ PathStep RaySolver::attempt(const Path& path, const Eigen::VectorXd& direction, 
   try {
     if (!_equilibrium.is_usable()) _equilibrium.recover();
     return advance(path, direction, s, all_tangents, to);
+  } catch (const Interrupted&) {
+    throw;
   } catch (const std::exception& error) {
     SolverLog::instance().write(error.what());
   }
@@ -141,7 +143,8 @@ void RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, const
       } else {
         ++total.cutbacks;
         h /= 2;
-        if (h < shortest) {
+        // A step that rounding loses would be repeated without end.
+        if (h < shortest || !(path.last().s + h > path.last().s)) {
           failed = true;
           total.status = step.status;
         }

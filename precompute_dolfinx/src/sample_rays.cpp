@@ -22,17 +22,23 @@ SolvedRays solve_rays(ProbeSolver& solver, const DatabaseHeader& header,
                       const std::vector<std::pair<std::int32_t, std::int32_t>>& which,
                       const std::function<void(std::int64_t)>& progress, const std::function<bool()>& stop) {
   SolvedRays solved;
+  solver.set_stop(stop);
   for (const auto& [active, direction] : which) {
     if (stop && stop()) {
       solved.interrupted = true;
       break;
     }
-    if (solved.rays.empty() || solved.rays.back().active != active) {
-      const double before = cpu_seconds();
-      solver.touch({header.sets.active[static_cast<std::size_t>(active)]});
-      solved.node_setup_s.push_back(cpu_seconds() - before);
+    try {
+      if (solved.rays.empty() || solved.rays.back().active != active) {
+        const double before = cpu_seconds();
+        solver.touch({header.sets.active[static_cast<std::size_t>(active)]});
+        solved.node_setup_s.push_back(cpu_seconds() - before);
+      }
+      solved.rays.push_back(solve_ray(solver, header, active, direction));
+    } catch (const Interrupted&) {
+      solved.interrupted = true;
+      break;
     }
-    solved.rays.push_back(solve_ray(solver, header, active, direction));
     if (progress) progress(static_cast<std::int64_t>(solved.rays.size()));
   }
   return solved;

@@ -95,6 +95,8 @@ Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t ac
   std::size_t n_stored = 0;
   try {
     follow_ray(solver, header, ray, n_stored);
+  } catch (const Interrupted&) {
+    throw;
   } catch (const std::exception& error) {
     SolverLog::instance().write(error.what());
     end_ray(ray, n_stored);

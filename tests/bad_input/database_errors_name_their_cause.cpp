@@ -116,9 +116,13 @@ TEST_F(BadDatabase, begun_in_a_folder_that_is_missing_or_not_writable) {
                   {"does not exist", "mkdir"});
   fs::permissions(folder(), fs::perms::owner_read | fs::perms::owner_exec);
   const bool root = ::getuid() == 0;  // whom permissions do not bind: for once as the user nobody
-  if (root) ASSERT_EQ(::setresuid(65534, 65534, 0), 0);
+  if (root) {
+    ASSERT_EQ(::setresuid(65534, 65534, 0), 0);
+  }
   const auto message = refusal([&] { DatabaseWriter::create(file, header, false); });
-  if (root) ASSERT_EQ(::setresuid(0, 0, 0), 0);
+  if (root) {
+    ASSERT_EQ(::setresuid(0, 0, 0), 0);
+  }
   expect_contains(message, {"not writable", folder().c_str()});
 }
 

@@ -1,5 +1,7 @@
 // Claim: an object that is not what a database has in its place is refused by name before anything of it is
 // read or allocated: attributes and datasets of any type, shape, storage or link, and damaged texts.
+#include <sys/resource.h>
+
 #include <array>
 #include <csignal>
 
@@ -193,6 +195,29 @@ TEST_F(ForeignObjects, texts_with_a_changed_byte_never_end_the_program) {
       }
     }
   ::alarm(0);
+}
+
+TEST_F(ForeignObjects, datasets_that_a_file_with_holes_or_compression_makes_huge_cost_no_memory) {
+  constexpr hsize_t rows = 30'000'000, chunk = 1'000'000;
+  const hid_t early = H5Pcreate(H5P_DATASET_CREATE), packed = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_alloc_time(early, H5D_ALLOC_TIME_EARLY);
+  H5Pset_fill_time(early, H5D_FILL_TIME_NEVER);
+  const std::array<hsize_t, 2> chunk_shape{chunk, 3};
+  H5Pset_chunk(packed, 2, chunk_shape.data());
+  H5Pset_deflate(packed, 1);
+  H5Pset_alloc_time(packed, H5D_ALLOC_TIME_EARLY);  // every chunk is filled with zeros and compressed
+  rusage before{}, after{};
+  for (const hid_t properties : {early, packed})
+    for (const char* name : {"/mesh/nodes", "/directions"}) {
+      write_packed_again();
+      replace_dataset(name, H5T_IEEE_F64LE, {rows, 3}, properties);
+      getrusage(RUSAGE_SELF, &before);
+      expect_contains(open_error(), {name, std::to_string(rows).c_str()});
+      getrusage(RUSAGE_SELF, &after);
+      EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 100'000) << name << ": kilobytes";
+    }
+  H5Pclose(early);
+  H5Pclose(packed);
 }
 
 }  // namespace

@@ -231,6 +231,24 @@ TEST_F(Interruption, a_full_disk_is_an_error_and_leaves_whole_records) {
   EXPECT_EQ(Database::open(file).rays(2)[6].force, rays.back().force);
 }
 
+TEST_F(Interruption, packing_leaves_what_others_put_into_the_folder_of_logs) {
+  const auto header = small_header(false);
+  write_logs(header, 2);
+  fs::create_directories(log / "rank-0000-of-mine");
+  for (const char* name : {"thesis.txt", "rank-notes.txt", "rank-0000.bak", "rank-0000-of-mine/a"})
+    std::ofstream(log / name) << "mine";
+  DatabaseWriter::pack(file, header);
+  EXPECT_FALSE(fs::exists(log / "rank-0000"));
+  EXPECT_FALSE(fs::exists(log / "rank-0001"));
+  const auto expect_kept = [&] {
+    for (const char* name : {"thesis.txt", "rank-notes.txt", "rank-0000.bak", "rank-0000-of-mine/a"})
+      EXPECT_TRUE(fs::exists(log / name)) << name;
+  };
+  expect_kept();
+  DatabaseWriter::create(file, header, true);  // which tidies up after a process that died while packing
+  expect_kept();
+}
+
 TEST_F(Interruption, a_full_disk_while_packing_keeps_the_logs) {
   auto header = small_header(true);
   write_logs(header);

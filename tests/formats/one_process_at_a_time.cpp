@@ -1,5 +1,6 @@
 // Claims: a database that one process works on is refused to a second one, which learns who has it; a killed
 // process leaves no lock behind; where the file system has no locks there is a warning and work goes on.
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 
@@ -80,6 +81,29 @@ TEST_F(Lock, that_its_last_holder_took_away_is_not_held) {
   const DatabaseLock lock(file);
   EXPECT_TRUE(fs::exists(log / "lock"));
   refusal([&] { DatabaseLock second(file); });
+}
+
+TEST_F(Lock, of_a_link_a_pipe_or_a_file_with_other_content_is_refused_and_left_alone) {
+  const auto lock = log / "lock";
+  for (const std::function<void()>& make : std::initializer_list<std::function<void()>>{
+           [&] { fs::create_symlink("/nowhere/lock", lock); }, [&] { ASSERT_EQ(mkfifo(lock.c_str(), 0644), 0); },
+           [&] { std::ofstream(lock) << "my notes"; }}) {
+    fs::create_directories(log);
+    make();
+    const auto before = fs::symlink_status(lock).type();
+    EXPECT_EQ(DatabaseLock::holder(file), "");
+    expect_contains(refusal([&] { DatabaseLock second(file); }), {lock.c_str()});
+    EXPECT_EQ(fs::symlink_status(lock).type(), before);
+    if (before == fs::file_type::regular) {
+      EXPECT_EQ(bytes_of(lock).size(), 8u);
+    }
+    fs::remove(lock);
+  }
+}
+
+TEST_F(Lock, that_can_never_be_made_is_an_error) {
+  fs::create_symlink(folder() / "nowhere", log);
+  refusal([&] { DatabaseLock lock(file); }, Error::Kind::failure);
 }
 
 TEST_F(Lock, missing_in_the_file_system_is_a_warning) {

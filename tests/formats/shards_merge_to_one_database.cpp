@@ -172,6 +172,21 @@ TEST_F(Shards, never_overwrite_and_never_merge_what_is_finished_or_in_work) {
   expect_contains(refusal([&] { Database::open(shard); }), {"is a shard", "phynness merge"});
 }
 
+TEST_F(Shards, are_not_merged_into_a_folder_of_logs) {
+  const auto header = small_header(false);
+  const std::vector<fs::path> shards{write_shard(header, 0, 2), write_shard(header, 1, 2)};
+  const auto other = folder() / "other.h5";
+  DatabaseWriter::create(other, header, false);
+  for (const auto& of : {shards[0], other}) {
+    const auto output = fs::path(of.string() + ".log") / "all.h5";
+    expect_contains(refusal([&] { merge_shards(shards, output); }), {output.c_str()});
+    EXPECT_FALSE(fs::exists(output));
+  }
+  const auto alias = folder() / "alias";
+  fs::create_directory_symlink(other.string() + ".log", alias);
+  refusal([&] { merge_shards(shards, alias / "all.h5"); });
+}
+
 TEST_F(Shards, are_resumed_as_the_shard_they_are) {
   const auto header = small_header(false);
   const auto shard = write_shard(header, 0, 2);

@@ -13,7 +13,7 @@ namespace {
 
 Input current;
 std::string crash_file;
-Random* mutations = nullptr;
+Random random_numbers(1);
 
 void keep_input(int signal) {
   // The program ends anyway: nothing is lost if this call is not safe here.
@@ -42,7 +42,7 @@ __attribute__((weak)) std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, st
 }
 
 std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size) {
-  Random& random = *mutations;
+  Random& random = random_numbers;
   if (size == 0 || (random.below(8) == 0 && size < max_size)) {
     const std::size_t at = random.below(size + 1);
     std::memmove(data + at + 1, data + at, size - at);
@@ -75,8 +75,7 @@ int main(int argc, char** argv) {
   std::signal(SIGABRT, keep_input);
   std::signal(SIGSEGV, keep_input);
   std::signal(SIGFPE, keep_input);
-  Random random(1);
-  mutations = &random;
+  Random& random = random_numbers;
   char* end = nullptr;
   const long runs = argc > 1 ? std::strtol(argv[1], &end, 10) : 2000;
   if (argc > 1 && *end != '\0') {

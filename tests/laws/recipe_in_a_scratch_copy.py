@@ -79,7 +79,7 @@ def expect(text, words):
         assert word in text, f"no {word!r} in\n{text}"
 
 
-def main(source, compiler, library, python_with_ufl=None):
+def main(source, compiler, libraries, python_with_ufl=None):
     source = Path(source)
     with tempfile.TemporaryDirectory() as temporary:
         copy = Path(temporary)
@@ -99,7 +99,7 @@ def main(source, compiler, library, python_with_ufl=None):
         # Its own table comes first: the library's is then left out by the linker.
         (copy / "main.cpp").write_text(PROGRAM)
         run(compiler, "-std=c++20", "-I", source / "formats" / "include", "-I", source / "runtime" / "include", copy / "main.cpp", copy / "made" / "tables.cpp",
-            library, "-o", copy / "recipe")  # fmt: skip
+            *libraries.split(), "-o", copy / "recipe")  # fmt: skip
         # K = 1 / D1, and every parameter is in what the hash is made of.
         expect(run(copy / "recipe", SCENE), [
             "material.law = demiray\nmaterial.shear_modulus_Pa = 500\nmaterial.stiffening = 0.7\nmaterial.bulk_modulus_Pa = 5000\n",

@@ -101,10 +101,12 @@ PairErrors errors_of(const std::vector<std::optional<Vec3>>& force, const Points
 
 class PairComparison {
  public:
-  PairComparison(const Scene& scene, const LoadedModel& model)
+  PairComparison(const Scene& scene, const LoadedModel& model, const std::function<bool()>& stop)
       : _model(model),
         _increments(scene.probe.increments),
-        _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {}
+        _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
+    _solver.set_stop(stop);
+  }
 
   void at(PairRecord& pair) {
     const std::vector<std::int32_t> nodes(pair.nodes.begin(), pair.nodes.end());
@@ -223,7 +225,7 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   std::int64_t finished = 0;
   session.together([&] {
     auto chosen = choose_pairs(scene, model, pairs, depth_m, seed);
-    PairComparison comparison(scene, model);
+    PairComparison comparison(scene, model, stop);
     finished = share_out(session, pairs, progress, stop, [&](std::size_t i) {
       comparison.at(chosen[i]);
       append(rows, i, chosen[i]);

@@ -229,7 +229,7 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
     const auto s = waypoints(pair, increment_m);
     std::array<bool, 2> got{false, false};
     const std::clock_t cpu_start = std::clock();
-    solver.follow({pair.direction}, s, false, [&](std::size_t i, const Response& response) {
+    const auto take = [&](std::size_t i, const Response& response) {
       if (response.status != Status::converged) return false;
       ++found.increments;
       const Vec3 d{s[i] * pair.direction[0], s[i] * pair.direction[1], s[i] * pair.direction[2]};
@@ -243,7 +243,12 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
           got[g] = true;
         }
       return true;
-    });
+    };
+    try {
+      solver.follow({pair.direction}, s, false, take);
+    } catch (const Interrupted&) {
+      break;
+    }
     found.cpu_s += static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
     found.failed += !got[inside] + (pair.outside_m > 0 && !got[outside]);
     if (!go_on()) break;
@@ -262,6 +267,7 @@ SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const
   Scene with_fields = scene;
   with_fields.database.fields = fields_of(model.model());
   ProbeSolver solver(with_fields, model.mesh(), {model.model().fixed, {}, model.model().output});
+  solver.set_stop(stop);
   SolvedShare share;
   std::int64_t rays = 0;
   for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
@@ -272,7 +278,8 @@ SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const
     return !share.stopped;
   };
   share_out(
-      session, static_cast<std::int64_t>(plan.size()), {}, [&] { return share.stopped; },
+      session, static_cast<std::int64_t>(plan.size()), {},
+      [&] { return share.stopped = share.stopped || (stop && stop()); },
       [&](std::size_t e) {
         take(e, probe_node(model.model(), solver, plan[e], scene.probe.max_displacement_m / scene.probe.increments,
                            go_on));

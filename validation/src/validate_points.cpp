@@ -104,10 +104,12 @@ Points rows_of(const Points& all, const std::vector<std::int32_t>& nodes) {
 
 class PointComparison {
  public:
-  PointComparison(const Scene& scene, const LoadedModel& model)
+  PointComparison(const Scene& scene, const LoadedModel& model, const std::function<bool()>& stop)
       : _model(model),
         _increments(scene.probe.increments),
-        _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {}
+        _solver(scene, model.mesh(), {model.model().fixed, {}, model.model().output}) {
+    _solver.set_stop(stop);
+  }
 
   void at(const Place& place, PointReport& report) {
     std::vector<Compared> coupled, linear, at_node;
@@ -180,7 +182,7 @@ PointReport validate_points(const SolverSession& session, const Scene& scene, co
   std::optional<PointComparison> comparison;
   session.together([&] {
     const auto places = choose_places(scene, model, points, displacements, seed);
-    comparison.emplace(scene, model);
+    comparison.emplace(scene, model, stop);
     report.finished =
         share_out(session, points, progress, stop, [&](std::size_t i) { comparison->at(places[i], report); });
   });

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace phynness {
 
@@ -10,5 +12,9 @@ namespace phynness {
 /// followed. A file that is not regular (a pipe, /dev/stdout) is written directly.
 /// @throws Error (input) if the file cannot be created, (failure) if writing fails
 void write_text_file(const std::filesystem::path& file, const std::string& text);
+
+/// Several files that belong together: all of them are filled beside their places before the first is renamed, so that
+/// a full disk leaves what was there. @throws Error, as write_text_file()
+void write_text_files(const std::vector<std::pair<std::filesystem::path, std::string>>& files);
 
 }  // namespace phynness

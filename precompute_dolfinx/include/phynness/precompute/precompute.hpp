@@ -35,6 +35,7 @@ struct PrecomputeReport {
   std::int64_t increments = 0, failed = 0, iterations = 0;
   std::int64_t library_errors = 0;            ///< rays of this run that ended with Status::library_error
   std::int64_t increments_solved = 0;         ///< increments without mirror images
+  std::int64_t increments_of_run = 0;         ///< increments that this run solved
   double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
   std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere
@@ -51,7 +52,8 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// `<target.file>.solver.log`.
 /// @pre ranks_per_solve divides the number of ranks
 /// @pre rank 0 holds the DatabaseLock of the file
-/// @param stop  polled between rays on every rank; true ends the run and keeps finished rays
+/// @param stop  polled between rays, and between iterations of a solve, on every rank; true ends the run and keeps
+/// finished rays
 /// @param warn  called immediately on a rank that cannot continue, for example because its file system is full; the
 /// other
 ///              ranks finish their present nodes before this function throws

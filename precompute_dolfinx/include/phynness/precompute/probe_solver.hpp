@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <phynness/formats/database.hpp>
@@ -44,6 +45,12 @@ struct RestResponse {
 
 class Team;
 
+/// What touch(), follow() and solve() throw if the user wants an end (ProbeSolver::set_stop). The solver can be
+/// used again afterwards.
+struct Interrupted : std::exception {
+  const char* what() const noexcept override { return "interrupted"; }
+};
+
 /// The discretized body of this process. Ranks share nothing except the factorizations of a team.
 /// @pre a SolverSession exists during the lifetime of every ProbeSolver
 class ProbeSolver {
@@ -78,6 +85,10 @@ class ProbeSolver {
   /// Must be called after an exception of follow() or solve() before the next call. Recreates the state that libraries
   /// keep between calls.
   void recover();
+
+  /// `stop` is asked between two iterations. A solve that is still at work two seconds after it first said true
+  /// throws Interrupted, so that most rays under way are finished and none keeps a person waiting.
+  void set_stop(std::function<bool()> stop);
 
   int n_dofs() const;
   SolverCounts counts() const;

@@ -1,0 +1,83 @@
+// Claims: a file that is missing, a folder, a pipe, unreadable, too large or full of zeros is refused by name for what
+// it is, and takes no memory; control characters of a file reach no terminal and cut no message short.
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <phynness/formats/input_file.hpp>
+#include <phynness/formats/model.hpp>
+#include <phynness/formats/printable.hpp>
+#include <phynness/formats/scene.hpp>
+
+#include "../formats/database_under_test.hpp"
+
+namespace phynness::test {
+namespace {
+
+class StrangeFile : public DatabaseTest {
+ protected:
+  std::string path(const char* name) const { return (folder() / name).string(); }
+  std::string refused(const fs::path& file, std::uint64_t most_bytes = 100, bool is_text = true) {
+    const auto message = refusal([&] { read_input_file(file, {"the thing", "look elsewhere", most_bytes, is_text}); });
+    expect_contains(message, {file.c_str(), "the thing"});
+    return message;
+  }
+};
+
+TEST_F(StrangeFile, is_called_what_it_is) {
+  expect_contains(refused(path("nowhere")), {"does not exist"});
+  expect_contains(refused(folder()), {"folder"});
+  ASSERT_EQ(mkfifo(path("pipe").c_str(), 0644), 0);
+  expect_contains(refused(path("pipe")), {"pipe"});
+  expect_contains(refused("/dev/null"), {"device"});
+  std::ofstream(path("large")) << std::string(101, 'a');
+  expect_contains(refused(path("large")), {"101"});
+  std::ofstream(path("closed")) << "a";
+  fs::permissions(path("closed"), fs::perms::none);
+  fs::permissions(folder(), fs::perms::owner_all | fs::perms::others_exec);
+  const bool root = ::getuid() == 0;  // whom permissions do not bind: for once as the user nobody
+  if (root) {
+    ASSERT_EQ(::setresuid(65534, 65534, 0), 0);
+  }
+  const auto message = refused(path("closed"));
+  if (root) {
+    ASSERT_EQ(::setresuid(0, 0, 0), 0);
+  }
+  expect_contains(message, {"ermission"});
+}
+
+TEST_F(StrangeFile, with_a_zero_in_its_text_says_where) {
+  std::ofstream(path("text")) << std::string("a\nb\0c", 5);
+  expect_contains(refused(path("text")), {"text:2", "byte 3"});
+  EXPECT_EQ(read_input_file(path("text"), {"", "", 100, false}), std::string("a\nb\0c", 5));
+}
+
+TEST_F(StrangeFile, of_gigabytes_of_zeros_takes_no_memory) {
+  fs::create_directory(folder() / "model");
+  for (const char* name : {"scene.toml", "model/model.txt", "model/mesh.txt"}) {
+    std::ofstream(path(name)) << "# text\n";
+    fs::resize_file(path(name), std::uintmax_t{3} << 30);
+  }
+  rusage before{}, after{};
+  getrusage(RUSAGE_SELF, &before);
+  expect_contains(refusal([&] { read_scene(path("scene.toml")); }), {"scene.toml"});
+  expect_contains(refusal([&] { read_model_dir(folder() / "model"); }), {"model.txt"});
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 100'000) << "kilobytes";
+}
+
+TEST(ControlCharacters, in_a_message_are_escaped_and_cut_nothing_off) {
+  const auto error =
+      input_error("what\x1b[31m", std::string("a\0b\x07\r\x7f\xC2\x9B", 8), "remedy of \xC3\xA9\n\tnext");
+  const std::string text = error.what();
+  EXPECT_EQ(text, "what\\x1b[31m: a\\x00b\\x07\\x0d\\x7f\\x9b\n  remedy: remedy of \xC3\xA9\n\tnext");
+}
+
+TEST(ControlCharacters, and_long_values_leave_room_for_the_remedy) {
+  const std::string text = input_error("what", std::string(1'000'000, 'x'), "the remedy").what();
+  EXPECT_LT(text.size(), 10'000u);
+  expect_contains(text, {"1000000 bytes", "the remedy"});
+  EXPECT_EQ(shortened("\xC3\xA9\xC3\xA9", 3), "\xC3\xA9 ... (4 bytes)");
+}
+
+}  // namespace
+}  // namespace phynness::test
