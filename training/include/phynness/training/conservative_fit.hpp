@@ -57,8 +57,7 @@ inline constexpr double largest_cancellation = 1e3;
 /// @param max_displacement_m  R
 /// @param max_centers  largest number of centers, which is also limited by largest_center_share
 /// @param n_levels     if greater than 1, further networks with half, a quarter, ... of the centers and the same shape
-/// are
-///                     fitted in the same way
+///                     are fitted in the same way
 /// @pre there is at least one state, and all values are finite
 ConservativeFit fit_conservative(const ForceStates& states, double max_displacement_m, int max_centers,
                                  int n_levels = 1);

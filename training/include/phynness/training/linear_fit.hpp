@@ -36,8 +36,7 @@ struct LinearTraining {
 /// @param point  coordinates of the node [m]
 /// @param rays   one per direction, in order
 /// @throws Error (input) if converged increments do not have three independent directions, or if responses are not
-/// linear
-///               (`linear_tolerance`); (failure) if a value is not finite
+///   linear (`linear_tolerance`); (failure) if a value is not finite
 LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
                                  const TouchedNodes& prescribed, const std::vector<Ray>& rays);
 

@@ -55,17 +55,15 @@ struct ResponseSource {
 };
 
 /// Trains every active node with at least one converged increment. Family rbfn: a force and a deformation network; a
-/// spread
-/// <= 0 is searched (spread_search.hpp), with one value for all nodes, and `largest_neuron_share` limits the number of
-/// neurons. Family linear: stiffness and unit responses (linear_fit.hpp); only the family of `spec` is used. Family
-/// modal: a conservative force network and modes (conservative_fit.hpp, modal_fit.hpp).
+/// spread <= 0 is searched (spread_search.hpp), with one value for all nodes, and `largest_neuron_share` limits the
+/// number of neurons. Family linear: stiffness and unit responses (linear_fit.hpp); only the family of `spec` is used.
+/// Family modal: a conservative force network and modes (conservative_fit.hpp, modal_fit.hpp).
 /// @param spec      family, neurons, spreads [scaled inputs], samples, target MSE [scaled outputs], seed
 /// @param report    output
 /// @param progress  never called concurrently
 /// @param threads   0: the number of cores; the result is bitwise independent of it
 /// @throws Error (input) for impossible numbers, without any converged increment, or if family linear is used for
-/// responses
-///               that are not linear; (failure) if it is interrupted or the database has values that are not finite
+///   responses that are not linear; (failure) if it is interrupted or the database has values that are not finite
 Model train(const ResponseSource& source, const TrainingSpec& spec, TrainingReport& report,
             const TrainingProgress& progress = {}, int threads = 0);
 
