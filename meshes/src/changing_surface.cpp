@@ -6,7 +6,7 @@
 namespace phynness::meshes {
 namespace {
 
-// A triangle whose normal turns by more than this during an operation counts as turned over.
+// A triangle whose normal turns by more than this in an operation counts as inverted.
 constexpr double least_normal_cosine = 0.5;
 
 bool turned_over(const Eigen::RowVector3d& before, const Eigen::RowVector3d& after) {
@@ -91,7 +91,7 @@ bool ChangingSurface::split(const Edge& edge, const Vector& x) {
   _at.emplace_back();
   _feature_degree.push_back(0);
   for (const std::int32_t t : *pair) {
-    // The old triangle keeps edge[0]; its copy gets edge[1], so both keep the direction of the old one.
+    // The old triangle keeps edge[0] and its copy gets edge[1], so that both keep the orientation of the old triangle.
     Triangle copy = _triangles[t];
     std::replace(copy.begin(), copy.end(), edge[0], middle);
     replace(t, edge[1], middle);
@@ -118,10 +118,11 @@ bool ChangingSurface::collapse(std::int32_t gone, std::int32_t kept, double long
     else if (node != kept && (_x[node] - _x[kept]).norm() > longest)
       return false;
   }
-  if (common != 2) return false;  // the link condition: anything else pinches the surface
+  if (common != 2) return false;  // the link condition; otherwise the surface would touch itself
   for (const std::int32_t t : *pair)
     if (_at[opposite(t, {gone, kept})].size() <= 3) return false;
-  // A feature may only shrink along itself; a side edge that is a feature would land on another edge.
+  // A feature may only become shorter in its own direction; a side edge that is a feature would coincide with another
+  // edge.
   const bool along_feature = is_feature({gone, kept});
   if (feature_degree(gone) > 0 && !(along_feature && feature_degree(gone) == 2)) return false;
   for (const std::int32_t t : _at[gone])
@@ -149,7 +150,7 @@ bool ChangingSurface::flip(const Edge& edge) {
   const std::int32_t p = opposite((*pair)[0], edge), q = opposite((*pair)[1], edge);
   if (p == q || _at[edge[0]].size() <= 3 || _at[edge[1]].size() <= 3 || triangles_of({p, q})) return false;
   const Vector before = area_vector((*pair)[0]) + area_vector((*pair)[1]);
-  // First triangle: edge[1] becomes q; second: edge[0] becomes p. Both keep their direction.
+  // First triangle: edge[1] becomes q; second: edge[0] becomes p. Both keep their orientation.
   const Vector first = area_vector((*pair)[0], edge[1], _x[q]), second = area_vector((*pair)[1], edge[0], _x[p]);
   if (turned_over(before, first) || turned_over(before, second)) return false;
   replace((*pair)[0], edge[1], q);

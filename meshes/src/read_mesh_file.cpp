@@ -20,7 +20,7 @@ void sort_unique(std::vector<std::int32_t>& nodes) {
 }  // namespace
 
 void GroupBuilder::add(int dimension, std::int64_t tag, const std::vector<std::int32_t>& nodes) {
-  if (tag == 0) return;  // gmsh's "belongs to no physical group"
+  if (tag == 0) return;  // in gmsh's format: belongs to no physical group
   auto& list = _nodes[{dimension, tag}];
   list.insert(list.end(), nodes.begin(), nodes.end());
 }
@@ -63,7 +63,7 @@ RawMesh read_mesh_file(const std::filesystem::path& file) {
   if (!reader)
     throw input_error("mesh file of an unknown kind", file.string(),
                       "give .msh (1, 2.2, 4.1), .vtk (legacy), .stl or .obj");
-  // Ten million tetrahedra, a hundred times what is solved, take some 600 MB as text.
+  // Ten million tetrahedra, a hundred times the number that can be solved, take about 600 MB as text.
   constexpr std::uint64_t most_bytes = 1 << 30;
   const std::string bytes =
       read_input_file(file, {"the mesh file", "name a .msh, .vtk, .stl or .obj file", most_bytes, false});

@@ -41,8 +41,8 @@ class Numbers {
   bool _binary;
 };
 
-/// Cells as lists of point numbers, in both layouts: "n a b c ..." (to version 4.2) and offsets +
-/// connectivity (5.1).
+/// Cells as lists of point numbers, in both layouts: "n a b c ..." (up to version 4.2), and offsets with connectivity
+/// (5.1).
 std::vector<std::vector<std::int32_t>> read_cells(Scanner& scanner, Numbers& numbers, bool with_offsets,
                                                   std::size_t n_points) {
   std::vector<std::vector<std::int32_t>> cells;
@@ -98,7 +98,7 @@ void sort_cell(Scanner& scanner, const std::vector<std::int32_t>& cell, std::siz
   } else if (type == vtk_triangle || type == vtk_quad || type == vtk_polygon) {
     if (cell.size() < 3) refuse(" is a polygon with fewer than three points");
     for (std::size_t k = 2; k < cell.size(); ++k) raw.triangles.push_back({cell[0], cell[k - 1], cell[k]});
-  } else if (type < vtk_vertex || type > 4) {  // 1 to 4 are points and lines: of no interest
+  } else if (type < vtk_vertex || type > 4) {  // 1 to 4 are points and lines, which are skipped
     refuse(" is of a type that is not supported");
   }
 }
@@ -107,7 +107,7 @@ void sort_cell(Scanner& scanner, const std::vector<std::int32_t>& cell, std::siz
 
 RawMesh read_vtk(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
-  const std::string header(scanner.line().substr(0, 256));  // as long as the format allows
+  const std::string header(scanner.line().substr(0, 256));  // the largest length in the format
   const std::string_view magic = "# vtk DataFile Version ";
   if (!header.starts_with(magic))
     throw input_error(source + ":1: not a legacy VTK file", header.substr(0, 40),
@@ -141,7 +141,7 @@ RawMesh read_vtk(const std::string& bytes, const std::string& source) {
         for (double& value : x) value = numbers.real(type, "a point's coordinate");
       points_seen = true;
     } else if (section == "CELLS" || section == "POLYGONS") {
-      if (!points_seen) scanner.fail(section + " stands before POINTS", "", "export the file again");
+      if (!points_seen) scanner.fail(section + " is before POINTS", "", "export the file again");
       cells = read_cells(scanner, numbers, with_offsets, raw.nodes.size());
       cells_seen = true;
     } else if (section == "CELL_TYPES") {

@@ -155,7 +155,7 @@ TEST(SymmetricBody, IsRefusedIfCellsOrSetsAreNot) {
 
   scene.fixed = parse_selection("{ nodes = [1, 3, 5] }");
   message = error_of([&] { resolve_selections(scene, octahedron()); });
-  EXPECT_TRUE(contains(message, "fixed nodes are not symmetric") && contains(message, "node 1 is one")) << message;
+  EXPECT_TRUE(contains(message, "fixed") && contains(message, "node 1 ")) << message;
   scene.fixed = octahedron_scene().fixed;
   for (auto* set : {&scene.active, &scene.output}) {
     Scene lopsided = scene;
