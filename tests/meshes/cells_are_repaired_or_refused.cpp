@@ -85,9 +85,9 @@ TEST(Nodes, UnreferencedAreDroppedByNameAndTheRestKeepTheirOrder) {
 
 TEST(Units, ASizeThatCannotBeMetresIsAskedAbout) {
   const TemporaryFile file(msh_2(two_cells, 2), ".msh");
-  EXPECT_TRUE(contains(joined(import_file(file.path, 1000).warnings), "mesh.scale_to_m = 1000 right?"));
-  EXPECT_TRUE(contains(joined(import_file(file.path, 1e-5).warnings), "right?"));
-  EXPECT_FALSE(contains(joined(import_file(file.path, 0.1).warnings), "right?"));
+  EXPECT_TRUE(contains(joined(import_file(file.path, 1000).warnings), "mesh.scale_to_m = 1000"));
+  EXPECT_TRUE(contains(joined(import_file(file.path, 1e-5).warnings), "mesh.scale_to_m"));
+  EXPECT_FALSE(contains(joined(import_file(file.path, 0.1).warnings), "mesh.scale_to_m"));
 }
 
 }  // namespace
