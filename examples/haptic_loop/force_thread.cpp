@@ -4,7 +4,7 @@
 
 namespace {
 
-/// Solves (K + k I) x = b, K symmetric and k large enough that it is positive definite.
+/// Solves (K + k I) x = b for symmetric K and k so large that the matrix is positive definite.
 Vector3 solve(const double* K, double k, Vector3 b) {
   const double a = K[0] + k, d = K[4] + k, f = K[8] + k, p = K[1], q = K[2], r = K[5];
   const double c00 = d * f - r * r, c01 = q * r - p * f, c02 = p * r - q * d;
@@ -48,12 +48,12 @@ void ForceThread::follow(Vector3 position) {
   double force[3] = {}, stiffness[9] = {};
   const int status = phn_force(_model, _data, _node, d, force, nullptr, _has_stiffness ? stiffness : nullptr);
   _warnings += status > 0;
-  // Networks have no stiffness. With that at rest the balance is found as long as the tissue, where it is touched, is
-  // not more than twice as stiff as it and the coupling together.
+  // Networks have no stiffness, so that the stiffness at rest is used. The iteration converges if the stiffness of the
+  // touched tissue is at most twice the sum of this stiffness and that of the coupling.
   if (!_has_stiffness || status < 0) std::copy(_rest_stiffness, _rest_stiffness + 9, stiffness);
   const double k = _settings.coupling_stiffness_N_per_m;
   const Vector3 unbalanced = k * (position - _tool) - Vector3{force[0], force[1], force[2]};
-  // Where tissue softens faster than the coupling is stiff, a step of the coupling alone.
+  // If the softening of the tissue exceeds the stiffness of the coupling, the step uses the coupling alone.
   const double softest = std::min({stiffness[0], stiffness[4], stiffness[8]});
   const bool safe = softest > -0.5 * k;
   Vector3 next = _tool + (safe ? solve(stiffness, k, unbalanced) : (0.5 / k) * unbalanced);
@@ -64,7 +64,7 @@ void ForceThread::follow(Vector3 position) {
 }
 
 Vector3 ForceThread::kept_passive(Vector3 force, Vector3 moved) {
-  // The force of the last cycle was held while the hand moved (Hannaford & Ryu 2002, doi 10.1109/70.988969).
+  // The force of the last cycle acted while the hand moved (Hannaford & Ryu 2002, doi 10.1109/70.988969).
   _work -= dot(_last_force, moved);
   _most_generated = std::max(_most_generated, -_work);
   const double speed2 = dot(moved, moved) / (_settings.period_s * _settings.period_s);

@@ -24,18 +24,18 @@ namespace {
 const char* const help =
     "haptic_loop MODEL_DIR --node J   a haptic loop at 1 kHz around a model, with a simulated hand and device\n"
     "  --cycles N        milliseconds to run (default 10000)\n"
-    "  --free            as fast as it can, without waiting for the clock\n"
-    "  --motion FILE     recorded positions of the hand, x y z in m a line, one a millisecond\n"
+    "  --free            as fast as possible, without waiting for the clock\n"
+    "  --motion FILE     recorded positions of the hand, x y z in m per line, one line per millisecond\n"
     "  --reach METRES    of the synthetic motion (default: half of the trained displacement)\n"
     "  --coupling N/M    stiffness between device and tool (default 400)\n"
     "  --no-controller   observe energy only\n"
-    "  --stall A,N       the device's positions freeze for N cycles from cycle A on\n"
-    "  --contact         the tool is a sphere that comes from the air, touches, slides and leaves: x and y along the\n"
+    "  --stall A,N       the positions of the device are frozen for N cycles from cycle A on\n"
+    "  --contact         the tool is a sphere that approaches, touches, slides and leaves: x and y along the\n"
     "                    surface at node J, z outward; position 0 is a fifth of the reach above the surface\n"
-    "  --radius METRES   of that sphere (default 0.004)\n"
-    "  --friction MU     its coefficient of friction (default 0)\n"
-    "  --fps F           of the picture thread (default 100)\n"
-    "  --realtime        SCHED_FIFO and locked memory, if this user may\n";
+    "  --radius METRES   radius of the sphere (default 0.004)\n"
+    "  --friction MU     coefficient of friction of the sphere (default 0)\n"
+    "  --fps F           frames per second of the picture thread (default 100)\n"
+    "  --realtime        SCHED_FIFO and locked memory, if the user has the permission\n";
 
 struct Options {
   std::string model_dir, motion;
@@ -66,14 +66,15 @@ Options parse(int argc, char** argv) {
       const char* text = next();
       char* end = nullptr;
       o.node = text ? std::strtol(text, &end, 10) : -1;
-      if (!text || *end != 0 || end == text || o.node < 0) throw std::invalid_argument("--node needs a node's number");
+      if (!text || *end != 0 || end == text || o.node < 0)
+        throw std::invalid_argument("--node needs the number of a node");
     } else if (word == "--cycles") {
       o.cycles = static_cast<long>(number("--cycles", next()));
     } else if (word == "--free") {
       o.free_running = true;
     } else if (word == "--motion") {
       const char* text = next();
-      if (!text) throw std::invalid_argument("--motion needs a file");
+      if (!text) throw std::invalid_argument("--motion needs the name of a file");
       o.motion = text;
     } else if (word == "--reach") {
       o.reach_m = number("--reach", next());
@@ -103,19 +104,19 @@ Options parse(int argc, char** argv) {
       o.model_dir = word;
     }
   }
-  if (o.of_contact && !o.contact) throw std::invalid_argument("--radius and --friction are of a sphere: add --contact");
+  if (o.of_contact && !o.contact) throw std::invalid_argument("--radius and --friction need --contact");
   if (o.model_dir.empty() || o.node < 0)
     throw std::invalid_argument("a model directory and --node are needed (--help)");
   return o;
 }
 
-/// The model and scratch for two threads. Everything that needs memory happens here, before the loop.
+/// The model and scratch for two threads. All memory is allocated here, before the loop.
 class Model {
  public:
   explicit Model(const std::string& folder) {
     const std::string file = folder + "/model.txt";
     std::ifstream in(file, std::ios::binary);
-    if (!in) throw std::runtime_error(file + " cannot be read: name the folder that `phynness train -o` wrote");
+    if (!in) throw std::runtime_error(file + " cannot be read; give a folder that `phynness train -o` wrote");
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     std::size_t bytes = 0;
     check(phn_model_size(text.data(), text.size(), &bytes, nullptr), file);
@@ -127,7 +128,7 @@ class Model {
       check(phn_data_init(_data_memory[i].get(), bytes, _model, 1, &_data[i]), file);
     }
   }
-  /// Of one tool.
+  /// Contact state of one tool.
   phn_contact* make_contact() {
     std::size_t bytes = 0;
     const int status = phn_contact_size(_model, 1, &bytes);
@@ -150,7 +151,7 @@ class Model {
   phn_data* _data[2] = {};
 };
 
-/// Times in ns, counted in steps of an eighth of a power of two: percentiles of any number of cycles in 4 kB.
+/// Counts times in ns in bins of an eighth of a power of two, which gives percentiles of any number of cycles in 4 kB.
 class Histogram {
  public:
   void add(long ns) {
@@ -200,7 +201,7 @@ void ask_for_realtime() {
 
 struct Lateness {
   Histogram computed, woken;
-  long missed = 0, missed_by_us = 0;  ///< cycles that ended late; of these, where the processor computed for half of it
+  long missed = 0, missed_by_us = 0;  ///< late cycles; of these, those that computed for at least half a period
 };
 
 void run(const Options& o) {
@@ -229,7 +230,7 @@ void run(const Options& o) {
   }
   ForceThread loop = touching ? ForceThread(settings, model.model(), *touching)
                               : ForceThread(settings, model.model(), model.data(0), node);
-  // Before the priority is raised, which threads would inherit.
+  // Started before the priority is raised, because threads inherit it.
   PictureThread picture(loop.touch(), model.model(), model.data(1), node, o.frames_per_s);
   if (o.realtime) ask_for_realtime();
 
@@ -263,20 +264,20 @@ void run(const Options& o) {
               lateness.computed.percentile_us(0.5), lateness.computed.percentile_us(0.99),
               lateness.computed.percentile_us(0.999), lateness.computed.most_us());
   if (!o.free_running) {
-    std::printf("waking up late, us   median %.2f  p99 %.2f  p99.9 %.2f  largest %.2f\n",
+    std::printf("wake-up delay, us    median %.2f  p99 %.2f  p99.9 %.2f  largest %.2f\n",
                 lateness.woken.percentile_us(0.5), lateness.woken.percentile_us(0.99),
                 lateness.woken.percentile_us(0.999), lateness.woken.most_us());
     std::printf("missed deadlines     %ld, of these %ld because of the computation\n", lateness.missed,
                 lateness.missed_by_us);
   }
-  std::printf("energy               %.3g mJ taken from the hand, at most %.3g mJ generated on the way\n",
-              1e3 * loop.work(), 1e3 * loop.most_generated());
+  std::printf("energy               %.3g mJ taken from the hand, at most %.3g mJ generated\n", 1e3 * loop.work(),
+              1e3 * loop.most_generated());
   std::printf("force                largest %.3g N; zero for %ld cycles with stale positions\n", largest_force,
               loop.stale_cycles());
   if (touching)
     std::printf("contact              %ld touches, %.1f %% of the cycles\n", touching->touches(),
                 100.0 * static_cast<double>(touching->cycles_in_contact()) / static_cast<double>(o.cycles));
-  std::printf("trained range left   in %ld cycles\n", loop.warnings());
+  std::printf("outside training     %ld cycles\n", loop.warnings());
   std::printf("picture              %ld frames, slowest deformation %.1f us, largest displacement %.3g mm\n",
               picture.frames(), picture.slowest_frame_us(), 1e3 * picture.largest_displacement_m());
 }

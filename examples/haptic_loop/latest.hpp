@@ -1,5 +1,5 @@
-// The latest value from one thread to another, without locks and without waiting: three slots, of which the writer and
-// the reader own one each and swap theirs with the third.
+// The latest value from one thread to another, without locks and without waiting. Of three slots the writer and the
+// reader own one each and exchange theirs with the third.
 #pragma once
 
 #include <atomic>
@@ -7,12 +7,12 @@
 template <class Value>
 class Latest {
  public:
-  /// One thread only.
+  /// Called by one thread only.
   void write(const Value& value) {
     _slot[_writing] = value;
     _writing = _middle.exchange(_writing | fresh, std::memory_order_acq_rel) & index;
   }
-  /// One other thread only. @return whether there was a newer value than at the last call
+  /// Called by one other thread only. @return whether there is a newer value than at the last call
   bool read(Value& value) {
     const bool is_new = _middle.load(std::memory_order_relaxed) & fresh;
     if (is_new) _reading = _middle.exchange(_reading, std::memory_order_acq_rel) & index;

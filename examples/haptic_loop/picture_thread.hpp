@@ -1,4 +1,4 @@
-// What a renderer does: now and then it takes the latest touch and deforms the body, with scratch of its own.
+// The work of a renderer: in each frame it reads the latest contact and deforms the body, with its own scratch.
 #pragma once
 
 #include <phynness/phynness.h>
@@ -11,12 +11,12 @@
 
 class PictureThread {
  public:
-  /// @param data  of this thread alone
+  /// @param data  used by this thread only
   PictureThread(Latest<Touch>& touch, const phn_model* model, phn_data* data, int32_t node, double frames_per_s);
   ~PictureThread() { stop(); }
   void stop();
 
-  // After stop().
+  // Call these after stop().
   long frames() const { return _frames; }
   double slowest_frame_us() const { return _slowest_us; }
   double largest_displacement_m() const { return _largest_m; }  ///< of any output node in any frame

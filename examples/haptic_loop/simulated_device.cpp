@@ -25,7 +25,7 @@ HandMotion HandMotion::recorded(const std::string& file) {
 
 Vector3 HandMotion::at(long cycle) const {
   if (!_positions.empty()) return _positions[static_cast<std::size_t>(cycle) % _positions.size()];
-  // Frequencies of a hand: slow presses, circles, a tremor of 9 Hz; every ten seconds three taps within 50 ms each.
+  // Frequencies of a hand: slow presses, circles, a tremor of 9 Hz, and every ten seconds three taps within 50 ms each.
   const double t = 1e-3 * static_cast<double>(cycle), two_pi = 6.283185307179586;
   const double press = 0.5 - 0.5 * std::cos(two_pi * 0.4 * t), turn = two_pi * 0.9 * t;
   Vector3 p{0.35 * std::cos(turn) * press, 0.35 * std::sin(turn) * press, -0.8 * press};
@@ -38,7 +38,7 @@ Vector3 HandMotion::at(long cycle) const {
 void SimulatedDevice::hold(Vector3 force, bool stalled) {
   const double size = length(force);
   if (size > _settings.largest_force_N) force = (_settings.largest_force_N / size) * force;
-  constexpr int steps = 10;  // the mechanics are faster than a millisecond
+  constexpr int steps = 10;  // the mechanics have shorter time scales than a millisecond
   constexpr double dt = 1e-3 / steps;
   const Vector3 before = _motion.at(_cycle), wanted_velocity = 1e3 * (_motion.at(_cycle + 1) - before);
   for (int i = 0; i < steps; ++i) {

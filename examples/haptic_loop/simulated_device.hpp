@@ -1,6 +1,5 @@
-// A hand that holds a haptic device, as an engineer's test bench has it: the hand is a spring and a damper towards
-// where it wants to be, the device a mass with friction. It measures its position in steps, and what is read is one
-// sample old.
+// A hand that holds a haptic device. The hand is a spring and a damper to its intended position; the device is a mass
+// with friction. Positions are quantized and one sample old.
 #pragma once
 
 #include <string>
@@ -11,16 +10,16 @@
 struct DeviceSettings {
   double mass_kg = 0.08, friction_Ns_per_m = 0.05;
   double hand_stiffness_N_per_m = 250, hand_damping_Ns_per_m = 4;
-  double resolution_m = 2e-5;  ///< of the position that is read
+  double resolution_m = 2e-5;  ///< of the measured position
   double largest_force_N = 8;  ///< of the motors
 };
 
-/// Where the hand wants to be, 1000 times a second.
+/// Intended position of the hand, 1000 times per second.
 class HandMotion {
  public:
-  /// Taps, presses and circles within `reach_m` of rest, for ever.
+  /// Endless taps, presses and circles within `reach_m` of rest.
   explicit HandMotion(double reach_m) : _reach_m(reach_m) {}
-  /// Recorded: three numbers a line, x y z in m from where the tool touched; over and over again.
+  /// A recording with three numbers per line, x y z in m relative to the first contact, which is repeated.
   /// @throws std::runtime_error  with file and line
   static HandMotion recorded(const std::string& file);
   Vector3 at(long cycle) const;
@@ -36,12 +35,13 @@ class SimulatedDevice {
       : _settings(settings), _motion(std::move(motion)) {}
 
   struct Sample {
-    Vector3 position;  ///< m from where the tool touched
-    long cycle = 0;    ///< when it was taken
+    Vector3 position;  ///< [m], relative to the first contact
+    long cycle = 0;    ///< of the measurement
   };
-  /// As the driver gives it: rounded to the resolution, one sample old; frozen while the device is stalled.
+  /// The position as a driver gives it: rounded to the resolution and one sample old; frozen while the device is
+  /// stalled.
   Sample read() const { return _delayed; }
-  /// Holds `force` [N], cut to what the motors can, for a millisecond.
+  /// Applies `force` [N], limited by the motors, for a millisecond.
   void hold(Vector3 force, bool stalled);
 
  private:

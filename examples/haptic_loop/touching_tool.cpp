@@ -8,7 +8,7 @@ namespace {
 
 Vector3 cross(Vector3 a, Vector3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 
-/// Of the surface's vertices: output nodes, then fixed ones.
+/// Point of a vertex of the surface. Vertices are the output nodes, followed by fixed nodes.
 Vector3 point_of(const phn_info& model, int32_t vertex) {
   const int32_t n = model.n_output;
   const double* x = vertex < n ? model.output_points + 3 * vertex : model.fixed_points + 3 * (vertex - n);
@@ -33,7 +33,7 @@ TouchingTool::TouchingTool(const TouchingSettings& settings, const phn_model* of
   }
   if (vertex == model.n_output || !(length(normal) > 0))
     throw std::invalid_argument("node " + std::to_string(node) +
-                                " is no corner of the surface: --contact begins above one");
+                                " is not a vertex of the surface, which --contact needs as its start");
   _axis[2] = (1 / length(normal)) * normal;
   const Vector3 aside = std::abs(_axis[2].x) < 0.7 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
   const Vector3 along = aside - dot(aside, _axis[2]) * _axis[2];
@@ -49,14 +49,14 @@ Vector3 TouchingTool::follow(Vector3 position, Vector3 tool, double coupling, do
       {center.x, center.y, center.z}, _settings.radius_m, _settings.friction, PHN_TOOL_PRESS, 0};
   const bool before = in_contact();
   _status = phn_contact_step(_contact, _data, 1, &sphere, &_state, nullptr);
-  // In the air nothing holds the sphere back.
+  // Without contact no force acts on the sphere.
   if (_status < 0 || !in_contact()) return position;
   _touches += !before;
   ++_in_contact;
   const Vector3 force = to_device(_state.force), pushed_in = to_device(_state.held.displacement);
   const double depth2 = dot(pushed_in, pushed_in);
-  // How stiff the tissue is from rest to here: the balance is found as long as it is not more than twice as stiff, just
-  // here, as this and the coupling together.
+  // Secant stiffness of the tissue from rest. The iteration converges if the tangent stiffness of the tissue is at most
+  // twice the sum of this stiffness and that of the coupling.
   const double stiffness = depth2 > 0 ? std::fmax(0.0, dot(force, pushed_in) / depth2) : 0;
   Vector3 step = (1 / (coupling + stiffness)) * (coupling * (position - tool) - force);
   const double depth = length(pushed_in + step);

@@ -1,4 +1,5 @@
-// A sphere that the coupling moves: through the air, onto the surface, over it and off again (phynness_contact.h).
+// A sphere that the coupling moves in free space, into contact, along the surface and out of contact
+// (phynness_contact.h).
 #pragma once
 
 #include <phynness/phynness_contact.h>
@@ -7,11 +8,11 @@
 
 struct TouchingSettings {
   double radius_m = 0.004, friction = 0;
-  double clearance_m = 0.001;  ///< between sphere and surface where the device's position is 0
+  double clearance_m = 0.001;  ///< between sphere and surface if the position of the device is 0
 };
 
-/// The device's frame: x and y along the surface at a node, z outward. Its origin: where the sphere is the clearance
-/// above that node.
+/// Frame of the device: x and y along the surface at a node, z outward. At its origin the distance between the sphere
+/// and this node is the clearance.
 class TouchingTool {
  public:
   /// @param contact  of one tool
@@ -19,12 +20,13 @@ class TouchingTool {
   TouchingTool(const TouchingSettings& settings, const phn_model* model, phn_data* data, phn_contact* contact,
                int32_t node);
 
-  /// One step of the balance of a coupling [N/m] from the device to the sphere, whose centre is at `tool`, with what
-  /// that touches. @param deepest  of the touched point [m], 0: none
-  /// @return the sphere's centre after it
+  /// One step of the equilibrium between the coupling [N/m] from the device to the sphere, with its centre at `tool`,
+  /// and the touched tissue.
+  /// @param deepest  largest displacement of the touched point [m]; 0: no limit
+  /// @return the centre of the sphere after the step
   Vector3 follow(Vector3 position, Vector3 tool, double coupling, double deepest);
 
-  /// What the surface is held by; its nodes are -1 in the air.
+  /// The contact that holds the surface; its nodes are -1 without contact.
   const phn_tool& held() const { return _state.held; }
   bool in_contact() const { return _state.in_contact != 0; }
   long touches() const { return _touches; }
