@@ -28,8 +28,8 @@ refused 2 'model directory' --node 3
 refused 2 'positive number' modal --node 3 --cycles -1
 refused 1 'phynness train' nowhere --node 3
 refused 1 'node 1' modal --node 1
-refused 2 'add --contact' modal --node 3 --radius 0.01
+refused 2 'radius' modal --node 3 --radius 0.01
 refused 2 'positive number' modal --node 3 --contact --friction -0.5
-refused 2 'no corner of the surface' modal --node 15 --contact
+refused 2 'node 15' modal --node 15 --contact
 printf '0 0 up\n' > motion.txt
 refused 1 'motion.txt:1' modal --node 3 --motion motion.txt
