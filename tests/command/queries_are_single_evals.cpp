@@ -1,7 +1,6 @@
-// Claim: eval --queries gives for each row what eval gives for that node and displacement alone, to the last digit, in
-// the order of the rows, for families with and without an energy, inside and beyond the trained range. A file with
-// a bad row is refused with status 2, the line, the value and a remedy, and nothing on stdout. Ten thousand rows take
-// one call.
+// Claim: eval --queries gives for each row exactly the result of eval for this node and displacement, in the order of
+// the rows, for families with and without energy, inside and outside of the trained range. A file with a wrong row is
+// refused with status 2, the line, the value and a remedy, and stdout remains empty. Ten thousand rows take one call.
 #include <algorithm>
 
 #include "../pipeline/command_line.hpp"

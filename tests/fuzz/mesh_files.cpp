@@ -1,7 +1,6 @@
-// Any bytes as a mesh: mesh.txt, .msh, .vtk, .stl, .obj. Read, or an Error in words. Input: a byte (which
-// reader; bit 3: put the right checksum, of mesh.txt; bits 4 to 6: repair, millimetres, half a body), the
-// file. What a reader gives is checked as a body, as a surface and as a shell: a sound mesh, or an Error in
-// words.
+// Arbitrary bytes as a mesh (mesh.txt, .msh, .vtk, .stl, .obj) are read or result in an Error. Input: a byte (the
+// reader; bit 3: set the right checksum, of mesh.txt; bits 4 to 6: repair, millimetres, half a body), then the file.
+// The contents are checked as a body, as a surface and as a shell, which gives a valid mesh or an Error.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mesh.hpp>
 

@@ -1,5 +1,5 @@
-// Claims: the liver at the paper's size has the paper's counts; target_nodes is met; shapes have their
-// closed-form volumes; the same scene gives the same mesh; impossible wishes are refused.
+// Claims: the liver with the size of the paper has the paper's counts. target_nodes is met. Shapes have the volumes of
+// closed forms. The same scene gives the same mesh. Impossible sizes are refused.
 #include <cmath>
 #include <numbers>
 

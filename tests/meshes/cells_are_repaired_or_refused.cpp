@@ -1,6 +1,6 @@
-// Claims: cells numbered the other way round are flipped by name; flat, overlapping or separate cells, NaN
-// coordinates and pinched bodies are refused by name; unreferenced nodes are dropped by name without touching
-// the order of the others.
+// Claims: cells with opposite numbering are flipped with a note. Flat, overlapping or separate cells, NaN coordinates
+// and pinched bodies are refused with their numbers. Unreferenced nodes are dropped with a note, and the order of all
+// others is kept.
 #include "mesh_under_test.hpp"
 
 namespace phynness::test {

@@ -1,6 +1,5 @@
-// Claim: a file whose triangles or cells are points, lines, repeated, too far away or not there at all is
-// refused with words, whatever its format and whether it is to be filled, repaired, mirrored or taken for a
-// shell. None ends the program.
+// Claim: a file whose triangles or cells are points, lines, repeated, too far away or missing is refused with a
+// message, in every format and for filling, repair, mirroring and shells. None ends the program.
 #include <sstream>
 
 #include "body.hpp"

@@ -1,6 +1,6 @@
-// Claim: each selector picks the nodes its definition says, those exactly on its border included; whatever
-// cannot be meant is refused with file and line. The body is a 3 x 3 x 3 grid of nodes with spacing 1,
-// numbered x first.
+// Claim: each selector selects the nodes of its definition, including those exactly on its boundary. Impossible
+// selections are refused with file and line. The body is a 3 x 3 x 3 grid of nodes with spacing 1, numbered along x
+// first.
 #include <Eigen/LU>
 
 #include "mesh_under_test.hpp"

@@ -1,7 +1,7 @@
-// Claims: a shell's triangles may come from any file of triangles, open or closed, in any orientation; what
-// no shell can be made of is refused by name: several pieces, edges of three triangles, one-sided and folded
-// surfaces, triangles without area, walls too thick for their bends. A seam whose nodes are there twice is
-// named, and closed on request.
+// Claims: the triangles of a shell may be those of any file of triangles, open or closed, in any orientation. Surfaces
+// that cannot be shells are refused with the reason: several pieces, edges of three triangles, surfaces that are not
+// orientable or are folded, triangles without area, walls that are too thick for their bends. A seam with duplicate
+// nodes results in a warning, and is closed on request.
 #include <cmath>
 #include <functional>
 #include <numbers>

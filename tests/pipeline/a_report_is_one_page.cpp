@@ -1,5 +1,4 @@
-// Claim: a report is one page that needs nothing else, holds what it promises, and is what a browser reads
-// without a word.
+// Claim: a report is one self-contained page with all of its parts, which a browser reads without an error.
 #include <regex>
 #include <set>
 

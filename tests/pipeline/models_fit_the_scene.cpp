@@ -1,5 +1,5 @@
-// Claim: family modal goes through the pipeline, beats the paper's networks and the linear predictor on the
-// same probes, and tune writes the model that meets the limits or says why none does.
+// Claim: family modal passes through the pipeline and has smaller errors than the paper's networks and the linear
+// predictor for the same probes. tune writes the model that meets the limits, or names the limits that are not met.
 #include <algorithm>
 #include <phynness/formats/model.hpp>
 

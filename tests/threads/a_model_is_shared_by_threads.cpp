@@ -1,6 +1,6 @@
-// Claims: threads that share a model, a surface and an image, each with scratch of its own, get the answers
-// that one thread gets alone, to the last bit; what the force thread of the haptic loop hands to the picture
-// thread is whole. Run by the sanitizer of threads, too, which sees races that answers do not show.
+// Claims: threads that share a model, a surface and an image, each with its own scratch, get exactly the results of a
+// single thread. The data that the force thread of the haptic loop passes to the picture thread are complete. The test
+// also runs with the sanitizer of threads, which detects races that results do not show.
 #include <gtest/gtest.h>
 #include <phynness/phynness_paper.h>
 #include <phynness/phynness_surface.h>

@@ -1,5 +1,5 @@
-// Claim: the front holds exactly the models that none beats in everything, and the choice is the cheapest
-// within the limits, or says which limit is missed and by how much.
+// Claim: the front contains exactly the models for which no other model is better in everything. The selected model is
+// the cheapest one within the limits; otherwise the result names the missed limit and the factor.
 #include <gtest/gtest.h>
 
 #include <phynness/tuning/tuning.hpp>
