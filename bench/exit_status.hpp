@@ -1,5 +1,6 @@
 // Exit status of studies and benchmarks, as of the command: 0, 1 for a failure, 2 for wrong input, with the reason on
 // stderr.
+#pragma once
 
 #include <cstdio>
 #include <exception>

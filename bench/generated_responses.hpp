@@ -1,4 +1,5 @@
 // Response sets of the size of the paper's liver without a solver: smooth nonlinear fields around every active node.
+#pragma once
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,5 @@
 // Sources of the error of a modal model: truncation of modes, residuals of the fit, or too few directions.
+#pragma once
 
 #include <phynness/validation/probed_states.hpp>
 
