@@ -1,4 +1,4 @@
-// A model in the runtime's hands and the times of its calls, beside those of plain loops.
+// A model in the runtime and the times of its calls, compared with those of plain loops.
 #pragma once
 
 #include <array>
@@ -17,10 +17,10 @@ inline void check(rt::Status status) {
   if (!status.ok()) throw std::runtime_error(status.message());
 }
 
-/// Results go here, so that somebody reads them.
+/// Receives results, so that the compiler does not remove the calls.
 inline volatile double sink = 0;
 
-/// As a hand moves: another displacement for each call, within 15 mm.
+/// Displacements within 15 mm that change from call to call, as in a haptic loop.
 inline void displacement(int i, double* d) {
   for (int k = 0; k < 3; ++k) d[k] = 0.0003 * ((i * (k + 3)) % 50);
 }

@@ -6,7 +6,7 @@
 namespace phynness::meshes {
 namespace {
 
-// A triangle whose normal turns by more than this during an operation counts as turned over.
+// A triangle whose normal turns by more than this in an operation counts as inverted.
 constexpr double least_normal_cosine = 0.5;
 
 bool turned_over(const Eigen::RowVector3d& before, const Eigen::RowVector3d& after) {
@@ -91,7 +91,7 @@ bool ChangingSurface::split(const Edge& edge, const Vector& x) {
   _at.emplace_back();
   _feature_degree.push_back(0);
   for (const std::int32_t t : *pair) {
-    // The old triangle keeps edge[0]; its copy gets edge[1], so both keep the direction of the old one.
+    // The old triangle keeps edge[0] and its copy gets edge[1], so that both keep the orientation of the old triangle.
     Triangle copy = _triangles[t];
     std::replace(copy.begin(), copy.end(), edge[0], middle);
     replace(t, edge[1], middle);

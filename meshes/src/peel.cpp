@@ -62,7 +62,8 @@ std::int32_t peel_slivers(RawMesh& raw) {
     for (const Triangle& t : boundary)
       for (const Edge& e : {Edge{t[0], t[1]}, Edge{t[1], t[2]}, Edge{t[0], t[2]}}) surface_edges.insert(e);
     std::set<std::size_t> gone;
-    std::set<std::int32_t> touched;  // one swap per neighbourhood and round: each sees the surface as it was
+    // One swap per neighbourhood and round, so that each is checked on the present surface.
+    std::set<std::int32_t> touched;
     for (const std::size_t c : flat) {
       const Tetrahedron& cell = raw.tetrahedra[c];
       std::vector<std::int32_t> inner;  // nodes opposite to the faces on the surface: ends of the new edge

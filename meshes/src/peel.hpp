@@ -1,4 +1,4 @@
-// Flat tetrahedra on the surface of a generated mesh, which no smoothing of inner nodes can cure.
+// Removes flat tetrahedra on the surface of a generated mesh, which smoothing of inner nodes cannot improve.
 #pragma once
 
 #include "raw_mesh.hpp"

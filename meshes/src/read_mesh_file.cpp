@@ -41,7 +41,7 @@ std::string extensions() {
 }  // namespace
 
 void GroupBuilder::add(int dimension, std::int64_t tag, const std::vector<std::int32_t>& nodes) {
-  if (tag == 0) return;  // gmsh's "belongs to no physical group"
+  if (tag == 0) return;  // in gmsh's format: belongs to no physical group
   auto& list = _nodes[{dimension, tag}];
   list.insert(list.end(), nodes.begin(), nodes.end());
 }

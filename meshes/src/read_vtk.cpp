@@ -40,8 +40,8 @@ class Numbers {
   bool _binary;
 };
 
-/// Cells as lists of point numbers, in both layouts: "n a b c ..." (to version 4.2) and offsets +
-/// connectivity (5.1).
+/// Cells as lists of point numbers, in both layouts: "n a b c ..." (up to version 4.2), and offsets with connectivity
+/// (5.1).
 std::vector<std::vector<std::int32_t>> read_cells(Scanner& scanner, Numbers& numbers, bool with_offsets,
                                                   std::size_t n_points) {
   std::vector<std::vector<std::int32_t>> cells;
@@ -88,7 +88,7 @@ std::vector<std::vector<std::int32_t>> read_cells(Scanner& scanner, Numbers& num
 
 RawMesh read_vtk(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
-  const std::string header(scanner.line().substr(0, 256));  // as long as the format allows
+  const std::string header(scanner.line().substr(0, 256));  // the largest length in the format
   const std::string_view magic = "# vtk DataFile Version ";
   if (!header.starts_with(magic))
     throw input_error(source + ":1: not a legacy VTK file", header.substr(0, 40),
@@ -122,7 +122,7 @@ RawMesh read_vtk(const std::string& bytes, const std::string& source) {
         for (double& value : x) value = numbers.real(type, "a point's coordinate");
       points_seen = true;
     } else if (section == "CELLS" || section == "POLYGONS") {
-      if (!points_seen) scanner.fail(section + " stands before POINTS", "", "export the file again");
+      if (!points_seen) scanner.fail(section + " is before POINTS", "", "export the file again");
       cells = read_cells(scanner, numbers, with_offsets, raw.nodes.size());
       cells_seen = true;
     } else if (section == "CELL_TYPES") {

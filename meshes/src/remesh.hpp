@@ -1,4 +1,4 @@
-// A closed surface with triangles of one wanted size.
+// A closed surface with triangles of a given size.
 #pragma once
 
 #include "surface.hpp"

@@ -30,13 +30,13 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   if (mesh.nodes.rows() == 0) throw input_error("cannot select nodes: the mesh is empty", "", "give a mesh with cells");
   for (const Selector& selector : scene.fixed)
     if (selector.choice->needs_fixed())
-      throw input_error(at(selector.where) + "the fixed nodes are selected by what is not fixed",
+      throw input_error(at(selector.where) + "the selector of the fixed nodes depends on the fixed nodes",
                         "\"free-surface\" or \"free\"", "use \"surface\" or a box");
   SelectableBody body(mesh);
   sets.fixed = select_nodes(scene.fixed, body, "fixed", scene.fixed_where);
   body.fixed = sets.fixed;
   if (!hold_the_body(mesh, sets.fixed))
-    throw input_error(at(scene.fixed_where) + "the fixed nodes do not hold the body: it can still turn",
+    throw input_error(at(scene.fixed_where) + "the fixed nodes do not prevent rotations of the body",
                       std::to_string(sets.fixed.size()) + " nodes: " + first_of(sets.fixed),
                       "fix at least three nodes that are not on one line");
   if (std::includes(sets.fixed.begin(), sets.fixed.end(), body.surface.begin(), body.surface.end()))

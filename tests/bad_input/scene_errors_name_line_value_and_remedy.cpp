@@ -1,4 +1,4 @@
-// Claim: every way to get a scene wrong is refused with file and line, the value that did it, and a remedy.
+// Claim: every error in a scene is refused with file and line, the wrong value, and a remedy.
 #include <algorithm>
 #include <vector>
 

@@ -1,6 +1,6 @@
-// Claims: sizes that double precision cannot hold, numbers that are none, control characters, files that are something
-// else and foreign files in a database's folder of logs are refused, or left alone, by the command as a person runs it;
-// what a run says about itself is of this run; an output that cannot be written leaves nothing half.
+// Claims: sizes outside of double precision, texts that are not numbers, control characters, files of other kinds and
+// foreign files in the log folder of a database are refused by the command, or ignored. Outputs describe the present
+// run only, and an output that cannot be written does not remain incomplete.
 #include <sys/resource.h>
 
 #include "../pipeline/command_line.hpp"

@@ -1,4 +1,4 @@
-// A hand that moves tools on the bodies of bodies.hpp.
+// Moves tools on the bodies of bodies.hpp.
 #pragma once
 
 #include <gtest/gtest.h>

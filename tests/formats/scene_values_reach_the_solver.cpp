@@ -1,6 +1,6 @@
-// Claims: a scene means the same whatever pair of moduli it is written with; its identity depends on the
-// physics and nothing else; its documentation names every key; what ships is valid; the locale of the process
-// plays no part.
+// Claims: the meaning of a scene does not depend on the pair of moduli with which it is written. Its hash depends on
+// the physics only. The documentation names every key. All scenes of the distribution are valid. The locale of the
+// process has no influence.
 #include <clocale>
 #include <cmath>
 #include <filesystem>

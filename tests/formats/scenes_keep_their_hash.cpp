@@ -1,7 +1,6 @@
-// Claim: what a selector is called in the physics summary, and with it the hash that databases carry, stays
-// as it is; so do hash and choices of the scenes that ship, whatever the defaults become. A hash that changes
-// makes every database of such a scene unusable: change these numbers only together with a note in the
-// changelog.
+// Claim: the text of a selector in the physics summary, and with it the hash in databases, does not change; neither do
+// hash and values of the scenes of the distribution if defaults change. A changed hash makes all databases of such a
+// scene unusable: change these numbers only together with a note in the changelog.
 #include <filesystem>
 #include <phynness/formats/database.hpp>
 

@@ -1,5 +1,5 @@
-// Any sequence of tools that come, touch, slide and go, at any places and of any sizes. Every step is taken
-// twice: by a contact with scratch in use, and by its twin with fresh scratch. Input: which model, how many
+// Arbitrary sequences of tools that approach, touch, slide and leave, at any places and of any sizes. Every step is
+// computed twice: with a contact whose scratch was used before, and with fresh scratch. Input: the model, the number of
 // tools, steps.
 #include <phynness/phynness_levels.h>
 

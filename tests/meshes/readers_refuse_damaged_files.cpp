@@ -1,6 +1,5 @@
-// Claim: whatever is wrong with a file, the answer is an Error with the place and the defect; never a crash,
-// a hang, a huge allocation or half a mesh. Every truncation of a small file is tried, and every byte set to
-// something else.
+// Claim: every defect of a file results in an Error with place and defect, and never in a crash, a hang, a huge
+// allocation or an incomplete mesh. All truncations of a small file and changes of all its bytes are tried.
 #include <random>
 
 #include "mesh_under_test.hpp"

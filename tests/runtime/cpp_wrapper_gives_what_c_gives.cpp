@@ -1,5 +1,5 @@
-// Claims: phynness.hpp gives the bits and statuses of phynness.h, owns its memory or uses yours, survives
-// moves, writes through maps of Eigen in place, and takes no array of a wrong length.
+// Claims: phynness.hpp gives the bits and statuses of phynness.h, owns its memory or uses that of the caller, can be
+// moved, writes through maps of Eigen in place, and refuses arrays of a wrong length.
 #include <gtest/gtest.h>
 
 #include <array>

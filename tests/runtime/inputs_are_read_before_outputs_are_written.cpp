@@ -1,7 +1,6 @@
-// Claim: every function of phynness.h and the headers beside it gives the same bits and status when an output lies in
-// the memory of an input, at any offset, as when it does not. Outputs that overlap each other, and those over inputs
-// that are too large to be copied, are refused and hold zeros. A function of the headers that has no row here fails the
-// test.
+// Claim: every function of phynness.h and the other headers gives the same bits and status if an output overlaps an
+// input at any offset. Outputs that overlap each other, or inputs that are too large to be copied, are refused with
+// zeros as output. A function of the headers without a row here fails the test.
 #include <phynness/phynness_contact.h>
 #include <phynness/phynness_surface.h>
 

@@ -24,7 +24,7 @@ ErrorStatistics ErrorStatistics::of(std::vector<double> samples) {
   std::sort(samples.begin(), samples.end());
   s.mean = std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
   s.median = samples[(samples.size() - 1) / 2];
-  // Nearest rank: the smallest sample that at least 95 % of the samples do not exceed.
+  // Nearest rank: the smallest sample that is not exceeded by at least 95 % of the samples.
   const auto rank = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(samples.size())));
   s.p95 = samples[rank - 1];
   s.max = samples.back();
@@ -33,7 +33,7 @@ ErrorStatistics ErrorStatistics::of(std::vector<double> samples) {
 
 namespace {
 
-/// Ranks less their mean; equal values share theirs.
+/// Ranks minus their mean; equal values have the same rank.
 std::vector<double> centered_ranks(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -36,7 +36,7 @@ std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, s
   if (triangles.empty())
     throw input_error("no triangle of the surface has three active corners",
                       std::to_string(active.size()) + " active nodes",
-                      "probe a coherent part of the surface, or leave --points out");
+                      "probe a coherent part of the surface, or omit --points");
   const Points normals = node_normals(model.mesh());
   std::mt19937_64 random(seed);
   std::vector<Place> places(static_cast<std::size_t>(points));
@@ -59,7 +59,7 @@ std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, s
   return places;
 }
 
-/// One predictor's word and the truth, at one place and displacement.
+/// Prediction and finite element solution at one point and displacement.
 struct Compared {
   Vec3 force{}, force_FE{};
   Points u, u_FE;  ///< n_output x 3
@@ -69,7 +69,7 @@ struct PointSamples {
   std::vector<double> force, displacement, field_l2;
 };
 
-/// @param without  position among the output nodes that does not count; -1: all do
+/// @param without  position of the output node that does not count; -1: all count
 void collect(const std::vector<Compared>& compared, Eigen::Index without, PointSamples& samples) {
   double largest_force = 0, largest_u = 0;
   for (const auto& c : compared) {

@@ -9,7 +9,7 @@ namespace phynness::devices {
 template <class Value>
 class Latest {
  public:
-  /// One thread only.
+  /// Called by one thread only.
   void write(const Value& value) {
     _slot[_writing] = value;
     _writing = _middle.exchange(_writing | fresh, std::memory_order_acq_rel) & index;

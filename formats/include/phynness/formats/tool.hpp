@@ -24,10 +24,9 @@ inline double patch_weight(double s2) { return s2 < 1 - 1e-9 ? (1 - s2) * (1 - s
 
 /// @param nodes, surface  of the mesh; any unit, the same as tool_radius
 /// @param fixed           fixed nodes, ascending, which a tool does not move
-/// @param tool_radius     0: a node probe, which moves `node` alone. Else a patch: the surface nodes within
-/// the radius
-///                        (straight distance) that can be reached from `node` over surface edges between such
-///                        nodes, so that a tool wider than the body is thick does not hold its far side.
+/// @param tool_radius     0: a node probe, which moves `node` alone. Else a patch: the surface nodes within the radius
+///                        (straight distance) that can be reached from `node` over surface edges between such nodes, so
+///                        that a tool wider than the body is thick does not hold its far side.
 TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
                            std::int32_t node, double tool_radius);
 
