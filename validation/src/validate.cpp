@@ -220,9 +220,18 @@ std::vector<char> counted_nodes(const ProbeSolver& solver, const std::vector<std
 /// Solves the probes of one node. `go_on` is asked after every ray.
 NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& entry, double increment_m,
                       const std::function<bool()>& go_on) {
-  solver.touch({entry.node});
   NodeProbes found;
   found.node = entry.node;
+  try {
+    solver.touch({entry.node});
+  } catch (const Error& error) {
+    if (error.kind() == Error::Kind::input) throw;
+    for (const auto& pair : entry.pairs) {  // none can be solved; those of other nodes can
+      found.failed += 1 + (pair.outside_m > 0);
+      if (!go_on()) break;
+    }
+    return found;
+  }
   found.counts = counted_nodes(solver, model.output);
   if (!entry.pairs.empty()) found.curve = {entry.node, entry.pairs.front().direction, {}, {}};
   for (const auto& pair : entry.pairs) {

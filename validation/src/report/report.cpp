@@ -124,6 +124,7 @@ std::string solved(const ReportInput& in) {
   out += fmt::format("<p>In training {} of {} rays stopped short of the full depth, at {} of {} nodes{}</p>\n",
                      short_rays, rays, incomplete, in.model.model().nodes.size(),
                      short_rays > 0 ? "; there the runtime warns, and the trained range is what was reached." : ".");
+  for (const auto& part : in.not_done) out += "<p class=\"warning\">" + escaped(part) + "</p>\n";
   return section("What was solved, and what failed", out);
 }
 

@@ -11,7 +11,8 @@ struct ReportInput {
   const LoadedModel& model;
   const ValidationReport& validation;
   std::uint64_t seed = 0;
-  std::string software;  ///< versions of what computed it
+  std::string software;                 ///< versions of what computed it
+  std::vector<std::string> not_done{};  ///< parts of the validation that were asked for and not done, and why
 };
 
 /// Plots are drawn by gnuplot. @throws Error (failure) if it is not there
