@@ -83,6 +83,21 @@ TEST_F(PointsOfPatches, AreSolvedAndValidated) {
   EXPECT_LT(points.at("coupled").at("force").at("mean").get<double>(), 0.1);
 }
 
+TEST_F(PointsOfPatches, ThatOverlapAreRefusedByEvalAndSolveAlike) {
+  write_file(folder / "scene.toml", patch_scene());
+  ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+  const std::string first = " --point 0.02,0.02,0.05 --displacement 0,0,-0.003", second = " --displacement 0,0,-0.002",
+                    near = " --point 0.045,0.02,0.05" + second, far = " --point 0.08,0.065,0.05" + second;
+  for (const std::string command : {"solve out/database.h5", "eval out/model"}) {
+    const auto overlap = phynness(command + first + near);
+    EXPECT_EQ(overlap.exit_status, 2) << command << overlap.out;
+    expect_error(overlap.err, {"node"});
+    EXPECT_EQ(phynness(command + first + far).exit_status, 0) << command;
+  }
+  const auto paper = phynness("eval out/model --tools paper --node 4 --node 4" + second + second);
+  EXPECT_EQ(paper.exit_status, 2);
+}
+
 TEST_F(PointsOfPatches, APartThatCannotBeDoneCostsNoOther) {
   auto scene = patch_scene();  // two active nodes: no triangle has three, and both are in both patches
   const auto active = scene.find("active = {");
