@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
@@ -142,8 +143,9 @@ void print_conditions(const Scene& scene, const ValidationReport& report) {
                name(scene.material.law), name(element), K_mu,
                element->locks_severely && K_mu > element->locks_above ? " (locked)" : "", name(scene.probe.kind),
                1e3 * scene.probe.max_displacement_m);
-  print_result("{} probes at {} nodes ({} next to fixed nodes; nodes: {}); {} probes failed\n", report.probes,
-               report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
+  const auto [nearest, farthest] = std::ranges::minmax(report.fixed_distance_m);
+  print_result("{} probes at {} nodes ({}), {:.3g} to {:.3g} mm from the nearest fixed node; {} probes failed\n",
+               report.probes, report.nodes.size(), nodes, 1e3 * nearest, 1e3 * farthest, report.failed);
 }
 
 void print(const Compared& compared, const Measured& m, int ranks) {
@@ -173,6 +175,7 @@ json conditions(const Compared& compared, const Measured& m) {
           {"max_displacement_m", scene.probe.max_displacement_m},
           {"outside_factor", m.report.outside_factor},
           {"nodes", m.report.nodes},
+          {"fixed_distances_m", m.report.fixed_distance_m},
           {"level", compared.model.data().level()},
           {"seed", m.seed}};
 }

@@ -362,7 +362,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   report.outside_factor = outside_factor;
   for (const auto& entry : plan) {
     report.nodes.push_back(entry.node);
-    report.n_beside_fixed += entry.beside_fixed;
+    report.fixed_distance_m.push_back(entry.fixed_distance_m);
   }
   for (std::size_t p = 0; p < n_predictors; ++p) {
     for (auto& group : samples[p])

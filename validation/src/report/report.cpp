@@ -103,13 +103,14 @@ std::string solved(const ReportInput& in) {
   std::string nodes;
   for (std::size_t i = 0; i < std::min<std::size_t>(20, v.nodes.size()); ++i) nodes += fmt::format(" {}", v.nodes[i]);
   if (v.nodes.size() > 20) nodes += " ...";
+  const auto [nearest, farthest] = std::ranges::minmax(v.fixed_distance_m);
   std::string out = fmt::format(
-      "<p>{} fresh probes at {} active nodes, {} of them beside the fixed ones ({}); directions uniform on "
-      "the sphere, half of "
+      "<p>{} fresh probes at {} active nodes ({}), {:.3g} to {:.3g} mm from the nearest fixed node; directions "
+      "uniform on the sphere, half of "
       "the depths inside the trained range, half beyond it up to {:.2f} times. {} were solved inside, {} "
       "beyond; {} found no "
       "equilibrium and count nowhere.</p>\n",
-      v.probes, v.nodes.size(), v.n_beside_fixed, nodes.empty() ? "" : nodes.substr(1), v.outside_factor,
+      v.probes, v.nodes.size(), nodes.empty() ? "" : nodes.substr(1), 1e3 * nearest, 1e3 * farthest, v.outside_factor,
       v.solved_inside, v.solved_outside, v.failed);
   std::size_t short_rays = 0, rays = 0, incomplete = 0;
   for (const auto& node : in.model.model().nodes) {

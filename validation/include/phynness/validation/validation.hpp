@@ -77,7 +77,7 @@ struct ValidationReport {
   std::int64_t solved_inside = 0, solved_outside = 0;
   std::int64_t rays = 0, rays_finished = 0;  ///< planned, with at most two probes each; fewer if interrupted
   std::vector<std::int32_t> nodes;           ///< active nodes probed
-  std::int32_t n_beside_fixed = 0;           ///< of them chosen among the nearest to the fixed nodes
+  std::vector<double> fixed_distance_m;      ///< of each of them, to the nearest fixed node
   double outside_factor = 0;                 ///< outside: R < |d| <= this * R
   std::array<PredictorErrors, 3> errors;     ///< by Predictor
   /// Spearman's rank correlation of the force's error with the distance from what was trained, over the
@@ -101,8 +101,8 @@ class SolverSession;
 
 /// Solves fresh probes on the model's own mesh: directions uniform on the sphere (the inward half of it for
 /// hemisphere scenes), magnitudes uniform; half of the probes inside the trained range, half beyond. At least
-/// ten active nodes where there are as many, two in ten of them beside the fixed nodes. Collective over the
-/// session's ranks, the result is the same for any number of them; complete on rank 0.
+/// ten active nodes where there are as many, two in ten of them among the nearest to the fixed nodes. Collective over
+/// the session's ranks, the result is the same for any number of them; complete on rank 0.
 /// @param nodes  active nodes probed; 0: a twentieth of the probes, at least ten. (17) divides by the largest
 /// response
 ///               of a node's probes, so few probes a node make large errors of it
