@@ -30,5 +30,25 @@ TEST_F(ValidationWords, AreDistances) {
   expect_names(validated.out, {" mm from the nearest fixed node"});
 }
 
+TEST_F(ValidationWords, NameWhatIsWorseThanLinear) {
+  // A single neuron cannot repeat a deformation; 16 modes can.
+  const auto poor = phynness("train scene.toml d.h5 -o poor --family rbfn --neurons 1 --json t.json");
+  ASSERT_EQ(poor.exit_status, 0) << poor.err;
+  expect_names(poor.err, {"warning:", "linear predictor", "displacement"});
+  const auto training = json("t.json").at("training_errors");
+  EXPECT_GT(training.at("displacement").get<double>(), training.at("displacement_linear").get<double>());
+  const auto validated = phynness("validate scene.toml poor --probes 8 --json v.json --report r.html");
+  ASSERT_EQ(validated.exit_status, 0) << validated.err;
+  expect_names(validated.out, {"worse than the linear predictor", "displacement"});
+  EXPECT_FALSE(json("v.json").at("worse_than_linear").empty());
+  expect_names(read_file(folder / "r.html"), {"worse than the linear predictor"});
+
+  const auto good = phynness("train scene.toml d.h5 -o good --family modal --json t.json");
+  ASSERT_EQ(good.exit_status, 0) << good.err;
+  EXPECT_EQ(good.err.find("linear predictor"), std::string::npos) << good.err;
+  ASSERT_EQ(phynness("validate scene.toml good --probes 8 --json v.json").exit_status, 0);
+  EXPECT_TRUE(json("v.json").at("worse_than_linear").empty()) << json("v.json").at("worse_than_linear");
+}
+
 }  // namespace
 }  // namespace phynness::test

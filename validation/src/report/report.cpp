@@ -53,15 +53,19 @@ std::string headline(const ReportInput& in) {
   if (errors.displacement.n > 0)
     moved = fmt::format("; displacements by {} % (linear: {} %)", percent(errors.displacement.mean),
                         percent(linear.displacement.mean));
-  return fmt::format(
-      "<p>Inside the trained range the model's force is off by {} % in the mean ({} % in the median, {} % at "
-      "worst), where three unit responses, the linear predictor, are off by {} %{}. {} of {} probes have a "
-      "force "
-      "off by more than {:.0f} %, which a hand may notice. All figures are error (17): the difference over "
-      "the "
-      "largest finite element response of that node.</p>\n",
-      percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max), percent(linear.force.mean),
-      moved, felt, n, 100 * noticeable);
+  std::string warnings;
+  for (const auto& worse : worse_than_linear(in.validation))
+    warnings += "<p class=\"warning\">" + escaped(worse.sentence()) + ".</p>\n";
+  return warnings +
+         fmt::format(
+             "<p>Inside the trained range the model's force is off by {} % in the mean ({} % in the median, {} % at "
+             "worst), where three unit responses, the linear predictor, are off by {} %{}. {} of {} probes have a "
+             "force "
+             "off by more than {:.0f} %, which a hand may notice. All figures are error (17): the difference over "
+             "the "
+             "largest finite element response of that node.</p>\n",
+             percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max),
+             percent(linear.force.mean), moved, felt, n, 100 * noticeable);
 }
 
 std::string modelled(const ReportInput& in) {

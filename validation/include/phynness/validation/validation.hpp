@@ -94,6 +94,16 @@ struct ValidationReport {
   const PredictorErrors& of(Predictor p) const { return errors[static_cast<std::size_t>(p)]; }
 };
 
+/// Where the model's mean error (17) is larger than that of the linear predictor, and not negligible.
+struct WorseThanLinear {
+  const char* what;  ///< "force" or "displacement"
+  bool outside = false;
+  double model = 0, linear = 0;
+  /// One sentence, without a full stop.
+  std::string sentence() const;
+};
+std::vector<WorseThanLinear> worse_than_linear(const ValidationReport& report);
+
 /// |d| = outside_factor R is the paper's 4 cm after training to 2.8 cm.
 inline constexpr double outside_factor = 4.0 / 2.8;
 
