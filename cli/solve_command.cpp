@@ -67,7 +67,7 @@ void run(const Options& options) {
     response = hold_points(solver, tools_at(places, displacements), increments, options.tangent).response;
   }
   if (response.status != Status::converged)
-    throw failure("the solve did not converge", name(response.status),
+    throw failure("the solve did not converge", fmt::format("{}: {}", name(response.status), meaning(response.status)),
                   "use a smaller displacement or more --increments (" + std::to_string(response.cutbacks) +
                       " cutbacks were tried)");
   if (response.negative_pivots > 0)
