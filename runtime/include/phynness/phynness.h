@@ -18,6 +18,7 @@
  *
  * Cost [us], 486 output nodes, AVX-512         modal, 78 centers, 16 modes   rbfn, 100 and 200 neurons
  *   phn_force                                             0.13                        0.17
+ *   phn_force with energy, stiffness, both                0.4, 0.7, 1.0               -
  *   phn_deform; phn_prepare before a node's first         1.6; 35                     8.4; 76
  *   phn_couple, 1, 2, 4, 8 tools between nodes            32, 150, 550, 2200          - */
 #ifndef PHYNNESS_H
@@ -34,7 +35,7 @@ typedef struct phn_data phn_data;
 
 enum {
   PHN_OK = 0,
-  PHN_WARNING_OUTSIDE = 1,       /* a displacement is longer than the longest that was trained in its direction */
+  PHN_WARNING_OUTSIDE = 1,       /* a displacement is longer than trained in its direction, or that was never probed */
   PHN_WARNING_INCOMPLETE = 2,    /* some direction of a touched node was not trained to the full depth */
   PHN_WARNING_UNSETTLED = 4,     /* the tools are too close together to follow all of them; forces are bounded */
   PHN_ERROR_ARGUMENT = -1,       /* a null pointer, a number out of range, or data of another model */
@@ -103,7 +104,8 @@ PHN_API int phn_data_init(void* memory, size_t bytes, const phn_model* model, in
  * and the stiffness [N/m], 3 x 3 and symmetric. Outputs that are not needed may be null. In the families linear and
  * modal the force is the gradient of the energy and the stiffness is the derivative of the force, so that closed paths
  * do no work. The family rbfn has forces only; for energy or stiffness it returns PHN_ERROR_UNDEFINED. Components of d
- * are clamped to 1e6 max_displacement_m (linear: 1e100 m). */
+ * are clamped to 1e6 max_displacement_m (linear: 1e100 m). Cost in family modal: with the stiffness that of five forces
+ * (with energy, too, of eight). */
 PHN_API int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3],
                       double* energy, double stiffness[9]);
 
