@@ -253,10 +253,12 @@ void run(const Options& options) {
                                                        software_version(), not_done(measured)}));
     print_result("report: {}\n", options.report_file->string());
   }
-  for (const auto& [part, reason] :
-       {std::pair{"--points", &measured.no_points}, std::pair{"--pairs", &measured.no_pairs}})
-    if (*reason)
-      throw Error((*reason)->kind(), fmt::format("{} was not done; everything else was", part), (*reason)->what(), "");
+  const auto& reason = measured.no_points ? measured.no_points : measured.no_pairs;
+  if (!reason) return;
+  const char* parts = !measured.no_pairs    ? "--points was"
+                      : !measured.no_points ? "--pairs was"
+                                            : "--points and --pairs were";
+  throw Error(reason->kind(), fmt::format("{} not done; everything else was", parts), reason->what(), "");
 }
 
 }  // namespace
