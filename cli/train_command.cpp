@@ -133,7 +133,7 @@ void warn_of_linear(const DatabaseErrors& errors, Family family) {
           "warning: the model is worse than the linear predictor: mean error (17) of the {} on the training data "
           "{:.2f} %, of linear responses {:.2f} %; {}\n",
           what, 100 * model, 100 * linear,
-          family == Family::modal ? "give it more centers and modes" : "train family modal, or more neurons");
+          schema::traits(family).has_modes ? "give it more centers and modes" : "train family modal, or more neurons");
 }
 
 void print(const Trained& t, const std::filesystem::path& output) {
