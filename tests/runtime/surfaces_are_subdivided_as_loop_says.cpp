@@ -103,7 +103,7 @@ Points random_field(const Body& body) {
 }
 
 /// A few roundings of floats for each level, of values up to 1.
-constexpr double rounding = 2e-6;
+constexpr double subdivision_rounding = 2e-6;
 
 // Claim: on every surface, manifold or not, points and fields are those of the plain scheme, corner by corner
 // of the triangles, whose order is the same.
@@ -123,13 +123,13 @@ TEST(Surfaces, AreThoseOfThePlainScheme) {
         for (int k = 0; k < 3; ++k) {
           const auto naive =
               static_cast<std::size_t>(points.triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)]);
-          ASSERT_LE((fine.point(fine.corner(t, k)) - points.values[naive]).norm(), 5 * rounding);
-          ASSERT_LE((u.row(fine.corner(t, k)) - moved.values[naive]).norm(), rounding);
+          ASSERT_LE((fine.point(fine.corner(t, k)) - points.values[naive]).norm(), 5 * subdivision_rounding);
+          ASSERT_LE((u.row(fine.corner(t, k)) - moved.values[naive]).norm(), subdivision_rounding);
         }
       }
       // Vertices of level 0 keep their numbers, those without triangles, too.
       for (std::size_t i = 0; i < body.points.size(); ++i)
-        ASSERT_LE((u.row(static_cast<Eigen::Index>(i)) - moved.values[i]).norm(), rounding);
+        ASSERT_LE((u.row(static_cast<Eigen::Index>(i)) - moved.values[i]).norm(), subdivision_rounding);
       points.subdivide();
       moved.subdivide();
     }
@@ -167,7 +167,7 @@ TEST(Surfaces, CommuteWithAffineMaps) {
       for (int i = 0; i < body.n_output(); ++i) field.row(i) = image(body.points[static_cast<std::size_t>(i)]);
       const Points u = fine.deform(field);
       for (int v = 0; v < fine.n_vertices; ++v)
-        ASSERT_LE((u.row(v) - image(fine.point(v))).norm(), (constant ? 1 : 10) * rounding);
+        ASSERT_LE((u.row(v) - image(fine.point(v))).norm(), (constant ? 1 : 10) * subdivision_rounding);
     }
   }
 }
@@ -222,7 +222,7 @@ TEST(Surfaces, RimsFollowTheRim) {
   const Points u = one.deform(random_field(body));
   field = random_field(body);
   const RowVector3d expected = (field.row(1) + 6 * field.row(2) + field.row(3)) / 8;
-  EXPECT_LE((u.row(2) - expected).norm(), rounding);
+  EXPECT_LE((u.row(2) - expected).norm(), subdivision_rounding);
 }
 
 // Claim: a closed surface becomes smooth: from level to level the largest angle between neighbouring
