@@ -146,7 +146,12 @@ void bench_networks(Table& table) {
 }
 
 void bench_modes(Table& table, Loaded& loaded) {
-  table.add("force_ns_modal", 1e3 * loaded.force_us(), "force of family modal [ns]");
+  const auto times =
+      bench::side_by_side({[&](int i) { loaded.force(i); }, [&](int i) { loaded.force_and_stiffness(i); },
+                           [&](int i) { loaded.force_energy_and_stiffness(i); }});
+  table.add("force_ns_modal", 1e3 * times.us[0], "force of family modal [ns]");
+  table.beside("force_stiffness_ns_modal", times, 1, "force and stiffness [ns]", 1e3);
+  table.beside("force_energy_stiffness_ns_modal", times, 2, "force, energy and stiffness [ns]", 1e3);
   std::int32_t next = 0;
   const double prepare = median_us([&](int) {
     // Every fourth node in turn, which is never among the three prepared nodes.
@@ -212,8 +217,7 @@ struct Contact {
                                 (low[1] + high[1]) / 2 + 0.01 * std::sin(0.01 * i), high[2] + 0.02},
                                0.004,
                                friction,
-                               PHN_TOOL_GRASP,
-                               0};  // sticks at any force
+                               PHN_TOOL_GRASP};  // sticks at any force
       check(contact.reset());
       step(tool);
       tool.center[2] = (low[2] + high[2]) / 2;

@@ -44,6 +44,19 @@ struct TimedModel {
     data.force(node(i), d, f).ignore();
     sink = f[0];
   }
+  /// The same with the stiffness, and also with the energy.
+  void force_and_stiffness(int i) {
+    double d[3], f[3], k[9];
+    displacement(i, d);
+    check(rt::Status(phn_force(model.get(), data.get(), node(i), d, f, nullptr, k)));
+    sink = f[0] + k[0];
+  }
+  void force_energy_and_stiffness(int i) {
+    double d[3], f[3], e, k[9];
+    displacement(i, d);
+    data.force(node(i), d, f, e, k).ignore();
+    sink = f[0] + e + k[0];
+  }
   double force_us() {
     return median_us([&](int i) { force(i); });
   }

@@ -62,11 +62,6 @@ void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
     throw input_error(scene.probe.where.str() + ": the tool is larger than the body",
                       fmt::format("tool_radius_m = {:g}, the body is {:.3g} m long", radius, *longest),
                       "give radii in metres, and check mesh.scale_to_m");
-  if (radius > 0 && radius < q.mean_edge_m && !quiet)
-    message(
-        "warning: the tool radius, {:g} m, is smaller than the mean edge of the mesh, {:.3g} m: a patch has "
-        "hardly more than one node\n",
-        radius, q.mean_edge_m);
 }
 
 }  // namespace
@@ -77,7 +72,8 @@ Scene open_scene(const std::filesystem::path& file) {
   return scene;
 }
 
-LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
+LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
+                       const std::function<void(const LoadedScene&)>& refused) {
   LoadedScene loaded;
   loaded.scene = open_scene(file);
   auto made = make_mesh(loaded.scene);
@@ -85,12 +81,23 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
     for (const auto& note : made.notes) message("note: {}\n", note);
     for (const auto& note : scene_notes(loaded.scene)) message("note: {}\n", note);
     for (const auto& warning : made.warnings) message("warning: {}\n", warning);
-    for (const auto& warning : scene_warnings(loaded.scene)) message("warning: {}\n", warning);
+    for (const auto& warning : scene_warnings(loaded.scene, made.quality.mean_edge_m))
+      message("warning: {}\n", warning);
   }
-  check_sizes(loaded.scene, made.quality, quiet);
   loaded.mesh = std::move(made.mesh);
-  loaded.sets = resolve_selections(loaded.scene, loaded.mesh);
+  try {
+    check_sizes(loaded.scene, made.quality, quiet);
+    resolve_selections(loaded.scene, loaded.mesh, loaded.sets);
+  } catch (const Error&) {
+    if (refused) refused(loaded);
+    throw;
+  }
+  if (!quiet) warn_of_patch(loaded.scene, loaded.mesh, loaded.sets);
   return loaded;
+}
+
+void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  for (const auto& warning : patch_warnings(scene, mesh, sets)) message("warning: {}\n", warning);
 }
 
 void check_mesh(const Scene& scene, const std::string& hash, const std::string& where) {

@@ -71,6 +71,10 @@ json about_database(const std::filesystem::path& file) {
                h.software_version);
   print_result("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
   print_mesh(h.mesh, h.sets);
+  try {
+    warn_of_patch(stored_scene(h), h.mesh, h.sets);
+  } catch (const Error&) {  // a scene of another version: the figures of its database are readable nevertheless
+  }
   print_result("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(), h.magnitudes_m.size(),
                h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
   json fields = json::array();

@@ -98,6 +98,7 @@ Trained trained(const Options& options) {
                       "train with the scene from which it was made (phynness info prints its name), or precompute "
                       "again");
   check_mesh(scene, header.mesh_hash, options.database.string());
+  warn_of_patch(scene, header.mesh, header.sets);
   const TrainingSpec spec = chosen_spec(scene.training, options);
   Trained t;
   {

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/locking.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/version.hpp>
 #include <phynness/precompute/probe_solver.hpp>
@@ -112,7 +113,7 @@ void print_conditions(const Scene& scene, const ValidationReport& report) {
   if (report.nodes.size() > most_named) nodes += " ...";
   print_result("{} ({}), {}, K/mu = {:.4g}{}, {} probes, R = {:.4g} mm\n", scene.title.empty() ? "scene" : scene.title,
                name(scene.material.law), name(element), K_mu,
-               element->locks_severely && K_mu > element->locks_above ? " (locked)" : "", name(scene.probe.kind),
+               expected_force_ratio(scene) > warned_force_ratio ? " (locked)" : "", name(scene.probe.kind),
                1e3 * scene.probe.max_displacement_m);
   print_result("{} probes at {} nodes ({} next to fixed nodes; nodes: {}); {} probes failed\n", report.probes,
                report.nodes.size(), report.n_beside_fixed, nodes, report.failed);

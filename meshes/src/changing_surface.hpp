@@ -30,6 +30,11 @@ class ChangingSurface {
   std::int32_t n_nodes() const { return static_cast<std::int32_t>(_x.size()); }
   double length(const Edge& edge) const { return (_x[edge[0]] - _x[edge[1]]).norm(); }
   const Vector& x(std::int32_t node) const { return _x[node]; }
+  /// Nodes of a triangle; -1 if it was removed.
+  const Triangle& triangle(std::int32_t t) const { return _triangles[t]; }
+  std::int32_t n_triangles() const { return static_cast<std::int32_t>(_triangles.size()); }
+  /// The node of a triangle that is not on the edge.
+  std::int32_t opposite(std::int32_t triangle, const Edge& edge) const;
   void move(std::int32_t node, const Vector& x) { _x[node] = x; }
   /// Twice the area times the normal, with one node at another position.
   Vector area_vector(std::int32_t triangle, std::int32_t moved_node, const Vector& moved_to) const;
@@ -42,12 +47,15 @@ class ChangingSurface {
   bool collapse(std::int32_t gone, std::int32_t kept, double longest);
   /// Replaces the edge by one between the two opposite nodes. Refused on features and if a triangle would be inverted.
   bool flip(const Edge& edge);
+  /// The same without regard to features, angles and lengths: refused only if the surface would not stay manifold.
+  bool collapse_anyhow(std::int32_t gone, std::int32_t kept);
+  bool flip_anyhow(const Edge& edge);
 
   Surface surface() const;
 
  private:
   static Edge sorted(Edge e) { return e[0] < e[1] ? e : Edge{e[1], e[0]}; }
-  std::int32_t opposite(std::int32_t triangle, const Edge& edge) const;
+  bool can_collapse(std::int32_t gone, std::int32_t kept) const;
   void replace(std::int32_t triangle, std::int32_t old_node, std::int32_t new_node);
   void detach(std::int32_t triangle, std::int32_t node);
   void set_feature(Edge edge, bool on);

@@ -17,6 +17,7 @@
 #include "self_crossing.hpp"
 #include "shell.hpp"
 #include "sizing.hpp"
+#include "split_slivers.hpp"
 #include "topology.hpp"
 
 namespace phynness {
@@ -80,15 +81,38 @@ Solid solid_of(const MeshSpec& spec) {
   return solid;
 }
 
+/// Reason and place of flat cells of a mesh that was made here.
+std::string reason_of_slivers(const MeshResult& result) {
+  const auto& mesh = result.mesh;
+  const auto cell = mesh.cells.row(result.quality.worst_cell);
+  Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+  const auto on_surface = surface_nodes(mesh.surface);
+  int n_surface = 0;
+  for (const std::int32_t node : cell) {
+    x += mesh.nodes.row(node) / 4;
+    n_surface += std::binary_search(on_surface.begin(), on_surface.end(), node) ? 1 : 0;
+  }
+  std::ostringstream text;
+  text << "the worst of these cells, at (" << x(0) << ", " << x(1) << ", " << x(2) << ") m, has " << n_surface
+       << " of its four nodes on the surface: the body is thinner there, or its surface is more sharply folded, than "
+          "its "
+          "edges are long; use a smaller mesh.target_size_m or a smoother surface";
+  return text.str();
+}
+
 /// A defect of a mesh that was made here is a failure and not an error of the input; another size may work.
 MeshResult generated_body(RawMesh raw, const std::string& source, bool symmetric = false) {
   // A cell and its mirror image cannot both be removed if they meet at the plane.
-  const std::int32_t peeled = symmetric ? 0 : peel_slivers(raw);
+  const std::int32_t peeled = symmetric ? 0 : peel_slivers(raw), split = symmetric ? 0 : split_slivers(raw);
   try {
     MeshResult result = checked_body(raw, 1, false, source);
     if (peeled > 0)
       result.notes.push_back("removed " + counted(static_cast<std::size_t>(peeled), "flat cell", "flat cells") +
                              " from the surface");
+    if (split > 0)
+      result.notes.push_back("added " + counted(static_cast<std::size_t>(split), "node", "nodes") +
+                             " inside, between faces of the surface with flat cells");
+    if (result.quality.n_slivers > 0) result.warnings.push_back(reason_of_slivers(result));
     return result;
   } catch (const Error& error) {
     throw failure("the mesh that gmsh made is defective", error.what(),
@@ -168,6 +192,17 @@ MeshResult from_shape(const MeshSpec& spec) {
   });
 }
 
+/// Edges that are too long for a body cut off what is thinner or narrower than they are.
+void warn_of_volume(MeshResult& result, double given_m3) {
+  const double change = result.quality.volume_m3 / given_m3 - 1;
+  if (std::abs(change) <= 0.05) return;
+  std::ostringstream text;
+  text << "remeshing changed the volume of the body by " << std::showpos << std::round(100 * change) << std::noshowpos
+       << " %, from " << given_m3 << " to " << result.quality.volume_m3
+       << " m^3: its edges are too long for the shape of the body; give a smaller mesh.target_size_m";
+  result.warnings.push_back(text.str());
+}
+
 MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::string& source) {
   std::vector<std::string> notes = raw.notes;
   Surface surface = checked_surface(raw, spec.scale_to_m, spec.repair, source, notes);
@@ -186,6 +221,7 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
     try {
       result =
           sized(spec, extent, spec.target_nodes, [&](double edge_m) { return filled_at(surface, edge_m, source); });
+      warn_of_volume(result, extent.volume_m3);
       notes.push_back("remeshed the surface of " + std::to_string(surface.triangles.rows()) + " triangles to " +
                       std::to_string(result.mesh.surface.rows()));
     } catch (const Error& error) {

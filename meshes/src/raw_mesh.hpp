@@ -43,6 +43,11 @@ RawMesh read_msh(const std::string& bytes, const std::string& source);
 RawMesh read_vtk(const std::string& bytes, const std::string& source);
 RawMesh read_stl(const std::string& bytes, const std::string& source);
 RawMesh read_obj(const std::string& bytes, const std::string& source);
+RawMesh read_vtu(const std::string& bytes, const std::string& source);
+RawMesh read_vtp(const std::string& bytes, const std::string& source);
+RawMesh read_ply(const std::string& bytes, const std::string& source);
+RawMesh read_off(const std::string& bytes, const std::string& source);
+RawMesh read_inp(const std::string& bytes, const std::string& source);
 
 /// Selects the reader by the extension of the file name.
 RawMesh read_mesh_file(const std::filesystem::path& file);

@@ -7,6 +7,7 @@
 
 #include "changing_surface.hpp"
 #include "closest_point.hpp"
+#include "surface_slivers.hpp"
 
 namespace phynness::meshes {
 namespace {
@@ -100,6 +101,7 @@ Surface remeshed(const Surface& original, double edge_m) {
     // A coarse input first needs rounds of splitting, which do not count as smoothing rounds.
     good_rounds += splits + collapses < surface.n_nodes() / 4;
   }
+  remove_slivers(surface, closest, edge_m);
   return surface.surface();
 }
 

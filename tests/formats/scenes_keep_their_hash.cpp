@@ -39,6 +39,16 @@ TEST(PhysicsHash, spells_every_selector_as_ever) {
   EXPECT_EQ(physics_hash(scene), "12377ff066aeb629");
 }
 
+TEST(PhysicsHash, spells_every_combination_of_selectors_as_ever) {
+  const Scene scene = parsed(with(good_scene, "active = \"free-surface\"", R"(active = [
+  { intersection = [[{ group = "a" }, { group = "b" }], "free-surface"], surface_only = true },
+  { difference = [{ nodes = [0, 7] }, "fixed", { not = "surface", surface_only = true }] },
+  { near = { to = [{ group = "a" }, "fixed"], distance_m = 0.015 } } ])"));
+  EXPECT_EQ(summary_line(scene, "nodes.active"),
+            "nodes.active = intersection { group \"a\" + group \"b\", free-surface } surface_only + difference { nodes "
+            "[0, 7], fixed, not { surface } surface_only } + near { to = group \"a\" + fixed, distance_m = 0.015 }");
+}
+
 TEST(ShippedScenes, keep_hash_element_and_family) {
   struct Shipped {
     const char *file, *hash, *element, *family;

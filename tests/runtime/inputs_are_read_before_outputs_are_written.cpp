@@ -176,7 +176,7 @@ class Table {
     std::vector<phn_contact_tool> before(2), after(2);
     for (std::size_t t = 0; t < 2; ++t) {
       const double from[3] = {x[0] + 0.01 * static_cast<double>(t), x[1], x[2]};
-      before[t] = {{}, 0.01, 0.5, PHN_TOOL_GRASP, 0};
+      before[t] = {{}, 0.01, 0.5, PHN_TOOL_GRASP};
       LoadedModel::check(phn_contact_nearest(touch, from, &tool, before[t].center));
       after[t] = before[t];
       after[t].center[t] += 0.002;

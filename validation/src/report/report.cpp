@@ -7,6 +7,7 @@
 #include <phynness/drawing/html.hpp>
 #include <phynness/drawing/plots.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/locking.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/report.hpp>
 
@@ -68,12 +69,12 @@ std::string modelled(const ReportInput& in) {
   const double K_mu = scene.material.bulk_to_shear();
   const auto& family = model.family;
   std::string out;
-  if (scene.solver.element->locks_severely && K_mu > scene.solver.element->locks_above)
+  if (const double ratio = expected_force_ratio(scene); ratio > warned_force_ratio)
     out += fmt::format(
-        "<p class=\"warning\">Linear tetrahedra lock at K/mu = {:.3g}: the computed body is several times too "
-        "stiff. The figures below compare the model with these finite elements, not with the tissue. Elements "
-        "p1-p1 and taylor-hood do not lock.</p>\n",
-        K_mu);
+        "<p class=\"warning\">{} tetrahedra lock at K/mu = {:.3g}: forces at a depth of one edge of the mesh are about "
+        "{}. The figures below compare the model with these finite elements, not with the tissue. Elements p1-p1 and "
+        "taylor-hood do not lock.</p>\n",
+        name(scene.solver.element), K_mu, ratio_in_words(ratio));
   if (scene.probe.kind == ProbeKind::node)
     out +=
         "<p class=\"warning\">Each probe moves one node, so its force depends on the size of the mesh. The force "

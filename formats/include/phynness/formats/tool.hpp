@@ -6,6 +6,7 @@
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace phynness {
@@ -28,6 +29,15 @@ inline double patch_weight(double s2) { return s2 < 1 - 1e-9 ? (1 - s2) * (1 - s
 ///                        that a tool wider than the body is thick does not hold its far side.
 TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
                            std::int32_t node, double tool_radius);
+
+/// A patch with a smaller radius than this, in mean edges of the surface around its node, is not resolved.
+inline constexpr double fewest_edges_of_a_patch = 2;
+/// A patch that is displaced farther sideways than this, in radii, folds over itself: its weight falls by up to 1.54
+/// per radius, so that points at its front overtake each other.
+inline constexpr double farthest_slide_of_a_patch = 0.65;
+/// Warnings about a patch of a scene that its mesh does not resolve or that folds, one sentence each, with file and
+/// line and what would do; none for node probes.
+std::vector<std::string> patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 
 /// True if the fixed nodes prevent every rigid motion: at least three nodes that are not on one line, or an edge of a
 /// shell, which is clamped there. A singular factorization does not detect this reliably, because rounding turns its

@@ -1,6 +1,7 @@
 // Origin of meshes: built-in shapes, files of the user, checks of quality and topology, selections of nodes.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -49,6 +50,16 @@ MeshResult make_shell(const std::filesystem::path& file);
 /// The checks of quality for any mesh.
 QualityReport measure_quality(const Mesh& mesh);
 
+/// Edges of the cells, the smaller node first, ascending.
+std::vector<std::array<std::int32_t, 2>> mesh_edges(const Mesh& mesh);
+
+/// The same body with half the edge length: each tetrahedron is divided into eight, each triangle into four. The nodes
+/// keep their numbers, and the midpoints of mesh_edges() follow in this order. Flat parts of the surface remain flat.
+Mesh refined(const Mesh& mesh);
+/// A set of nodes (ascending) with the midpoints of edges between two of them.
+std::vector<std::int32_t> refined(const std::vector<std::int32_t>& nodes,
+                                  const std::vector<std::array<std::int32_t, 2>>& edges, std::int32_t n_nodes);
+
 /// Writes gmsh format 4.1 (ASCII): nodes in their order, tetrahedra if there are any, triangles, physical groups. If
 /// `sets` is given, its lists become the physical point groups phynness_fixed, phynness_active, phynness_output.
 /// make_mesh reads the file with the same node numbers, cells and hash.
@@ -59,5 +70,7 @@ void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::pa
 ///   unknown (the message lists the existing ones), a node number is out of range, or a mesh or a set is declared
 ///   symmetric and is not
 NodeSets resolve_selections(const Scene& scene, const Mesh& mesh);
+/// The same with output `sets`, which after an error contains the selections that were made before it.
+void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets);
 
 }  // namespace phynness
