@@ -103,6 +103,7 @@ inline double smallest_displacement(double diagonal_m) { return 1e-12 * diagonal
 struct ToolOptions {
   std::vector<std::int32_t> nodes;
   std::vector<std::string> points, displacements;
+  std::optional<double> max_distance_m;  ///< of a --point from the surface; by default part of the body's size
   std::optional<std::filesystem::path> deformation_csv, json_file;
   void add_to(CLI::App& command);
   /// Displacements [m] of the tools at nodes, then of the tools at points.
@@ -110,7 +111,8 @@ struct ToolOptions {
   std::vector<Vec3> parsed_displacements() const;
   /// Positions of the tools: the nodes, then the surface points nearest to each --point, whose distances are printed on
   /// stderr.
-  /// @throws Error (input) if a point is not three finite numbers or a node is not in the mesh
+  /// @throws Error (input) if a point is not three finite numbers or too far from the surface, or a node is not in the
+  /// mesh
   std::vector<SurfacePoint> places(const Mesh& mesh) const;
 };
 

@@ -66,6 +66,37 @@ void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
 
 }  // namespace
 
+namespace {
+
+/// Farthest --point from the surface, as a part of the diagonal of the bounding box.
+constexpr double largest_distance = 0.05;
+
+/// @throws Error (input) if the point is too far from the surface; if it is near in another unit, the remedy says so
+void check_distance(const std::string& text, const Vec3& wanted, const SurfacePoint& place, const Mesh& mesh,
+                    const std::optional<double>& given) {
+  const double size = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm();
+  const double limit = given.value_or(largest_distance * size);
+  if (place.distance <= limit) return;
+  const auto& p = place.point;
+  std::string remedy = fmt::format("the nearest point of the surface is {:.6g},{:.6g},{:.6g}", p[0], p[1], p[2]);
+  // Another unit takes a point ten times away or more. Near the origin more than one fits: the nearest is the likely
+  // one.
+  double nearest = place.distance > 5 * size ? limit : -1;
+  for (const auto& [unit, in_m] : {std::pair{"millimetres", 1e-3}, std::pair{"centimetres", 1e-2}}) {
+    const Vec3 scaled{in_m * wanted[0], in_m * wanted[1], in_m * wanted[2]};
+    const double distance = nearest_on_surface(mesh.nodes, mesh.surface, scaled).distance;
+    if (!(distance <= nearest)) continue;
+    nearest = distance;
+    remedy = fmt::format("points are in metres; if this one is in {}, give --point {:.6g},{:.6g},{:.6g}", unit,
+                         scaled[0], scaled[1], scaled[2]);
+  }
+  throw input_error("a point is too far from the surface",
+                    fmt::format("--point {} is {:.4g} m away, the limit is {:.4g} m", text, place.distance, limit),
+                    remedy + fmt::format("; or allow it with --max-distance {:.2g}", 1.1 * place.distance));
+}
+
+}  // namespace
+
 Scene open_scene(const std::filesystem::path& file) {
   auto scene = read_scene(file);
   if (scene.mesh.shape == Shape::none) declare_input("the mesh of " + file.string() + ",", scene.mesh.file);
@@ -132,6 +163,10 @@ void ToolOptions::add_to(CLI::App& command) {
                   "repeat for several tools")
       ->allow_extra_args(false);
   command
+      .add_option("--max-distance", max_distance_m,
+                  "farthest --point from the surface [m] (default: 5 % of the diagonal of the body's bounding box)")
+      ->check(finite_range(0, largest_displacement_m));
+  command
       .add_option("--displacement", displacements,
                   "displacement dx,dy,dz [m]; one for each --node, then one for each --point")
       ->required()
@@ -170,6 +205,7 @@ std::vector<SurfacePoint> ToolOptions::places(const Mesh& mesh) const {
     const Vec3 wanted = parse_vector(text, "point", "give for example --point 0.1,0.02,0.05 (in metres)");
     found.push_back(nearest_on_surface(mesh.nodes, mesh.surface, wanted));
     const auto& place = found.back();
+    check_distance(text, wanted, place, mesh, max_distance_m);
     message("note: point {} is {:.3g} m from the surface; the nearest triangle has the nodes {}, {}, {}\n", text,
             place.distance, place.nodes[0], place.nodes[1], place.nodes[2]);
   }
@@ -190,6 +226,7 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
       const auto& p = places[t].point;
       tool["node"] = nullptr;
       tool["point"] = p;
+      tool["distance"] = places[t].distance;
       tool["nodes"] = places[t].nodes;
       tool["weights"] = places[t].weights;
       where = fmt::format("point {:.6g} {:.6g} {:.6g} m", p[0], p[1], p[2]);

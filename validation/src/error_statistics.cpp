@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
+#include <phynness/evaluation/database_errors.hpp>
 #include <phynness/validation/validation.hpp>
 
 namespace phynness {
@@ -48,6 +50,32 @@ std::vector<double> centered_ranks(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+std::string WorseThanLinear::sentence() const {
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "the model is worse than the linear predictor %s the trained range: mean error of the %s %.2f %%, of the "
+      "linear predictor %.2f %%",
+      outside ? "beyond" : "inside", what, 100 * model, 100 * linear);
+  return text;
+}
+
+std::vector<WorseThanLinear> worse_than_linear(const ValidationReport& report) {
+  std::vector<WorseThanLinear> worse;
+  for (const bool outside : {false, true}) {
+    const auto group = [&](Predictor p) -> const GroupErrors& {
+      return outside ? report.of(p).outside : report.of(p).inside;
+    };
+    const auto &model = group(Predictor::model), &linear = group(Predictor::linear);
+    const auto compare = [&](const char* what, const ErrorStatistics& a, const ErrorStatistics& b) {
+      if (a.n > 0 && b.n > 0 && is_worse_than_linear(a.mean, b.mean)) worse.push_back({what, outside, a.mean, b.mean});
+    };
+    compare("force", model.force, linear.force);
+    compare("displacement", model.displacement, linear.displacement);
+  }
+  return worse;
+}
 
 std::optional<double> rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
   const auto x = centered_ranks(a), y = centered_ranks(b);

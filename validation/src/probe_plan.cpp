@@ -48,11 +48,12 @@ std::vector<NodePlan> choose_nodes(const LoadedModel& model, std::int64_t wanted
   beside.resize(std::min(beside.size(), n_beside));
 
   std::vector<NodePlan> plan;
-  for (const auto node : beside) plan.push_back({node, true, {}});
+  for (const auto node : beside) plan.push_back({node, true, distance_to_fixed(model, node), {}});
   shuffle(active, random);
   for (const auto node : active) {
     if (static_cast<std::int64_t>(plan.size()) >= wanted) break;
-    if (std::find(beside.begin(), beside.end(), node) == beside.end()) plan.push_back({node, false, {}});
+    if (std::find(beside.begin(), beside.end(), node) == beside.end())
+      plan.push_back({node, false, distance_to_fixed(model, node), {}});
   }
   return plan;
 }

@@ -111,7 +111,11 @@ class PairComparison {
   void at(PairRecord& pair) {
     const std::vector<std::int32_t> nodes(pair.nodes.begin(), pair.nodes.end());
     const std::vector<Vec3> d(pair.displacement_m.begin(), pair.displacement_m.end());
-    _solver.touch(nodes);
+    try {
+      _solver.touch(nodes);
+    } catch (const Error&) {
+      return;  // counts as not solved
+    }
     const auto truth = _solver.solve(d, _increments);
     pair.solved = truth.status == Status::converged;
     if (!pair.solved) return;

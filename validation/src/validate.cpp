@@ -220,9 +220,18 @@ std::vector<char> counted_nodes(const ProbeSolver& solver, const std::vector<std
 /// Solves the probes of one node. `go_on` is called after every ray.
 NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& entry, double increment_m,
                       const std::function<bool()>& go_on) {
-  solver.touch({entry.node});
   NodeProbes found;
   found.node = entry.node;
+  try {
+    solver.touch({entry.node});
+  } catch (const Error& error) {
+    if (error.kind() == Error::Kind::input) throw;
+    for (const auto& pair : entry.pairs) {  // none can be solved; those of other nodes can
+      found.failed += 1 + (pair.outside_m > 0);
+      if (!go_on()) break;
+    }
+    return found;
+  }
   found.counts = counted_nodes(solver, model.output);
   if (!entry.pairs.empty()) found.curve = {entry.node, entry.pairs.front().direction, {}, {}};
   for (const auto& pair : entry.pairs) {
@@ -354,7 +363,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   report.outside_factor = outside_factor;
   for (const auto& entry : plan) {
     report.nodes.push_back(entry.node);
-    report.n_beside_fixed += entry.beside_fixed;
+    report.fixed_distance_m.push_back(entry.fixed_distance_m);
   }
   for (std::size_t p = 0; p < n_predictors; ++p) {
     for (auto& group : samples[p])

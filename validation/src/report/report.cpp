@@ -54,13 +54,17 @@ std::string headline(const ReportInput& in) {
   if (errors.displacement.n > 0)
     moved = fmt::format("; of displacements {} % (linear: {} %)", percent(errors.displacement.mean),
                         percent(linear.displacement.mean));
-  return fmt::format(
-      "<p>Inside the trained range the error of the model's force is {} % in the mean ({} % in the median, {} % "
-      "at most). The error of the linear predictor, which uses three unit responses, is {} %{}. For {} of {} "
-      "probes the error of the force exceeds {:.0f} %, the smallest difference that a person may notice. All "
-      "figures are error (17): the difference over the largest finite element response of the node.</p>\n",
-      percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max), percent(linear.force.mean),
-      moved, felt, n, 100 * noticeable);
+  std::string warnings;
+  for (const auto& worse : worse_than_linear(in.validation))
+    warnings += "<p class=\"warning\">" + escaped(worse.sentence()) + ".</p>\n";
+  return warnings +
+         fmt::format(
+             "<p>Inside the trained range the error of the model's force is {} % in the mean ({} % in the median, {} % "
+             "at most). The error of the linear predictor, which uses three unit responses, is {} %{}. For {} of {} "
+             "probes the error of the force exceeds {:.0f} %, the smallest difference that a person may notice. All "
+             "figures are error (17): the difference over the largest finite element response of the node.</p>\n",
+             percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max),
+             percent(linear.force.mean), moved, felt, n, 100 * noticeable);
 }
 
 std::string modelled(const ReportInput& in) {
@@ -100,11 +104,12 @@ std::string solved(const ReportInput& in) {
   std::string nodes;
   for (std::size_t i = 0; i < std::min<std::size_t>(20, v.nodes.size()); ++i) nodes += fmt::format(" {}", v.nodes[i]);
   if (v.nodes.size() > 20) nodes += " ...";
+  const auto [nearest, farthest] = std::ranges::minmax(v.fixed_distance_m);
   std::string out = fmt::format(
-      "<p>{} new probes at {} active nodes, {} of them beside the fixed nodes ({}). Directions are uniform on the "
-      "sphere. Half of the depths are inside the trained range, half are outside, up to {:.2f} times the range. "
-      "{} probes were solved inside, {} outside. {} probes have no equilibrium and do not count.</p>\n",
-      v.probes, v.nodes.size(), v.n_beside_fixed, nodes.empty() ? "" : nodes.substr(1), v.outside_factor,
+      "<p>{} new probes at {} active nodes ({}), {:.3g} to {:.3g} mm from the nearest fixed node. Directions are "
+      "uniform on the sphere. Half of the depths are inside the trained range, half are outside, up to {:.2f} times "
+      "the range. {} probes were solved inside, {} outside. {} probes have no equilibrium and do not count.</p>\n",
+      v.probes, v.nodes.size(), nodes.empty() ? "" : nodes.substr(1), 1e3 * nearest, 1e3 * farthest, v.outside_factor,
       v.solved_inside, v.solved_outside, v.failed);
   std::size_t short_rays = 0, rays = 0, incomplete = 0;
   for (const auto& node : in.model.model().nodes) {
@@ -120,6 +125,7 @@ std::string solved(const ReportInput& in) {
       "<p>{} of {} training rays ended before the full depth, at {} of {} nodes{}</p>\n", short_rays, rays, incomplete,
       in.model.model().nodes.size(),
       short_rays > 0 ? "; their trained range is the reached depth, beyond which the runtime returns a warning." : ".");
+  for (const auto& part : in.not_done) out += "<p class=\"warning\">" + escaped(part) + "</p>\n";
   return section("Solved and failed probes", out);
 }
 

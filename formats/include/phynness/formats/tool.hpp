@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
 #include <span>
@@ -16,6 +17,7 @@ namespace phynness {
 struct TouchedNodes {
   std::vector<std::int32_t> nodes;
   std::vector<double> weights;
+  double scale = 1;  ///< of patch_weight: 1 except for patches between nodes
 };
 
 /// Weight at the squared distance s2 = (distance / tool radius)^2: the function (1 - s2)^2, and 0 from the rim on. The
@@ -53,5 +55,20 @@ struct SurfacePoint {
 };
 /// The point of the surface nearest to x [m]. @pre surface has triangles
 SurfacePoint nearest_on_surface(const Points& nodes, const Triangles& surface, const Vec3& x);
+
+/// A patch whose center is a point of the surface, with the weights of a patch at a node times one factor: with it the
+/// point itself moves by d, sum_k lambda_k w_k = 1 over the corners of its triangle that are not fixed. At a node this
+/// is the node's patch.
+/// @param center  its nodes and weights are used; corners of weight 0 may be -1
+/// @pre tool_radius > 0
+/// @throws Error (input) if no free corner of the point's triangle is within the radius
+TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
+                           const SurfacePoint& center, double tool_radius);
+
+/// Refuses patches that overlap: the probe at a free corner of one moves a free corner of the other.
+/// @param moved_by  nodes that the probe of a node moves, ascending
+/// @throws Error (input)
+void require_apart(std::span<const SurfacePoint> tools, std::span<const std::int32_t> fixed,
+                   const std::function<std::vector<std::int32_t>(std::int32_t node)>& moved_by);
 
 }  // namespace phynness

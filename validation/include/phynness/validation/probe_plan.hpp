@@ -21,7 +21,8 @@ struct ProbePair {
 
 struct NodePlan {
   std::int32_t node = 0;
-  bool beside_fixed = false;
+  bool beside_fixed = false;    ///< chosen among the active nodes that are nearest to the fixed ones, however far
+  double fixed_distance_m = 0;  ///< to the nearest fixed node
   std::vector<ProbePair> pairs;
 };
 

@@ -11,7 +11,8 @@ struct ReportInput {
   const LoadedModel& model;
   const ValidationReport& validation;
   std::uint64_t seed = 0;
-  std::string software;  ///< versions of the software that computed it
+  std::string software;                 ///< versions of the software that computed it
+  std::vector<std::string> not_done{};  ///< requested parts of the validation that were not done, and why
 };
 
 /// Plots are drawn by gnuplot. @throws Error (failure) if gnuplot is not installed

@@ -76,9 +76,9 @@ struct ValidationReport {
   std::int64_t solved_inside = 0, solved_outside = 0;
   std::int64_t rays = 0, rays_finished = 0;  ///< planned, with at most two probes each; fewer if interrupted
   std::vector<std::int32_t> nodes;           ///< probed active nodes
-  std::int32_t n_beside_fixed = 0;        ///< probed nodes that were selected from the nodes nearest to the fixed nodes
-  double outside_factor = 0;              ///< outside: R < |d| <= this * R
-  std::array<PredictorErrors, 3> errors;  ///< by Predictor
+  std::vector<double> fixed_distance_m;      ///< of each of them, to the nearest fixed node
+  double outside_factor = 0;                 ///< outside: R < |d| <= this * R
+  std::array<PredictorErrors, 3> errors;     ///< by Predictor
   /// Spearman's rank correlation of the error of the force with the distance from the trained displacements, over the
   /// probes inside and outside of the trained range; empty for fewer than three probes.
   std::optional<double> distance_correlation_inside, distance_correlation_outside;
@@ -93,6 +93,16 @@ struct ValidationReport {
   bool interrupted() const { return rays_finished < rays; }
   const PredictorErrors& of(Predictor p) const { return errors[static_cast<std::size_t>(p)]; }
 };
+
+/// Where the model's mean error (17) is larger than that of the linear predictor, and not negligible.
+struct WorseThanLinear {
+  const char* what;  ///< "force" or "displacement"
+  bool outside = false;
+  double model = 0, linear = 0;
+  /// One sentence, without a full stop.
+  std::string sentence() const;
+};
+std::vector<WorseThanLinear> worse_than_linear(const ValidationReport& report);
 
 /// In the paper |d| is at most 4 cm = outside_factor R, with training up to R = 2.8 cm.
 inline constexpr double outside_factor = 4.0 / 2.8;
