@@ -217,7 +217,7 @@ struct Contact {
                                 (low[1] + high[1]) / 2 + 0.01 * std::sin(0.01 * i), high[2] + 0.02},
                                0.004,
                                friction,
-                               PHN_TOOL_GRASP};  // holds what it touches, whatever the force
+                               PHN_TOOL_GRASP};  // sticks at any force
       check(contact.reset());
       step(tool);
       tool.center[2] = (low[2] + high[2]) / 2;

@@ -46,7 +46,7 @@ void print_left_out(const VariantCost& cost) {
   }
 }
 
-/// Probes that stopped before the largest displacement, with the reason.
+/// Prints the probes that failed before the largest displacement, with the reason.
 std::int64_t print_failed(const DiscretizationReport& report, Variant v) {
   std::int64_t failed = 0;
   for (const auto& probe : report.probes) {
@@ -83,8 +83,8 @@ void print(const Scene& scene, const DiscretizationReport& report) {
                report.tool_radius_m / report.mean_edge_m, 1e3 * scene.probe.max_displacement_m);
   if (report.patch_for_node)
     message(
-        "note: the scene displaces single nodes, whose force depends on element and mesh even where nothing locks; "
-        "patches of {:.4g} mm are compared in their place\n",
+        "note: the scene displaces single nodes, whose force depends on element and mesh even without locking; "
+        "patches of {:.4g} mm are compared instead\n",
         1e3 * report.tool_radius_m);
   if (print_failed(report, Variant::scene) > 0) print_result("  these are probes of the scene itself\n");
   if (!cost.left_out.empty()) print_left_out(cost);
@@ -142,7 +142,7 @@ json as_json(const Scene& scene, const DiscretizationReport& report) {
   return out;
 }
 
-/// @throws Error (failure) where the figures are not all that was asked for
+/// @throws Error (failure) if some requested figures are missing
 void refuse_nothing(const Options& options, const DiscretizationReport& report) {
   if (report.interrupted)
     throw failure("check was interrupted; the figures above are those of the finished part",

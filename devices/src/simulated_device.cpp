@@ -72,14 +72,14 @@ Traits SimulatedDevice::traits() const {
   t.has_times = _settings.has_times;
   t.latency_s = _settings.latency_samples * _settings.period_s;
   t.position_resolution_m = _settings.resolution_m;
-  t.damping_Ns_per_m = 0;  // nothing is taken for certain
+  t.damping_Ns_per_m = 0;  // no damping is guaranteed
   t.largest_force_N = _settings.largest_force_N;
   t.force_resolution_N = _settings.force_resolution_N;
   return t;
 }
 
 bool SimulatedDevice::read(phn_loop_sample& sample) {
-  // Of several that have arrived, the one that arrived last, which need not be the newest.
+  // Of several arrivals the last one, which may not be the newest measurement.
   auto last = _arrivals.end();
   for (auto i = _arrivals.begin(); i != _arrivals.end(); ++i)
     if (i->at <= _time + 1e-9 && (last == _arrivals.end() || i->at >= last->at)) last = i;
@@ -109,7 +109,7 @@ SimulatedDevice::State SimulatedDevice::derivative(const State& s, double time, 
   return rate;
 }
 
-/// One step of the classical method of Runge and Kutta of fourth order.
+/// One step of the classical fourth-order Runge-Kutta method.
 SimulatedDevice::State SimulatedDevice::after(const State& s, double time, double dt, Vector3 force) const {
   const auto moved = [](const State& a, double by, const State& rate) {
     return State{a.position + by * rate.position, a.velocity + by * rate.velocity, a.delivered + by * rate.delivered,
@@ -126,7 +126,7 @@ void SimulatedDevice::count(const State& before, const State& now) {
   _energy.delivered = now.delivered;
   _energy.most_delivered = std::max(_energy.most_delivered, _energy.delivered);
   const double kinetic = 0.5 * _settings.mass_kg * dot(now.velocity, now.velocity);
-  // The kinetic energy at the beginning of the count came from the hand.
+  // The kinetic energy at the beginning of the count was supplied by the hand.
   _energy.to_hand = now.delivered - now.dissipated - kinetic;
   _energy.most_to_hand = std::max(_energy.most_to_hand, _energy.to_hand);
 }

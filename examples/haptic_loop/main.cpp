@@ -62,7 +62,7 @@ void check(int status, const std::string& what) {
 }
 
 void run(const Options& o) {
-  // Everything that needs memory happens before the loop.
+  // All memory is allocated before the loop.
   const rt::Model model = rt::Model::read((o.folder + "/model.txt").c_str());
   check(model.status(), o.folder + "/model.txt (MODEL_DIR is the output of `phynness train`)");
   const auto node = static_cast<std::int32_t>(o.node);
@@ -78,7 +78,7 @@ void run(const Options& o) {
   phn_loop_settings settings = settings_for(device.traits());
   settings.coupling_N_per_m = o.coupling;
   settings.reach_m = deepest;
-  if (!o.motion.empty()) settings.check_force_N = 0;  // a recorded hand does not yield to test pulses
+  if (!o.motion.empty()) settings.check_force_N = 0;  // test pulses have no effect on a recorded motion
   rt::Data data(model, 1);
   rt::Contact contact;
   rt::HeldNode held(model, data, node);

@@ -7,13 +7,13 @@
 namespace phynness {
 namespace {
 
-/// In the notation of C, whatever the locale.
+/// In C notation, independent of the locale.
 std::string fixed(double value, int decimals) {
   char text[330];  // the largest double has 309 digits
   return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr};
 }
 
-/// Logarithm of a row's ratio, interpolated over the logarithm of |d|; no deeper and shallower than was measured.
+/// Logarithm of the ratio of a row, interpolated over the logarithm of |d|, without extrapolation.
 double log_ratio(const ForceRatio& row, ProbeKind kind, double probe) {
   if (kind == ProbeKind::node) return std::log(row.node);
   const double t = std::log(probe / shallow_probe) / std::log(deep_probe / shallow_probe);
@@ -33,7 +33,7 @@ double expected_force_ratio(const Scene& scene, double mean_edge_m) {
   std::size_t i = 1;
   while (i + 1 < rows.size() && rows[i].bulk_to_shear < K_mu) ++i;
   const auto &low = rows[i - 1], &high = rows[i];
-  // Beyond the last row the line goes on: what a locked element resists with is K.
+  // Beyond the last row the line is extrapolated, because the force of a locked element is proportional to K.
   const double t = std::log(K_mu / low.bulk_to_shear) / std::log(high.bulk_to_shear / low.bulk_to_shear);
   return std::exp(log_of(low) + t * (log_of(high) - log_of(low)));
 }

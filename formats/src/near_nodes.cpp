@@ -1,4 +1,5 @@
-// Nodes within a distance of other nodes, by a k-d tree that is stored as an order: the middle of a range divides it.
+// Nodes within a distance of other nodes, by a k-d tree that is stored as an order in which the middle of a range
+// divides it.
 #include "near_nodes.hpp"
 
 #include <algorithm>
@@ -34,7 +35,7 @@ class NodeTree {
     double distance;
   };
 
-  /// @param outside  how far x lies outside of the range's box along each axis
+  /// @param outside  distance of x from the box of the range along each axis, if x is outside
   bool has_within(const Query& query, const Eigen::RowVector3d& outside, std::size_t first, std::size_t last,
                   int axis) const {
     if (first >= last || outside.norm() > query.distance) return false;

@@ -6,7 +6,7 @@
 namespace phynness {
 namespace {
 
-/// With three digits, rounded down or up, so that what is recommended does.
+/// Three digits, rounded down or up so that the recommended value is sufficient.
 enum class Round { down, up, nearest };
 std::string three_digits(double value, Round round = Round::nearest) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
@@ -31,7 +31,7 @@ std::vector<double> edges_at(const std::vector<std::int32_t>& nodes, const Mesh&
   return means;
 }
 
-/// The key that makes edges shorter by this factor. A mesher meets a size to a tenth.
+/// The key that reduces the edge length by this factor. Meshers meet a size within a tenth.
 std::string finer_mesh(const MeshSpec& mesh, double exact_factor, double mean_edge_m) {
   const double factor = 0.9 * exact_factor;
   if (mesh.target_size_m) return "target_size_m = " + three_digits(*mesh.target_size_m * factor, Round::down);
@@ -47,7 +47,7 @@ std::string warn_of_edges(const Scene& scene, const Mesh& mesh, const NodeSets& 
   std::sort(edges.begin(), edges.end());
   const auto n_short = std::upper_bound(edges.begin(), edges.end(), radius / fewest_edges_of_a_patch) - edges.begin();
   const auto too_long = static_cast<std::ptrdiff_t>(edges.size()) - n_short;
-  // Edges of one mesh differ: a few long ones are no reason to do it again.
+  // A few long edges are no reason for a new mesh.
   if (10 * static_cast<std::size_t>(too_long) <= edges.size()) return "";
   const double long_edge = edges[(9 * edges.size()) / 10];
   double mean = 0;
@@ -58,7 +58,7 @@ std::string warn_of_edges(const Scene& scene, const Mesh& mesh, const NodeSets& 
          ", is less than two edges of the surface there (edges are " + three_digits(mean) + " m in the mean, up to " +
          three_digits(edges.back()) +
          " m), so that the force depends on the mesh; tool_radius_m = " + three_digits(wanted_radius, Round::up) +
-         " would do, or " + finer_mesh(scene.mesh, radius / wanted_radius, mean);
+         " is sufficient, or " + finer_mesh(scene.mesh, radius / wanted_radius, mean);
 }
 
 std::string warn_of_slide(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
@@ -79,7 +79,7 @@ std::string warn_of_slide(const Scene& scene, const Mesh& mesh, const NodeSets& 
          " radii: beyond 0.65 radii it folds over itself, solves fail, and what they "
          "find are not the forces of a tool; max_displacement_m = " +
          three_digits(farthest_slide_of_a_patch * radius / sideways, Round::down) +
-         " or tool_radius_m = " + three_digits(slide / farthest_slide_of_a_patch, Round::up) + " would do";
+         " or tool_radius_m = " + three_digits(slide / farthest_slide_of_a_patch, Round::up) + " is sufficient";
 }
 
 }  // namespace

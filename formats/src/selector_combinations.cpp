@@ -1,5 +1,5 @@
-// Selectors that are made of other selections: what they have in common, what is in one and not in the others, what is
-// not in one, what is near one. Each of these selections means what it means alone and must select a node.
+// Selectors that combine other selections: intersection, difference, complement, and nodes near a selection. Each of
+// the combined selections has its usual meaning and must select a node.
 #include <algorithm>
 #include <phynness/formats/mesh.hpp>
 

@@ -114,7 +114,7 @@ bool ChangingSurface::can_collapse(std::int32_t gone, std::int32_t kept) const {
   const auto common = std::count_if(around_gone.begin(), around_gone.end(), [&](std::int32_t node) {
     return std::find(around_kept.begin(), around_kept.end(), node) != around_kept.end();
   });
-  if (common != 2) return false;  // the link condition: anything else pinches the surface
+  if (common != 2) return false;  // the link condition; otherwise the surface would touch itself
   return std::all_of(pair->begin(), pair->end(), [&](std::int32_t t) {
     return _at[opposite(t, {gone, kept})].size() > 3;
   });
@@ -128,7 +128,7 @@ bool ChangingSurface::collapse(std::int32_t gone, std::int32_t kept, double long
     if (node != kept && (_x[node] - _x[kept]).norm() > longest &&
         std::find(around_kept.begin(), around_kept.end(), node) == around_kept.end())
       return false;
-  // A feature may only shrink along itself; a side edge that is a feature would land on another edge.
+  // A feature may only become shorter in its own direction; a side edge would otherwise coincide with another edge.
   if (feature_degree(gone) > 0 && !(is_feature({gone, kept}) && feature_degree(gone) == 2)) return false;
   for (const std::int32_t t : _at[gone])
     if (t != (*pair)[0] && t != (*pair)[1] && turned_over(area_vector(t), area_vector(t, gone, _x[kept]))) return false;
@@ -168,7 +168,7 @@ bool ChangingSurface::flip_anyhow(const Edge& edge) {
   const std::int32_t p = opposite((*pair)[0], edge), q = opposite((*pair)[1], edge);
   if (p == q || _at[edge[0]].size() <= 3 || _at[edge[1]].size() <= 3 || triangles_of({p, q})) return false;
   set_feature(edge, false);
-  // Both triangles keep their direction.
+  // Both triangles keep their orientation.
   replace((*pair)[0], edge[1], q);
   replace((*pair)[1], edge[0], p);
   return true;

@@ -47,7 +47,8 @@ class ChangingSurface {
   bool collapse(std::int32_t gone, std::int32_t kept, double longest);
   /// Replaces the edge by one between the two opposite nodes. Refused on features and if a triangle would be inverted.
   bool flip(const Edge& edge);
-  /// The same without regard to features, angles and lengths: refused only if the surface would not stay manifold.
+  /// The same without conditions on features, angles and lengths: refused only if the surface would become
+  /// non-manifold.
   bool collapse_anyhow(std::int32_t gone, std::int32_t kept);
   bool flip_anyhow(const Edge& edge);
 

@@ -13,7 +13,7 @@ std::vector<std::int32_t> coincident_nodes(const Points& nodes);
 /// The nodes whose first node is another one.
 std::vector<std::int32_t> repeated(const std::vector<std::int32_t>& first);
 
-/// Warns of a body that is larger than 10 m or smaller than 0.1 mm: its file may be in other units.
+/// Warns of a body that is larger than 1 m or smaller than 1 mm, whose file may have other units.
 void warn_of_size(MeshResult& result, double scale_to_m);
 
 }  // namespace phynness::meshes

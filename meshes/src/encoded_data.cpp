@@ -16,13 +16,12 @@ int base64_value(char c) {
   return c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-/// A cursor over bytes, or over base64. Parts that were encoded one after the other, each with its own padding, are one
-/// sequence of bytes.
+/// Reads bytes, or base64. Parts that were encoded separately, each with its padding, are one sequence of bytes.
 class ByteStream {
  public:
   ByteStream(std::string_view text, bool base64) : _text(text), _base64(base64) {}
 
-  /// No more bytes than this are left.
+  /// An upper bound of the remaining bytes.
   std::uint64_t at_most() const { return _text.size() - _at + _held.size(); }
 
   std::string take(std::uint64_t n) {
@@ -62,7 +61,7 @@ class ByteStream {
   std::string_view _text;
   std::size_t _at = 0;
   bool _base64;
-  std::string _held;  ///< decoded and not yet taken
+  std::string _held;  ///< decoded bytes that were not yet read
 };
 
 std::uint64_t size_at(const std::string& bytes, std::size_t index, const DataEncoding& encoding) {
@@ -96,7 +95,7 @@ std::string decompressed(ByteStream& stream, const DataEncoding& encoding, std::
   if (n_blocks > stream.at_most() / width) throw EncodedDataError("it declares more blocks than it holds");
   const std::string header = stream.take((n_blocks + 2) * width);
   const std::uint64_t block_size = size_at(header, 0, encoding), last = size_at(header, 1, encoding);
-  require_at_most(block_size, std::max(most_bytes, std::uint64_t{1} << 20));  // of small data a part of a block is used
+  require_at_most(block_size, std::max(most_bytes, std::uint64_t{1} << 20));  // small data use a part of a block
   require_at_most(last, most_bytes);
   std::string bytes;
   for (std::uint64_t b = 0; b < n_blocks; ++b) {

@@ -81,7 +81,7 @@ Solid solid_of(const MeshSpec& spec) {
   return solid;
 }
 
-/// Why cells of a mesh that was made here are flat, and where.
+/// Reason and place of flat cells of a mesh that was made here.
 std::string reason_of_slivers(const MeshResult& result) {
   const auto& mesh = result.mesh;
   const auto cell = mesh.cells.row(result.quality.worst_cell);
@@ -94,24 +94,24 @@ std::string reason_of_slivers(const MeshResult& result) {
   }
   std::ostringstream text;
   text << "the worst of these cells, at (" << x(0) << ", " << x(1) << ", " << x(2) << ") m, has " << n_surface
-       << " of its four nodes on the surface: the surface is thinner or more sharply folded there than its edges are "
-          "long; a smaller mesh.target_size_m, or a smoother surface, avoids it";
+       << " of its four nodes on the surface: the body is thinner there, or its surface is more sharply folded, than "
+          "its "
+          "edges are long; use a smaller mesh.target_size_m or a smoother surface";
   return text.str();
 }
 
-/// A defect of a mesh that was made here is a failure of the work, not of the input: another size may go
-/// well.
+/// A defect of a mesh that was made here is a failure and not an error of the input; another size may work.
 MeshResult generated_body(RawMesh raw, const std::string& source, bool symmetric = false) {
-  // A cell and its image cannot both be taken off where they meet at the plane.
+  // A cell and its mirror image cannot both be removed if they meet at the plane.
   const std::int32_t peeled = symmetric ? 0 : peel_slivers(raw), split = symmetric ? 0 : split_slivers(raw);
   try {
     MeshResult result = checked_body(raw, 1, false, source);
     if (peeled > 0)
-      result.notes.push_back("took " + counted(static_cast<std::size_t>(peeled), "flat cell", "flat cells") +
-                             " off the surface");
+      result.notes.push_back("removed " + counted(static_cast<std::size_t>(peeled), "flat cell", "flat cells") +
+                             " from the surface");
     if (split > 0)
-      result.notes.push_back("put " + counted(static_cast<std::size_t>(split), "node", "nodes") +
-                             " inside, between faces of the surface, where cells were flat");
+      result.notes.push_back("added " + counted(static_cast<std::size_t>(split), "node", "nodes") +
+                             " inside, between faces of the surface with flat cells");
     if (result.quality.n_slivers > 0) result.warnings.push_back(reason_of_slivers(result));
     return result;
   } catch (const Error& error) {

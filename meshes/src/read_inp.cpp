@@ -1,5 +1,5 @@
-// Decks of CalculiX and Abaqus: nodes, C3D4 tetrahedra, three-node triangles, and their sets as groups. What a deck
-// says about materials, steps and loads is skipped.
+// Decks of CalculiX and Abaqus: nodes, C3D4 tetrahedra, three-node triangles, and their sets as groups. Materials,
+// steps and loads are skipped.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -35,7 +35,7 @@ std::vector<std::string_view> fields(std::string_view line) {
   return list;
 }
 
-/// "*ELEMENT, TYPE=C3D4, ELSET=body"; names of cards and parameters in capitals, values as written.
+/// "*ELEMENT, TYPE=C3D4, ELSET=body"; names of cards and parameters are converted to capitals, values are not.
 struct Card {
   std::string name;
   std::map<std::string, std::string> parameters;
@@ -105,7 +105,7 @@ class InpFile {
 
   template <class Number>
   Number number(std::string_view text, const char* expected) const {
-    std::string plain(text);  // exponents may be those of Fortran
+    std::string plain(text);  // may have a Fortran exponent
     std::replace(plain.begin(), plain.end(), 'D', 'E');
     std::replace(plain.begin(), plain.end(), 'd', 'e');
     return _here.parse<Number>(plain, expected);
@@ -120,7 +120,7 @@ class InpFile {
     static const std::set<std::string> unsupported = {"*INCLUDE", "*NCOPY", "*NFILL",  "*NGEN",    "*NMAP",
                                                       "*ELCOPY",  "*ELGEN", "*SYSTEM", "*SUBMODEL"};
     if (unsupported.contains(card.name) || !card.value("INPUT").empty())
-      fail("the deck makes its mesh with a card that is not supported", std::string(_line),
+      fail("the deck has a card for its mesh that is not supported", std::string(_line),
            "write all nodes and elements into the deck itself, in Cartesian coordinates");
     if (card.name == "*NODE" && !card.value("SYSTEM").empty() && upper(card.value("SYSTEM")) != "R")
       fail("the nodes are not in Cartesian coordinates", std::string(_line),
@@ -144,7 +144,7 @@ class InpFile {
   struct Set {
     std::string name;
     std::vector<std::int64_t> numbers;
-    std::vector<std::string> sets;  ///< in capitals
+    std::vector<std::string> sets;  ///< names in capitals
   };
   using Sets = std::map<std::string, Set>;
 
@@ -165,7 +165,7 @@ class InpFile {
     if (card.name == "*NSET" || card.name == "*ELSET") read_set();
     if (card.name == "*INSTANCE")
       fail("an instance of a part is moved or turned", std::string(_line),
-           "write the part alone, with its nodes where they belong");
+           "write only the part, with the final positions of its nodes");
   }
 
   void read_node() {
@@ -186,7 +186,7 @@ class InpFile {
     const std::size_t size = _kind == Kind::tetrahedron ? 5 : 4;
     if (_pending.size() > size)
       fail("an element has too many nodes", "element " + std::to_string(_pending.front()), "export the file again");
-    if (_pending.size() < size) return;  // it goes on in the next line
+    if (_pending.size() < size) return;  // it continues in the next line
     const std::int64_t tag = _pending.front();
     std::vector<std::int32_t> nodes;
     for (std::size_t k = 1; k < size; ++k) nodes.push_back(position(_pending[k], "element " + std::to_string(tag)));
@@ -231,7 +231,7 @@ class InpFile {
     }
   }
 
-  /// The numbers of a set and of those that it names, each of which is visited once.
+  /// The numbers of a set and of the sets that it names, each of which is visited once.
   std::set<std::int64_t> numbers_of(const Sets& sets, const std::string& name) const {
     std::set<std::int64_t> numbers;
     std::set<std::string> seen{name};
@@ -273,7 +273,7 @@ class InpFile {
   }
 
   Scanner& _scanner;
-  Scanner _here;  ///< at the beginning of the line
+  Scanner _here;  ///< position at the beginning of the line
   const std::string& _source;
   std::string_view _line;
   RawMesh _raw;
@@ -281,7 +281,7 @@ class InpFile {
   Set* _set = nullptr;
   bool _generate = false;
   Sets _node_sets, _element_sets;
-  std::vector<std::int64_t> _pending;  ///< number and nodes of an element that is not complete
+  std::vector<std::int64_t> _pending;  ///< number and nodes of an incomplete element
   std::unordered_map<std::int64_t, std::int32_t> _position;
   std::unordered_map<std::int64_t, std::vector<std::int32_t>> _elements;
 };
@@ -291,8 +291,8 @@ class InpFile {
 RawMesh read_inp(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
   if (!bytes.ends_with('\n') && !bytes.ends_with('\r'))
-    throw input_error(source + ": the file ends without a line break, perhaps in the middle of a number", "",
-                      "export the file again; if it is whole, end its last line with a line break");
+    throw input_error(source + ": the file ends without a line break, so that its last number may be incomplete", "",
+                      "export the file again; if it is complete, end its last line with a line break");
   RawMesh raw = InpFile(scanner, source).read();
   if (raw.tetrahedra.empty() && raw.triangles.empty())
     throw input_error(source + ": the file holds neither tetrahedra (C3D4) nor triangles (S3)",

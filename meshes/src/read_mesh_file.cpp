@@ -78,7 +78,7 @@ RawMesh read_mesh_file(const std::filesystem::path& file) {
   const auto reader = reader_of(extension);
   if (!reader)
     throw input_error("mesh file of an unknown kind", file.string(), "give a file whose name ends in " + extensions());
-  // Ten million tetrahedra, a hundred times what is solved, take some 600 MB as text.
+  // Ten million tetrahedra, a hundred times the number that can be solved, take about 600 MB as text.
   constexpr std::uint64_t most_bytes = 1 << 30;
   const std::string bytes =
       read_input_file(file, {"the mesh file", "name a file that ends in " + extensions(), most_bytes, false});

@@ -1,4 +1,4 @@
-// Geomview's object files as text: vertices and faces, with or without normals and colours, which are skipped.
+// Geomview's object files as text: vertices and faces. Normals and colours are skipped.
 #include <algorithm>
 
 #include "raw_mesh.hpp"
@@ -9,8 +9,8 @@ namespace {
 
 constexpr const char* off_again = "export the surface again";
 
-/// The next line that holds something, without its comment; empty at the end of the file.
-/// @param here  gets the place of that line
+/// The next line with contents, without its comment; empty at the end of the file.
+/// @param here  output, the place of this line
 std::string_view filled_line(Scanner& scanner, Scanner& here) {
   while (!scanner.at_end()) {
     here = scanner;
@@ -21,7 +21,7 @@ std::string_view filled_line(Scanner& scanner, Scanner& here) {
   return {};
 }
 
-/// Reads numbers of a line; what stands behind them on the line is skipped.
+/// Reads numbers of a line; the rest of the line is skipped.
 class LineNumbers {
  public:
   LineNumbers(Scanner& file, const char* expected)
@@ -43,7 +43,7 @@ class LineNumbers {
   const char* _expected;
 };
 
-/// Leaves the scanner before the counts, which may stand on the line of the format's name.
+/// Moves the scanner to the counts, which may be on the line of the format's name.
 void read_format(Scanner& scanner, const std::string& source) {
   Scanner begin = scanner, here = scanner;
   const std::string_view line = filled_line(begin, here);
@@ -90,8 +90,8 @@ RawMesh read_off(const std::string& bytes, const std::string& source) {
     throw input_error(source + ": the file holds no faces", std::to_string(n_nodes) + " vertices",
                       "export the surface with its faces");
   if (!bytes.ends_with('\n') && !bytes.ends_with('\r'))
-    scanner.fail("the file ends without a line break, perhaps in the middle of a face", "",
-                 "export the file again; if it is whole, end its last line with a line break");
+    scanner.fail("the file ends without a line break, so that its last face may be incomplete", "",
+                 "export the file again; if it is complete, end its last line with a line break");
   return raw;
 }
 

@@ -1,4 +1,4 @@
-// Stanford's polygon files: text and binary of both byte orders. Vertices and faces are read, all else is skipped.
+// Stanford's polygon files: text and binary with both byte orders. Only vertices and faces are read.
 #include <bit>
 #include <optional>
 
@@ -12,7 +12,7 @@ constexpr const char* ply_again = "export the surface again";
 
 struct Property {
   std::string name, type;
-  std::string count_type;  ///< of a list; else empty
+  std::string count_type;  ///< of a list; otherwise empty
 };
 
 struct Element {
@@ -68,8 +68,7 @@ class PlyFile {
         const std::string name(words.word_or_end()), count(words.word_or_end());
         _elements.push_back({name, _scanner.parse<std::int64_t>(count, "the number of items of an element"), {}});
       } else if (word == "property") {
-        if (_elements.empty())
-          _scanner.fail("a property stands before the first element", line.substr(0, 40), ply_again);
+        if (_elements.empty()) _scanner.fail("a property is before the first element", line.substr(0, 40), ply_again);
         _elements.back().properties.push_back(property(words, line));
       } else if (!word.empty() && word != "comment" && word != "obj_info") {
         _scanner.fail("an unknown word in the header", std::string(word.substr(0, 40)), ply_again);
@@ -115,7 +114,7 @@ class PlyFile {
     }
   }
 
-  /// A value that counts or numbers something, or -1 if it can do neither.
+  /// A value that is a count or a number; -1 if it is neither.
   std::int64_t integer(const std::string& type) {
     const double x = value(type);
     const auto i = x >= 0 && x < 4e9 ? static_cast<std::int64_t>(x) : -1;
@@ -159,7 +158,7 @@ class PlyFile {
   }
 
   void read_face(const Property& p) {
-    if (!_vertices_known) _scanner.fail("faces stand before the vertices", "", ply_again);
+    if (!_vertices_known) _scanner.fail("faces are before the vertices", "", ply_again);
     const std::size_t n = length(p);
     if (n < 3) _scanner.fail("a face has fewer than three vertices", std::to_string(n), ply_again);
     std::vector<std::int32_t> corners(n);

@@ -9,7 +9,7 @@ using Edge = std::array<std::int32_t, 2>;
 
 Edge ordered(std::int32_t a, std::int32_t b) { return a < b ? Edge{a, b} : Edge{b, a}; }
 
-/// Number of the node in the middle of an edge.
+/// Numbers of the nodes at the midpoints of edges.
 class Middles {
  public:
   Middles(const std::vector<Edge>& edges, std::int32_t n_nodes) : _edges(edges), _n_nodes(n_nodes) {}
@@ -39,7 +39,7 @@ void split_triangles(const Matrix& triangles, const Middles& middle, Matrix& chi
   }
 }
 
-/// Four tetrahedra at the corners, and the octahedron between them cut along its shortest diagonal.
+/// Four tetrahedra at the corners, and the octahedron between them divided along its shortest diagonal.
 void split_tetrahedra(const Cells& cells, const Points& nodes, const Middles& middle, Cells& children) {
   children.resize(8 * cells.rows(), 4);
   Eigen::Index at = 0;
@@ -67,7 +67,7 @@ void split_tetrahedra(const Cells& cells, const Points& nodes, const Middles& mi
       const double length = (nodes.row(m[0][j]) - nodes.row(m[k][l])).norm();
       if (length < least) least = length, shortest = j;
     }
-    // The diagonal leads from the middle of 0-j to that of k-l; the other four middles go around it.
+    // The diagonal connects the midpoints of 0-j and k-l; the other four midpoints surround it.
     const int j = shortest, k = j % 3 + 1, l = k % 3 + 1;
     const std::array<std::int32_t, 4> around{m[0][k], m[j][k], m[j][l], m[0][l]};
     for (std::size_t i = 0; i < 4; ++i) add({m[0][j], m[k][l], around[i], around[(i + 1) % 4]});

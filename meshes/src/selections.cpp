@@ -51,7 +51,7 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   if (!both.empty())
     throw input_error(at(scene.active_where) + "active nodes that are also fixed cannot be displaced",
                       std::to_string(both.size()) + " nodes: " + first_of(both),
-                      "take them out: active = { difference = [ SELECTION, \"fixed\" ] }, or use \"free-surface\"");
+                      "remove them by active = { difference = [ SELECTION, \"fixed\" ] }, or use \"free-surface\"");
   Nodes inside;
   std::set_difference(sets.active.begin(), sets.active.end(), body.surface.begin(), body.surface.end(),
                       std::back_inserter(inside));

@@ -49,7 +49,7 @@ std::set<Edge> surface_edges(const RawMesh& raw) {
   return edges;
 }
 
-/// An edge with all cells around it, and the best place for a node in it.
+/// An edge with all cells around it, and the best position of a node in it.
 struct Split {
   Edge edge{};
   std::vector<std::size_t> ring;
@@ -72,7 +72,7 @@ double worst_shape(const RawMesh& raw, const Split& split, const Vector& x) {
   return worst;
 }
 
-/// Searches the best place from the middle of the edge, in ever smaller steps.
+/// Searches the best position from the midpoint of the edge, with decreasing steps.
 void place(const RawMesh& raw, Split& split) {
   const Vector a = node_at(raw, split.edge[0]), b = node_at(raw, split.edge[1]);
   split.x = (a + b) / 2;

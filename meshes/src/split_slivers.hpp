@@ -1,12 +1,13 @@
-// Flat tetrahedra between faces of a surface that lie close to each other, where no inner node can be moved.
+// Flat tetrahedra between close faces of a surface, without an inner node that could be moved.
 #pragma once
 
 #include "raw_mesh.hpp"
 
 namespace phynness::meshes {
 
-/// Puts a node into an inner edge of each flat cell, where the worst of the cells around it is best. The surface and
-/// the numbers of all nodes stay; new nodes come last. Cells are as in checked_body: their direction does not matter.
+/// Adds a node in an inner edge of each flat cell, at the position with the best shape of the worst surrounding cell.
+/// The surface and the numbers of all nodes do not change; new nodes are the last ones. As in checked_body cells may
+/// have any orientation.
 /// @return number of new nodes
 std::int32_t split_slivers(RawMesh& raw);
 

@@ -12,18 +12,17 @@ namespace {
 
 using Vector = Eigen::RowVector3d;
 
-// Shape: radius ratio of a triangle, or of a fold, half of 1 + the cosine between its normals (0.15: 45 degrees
-// inside).
+// Shape: radius ratio of a triangle; of a fold half of 1 + the cosine between its normals (0.15: 45 degrees inside).
 constexpr double bad_shape = 0.15;
 constexpr int most_passes = 10;
-// In edge lengths, and in their cubes (a regular tetrahedron has 0.118).
+// In edge lengths, and in cubes of edge lengths (a regular tetrahedron has 0.118).
 constexpr double most_distance = 0.3, most_volume = 0.03;
 
-/// Triangles in place of others, with the same boundary.
+/// Triangles that replace others with the same boundary.
 struct Change {
   std::vector<std::int32_t> removed;
   std::vector<Triangle> added;
-  Edge edge{};  ///< to be flipped, or from the node that goes to the one that is kept
+  Edge edge{};  ///< the edge to be flipped, or the edge from the removed node to the kept node
   bool is_flip = false;
 };
 
@@ -51,7 +50,7 @@ class SliverRemoval {
     return radius_ratio(_surface.x(t[1]) - a, _surface.x(t[2]) - a);
   }
 
-  /// 1 where the triangles lie in a plane or enclose a notch, 0 where they lie on each other with the body between.
+  /// 1 if the triangles lie in a plane or enclose a notch, 0 if they coincide with the body between them.
   double fold_shape(const Triangle& t, const Triangle& other, std::int32_t other_node) const {
     const Vector n = normal(t), m = normal(other);
     if ((_surface.x(other_node) - _surface.x(t[0])).dot(n) >= 0) return 1;
@@ -64,7 +63,7 @@ class SliverRemoval {
     return *std::find_if(t.begin(), t.end(), [&](std::int32_t node) { return node != edge[0] && node != edge[1]; });
   }
 
-  /// The other triangle at an edge: of `triangles`, or of the surface without `removed`.
+  /// The other triangle at an edge, from `triangles` or from the surface without `removed`.
   const Triangle* across(const Edge& edge, std::size_t index, const std::vector<Triangle>& triangles,
                          const std::vector<std::int32_t>& removed) const {
     for (std::size_t i = 0; i < triangles.size(); ++i)
@@ -75,7 +74,7 @@ class SliverRemoval {
     return nullptr;
   }
 
-  /// The worst shape of triangles and of their folds, with `removed` away.
+  /// The worst shape of triangles and of their folds, without the triangles `removed`.
   double shape(const std::vector<Triangle>& triangles, const std::vector<std::int32_t>& removed) const {
     double worst = 1;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -133,7 +132,7 @@ class SliverRemoval {
     changes.push_back(std::move(change));
   }
 
-  /// Makes the best change at a triangle, if one is better than what is there.
+  /// Applies the best change at a triangle, if it improves the shape.
   bool improve(std::int32_t t) {
     std::vector<Change> changes;
     const Triangle nodes = _surface.triangle(t);

@@ -1,4 +1,4 @@
-// Flat triangles and thin folds of a remeshed surface, of which no good tetrahedra can be made.
+// Removal of flat triangles and thin folds of a remeshed surface, which prevent tetrahedra of good quality.
 #pragma once
 
 #include "changing_surface.hpp"
@@ -6,9 +6,9 @@
 
 namespace phynness::meshes {
 
-/// Collapses and flips edges at triangles that are nearly flat and at outward folds that are nearly closed, across
-/// features that are finer than the edge length. Each change improves the worst shape around it and stays close to the
-/// original surface, in distance and in volume. A surface without such shapes stays as it is.
+/// Collapses and flips edges at nearly flat triangles and at nearly closed outward folds, also across features that are
+/// finer than the edge length. Each change improves the worst shape around it and is limited in distance and volume. A
+/// surface without such shapes is not changed.
 void remove_slivers(ChangingSurface& surface, const ClosestPoint& original, double edge_m);
 
 }  // namespace phynness::meshes

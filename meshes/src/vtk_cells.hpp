@@ -1,4 +1,4 @@
-// What VTK's cell types become, in legacy and in XML files.
+// Conversion of VTK cells, for legacy and XML files.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@ namespace phynness::meshes {
 inline constexpr int vtk_vertex = 1, vtk_poly_line = 4, vtk_polygon = 7, vtk_triangle = 5, vtk_quad = 9,
                      vtk_tetrahedron = 10;
 
-/// Adds a cell to `raw`: tetrahedra as they are, polygons as triangles; points and lines are skipped.
-/// @param fail  throws what(message, value, remedy) for a cell that is of no use
+/// Adds a cell to `raw`: tetrahedra unchanged, polygons as triangles; points and lines are skipped.
+/// @param fail  throws what(message, value, remedy) for a cell that cannot be used
 template <class Fail>
 void add_vtk_cell(const std::vector<std::int32_t>& cell, std::size_t number, std::int64_t type, RawMesh& raw,
                   const Fail& fail) {

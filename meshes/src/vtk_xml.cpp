@@ -9,7 +9,7 @@
 namespace phynness::meshes {
 namespace {
 
-// Numbers of one array: those of ten million tetrahedra, a hundred times what is solved.
+// Numbers of one array for ten million tetrahedra, a hundred times the number that can be solved.
 constexpr std::uint64_t most_numbers = 40'000'000;
 constexpr const char* again = "export the file again";
 
@@ -35,7 +35,7 @@ void VtkXml::parse_document(const char* kind) {
   const auto begin = _bytes.find("<AppendedData");
   _text = _bytes.substr(0, begin);
   if (begin != std::string::npos) {
-    // What is appended may hold any bytes, so that the file as a whole is no XML.
+    // Appended data may contain any bytes, so that the whole file is not valid XML.
     const auto tag_end = _bytes.find('>', begin), data = _bytes.find('_', tag_end);
     if (tag_end == std::string::npos || data == std::string::npos)
       throw input_error(_source + ": the file is truncated: its appended data are missing", "", again);
@@ -49,7 +49,7 @@ void VtkXml::parse_document(const char* kind) {
         static_cast<std::ptrdiff_t>(std::min<std::size_t>(std::max<std::ptrdiff_t>(parsed.offset, 0), _bytes.size()));
     throw input_error(_source + ":" + std::to_string(1 + std::count(_bytes.begin(), _bytes.begin() + at, '\n')) +
                           (file && parsed ? ": the file is truncated: it does not end with </VTKFile>"
-                                          : ": the file is no XML file of VTK"),
+                                          : ": the file is not an XML file of VTK"),
                       parsed ? "" : parsed.description(), again);
   }
   _grid = file.child(kind);
@@ -102,7 +102,7 @@ std::string_view VtkXml::encoded_text(pugi::xml_node array, bool& base64) const 
   std::uint64_t offset = 0;
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), offset);
   if (code != std::errc{} || end != text.data() + text.size() || offset >= size)
-    fail(array, "the offset of an array lies outside of the appended data of " + std::to_string(size) + " bytes",
+    fail(array, "the offset of an array is outside of the appended data of " + std::to_string(size) + " bytes",
          std::string(text.substr(0, 40)), again);
   base64 = _appended_base64;
   return _appended->substr(offset);
@@ -121,7 +121,7 @@ std::vector<Number> VtkXml::ascii_numbers(pugi::xml_node array, std::size_t size
     if (stop != &*begin + (end - begin) || (code != std::errc{} && code != std::errc::result_out_of_range))
       fail(array, "expected a number in an array",
            std::string(begin, begin + std::min<std::ptrdiff_t>(40, end - begin)), again);
-    // Beyond the largest is no coordinate; below the smallest is 0.
+    // Values that are too large are refused; values that are too small are 0.
     if (code == std::errc::result_out_of_range && std::find(begin, end, '-') == end)
       fail(array, "a number of an array is out of range", std::string(begin, end).substr(0, 40), again);
     values.push_back(value);

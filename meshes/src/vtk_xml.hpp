@@ -1,4 +1,4 @@
-// The arrays of VTK's XML files (.vtu, .vtp): ASCII, base64 or appended, compressed by zlib or not.
+// The arrays of VTK's XML files (.vtu, .vtp): ASCII, base64 or appended, with or without zlib compression.
 // https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
 #pragma once
 
@@ -15,20 +15,20 @@ namespace phynness::meshes {
 
 class VtkXml {
  public:
-  /// @throws Error if the text is no XML file of VTK of this kind, "UnstructuredGrid" or "PolyData"
+  /// @throws Error if the text is not a VTK XML file of this kind, "UnstructuredGrid" or "PolyData"
   VtkXml(const std::string& bytes, const std::string& source, const char* kind);
 
   /// UnstructuredGrid or PolyData.
   pugi::xml_node grid() const { return _grid; }
-  /// An attribute that counts something. @throws Error if it is missing or larger than any mesh needs
+  /// A count in an attribute. @throws Error if it is missing or larger than for any useful mesh
   std::size_t count(pugi::xml_node node, const char* attribute) const;
-  /// The DataArray of a name, or the only one if `name` is empty. @throws Error
+  /// The DataArray with this name, or the only one if `name` is empty. @throws Error
   pugi::xml_node array(pugi::xml_node parent, const std::string& name) const;
-  /// @param size  how many numbers the array must hold
+  /// @param size  number of values of the array
   template <class Number>
   std::vector<Number> numbers(pugi::xml_node array, std::size_t size) const;
 
-  /// @throws Error that names the line of the node
+  /// @throws Error with the line of the node
   [[noreturn]] void fail(pugi::xml_node node, const std::string& what, const std::string& value,
                          const std::string& remedy) const;
 
@@ -42,7 +42,7 @@ class VtkXml {
   std::vector<Number> binary_numbers(pugi::xml_node array, std::size_t size) const;
 
   const std::string& _bytes;
-  std::string _source, _text;  ///< the text without appended data; the document points into it
+  std::string _source, _text;  ///< the text without appended data; the document refers to it
   pugi::xml_document _document;
   pugi::xml_node _grid;
   DataEncoding _encoding;

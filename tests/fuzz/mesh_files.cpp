@@ -1,7 +1,7 @@
-// Any bytes as a mesh: mesh.txt, .msh, .vtk, .stl, .obj, .vtu, .vtp, .ply, .off, .inp. Read, or an Error in words.
-// Input: a byte (bits 0 to 3: which reader; 8: mesh.txt with its right checksum; bits 4 to 6: repair, millimetres, half
-// a body), the file. What a reader gives is checked as a body, as a surface and as a shell: a sound mesh, or an Error
-// in words.
+// Arbitrary bytes as a mesh (mesh.txt, .msh, .vtk, .stl, .obj, .vtu, .vtp, .ply, .off, .inp) are read or result in an
+// Error. Input: a byte (bits 0 to 3: the reader; 8: mesh.txt with its right checksum; bits 4 to 6: repair, millimetres,
+// half a body), then the file. The contents are checked as a body, as a surface and as a shell, which gives a valid
+// mesh or an Error.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mesh.hpp>
 

@@ -1,5 +1,6 @@
-// Claim: each fault trips the loop for its reason before 2 mJ more have gone into the hand than it gave; after that the
-// force falls to zero within the ramp and stays there. Faults of forces act only while the motors have a force.
+// Claim: each fault ends the loop for its reason before the energy delivered to the hand exceeds the energy taken from
+// it by 2 mJ. The force then decreases to zero within the ramp and remains zero. Faults of forces have an effect only
+// while the motors have a force.
 #include <gtest/gtest.h>
 
 #include <limits>

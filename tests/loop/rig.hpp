@@ -1,4 +1,4 @@
-// A loop, a body and the simulated device, cycle by cycle, beside the true energies of the device.
+// A loop, a body and the simulated device with its true energies, cycle by cycle.
 #pragma once
 
 #include <phynness/devices/simulated_device.hpp>

@@ -1,5 +1,6 @@
-// Claim: the loop delivers at most 0.1 mJ more than it took, at the device and at the hand, at every point of the list;
-// the whole list with 100 s each is tools/study-passivity. 0.1 mJ is a tenth of the energy of the trip.
+// Claim: the loop delivers at most 0.1 mJ more than it has taken, at the device and at the hand, at every point of the
+// list. tools/study-passivity runs the whole list with 100 s each. 0.1 mJ is a tenth of the energy at which the loop
+// ends.
 #include <gtest/gtest.h>
 
 #include "rig.hpp"

@@ -1,6 +1,6 @@
-// Claim: the work that the observer tells is the true work of the forces that the device held, up to 2 % of the energy
-// that was exchanged or 20 uJ, whatever the latency, jitter, losses, coupling, damping, motion and family. 2 % is the
-// error at which an energy of the size of the trip (1 mJ) is told within the allowance (20 uJ).
+// Claim: the work of the observer is the true work of the forces on the device, up to 2 % of the exchanged energy or 20
+// uJ, for any latency, jitter, losses, coupling, damping, motion and family. With an error of 2 % the energy at which
+// the loop ends (1 mJ) is known within the allowance (20 uJ).
 #include <gtest/gtest.h>
 
 #include "rig.hpp"

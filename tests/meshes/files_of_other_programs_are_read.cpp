@@ -1,6 +1,6 @@
-// Claim: a body and its surface, as VTK (ParaView, PyVista) and meshio write them in every encoding, are the same mesh:
-// node numbers, cells and coordinates, bit for bit, as these are exact in every format. Damage and what is not
-// supported is refused with file and line; what a file declares costs no memory before its data are there.
+// Claim: a body and its surface in all encodings of VTK (ParaView, PyVista) and meshio are the same mesh: node numbers,
+// cells and coordinates, bit for bit, because these coordinates are exact in every format. Damaged and unsupported
+// files are refused with file and line. Declared sizes need no memory before the data are read.
 #include <cmath>
 #include <phynness/formats/vtk.hpp>
 #include <random>
@@ -150,14 +150,14 @@ TEST(FilesOfOtherPrograms, NameTheDefectOfAnXmlFile) {
            Case{"ascii\">10", "binary\">=!AAAAAA", "not base64"},
            Case{"ascii\">10", "binary\">AQAA", "ends too early"},
            Case{"ascii\">10", "binary\">/////w==", "more than the 1 bytes"},
-           Case{"<Points>", deep.c_str(), "no XML file"},
-           Case{"</VTKFile>", "", "no XML file"},
+           Case{"<Points>", deep.c_str(), "XML file"},
+           Case{"</VTKFile>", "", "XML file"},
        }) {
     const std::string message = error_of([&] { import_bytes(changed_vtu(from, to), ".vtu"); });
     EXPECT_TRUE(contains(message, part)) << "expected '" << part << "' in '" << message << "'";
   }
   EXPECT_TRUE(contains(error_of([] { import_bytes("<VTKFile></VTKFile>", ".vtu"); }), "no UnstructuredGrid"));
-  EXPECT_TRUE(contains(error_of([] { import_bytes("# vtk DataFile Version 3.0\n", ".vtu"); }), "no XML file"));
+  EXPECT_TRUE(contains(error_of([] { import_bytes("# vtk DataFile Version 3.0\n", ".vtu"); }), "XML file"));
   // Entities are not expanded.
   const std::string laughs = changed_vtu("<VTKFile", "<!DOCTYPE a [<!ENTITY a \"&a;&a;\">]><VTKFile");
   EXPECT_EQ(import_bytes(laughs, ".vtu").mesh.n_cells(), 1);
@@ -184,7 +184,7 @@ TEST(FilesOfOtherPrograms, NameTheDefectOfASurface) {
       {ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "not in the file"},
       {ply + "0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "fewer than three"},
       {ply + "0 0 0\n1 0 0\n0 1 0\n200 0 1 2\n", "truncated"},
-      {ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2", "perhaps in the middle"}};
+      {ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2", "line break"}};
   for (const auto& [bytes, part] : plys) {
     const std::string message = error_of([&] { import_bytes(bytes, ".ply"); });
     EXPECT_TRUE(contains(message, part)) << "expected '" << part << "' in '" << message << "'";

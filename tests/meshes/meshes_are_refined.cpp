@@ -1,5 +1,5 @@
-// Claim: a refined mesh is the same body, with the same nodes first, half the edge length, and cells that are not
-// much worse; sets of nodes grow by the middles of edges inside them. Volumes and areas agree to rounding.
+// Claim: a refined mesh is the same body with the same nodes first, half the edge length, and cells of similar quality.
+// Sets of nodes also contain the midpoints of edges between their nodes. Volumes and areas agree up to rounding.
 #include <algorithm>
 #include <set>
 

@@ -1,6 +1,6 @@
-// Claim: a remeshed surface is filled without cells below the quality of a sliver, 0.1, where its features are finer
-// than the edges, where it is folded and where it is thin; what is left is said with its reason and place, and so is a
-// volume that the edges cut off. Shapes that are sound stay as they are.
+// Claim: a remeshed surface with features finer than the edges, with folds or with thin parts is filled without
+// slivers, cells of quality below 0.1. Remaining slivers are reported with reason and place, and so is a change of the
+// volume. Surfaces without such shapes are not changed.
 #include <Eigen/LU>
 
 #include "mesh_under_test.hpp"

@@ -1,6 +1,7 @@
-// Claims: `phynness check` gives the ratios of forces that single solves give, with Taylor-Hood elements on the same
-// mesh and with the own element on the refined one; failed solves are named, an interruption keeps what is finished,
-// and what the time does not allow is said. Solves stop at 1e-8 of the reactions: forces agree to 1e-5.
+// Claims: `phynness check` gives the ratios of the forces of single solves, with Taylor-Hood elements on the same mesh
+// and with the same element on the refined mesh. Failed solves are named, an interruption keeps finished results, and
+// probes that the time does not allow are reported. The tolerance of solves is 1e-8 of the reactions, so that forces
+// agree to 1e-5.
 #include <cmath>
 #include <phynness/meshes/meshes.hpp>
 

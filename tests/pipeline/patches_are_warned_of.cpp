@@ -1,6 +1,6 @@
-// Claims: a patch that its mesh does not resolve, and one that is displaced so far sideways that it folds, are warned
-// of by mesh, info, plan and train, with file and line; what the warning recommends ends it. Other scenes are not
-// warned of.
+// Claims: for a patch that its mesh does not resolve, and for one that is displaced so far sideways that it folds,
+// mesh, info, plan and train print a warning with file and line. The recommended change removes the warning. Other
+// scenes have no such warning.
 #include <regex>
 
 #include "command_line.hpp"

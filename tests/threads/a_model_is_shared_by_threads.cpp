@@ -1,6 +1,6 @@
-// Claims: threads that share a model, a surface and an image, each with scratch of its own, get the answers
-// that one thread gets alone, to the last bit; what a force thread hands to a picture thread by devices::Latest is
-// whole. Run by the sanitizer of threads, too, which sees races that answers do not show.
+// Claims: threads that share a model, a surface and an image, each with its own scratch, get exactly the results of a
+// single thread. The data that a force thread passes to a picture thread by devices::Latest are complete. The test also
+// runs with the sanitizer of threads, which detects races that results do not show.
 #include <gtest/gtest.h>
 #include <phynness/phynness_paper.h>
 #include <phynness/phynness_surface.h>

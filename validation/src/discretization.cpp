@@ -41,7 +41,8 @@ RatioStatistics DiscretizationReport::ratios(Variant other, std::size_t depth) c
 }
 
 double patch_radius_for_node(double mean_edge_m, double max_displacement_m) {
-  // A patch of less than two edges is not resolved; one that slides farther than 0.65 radii folds (docs/extremes.md).
+  // A patch of less than two edges is not resolved, and a patch that slides farther than 0.65 radii folds
+  // (docs/extremes.md).
   return std::max(2 * mean_edge_m, max_displacement_m / 0.6);
 }
 
@@ -50,7 +51,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const Dat
   const auto& active = header.sets.active;
   const std::size_t n_directions = header.directions.size();
   const Points normals = node_normals(header.mesh);
-  // Distance of each candidate from the fixed nodes and from those that are chosen.
+  // Distance of each candidate from the fixed and the selected nodes.
   std::vector<double> distance(active.size(), std::numeric_limits<double>::infinity());
   const auto keep_away_from = [&](std::int32_t node) {
     for (std::size_t a = 0; a < active.size(); ++a)
@@ -82,15 +83,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// More increments than this do not change what is compared.
+/// More increments do not change the comparison.
 constexpr int most_increments = 6;
-/// CPU time of a solve grows with this power of the unknowns where nothing was measured: between 1.6 (p1-p1, 736 to
-/// 4,298 nodes) and 2.1 (p1-p1 against Taylor-Hood).
+/// Without measurements the CPU time of a solve is assumed to grow with this power of the unknowns; measured powers are
+/// between 1.6 (p1-p1, 736 to 4,298 nodes) and 2.1 (p1-p1 and Taylor-Hood).
 constexpr double cost_exponent = 2;
-/// A solve that takes so many times what the budget leaves is ended.
+/// A solve is ended if it takes more than the remaining time times this factor.
 constexpr double patience = 1.5;
 
-/// A body to be solved on; what is expensive is made when it is needed.
+/// A body for solves, whose expensive parts are made when they are needed.
 struct Body {
   Scene scene;
   Mesh mesh;
@@ -152,7 +153,7 @@ void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   }
   _report.tool_radius_m = common.probe.tool_radius_m;
 
-  // Mirror images are left out by the scene's own symmetry, of which a refined mesh has no list.
+  // The symmetry of the scene excludes mirror images; a refined mesh has no list of them.
   _rays = choose_checked_rays(database_header(common, mesh, sets),
                               requested_rays(common, mesh, database_header(common, mesh, sets)), _options.probes);
   if (_rays.empty())
@@ -183,7 +184,7 @@ void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   against.possible = against.left_out.empty();
 }
 
-/// Makes the body of a variant; the fine mesh is not made before it is affordable.
+/// Makes the body of a variant. The fine mesh is made only if it is affordable.
 void Check::prepare(Variant v) {
   Body& b = body(v);
   if (b.solver) return;
@@ -196,12 +197,11 @@ void Check::prepare(Variant v) {
   b.solver = std::make_unique<ProbeSolver>(b.scene, b.mesh, b.sets);
 }
 
-/// Whether the next ray of a variant is predicted to end within the budget. If it is not, the variant is left out from
-/// here on.
+/// Whether the next ray of a variant is predicted to end within the time. If not, the variant is omitted from here on.
 bool Check::affordable(Variant v) {
   if (!cost(v).left_out.empty()) return false;
   const auto own = _measured[static_cast<std::size_t>(v)], scene = _measured[0];
-  if (own == 0 && scene == 0) return true;  // nothing is known before the first ray
+  if (own == 0 && scene == 0) return true;  // there is no measurement before the first ray
   const double predicted =
       own > 0 ? own : scene * std::pow(body(v).unknowns / body(Variant::scene).unknowns, cost_exponent);
   if (elapsed() + predicted <= _options.seconds) return true;
@@ -251,7 +251,7 @@ DiscretizationReport Check::run() {
     probe.direction = directions[static_cast<std::size_t>(ray.second)];
     probe.inward = -normals.row(probe.node).dot(to_eigen(probe.direction).transpose());
     for (const auto v : variants) {
-      // A force of the scene without one to compare it with, or the other way round, says nothing.
+      // A force without its counterpart in the other variant is not useful.
       const bool wanted = v == Variant::scene ? comparable() : !probe.of(Variant::scene).status.empty();
       if (wanted && !_report.interrupted && affordable(v)) solve(v, ray, probe);
       if (_progress) _progress(++done, total);

@@ -76,8 +76,7 @@ std::string modelled(const ReportInput& in) {
   if (const double ratio = expected_force_ratio(scene); ratio > warned_force_ratio)
     out += fmt::format(
         "<p class=\"warning\">{} tetrahedra lock at K/mu = {:.3g}: forces at a depth of one edge of the mesh are about "
-        "{}. "
-        "The figures below say how well the model repeats these finite elements, not the tissue. Elements p1-p1 and "
+        "{}. The figures below compare the model with these finite elements, not with the tissue. Elements p1-p1 and "
         "taylor-hood do not lock.</p>\n",
         name(scene.solver.element), K_mu, ratio_in_words(ratio));
   if (scene.probe.kind == ProbeKind::node)

@@ -8,17 +8,17 @@
 
 namespace phynness::devices {
 
-/// What a controller must know about a device; entries of phn_loop_settings have the same names.
+/// Properties of a device that a controller needs; entries of phn_loop_settings have the same names.
 struct Traits {
   std::string name;
   double period_s = 1e-3;            ///< between positions
   bool has_times = false;            ///< read() gives the time of the measurement
   double latency_s = 0;              ///< otherwise the age of a position when it is read
-  double force_delay_s = 0;          ///< until hold() acts
+  double force_delay_s = 0;          ///< delay between hold() and its effect
   double position_resolution_m = 0;  ///< step of the positions
-  double damping_Ns_per_m = 0;       ///< physical damping that is certain
-  double largest_force_N = 0;        ///< of the motors, continuous
-  double force_resolution_N = 0;     ///< step of the motors
+  double damping_Ns_per_m = 0;       ///< guaranteed physical damping
+  double largest_force_N = 0;        ///< continuous force of the motors
+  double force_resolution_N = 0;     ///< step of the forces of the motors
 };
 
 /// A device that translates. Position and force have the axes of the device.
@@ -31,22 +31,22 @@ class Device {
 
   /// @throws std::runtime_error  with the reason and the remedy
   virtual void open() = 0;
-  /// Known after open().
+  /// Valid after open().
   virtual Traits traits() const = 0;
-  /// Time of the device's clock [s], which never runs backwards; samples have times of this clock.
+  /// Time of the clock of the device [s], which never decreases; samples have times of this clock.
   virtual double now() = 0;
-  /// Waits until the next cycle begins. @return false when there are no more positions
+  /// Waits for the beginning of the next cycle. @return false if there are no more positions
   virtual bool wait() = 0;
   /// The newest position. Does not block. @return false if none arrived since the last call
   virtual bool read(phn_loop_sample& sample) = 0;
-  /// The force [N] from now until the next call.
+  /// Applies the force [N] until the next call.
   virtual void hold(const double force[3]) = 0;
-  /// The force [N] that the motors really hold. @return false if the device does not tell
+  /// The force [N] that the motors apply. @return false if the device does not measure it
   virtual bool held(double force[3]) {
     static_cast<void>(force);
     return false;
   }
-  /// Without force. May be called more than once.
+  /// Switches the force off. May be called several times.
   virtual void close() noexcept = 0;
 };
 

@@ -14,7 +14,7 @@ class Latest {
     _slot[_writing] = value;
     _writing = _middle.exchange(_writing | fresh, std::memory_order_acq_rel) & index;
   }
-  /// One other thread only. @return whether the value is newer than at the last call
+  /// Called by one other thread only. @return whether the value is newer than at the last call
   bool read(Value& value) {
     const bool is_new = _middle.load(std::memory_order_relaxed) & fresh;
     if (is_new) _reading = _middle.exchange(_reading, std::memory_order_acq_rel) & index;

@@ -1,5 +1,5 @@
-// A recorded motion as a device: positions come from a file, forces are kept for the caller. The hand does not yield,
-// so that the same positions arrive in every run.
+// A recorded motion as a device. Positions are read from a file, and forces are stored for the caller. They do not
+// change the motion, so that every run has the same positions.
 #pragma once
 
 #include <phynness/devices/device.hpp>

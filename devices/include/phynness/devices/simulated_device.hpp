@@ -1,6 +1,6 @@
-// A simulated hand that holds a simulated device. The hand is a spring and a damper towards a motion, the device a mass
-// with friction. Positions are rounded and arrive late, forces are limited and rounded, as settings say. The device
-// counts the true energies, with which a passivity observer can be compared.
+// A simulated hand that holds a simulated device. The hand is a spring and a damper to an intended motion; the device
+// is a mass with friction. According to the settings positions are rounded and delayed, and forces are limited and
+// rounded. The device integrates the true energies, with which a passivity observer can be compared.
 #pragma once
 
 #include <phynness/devices/device.hpp>
@@ -16,14 +16,14 @@ struct Vector3 {
   double x = 0, y = 0, z = 0;
 };
 
-/// The position that the hand wants to reach, as a function of time.
+/// The intended position of the hand as a function of time.
 class HandMotion {
  public:
-  /// At rest at 0.
+  /// Constant position 0.
   HandMotion() = default;
-  /// Presses, circles, tremor and, every ten seconds, three taps within `reach_m` of 0, for ever.
+  /// Endless presses, circles and tremor, with three taps every ten seconds, within `reach_m` of 0.
   explicit HandMotion(double reach_m) : _reach_m(reach_m) {}
-  /// Recorded positions x y z [m], one line per millisecond, repeated for ever.
+  /// Recorded positions x y z [m], one line per millisecond, repeated endlessly.
   /// @throws std::runtime_error  with file and line
   static HandMotion recorded(const std::string& file);
   Vector3 at(double time_s) const;
@@ -35,24 +35,24 @@ class HandMotion {
 
 struct SimulatedDeviceSettings {
   double mass_kg = 0.08, friction_Ns_per_m = 0.5;
-  double hand_stiffness_N_per_m = 250, hand_damping_Ns_per_m = 4;  ///< 0: nobody holds the device
+  double hand_stiffness_N_per_m = 250, hand_damping_Ns_per_m = 4;  ///< 0: the device is not held
   double resolution_m = 2e-5;                                      ///< of the positions
   double largest_force_N = 8, force_resolution_N = 0;
   double period_s = 1e-3;
   bool has_times = true;
   int latency_samples = 1;     ///< complete periods between measurement and arrival
-  double late_s = 0;           ///< further delay of single samples, up to this
-  double jitter_s = 0;         ///< the measurement is up to this earlier than the end of a period
-  double lost = 0, twice = 0;  ///< shares of samples that never arrive or arrive twice
+  double late_s = 0;           ///< largest additional delay of single samples
+  double jitter_s = 0;         ///< largest time between a measurement and the end of its period
+  double lost = 0, twice = 0;  ///< fractions of samples that are lost or arrive twice
   unsigned seed = 1;
 };
 
 /// Energies [J], integrated together with the motion.
 struct TrueEnergy {
-  double delivered = 0;       ///< by the forces of the loop to the device
+  double delivered = 0;       ///< to the device by the forces of the loop
   double most_delivered = 0;  ///< largest value of `delivered`
   double gross = 0;           ///< integral of |force . velocity|
-  double to_hand = 0;         ///< that the hand received
+  double to_hand = 0;         ///< received by the hand
   double most_to_hand = 0;    ///< largest value of `to_hand`
 };
 
@@ -71,7 +71,7 @@ class SimulatedDevice : public Device {
   void close() noexcept override {}
 
   const TrueEnergy& energy() const { return _energy; }
-  /// The sums of energy() begin again at zero.
+  /// Restarts the sums of energy() at zero.
   void count_energy_from_now();
   Vector3 position() const { return _state.position; }
   /// No positions arrive for so many periods from now on.

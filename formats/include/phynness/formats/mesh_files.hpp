@@ -1,4 +1,4 @@
-// The kinds of mesh files that are read, for scenes and for the readers.
+// Kinds of mesh files, for scenes and for the readers.
 #pragma once
 
 #include <string_view>
@@ -6,7 +6,7 @@
 
 namespace phynness {
 
-/// Extensions in small letters, with their dots; case does not matter in names of files.
+/// Extensions in lower case with their dots; upper case is accepted, too.
 inline const std::vector<std::string_view> mesh_file_extensions = {".msh", ".vtk", ".vtu", ".vtp", ".inp",
                                                                    ".stl", ".obj", ".ply", ".off"};
 

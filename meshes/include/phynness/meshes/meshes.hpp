@@ -53,16 +53,16 @@ QualityReport measure_quality(const Mesh& mesh);
 /// Edges of the cells, the smaller node first, ascending.
 std::vector<std::array<std::int32_t, 2>> mesh_edges(const Mesh& mesh);
 
-/// The same body with half the edge length: each tetrahedron is cut into eight, each triangle into four. The nodes keep
-/// their numbers, and those in the middles of mesh_edges() follow in that order. Flat triangles of a surface stay flat.
+/// The same body with half the edge length: each tetrahedron is divided into eight, each triangle into four. The nodes
+/// keep their numbers, and the midpoints of mesh_edges() follow in this order. Flat parts of the surface remain flat.
 Mesh refined(const Mesh& mesh);
-/// Of a set of nodes (ascending): these, and the middles of edges between two of them.
+/// A set of nodes (ascending) with the midpoints of edges between two of them.
 std::vector<std::int32_t> refined(const std::vector<std::int32_t>& nodes,
                                   const std::vector<std::array<std::int32_t, 2>>& edges, std::int32_t n_nodes);
 
-/// Writes gmsh format 4.1 (ASCII): nodes in their order, tetrahedra if it has any, triangles, physical groups; when
-/// `sets` is given its lists become physical point groups phynness_fixed, phynness_active, phynness_output. Written by
-/// our own code or gmsh, but reading it back through make_mesh gives the same node numbers, cells and hash.
+/// Writes gmsh format 4.1 (ASCII): nodes in their order, tetrahedra if there are any, triangles, physical groups. If
+/// `sets` is given, its lists become the physical point groups phynness_fixed, phynness_active, phynness_output.
+/// make_mesh reads the file with the same node numbers, cells and hash.
 void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::path& file);
 
 /// Resolves the selections of the scene on a mesh, and pairs nodes if the scene declares a plane of symmetry.
@@ -70,7 +70,7 @@ void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::pa
 ///   unknown (the message lists the existing ones), a node number is out of range, or a mesh or a set is declared
 ///   symmetric and is not
 NodeSets resolve_selections(const Scene& scene, const Mesh& mesh);
-/// The same into `sets`, which after an error holds what was selected before it, to look at.
+/// The same with output `sets`, which after an error contains the selections that were made before it.
 void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets);
 
 }  // namespace phynness

@@ -1,5 +1,5 @@
-// What element and cell size do to the forces of a scene: a few probes against Taylor-Hood elements on the same mesh,
-// and against the scene's own element on cells of half the size.
+// Effect of element and cell size on the forces of a scene: a few probes compared with Taylor-Hood elements on the same
+// mesh, and with the same element on cells of half the size.
 #pragma once
 
 #include <array>
@@ -14,14 +14,14 @@
 
 namespace phynness {
 
-/// The scene itself, and what it is compared with.
+/// The scene and the variants with which it is compared.
 enum class Variant : std::size_t { scene, taylor_hood, half_size };
 inline constexpr std::array<Variant, 3> variants{Variant::scene, Variant::taylor_hood, Variant::half_size};
 const char* name(Variant);  ///< for JSON: "scene", "taylor-hood", "half-size"
 
 struct VariantForces {
   std::vector<Status> status;   ///< per depth; empty: not solved
-  std::vector<double> force_N;  ///< size of the force per depth, where it converged
+  std::vector<double> force_N;  ///< size of the force per depth, if it converged
   bool converged(std::size_t depth) const { return depth < status.size() && status[depth] == Status::converged; }
 };
 
@@ -31,29 +31,29 @@ struct CheckedProbe {
   double inward = 0;  ///< cosine between the direction and the inward normal
   std::array<VariantForces, 3> forces;
   const VariantForces& of(Variant v) const { return forces[static_cast<std::size_t>(v)]; }
-  /// Size of the scene's force divided by that of `other`; none unless both converged.
+  /// Size of the scene's force over that of `other`; empty unless both converged.
   std::optional<double> ratio(Variant other, std::size_t depth) const;
 };
 
-/// Of one comparison at one depth, over the probes that have a ratio.
+/// Statistics of one comparison at one depth, over the probes with a ratio.
 struct RatioStatistics {
   double median = 0, min = 0, max = 0;
   std::int64_t n = 0;
 };
 
 struct VariantCost {
-  bool possible = true;      ///< false: `left_out` says why the scene has no such variant
-  std::string left_out;      ///< why some or all probes were not solved; empty: all of them were
-  double predicted_s = 0;    ///< of one probe, where it was left out for its time
+  bool possible = true;      ///< false: the scene has no such variant, for the reason in `left_out`
+  std::string left_out;      ///< reason why probes were not solved; empty: all were solved
+  double predicted_s = 0;    ///< predicted time of one probe that was omitted because of its time
   double seconds = 0;        ///< wall time spent
   std::int32_t n_nodes = 0;  ///< of the mesh
 };
 
 struct DiscretizationReport {
   double tool_radius_m = 0;
-  bool patch_for_node = false;  ///< the scene displaces nodes, and patches of tool_radius_m were held in their place
+  bool patch_for_node = false;  ///< the scene displaces nodes, and patches of tool_radius_m were solved instead
   double mean_edge_m = 0;
-  std::vector<double> depth_m;  ///< ascending; the last is the scene's largest displacement
+  std::vector<double> depth_m;  ///< ascending; the last one is the largest displacement of the scene
   std::vector<CheckedProbe> probes;
   std::array<VariantCost, 3> costs;
   double seconds = 0;
@@ -65,22 +65,22 @@ struct DiscretizationReport {
 
 struct DiscretizationOptions {
   int probes = 6;
-  double seconds = 60;  ///< no solve is begun that is predicted to end later
+  double seconds = 60;  ///< no solve is started whose predicted end is later
 };
 
-/// Radius of the patch that stands for a node in a check. The force at a node depends on the element even where none is
-/// too stiff: P1 holds a node, P2 the middles of its edges with it (docs/theory.md, What a probe is).
+/// Radius of the patch that replaces a node in a check. The force at a node depends on the element even without
+/// locking: P1 moves a node, P2 also the midpoints of its edges (docs/theory.md, What a probe is).
 double patch_radius_for_node(double mean_edge_m, double max_displacement_m);
 
-/// Which rays are solved: `wanted` active nodes, far from each other and from the fixed ones; their directions are in
-/// turn the one most inward, most sideways and most outward of those that the scene requests.
+/// Selects the rays: `wanted` active nodes, far from each other and from the fixed nodes. Their directions are in turn
+/// the most inward, the most tangential and the most outward direction that the scene requests.
 /// @return pairs (index of the active node, index of the direction)
 std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const DatabaseHeader& header,
                                                                        const std::vector<char>& requested, int wanted);
 
-/// Solves the probes, each with all variants before the next, until the time is over. In one process.
-/// @param progress  rays done, in all
-/// @throws Error if the scene cannot be solved at all
+/// Solves the probes, each with all variants before the next probe, until the time is over. Must run as one process.
+/// @param progress  finished rays and their total number
+/// @throws Error if the scene cannot be solved
 DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                                           const DiscretizationOptions& options,
                                           const std::function<void(std::int64_t, std::int64_t)>& progress = {},
