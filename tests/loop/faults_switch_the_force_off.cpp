@@ -3,6 +3,7 @@
 // while the motors have a force.
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <limits>
 
 #include "rig.hpp"
@@ -30,8 +31,12 @@ void expect_tripped(Rig& rig, const Fault& fault) {
   ASSERT_GE(rig.run_until_trip(3'000), 0) << fault.name;
   EXPECT_EQ(rig.loop.report().trip, fault.trip) << fault.name << ": " << phn_loop_trip_message(rig.loop.report().trip);
   EXPECT_LT(rig.device.energy().most_to_hand, most_into_hand_J) << fault.name;
+  const double at_trip = rig.device.energy().delivered, hand_at_trip = rig.device.energy().to_hand;
   rig.run(static_cast<int>(1e3 * rig.settings.trip_ramp_s) + 1);
   for (int i = 0; i < 200; ++i) EXPECT_FALSE(on(rig.cycle())) << fault.name;
+  std::printf("%-22s trip %d, delivered to the device %.2f mJ, to the hand %.2f mJ; 0.2 s later %.2f and %.2f mJ\n",
+              fault.name, rig.loop.report().trip, 1e3 * at_trip, 1e3 * hand_at_trip,
+              1e3 * rig.device.energy().delivered, 1e3 * rig.device.energy().to_hand);
   EXPECT_LT(rig.device.energy().most_to_hand, 2 * most_into_hand_J) << fault.name;  // with the speed of the device
   EXPECT_NE(rig.loop.engage(), PHN_OK);                                             // it stays off until a reset
 }
