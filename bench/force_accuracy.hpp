@@ -1,4 +1,4 @@
-// What the runtime's precision does to the forces of a trained model of family modal.
+// Effect of the runtime's precision on the forces of a trained model of family modal.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ inline MedianAndWorst median_and_worst(const std::vector<double>& values) {
   return {median(values), *std::max_element(values.begin(), values.end())};
 }
 
-/// A displacement over the trained depth: uniform in the cube within the unit ball.
+/// A displacement relative to the trained depth, uniform in the unit ball.
 inline Eigen::Vector3d within_depth(Arbitrary& arbitrary) {
   Eigen::Vector3d x;
   for (double& component : x) component = arbitrary.number() / std::sqrt(3.0);
@@ -31,8 +31,7 @@ inline void check_force(rt::Status status) {
   if (!status.ok()) throw std::runtime_error(status.message());
 }
 
-/// For each node: the largest difference to sums in double over the node's largest force, in 400
-/// displacements.
+/// For each node: the largest difference from sums in double over the largest force of the node, for 400 displacements.
 inline MedianAndWorst rounding_of_forces(const Model& model, rt::Data& data) {
   Arbitrary arbitrary;
   std::vector<double> errors;
@@ -52,8 +51,8 @@ inline MedianAndWorst rounding_of_forces(const Model& model, rt::Data& data) {
   return median_and_worst(errors);
 }
 
-/// Work around a quadrilateral of displacements over the largest energy on the way: three points of Gauss and
-/// Legendre on `pieces` of each side.
+/// Work along a quadrilateral of displacements over the largest energy on the path, with three Gauss-Legendre points on
+/// each of `pieces` parts of each side.
 inline double work_of_loop(rt::Data& data, std::int32_t node, const std::array<Eigen::Vector3d, 4>& corners) {
   constexpr int pieces = 300;
   const double off = std::sqrt(0.15);
@@ -74,9 +73,9 @@ inline double work_of_loop(rt::Data& data, std::int32_t node, const std::array<E
   return std::abs(work) / most_energy;
 }
 
-/// 100 quadrilaterals at each node, corners uniform in a ball around rest.
-/// @param share  radius of the ball over the trained depth: an error of the force weighs more in small loops,
-/// whose energy falls with the square of their size
+/// 100 quadrilaterals at each node, with corners uniform in a ball around rest.
+/// @param share  radius of the ball over the trained depth. An error of the force has more influence in small loops,
+///               whose energy is proportional to the square of their size
 inline MedianAndWorst work_of_loops(const Model& model, rt::Data& data, double share) {
   Arbitrary arbitrary;
   std::vector<double> work;

@@ -1,5 +1,4 @@
-// Response sets of the size of the paper's liver without a solver: smooth nonlinear fields around every
-// active node.
+// Response sets of the size of the paper's liver without a solver: smooth nonlinear fields around every active node.
 #pragma once
 
 #include <cmath>
@@ -12,7 +11,8 @@ namespace phynness::bench {
 inline constexpr std::int32_t n_nodes = 486, n_increments = 6;
 inline constexpr double depth_m = 0.028;
 
-/// Surface of an ellipsoid of 20 x 14 x 8 cm, nodes on a Fibonacci spiral; every node is active and output.
+/// Surface of an ellipsoid of 20 x 14 x 8 cm, with nodes on a Fibonacci spiral. Every node is active and an output
+/// node.
 inline DatabaseHeader liver_sized_header() {
   DatabaseHeader header;
   header.mesh.nodes.resize(n_nodes, 3);
@@ -35,8 +35,8 @@ inline DatabaseHeader liver_sized_header() {
   return header;
 }
 
-/// Displacement at X [m] when the node at `touched` moves by d: the shape of Kelvin's solution for a point
-/// force, its singularity rounded off, made nonlinear in d so that one direction says nothing about another.
+/// Displacement at X [m] if the node at `touched` moves by d: the regularized Kelvin solution for a point force, with a
+/// nonlinear dependence on d, so that directions are independent.
 inline Eigen::RowVector3d field(const Eigen::RowVector3d& X, const Eigen::RowVector3d& touched,
                                 const Eigen::RowVector3d& d) {
   constexpr double core = 0.02, poisson = 0.48;
@@ -58,7 +58,7 @@ inline std::vector<Ray> rays(const DatabaseHeader& header, std::int32_t active) 
     for (const double magnitude : header.magnitudes_m) {
       const Vec3& e = header.directions[direction];
       const Eigen::RowVector3d d(magnitude * e[0], magnitude * e[1], magnitude * e[2]);
-      // A spring that stiffens with depth, softer sideways.
+      // A spring whose stiffness increases with depth and is smaller in tangential directions.
       const Eigen::RowVector3d force =
           20 * d.cwiseProduct(Eigen::RowVector3d(1, 1.3, 0.8)) * (1 + 300 * d.squaredNorm() + 5 * d[2]);
       ray.force.insert(ray.force.end(), force.begin(), force.end());

@@ -1,4 +1,4 @@
-// Models of the size of the paper's liver whose coefficients are arbitrary: time does not depend on them.
+// Models of the size of the paper's liver with arbitrary coefficients, on which times do not depend.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@ namespace phynness::bench {
 inline constexpr int n_output = 486, n_fixed = 110, n_rings = 27, n_around = 22;
 static_assert(n_rings * n_around + 2 == n_output + n_fixed);
 
-/// Triangles of rings between two poles, outward.
+/// Triangles of rings between two poles, oriented outward.
 inline Triangles ringed_triangles() {
   Triangles triangles(2 * n_rings * n_around, 3);
   const auto at = [](int ring, int i) { return 1 + ring * n_around + i % n_around; };
@@ -35,7 +35,7 @@ inline Eigen::RowVector3d ellipsoid_point(int node) {
   return {0.10 * std::sin(polar) * std::cos(turn), 0.07 * std::sin(polar) * std::sin(turn), 0.04 * std::cos(polar)};
 }
 
-/// A closed surface of 596 vertices, of which the first n_moving are output nodes and the others fixed; no
+/// A closed surface of 596 vertices, of which the first n_moving are output nodes and all others are fixed. It has no
 /// active nodes yet.
 inline Model liver_sized_body(Family family, int n_moving = n_output) {
   Model model;
@@ -94,7 +94,7 @@ inline ActiveNodeModel& add_node(Model& model, int node) {
   return added;
 }
 
-/// Every node with networks of its own.
+/// A model in which every node has its own networks.
 inline Model networks_model(int n_force, int n_deformation, int n_active, int n_moving = n_output) {
   Model model = liver_sized_body(Family::rbfn, n_moving);
   Arbitrary arbitrary;
@@ -121,7 +121,7 @@ inline Model networks_model(int n_force, int n_deformation, int n_active, int n_
   return model;
 }
 
-/// Modes as training keeps them for the paper's liver.
+/// Modes of the same numbers as training gives for the paper's liver.
 inline Model modal_model(int n_force, int n_shared, int n_own, int n_centers, int n_near, int n_active,
                          int n_moving = n_output) {
   Model model = liver_sized_body(Family::modal, n_moving);

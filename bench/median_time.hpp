@@ -1,4 +1,4 @@
-// How long a call takes on a machine where others compute too.
+// Measurement of the time of a call on a machine with other load.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace phynness::bench {
 
-/// Time of the processor for n calls [us], so that it does not matter who else computes beside.
+/// Processor time for n calls [us], which does not depend on other processes.
 inline double time_of(int n, const std::function<void(int)>& call) {
   const auto now = [] {
     timespec t{};
@@ -26,14 +26,14 @@ inline double median(std::vector<double> values) {
   return *middle;
 }
 
-/// How many calls take half a millisecond.
+/// Number of calls that take half a millisecond.
 inline int calls_of_a_batch(const std::function<void(int)>& call) {
   int n = 1;
   while (time_of(n, call) < 500) n *= 2;
   return n;
 }
 
-/// Median over batches of the mean time of a call in a batch [us]. Batches of half a millisecond or one call.
+/// Median over batches of the mean time of a call in a batch [us]. A batch takes half a millisecond or has one call.
 inline double median_us(const std::function<void(int)>& call) {
   const int n = calls_of_a_batch(call);
   const auto n_batches = static_cast<std::size_t>(std::clamp(2e6 / time_of(n, call), 11.0, 501.0));
@@ -42,7 +42,7 @@ inline double median_us(const std::function<void(int)>& call) {
   return median(times);
 }
 
-/// What several calls take, measured in turn: a processor that slows down for a while slows all of them.
+/// Times of several calls, measured in turn, so that a temporary slowdown of the processor affects all of them.
 struct SideBySide {
   std::vector<double> us;     ///< medians
   std::vector<double> ratio;  ///< median over rounds of the time over that of the first call in the same round

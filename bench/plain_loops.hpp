@@ -1,4 +1,4 @@
-// The loops of plain_runtime.hpp, for each of the files that compile them.
+// The loops of plain_runtime.hpp, included by each file that compiles them.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Times of the runtime on one core beside plain loops, at the sizes of the paper's liver.
+// Times of the runtime on one core compared with plain loops, for models of the size of the paper's liver.
 // Usage: phynness_runtime_bench [--json FILE] [--model MODEL_DIR]
 #include <algorithm>
 #include <array>
@@ -50,12 +50,12 @@ class Table {
     std::fflush(stdout);
     _json += (_json.empty() ? "{\"" : ", \"") + std::string(in_float() ? "float_" : "") + key + "\": " + number(value);
   }
-  /// The time of a loop and how many times that of the runtime it is.
+  /// Adds the time of a loop and its ratio to that of the runtime.
   /// @param unit  of the key, per microsecond
   void beside(const std::string& key, const bench::SideBySide& times, std::size_t at, const std::string& words,
               double unit = 1) {
     add(key, unit * times.us[at], words);
-    add(key + "_ratio", times.ratio[at], "times that of the runtime, in the same round");
+    add(key + "_ratio", times.ratio[at], "ratio to the runtime in the same round");
   }
   bool write(const std::string& file) const {
     std::ofstream out(file);
@@ -64,7 +64,7 @@ class Table {
   }
 
  private:
-  /// All digits: a rounding error has its first one far behind the point.
+  /// With all digits, because rounding errors are small.
   static std::string number(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.6g", value);
@@ -84,7 +84,7 @@ double frames_per_s(Loaded& loaded, std::int32_t touched) {
          });
 }
 
-/// Both builds of the loops, with and without the table, compute the same field. Tolerance: 200 terms of size
+/// Checks that both builds of the loops compute the same field with and without the table. Tolerance: 200 terms of size
 /// 1, each with the rounding of `Real` and of its exponential.
 template <class Real>
 void require_same_fields(bench::PlainDeformation<Real>& plain) {
@@ -93,7 +93,7 @@ void require_same_fields(bench::PlainDeformation<Real>& plain) {
   const auto require_expected = [&] {
     for (std::size_t i = 0; i < expected.size(); ++i)
       if (!(std::abs(plain.field[i] - expected[i]) < 1000 * std::numeric_limits<Real>::epsilon()))
-        throw std::runtime_error("the plain loops disagree");
+        throw std::runtime_error("the results of the plain loops differ");
   };
   plain.from_network(bench::fast_math_loops<Real>(), 7);
   require_expected();
@@ -103,7 +103,7 @@ void require_same_fields(bench::PlainDeformation<Real>& plain) {
   require_expected();
 }
 
-/// The network at every point and from a table; both loops.
+/// The network at every point, with and without a table, by both loops.
 template <class Real>
 void bench_deformation(Table& table, Loaded& loaded) {
   bench::PlainDeformation<Real> plain(n_neurons_deformation, bench::n_output);
@@ -124,7 +124,7 @@ void bench_deformation(Table& table, Loaded& loaded) {
   table.beside("deformation_us_486x200_fast_math", times, 2, "the same with -ffast-math and libmvec [us]");
   table.beside("deformation_us_486x200_table", times, 3, "textbook loop over a table of the nodes' factors [us]");
   table.beside("deformation_us_486x200_table_fast_math", times, 4, "the same with -ffast-math [us]");
-  table.add("deformation_plain_over_table", times.ratio[1] / times.ratio[3], "what the table is worth");
+  table.add("deformation_plain_over_table", times.ratio[1] / times.ratio[3], "speedup by the table");
 }
 
 template <class Real>
@@ -139,16 +139,22 @@ void bench_networks(Table& table) {
   table.beside("force_ns_100_plain", times, 1, "textbook loop, in the same precision [ns]", 1e3);
   table.beside("force_ns_100_fast_math", times, 2, "the same with -ffast-math and libmvec [ns]", 1e3);
   bench_deformation<Real>(table, loaded);
-  table.add("frames_per_s_38018_rbfn", frames_per_s(loaded, loaded.node(3)), "the same, then three levels");
+  table.add("frames_per_s_38018_rbfn", frames_per_s(loaded, loaded.node(3)),
+            "the same with three levels of subdivision");
   table.add("frames_per_s_38018_plain", 1e6 / bench::plain_deformation_us(n_neurons_deformation, 38018),
-            "the textbook loop at every point, in double");
+            "textbook loop at every point, in double");
 }
 
 void bench_modes(Table& table, Loaded& loaded) {
-  table.add("force_ns_modal", 1e3 * loaded.force_us(), "force of family modal [ns]");
+  const auto times =
+      bench::side_by_side({[&](int i) { loaded.force(i); }, [&](int i) { loaded.force_and_stiffness(i); },
+                           [&](int i) { loaded.force_energy_and_stiffness(i); }});
+  table.add("force_ns_modal", 1e3 * times.us[0], "force of family modal [ns]");
+  table.beside("force_stiffness_ns_modal", times, 1, "force and stiffness [ns]", 1e3);
+  table.beside("force_energy_stiffness_ns_modal", times, 2, "force, energy and stiffness [ns]", 1e3);
   std::int32_t next = 0;
   const double prepare = median_us([&](int) {
-    // Every fourth node again: none of the three that are kept.
+    // Every fourth node in turn, which is never among the three prepared nodes.
     check(loaded.data.prepare(loaded.node(next = (next + 1) % 4)));
   });
   const double unprepared = median_us([&](int i) {
@@ -159,29 +165,29 @@ void bench_modes(Table& table, Loaded& loaded) {
   });
   check(loaded.data.prepare(loaded.node(7)));
   const double modal = loaded.deformation_us(loaded.node(7));
-  table.add("deformation_us_486_modal", modal, "a node that is prepared [us]");
-  table.add("deformation_us_486_modal_first", unprepared, "the first of a node, which prepares it [us]");
+  table.add("deformation_us_486_modal", modal, "deformation of a prepared node [us]");
+  table.add("deformation_us_486_modal_first", unprepared, "first deformation of a node, with preparation [us]");
   table.add("prepare_us_486_modal", prepare, "phn_prepare [us]");
   table.add("surface_us_38018", median_us([&](int) {
               loaded.refine();
               sink = static_cast<double>(loaded.fine[0]);
             }),
             "three levels of subdivision [us]");
-  table.add("frames_per_s_38018_modal", frames_per_s(loaded, loaded.node(7)), "deformation and subdivision");
+  table.add("frames_per_s_38018_modal", frames_per_s(loaded, loaded.node(7)), "deformation with subdivision");
 }
 
 void accuracy_of_forces(Table& table, const Model& model, Loaded& loaded) {
   if (!schema::traits(model.family).has_modes) return;
   const auto rounding = bench::rounding_of_forces(model, loaded.data);
   table.add("force_rounding_median", rounding.median,
-            "largest difference to sums in double, over the node's largest force: median over nodes");
+            "largest difference from sums in double, over the largest force of the node: median over nodes");
   table.add("force_rounding_max", rounding.worst, "the worst node");
   for (const double share : {1.0, 0.1}) {
     const auto work = bench::work_of_loops(model, loaded.data, share);
     const std::string size = share < 1 ? "_tenth" : "",
                       of = share < 1 ? " of a tenth of the trained depth" : " of the trained depth";
     table.add("loop_work_median" + size, work.median,
-              "work over closed loops" + of + ", over the largest energy on the way: median");
+              "work along closed loops" + of + ", over the largest energy on the path: median");
     table.add("loop_work_max" + size, work.worst, "the worst loop");
   }
 }
@@ -193,8 +199,8 @@ struct Contact {
     check(contact.step(loaded.data, tool, state));
     return state;
   }
-  /// A tool of 4 mm on a circle of 1 cm over the middle of the body, in steps of 0.1 mm, `depth` below where
-  /// it touches.
+  /// A tool of 4 mm on a circle of 1 cm over the middle of the body, in steps of 0.1 mm, at `depth` below first
+  /// contact.
   std::vector<phn_contact_tool> circle(double depth, double friction) {
     const double* x = loaded.model.output_points().data();
     double low[3], high[3];
@@ -211,8 +217,7 @@ struct Contact {
                                 (low[1] + high[1]) / 2 + 0.01 * std::sin(0.01 * i), high[2] + 0.02},
                                0.004,
                                friction,
-                               PHN_TOOL_GRASP,
-                               0};  // holds what it touches, whatever the force
+                               PHN_TOOL_GRASP};  // holds what it touches, whatever the force
       check(contact.reset());
       step(tool);
       tool.center[2] = (low[2] + high[2]) / 2;
@@ -236,8 +241,8 @@ struct Contact {
   rt::Contact contact;
 };
 
-/// Queries of the hierarchy beside the loop over all triangles. Of trained models, cycles of a tool beside
-/// one coupled force: with arbitrary coefficients tools would slide anywhere.
+/// Times of queries with the hierarchy and with the loop over all triangles. For trained models also times of contact
+/// cycles and of one coupled force; with arbitrary coefficients the positions of tools would be arbitrary, too.
 void bench_contact(Table& table, Loaded& loaded, bool trained) {
   Contact contact(loaded);
   const auto path = contact.circle(0, 0);
@@ -251,10 +256,10 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
     });
   };
   const double plain = nearest_us(true), tree = nearest_us(false);
-  table.add("nearest_us", tree, "nearest point of the triangles, by the hierarchy [us]");
-  table.add("nearest_us_plain", plain, "phn_nearest, the loop over all of them [us]");
+  table.add("nearest_us", tree, "nearest point on the triangles, with the hierarchy [us]");
+  table.add("nearest_us_plain", plain, "phn_nearest, loop over all triangles [us]");
   table.add("nearest_ratio_to_plain", plain / tree, "");
-  table.add("contact_us_free", contact.cycle_us(-0.001, 0, true), "a cycle of a tool 1 mm above the surface [us]");
+  table.add("contact_us_free", contact.cycle_us(-0.001, 0, true), "cycle of a tool 1 mm above the surface [us]");
   table.add("contact_us_refit", median_us([&](int) { check(contact.contact.refit(loaded.field)); }),
             "phn_contact_refit [us]");
   if (!trained) return;
@@ -268,12 +273,13 @@ void bench_contact(Table& table, Loaded& loaded, bool trained) {
             }),
             "phn_couple of one tool [us]");
   check(contact.contact.refit());
-  table.add("contact_us_sticking", contact.cycle_us(0.005, 1e3, false), "a cycle that presses and sticks [us]");
-  table.add("contact_us_sliding", contact.cycle_us(0.005, 0.3, true), "that slides with friction [us]");
-  table.add("contact_us_frictionless", contact.cycle_us(0.005, 0, true), "that slides without [us]");
+  table.add("contact_us_sticking", contact.cycle_us(0.005, 1e3, false), "cycle of a pressed, sticking tool [us]");
+  table.add("contact_us_sliding", contact.cycle_us(0.005, 0.3, true), "cycle of a tool that slides with friction [us]");
+  table.add("contact_us_frictionless", contact.cycle_us(0.005, 0, true),
+            "cycle of a tool that slides without friction [us]");
 }
 
-/// Several tools, spread over the body and moved at every call: at nodes, and in the middles of triangles.
+/// Several tools, distributed over the body and moved at every call: at nodes, and in the middles of triangles.
 void bench_several_tools(Table& table, const Loaded& loaded) {
   constexpr std::size_t most = 8;
   rt::Data data(loaded.model, int{most});

@@ -1,5 +1,5 @@
-// CPU per converged increment: the plain loop against ProbeSolver, on the same rays in the same run.
-// The sample: whole active nodes would need minutes for the plain loop, so nodes and directions are drawn.
+// CPU time per converged increment of the plain loop and of ProbeSolver, for the same rays in the same run. Nodes and
+// directions are a random sample, because all rays of a node would take the plain loop minutes.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -78,10 +78,10 @@ std::string key_of(std::string element) {
   return element;
 }
 
-/// What one solver did with the sample.
+/// Results of one solver for the sample.
 struct Run {
   Tally tally;
-  std::vector<Vec3> force;  ///< 0 where not converged
+  std::vector<Vec3> force;  ///< 0 if not converged
   std::vector<double> ray_ms;
   std::vector<char> full;  ///< rays to full depth
 };
@@ -136,7 +136,7 @@ Run run_ours(const Task& task, bool verbose) {
   const double start = cpu_ms();
   double touching = 0;
   for (std::size_t a = 0; a < task.sample.node.size(); ++a) {
-    // What a node costs once is shared by all of its rays, of which only some are drawn.
+    // The preparation of a node is shared by all of its rays, of which only some are in the sample.
     const double before = cpu_ms();
     solver.touch({task.sample.node[a]});
     touching += (cpu_ms() - before) * (1 - static_cast<double>(task.sample.directions[a].size()) /
@@ -183,7 +183,7 @@ Agreement compare(const std::vector<Vec3>& plain, const std::vector<Vec3>& ours)
     ++found.compared;
     const double error = (a - b).norm() / a.norm();
     if (error > 1e-4)
-      ++found.elsewhere;  // another equilibrium, not another rounding
+      ++found.elsewhere;  // a different equilibrium, not a difference by rounding
     else
       found.worst = std::max(found.worst, error);
   }
@@ -247,17 +247,17 @@ int run(int argc, char** argv) {
   CLI::App app("CPU per converged increment, the plain loop against phynness");
   app.add_option("--scene", options.scene, "scene file");
   app.add_option("--elements", options.elements, "P1, p1-p1, P2, taylor-hood")->delimiter(',');
-  app.add_option("--nodes", options.nodes, "active nodes drawn");
-  app.add_option("--rays", options.rays, "directions drawn at each");
-  app.add_option("--seed", options.seed, "of the draw");
-  app.add_option("--increments", options.increments, "instead of the scene's");
-  app.add_option("--depth-m", options.depth_m, "instead of the scene's");
-  app.add_option("--bulk-over-shear", options.bulk_over_shear, "K/mu, instead of the scene's");
+  app.add_option("--nodes", options.nodes, "number of random active nodes");
+  app.add_option("--rays", options.rays, "number of random directions at each");
+  app.add_option("--seed", options.seed, "seed of the sample");
+  app.add_option("--increments", options.increments, "number of increments (default: of the scene)");
+  app.add_option("--depth-m", options.depth_m, "depth (default: of the scene)");
+  app.add_option("--bulk-over-shear", options.bulk_over_shear, "K/mu (default: of the scene)");
   app.add_flag("!--without-plain", options.plain, "do not run the plain loop");
-  app.add_option("--node", options.only_node, "this node instead of a draw");
-  app.add_option("--direction", options.only_direction, "and this direction");
-  app.add_flag("--verbose", options.verbose, "a line per increment");
-  app.add_option("--json", options.json, "write the figures as JSON");
+  app.add_option("--node", options.only_node, "this node instead of random nodes");
+  app.add_option("--direction", options.only_direction, "this direction instead of random directions");
+  app.add_flag("--verbose", options.verbose, "print a line for each increment");
+  app.add_option("--json", options.json, "write the results as JSON");
   CLI11_PARSE(app, argc, argv);
   const SolverSession session;
   Scene scene = read_scene(options.scene);
@@ -281,7 +281,7 @@ int run(int argc, char** argv) {
   if (!options.json.empty()) {
     std::ofstream out(options.json);
     out << json.dump(1) << "\n";
-    if (!out) throw failure("writing failed", options.json, "is there space?");
+    if (!out) throw failure("writing failed", options.json, "free space on the disk");
   }
   return 0;
 }

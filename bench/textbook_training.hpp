@@ -1,11 +1,11 @@
-// The baseline: orthogonal least squares as a textbook prints it, one column at a time.
+// The baseline: textbook orthogonal least squares, one column at a time.
 #pragma once
 
 #include <phynness/training/network_fit.hpp>
 
 namespace phynness::bench {
 
-/// Same growth and stopping rule as fit_network; every basis column from n exponentials, plain modified
+/// The growth and stopping rule of fit_network, with n exponentials for every basis column and plain modified
 /// Gram-Schmidt.
 /// @param inputs   n x m, scaled
 /// @param targets  n x 3, scaled

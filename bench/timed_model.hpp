@@ -1,4 +1,4 @@
-// A model in the runtime's hands and the times of its calls, beside those of plain loops.
+// A model in the runtime and the times of its calls, compared with those of plain loops.
 #pragma once
 
 #include <array>
@@ -17,10 +17,10 @@ inline void check(rt::Status status) {
   if (!status.ok()) throw std::runtime_error(status.message());
 }
 
-/// Results go here, so that somebody reads them.
+/// Receives results, so that the compiler does not remove the calls.
 inline volatile double sink = 0;
 
-/// As a hand moves: another displacement for each call, within 15 mm.
+/// Displacements within 15 mm that change from call to call, as in a haptic loop.
 inline void displacement(int i, double* d) {
   for (int k = 0; k < 3; ++k) d[k] = 0.0003 * ((i * (k + 3)) % 50);
 }
@@ -43,6 +43,19 @@ struct TimedModel {
     displacement(i, d);
     data.force(node(i), d, f).ignore();
     sink = f[0];
+  }
+  /// The same with the stiffness, and also with the energy.
+  void force_and_stiffness(int i) {
+    double d[3], f[3], k[9];
+    displacement(i, d);
+    check(rt::Status(phn_force(model.get(), data.get(), node(i), d, f, nullptr, k)));
+    sink = f[0] + k[0];
+  }
+  void force_energy_and_stiffness(int i) {
+    double d[3], f[3], e, k[9];
+    displacement(i, d);
+    data.force(node(i), d, f, e, k).ignore();
+    sink = f[0] + e + k[0];
   }
   double force_us() {
     return median_us([&](int i) { force(i); });

@@ -1,5 +1,5 @@
-// How long the networks of the paper's liver take to train (Table 1 there: 280 s each, data extraction
-// included). Usage: phynness_training_bench [--json FILE] [--threads N] [--nodes N]
+// Training time of the networks of the paper's liver (Table 1 there: 280 s each, including data extraction). Usage:
+// phynness_training_bench [--json FILE] [--threads N] [--nodes N]
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -91,7 +91,7 @@ int main(int argc, char** argv) {
         textbook_seconds(tables, bench::rays(header, active), header.sets.active[active], spec, mse) / n_textbook;
     textbook_mse += mse / n_textbook;
   }
-  // Networks are independent, so the textbook loop is granted the same threads at full efficiency.
+  // Networks are independent, so that the textbook loop is assumed to use the same threads at full efficiency.
   const double textbook_all = textbook * all / threads;
 
   std::printf("training, %d active nodes%s, %d threads\n", n_active,
@@ -102,7 +102,7 @@ int main(int argc, char** argv) {
       "        %d output nodes, %d samples; %d deformation and %d force neurons per node\n",
       bench::n_nodes - 1, spec.samples, spec.deformation_neurons, spec.force_neurons);
   std::printf("  %-46s %10.2f s\n", "486 nodes, both networks", seconds);
-  std::printf("  %-46s %10.2f s   (measured on %d nodes, one thread: %.0f ms a node; extrapolated)\n",
+  std::printf("  %-46s %10.2f s   (measured for %d nodes in one thread: %.0f ms per node; extrapolated)\n",
               "textbook loop on the same threads", textbook_all, n_textbook, 1e3 * textbook);
   std::printf("  %-46s %10.1f\n", "ratio", textbook_all / seconds);
   std::printf("  %-46s %10.2e (textbook %.2e)\n", "mean deformation MSE, scaled", report.mean_deformation_mse,

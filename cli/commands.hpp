@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <phynness/formats/mesh.hpp>
@@ -43,6 +44,9 @@ void add(CLI::App& app);
 namespace bench_command {
 void add(CLI::App& app);
 }
+namespace check_command {
+void add(CLI::App& app);
+}
 namespace solve_command {
 void add(CLI::App& app);
 }
@@ -69,7 +73,12 @@ struct LoadedScene {
   Mesh mesh;
   NodeSets sets;
 };
-LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false);
+/// @param refused  called with the mesh, and with the sets selected so far, before an error about them leaves
+LoadedScene load_scene(const std::filesystem::path& file, bool quiet = false,
+                       const std::function<void(const LoadedScene&)>& refused = {});
+
+/// Prints patch_warnings() on stderr. load_scene does it; others that read a database do it themselves.
+void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 
 /// Checks that a mesh belongs to the scene. Only a mesh file is compared, by its hash. Built-in shapes are covered by
 /// the physics hash, because another version of gmsh makes another mesh.
@@ -94,6 +103,7 @@ inline double smallest_displacement(double diagonal_m) { return 1e-12 * diagonal
 struct ToolOptions {
   std::vector<std::int32_t> nodes;
   std::vector<std::string> points, displacements;
+  std::optional<double> max_distance_m;  ///< of a --point from the surface; by default part of the body's size
   std::optional<std::filesystem::path> deformation_csv, json_file;
   void add_to(CLI::App& command);
   /// Displacements [m] of the tools at nodes, then of the tools at points.
@@ -101,7 +111,8 @@ struct ToolOptions {
   std::vector<Vec3> parsed_displacements() const;
   /// Positions of the tools: the nodes, then the surface points nearest to each --point, whose distances are printed on
   /// stderr.
-  /// @throws Error (input) if a point is not three finite numbers or a node is not in the mesh
+  /// @throws Error (input) if a point is not three finite numbers or too far from the surface, or a node is not in the
+  /// mesh
   std::vector<SurfacePoint> places(const Mesh& mesh) const;
 };
 

@@ -62,11 +62,37 @@ void check_sizes(const Scene& scene, const QualityReport& q, bool quiet) {
     throw input_error(scene.probe.where.str() + ": the tool is larger than the body",
                       fmt::format("tool_radius_m = {:g}, the body is {:.3g} m long", radius, *longest),
                       "give radii in metres, and check mesh.scale_to_m");
-  if (radius > 0 && radius < q.mean_edge_m && !quiet)
-    message(
-        "warning: the tool radius, {:g} m, is smaller than the mean edge of the mesh, {:.3g} m: a patch has "
-        "hardly more than one node\n",
-        radius, q.mean_edge_m);
+}
+
+}  // namespace
+
+namespace {
+
+/// Farthest --point from the surface, as a part of the diagonal of the bounding box.
+constexpr double largest_distance = 0.05;
+
+/// @throws Error (input) if the point is too far from the surface; if it is near in another unit, the remedy says so
+void check_distance(const std::string& text, const Vec3& wanted, const SurfacePoint& place, const Mesh& mesh,
+                    const std::optional<double>& given) {
+  const double size = (mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm();
+  const double limit = given.value_or(largest_distance * size);
+  if (place.distance <= limit) return;
+  const auto& p = place.point;
+  std::string remedy = fmt::format("the nearest point of the surface is {:.6g},{:.6g},{:.6g}", p[0], p[1], p[2]);
+  // Another unit takes a point ten times away or more. Near the origin more than one fits: the nearest is the likely
+  // one.
+  double nearest = place.distance > 5 * size ? limit : -1;
+  for (const auto& [unit, in_m] : {std::pair{"millimetres", 1e-3}, std::pair{"centimetres", 1e-2}}) {
+    const Vec3 scaled{in_m * wanted[0], in_m * wanted[1], in_m * wanted[2]};
+    const double distance = nearest_on_surface(mesh.nodes, mesh.surface, scaled).distance;
+    if (!(distance <= nearest)) continue;
+    nearest = distance;
+    remedy = fmt::format("points are in metres; if this one is in {}, give --point {:.6g},{:.6g},{:.6g}", unit,
+                         scaled[0], scaled[1], scaled[2]);
+  }
+  throw input_error("a point is too far from the surface",
+                    fmt::format("--point {} is {:.4g} m away, the limit is {:.4g} m", text, place.distance, limit),
+                    remedy + fmt::format("; or allow it with --max-distance {:.2g}", 1.1 * place.distance));
 }
 
 }  // namespace
@@ -77,7 +103,8 @@ Scene open_scene(const std::filesystem::path& file) {
   return scene;
 }
 
-LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
+LoadedScene load_scene(const std::filesystem::path& file, bool quiet,
+                       const std::function<void(const LoadedScene&)>& refused) {
   LoadedScene loaded;
   loaded.scene = open_scene(file);
   auto made = make_mesh(loaded.scene);
@@ -85,12 +112,23 @@ LoadedScene load_scene(const std::filesystem::path& file, bool quiet) {
     for (const auto& note : made.notes) message("note: {}\n", note);
     for (const auto& note : scene_notes(loaded.scene)) message("note: {}\n", note);
     for (const auto& warning : made.warnings) message("warning: {}\n", warning);
-    for (const auto& warning : scene_warnings(loaded.scene)) message("warning: {}\n", warning);
+    for (const auto& warning : scene_warnings(loaded.scene, made.quality.mean_edge_m))
+      message("warning: {}\n", warning);
   }
-  check_sizes(loaded.scene, made.quality, quiet);
   loaded.mesh = std::move(made.mesh);
-  loaded.sets = resolve_selections(loaded.scene, loaded.mesh);
+  try {
+    check_sizes(loaded.scene, made.quality, quiet);
+    resolve_selections(loaded.scene, loaded.mesh, loaded.sets);
+  } catch (const Error&) {
+    if (refused) refused(loaded);
+    throw;
+  }
+  if (!quiet) warn_of_patch(loaded.scene, loaded.mesh, loaded.sets);
   return loaded;
+}
+
+void warn_of_patch(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  for (const auto& warning : patch_warnings(scene, mesh, sets)) message("warning: {}\n", warning);
 }
 
 void check_mesh(const Scene& scene, const std::string& hash, const std::string& where) {
@@ -124,6 +162,10 @@ void ToolOptions::add_to(CLI::App& command) {
                   "touched point x,y,z [m] instead of a node; the nearest point of the undeformed surface is used; "
                   "repeat for several tools")
       ->allow_extra_args(false);
+  command
+      .add_option("--max-distance", max_distance_m,
+                  "farthest --point from the surface [m] (default: 5 % of the diagonal of the body's bounding box)")
+      ->check(finite_range(0, largest_displacement_m));
   command
       .add_option("--displacement", displacements,
                   "displacement dx,dy,dz [m]; one for each --node, then one for each --point")
@@ -163,6 +205,7 @@ std::vector<SurfacePoint> ToolOptions::places(const Mesh& mesh) const {
     const Vec3 wanted = parse_vector(text, "point", "give for example --point 0.1,0.02,0.05 (in metres)");
     found.push_back(nearest_on_surface(mesh.nodes, mesh.surface, wanted));
     const auto& place = found.back();
+    check_distance(text, wanted, place, mesh, max_distance_m);
     message("note: point {} is {:.3g} m from the surface; the nearest triangle has the nodes {}, {}, {}\n", text,
             place.distance, place.nodes[0], place.nodes[1], place.nodes[2]);
   }
@@ -183,6 +226,7 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
       const auto& p = places[t].point;
       tool["node"] = nullptr;
       tool["point"] = p;
+      tool["distance"] = places[t].distance;
       tool["nodes"] = places[t].nodes;
       tool["weights"] = places[t].weights;
       where = fmt::format("point {:.6g} {:.6g} {:.6g} m", p[0], p[1], p[2]);

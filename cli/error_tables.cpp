@@ -66,6 +66,10 @@ void print_summary(const ValidationReport& report) {
                told(report.distance_correlation_inside), told(report.distance_correlation_outside));
 }
 
+void print_worse_than_linear(const ValidationReport& report) {
+  for (const auto& worse : worse_than_linear(report)) print_result("warning: {}\n", worse.sentence());
+}
+
 void print_examples(const ValidationReport& report) {
   double largest = 0;
   for (const auto& e : report.examples)

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/error.hpp>
 
@@ -45,6 +46,20 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const st
   return tools;
 }
 
+/// What `solve` refuses is refused. @throws Error (input) if a patch moves what another one touches
+void refuse_overlap(const LoadedModel& loaded, const std::vector<SurfacePoint>& places) {
+  if (places.size() < 2) return;
+  const Model& model = loaded.model();
+  const bool patches = std::any_of(model.nodes.begin(), model.nodes.end(),
+                                   [](const ActiveNodeModel& node) { return node.prescribed.size() > 1; });
+  if (!patches) return;
+  require_apart(places, model.fixed, [&](std::int32_t node) {
+    const auto it = std::lower_bound(model.nodes.begin(), model.nodes.end(), node,
+                                     [](const ActiveNodeModel& active, std::int32_t n) { return active.node < n; });
+    return it != model.nodes.end() && it->node == node ? it->prescribed : std::vector<std::int32_t>{};
+  });
+}
+
 /// --queries replaces the options of a single query, and its result is a table.
 void run_queries(const Options& options) {
   const auto& tool = options.tool;
@@ -70,6 +85,7 @@ void run(const Options& options) {
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);
   const auto places = options.tool.places(model.mesh());
+  refuse_overlap(model, places);
   const bool coupled = options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty());
   const auto response =
       coupled ? model.couple(tools_at(places, displacements)) : model.respond(options.tool.nodes, displacements);

@@ -7,6 +7,7 @@
 #include <phynness/formats/mirrored_rays.hpp>
 #include <phynness/meshes/meshes.hpp>
 #include <phynness/training/families.hpp>
+#include <set>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -19,6 +20,7 @@ namespace {
 struct Options {
   std::filesystem::path what;
   std::optional<std::filesystem::path> json_file;
+  bool failed = false;
 };
 
 /// "0 3 5 ... 97": the first few of a long list.
@@ -40,12 +42,68 @@ void print_mesh(const Mesh& mesh, const NodeSets& sets) {
   print_result("output    {}: {}\n", sets.output.size(), some(sets.output));
 }
 
-json about_database(const std::filesystem::path& file) {
+/// A ray that stopped short of the full depth.
+struct ShortRay {
+  std::size_t active = 0, direction = 0;
+  double reached_m = 0, failed_at_m = 0;
+  Status reason = Status::converged;
+};
+
+std::vector<ShortRay> short_rays(const Database& database) {
+  const auto& h = database.header();
+  const auto statuses = database.statuses();
+  const std::size_t n = h.magnitudes_m.size();
+  std::vector<ShortRay> rays;
+  for (std::size_t ray = 0; ray * n < statuses.size(); ++ray)
+    for (std::size_t i = 0; i < n; ++i) {
+      const Status status = statuses[ray * n + i];
+      if (static_cast<int>(status) >= 0) continue;
+      rays.push_back({ray / h.directions.size(), ray % h.directions.size(), i > 0 ? h.magnitudes_m[i - 1] : 0.0,
+                      h.magnitudes_m[i], status});
+      break;
+    }
+  return rays;
+}
+
+/// Prints how many rays stopped short, and which with `all`. @return the rays
+json tell_short_rays(const Database& database, bool all) {
+  const auto& h = database.header();
+  json told = json::array();
+  const auto rays = short_rays(database);
+  if (rays.empty()) return told;
+  std::set<std::size_t> nodes;
+  for (const auto& ray : rays) nodes.insert(ray.active);
+  print_result("failed    {} rays stop short, at {} of {} active nodes{}\n", rays.size(), nodes.size(),
+               h.sets.active.size(), all ? ":" : "; --failed lists them");
+  if (all)
+    print_result("  {:>8} {:>9}  {:<22} {:>11} {:>13}  {}\n", "node", "direction", "", "reached, mm", "failed at, mm",
+                 "reason");
+  for (const auto& ray : rays) {
+    const auto node = h.sets.active[ray.active];
+    const auto& e = h.directions[ray.direction];
+    if (all)
+      print_result("  {:>8} {:>9}  {:<22} {:>11.4g} {:>13.4g}  {}\n", node, ray.direction,
+                   fmt::format("{:.3f} {:.3f} {:.3f}", e[0], e[1], e[2]), 1e3 * ray.reached_m, 1e3 * ray.failed_at_m,
+                   name(ray.reason));
+    told.push_back({{"node", node},
+                    {"direction", ray.direction},
+                    {"vector", e},
+                    {"reached_m", ray.reached_m},
+                    {"failed_at_m", ray.failed_at_m},
+                    {"reason", name(ray.reason)}});
+  }
+  return told;
+}
+
+json about_database(const std::filesystem::path& file, bool failed) {
   const auto progress = database_progress(file);
   for (const auto& damage : progress.damage)
     message("warning: {}: {}; {} are ignored\n", damage.log.string(), damage.reason,
             bytes(static_cast<double>(damage.dropped_bytes)));
   if (!progress.complete) {
+    if (failed)
+      throw input_error("only a finished database lists its failed rays", "--failed with " + file.string(),
+                        "finish it, or omit --failed");
     if (progress.shard) {
       const auto whole = database_of(file, *progress.shard).string();
       print_result("shard {} of a database: {} of {} rays; ", progress.shard->str(), progress.rays_logged,
@@ -71,6 +129,10 @@ json about_database(const std::filesystem::path& file) {
                h.software_version);
   print_result("scene     {}, physics {}\n", h.scene_name, h.physics_hash);
   print_mesh(h.mesh, h.sets);
+  try {
+    warn_of_patch(stored_scene(h), h.mesh, h.sets);
+  } catch (const Error&) {  // a scene of another version: the figures of its database are readable nevertheless
+  }
   print_result("probes    {} directions, {} increments to {:.4g} m{}\n", h.directions.size(), h.magnitudes_m.size(),
                h.magnitudes_m.back(), h.tangents ? ", with 3x3 tangents" : "");
   json fields = json::array();
@@ -87,9 +149,10 @@ json about_database(const std::filesystem::path& file) {
                  h.sets.mirror->normal[0], h.sets.mirror->normal[1], h.sets.mirror->normal[2], n_mirrored, n_rays);
   json states = json::object();
   for (const auto& [status, count] : summary.states) {
-    print_result("  {:<16} {}\n", name(status), count);
+    print_result("  {:<16} {:<9} {}\n", name(status), count, meaning(status));
     states[name(status)] = count;
   }
+  const json failed_rays = tell_short_rays(database, failed);
   print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n", summary.unstable_states,
                summary.min_jacobian);
   print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations, duration(summary.seconds));
@@ -102,6 +165,7 @@ json about_database(const std::filesystem::path& file) {
           {"fields", fields},
           {"rays_mirrored", n_mirrored},
           {"states", states},
+          {"failed_rays", failed_rays},
           {"newton_iterations", summary.newton_iterations},
           {"unstable_states", summary.unstable_states}};
 }
@@ -210,12 +274,15 @@ void run(const Options& options) {
                       "give a scene, a mesh, a database or a model directory");
   json out;
   const auto extension = what.extension();
+  if (options.failed && extension != ".h5" && extension != ".hdf5")
+    throw input_error("only a database has rays that failed", "--failed with " + what.string(),
+                      "give database.h5, or omit --failed");
   if (std::filesystem::is_directory(what))
     out = about_model(what);
   else if (extension == ".toml")
     out = about_scene(what);
   else if (extension == ".h5" || extension == ".hdf5")
-    out = about_database(what);
+    out = about_database(what, options.failed);
   else
     out = about_mesh(what);
   write_json(options.json_file, out);
@@ -228,6 +295,7 @@ void add(CLI::App& app) {
   auto* command = app.add_subcommand("info", "Print the contents of a scene, mesh, database or model directory");
   add_path(*command, "FILE_OR_DIR", options->what, InputKind::whole, "scene.toml, mesh file, database.h5 or MODEL_DIR")
       ->required();
+  command->add_flag("--failed", options->failed, "of a database: list every ray that failed, with depth and reason");
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->callback([options] { run(*options); });
 }

@@ -19,6 +19,7 @@ bool is_subcommand(const CLI::App& app, const std::string& word) {
 
 void add_commands(CLI::App& app) {
   cli::mesh_command::add(app);
+  cli::check_command::add(app);
   cli::plan_command::add(app);
   cli::precompute_command::add(app);
   cli::merge_command::add(app);

@@ -13,7 +13,11 @@ struct Options {
 };
 
 void run(const Options& options) {
-  const auto loaded = load_scene(options.scene);
+  const auto loaded = load_scene(options.scene, false, [&](const LoadedScene& refused) {
+    write_msh(refused.mesh, &refused.sets, options.output);
+    message("note: {} is written to look at, with the groups of the node sets selected so far\n",
+            options.output.string());
+  });
   const auto q = measure_quality(loaded.mesh);
   write_msh(loaded.mesh, &loaded.sets, options.output);
   const auto& s = loaded.sets;

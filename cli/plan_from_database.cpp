@@ -51,7 +51,9 @@ PlanBasis basis_of_database(const PlanOptions& options) {
   basis.nodes_measured = static_cast<std::int64_t>(n_solving);
   basis.packing = try_packing(header, tried, std::filesystem::temp_directory_path());
   basis.work.bytes_per_ray = basis.packing.record_bytes;
-  basis.model = predict_model_size(stored_scene(header), header);
+  const Scene scene = stored_scene(header);
+  warn_of_patch(scene, header.mesh, header.sets);
+  basis.model = predict_model_size(scene, header);
   return basis;
 }
 

@@ -147,7 +147,7 @@ void warn_of_states(const PlanBasis& basis) {
     all += count;
     if (status == Status::converged) continue;
     failed += count;
-    reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", count, name(status));
+    reasons += fmt::format("{}{} {} ({})", reasons.empty() ? "" : ", ", count, name(status), meaning(status));
   }
   if (failed > 0) message("warning: {} of {} increments failed: {}\n", failed, all, reasons);
 }

@@ -158,10 +158,10 @@ void run(const Options& options) {
   if (report.failed == report.increments && report.increments > 0)
     throw failure("no increment converged", std::to_string(report.increments) + " increments",
                   "try a smaller displacement, more increments or another element" +
-                      (target.shard ? "" : "; phynness info " + target.file.string() + " lists the reasons"));
+                      (target.shard ? "" : "; phynness info " + target.file.string() + " --failed lists the reasons"));
   if (report.failed > report.increments / 100)
     message("warning: {} increments failed and will not be used for training{}\n", report.failed,
-            target.shard ? "" : "; phynness info " + target.file.string() + " lists the reasons");
+            target.shard ? "" : "; phynness info " + target.file.string() + " --failed lists the reasons");
   if (target.shard)
     print_result("shard {} -> {}; when all {} are finished: phynness merge {} -o {}\n", target.shard->str(),
                  target.file.string(), target.shard->count,

@@ -27,7 +27,8 @@ void check_increment(const DatabaseHeader& header, const Ray& ray, std::optional
   for (int i = 0; i < n; ++i)
     if (wanted(i) && ray.status[static_cast<std::size_t>(i)] == Status::converged) return;
   const auto status = ray.status[static_cast<std::size_t>(increment.value_or(1) - 1)];
-  throw input_error(increment ? "this increment did not converge" : "no increment of this ray converged", name(status),
+  throw input_error(increment ? "this increment did not converge" : "no increment of this ray converged",
+                    fmt::format("{}: {}", name(status), meaning(status)),
                     "choose another --increment or --direction; phynness info counts the outcomes");
 }
 
@@ -114,7 +115,8 @@ ShownResponse shown_response(const Database& database, std::int32_t node, int di
     const int number = static_cast<int>(i) + 1;
     if (increment && *increment != number) continue;
     if (ray.status[i] != Status::converged) {
-      shown.notes.push_back(fmt::format("increment {} is left out: {}", number, name(ray.status[i])));
+      shown.notes.push_back(
+          fmt::format("increment {} is left out: {}: {}", number, name(ray.status[i]), meaning(ray.status[i])));
       continue;
     }
     const double depth_m = header.magnitudes_m[i];

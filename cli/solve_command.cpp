@@ -27,22 +27,15 @@ LoadedScene load_source(const std::filesystem::path& source) {
   return {stored_scene(header), header.mesh, header.sets};
 }
 
-/// @throws Error (input) if all nodes of a tool are fixed
-std::vector<PointTool> tools_at(const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements,
-                                const NodeSets& sets) {
+std::vector<PointTool> tools_at(const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
   std::vector<PointTool> tools;
   for (std::size_t t = 0; t < places.size(); ++t) {
-    PointTool& tool = tools.emplace_back();
-    tool.displacement_m = displacements[t];
+    PointTool& tool = tools.emplace_back(PointTool{{}, {}, displacements[t]});
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto node = places[t].nodes[k];
-      if (places[t].weights[k] == 0 || std::binary_search(sets.fixed.begin(), sets.fixed.end(), node)) continue;
-      tool.nodes.push_back(node);
+      if (places[t].weights[k] == 0) continue;
+      tool.nodes.push_back(places[t].nodes[k]);
       tool.weights.push_back(places[t].weights[k]);
     }
-    if (tool.nodes.empty())
-      throw input_error("all nodes of a tool are fixed", fmt::format("tool {}", t),
-                        "touch a part of the surface that can move");
   }
   return tools;
 }
@@ -71,10 +64,10 @@ void run(const Options& options) {
     solver.touch(options.tool.nodes);
     response = solver.solve(displacements, increments, options.tangent);
   } else {
-    response = hold_points(solver, tools_at(places, displacements, loaded.sets), increments).response;
+    response = hold_points(solver, tools_at(places, displacements), increments, options.tangent).response;
   }
   if (response.status != Status::converged)
-    throw failure("the solve did not converge", name(response.status),
+    throw failure("the solve did not converge", fmt::format("{}: {}", name(response.status), meaning(response.status)),
                   "use a smaller displacement or more --increments (" + std::to_string(response.cutbacks) +
                       " cutbacks were tried)");
   if (response.negative_pivots > 0)

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <map>
+#include <phynness/evaluation/database_errors.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/training/families.hpp>
 
@@ -83,6 +84,7 @@ struct Trained {
   Model model;
   TrainingReport report;
   std::vector<Field> stored;  ///< fields of the database
+  DatabaseErrors errors;
   std::uintmax_t model_bytes = 0, mesh_bytes = 0;
   /// Largest numbers of a node. They may be below the specified ones if a node has few responses.
   std::int64_t neurons = 0, force_neurons = 0;
@@ -98,6 +100,7 @@ Trained trained(const Options& options) {
                       "train with the scene from which it was made (phynness info prints its name), or precompute "
                       "again");
   check_mesh(scene, header.mesh_hash, options.database.string());
+  warn_of_patch(scene, header.mesh, header.sets);
   const TrainingSpec spec = chosen_spec(scene.training, options);
   Trained t;
   {
@@ -113,10 +116,24 @@ Trained trained(const Options& options) {
     t.neurons = std::max<std::int64_t>(t.neurons, node.deformation.weights.rows());
     t.force_neurons = std::max<std::int64_t>(t.force_neurons, node.force.weights.rows());
   }
+  t.errors = errors_on_database(LoadedModel(options.output), database);
   t.stored = header.fields;
   t.model_bytes = std::filesystem::file_size(options.output / "model.txt");
   t.mesh_bytes = std::filesystem::file_size(options.output / "mesh.txt");
   return t;
+}
+
+/// What is worse than linear responses even on the data of the training is not worth its time.
+void warn_of_linear(const DatabaseErrors& errors, Family family) {
+  for (const auto& [what, model, linear] :
+       {std::tuple{"force", errors.force, errors.force_linear},
+        std::tuple{"displacement", errors.displacement, errors.displacement_linear}})
+    if (is_worse_than_linear(model, linear))
+      message(
+          "warning: the model is worse than the linear predictor: mean error (17) of the {} on the training data "
+          "{:.2f} %, of linear responses {:.2f} %; {}\n",
+          what, 100 * model, 100 * linear,
+          schema::traits(family).has_modes ? "give it more centers and modes" : "train family modal, or more neurons");
 }
 
 void print(const Trained& t, const std::filesystem::path& output) {
@@ -127,6 +144,7 @@ void print(const Trained& t, const std::filesystem::path& output) {
   for (std::size_t i = 1; i < lines.size(); ++i) print_result("{}\n", lines[i]);
   print_levels(model);
   print_fields(model, report, t.stored);
+  warn_of_linear(t.errors, model.family);
   if (report.n_skipped > 0)
     message("warning: {} active nodes have no converged increment and are omitted from the model\n", report.n_skipped);
   print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(static_cast<double>(t.model_bytes)),
@@ -145,6 +163,12 @@ json to_json(const Trained& t) {
            {"force_spread", report.force_spread},
            {"mean_deformation_mse", report.mean_deformation_mse},
            {"mean_force_mse", report.mean_force_mse},
+           {"training_errors",
+            {{"force", t.errors.force},
+             {"force_linear", t.errors.force_linear},
+             {"displacement", t.errors.has_displacement ? json(t.errors.displacement) : json(nullptr)},
+             {"displacement_linear", t.errors.has_displacement ? json(t.errors.displacement_linear) : json(nullptr)},
+             {"nodes", t.errors.n_nodes}}},
            {"seconds", report.seconds},
            {"model_bytes", t.model_bytes},
            {"mesh_bytes", t.mesh_bytes}};

@@ -1,7 +1,9 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <limits>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/locking.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/version.hpp>
 #include <phynness/precompute/probe_solver.hpp>
@@ -57,21 +59,36 @@ Compared load(const Options& options, const SolverSession& session) {
     if (options.level) loaded->set_level(*options.level);
     if (session.rank() == 0) check_mesh(scene, loaded->model().mesh_hash, options.model.string());
   });
-  const bool tools_wanted = options.points > 0 || options.pairs > 0;
-  if (tools_wanted && !loaded->model().nodes.empty() &&
-      loaded->respond({loaded->model().nodes.front().node}, {Vec3{}}).displacement_m.rows() == 0)
+  return {std::move(scene), std::move(*loaded)};
+}
+
+/// @throws Error (input) if the model has forces only
+void require_deformations(const Options& options, const LoadedModel& model) {
+  if (!model.model().nodes.empty() &&
+      model.respond({model.model().nodes.front().node}, {Vec3{}}).displacement_m.rows() == 0)
     throw input_error("coupled tools need deformations, but the model has forces only", options.model.string(),
                       "omit --points and --pairs, or train the model with modes");
-  return {std::move(scene), std::move(*loaded)};
 }
 
 struct Measured {
   ValidationReport report;
   PointReport points;
   PairReport pairs;
+  std::optional<Error> no_points, no_pairs;  ///< why this part was not done
   std::uint64_t seed = 0;
   bool interrupted = false;
 };
+
+/// Does a part of the validation. @return why it cannot be done
+template <class Part>
+std::optional<Error> try_part(const Part& part) {
+  try {
+    part();
+  } catch (const Error& error) {
+    return error;
+  }
+  return std::nullopt;
+}
 
 Measured measure(const Options& options, const SolverSession& session, const Compared& compared) {
   const auto& [scene, model] = compared;
@@ -86,20 +103,33 @@ Measured measure(const Options& options, const SolverSession& session, const Com
   m.interrupted = m.report.interrupted();
   if (options.points > 0 && !m.interrupted) {
     Progress progress("validate", "points");
-    m.points = validate_points(
-        session, scene, model, options.points, displacements_per_point, m.seed,
-        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
-    m.interrupted = m.points.interrupted();
+    m.no_points = try_part([&] {
+      require_deformations(options, model);
+      m.points = validate_points(
+          session, scene, model, options.points, displacements_per_point, m.seed,
+          [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
+      m.interrupted = m.points.interrupted();
+    });
   }
   if (options.pairs > 0 && !m.interrupted) {
     Progress progress("validate", "pairs");
-    m.pairs = validate_pairs(
-        session, scene, model, options.pairs,
-        options.pair_depth_m.value_or(pair_depth_fraction * scene.probe.max_displacement_m), m.seed,
-        [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
-    m.interrupted = m.pairs.interrupted();
+    m.no_pairs = try_part([&] {
+      require_deformations(options, model);
+      m.pairs = validate_pairs(
+          session, scene, model, options.pairs,
+          options.pair_depth_m.value_or(pair_depth_fraction * scene.probe.max_displacement_m), m.seed,
+          [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
+      m.interrupted = m.pairs.interrupted();
+    });
   }
   return m;
+}
+
+std::vector<std::string> not_done(const Measured& m) {
+  std::vector<std::string> parts;
+  for (const auto& [part, reason] : {std::pair{"--points", &m.no_points}, std::pair{"--pairs", &m.no_pairs}})
+    if (*reason) parts.push_back(fmt::format("{} was not done: {}", part, (*reason)->what()));
+  return parts;
 }
 
 void print_conditions(const Scene& scene, const ValidationReport& report) {
@@ -112,10 +142,11 @@ void print_conditions(const Scene& scene, const ValidationReport& report) {
   if (report.nodes.size() > most_named) nodes += " ...";
   print_result("{} ({}), {}, K/mu = {:.4g}{}, {} probes, R = {:.4g} mm\n", scene.title.empty() ? "scene" : scene.title,
                name(scene.material.law), name(element), K_mu,
-               element->locks_severely && K_mu > element->locks_above ? " (locked)" : "", name(scene.probe.kind),
+               expected_force_ratio(scene) > warned_force_ratio ? " (locked)" : "", name(scene.probe.kind),
                1e3 * scene.probe.max_displacement_m);
-  print_result("{} probes at {} nodes ({} next to fixed nodes; nodes: {}); {} probes failed\n", report.probes,
-               report.nodes.size(), report.n_beside_fixed, nodes, report.failed);
+  const auto [nearest, farthest] = std::ranges::minmax(report.fixed_distance_m);
+  print_result("{} probes at {} nodes ({}), {:.3g} to {:.3g} mm from the nearest fixed node; {} probes failed\n",
+               report.probes, report.nodes.size(), nodes, 1e3 * nearest, 1e3 * farthest, report.failed);
 }
 
 void print(const Compared& compared, const Measured& m, int ranks) {
@@ -124,9 +155,11 @@ void print(const Compared& compared, const Measured& m, int ranks) {
   print_conditions(compared.scene, report);
   print_table(report, model.fields);
   print_summary(report);
+  print_worse_than_linear(report);
   print_examples(report);
   if (m.points.finished > 0) print_points(m.points);
   if (m.pairs.finished > 0) print_pairs(m.pairs);
+  for (const auto& part : not_done(m)) print_result("{}\n", part);
   print_result("runtime on this machine, one core: force {:.2f} us", report.speed.force_us);
   if (report.of(Predictor::model).inside.displacement.n > 0)
     print_result(", deformation of {} nodes {:.1f} us", model.output.size(), report.speed.deformation_us);
@@ -144,6 +177,7 @@ json conditions(const Compared& compared, const Measured& m) {
           {"max_displacement_m", scene.probe.max_displacement_m},
           {"outside_factor", m.report.outside_factor},
           {"nodes", m.report.nodes},
+          {"fixed_distances_m", m.report.fixed_distance_m},
           {"level", compared.model.data().level()},
           {"seed", m.seed}};
 }
@@ -176,6 +210,12 @@ json as_json(const Compared& compared, const Measured& m) {
            {"field_us", report.speed.field_us},
            {"seconds", report.seconds},
            {"solve_ms_per_increment", report.solve_ms_per_increment}};
+  out["worse_than_linear"] = json::array();
+  for (const auto& worse : worse_than_linear(report))
+    out["worse_than_linear"].push_back({{"error", worse.what},
+                                        {"range", worse.outside ? "outside" : "inside"},
+                                        {"model", worse.model},
+                                        {"linear", worse.linear}});
   for (const auto& e : report.examples)
     out["examples"].push_back({{"node", e.node},
                                {"displacement", e.displacement_m},
@@ -184,6 +224,8 @@ json as_json(const Compared& compared, const Measured& m) {
                                {"force_linear", e.linear_N}});
   if (m.points.finished > 0) out["points"] = to_json(m.points);
   if (m.pairs.finished > 0) out["pairs"] = to_json(m.pairs);
+  if (m.no_points) out["points"] = {{"not_done", m.no_points->what()}};
+  if (m.no_pairs) out["pairs"] = {{"not_done", m.no_pairs->what()}};
   return out;
 }
 
@@ -208,10 +250,16 @@ void run(const Options& options) {
   write_json(options.json_file, as_json(compared, measured));
   if (measured.interrupted) refuse_half(options, measured);
   if (options.report_file) {
-    write_text_file(*options.report_file,
-                    html_report({compared.scene, compared.model, measured.report, measured.seed, software_version()}));
+    write_text_file(*options.report_file, html_report({compared.scene, compared.model, measured.report, measured.seed,
+                                                       software_version(), not_done(measured)}));
     print_result("report: {}\n", options.report_file->string());
   }
+  const auto& reason = measured.no_points ? measured.no_points : measured.no_pairs;
+  if (!reason) return;
+  const char* parts = !measured.no_pairs    ? "--points was"
+                      : !measured.no_points ? "--pairs was"
+                                            : "--points and --pairs were";
+  throw Error(reason->kind(), fmt::format("{} not done; everything else was", parts), reason->what(), "");
 }
 
 }  // namespace

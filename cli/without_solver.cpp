@@ -22,6 +22,7 @@ void add_refusal(CLI::App& app, const std::string& name) {
 void precompute_command::add(CLI::App& app) { add_refusal(app, "precompute"); }
 void validate_command::add(CLI::App& app) { add_refusal(app, "validate"); }
 void tune_command::add(CLI::App& app) { add_refusal(app, "tune"); }
+void check_command::add(CLI::App& app) { add_refusal(app, "check"); }
 void solve_command::add(CLI::App& app) { add_refusal(app, "solve"); }
 void run_command::add(CLI::App& app) { add_refusal(app, "run"); }
 

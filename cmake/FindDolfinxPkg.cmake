@@ -1,7 +1,7 @@
-# Finds dolfinx (which versions: precompute_dolfinx/dolfinx_api.hpp) with PETSc, MPI, basix and ufcx.h through pkg-config,
-# and ffcx through Python. The pkg-config file of dolfinx quotes a macro in a way that breaks shells and asks for
-# -fpermissive, so only include paths, libraries and a few definitions are taken from it. Defines the target
-# phynness_dolfinx and phynness_compile_forms().
+# Finds dolfinx (precompute_dolfinx/dolfinx_api.hpp lists the versions) with PETSc, MPI, basix and ufcx.h by pkg-config, and
+# ffcx by Python. The pkg-config file of dolfinx has a macro with quotes that break shells, and the option -fpermissive, so
+# that only include paths, libraries and a few definitions are taken from it. Defines the target phynness_dolfinx and the
+# function phynness_compile_forms().
 find_package(PkgConfig REQUIRED)
 find_package(MPI REQUIRED COMPONENTS C CXX)
 
@@ -17,7 +17,7 @@ if(NOT DOLFINX_FOUND)
 endif()
 pkg_check_modules(PETSC REQUIRED PETSc)
 
-# The system's Python, because that is where the package manager put ffcx.
+# The Python of the system, for which the package manager has installed ffcx.
 find_program(PHYNNESS_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
 if(NOT PHYNNESS_PYTHON)
   find_program(PHYNNESS_PYTHON NAMES python3 REQUIRED)
@@ -34,14 +34,14 @@ string(REGEX MATCH "^([0-9]+)\\.([0-9]+)" _ "${DOLFINX_VERSION}")
 math(EXPR DOLFINX_VERSION_NUMBER "${CMAKE_MATCH_1} * 100 + ${CMAKE_MATCH_2}")
 
 add_library(phynness_dolfinx INTERFACE)
-# Of its definitions those that its headers ask for: how mdspan was built, and two texts (quotes are lost on the way).
+# Only the definitions that the headers of dolfinx need: the configuration of mdspan, and two texts, whose quotes are lost.
 set(dolfinx_definitions ${DOLFINX_CFLAGS_OTHER})
 list(FILTER dolfinx_definitions INCLUDE REGEX "^-D(MDSPAN_|UFCX_SIGNATURE|DOLFINX_GIT_COMMIT_HASH)")
 list(TRANSFORM dolfinx_definitions REPLACE "^-D" "")
 list(TRANSFORM dolfinx_definitions REPLACE "[\"\\\\]" "")
 list(TRANSFORM dolfinx_definitions REPLACE "^(UFCX_SIGNATURE|DOLFINX_GIT_COMMIT_HASH)=(.*)$" "\\1=\"\\2\"")
 target_compile_definitions(phynness_dolfinx INTERFACE ${dolfinx_definitions})
-# Its log is spdlog's since 0.9; what spdlog was built for decides whether both meet the same log.
+# Since 0.9 dolfinx logs by spdlog. The build options of spdlog determine whether both use the same log.
 if(DOLFINX_VERSION_NUMBER GREATER_EQUAL 9)
   pkg_check_modules(SPDLOG REQUIRED IMPORTED_TARGET spdlog)
   target_link_libraries(phynness_dolfinx INTERFACE PkgConfig::SPDLOG)
@@ -54,14 +54,15 @@ target_compile_definitions(phynness_dolfinx INTERFACE
   DOLFINX_VERSION="${DOLFINX_VERSION}" PHYNNESS_DOLFINX=${DOLFINX_VERSION_NUMBER} OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
 message(STATUS "dolfinx ${DOLFINX_VERSION}, PETSc ${PETSC_VERSION}, ffcx include ${UFCX_INCLUDE_DIR}")
 
-option(PHYNNESS_NATIVE_KERNELS "Element kernels for this machine's processor: 10 to 20 % less time, runs on no older one" OFF)
-# NaN must stay NaN: it is how J <= 0 is noticed.
+option(PHYNNESS_NATIVE_KERNELS "Element kernels for the processor of this machine: 10 to 20 % less time, but not for older processors" OFF)
+# NaN must remain NaN, because it indicates J <= 0.
 set(PHYNNESS_KERNEL_OPTIONS -O2)
 if(PHYNNESS_NATIVE_KERNELS)
   set(PHYNNESS_KERNEL_OPTIONS -O3 -march=native -ffast-math -fno-finite-math-only)
 endif()
 
-# phynness_compile_forms(TARGET file.py ...): each form file becomes C by ffcx and joins TARGET; headers by file name.
+# phynness_compile_forms(TARGET file.py ...): compiles each form file to C by ffcx and adds it to TARGET. The names of headers
+# are those of the form files.
 function(phynness_compile_forms target)
   set(generated "${CMAKE_CURRENT_BINARY_DIR}/forms")
   file(MAKE_DIRECTORY "${generated}")
@@ -73,7 +74,7 @@ function(phynness_compile_forms target)
       set(modules law hooke law_forms shell shell_elements)
     endif()
     list(TRANSFORM modules REPLACE "(.+)" "${forms}/\\1.py")
-    # Of a form file that tables.py made for a law.
+    # The law of a form file that tables.py made.
     string(REGEX REPLACE "^shell_" "" law "${name}")
     set(law "${PROJECT_SOURCE_DIR}/precompute_dolfinx/laws/${law}.py")
     if(EXISTS "${law}")
@@ -83,7 +84,7 @@ function(phynness_compile_forms target)
       OUTPUT "${generated}/${name}.c" "${generated}/${name}.h"
       COMMAND ${CMAKE_COMMAND} -E env "PYTHONPATH=${forms}" PYTHONDONTWRITEBYTECODE=1
               ${PHYNNESS_PYTHON} -m ffcx "${form}"
-      WORKING_DIRECTORY "${generated}"  # ffcx 0.11 gave the option for this folder another name
+      WORKING_DIRECTORY "${generated}"  # the option for this folder has another name since ffcx 0.11
       DEPENDS "${form}" ${modules}
       COMMENT "ffcx ${name}" VERBATIM)
     target_sources(${target} PRIVATE "${generated}/${name}.c")

@@ -1,9 +1,9 @@
-# Tables of laws and elements from precompute_dolfinx/laws/*.py, when CMake runs and whenever one of those files changes;
-# Python's standard library is enough. They are made and not kept: a kept table can be out of date, and Python is there
-# wherever CMake's own packages, tests or ffcx are. Sets
-#   PHYNNESS_LAWS_FOLDER   tables.cpp, compiled_forms.cpp, declared_laws.cpp, forms/*.py (forms/tables.py says what they are)
+# Makes tables of laws and elements from precompute_dolfinx/laws/*.py when CMake runs and whenever one of these files
+# changes. Only the standard library of Python is needed. The tables are not part of the repository, because they could then
+# be out of date. Sets
+#   PHYNNESS_LAWS_FOLDER   tables.cpp, compiled_forms.cpp, declared_laws.cpp, forms/*.py (described in forms/tables.py)
 #   PHYNNESS_LAWS          identifiers of the laws
-#   PHYNNESS_SHELL_LAWS    shell_IDENTIFIER of those that have a shell
+#   PHYNNESS_SHELL_LAWS    shell_IDENTIFIER of the laws that have a shell
 find_package(Python3 COMPONENTS Interpreter REQUIRED)
 set(forms "${PROJECT_SOURCE_DIR}/precompute_dolfinx/forms")
 file(GLOB law_files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/precompute_dolfinx/laws/*.py")

@@ -1,4 +1,4 @@
-# One way to declare a library or a test, so that language level, warnings and include paths are set in one place.
+# Functions that declare libraries and tests, so that language level, warnings and include paths are set in one place.
 include(GNUInstallDirs)
 
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
@@ -15,7 +15,7 @@ function(phynness_warnings target)
 endfunction()
 
 # phynness_quick_to_compile(TARGET): for code that runs for milliseconds, such as commands, reports and tests. Its compilation
-# takes about a third less time without the passes of -O2 and -O3; what it calls in other libraries is optimized as ever.
+# takes about a third less time without the passes of -O2 and -O3. Other libraries that it calls are still optimized.
 function(phynness_quick_to_compile target)
   if(NOT MSVC)
     target_compile_options(${target} PRIVATE $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release>>:-O1>)

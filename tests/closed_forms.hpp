@@ -1,6 +1,6 @@
-// Energy density, first Piola-Kirchhoff stress and mean pressure of each law, from the energy that its file
-// declares, in plain numbers: UFL, its derivatives and the compiled kernels have no part in them. That a law
-// declares the energy it is known for is the claim of its own test, tests/laws/NAME.cpp.
+// Energy density, first Piola-Kirchhoff stress and mean pressure of each law in plain numbers, from the energy that its
+// file declares, without UFL, its derivatives or compiled kernels. The test of each law, tests/laws/NAME.cpp, checks
+// the declared energy itself.
 #pragma once
 
 #include <Eigen/Dense>

@@ -1,5 +1,4 @@
-// The tangent of a tiny body as a dense matrix, for what only dense algebra answers without the solver's
-// help.
+// The tangent of a very small body as a dense matrix, for results of dense algebra that are independent of the solver.
 #pragma once
 
 #include <Eigen/Dense>

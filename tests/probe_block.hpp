@@ -1,5 +1,4 @@
-// A soft block of some centimetres, held at its bottom and touched on top: the smallest scene with everything
-// in it.
+// A soft block of some centimetres, fixed at its bottom and touched on top: the smallest scene with all parts.
 #pragma once
 
 #include <phynness/precompute/probe_solver.hpp>

@@ -1,5 +1,4 @@
-// What the claims are tested for: every law with every element, and materials whose shear modulus is the
-// unit.
+// Parameters of the tests: every law with every element, and materials with a shear modulus of 1.
 #pragma once
 
 #include <gtest/gtest.h>

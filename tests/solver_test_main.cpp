@@ -1,4 +1,4 @@
-// Every program that solves needs PETSc and MPI for its whole life, and exactly once.
+// PETSc and MPI are initialized exactly once per test program.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// What the energies of law files are written in, for numbers and for complex numbers: declared_laws.cpp,
-// which the build makes, is made of these.
+// Functions in which the energies of law files are written, for real and complex numbers; used by the generated file
+// declared_laws.cpp.
 #pragma once
 
 #include <Eigen/Dense>

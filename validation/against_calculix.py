@@ -2,11 +2,11 @@
 """Compares `phynness solve` with CalculiX (ccx) for the same nodes, cells, law and prescribed displacement.
 
 Usage: against_calculix.py PHYNNESS CCX SHARED_MESHES [WORD ...]
-Only cases whose table row holds every WORD are run. Exit status: 0 every case within its tolerance, 1 otherwise.
+Only cases whose table row contains every WORD are run. Exit status: 0 every case within its tolerance, 1 otherwise.
 
-Each program gets the same mesh: `phynness mesh` writes it, this file reads it and hands it to CalculiX. Moves of one
-surface node: 1 mm and 12 mm into the body, and 12 mm sideways with some pull. Compared: the force that holds the
-displacement, and the displacement of every node that can move.
+Both programs use the same mesh: `phynness mesh` writes it, and this script converts it for CalculiX. One surface node is
+displaced by 1 mm and 12 mm into the body, and by 12 mm sideways with an outward component. The force at this node and
+the displacements of all free nodes are compared.
 """
 
 import json
@@ -37,7 +37,7 @@ FIXED = "{ box = { min_fraction = [0, 0, 0], max_fraction = [0.25, 1, 1] }, surf
 
 @dataclass(frozen=True)
 class Case:
-    """A material of shear modulus MU in the words of both programs; the law's file has both."""
+    """A material of shear modulus MU in the syntax of both programs, which the file of the law defines."""
 
     law: Law
     bulk_over_mu: float
@@ -65,11 +65,11 @@ class Case:
         return self.law.name + "".join(f" {texts[s]}={x * MU:g} Pa" for s, x in self.changed if x and texts[s] != "C10")
 
 
-# Where both integrate exactly (P1: constant gradient; linear law on P2: degree 2), CalculiX's seven printed digits are
-# what is left between them.
+# If both integrate exactly (P1: constant gradient; linear law on P2: degree 2), only the rounding of CalculiX's seven
+# printed digits remains.
 EXACT_QUADRATURE = 2e-6
-# C3D10 has four points, exact to degree 2; phynness integrates P2 to degree 4. The tolerances bound that difference, by
-# depth in mm; docs/calculix.md shows that nothing else is in it.
+# C3D10 has four points, exact to degree 2; phynness integrates P2 to degree 4. The tolerances are bounds of this difference,
+# by depth in mm; docs/calculix.md shows that there are no other differences.
 OTHER_QUADRATURE = {1.0: 2e-3, 12.0: 6e-2}
 
 PUSHES = ((1.0, "push"), (12.0, "push"), (12.0, "side"))
@@ -90,7 +90,7 @@ SERIES = (
 
 
 class Body:
-    """Nodes [mm], cells, fixed nodes, and what of the surface is needed to choose probes."""
+    """Nodes [mm], cells, fixed nodes, and the parts of the surface that the selection of probes needs."""
 
     def __init__(self, msh):
         blocks = dict(re.findall(r"^\$(\w+)\n(.*?)^\$End", msh, re.M | re.S))
@@ -158,7 +158,7 @@ def _unit(a):
 def points_and_weights(body, element, node):
     """Positions of all nodes of the element, nodes of each cell, fixed points, and the tool's weights.
 
-    On P2 a touched node carries the P1 hat: midpoints of its surface edges follow with half of its displacement.
+    On P2 the tool has the weights of the P1 hat function: midpoints of surface edges have half of the displacement.
     """
     if element == "P1":
         return body.nodes, body.cells, body.fixed, {node: 1.0}
@@ -176,7 +176,7 @@ def calculix(ccx, folder, body, case, element, node, displacement):
     points, cells, fixed, weights = points_and_weights(body, element, node)
     linear = not case.law.finite
     deck = ["*NODE, NSET=all"]
-    # CalculiX reads 20 characters of a number.
+    # CalculiX reads at most 20 characters of a number.
     deck += [f"{i + 1}, " + ", ".join(f"{x:.12e}" for x in p) for i, p in enumerate(points)]
     deck += [f"*ELEMENT, TYPE={'C3D4' if element == 'P1' else 'C3D10'}, ELSET=body"]
     deck += [f"{i + 1}, " + ", ".join(str(n + 1) for n in cell) for i, cell in enumerate(cells)]
@@ -185,7 +185,7 @@ def calculix(ccx, folder, body, case, element, node, displacement):
     deck += ["*BOUNDARY"] + [f"{n + 1}, 1, 3" for n in sorted(fixed)]
     deck += ["*STEP" if linear else "*STEP, NLGEOM, INC=1000", "*STATIC"]
     if not linear:
-        # Largest residual below 1e-9 of the mean force, and as many iterations as that takes.
+        # Largest residual below 1e-9 of the mean force, with a sufficient number of iterations.
         deck += ["0.1, 1., 1e-6, 0.1", "*CONTROLS, PARAMETERS=FIELD", "1e-9, 1e-9, , , 1e-9, 1e-12, 1e-9, 1e-12"]
         deck += ["*CONTROLS, PARAMETERS=TIME INCREMENTATION", "20, 24, 25, 40, 30, 4, , 10"]
     deck += ["*BOUNDARY"]
@@ -206,7 +206,7 @@ def calculix(ccx, folder, body, case, element, node, displacement):
         if title := re.match(r" (displacements|forces) ", line):
             table = values[title[1]] = {}
         elif row := re.match(r" *(\d+)" + r" +(-?\d\.\d+E[-+]\d+|-?\d\.\d+-\d{3})" * 3, line):
-            # Fortran drops the E of three-digit exponents: such a number is as good as nothing.
+            # Fortran omits the E of three-digit exponents; such a number is negligible.
             table[int(row[1]) - 1] = [float(x) if "E" in x else 0.0 for x in row.groups()[1:]]
     force = [0.0] * 3
     for n, w in weights.items():
@@ -257,7 +257,7 @@ def main():
     if real.exists():
         meshes["liver_181"] = f'file = "{real.resolve()}"\nscale_to_m = 0.025'
     else:
-        print(f"skipped: the cases of liver_181, for {real} is not there")
+        print(f"skipped: the cases of liver_181, because {real} does not exist")
 
     head = f"{'mesh':9} {'law':24} {'K/mu':>4} el {'node':>4} {'move':4} {'mm':>3}"
     columns = f"{'force of phynness [mN]':^29}  {'force of CalculiX [mN]':^29}  d force d field allowed"
@@ -291,9 +291,9 @@ def main():
                         good = max(df, du) <= allowed
                         worst[exact] = max(worst[exact], df, du)
                         bad += not good
-                        note = ("" if good else "  TOO LARGE") + ("" if stable else "  unstable")
+                        note = ("" if good else "  too large") + ("" if stable else "  unstable")
                         print(f"{row}  {forces}  {df:7.1e} {du:7.1e} {allowed:7.0e}{note}", flush=True)
-    print(f"largest difference: {worst[True]:.1e} where both integrate exactly, {worst[False]:.1e} elsewhere")
+    print(f"largest difference: {worst[True]:.1e} if both integrate exactly, {worst[False]:.1e} otherwise")
     print(f"{run} cases, {bad} outside their tolerance")
     return 1 if bad or not run else 0
 

@@ -9,7 +9,7 @@
 namespace phynness::report {
 namespace {
 
-/// Nothing if the command failed.
+/// Empty if the command failed.
 std::optional<std::string> output_of(const std::string& command) {
   std::string out;
   std::FILE* pipe = popen(command.c_str(), "r");
@@ -20,7 +20,7 @@ std::optional<std::string> output_of(const std::string& command) {
   return out;
 }
 
-/// As one word to a shell.
+/// Text as one word for a shell.
 std::string shell_word(const std::string& text) {
   std::string out = "'";
   for (const char c : text) {
@@ -38,11 +38,12 @@ class TemporaryFile {
   explicit TemporaryFile(const std::string& text) {
     std::string name = (std::filesystem::temp_directory_path() / "phynness_plot_XXXXXX").string();
     const int file = mkstemp(name.data());
-    if (file < 0) throw failure("no temporary file can be made", name, "look at the disk, or set TMPDIR");
+    if (file < 0) throw failure("no temporary file can be made", name, "free space on the disk, or set TMPDIR");
     std::FILE* out = fdopen(file, "w");
     const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
     _path = name;
-    if (std::fclose(out) != 0 || !written) throw failure("writing failed", name, "look at the disk, or set TMPDIR");
+    if (std::fclose(out) != 0 || !written)
+      throw failure("writing failed", name, "free space on the disk, or set TMPDIR");
   }
   ~TemporaryFile() {
     std::error_code ignored;
@@ -62,9 +63,9 @@ bool gnuplot_is_there() { return output_of("gnuplot --version 2>/dev/null").has_
 
 std::string gnuplot(const std::string& script, const std::string& what, const std::string& remedy) {
   const TemporaryFile file(script);
-  // -d: without what a person keeps in ~/.gnuplot, so that every reader of a page sees the same.
+  // -d: without the user's ~/.gnuplot, so that pages look the same for all users.
   const auto out = output_of("gnuplot -d " + shell_word(file.path().string()) + " 2>/dev/null");
-  if (!out) throw failure("gnuplot did not draw", what, "install gnuplot-nox, or " + remedy);
+  if (!out) throw failure("gnuplot failed", what, "install gnuplot-nox, or " + remedy);
   return *out;
 }
 

@@ -53,7 +53,7 @@ std::string table(const std::vector<std::vector<std::string>>& rows, CellKind ki
   for (std::size_t r = 0; r < rows.size(); ++r) {
     out += r == 0 ? "<thead><tr>" : "<tr>";
     for (const auto& cell : rows[r]) {
-      // A number's minus is no place to break a line.
+      // Lines must not be broken after the minus of a number.
       const bool number =
           kind == CellKind::words && cell.find(' ') == std::string::npos && cell.find_first_of("0123456789") == 0;
       out += (r == 0 ? "<th>" : number ? "<td class=\"one-line\">" : "<td>") + cell + (r == 0 ? "</th>" : "</td>");

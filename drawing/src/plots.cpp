@@ -16,17 +16,17 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
     text.replace(at, from.size(), to);
 }
 
-/// Colours of the page, in style of html.cpp. gnuplot draws with others that stand for them: (1, 2, 3), (4,
-/// 5, 6) ...
+/// Colours of the page, defined by the style in html.cpp. gnuplot draws with placeholders for them: (1, 2, 3), (4, 5,
+/// 6) ...
 constexpr std::array<const char*, n_colors> page_colors{"var(--model)", "var(--linear)", "currentColor", "var(--c3)",
                                                         "var(--c4)",    "var(--c5)",     "var(--c6)",    "var(--c7)"};
 
-/// The element alone, its colours those of the page, its ids its own.
+/// The SVG element alone, with the colours of the page and with unique ids.
 std::string embedded(std::string svg) {
   const auto begin = svg.find("<svg");
   if (begin == std::string::npos) return "";
   svg.erase(0, begin);
-  // Attributes come in both kinds of quotes.
+  // Attributes may have either kind of quotes.
   static int n_plots = 0;
   const std::string own = fmt::format("p{}_", ++n_plots);
   for (const char q : {'"', '\''}) {
@@ -64,7 +64,7 @@ const char* with(Mark mark) {
 std::string plot(const PlotSpec& spec) {
   std::size_t n_keys = 0;
   for (const auto& curve : spec.curves) n_keys += !curve.at.empty() && !curve.title.empty();
-  // Below the plot and the axis label, two to a line: the plot keeps its height.
+  // The key is below the plot and the axis label, two entries per line, and does not reduce the height of the plot.
   std::string script = fmt::format(
       "set terminal svg size 460,{} dynamic font 'sans,12' noenhanced\n"
       "set grid lc 'gray'\nset border 3\nset tics nomirror\nset key below maxcols 2 samplen 2 height 1\n",
@@ -85,10 +85,10 @@ std::string plot(const PlotSpec& spec) {
                          c, with(curve.mark), 3 * curve.color + 1, 3 * curve.color + 2, 3 * curve.color + 3,
                          quoted(curve.title));
   }
-  if (drawn.empty()) return "<p>Nothing to draw.</p>";
+  if (drawn.empty()) return "<p>No data.</p>";
   script += "plot " + drawn + "\n";
-  std::string svg = embedded(gnuplot(script, spec.title, "ask for no report"));
-  if (svg.empty()) throw failure("gnuplot drew nothing", spec.title, "install a gnuplot with the terminal svg");
+  std::string svg = embedded(gnuplot(script, spec.title, "omit the report"));
+  if (svg.empty()) throw failure("gnuplot drew no plot", spec.title, "install a gnuplot with the terminal svg");
   return svg;
 }
 

@@ -12,7 +12,7 @@ std::string upper(std::string name) {
   return name;
 }
 
-/// Text inside a comment: nothing that ends it or, of which compilers warn, begins another.
+/// Text without sequences that end a comment or that begin another one, of which compilers warn.
 std::string harmless(std::string text) {
   for (std::size_t i = 0; i + 1 < text.size(); ++i)
     if ((text[i] == '*' && text[i + 1] == '/') || (text[i] == '/' && text[i + 1] == '*')) text[i] = ' ';
@@ -36,7 +36,7 @@ std::string guarded(const std::string& file, const std::string& text) {
 constexpr const char* begin_c = "#ifdef __cplusplus\nextern \"C\" {\n#endif\n";
 constexpr const char* end_c = "#ifdef __cplusplus\n}\n#endif\n";
 
-/// Exact, and the same for every locale.
+/// Exact, and independent of the locale.
 std::string number(double value) {
   char buffer[40];
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
@@ -64,12 +64,12 @@ CSource c_source(const ModelImage& image, const Model& model, const std::string&
   std::string h = head(model, name, "image for " + std::string(floats ? "phn_imagef_open" : "phn_image_open"));
   h += "#include <stdint.h>\n\n";
   h += define(NAME + "_IMAGE_BYTES", image.bytes.size(), "flash: the array below");
-  h += define(NAME + "_REAL_BYTES", word, "numbers are " + real + "s");
+  h += define(NAME + "_REAL_BYTES", word, "size of a number, a " + real);
   h += define(NAME + "_ACTIVE", image.n_active, "nodes that can be touched");
   h += define(NAME + "_OUTPUT", image.n_output, "nodes whose displacement is modelled; 0: forces only");
   h += define(NAME + "_SCRATCH", image.n_scratch, real + "s of scratch for a deformation");
   h += define(NAME + "_FIELD", 3 * image.n_output, real + "s of its result");
-  h += define(NAME + "_RAM_BYTES", image.ram_bytes(), "scratch and result; a force needs none");
+  h += define(NAME + "_RAM_BYTES", image.ram_bytes(), "scratch and result of a deformation; a force needs no memory");
   h += std::string("\n") + begin_c + "extern " + array + ";\n" + end_c;
 
   std::string c = head(model, name, "the image") + "#include \"" + name + ".h\"\n\n" + array + " = {";
@@ -91,14 +91,14 @@ CSource c_source(const ModelImage& image, const Model& model, const std::string&
 CSource c_source(const GoldenQueries& queries, const Model& model, const std::string& name) {
   const std::string type = "struct " + name + "_query", n = std::to_string(queries.query.size());
   const std::string array = "const " + type + " " + name + "_golden[" + n + "]";
-  std::string h = head(model, name, "answers of the runtime and of the image");
+  std::string h = head(model, name, "responses of the runtime and of the image");
   h += "#include <stdint.h>\n\n" + define(upper(name) + "_GOLDEN", queries.query.size(), "queries");
   h += std::string("\n") + begin_c + type +
        " {\n"
        "  int32_t node, status;        /* active node; status of the image's force */\n"
        "  double displacement[3];      /* [m] */\n"
        "  double force[3];             /* [N], by the runtime in double */\n"
-       "  double image_force[3];       /* by the image on the host: a device gives these bits */\n"
+       "  double image_force[3];       /* by the image on the host; the same bits on a device */\n"
        "  int32_t output;              /* position among the output nodes */\n"
        "  double deformation[3];       /* of that node [m], by the runtime */\n"
        "  double image_deformation[3]; /* by the image */\n"

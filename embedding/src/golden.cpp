@@ -1,4 +1,4 @@
-// Questions whose answers a device compares with its own.
+// Queries with responses, with which a device compares its own.
 #include <phynness/phynness_image.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace phynness {
 namespace {
 
-/// Repeatable numbers in [-1, 1), the same on every machine, which std::uniform_real_distribution's are not.
+/// Reproducible numbers in [-1, 1), the same on every machine, which those of std::uniform_real_distribution are not.
 class Numbers {
  public:
   double next() { return static_cast<double>(_engine() >> 11) * 0x1p-52 - 1; }
@@ -47,7 +47,7 @@ Vec3 displacement(const LoadedModel& model, std::int32_t node, std::size_t i, Nu
   return {share * deep * e[0], share * deep * e[1], share * deep * e[2]};
 }
 
-/// An image with the functions of its numbers.
+/// An image with the functions for its type of numbers.
 class Device {
  public:
   explicit Device(const ModelImage& image)
@@ -60,10 +60,11 @@ class Device {
     const int status = image.options.floats ? phn_imagef_open(_words.data(), image.bytes.size(), &_floats)
                                             : phn_image_open(_words.data(), image.bytes.size(), &_doubles);
     if (status != PHN_OK)
-      throw failure("the image that was made is refused", std::to_string(status), "this is a defect; please report it");
+      throw failure("the loader refuses the exported image", std::to_string(status),
+                    "this is a defect; please report it");
   }
 
-  /// d as the image can hold it.
+  /// d with the precision of the image.
   Vec3 held(const Vec3& d) const {
     if (_doubles) return d;
     return {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
@@ -96,7 +97,7 @@ class Device {
   std::vector<double> _scratch, _field;
 };
 
-/// Largest difference over largest value.
+/// Largest difference over the largest value.
 class Deviation {
  public:
   void add(const Vec3& expected, const Vec3& got) {
@@ -115,7 +116,7 @@ class Deviation {
 
 GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, std::size_t n) {
   const auto nodes = model.runtime().active_nodes();
-  if (nodes.empty()) throw input_error("the model has no active nodes", "", "train it with some");
+  if (nodes.empty()) throw input_error("the model has no active nodes", "", "train it with active nodes");
   Device device(image);
   Numbers numbers;
   GoldenQueries all;
@@ -123,7 +124,7 @@ GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, 
   std::vector<double> field(3 * static_cast<std::size_t>(model.runtime().n_output()));
   for (std::size_t i = 0; i < n; ++i) {
     GoldenQuery query;
-    // Strides that meet all nodes, but seldom neighbours in turn.
+    // The stride visits all nodes and seldom neighbouring nodes in succession.
     query.node = nodes[(i * 7919) % nodes.size()];
     query.displacement_m = device.held(displacement(model, query.node, i, numbers));
     const Vec3& d = query.displacement_m;

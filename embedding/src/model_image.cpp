@@ -1,4 +1,4 @@
-// Model -> image. Follows runtime/include/phynness/image_layout.hpp.
+// Conversion of a model to an image, whose layout is in runtime/include/phynness/image_layout.hpp.
 #include <phynness/phynness_image.h>
 
 #include <algorithm>
@@ -104,7 +104,7 @@ class ImageWriter {
       throw input_error(
           "the model is too large for an image",
           std::to_string(n_displacements) + " displacements, " + std::to_string(_model.output.size()) + " output nodes",
-          "an image holds up to 65535 of each: precompute with fewer increments or output nodes");
+          "precompute with fewer increments or output nodes; an image holds up to 65535 of each");
   }
 
   Real real(double value) const {
@@ -123,7 +123,7 @@ class ImageWriter {
     return reals(values, [](double value) { return value; });
   }
 
-  /// Appends values and says where they are. Equal tables of depths, weights and points are kept once.
+  /// Appends values and returns their position. Equal tables of depths, weights and points are stored once.
   template <class T>
   image::Table put(const std::vector<T>& values) {
     if (values.empty()) return {0, 0};
@@ -151,7 +151,7 @@ class ImageWriter {
   void put_shared() {
     const auto& shared = _model.shared;
     std::vector<Real> at_rest;
-    // As modal_field computes at x = 0.
+    // The same operations as in modal_field at x = 0.
     const Real s2 = _header.amplitude_shape * _header.amplitude_shape, q = std::sqrt(s2);
     for (const auto row : shared.centers) {
       const Real* c = &_displacements[3 * static_cast<std::size_t>(row)];
@@ -176,7 +176,7 @@ class ImageWriter {
       out.prescribed = put(positions);
       out.prescribed_weight = put(weights);
     }
-    // Most nodes were trained as deep as the node before.
+    // Successive nodes often have the same trained depths.
     if (node.trained_depth_m != _depth) {
       std::vector<Real> depth;
       for (const double value : node.trained_depth_m) depth.push_back(real(value));
@@ -194,7 +194,7 @@ class ImageWriter {
     image::Network<Real, n_inputs> net{};
     net.displacement = put_indices(from.center_displacement);
     net.output = put_indices(from.center_output);
-    // Gaussians count in powers of two, weights in the unit of the output.
+    // Gaussians use powers of two, and weights have the unit of the output.
     for (int k = 0; k < n_inputs; ++k)
       net.factor[k] = real(std::sqrt(1 / std::log(2.0)) / (from.spread * from.input_half_range[k]));
     const Eigen::MatrixXd weights = from.weights * from.output_half_range.asDiagonal();
@@ -247,7 +247,7 @@ class ImageWriter {
     return put_bytes(&out, sizeof out);
   }
 
-  /// The functions that will evaluate the image say what they leave at rest: with R = 1, where nothing is
+  /// Computes the residual of rounding at rest by the functions that evaluate images. With R = 1 the results are not
   /// rounded afterwards.
   void set_rest(const std::vector<image::ActiveNode<Real>>& nodes) {
     const Real R = _header.max_displacement;
@@ -258,7 +258,7 @@ class ImageWriter {
     const Image* opened = nullptr;
     const int status = Functions::open(copy.data(), _bytes.size(), &opened);
     if (status != PHN_OK)
-      throw failure("the image that was made is refused", phn_status_message(status),
+      throw failure("the loader refuses the exported image", phn_status_message(status),
                     "this is a defect; please report it");
     const Real rest[3] = {0, 0, 0};
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -275,7 +275,7 @@ class ImageWriter {
     _header.max_displacement = R;
   }
 
-  /// Header, size and checksum.
+  /// Writes header, size and checksum.
   void seal() {
     _bytes.resize((_bytes.size() + 7) / 8 * 8);
     _header.bytes = static_cast<std::uint32_t>(_bytes.size());

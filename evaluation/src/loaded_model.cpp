@@ -35,9 +35,9 @@ void LoadedModel::load() {
   if (_runtime) _data = rt::Data(_runtime, _max_tools);
   const rt::Status status = _runtime ? _data.status() : _runtime.status();
   if (status.ok()) return;
-  model();  // names the line of a text that is wrong, and the value there
+  model();  // throws an error with the line and the value if the text is invalid
   const std::size_t at = _runtime.wrong_byte();
-  throw input_error("the runtime refuses " + _name,
+  throw input_error("the runtime cannot load " + _name,
                     status.message() + (at > 0 ? " (byte " + std::to_string(at) + ")" : std::string()),
                     "train the model again with this version");
 }
@@ -58,10 +58,10 @@ void LoadedModel::check(int status, std::int32_t node) const {
                       [&](auto a, auto b) { return distance(a) < distance(b); });
     std::string nearest;
     for (std::size_t i = 0; i < n; ++i) nearest += (i ? ", " : "") + std::to_string(active[i]);
-    throw input_error("the model has no network for this node", "node " + std::to_string(node),
+    throw input_error("the node is not an active node of the model", "node " + std::to_string(node),
                       "touch an active node; the nearest are " + nearest);
   }
-  throw input_error("the runtime refuses the request",
+  throw input_error("the runtime reports an error",
                     phn_status_message(status) + std::string(" (node ") + std::to_string(node) + ")",
                     "touch different active nodes of the mesh, 0 to " + std::to_string(_mesh.n_nodes() - 1) +
                         ", with finite displacements");
@@ -71,8 +71,8 @@ void LoadedModel::set_level(std::int32_t level) {
   const auto n = _runtime.n_levels();
   if (_data.set_level(level) != PHN_OK)
     throw input_error("the model has no such level", std::to_string(level),
-                      n == 1 ? "train it with [training] levels, or leave the level away"
-                             : "levels are numbered 0 to " + std::to_string(n - 1) + ", the full one");
+                      n == 1 ? "omit the level, or train the model with [training] levels"
+                             : "give a number from 0 to " + std::to_string(n - 1) + ", which is the full level");
 }
 
 Vec3 LoadedModel::force(std::int32_t node, const Vec3& displacement_m) const {
@@ -97,12 +97,13 @@ ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
                                    const std::vector<Vec3>& displacement_m) const {
   const std::size_t n_tools = nodes.size();
   if (n_tools > static_cast<std::size_t>(_max_tools))
-    throw input_error("too many tools", std::to_string(n_tools), "at most " + std::to_string(_max_tools));
+    throw input_error("there are too many tools", std::to_string(n_tools),
+                      "give at most " + std::to_string(_max_tools) + " tools");
   ModelResponse response;
   response.displacement_m.resize(_runtime.n_output(), 3);
   std::vector<double> d;
   for (const auto& v : displacement_m) d.insert(d.end(), v.begin(), v.end());
-  for (const auto node : nodes) force(node, {0, 0, 0});  // refuses inactive nodes by number
+  for (const auto node : nodes) force(node, {0, 0, 0});  // throws an error with the number of an inactive node
   response.status = _data.blend_paper(nodes, d, span(response.displacement_m));
   if (response.status == PHN_ERROR_UNDEFINED) {
     response.status = PHN_OK;
@@ -129,7 +130,8 @@ ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
       response.energy_J = energy;
       return response;
     }
-    // Simpson's rule; the network is smooth over its spread, 32 intervals are far below its own error.
+    // Simpson's rule. The network is smooth over its spread, so that with 32 intervals the quadrature error is far
+    // below the error of the network.
     double work = 0;
     constexpr int n = 32;
     for (int i = 0; i <= n; ++i) {
@@ -148,19 +150,19 @@ ModelResponse LoadedModel::couple(const std::vector<phn_tool>& tools) const {
   std::vector<double> forces(3 * n_tools);
   int status = _data.couple(tools, forces, &response.coupled);
   if (status == PHN_ERROR_TOOLS || status == PHN_ERROR_TOO_MANY_TOOLS)
-    throw input_error("too many tools to couple", std::to_string(n_tools),
-                      "at most " + std::to_string(PHN_MOST_COUPLED));
+    throw input_error("there are too many coupled tools", std::to_string(n_tools),
+                      "give at most " + std::to_string(PHN_MOST_COUPLED) + " tools");
   if (status == PHN_ERROR_UNDEFINED)
-    throw input_error("this model has forces only, or a touched node is no output node", "coupled tools",
-                      "train it with modes and with all touched nodes among the output nodes, or touch single nodes");
+    throw input_error("this model has forces only, or a touched node is not an output node", "coupled tools",
+                      "train it with modes and make all touched nodes output nodes, or touch a single node");
   const auto all_fixed = _runtime.fixed_nodes();
   for (const auto& tool : tools)
     for (int k = 0; k < 3 && status == PHN_ERROR_NOT_ACTIVE; ++k) {
       const bool fixed = std::binary_search(all_fixed.begin(), all_fixed.end(), tool.nodes[k]);
-      if (tool.weights[k] > 0 && !fixed) force(tool.nodes[k], {0, 0, 0});  // refuses inactive nodes by number
+      if (tool.weights[k] > 0 && !fixed) force(tool.nodes[k], {0, 0, 0});  // throws an error for an inactive node
     }
   if (status == PHN_ERROR_NOT_ACTIVE)
-    throw input_error("a tool holds nothing but fixed nodes", "", "touch a part of the surface that can move");
+    throw input_error("all nodes of a tool are fixed", "", "touch a part of the surface that can move");
   check(status, n_tools == 0 ? -1 : tools[0].nodes[0]);
   for (std::size_t t = 0; t < n_tools; ++t)
     response.force_N.emplace_back(Vec3{forces[3 * t], forces[3 * t + 1], forces[3 * t + 2]});

@@ -6,7 +6,7 @@
 namespace phynness {
 namespace {
 
-/// Median over batches of the mean time of a call in a batch [us].
+/// The median over several batches of the mean time of a call in a batch [us].
 template <typename Call>
 double median_us(int batches, int calls, const Call& call) {
   std::vector<double> times;
@@ -29,8 +29,8 @@ std::vector<phn_level_time> measure_levels(const LoadedModel& model) {
   };
   const rt::Status status = model.data().calibrate(clock_us, nullptr, times);
   if (status != PHN_OK)
-    throw failure("the levels of the model cannot be timed", status.message(),
-                  "run it on a machine that does nothing else");
+    throw failure("the times of the levels cannot be measured", status.message(),
+                  "run it on a machine without other load");
   return times;
 }
 
@@ -40,7 +40,7 @@ RuntimeSpeed measure_speed(const LoadedModel& model) {
   const double depth = model.runtime().info().max_displacement_m;
   std::vector<double> u(3 * static_cast<std::size_t>(model.runtime().n_output()));
   double f[3], sink = 0;
-  // The displacement changes from call to call, as a hand's does.
+  // The displacement changes from call to call, as that of a moving hand.
   const auto displacement = [&](int i, double* d) {
     for (int k = 0; k < 3; ++k) d[k] = depth * 0.01 * ((i * (k + 3)) % 50);
   };
@@ -51,7 +51,7 @@ RuntimeSpeed measure_speed(const LoadedModel& model) {
     model.data().force(nodes[static_cast<std::size_t>(i) % nodes.size()], d, f).ignore();
     sink += f[0];
   });
-  // A hand stays at a node for many frames: getting it ready does not count.
+  // A tool stays at a node for many frames, so that the preparation of the node is not measured.
   std::vector<double> times;
   for (std::size_t b = 0; b < 7; ++b) {
     const auto node = nodes[b * nodes.size() / 7];
@@ -73,7 +73,7 @@ RuntimeSpeed measure_speed(const LoadedModel& model) {
       model.data().field(node, d, 0, u).ignore();
       sink += u[0];
     });
-  volatile double keep = sink;  // the calls have a result that somebody reads
+  volatile double keep = sink;  // prevents the compiler from removing the calls
   static_cast<void>(keep);
   return speed;
 }

@@ -1,4 +1,4 @@
-/* Semihosting: a debugger's or QEMU's services behind the instruction BKPT 0xAB. */
+/* Semihosting: services of a debugger or of QEMU that the instruction BKPT 0xAB calls. */
 #include "board.h"
 
 #define SYST_CSR (*(volatile uint32_t*)0xE000E010)

@@ -1,8 +1,8 @@
-/* Evaluates every golden query with the model in flash, compares with the host's double, counts instructions.
+/* Evaluates every golden query with the model in flash, compares with the host in double, counts instructions.
  * Prints one figure per line, NAME VALUE, and exits with 0 if all agree.
  *
- * A device's loop is the one line phn_imagef_force (or phn_image_force): no set-up but open, no memory but
- * its stack.
+ * In a device the loop is one call of phn_imagef_force (or phn_image_force). Only open is called before, and only
+ * the stack is used as memory.
  */
 #include <phynness/phynness_image.h>
 #include <stdint.h>
@@ -17,8 +17,8 @@ typedef phn_imagef image_type;
 #define open_image phn_imagef_open
 #define force_image phn_imagef_force
 #define deform_image phn_imagef_deform
-/* Of the largest answer. Weights of wide Gaussians cancel by 1e4, times a float's last bit: phynness export
- * measures it. */
+/* Relative to the largest response. Weights of wide Gaussians cancel by up to 1e4, which multiplies the rounding of
+ * floats; phynness export measures it. */
 #define FORCE_TOLERANCE 1e-3
 #define DEFORMATION_TOLERANCE 1e-3
 #else
@@ -47,7 +47,7 @@ static void report(const char* name, uint32_t value) {
   board_print("\n");
 }
 
-/* What the device says beside what the host said: the runtime in double, and the same image, bit for bit. */
+/* Comparison of device and host: with the runtime in double, and bit for bit with the same image. */
 struct agreement {
   double largest, difference;
   uint32_t other_bits;
@@ -84,7 +84,7 @@ static int check_forces(void) {
   return agrees(&agreement, "force", FORCE_TOLERANCE) && other_statuses == 0;
 }
 
-/* All golden queries, then the same loop without the call. */
+/* Instructions of all golden queries, minus those of the same loop without the call. */
 static void count_forces(void) {
   uint32_t most = 0, spent[2];
   real d[3], force[3] = {0, 0, 0};
@@ -136,7 +136,7 @@ int main(void) {
   const int status = open_image(model_image, sizeof model_image, &model);
   report("instructions_of_open", board_instructions());
   if (status != PHN_OK) {
-    board_print("the image is refused\n");
+    board_print("the image is not valid\n");
     return 1;
   }
   count_forces();

@@ -1,4 +1,4 @@
-/* From reset to main: vectors, floating-point unit, initial data. And the three functions that compilers call
+/* Start-up code: vectors, floating-point unit, initial data. It also has the three functions that compilers call
  * for loops over bytes, so that no C library is needed. */
 #include <stddef.h>
 #include <stdint.h>
@@ -10,7 +10,7 @@ int main(void);
 
 #define CPACR (*(volatile uint32_t*)0xE000ED88)
 
-/* Loops that the compiler must not turn into calls of themselves. */
+/* For loops that the compiler must not replace by recursive calls. */
 #define PLAIN __attribute__((optimize("no-tree-loop-distribute-patterns")))
 
 PLAIN void* memcpy(void* restrict to, const void* restrict from, size_t n) {
@@ -34,7 +34,7 @@ PLAIN void* memmove(void* to, const void* from, size_t n) {
   return to;
 }
 
-/* Entered before anything may use the floating-point unit. */
+/* No instruction before this point may use the floating-point unit. */
 __attribute__((noreturn, target("general-regs-only"))) void reset(void) {
   CPACR |= 0xFu << 20;
   __asm volatile("dsb\n isb" ::: "memory");

@@ -1,4 +1,4 @@
-/* The shortest way from a trained model to force and deformation.
+/* A minimal program that evaluates force and deformation of a trained model.
  * Usage: minimal MODEL_DIR/model.txt NODE DX DY DZ      (metres; `phynness info MODEL_DIR` lists the active
  * nodes)
  */
@@ -47,7 +47,7 @@ int main(int argc, char** argv) {
     return 1;
   }
 
-  /* Start-up: ask for the size, bring the memory, build. A device would use static arrays here. */
+  /* Start-up: query the size, provide the memory, load the model. A device would use static arrays here. */
   status = phn_model_size(text, length, &model_bytes, &wrong_byte);
   if (wrong_byte > 0) fprintf(stderr, "byte %lu of ", (unsigned long)wrong_byte);
   if (status < 0) return stop(argv[1], status);
@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
   if (status < 0) return stop(argv[1], status);
   free(text); /* the model keeps nothing of it */
 
-  /* Scratch: one per thread, here for one tool at a time. */
+  /* Scratch for one tool at a time; each thread needs its own. */
   phn_model_info(model, &info);
   phn_data_size(model, 1, &data_bytes);
   void* data_memory = malloc(data_bytes);
@@ -64,7 +64,7 @@ int main(int argc, char** argv) {
   status = phn_data_init(data_memory, data_bytes, model, 1, &data);
   if (status < 0 || u == NULL) return stop("scratch", status);
 
-  /* The loop of a device would be these two calls. */
+  /* In a device these two calls would be the loop. */
   const int32_t node = (int32_t)strtol(argv[2], NULL, 10);
   const double d[3] = {strtod(argv[3], NULL), strtod(argv[4], NULL), strtod(argv[5], NULL)};
   double force[3];
@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
   }
   printf("to hold it:      %9.5f %9.5f %9.5f N\n", force[0], force[1], force[2]);
   printf("to be rendered:  %9.5f %9.5f %9.5f N\n", -force[0], -force[1], -force[2]);
-  printf("of %d output nodes the farthest moves by %.6f m\n", (int)info.n_output, largest);
+  printf("largest displacement of the %d output nodes: %.6f m\n", (int)info.n_output, largest);
 
   free(u);
   free(data_memory);

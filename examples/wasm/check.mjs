@@ -1,4 +1,4 @@
-// Golden queries in both modules: the runtime against the host's double, the image bit for bit.
+// Compares the responses of both modules to golden queries: the runtime with the host in double, the image bit for bit.
 // Usage: node check.mjs phynness.wasm MODEL_DIR/model.txt force.wasm EXPORTED/model.bin golden.json
 //        (EXPORTED and golden.json by phynness export MODEL_DIR -o EXPORTED --float --golden 256 --json golden.json)
 import { readFileSync } from 'node:fs';
@@ -51,7 +51,7 @@ console.log(`force_deviation ${force.relative}`);
 console.log(`deformation_deviation ${deformation.relative}`);
 console.log(`image_other_bits ${otherBits}`);
 console.log(`image_other_statuses ${otherStatuses}`);
-// The C library's exp differs in its last bit, and weights cancel.
+// The exp of the C library differs in its last bit, and weights cancel.
 const good = golden.length > 0 && force.relative < 1e-10 && deformation.relative < 1e-10 && otherBits === 0 && otherStatuses === 0;
 console.log(`agree ${good ? 1 : 0}`);
 process.exit(good ? 0 : 1);

@@ -1,4 +1,4 @@
-// The smallest JavaScript around a module: memory behind the module's own, taken in order and never given back.
+// A minimal interface to a module. It allocates memory after that of the module and never frees it.
 import { readFileSync } from 'node:fs';
 
 export function load(file) {
@@ -13,7 +13,7 @@ export function load(file) {
     if (missing > 0) exports.memory.grow(Math.ceil(missing / 65536));
     return at;
   };
-  // A typed array over memory; make it anew after every take(), which may move all memory.
+  // A typed array over memory. Make a new one after every take(), which may move all memory.
   const view = (Type, at, n) => new Type(exports.memory.buffer, at, n);
   const put = (data) => {
     const at = take(data.byteLength);
@@ -29,11 +29,11 @@ export function check(status, what) {
   return status;
 }
 
-// phn_info in memory of 32 bits: words before its numbers (three texts and a gap, a double of two words, six lists and
+// phn_info in 32-bit memory: words before its numbers (three texts and a gap, a double of two words, six lists and
 // twice eight texts of fields), then nine numbers: nodes, active, output ... and a gap.
 const infoNumbers = 3 + 1 + 2 + 6 + 2 * 8, infoBytes = 4 * (infoNumbers + 9 + 1);
 
-// The whole runtime with a model.txt.
+// Loads model.txt into the whole runtime.
 export function loadModel(wasm, text) {
   const { f, take, view, put } = wasm;
   const at = put(text), size = take(4), handle = take(4);
@@ -64,7 +64,7 @@ export function loadModel(wasm, text) {
   };
 }
 
-// An image of floats.
+// Opens an image of floats.
 export function loadImage(wasm, bytes) {
   const { f, take, view, put } = wasm;
   const at = put(bytes), handle = take(4);

@@ -1,5 +1,5 @@
-# Toolchain: clang for WebAssembly with 128-bit SIMD and what every engine that has it has too; headers and mathematics of
-# wasi-libc, nothing of an operating system.
+# Toolchain: clang for WebAssembly with 128-bit SIMD and the features that all engines with SIMD have. It uses headers
+# and mathematics of wasi-libc and no operating system.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR wasm32)
 set(CMAKE_C_COMPILER clang)

@@ -40,6 +40,30 @@ const char* name(Status status) {
   return "unknown";
 }
 
+const char* meaning(Status status) {
+  switch (status) {
+    case Status::converged:
+      return "solved";
+    case Status::not_requested:
+      return "direction outside the hemisphere";
+    case Status::not_solved:
+      return "no result yet";
+    case Status::inverted:
+      return "a cell was inverted, even with the smallest steps";
+    case Status::diverged:
+      return "Newton's method found no equilibrium, even with the smallest steps";
+    case Status::factorization:
+      return "the tangent was singular or could not be factorized";
+    case Status::not_finite:
+      return "force, energy or a field was infinite or undefined: mostly a cell was crushed";
+    case Status::after_failure:
+      return "not tried: an earlier increment of the ray failed";
+    case Status::library_error:
+      return "a library call failed or memory ran out; see the solver's log";
+  }
+  return "unknown";
+}
+
 struct Database::Impl {
   hdf5::File file;
   DatabaseHeader header;

@@ -1,7 +1,11 @@
 // Parses a scene: first each section, then checks across sections.
+#include <iomanip>
+#include <locale>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
+#include <phynness/formats/locking.hpp>
 #include <phynness/formats/scene.hpp>
+#include <sstream>
 
 #include "scene_depth.hpp"
 #include "scene_keys.hpp"
@@ -84,16 +88,22 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
   return scene;
 }
 
-std::vector<std::string> scene_warnings(const Scene& scene) {
+std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m) {
   std::vector<std::string> warnings;
   const Material& m = scene.material;
-  const Element element = scene.solver.element;
-  if (m.bulk_to_shear() > element->locks_above)
-    warnings.push_back(m.where.str() + ": K/mu = " + sd::shortest(m.bulk_to_shear()) + ": " + name(element) +
-                       " tetrahedra lock at this ratio, which makes the body " +
-                       (element->locks_severely ? "several times" : "noticeably") +
-                       " too stiff; elements p1-p1 and taylor-hood do not lock");
   const ProbeSpec& probe = scene.probe;
+  if (const double ratio = expected_force_ratio(scene, mean_edge_m); ratio > warned_force_ratio) {
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text << std::setprecision(4) << m.where.str() << ": the forces of a tool are about " << ratio_in_words(ratio)
+         << " at K/mu = " << m.bulk_to_shear();
+    if (mean_edge_m > 0 && probe.kind == ProbeKind::patch)
+      text << " and |d| = " << std::setprecision(2) << probe.max_displacement_m / mean_edge_m << " edges";
+    text << ", because " << name(scene.solver.element)
+         << " tetrahedra lock (measured against elements that do not; bodies differ by a factor of two): use p1-p1 or "
+            "taylor-hood, and see what phynness check measures in this scene";
+    warnings.push_back(text.str());
+  }
   if (m.law->linear && (probe.directions != Directions::three || probe.increments != 1)) {
     const auto asked = exploratory_directions(probe.directions).size() * static_cast<std::size_t>(probe.increments);
     warnings.push_back(probe.where.str() + ": the law is linear, so that three solves per node suffice instead of " +

@@ -3,22 +3,12 @@
 #include <phynness/formats/hash.hpp>
 #include <phynness/formats/scene.hpp>
 
-#include "scene_table.hpp"
+#include "selectors.hpp"
 
 namespace phynness {
-namespace {
-
 using scene_detail::exact_text;
+using scene_detail::selection_text;
 using scene_detail::shortest;
-
-std::string text(const Selection& selection) {
-  std::string result;
-  for (const auto& s : selection)
-    result += (result.empty() ? "" : " + ") + s.choice->text() + (s.surface_only ? " surface_only" : "");
-  return result;
-}
-
-}  // namespace
 
 std::string physics_summary(const Scene& scene) {
   std::string lines;
@@ -61,9 +51,9 @@ std::string physics_summary(const Scene& scene) {
   add("solver.max_iterations", std::to_string(scene.solver.max_iterations));
   add("solver.max_cutbacks", std::to_string(scene.solver.max_cutbacks));
 
-  add("nodes.fixed", text(scene.fixed));
-  add("nodes.active", text(scene.active));
-  add("nodes.output", text(scene.output));
+  add("nodes.fixed", selection_text(scene.fixed));
+  add("nodes.active", selection_text(scene.active));
+  add("nodes.output", selection_text(scene.output));
 
   add("probe.kind", name(scene.probe.kind));
   if (scene.probe.kind == ProbeKind::patch) add("probe.tool_radius_m", shortest(scene.probe.tool_radius_m));

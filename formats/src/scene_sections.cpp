@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <limits>
+#include <phynness/formats/mesh_files.hpp>
 
 #include "scene_keys.hpp"
 
@@ -24,12 +25,11 @@ void refuse_keys(const SceneTable& table, std::initializer_list<const char*> key
 void parse_mesh_file(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file, MeshSpec& spec) {
   const std::filesystem::path given = *table.text("file");
   spec.file = std::filesystem::absolute(given.is_absolute() ? given : folder / given).lexically_normal();
-  static const std::vector<std::string_view> readable = {".msh", ".vtk", ".stl", ".obj"};
   std::string extension = given.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (std::find(readable.begin(), readable.end(), extension) == readable.end())
-    table.reject("file", "has an unknown format", "give a " + listed(readable) + " file");
+  if (std::find(mesh_file_extensions.begin(), mesh_file_extensions.end(), extension) == mesh_file_extensions.end())
+    table.reject("file", "has an unknown format", "give a " + listed(mesh_file_extensions) + " file");
   std::error_code code;
   if (mesh_file == MeshFile::must_exist && std::filesystem::exists(spec.file, code) &&
       !std::filesystem::is_regular_file(spec.file, code))

@@ -32,14 +32,7 @@ std::shared_ptr<const NodeChoice> parse_word(const toml::node& node, const std::
            near.empty() ? "write one of " + listed(names) + ", or a selector table such as { sphere = { ... } }"
                         : "did you mean \"" + std::string(near) + "\"?");
   }
-  auto choice = kind_named(word).parse(nodes);
-  if (key == "fixed" && choice->needs_fixed())
-    refuse(nodes.where(node), "[nodes] fixed cannot use a selection that depends on the fixed nodes",
-           "\"" + word + "\"", "select the fixed nodes by a box, sphere, plane, half_space, group or list of nodes");
-  if (key == "fixed" && choice->selects_all())
-    refuse(nodes.where(node), "[nodes] fixed selects all nodes, so that no node can move", "\"" + word + "\"",
-           "fix a part of the body only");
-  return choice;
+  return kind_named(word).parse(nodes);
 }
 
 /// The selector of a table such as { sphere = { ... }, surface_only = true }.
@@ -49,9 +42,9 @@ std::shared_ptr<const NodeChoice> parse_table(const toml::node& node, const Scen
   for (const auto candidate : names_of(false)) {
     if (!table.has(candidate)) continue;
     if (!name.empty())
-      refuse(
-          nodes.where(node), nodes.label(key) + " has two selectors in the same table", shown(node),
-          "write one table for each: [{ " + std::string(name) + " = ... }, { " + std::string(candidate) + " = ... }]");
+      refuse(nodes.where(node), nodes.label(key) + " has two selectors in the same table", shown(node),
+             "for their union write one table for each, [{ " + std::string(name) + " = ... }, { " +
+                 std::string(candidate) + " = ... }]; for the nodes in both, { intersection = [ ... ] } of the two");
     name = candidate;
   }
   if (name.empty())
@@ -81,20 +74,35 @@ Selector parse_selector(const toml::node& node, const SceneTable& nodes, std::st
   return s;
 }
 
+void check_fixed(const Selector& selector) {
+  if (selector.choice->needs_fixed())
+    refuse(selector.where, "[nodes] fixed cannot use a selection that depends on the fixed nodes",
+           selector.choice->description(),
+           "select the fixed nodes by a box, sphere, plane, half_space, group or list of nodes");
+  if (selector.choice->selects_all())
+    refuse(selector.where, "[nodes] fixed selects all nodes, so that no node can move", selector.choice->description(),
+           "fix a part of the body only");
+}
+
 }  // namespace
 
-Selection parse_selection(const SceneTable& nodes, std::string_view key) {
-  const auto& node = *nodes.find(key);
+Selection parse_selection(const toml::node& node, const SceneTable& holder, std::string_view key) {
   Selection selection;
   if (const auto* list = node.as_array()) {
     if (list->empty())
-      nodes.reject(key, "is an empty list, which selects no node",
-                   key == "fixed" ? "select at least one node; without fixed nodes the body can move freely"
-                                  : "select at least one node, or remove the key to use its default");
-    for (const auto& item : *list) selection.push_back(parse_selector(item, nodes, key));
+      refuse(holder.where(node), holder.label(key) + " is an empty list, which selects no node", "[]",
+             key == "fixed" ? "select at least one node; without fixed nodes the body can move freely"
+                            : "select at least one node, or remove the key");
+    for (const auto& item : *list) selection.push_back(parse_selector(item, holder, key));
   } else {
-    selection.push_back(parse_selector(node, nodes, key));
+    selection.push_back(parse_selector(node, holder, key));
   }
+  return selection;
+}
+
+Selection parse_selection(const SceneTable& nodes, std::string_view key) {
+  Selection selection = parse_selection(*nodes.find(key), nodes, key);
+  if (key == "fixed") std::for_each(selection.begin(), selection.end(), check_fixed);
   return selection;
 }
 

@@ -4,8 +4,9 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/selector.hpp>
+#include <sstream>
 
-#include "scene_table.hpp"
+#include "selectors.hpp"
 
 namespace phynness {
 namespace {
@@ -32,6 +33,24 @@ NodeList picked(const Selector& selector, const SelectableBody& body, const Pick
   return on_surface;
 }
 
+std::string description(const Selector& selector) {
+  return selector.choice->description() + (selector.surface_only ? ", surface nodes only" : "");
+}
+
+NodeList all_nodes(const SelectableBody& body) {
+  NodeList every_node(static_cast<std::size_t>(body.mesh.n_nodes()));
+  std::iota(every_node.begin(), every_node.end(), 0);
+  return every_node;
+}
+
+std::string remedy_if_empty(const Selector& selector, const SelectableBody& body, const PickRequest& request) {
+  const NodeList every_node = all_nodes(body);
+  const auto inside = selector.choice->pick(body, {every_node, request.nodes, request.place}).size();
+  if (inside == 0) return selector.choice->remedy_if_empty(body, request);
+  return "remove surface_only for the " + std::to_string(inside) +
+         " nodes that it selects inside the body; otherwise " + selector.choice->remedy_if_empty(body, request);
+}
+
 }  // namespace
 
 SelectableBody::SelectableBody(const Mesh& of) : mesh(of), surface(surface_nodes(of.surface)) {
@@ -41,27 +60,57 @@ SelectableBody::SelectableBody(const Mesh& of) : mesh(of), surface(surface_nodes
   slack_m = on_the_border * (most - least).norm();
 }
 
-NodeList select_nodes(const Selection& selection, const SelectableBody& body, const char* what,
-                      const SourceLocation& where) {
-  NodeList every_node(static_cast<std::size_t>(body.mesh.n_nodes())), nodes;
-  std::iota(every_node.begin(), every_node.end(), 0);
-  const std::string what_nodes = std::string(what) + " nodes";
+std::string NodeChoice::remedy_if_empty(const SelectableBody&, const PickRequest&) const {
+  return "select by other nodes or places";
+}
+
+namespace scene_detail {
+
+std::string selection_text(const Selection& selection) {
+  std::string result;
+  for (const auto& s : selection)
+    result += (result.empty() ? "" : " + ") + s.choice->text() + (s.surface_only ? " surface_only" : "");
+  return result;
+}
+
+std::string selection_description(const Selection& selection) {
+  std::string result;
+  for (const auto& s : selection) result += (result.empty() ? "" : " or ") + description(s);
+  return result;
+}
+
+std::string length_text(double length_m) {
+  std::ostringstream out;
+  out << length_m << " m";
+  return out.str();
+}
+
+NodeList union_of(const Selection& selection, const SelectableBody& body, const PickRequest& request) {
+  const NodeList every_node = all_nodes(body);
+  NodeList nodes;
   for (const Selector& selector : selection) {
-    const std::string place = at(selector.where.file.empty() ? where : selector.where);
-    const NodeList more =
-        picked(selector, body, {selector.surface_only ? body.surface : every_node, what_nodes, place});
+    const PickRequest own{selector.surface_only ? body.surface : every_node, request.nodes,
+                          selector.where.file.empty() ? request.place : at(selector.where)};
+    const NodeList more = picked(selector, body, own);
     if (more.empty())
-      throw input_error(
-          place + "a selector of the " + what_nodes + " selects no node",
-          selector.choice->description() + (selector.surface_only ? ", surface nodes only" : ""),
-          "the mesh reaches from " + shown_text(body.low) + " to " + shown_text(body.high) + " m: widen the selector");
+      throw input_error(own.place + "a selector of the " + own.nodes + " selects no node", description(selector),
+                        remedy_if_empty(selector, body, own) + "; the mesh reaches from " + shown_text(body.low) +
+                            " to " + shown_text(body.high) + " m");
     nodes.insert(nodes.end(), more.begin(), more.end());
   }
-  if (nodes.empty())
-    throw input_error(at(where) + "there are no " + what_nodes, "the selection is empty",
-                      std::string("add a selector to ") + what);
   sort_unique(nodes);
   return nodes;
+}
+
+}  // namespace scene_detail
+
+NodeList select_nodes(const Selection& selection, const SelectableBody& body, const char* what,
+                      const SourceLocation& where) {
+  const std::string what_nodes = std::string(what) + " nodes";
+  if (selection.empty())
+    throw input_error(at(where) + "there are no " + what_nodes, "the selection is empty",
+                      std::string("add a selector to ") + what);
+  return scene_detail::union_of(selection, body, {all_nodes(body), what_nodes, at(where)});
 }
 
 }  // namespace phynness

@@ -1,10 +1,11 @@
-// All selectors: their keys in a scene, their texts in messages and in the physics hash, and the nodes that they
+// The simple selectors: their keys in a scene, their texts in messages and in the physics hash, and the nodes that they
 // select.
 #include "selectors.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mesh.hpp>
@@ -19,6 +20,8 @@ using Keys = std::vector<std::string_view>;
 
 Vector to_row(const Vec3& v) { return to_eigen(v).transpose(); }
 
+const char* units(bool fraction) { return fraction ? " (fractions of the bounding box)" : " m"; }
+
 /// A point in metres or in fractions of the bounding box.
 struct Place {
   Vec3 x{};
@@ -30,7 +33,7 @@ struct Place {
   }
   /// The text that follows the stem of its key.
   std::string text() const { return (fraction ? "_fraction = " : "_m = ") + exact_text(x); }
-  const char* units() const { return fraction ? " (fractions of the bounding box)" : " m"; }
+  const char* units() const { return scene_detail::units(fraction); }
 };
 
 Place parse_place(const SceneTable& table, const std::string& stem) {
@@ -38,8 +41,6 @@ Place parse_place(const SceneTable& table, const std::string& stem) {
   place.x = parse_position(table, stem, place.fraction);
   return place;
 }
-
-std::string in_metres(double length_m) { return std::to_string(length_m) + " m"; }
 
 template <class Inside>
 NodeList where(const SelectableBody& body, const NodeList& candidates, Inside inside) {
@@ -55,7 +56,34 @@ NodeList without_fixed(const SelectableBody& body, const NodeList& nodes) {
   return free;
 }
 
-struct Box final : NodeChoice {
+/// A selector of what lies in a part of space.
+struct Region : NodeChoice {
+  /// How far each point lies outside [m]; 0 inside.
+  using Distance = std::function<double(const Vector&)>;
+  virtual Distance outside_m(const SelectableBody& body) const = 0;
+  virtual bool in_fractions() const = 0;
+
+  NodeList pick(const SelectableBody& body, const PickRequest& request) const final {
+    const Distance outside = outside_m(body);
+    return where(body, request.candidates, [&](const Vector& x) { return outside(x) <= body.slack_m; });
+  }
+  std::string remedy_if_empty(const SelectableBody& body, const PickRequest& request) const final {
+    const Distance outside = outside_m(body);
+    double best = std::numeric_limits<double>::infinity();
+    std::int32_t nearest = -1;
+    for (const std::int32_t i : body.surface)
+      if (const double d = outside(body.mesh.nodes.row(i)); d < best) best = d, nearest = i;
+    if (nearest < 0) return NodeChoice::remedy_if_empty(body, request);
+    const Vector x = body.mesh.nodes.row(nearest), low = to_row(body.low), size = to_row(body.high) - low;
+    Vec3 shown{x(0), x(1), x(2)};
+    if (in_fractions())
+      for (int k = 0; k < 3; ++k) shown[k] = size(k) > 0 ? (x(k) - low(k)) / size(k) : 0;
+    return "the nearest node of the surface is " + std::to_string(nearest) + " at " + shown_text(shown) +
+           units(in_fractions()) + ", " + length_text(best) + " outside of it: move or widen it so far";
+  }
+};
+
+struct Box final : Region {
   static constexpr std::string_view name = "box";
   static constexpr SelectorForm form = SelectorForm::table;
   static Keys keys() { return {"min_m", "max_m", "min_fraction", "max_fraction"}; }
@@ -82,15 +110,14 @@ struct Box final : NodeChoice {
   std::string description() const override {
     return "box " + shown_text(low.x) + " to " + shown_text(high.x) + low.units();
   }
-  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
-    const Vector a = low.in(body), b = high.in(body);
-    return where(body, request.candidates, [&](const Vector& x) {
-      return ((x - a).array() >= -body.slack_m).all() && ((b - x).array() >= -body.slack_m).all();
-    });
+  Distance outside_m(const SelectableBody& body) const override {
+    return
+        [a = low.in(body), b = high.in(body)](const Vector& x) { return (a - x).cwiseMax(x - b).cwiseMax(0).norm(); };
   }
+  bool in_fractions() const override { return low.fraction; }
 };
 
-struct Sphere final : NodeChoice {
+struct Sphere final : Region {
   static constexpr std::string_view name = "sphere";
   static constexpr SelectorForm form = SelectorForm::table;
   static Keys keys() { return {"center_m", "center_fraction", "radius_m"}; }
@@ -106,15 +133,15 @@ struct Sphere final : NodeChoice {
     return "sphere { center" + center.text() + ", radius_m = " + shortest(radius_m) + " }";
   }
   std::string description() const override {
-    return "sphere at " + shown_text(center.x) + center.units() + ", radius " + in_metres(radius_m);
+    return "sphere at " + shown_text(center.x) + center.units() + ", radius " + length_text(radius_m);
   }
-  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
-    const Vector c = center.in(body);
-    return where(body, request.candidates, [&](const Vector& x) { return (x - c).norm() <= radius_m + body.slack_m; });
+  Distance outside_m(const SelectableBody& body) const override {
+    return [c = center.in(body), r = radius_m](const Vector& x) { return std::max((x - c).norm() - r, 0.0); };
   }
+  bool in_fractions() const override { return center.fraction; }
 };
 
-struct Plane final : NodeChoice {
+struct Plane final : Region {
   static constexpr std::string_view name = "plane";
   static constexpr SelectorForm form = SelectorForm::table;
   static Keys keys() { return {"point_m", "point_fraction", "normal", "tolerance_m"}; }
@@ -132,16 +159,17 @@ struct Plane final : NodeChoice {
   }
   std::string description() const override {
     return "plane through " + shown_text(point.x) + point.units() + ", normal " + shown_text(normal) + ", tolerance " +
-           in_metres(tolerance_m);
+           length_text(tolerance_m);
   }
-  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
-    const Vector p = point.in(body), n = to_row(normal).normalized();
-    return where(body, request.candidates,
-                 [&](const Vector& x) { return std::abs((x - p).dot(n)) <= tolerance_m + body.slack_m; });
+  Distance outside_m(const SelectableBody& body) const override {
+    return [p = point.in(body), n = Vector(to_row(normal).normalized()), t = tolerance_m](const Vector& x) {
+      return std::max(std::abs((x - p).dot(n)) - t, 0.0);
+    };
   }
+  bool in_fractions() const override { return point.fraction; }
 };
 
-struct HalfSpace final : NodeChoice {
+struct HalfSpace final : Region {
   static constexpr std::string_view name = "half_space";
   static constexpr SelectorForm form = SelectorForm::table;
   static Keys keys() { return {"point_m", "point_fraction", "normal"}; }
@@ -155,10 +183,12 @@ struct HalfSpace final : NodeChoice {
   std::string description() const override {
     return "half space below " + shown_text(point.x) + point.units() + ", normal " + shown_text(normal);
   }
-  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
-    const Vector p = point.in(body), n = to_row(normal).normalized();
-    return where(body, request.candidates, [&](const Vector& x) { return (x - p).dot(n) <= body.slack_m; });
+  Distance outside_m(const SelectableBody& body) const override {
+    return [p = point.in(body), n = Vector(to_row(normal).normalized())](const Vector& x) {
+      return std::max((x - p).dot(n), 0.0);
+    };
   }
+  bool in_fractions() const override { return point.fraction; }
 };
 
 struct Group final : NodeChoice {
@@ -245,7 +275,7 @@ struct Surface final : Word {
   static constexpr std::string_view name = "surface";
   explicit Surface(const SceneTable&) {}
   std::string text() const override { return std::string(name); }
-  std::string description() const override { return text(); }
+  std::string description() const override { return '"' + text() + '"'; }
   NodeList pick(const SelectableBody& body, const PickRequest&) const override { return body.surface; }
 };
 
@@ -272,28 +302,35 @@ struct Free final : Word {
   bool needs_fixed() const override { return true; }
 };
 
+struct Fixed final : Word {
+  static constexpr std::string_view name = "fixed";
+  explicit Fixed(const SceneTable&) {}
+  std::string text() const override { return std::string(name); }
+  std::string description() const override { return '"' + text() + '"'; }
+  NodeList pick(const SelectableBody& body, const PickRequest&) const override { return body.fixed; }
+  bool needs_fixed() const override { return true; }
+};
+
 struct All final : Word {
   static constexpr std::string_view name = "all";
   explicit All(const SceneTable&) {}
   std::string text() const override { return std::string(name); }
-  std::string description() const override { return text(); }
+  std::string description() const override { return '"' + text() + '"'; }
   NodeList pick(const SelectableBody&, const PickRequest& request) const override { return request.candidates; }
   bool selects_all() const override { return true; }
 };
 
-template <class Choice>
-SelectorKind row() {
-  return {Choice::name, Choice::form, Choice::keys(), [](const SceneTable& table) -> std::shared_ptr<const NodeChoice> {
-            return std::make_shared<const Choice>(table);
-          }};
-}
-
 }  // namespace
 
 const std::vector<SelectorKind>& selector_kinds() {
-  static const std::vector<SelectorKind> kinds = {row<Box>(),         row<Sphere>(),  row<Plane>(),   row<HalfSpace>(),
-                                                  row<Group>(),       row<Numbers>(), row<Nearest>(), row<Surface>(),
-                                                  row<FreeSurface>(), row<Free>(),    row<All>()};
+  static const std::vector<SelectorKind> kinds = [] {
+    std::vector<SelectorKind> all = {row<Box>(),         row<Sphere>(),  row<Plane>(),   row<HalfSpace>(),
+                                     row<Group>(),       row<Numbers>(), row<Nearest>(), row<Surface>(),
+                                     row<FreeSurface>(), row<Free>(),    row<Fixed>(),   row<All>()};
+    const auto more = selector_combinations();
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }();
   return kinds;
 }
 

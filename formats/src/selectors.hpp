@@ -22,10 +22,34 @@ struct SelectorKind {
   std::shared_ptr<const NodeChoice> (*parse)(const SceneTable& table);
 };
 
+template <class Choice>
+SelectorKind row() {
+  return {Choice::name, Choice::form, Choice::keys(), [](const SceneTable& table) -> std::shared_ptr<const NodeChoice> {
+            return std::make_shared<const Choice>(table);
+          }};
+}
+
+/// Selectors that are made of other selections.
+std::vector<SelectorKind> selector_combinations();
+
 /// All selectors, in the order of messages.
 const std::vector<SelectorKind>& selector_kinds();
 
 /// The default selection of active and output nodes.
 std::shared_ptr<const NodeChoice> free_surface();
+
+/// A selection that is the value of a key, or an item of its array. @param holder  the table of the key, for messages
+Selection parse_selection(const toml::node& node, const SceneTable& holder, std::string_view key);
+
+/// The text of a selection in the physics summary, which is hashed and must therefore never change.
+std::string selection_text(const Selection& selection);
+/// Its text in messages.
+std::string selection_description(const Selection& selection);
+/// The nodes of a selection, sorted and without repeats.
+/// @throws Error (input) if one of its selectors selects no node
+NodeList union_of(const Selection& selection, const SelectableBody& body, const PickRequest& request);
+
+/// "0.0123 m", for messages.
+std::string length_text(double length_m);
 
 }  // namespace phynness::scene_detail

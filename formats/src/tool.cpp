@@ -1,21 +1,22 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <phynness/formats/error.hpp>
 #include <phynness/formats/tool.hpp>
 
 namespace phynness {
 
-TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
-                           std::int32_t node, double tool_radius) {
-  if (!(tool_radius > 0)) return {{node}, {1.0}};
-  const auto weight = [&](std::int32_t i) {
-    return patch_weight((nodes.row(i) - nodes.row(node)).squaredNorm() / (tool_radius * tool_radius));
-  };
+namespace {
+
+/// Nodes within the radius around `center` that can be reached from `seeds` over triangles.
+std::vector<char> reached_nodes(const Points& nodes, const Triangles& surface, const std::vector<std::int32_t>& seeds,
+                                const std::function<double(std::int32_t)>& weight) {
   // Flood fill over triangles. The number of passes is the width of the patch in triangles, which is small.
   std::vector<char> reached(static_cast<std::size_t>(nodes.rows()), 0);
-  reached[static_cast<std::size_t>(node)] = 1;
-  for (bool grows = true; grows;) {
+  for (const auto node : seeds) reached[static_cast<std::size_t>(node)] = 1;
+  for (bool grows = !seeds.empty(); grows;) {
     grows = false;
     for (Eigen::Index t = 0; t < surface.rows(); ++t) {
       const auto is_reached = [&](int k) { return reached[static_cast<std::size_t>(surface(t, k))] != 0; };
@@ -27,14 +28,87 @@ TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::s
         }
     }
   }
+  return reached;
+}
+
+bool is_in(std::span<const std::int32_t> ascending, std::int32_t node) {
+  return std::binary_search(ascending.begin(), ascending.end(), node);
+}
+
+}  // namespace
+
+TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
+                           std::int32_t node, double tool_radius) {
+  if (!(tool_radius > 0)) return {{node}, {1.0}};
+  const auto weight = [&](std::int32_t i) {
+    return patch_weight((nodes.row(i) - nodes.row(node)).squaredNorm() / (tool_radius * tool_radius));
+  };
+  const auto reached = reached_nodes(nodes, surface, {node}, weight);
   TouchedNodes touched;
   for (std::int32_t i = 0; i < nodes.rows(); ++i) {
     if (!reached[static_cast<std::size_t>(i)]) continue;
-    if (i != node && std::binary_search(fixed.begin(), fixed.end(), i)) continue;
+    if (i != node && is_in(fixed, i)) continue;
     touched.nodes.push_back(i);
     touched.weights.push_back(i == node ? 1.0 : weight(i));
   }
   return touched;
+}
+
+TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
+                           const SurfacePoint& center, double tool_radius) {
+  Eigen::RowVector3d point = Eigen::RowVector3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k)
+    if (center.weights[k] > 0) point += center.weights[k] * nodes.row(center.nodes[k]);
+  const auto weight = [&](std::int32_t i) {
+    return patch_weight((nodes.row(i) - point).squaredNorm() / (tool_radius * tool_radius));
+  };
+  std::vector<std::int32_t> seeds;
+  double at_point = 0, nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(center.weights[k] > 0)) continue;
+    const auto corner = center.nodes[k];
+    if (weight(corner) > 0) seeds.push_back(corner);
+    if (is_in(fixed, corner)) continue;
+    at_point += center.weights[k] * weight(corner);
+    nearest = std::min(nearest, (nodes.row(corner) - point).norm());
+  }
+  if (!std::isfinite(nearest))
+    throw input_error("all corners of the touched triangle are fixed", "", "touch a part of the surface that can move");
+  if (!(at_point > 0))
+    throw input_error("a patch between nodes holds no node of its triangle",
+                      "its radius is " + std::to_string(tool_radius / nearest) + " of the distance to the nearest one",
+                      "use a larger tool_radius_m or smaller elements, or touch a node");
+  const auto reached = reached_nodes(nodes, surface, seeds, weight);
+  TouchedNodes touched;
+  touched.scale = 1 / at_point;
+  for (std::int32_t i = 0; i < nodes.rows(); ++i) {
+    if (!reached[static_cast<std::size_t>(i)] || is_in(fixed, i)) continue;
+    touched.nodes.push_back(i);
+    touched.weights.push_back(touched.scale * weight(i));
+  }
+  return touched;
+}
+
+void require_apart(std::span<const SurfacePoint> tools, std::span<const std::int32_t> fixed,
+                   const std::function<std::vector<std::int32_t>(std::int32_t node)>& moved_by) {
+  const auto corners = [&](const SurfacePoint& tool) {
+    std::vector<std::int32_t> free;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (tool.weights[k] > 0 && !is_in(fixed, tool.nodes[k])) free.push_back(tool.nodes[k]);
+    return free;
+  };
+  for (std::size_t t = 0; t < tools.size() && tools.size() > 1; ++t)
+    for (const auto from : corners(tools[t])) {
+      const auto moved = moved_by(from);
+      for (std::size_t other = 0; other < tools.size(); ++other)
+        for (const auto node : other == t ? std::vector<std::int32_t>{} : corners(tools[other]))
+          if (is_in(moved, node))
+            throw input_error(from == node ? "two tools hold the same node"
+                                           : "two tools overlap: one moves a node that the other touches",
+                              from == node ? "node " + std::to_string(node)
+                                           : "nodes " + std::to_string(from) + " and " + std::to_string(node),
+                              "keep tools at least a tool radius apart");
+    }
 }
 
 bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {

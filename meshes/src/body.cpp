@@ -14,20 +14,20 @@
 namespace phynness::meshes {
 namespace {
 
-// Relative to the cube of the longest edge: coordinates stored as float leave about 1e-7 of noise in a flat
-// cell, and a cell this flat makes no sense to any solver.
+// Relative to the cube of the longest edge. Coordinates that were stored as float give a flat cell a volume of about
+// 1e-7, and no solver can use a cell as flat as this.
 constexpr double zero_volume = 1e-9;
 
-/// Cells that were tested, with room to drop some of them and the nodes that only they use.
+/// Tested cells, with a method that drops cells and the nodes that only these use.
 struct Body {
   const std::string& source;
   MeshResult result;
-  std::vector<std::int32_t> file_number;  // of each node: position in the file's list
+  std::vector<std::int32_t> file_number;  // of each node: position in the node list of the file
 
   Mesh& mesh() { return result.mesh; }
   void note(const std::string& text) { result.notes.push_back(text); }
 
-  /// Keeps the cells that `keep` says, in their order, and the nodes they use.
+  /// Keeps the cells for which `keep` returns true, in their order, and the nodes that they use.
   template <class Keep>
   std::vector<std::int32_t> reduce(Keep keep) {
     Cells cells(mesh().cells.rows(), 4);
@@ -55,7 +55,7 @@ struct Body {
       auto& nodes = group->second;
       for (auto& node : nodes) node = position[node];
       std::erase(nodes, -1);
-      if (nodes.empty()) note("group '" + group->first + "' is empty once unused nodes are dropped");
+      if (nodes.empty()) note("group '" + group->first + "' is empty after unused nodes were dropped");
       group = nodes.empty() ? mesh().groups.erase(group) : std::next(group);
     }
     return dropped;
@@ -93,13 +93,13 @@ void orient_cells(Body& body) {
   if (negative.empty()) return;
   if (static_cast<std::int32_t>(negative.size()) == mesh.n_cells())
     body.note("flipped all " + std::to_string(mesh.n_cells()) +
-              " cells: the file numbers their nodes the other way round");
+              " cells: the file numbers their nodes in the opposite order");
   else
     body.note("flipped " + counted(negative.size(), "cell", "cells") + " of " + std::to_string(mesh.n_cells()) +
-              " that ran the other way round: " + first_few(negative));
+              " whose nodes were numbered in the opposite order: " + first_few(negative));
 }
 
-/// After nodes were merged, a cell smaller than what counts as one place has none of its own.
+/// After the merge of nodes, a cell may be smaller than the tolerance for coincident nodes.
 void require_corners(const Body& body) {
   const Cells& cells = body.result.mesh.cells;
   for (Eigen::Index c = 0; c < cells.rows(); ++c)
@@ -107,7 +107,7 @@ void require_corners(const Body& body) {
       for (int k = 0; k < i; ++k)
         if (cells(c, i) == cells(c, k))
           throw input_error(
-              body.source + ": a cell is so small that merging coincident nodes makes it a point or a line",
+              body.source + ": a cell is so small that the merge of coincident nodes makes it a point or a line",
               "cell " + std::to_string(c), "remove the cell, or merge the nodes and export again");
 }
 
@@ -118,7 +118,7 @@ void require_one_component(Body& body, bool repair) {
   std::vector<std::int32_t> twins = repeated(first);
   for (auto& node : twins) node = body.file_number[node];
   const std::string twins_text =
-      counted(twins.size(), "node lies", "nodes lie") + " exactly on another one (" + first_few(twins) + ")";
+      counted(twins.size(), "node lies", "nodes lie") + " exactly on another node (" + first_few(twins) + ")";
   if (topology.component_sizes.size() > 1 && repair && !twins.empty()) {
     for (Eigen::Index i = 0; i < mesh.cells.size(); ++i) mesh.cells.data()[i] = first[mesh.cells.data()[i]];
     for (auto& [name, nodes] : mesh.groups) {
@@ -131,24 +131,24 @@ void require_one_component(Body& body, bool repair) {
     body.note("repair: merged coincident nodes: " + twins_text);
     topology = cell_topology(mesh.cells, mesh.nodes.rows());
   } else if (!twins.empty() && topology.component_sizes.size() == 1) {
-    body.result.warnings.push_back(twins_text + ": a slit in the body, unless they should have been merged");
+    body.result.warnings.push_back(twins_text + ": the body has a slit there, unless the nodes should be merged");
   }
   const auto list = [&](const std::vector<std::int32_t>& cells) { return first_few(cells); };
   if (!topology.crowded_cells.empty())
-    throw input_error(body.source + ": faces that more than two cells share",
+    throw input_error(body.source + ": more than two cells share a face",
                       counted(topology.crowded_cells.size(), "cell", "cells") + ": " + list(topology.crowded_cells),
                       "remove repeated or overlapping cells");
   if (!topology.folded_cells.empty())
-    throw input_error(body.source + ": inverted cells: they lie on the same side of a face as their neighbour",
+    throw input_error(body.source + ": cells are inverted: they lie on the same side of a face as their neighbour",
                       counted(topology.folded_cells.size(), "cell", "cells") + ": " + list(topology.folded_cells),
-                      "mesh the body again; cells that overlap cannot be solved on");
+                      "mesh the body again; overlapping cells cannot be solved");
   if (topology.component_sizes.size() < 2) return;
   const std::string components = describe_components(topology.component_sizes, "cells");
   if (!repair)
     throw input_error(
         body.source + ": the body is not in one piece", components + (twins.empty() ? "" : "; " + twins_text),
         twins.empty() ? "keep one piece, or set mesh.repair = true to keep the largest"
-                      : "merge coincident nodes and export again, or set mesh.repair = true to do so here");
+                      : "merge coincident nodes and export again, or set mesh.repair = true to merge them here");
   const auto largest = std::max_element(topology.component_sizes.begin(), topology.component_sizes.end());
   const auto keep = static_cast<std::int32_t>(largest - topology.component_sizes.begin());
   body.reduce([&](Eigen::Index c) { return topology.component[c] == keep; });

@@ -6,7 +6,7 @@
 namespace phynness::meshes {
 namespace {
 
-// A triangle whose normal turns by more than this during an operation counts as turned over.
+// A triangle whose normal turns by more than this in an operation counts as inverted.
 constexpr double least_normal_cosine = 0.5;
 
 bool turned_over(const Eigen::RowVector3d& before, const Eigen::RowVector3d& after) {
@@ -91,7 +91,7 @@ bool ChangingSurface::split(const Edge& edge, const Vector& x) {
   _at.emplace_back();
   _feature_degree.push_back(0);
   for (const std::int32_t t : *pair) {
-    // The old triangle keeps edge[0]; its copy gets edge[1], so both keep the direction of the old one.
+    // The old triangle keeps edge[0] and its copy gets edge[1], so that both keep the orientation of the old triangle.
     Triangle copy = _triangles[t];
     std::replace(copy.begin(), copy.end(), edge[0], middle);
     replace(t, edge[1], middle);
@@ -107,33 +107,41 @@ bool ChangingSurface::split(const Edge& edge, const Vector& x) {
   return true;
 }
 
-bool ChangingSurface::collapse(std::int32_t gone, std::int32_t kept, double longest) {
+bool ChangingSurface::can_collapse(std::int32_t gone, std::int32_t kept) const {
   const auto pair = triangles_of({gone, kept});
   if (!pair) return false;
   const auto around_gone = neighbours(gone), around_kept = neighbours(kept);
-  int common = 0;
-  for (const std::int32_t node : around_gone) {
-    if (std::find(around_kept.begin(), around_kept.end(), node) != around_kept.end())
-      ++common;
-    else if (node != kept && (_x[node] - _x[kept]).norm() > longest)
-      return false;
-  }
+  const auto common = std::count_if(around_gone.begin(), around_gone.end(), [&](std::int32_t node) {
+    return std::find(around_kept.begin(), around_kept.end(), node) != around_kept.end();
+  });
   if (common != 2) return false;  // the link condition: anything else pinches the surface
-  for (const std::int32_t t : *pair)
-    if (_at[opposite(t, {gone, kept})].size() <= 3) return false;
+  return std::all_of(pair->begin(), pair->end(), [&](std::int32_t t) {
+    return _at[opposite(t, {gone, kept})].size() > 3;
+  });
+}
+
+bool ChangingSurface::collapse(std::int32_t gone, std::int32_t kept, double longest) {
+  if (!can_collapse(gone, kept)) return false;
+  const auto pair = triangles_of({gone, kept});
+  const auto around_kept = neighbours(kept);
+  for (const std::int32_t node : neighbours(gone))
+    if (node != kept && (_x[node] - _x[kept]).norm() > longest &&
+        std::find(around_kept.begin(), around_kept.end(), node) == around_kept.end())
+      return false;
   // A feature may only shrink along itself; a side edge that is a feature would land on another edge.
-  const bool along_feature = is_feature({gone, kept});
-  if (feature_degree(gone) > 0 && !(along_feature && feature_degree(gone) == 2)) return false;
+  if (feature_degree(gone) > 0 && !(is_feature({gone, kept}) && feature_degree(gone) == 2)) return false;
   for (const std::int32_t t : _at[gone])
     if (t != (*pair)[0] && t != (*pair)[1] && turned_over(area_vector(t), area_vector(t, gone, _x[kept]))) return false;
+  return collapse_anyhow(gone, kept);
+}
 
-  if (along_feature) {
-    std::int32_t beyond = -1;
-    for (const std::int32_t node : around_gone)
-      if (node != kept && is_feature({gone, node})) beyond = node;
-    set_feature({gone, kept}, false);
-    set_feature({gone, beyond}, false);
-    set_feature({kept, beyond}, true);
+bool ChangingSurface::collapse_anyhow(std::int32_t gone, std::int32_t kept) {
+  if (!can_collapse(gone, kept)) return false;
+  const auto pair = triangles_of({gone, kept});
+  for (const std::int32_t node : neighbours(gone)) {
+    if (!is_feature({gone, node})) continue;
+    set_feature({gone, node}, false);
+    if (node != kept) set_feature({kept, node}, true);
   }
   for (const std::int32_t t : *pair) {
     for (const std::int32_t node : Triangle(_triangles[t])) detach(t, node);
@@ -147,11 +155,20 @@ bool ChangingSurface::flip(const Edge& edge) {
   const auto pair = triangles_of(edge);
   if (!pair || is_feature(edge)) return false;
   const std::int32_t p = opposite((*pair)[0], edge), q = opposite((*pair)[1], edge);
-  if (p == q || _at[edge[0]].size() <= 3 || _at[edge[1]].size() <= 3 || triangles_of({p, q})) return false;
   const Vector before = area_vector((*pair)[0]) + area_vector((*pair)[1]);
-  // First triangle: edge[1] becomes q; second: edge[0] becomes p. Both keep their direction.
+  // First triangle: edge[1] becomes q; second: edge[0] becomes p.
   const Vector first = area_vector((*pair)[0], edge[1], _x[q]), second = area_vector((*pair)[1], edge[0], _x[p]);
   if (turned_over(before, first) || turned_over(before, second)) return false;
+  return flip_anyhow(edge);
+}
+
+bool ChangingSurface::flip_anyhow(const Edge& edge) {
+  const auto pair = triangles_of(edge);
+  if (!pair) return false;
+  const std::int32_t p = opposite((*pair)[0], edge), q = opposite((*pair)[1], edge);
+  if (p == q || _at[edge[0]].size() <= 3 || _at[edge[1]].size() <= 3 || triangles_of({p, q})) return false;
+  set_feature(edge, false);
+  // Both triangles keep their direction.
   replace((*pair)[0], edge[1], q);
   replace((*pair)[1], edge[0], p);
   return true;

@@ -1,4 +1,4 @@
-// A closed triangulation that changes: edges are split, collapsed and flipped in place.
+// A closed triangulation that is changed in place by splits, collapses and flips of edges.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,15 +11,15 @@
 
 namespace phynness::meshes {
 
-/// Every operation keeps the surface closed and manifold; one that would not is refused and returns false.
+/// Every operation keeps the surface closed and manifold; otherwise it is refused and returns false.
 class ChangingSurface {
  public:
   using Vector = Eigen::RowVector3d;
-  /// Edges whose triangles' normals differ by more than `sharp_cosine` says are features.
+  /// Edges are features if the cosine of the angle between the normals of their triangles is below `sharp_cosine`.
   ChangingSurface(const Surface& surface, double sharp_cosine);
 
   std::vector<Edge> edges() const;
-  /// The two triangles of an edge; none if the edge is no longer there.
+  /// The two triangles of an edge; empty if the edge no longer exists.
   std::optional<std::array<std::int32_t, 2>> triangles_of(const Edge& edge) const;
   bool is_feature(const Edge& edge) const { return _features.count(sorted(edge)) > 0; }
   /// Number of feature edges that meet at a node.
@@ -30,30 +30,38 @@ class ChangingSurface {
   std::int32_t n_nodes() const { return static_cast<std::int32_t>(_x.size()); }
   double length(const Edge& edge) const { return (_x[edge[0]] - _x[edge[1]]).norm(); }
   const Vector& x(std::int32_t node) const { return _x[node]; }
+  /// Nodes of a triangle; -1 if it was removed.
+  const Triangle& triangle(std::int32_t t) const { return _triangles[t]; }
+  std::int32_t n_triangles() const { return static_cast<std::int32_t>(_triangles.size()); }
+  /// The node of a triangle that is not on the edge.
+  std::int32_t opposite(std::int32_t triangle, const Edge& edge) const;
   void move(std::int32_t node, const Vector& x) { _x[node] = x; }
-  /// Twice the area times the normal, with one node put elsewhere.
+  /// Twice the area times the normal, with one node at another position.
   Vector area_vector(std::int32_t triangle, std::int32_t moved_node, const Vector& moved_to) const;
   Vector area_vector(std::int32_t triangle) const { return area_vector(triangle, -1, Vector::Zero()); }
 
-  /// Puts a node at `x` into the edge.
+  /// Adds a node at `x` to the edge.
   bool split(const Edge& edge, const Vector& x);
-  /// Removes `gone` by moving it onto `kept`. Refused if it would pinch the surface, turn a triangle over or
-  /// make an edge longer than `longest`.
+  /// Removes `gone` by moving it onto `kept`. Refused if the surface would touch itself, a triangle would be inverted
+  /// or an edge would become longer than `longest`.
   bool collapse(std::int32_t gone, std::int32_t kept, double longest);
-  /// Joins the two opposite nodes instead. Refused on features and where a triangle would turn over.
+  /// Replaces the edge by one between the two opposite nodes. Refused on features and if a triangle would be inverted.
   bool flip(const Edge& edge);
+  /// The same without regard to features, angles and lengths: refused only if the surface would not stay manifold.
+  bool collapse_anyhow(std::int32_t gone, std::int32_t kept);
+  bool flip_anyhow(const Edge& edge);
 
   Surface surface() const;
 
  private:
   static Edge sorted(Edge e) { return e[0] < e[1] ? e : Edge{e[1], e[0]}; }
-  std::int32_t opposite(std::int32_t triangle, const Edge& edge) const;
+  bool can_collapse(std::int32_t gone, std::int32_t kept) const;
   void replace(std::int32_t triangle, std::int32_t old_node, std::int32_t new_node);
   void detach(std::int32_t triangle, std::int32_t node);
   void set_feature(Edge edge, bool on);
 
   std::vector<Vector> _x;
-  std::vector<Triangle> _triangles;  // a removed one has node -1
+  std::vector<Triangle> _triangles;  // a removed triangle has node -1
   std::vector<std::vector<std::int32_t>> _at;
   std::set<Edge> _features;
   std::vector<int> _feature_degree;

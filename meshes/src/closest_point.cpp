@@ -16,8 +16,8 @@ Vector on_segment(const Vector& x, const Vector& a, const Vector& b) {
 }
 
 Vector on_triangle(const Vector& x, const Vector& a, const Vector& b, const Vector& c) {
-  // Barycentric coordinates of the foot point solve the 2x2 normal equations; outside, the foot lies on an
-  // edge.
+  // The barycentric coordinates of the foot point follow from the 2x2 normal equations; if it is outside of the
+  // triangle, the closest point lies on an edge.
   const Vector u = b - a, v = c - a, d = x - a;
   const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), du = d.dot(u), dv = d.dot(v);
   const double det = uu * vv - uv * uv;

@@ -1,4 +1,4 @@
-// The point of a triangulated surface that is closest to a given one.
+// The point of a triangulated surface that is closest to a given point.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ class ClosestPoint {
  private:
   struct Box {
     Eigen::RowVector3d low, high;
-    std::int32_t first = 0, last = 0;  // range of _order; children only where left >= 0
+    std::int32_t first = 0, last = 0;  // range of _order; it has children only if left >= 0
     std::int32_t left = -1, right = -1;
   };
   std::int32_t build(std::int32_t first, std::int32_t last, const Points& centroids);

@@ -7,7 +7,7 @@
 namespace phynness::meshes {
 namespace {
 
-// Relative to the bounding box: nodes this close are one place.
+// Relative to the bounding box; closer nodes are coincident.
 constexpr double coincident = 1e-9;
 
 }  // namespace
@@ -39,9 +39,9 @@ std::vector<std::int32_t> repeated(const std::vector<std::int32_t>& first) {
 void warn_of_size(MeshResult& result, double scale_to_m) {
   const Points& nodes = result.mesh.nodes;
   const double extent = (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).maxCoeff();
-  if (extent <= 10 && extent >= 1e-4) return;
+  if (extent <= 1 && extent >= 1e-3) return;  // organs of a mouse and of a man
   std::ostringstream text;
-  text << "the body is " << extent << " m across: is mesh.scale_to_m = " << scale_to_m << " right?";
+  text << "the body is " << extent << " m long; check whether mesh.scale_to_m = " << scale_to_m << " is correct";
   result.warnings.push_back(text.str());
 }
 

@@ -1,4 +1,4 @@
-// Nodes that lie on one another, and bodies of an unlikely size: what looks wrong only in coordinates.
+// Checks for coincident nodes and for bodies of an unlikely size.
 #pragma once
 
 #include <phynness/meshes/meshes.hpp>
@@ -6,10 +6,11 @@
 
 namespace phynness::meshes {
 
-/// For each node the first node at the same place (itself if alone), to a billionth of the bounding box.
+/// For each node the first node at the same position (the node itself if there is no other), with a tolerance of 1e-9
+/// of the bounding box.
 std::vector<std::int32_t> coincident_nodes(const Points& nodes);
 
-/// The nodes whose first one is another.
+/// The nodes whose first node is another one.
 std::vector<std::int32_t> repeated(const std::vector<std::int32_t>& first);
 
 /// Warns of a body that is larger than 10 m or smaller than 0.1 mm: its file may be in other units.

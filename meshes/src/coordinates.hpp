@@ -1,4 +1,4 @@
-// What coordinates a mesh may have.
+// Range of the coordinates of a mesh.
 #pragma once
 
 #include <cmath>
@@ -9,11 +9,11 @@
 
 namespace phynness::meshes {
 
-/// Beyond this size [m] coordinates are refused: sixth powers of lengths, of which qualities and crossings
-/// are made, would overflow. So does the runtime cut the points of its surfaces.
+/// Larger coordinates [m] are refused, because sixth powers of lengths, which qualities and crossings need, would
+/// overflow. The runtime limits the points of its surfaces to the same range.
 inline constexpr double largest_coordinate_m = 1e25;
 
-/// @param x  [m]; @param where  begins the message: which file and cell; @param node  as the file counts
+/// @param x  [m]; @param where  begins the message: file and cell; @param node  number in the file
 inline void require_coordinates(const Eigen::RowVector3d& x, const std::string& where, std::int64_t node) {
   if (!x.allFinite())
     throw input_error(where + " has coordinates that are not finite", "node " + std::to_string(node),

@@ -1,4 +1,4 @@
-// gmsh's element type numbers, as far as a reader must know them to skip or to refuse.
+// Element type numbers of gmsh that a reader must know in order to skip or refuse them.
 #pragma once
 
 namespace phynness::meshes {

@@ -1,4 +1,4 @@
-// Tetrahedra made by gmsh: inside a closed surface, or in a simple solid.
+// Tetrahedra made by gmsh, inside a closed surface or in a simple solid.
 #pragma once
 
 #include <phynness/formats/scene.hpp>
@@ -7,11 +7,11 @@
 
 namespace phynness::meshes {
 
-/// Tetrahedra inside the surface; its triangles become the boundary and its nodes keep their numbers.
-/// @throws Error if gmsh fails or its tetrahedra do not fill exactly the inside
+/// Tetrahedra inside the surface. Its triangles become the boundary, and its nodes keep their numbers.
+/// @throws Error if gmsh fails or if its tetrahedra do not fill exactly the inside
 RawMesh fill(const Surface& surface);
 
-/// Dimensions with the defaults filled in.
+/// Dimensions including defaults.
 struct Solid {
   Shape shape = Shape::block;
   Vec3 size_m{};

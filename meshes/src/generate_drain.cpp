@@ -7,7 +7,7 @@
 namespace phynness::meshes {
 
 RawMesh mesh_drain(const Drain& drain, double edge_m) {
-  // gmsh compares with absolute tolerances: lengths in edges.
+  // gmsh compares with absolute tolerances, so that lengths are given in edge lengths.
   const double radius = drain.radius_m / edge_m, length = drain.length_m / edge_m;
   const double slit_length = drain.slit_length_m / edge_m, slit_width = drain.slit_width_m / edge_m;
   constexpr double quarter_turn = 1.5707963267948966;
@@ -22,7 +22,7 @@ RawMesh mesh_drain(const Drain& drain, double edge_m) {
     gmsh::vectorpair tube;
     for (const auto& entity : walls)
       if (entity.first == 2) tube.push_back(entity);
-    // An ellipse across the tube, its long axis along it, pushed through the upper wall only.
+    // An ellipse with its long axis along the tube, extruded through the upper wall only.
     const gmsh::vectorpair disk{{2, occ::addDisk(0, 0, 0, slit_length / 2, slit_width / 2)}};
     occ::rotate(disk, 0, 0, 0, 0, 1, 0, quarter_turn);
     occ::rotate(disk, 0, 0, 0, 0, 0, 1, quarter_turn);
@@ -33,7 +33,7 @@ RawMesh mesh_drain(const Drain& drain, double edge_m) {
       if (entity.first == 3) bodies.push_back(entity);
     std::vector<gmsh::vectorpair> map;
     occ::cut(tube, bodies, left, map);
-    // What gmsh makes of a symmetric shape is not symmetric: so it meshes a half, which is mirrored.
+    // gmsh's mesh of a symmetric shape is not symmetric, so that a half is meshed and mirrored.
     if (axis >= 0) {
       const double reach = 2 * radius, height = axis == 2 ? length / 2 : length;
       const int half = occ::addBox(axis == 0 ? 0 : -reach, -reach, 0, axis == 0 ? reach : 2 * reach, 2 * reach, height);

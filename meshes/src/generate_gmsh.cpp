@@ -12,7 +12,7 @@
 namespace phynness::meshes {
 namespace {
 
-/// Reference volume of the raw mesh, whatever way its cells run.
+/// Reference volume of the raw mesh, for any orientation of its cells.
 double volume(const RawMesh& raw) {
   double six = 0;
   for (const auto& cell : raw.tetrahedra) {
@@ -30,8 +30,7 @@ double volume(const RawMesh& raw) {
 }  // namespace
 
 RawMesh fill(const Surface& surface) {
-  // gmsh compares with absolute tolerances: let it work in units of the edge length, whatever the body's
-  // size.
+  // gmsh compares with absolute tolerances, so that lengths are given in edge lengths for bodies of any size.
   const double unit = mean_edge(surface.nodes, surface.triangles);
   const GmshSession session;
   RawMesh raw;
@@ -54,7 +53,7 @@ RawMesh fill(const Surface& surface) {
 
     raw = session.tetrahedra();
   });
-  // The given nodes come back exactly as they were, not divided and multiplied.
+  // The given nodes are restored exactly, because division and multiplication by the unit round them.
   for (std::size_t i = 0; i < raw.nodes.size(); ++i)
     for (int k = 0; k < 3; ++k) {
       const auto row = static_cast<Eigen::Index>(i);
@@ -64,20 +63,20 @@ RawMesh fill(const Surface& surface) {
   if (!(std::abs(got - wanted) <= 1e-6 * wanted))
     throw failure("gmsh's tetrahedra do not fill the inside of the surface",
                   std::to_string(got) + " of " + std::to_string(wanted) + " m^3",
-                  "look for triangles of the surface that cut through each other, or change mesh.target_size_m");
+                  "check the surface for triangles that intersect, or change mesh.target_size_m");
   return raw;
 }
 
 RawMesh mesh_solid(const Solid& solid, double edge_m) {
   const double unit = edge_m;
   const bool round = solid.shape != Shape::block;
-  // What gmsh makes of a symmetric shape is not symmetric: so it meshes a half, which is mirrored.
+  // gmsh's mesh of a symmetric shape is not symmetric, so that a half is meshed and mirrored.
   const int axis = solid.mirror_axis;
   Vec3 size_m = round ? Vec3{solid.radius_m, solid.radius_m, solid.length_m} : solid.size_m;
   if (axis >= 0 && !(round && axis < 2)) size_m[axis] /= 2;
-  // Regular shapes are full of points at equal distances, and gmsh's choice among them hangs on the last bit:
-  // rounded to seven digits, the same shape in other units is the same shape to gmsh. The nodes are stretched
-  // to the exact size.
+  // Regular shapes have many points at equal distances, among which gmsh selects by rounding errors. With dimensions
+  // rounded to seven digits the mesh does not depend on the unit of length. The nodes are then scaled to the exact
+  // size.
   const auto in_edges = [unit](double length_m) {
     constexpr int bits = 24;
     int exponent = 0;
@@ -91,7 +90,7 @@ RawMesh mesh_solid(const Solid& solid, double edge_m) {
     if (!round) {
       gmsh::model::occ::addBox(0, 0, 0, size[0], size[1], size[2]);
     } else {
-      const double angle = (axis == 0 || axis == 1 ? 1 : 2) * std::numbers::pi;  // half: where y >= 0
+      const double angle = (axis == 0 || axis == 1 ? 1 : 2) * std::numbers::pi;  // half: y >= 0
       const int outer = gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, size[2], size[0], -1, angle);
       if (solid.shape == Shape::tube) {
         const int hole =
@@ -102,8 +101,8 @@ RawMesh mesh_solid(const Solid& solid, double edge_m) {
       }
     }
     gmsh::model::occ::synchronize();
-    // The size itself rules faces and inside, not the whole number of pieces that each edge is cut into:
-    // otherwise the number of nodes jumps.
+    // The given size determines the edges on faces and inside. Otherwise the integer number of pieces of each edge
+    // would determine them, and the number of nodes would jump.
     gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
     gmsh::option::setNumber("Mesh.MeshSizeMin", 1);
     gmsh::option::setNumber("Mesh.MeshSizeMax", 1);
@@ -114,10 +113,10 @@ RawMesh mesh_solid(const Solid& solid, double edge_m) {
     for (std::size_t k = 0; k < 3; ++k) x[k] *= size_m[k] / size[k];
   if (axis < 0) return raw;
   if (round && axis == 0)
-    for (auto& x : raw.nodes) x = {x[1], -x[0], x[2]};  // a quarter turn: the half where x >= 0
+    for (auto& x : raw.nodes) x = {x[1], -x[0], x[2]};  // rotation by 90 degrees: the half x >= 0
   Eigen::RowVector3d normal = Eigen::RowVector3d::Zero(), point = normal;
   normal[axis] = 1;
-  // Round halves begin at the axis of the shape; the others lie in [0, middle].
+  // Round halves begin at the axis of the shape; all others lie in [0, middle].
   if (!(round && axis < 2)) point[axis] = size_m[axis];
   return with_mirror_image(std::move(raw), point, normal, 1e-6 * unit, "the built-in shape");
 }

@@ -1,4 +1,4 @@
-// Stands in for generate_gmsh.cpp in a build without gmsh.
+// Replaces generate_gmsh.cpp in a build without gmsh.
 #include <phynness/formats/error.hpp>
 
 #include "generate.hpp"

@@ -13,8 +13,8 @@ namespace phynness::meshes {
 namespace {
 
 constexpr const char* remedy =
-    "try another mesh.target_size_m or mesh.target_nodes; for a file, look for triangles that cut through "
-    "each other";
+    "try another mesh.target_size_m or mesh.target_nodes; for a file, check it for triangles that "
+    "intersect";
 
 std::string last_logged_error() {
   std::vector<std::string> log;
@@ -28,12 +28,13 @@ std::string last_logged_error() {
 
 GmshSession::GmshSession() {
   try {
-    gmsh::initialize(0, nullptr, false);  // false: not the user's ~/.gmshrc, so everybody gets the same mesh
+    gmsh::initialize(0, nullptr, false);  // false: without ~/.gmshrc, so that all users get the same mesh
     gmsh::option::setNumber("General.Terminal", 0);
     gmsh::option::setNumber("General.NumThreads", 1);
     gmsh::option::setNumber("Mesh.RandomSeed", 1);
-    gmsh::option::setNumber("Mesh.Algorithm", 6);    // frontal Delaunay triangles
-    gmsh::option::setNumber("Mesh.Algorithm3D", 1);  // Delaunay; the only one here that keeps given triangles
+    gmsh::option::setNumber("Mesh.Algorithm", 6);  // frontal Delaunay triangles
+    // Delaunay, the only one of the available algorithms that keeps given triangles.
+    gmsh::option::setNumber("Mesh.Algorithm3D", 1);
     gmsh::option::setNumber("Mesh.ElementOrder", 1);
     gmsh::option::setNumber("Mesh.Optimize", 1);
     gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 1);
@@ -48,7 +49,7 @@ GmshSession::~GmshSession() {
   try {
     gmsh::logger::stop();
     gmsh::finalize();
-  } catch (...) {  // nothing is lost: the results have been copied out
+  } catch (...) {  // the results were copied before, so that nothing is lost
   }
 }
 
@@ -94,7 +95,7 @@ RawMesh GmshSession::elements(int type, const char* what) const {
     raw.tetrahedra.push_back({position.at(element_nodes[e]), position.at(element_nodes[e + 1]),
                               position.at(element_nodes[e + 2]), position.at(element_nodes[e + 3])});
   if (raw.tetrahedra.empty() && raw.triangles.empty())
-    throw failure(std::string("gmsh made no ") + what, last_logged_error(), remedy);
+    throw failure(std::string("gmsh did not make ") + what, last_logged_error(), remedy);
   return raw;
 }
 

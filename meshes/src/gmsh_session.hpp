@@ -1,4 +1,4 @@
-// The only door to gmsh: started and ended as an object, silent, reproducible, every error an exception.
+// The interface to gmsh: started and ended by an object, silent and reproducible; every error is an exception.
 #pragma once
 
 #include <functional>
@@ -8,8 +8,8 @@
 
 namespace phynness::meshes {
 
-/// gmsh with an empty model, one thread, no console output, without the user's option files.
-/// One at a time: gmsh is a process-wide library.
+/// gmsh with an empty model and one thread, without console output and without the user's option files. Only one object
+/// may exist at a time, because gmsh has global state.
 class GmshSession {
  public:
   GmshSession();
@@ -17,12 +17,11 @@ class GmshSession {
   GmshSession(const GmshSession&) = delete;
   GmshSession& operator=(const GmshSession&) = delete;
 
-  /// Runs `work`; whatever it throws, and whatever gmsh logs as an error on the way, becomes one
-  /// phynness::Error.
+  /// Runs `work`. Any exception that it throws and any error that gmsh logs becomes a phynness::Error.
   void run(const std::string& what, const std::function<void()>& work) const;
   /// The tetrahedra of the current model and their nodes in the order of gmsh's numbers.
   RawMesh tetrahedra() const;
-  /// The same of its triangles.
+  /// The triangles of the current model and their nodes.
   RawMesh triangles() const;
 
  private:

@@ -8,9 +8,9 @@
 namespace phynness::meshes {
 namespace {
 
-constexpr int subdivisions = 5;  // 10,242 nodes: finer than any mesh that is made from it in practice
+constexpr int subdivisions = 5;  // 10,242 nodes: finer than practical meshes
 
-/// Icosahedron whose triangles are divided in four again and again, on the unit sphere.
+/// Icosahedron on the unit sphere whose triangles are repeatedly divided into four.
 Surface unit_sphere() {
   const double t = (1 + std::sqrt(5.0)) / 2;
   std::vector<Eigen::RowVector3d> x = {{-1, t, 0},  {1, t, 0},  {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
@@ -49,8 +49,8 @@ double smooth_step(double from, double to, double u) {
   return s * s * (3 - 2 * s);
 }
 
-/// Sphere (u, v, w) -> organ. x depends on u alone, y grows with v, z grows with w: the map is one to one, so
-/// the organ's surface cannot cross itself.
+/// Map from the sphere (u, v, w) to the organ. x depends on u alone, y increases with v, and z increases with w. The
+/// map is therefore one to one, and the surface of the organ cannot intersect itself.
 Eigen::RowVector3d organ_point(double u, double v, double w) {
   const double left = smooth_step(-0.5, 1.0, u);  // 0 in the right lobe, 1 at the tip of the left one
   const double half_width = 1.0 - 0.45 * left;
@@ -58,7 +58,8 @@ Eigen::RowVector3d organ_point(double u, double v, double w) {
   const double y = half_width * v + 0.18 * left + notch;
   const double half_thickness = (0.34 - 0.15 * left) * (1.0 + 0.25 * v);  // thick behind, thinner in front
   const double dome = -0.45 * (u + 0.25) * (u + 0.25) - 0.375 * v * v;
-  const double blunt = w / std::sqrt(w * w + 0.2 * (1 - w * w));  // a round rim: a sharp one makes flat cells
+  // The rim is round, because a sharp one would result in flat cells.
+  const double blunt = w / std::sqrt(w * w + 0.2 * (1 - w * w));
   return {u, y, dome + half_thickness * blunt};
 }
 

@@ -1,4 +1,4 @@
-// The built-in organ: a liver-like body drawn by formulas, no patient's data.
+// The built-in organ: the shape of a liver from formulas, without data of a patient.
 #pragma once
 
 #include <phynness/formats/scene.hpp>
@@ -7,8 +7,8 @@
 
 namespace phynness::meshes {
 
-/// A big right lobe (negative x) that tapers to a thin left lobe (positive x), domed above (positive z),
-/// hollowed below, with a notch in its front edge (negative y). Bounding box `size_m`, centred on the origin.
+/// A large right lobe (negative x) that tapers to a thin left lobe (positive x), convex above (positive z), concave
+/// below, with a notch in its front edge (negative y). Bounding box `size_m`, centered at the origin.
 Surface liver_surface(const Vec3& size_m);
 
 }  // namespace phynness::meshes

@@ -17,6 +17,7 @@
 #include "self_crossing.hpp"
 #include "shell.hpp"
 #include "sizing.hpp"
+#include "split_slivers.hpp"
 #include "topology.hpp"
 
 namespace phynness {
@@ -27,7 +28,7 @@ using namespace meshes;
 constexpr int default_nodes_liver = 739, default_nodes_solid = 500;
 constexpr Vec3 default_liver_m{0.20, 0.14, 0.05}, default_block_m{0.10, 0.10, 0.05};
 constexpr double default_cylinder_radius_m = 0.03, default_tube_radius_m = 0.01, default_length_m = 0.10;
-// As many nodes as the paper's drain, of about half an inch; formats/scene.md names them.
+// The number of nodes and the size of the drain in the paper, about half an inch; formats/scene.md lists them.
 constexpr int default_nodes_drain = 239;
 constexpr double default_drain_radius_m = 0.00635, default_drain_length_m = 0.038, default_slit_width_m = 0.004;
 constexpr double default_wall = 0.75;  // inner over outer radius of a tube
@@ -43,7 +44,8 @@ void check_spec(const MeshSpec& spec) {
   if ((spec.shape == Shape::none) == spec.file.empty())
     refuse("needs exactly one of shape and file", "", "set mesh.shape or mesh.file");
   if (!(spec.scale_to_m > 0) || !std::isfinite(spec.scale_to_m))
-    refuse("scale_to_m must be positive", std::to_string(spec.scale_to_m), "0.001 for a file in millimetres");
+    refuse("scale_to_m must be positive", std::to_string(spec.scale_to_m),
+           "use for example 0.001 for a file in millimetres");
   if (spec.target_size_m && !(*spec.target_size_m > 0 && std::isfinite(*spec.target_size_m)))
     refuse("target_size_m must be positive", std::to_string(*spec.target_size_m), "give an edge length in metres");
   if (spec.target_nodes && *spec.target_nodes < 4)
@@ -56,7 +58,7 @@ void check_spec(const MeshSpec& spec) {
       refuse("a dimension must be positive", std::to_string(value), "give metres");
 }
 
-/// The axis of coordinates across which the scene's plane of symmetry lies, or -1.
+/// The coordinate axis normal to the plane of symmetry of the scene, or -1.
 int mirror_axis(const MeshSpec& spec) {
   for (int k = 0; spec.symmetry && k < 3; ++k)
     if (std::abs(spec.symmetry->normal[k]) == 1) return k;
@@ -79,19 +81,41 @@ Solid solid_of(const MeshSpec& spec) {
   return solid;
 }
 
+/// Why cells of a mesh that was made here are flat, and where.
+std::string reason_of_slivers(const MeshResult& result) {
+  const auto& mesh = result.mesh;
+  const auto cell = mesh.cells.row(result.quality.worst_cell);
+  Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+  const auto on_surface = surface_nodes(mesh.surface);
+  int n_surface = 0;
+  for (const std::int32_t node : cell) {
+    x += mesh.nodes.row(node) / 4;
+    n_surface += std::binary_search(on_surface.begin(), on_surface.end(), node) ? 1 : 0;
+  }
+  std::ostringstream text;
+  text << "the worst of these cells, at (" << x(0) << ", " << x(1) << ", " << x(2) << ") m, has " << n_surface
+       << " of its four nodes on the surface: the surface is thinner or more sharply folded there than its edges are "
+          "long; a smaller mesh.target_size_m, or a smoother surface, avoids it";
+  return text.str();
+}
+
 /// A defect of a mesh that was made here is a failure of the work, not of the input: another size may go
 /// well.
 MeshResult generated_body(RawMesh raw, const std::string& source, bool symmetric = false) {
   // A cell and its image cannot both be taken off where they meet at the plane.
-  const std::int32_t peeled = symmetric ? 0 : peel_slivers(raw);
+  const std::int32_t peeled = symmetric ? 0 : peel_slivers(raw), split = symmetric ? 0 : split_slivers(raw);
   try {
     MeshResult result = checked_body(raw, 1, false, source);
     if (peeled > 0)
       result.notes.push_back("took " + counted(static_cast<std::size_t>(peeled), "flat cell", "flat cells") +
                              " off the surface");
+    if (split > 0)
+      result.notes.push_back("put " + counted(static_cast<std::size_t>(split), "node", "nodes") +
+                             " inside, between faces of the surface, where cells were flat");
+    if (result.quality.n_slivers > 0) result.warnings.push_back(reason_of_slivers(result));
     return result;
   } catch (const Error& error) {
-    throw failure("the mesh that gmsh made is not sound", error.what(),
+    throw failure("the mesh that gmsh made is defective", error.what(),
                   "try another mesh.target_size_m or mesh.target_nodes");
   }
 }
@@ -100,7 +124,7 @@ MeshResult generated_shell(const RawMesh& raw, const std::string& source) {
   try {
     return checked_shell(raw, 1, false, source);
   } catch (const Error& error) {
-    throw failure("the mesh that gmsh made is not sound", error.what(),
+    throw failure("the mesh that gmsh made is defective", error.what(),
                   "try a smaller mesh.target_size_m or more mesh.target_nodes");
   }
 }
@@ -114,7 +138,7 @@ MeshResult filled_at(const Surface& surface, double edge_m, const std::string& s
   return result;
 }
 
-/// Meshes at the wanted size or number of nodes and names what came of it.
+/// Makes a mesh of the wanted size or number of nodes and adds a note about the result.
 MeshResult sized(const MeshSpec& spec, const Extent& extent, std::optional<int> target_nodes,
                  const std::function<MeshResult(double)>& mesh_at) {
   const auto affordable = [&](double edge_m) {
@@ -168,6 +192,17 @@ MeshResult from_shape(const MeshSpec& spec) {
   });
 }
 
+/// Edges that are too long for a body cut off what is thinner or narrower than they are.
+void warn_of_volume(MeshResult& result, double given_m3) {
+  const double change = result.quality.volume_m3 / given_m3 - 1;
+  if (std::abs(change) <= 0.05) return;
+  std::ostringstream text;
+  text << "remeshing changed the volume of the body by " << std::showpos << std::round(100 * change) << std::noshowpos
+       << " %, from " << given_m3 << " to " << result.quality.volume_m3
+       << " m^3: its edges are too long for the shape of the body; give a smaller mesh.target_size_m";
+  result.warnings.push_back(text.str());
+}
+
 MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::string& source) {
   std::vector<std::string> notes = raw.notes;
   Surface surface = checked_surface(raw, spec.scale_to_m, spec.repair, source, notes);
@@ -186,6 +221,7 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
     try {
       result =
           sized(spec, extent, spec.target_nodes, [&](double edge_m) { return filled_at(surface, edge_m, source); });
+      warn_of_volume(result, extent.volume_m3);
       notes.push_back("remeshed the surface of " + std::to_string(surface.triangles.rows()) + " triangles to " +
                       std::to_string(result.mesh.surface.rows()));
     } catch (const Error& error) {
@@ -193,7 +229,7 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
       result = as_given();
       std::string reason = error.what();
       reason = reason.substr(0, reason.find('\n'));
-      result.warnings.push_back("the wanted size is NOT met: remeshing failed (" + reason +
+      result.warnings.push_back("the wanted size is not met: remeshing failed (" + reason +
                                 "), so the file's own triangles were filled");
     }
   }
@@ -204,16 +240,16 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
 MeshResult shell_from_file(const MeshSpec& spec, const RawMesh& raw, const std::string& source) {
   if (!raw.tetrahedra.empty())
     throw input_error(place(spec) + ": a shell is made of triangles, but the file holds tetrahedra", source,
-                      "remove mesh.thickness_m to simulate the solid, or give the shell's middle surface");
+                      "remove mesh.thickness_m to simulate the solid, or give the middle surface of the shell");
   MeshResult result = checked_shell(raw, spec.scale_to_m, spec.repair, source);
   check_wall(result, spec.thickness_m, place(spec));
   if (spec.target_nodes || spec.target_size_m)
     result.warnings.push_back(
-        "a shell's triangles are used as they are: mesh.target_nodes and mesh.target_size_m mean nothing here");
+        "a shell's triangles are not changed: mesh.target_nodes and mesh.target_size_m have no effect");
   return result;
 }
 
-/// A file that holds one half of the body.
+/// Completes the body of a file that has one half of it.
 RawMesh mirrored_file(RawMesh half, const MeshSpec& spec, const std::string& source) {
   if (half.tetrahedra.empty() && !(spec.thickness_m > 0))
     throw input_error(place(spec) + ": half = true needs tetrahedra, but the file holds a surface", source,
@@ -232,7 +268,7 @@ RawMesh mirrored_file(RawMesh half, const MeshSpec& spec, const std::string& sou
   return whole;
 }
 
-/// @throws Error (input) if the body is smaller or larger than any whose squares and cubes of lengths can be computed
+/// @throws Error (input) if the body is so small or so large that squares and cubes of lengths cannot be computed
 void require_size(const RawMesh& raw, const MeshSpec& spec, const std::string& source) {
   constexpr double smallest_m = 1e-9, largest_m = 1e9;
   Eigen::AlignedBox3d box;
@@ -240,14 +276,14 @@ void require_size(const RawMesh& raw, const MeshSpec& spec, const std::string& s
     if (const Eigen::Vector3d point(x[0], x[1], x[2]); point.allFinite()) box.extend(point);
   if (box.isEmpty()) return;
   const double size_m = spec.scale_to_m * box.sizes().maxCoeff();
-  // What is said of points in one place, and of coordinates that are too large, is said by those who look at nodes.
+  // Coincident points and coordinates that are too large are reported by the checks of nodes.
   if ((size_m >= smallest_m && size_m <= largest_m) || box.sizes().isZero(0) ||
       box.sizes().maxCoeff() > largest_coordinate_m)
     return;
   std::ostringstream value;
   value << source << ", " << size_m << " m with scale_to_m = " << spec.scale_to_m;
-  throw input_error(place(spec) + ": the body has a size that cannot be", value.str(),
-                    "correct mesh.scale_to_m: it is the length of the file's unit in metres");
+  throw input_error(place(spec) + ": the size of the body is impossible", value.str(),
+                    "correct mesh.scale_to_m, the length of the file's unit in metres");
 }
 
 MeshResult from_file(const MeshSpec& spec) {
@@ -260,8 +296,8 @@ MeshResult from_file(const MeshSpec& spec) {
   MeshResult result = checked_body(raw, spec.scale_to_m, spec.repair, source);
   if (spec.target_nodes || spec.target_size_m)
     result.warnings.push_back(
-        "the file holds tetrahedra, which are used as they are: mesh.target_nodes and mesh.target_size_m "
-        "mean nothing here");
+        "the file holds tetrahedra, which are not changed: mesh.target_nodes and mesh.target_size_m "
+        "have no effect");
   return result;
 }
 
@@ -286,7 +322,7 @@ MeshResult make_mesh(const Scene& scene) {
   try {
     return spec.shape == Shape::none ? from_file(spec) : from_shape(spec);
   } catch (const Error& error) {
-    // gmsh and what checks its meshes know nothing of scenes.
+    // Errors of gmsh and of the checks of its meshes do not contain the place in the scene.
     if (error.kind() == Error::Kind::input || spec.where.file.empty()) throw;
     throw Error(error.kind(), place(spec) + ": " + error.what(), "", "");
   }

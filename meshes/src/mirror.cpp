@@ -24,16 +24,15 @@ std::string metres(double value) {
   return text.str();
 }
 
-/// Nodes by the box of a regular grid that they lie in.
+/// Nodes sorted into the boxes of a regular grid.
 class Grid {
  public:
-  /// @param tolerance  within which a node is found; boxes are no smaller than what numbers of their indices
-  /// can hold
+  /// @param tolerance  within which a node is found. Boxes are large enough for their indices to fit into integers.
   Grid(const Points& nodes, double tolerance)
       : _nodes(nodes), _tolerance(tolerance), _box(std::max(tolerance, least_box * nodes.cwiseAbs().maxCoeff())) {
     for (std::int32_t i = 0; i < nodes.rows(); ++i) _boxes[key(index(nodes.row(i)))].push_back(i);
   }
-  /// The node nearest to x, or -1 if there is none within the tolerance.
+  /// The node nearest to x, or -1 if no node lies within the tolerance.
   std::int32_t nearest(const Vector& x) const {
     std::int32_t best = -1;
     double distance = _tolerance;
@@ -58,14 +57,15 @@ class Grid {
           static_cast<std::int64_t>(std::fmax(-far, std::fmin(far, std::floor(x[k] / _box))));
     return at;
   }
-  /// Boxes that share a key only cost a comparison of distances.
+  /// Different boxes may have the same key, which only adds comparisons of distances.
   static std::uint64_t key(const Index& at) {
     std::uint64_t key = 0;
     for (const auto i : at) key = (key ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15ULL;
     return key;
   }
 
-  /// Of the largest coordinate; indices of boxes are cut at `far`, beyond which there are no nodes.
+  /// Smallest box relative to the largest coordinate. Indices of boxes are limited to `far`, beyond which there are no
+  /// nodes.
   static constexpr double least_box = 1e-15, far = 1e18;
 
   const Points& _nodes;
@@ -110,7 +110,7 @@ void check_cells(const Mesh& mesh, const SymmetryPlane& plane, const std::vector
   std::set<Corners> cells;
   const auto corners = [&](Eigen::Index c, bool mirrored) {
     Corners nodes{};
-    nodes.fill(-1);  // shells have three
+    nodes.fill(-1);  // triangles have three nodes
     for (Eigen::Index k = 0; k < mesh.cells.cols(); ++k)
       nodes[static_cast<std::size_t>(k)] = mirrored ? image[mesh.cells(c, k)] : mesh.cells(c, k);
     std::sort(nodes.begin(), nodes.end());
@@ -132,7 +132,7 @@ void check_set(const std::vector<std::int32_t>& nodes, const char* what, const S
     if (!std::binary_search(nodes.begin(), nodes.end(), image[node]))
       throw input_error(
           place(plane) + "the " + what + " nodes are not symmetric",
-          "node " + std::to_string(node) + " is one, its mirror image " + std::to_string(image[node]) + " is not",
+          "node " + std::to_string(node) + " is selected, its mirror image " + std::to_string(image[node]) + " is not",
           "widen the selection to both sides of the plane, or remove mesh.symmetry");
 }
 
@@ -167,11 +167,11 @@ RawMesh with_mirror_image(RawMesh half, const Vector& point, const Vector& norma
   const std::size_t n_cells = half.tetrahedra.size();
   for (std::size_t c = 0; c < n_cells; ++c) {
     const auto cell = half.tetrahedra[c];
-    // A mirror turns a cell inside out: two corners change places.
+    // The mirror image of a cell has the opposite orientation, so that two corners are exchanged.
     half.tetrahedra.push_back({image[cell[0]], image[cell[2]], image[cell[1]], image[cell[3]]});
   }
   if (n_cells > 0) {
-    half.triangles.clear();  // of the half: its cut face is inside the whole
+    half.triangles.clear();  // the cut face of the half is inside the whole body
   } else {
     const std::size_t n_triangles = half.triangles.size();
     for (std::size_t t = 0; t < n_triangles; ++t) {
@@ -198,7 +198,7 @@ MirrorSymmetry find_mirror(const Scene& scene, const Mesh& mesh, const NodeSets&
   check_set(sets.fixed, "fixed", plane, mirror.image);
   check_set(sets.active, "active", plane, mirror.image);
   check_set(sets.output, "output", plane, mirror.image);
-  // Of the hemisphere only the half that pushes in is solved, and opposites of that pull.
+  // Of a hemisphere only the directions into the body are solved, whose opposites point out of it.
   mirror.odd = scene.material.law->linear && scene.probe.directions != Directions::hemisphere;
   return mirror;
 }

@@ -1,4 +1,4 @@
-// What the .msh readers of all versions share: the node numbering and the sorting of elements.
+// Common parts of the .msh readers of all versions: the numbering of nodes and the classification of elements.
 #pragma once
 
 #include <unordered_map>
@@ -9,7 +9,7 @@
 
 namespace phynness::meshes {
 
-/// Collects nodes and elements by the file's own tags and turns them into 0-based positions.
+/// Collects nodes and elements by the tags of the file and converts tags to 0-based positions.
 class MshBuilder {
  public:
   explicit MshBuilder(const Scanner& scanner) : _scanner(scanner) {}
@@ -27,19 +27,19 @@ class MshBuilder {
   RawMesh _raw;
   GroupBuilder _groups;
   std::unordered_map<std::int64_t, std::int32_t> _position;
-  std::vector<std::int32_t> _nodes;  // of the element at hand
+  std::vector<std::int32_t> _nodes;  // of the present element
 };
 
-/// The body of each version, from behind the header; text or binary.
+/// The body of a file of each version, after the header; text or binary.
 RawMesh read_msh_1(Scanner& scanner);
 RawMesh read_msh_2(Scanner& scanner, bool binary, bool swap);
 RawMesh read_msh_4(Scanner& scanner, bool binary, bool swap);
 
-/// One section's physical names: "dimension tag "name"" lines (versions 2.2 and 4.1).
+/// Reads a section of physical names: lines of dimension, tag and "name" (versions 2.2 and 4.1).
 void read_physical_names(Scanner& scanner, MshBuilder& builder);
-/// Moves behind the line $EndNAME of a section that is of no interest.
+/// Moves past the line $EndNAME of a section that is not used.
 void skip_section(Scanner& scanner, const std::string& name);
-/// Moves behind the word $EndNAME. @throws Error if something else stands there
+/// Moves past the word $EndNAME. @throws Error if another word is found
 void expect_end(Scanner& scanner, const std::string& name);
 
 }  // namespace phynness::meshes

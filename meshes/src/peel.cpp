@@ -28,6 +28,25 @@ std::set<Triangle> boundary_faces(const RawMesh& raw) {
   return faces;
 }
 
+double face_quality(const RawMesh& raw, const Tetrahedron& cell, int opposite) {
+  const auto x = [&](int k) {
+    return Eigen::Map<const Eigen::RowVector3d>(raw.nodes[cell[(opposite + k) % 4]].data());
+  };
+  return radius_ratio(x(2) - x(1), x(3) - x(1));
+}
+
+/// Whether the faces that come to light without the cell are sound, or better than those that go.
+/// @param inner  nodes opposite to the faces that go
+bool faces_improve(const RawMesh& raw, const Tetrahedron& cell, const std::vector<std::int32_t>& inner) {
+  double before = 1, after = 1;
+  for (int k = 0; k < 4; ++k) {
+    const bool goes = std::find(inner.begin(), inner.end(), cell[k]) != inner.end();
+    double& worst = goes ? before : after;
+    worst = std::min(worst, face_quality(raw, cell, k));
+  }
+  return after > std::min(before, sliver_quality);
+}
+
 }  // namespace
 
 std::int32_t peel_slivers(RawMesh& raw) {
@@ -43,7 +62,8 @@ std::int32_t peel_slivers(RawMesh& raw) {
     for (const Triangle& t : boundary)
       for (const Edge& e : {Edge{t[0], t[1]}, Edge{t[1], t[2]}, Edge{t[0], t[2]}}) surface_edges.insert(e);
     std::set<std::size_t> gone;
-    std::set<std::int32_t> touched;  // one swap per neighbourhood and round: each sees the surface as it was
+    // One swap per neighbourhood and round, so that each is checked on the present surface.
+    std::set<std::int32_t> touched;
     for (const std::size_t c : flat) {
       const Tetrahedron& cell = raw.tetrahedra[c];
       std::vector<std::int32_t> inner;  // nodes opposite to the faces on the surface: ends of the new edge
@@ -53,9 +73,9 @@ std::int32_t peel_slivers(RawMesh& raw) {
         if (boundary.count(face)) inner.push_back(cell[k]);
       }
       const bool fresh = std::none_of(cell.begin(), cell.end(), [&](std::int32_t n) { return touched.count(n) > 0; });
-      if (inner.size() != 2 || !fresh ||
-          surface_edges.count({std::min(inner[0], inner[1]), std::max(inner[0], inner[1])}))
-        continue;
+      const bool tip = inner.size() == 3;  // the node of three faces goes with the cell
+      if (!fresh || !(tip || inner.size() == 2) || !faces_improve(raw, cell, inner)) continue;
+      if (!tip && surface_edges.count({std::min(inner[0], inner[1]), std::max(inner[0], inner[1])})) continue;
       touched.insert(cell.begin(), cell.end());
       gone.insert(c);
     }

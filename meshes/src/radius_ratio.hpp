@@ -1,4 +1,4 @@
-// The one quality measure of a tetrahedron, and of a triangle.
+// The measure of quality of tetrahedra and triangles.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-// What a mesh file holds before anything is checked or scaled.
+// The contents of a mesh file before checks and scaling.
 #pragma once
 
 #include <array>
@@ -15,8 +15,7 @@ namespace phynness::meshes {
 using Tetrahedron = std::array<std::int32_t, 4>;
 using Triangle = std::array<std::int32_t, 3>;
 
-/// Nodes in the order of the file's own list, in the file's units; connectivity by 0-based position in that
-/// list.
+/// Nodes in the order of the file and in its units; cells refer to 0-based positions in this list.
 struct RawMesh {
   std::vector<std::array<double, 3>> nodes;
   std::vector<Tetrahedron> tetrahedra;
@@ -25,13 +24,13 @@ struct RawMesh {
   std::vector<std::string> notes;
 };
 
-/// Gathers physical groups as elements are read and names them once the whole file is known.
+/// Collects physical groups while elements are read, and names them after the whole file was read.
 class GroupBuilder {
  public:
   void name(int dimension, std::int64_t tag, std::string text) { _names[{dimension, tag}] = std::move(text); }
   void add(int dimension, std::int64_t tag, const std::vector<std::int32_t>& nodes);
-  /// Groups by name, or by tag number where the file gives no name. A tag that several dimensions use without
-  /// a name becomes one group "7" of all of them and one group each, "line 7", "surface 7", with a note.
+  /// Groups by name, or by tag number if the file gives no name. A tag without a name that several dimensions use
+  /// becomes one group "7" for all of them and one group for each, "line 7", "surface 7", with a note.
   void finish(RawMesh& raw) const;
 
  private:
@@ -39,13 +38,18 @@ class GroupBuilder {
   std::map<std::pair<int, std::int64_t>, std::vector<std::int32_t>> _nodes;
 };
 
-/// Readers: each throws Error naming the file, the place and the defect. `bytes` is the whole file.
+/// Readers. Each throws an Error with the file, the place and the defect. `bytes` is the whole file.
 RawMesh read_msh(const std::string& bytes, const std::string& source);
 RawMesh read_vtk(const std::string& bytes, const std::string& source);
 RawMesh read_stl(const std::string& bytes, const std::string& source);
 RawMesh read_obj(const std::string& bytes, const std::string& source);
+RawMesh read_vtu(const std::string& bytes, const std::string& source);
+RawMesh read_vtp(const std::string& bytes, const std::string& source);
+RawMesh read_ply(const std::string& bytes, const std::string& source);
+RawMesh read_off(const std::string& bytes, const std::string& source);
+RawMesh read_inp(const std::string& bytes, const std::string& source);
 
-/// Chooses the reader by the file's extension.
+/// Selects the reader by the extension of the file name.
 RawMesh read_mesh_file(const std::filesystem::path& file);
 
 }  // namespace phynness::meshes

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
+#include <phynness/formats/mesh_files.hpp>
 
 #include "raw_mesh.hpp"
 
@@ -17,10 +18,30 @@ void sort_unique(std::vector<std::int32_t>& nodes) {
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
 }
 
+using Reader = RawMesh (*)(const std::string&, const std::string&);
+
+/// In the order of mesh_file_extensions.
+constexpr std::pair<std::string_view, Reader> readers[] = {
+    {".msh", &read_msh}, {".vtk", &read_vtk}, {".vtu", &read_vtu}, {".vtp", &read_vtp}, {".inp", &read_inp},
+    {".stl", &read_stl}, {".obj", &read_obj}, {".ply", &read_ply}, {".off", &read_off}};
+
+Reader reader_of(const std::string& extension) {
+  for (const auto& [ending, reader] : readers)
+    if (ending == extension) return reader;
+  return nullptr;
+}
+
+std::string extensions() {
+  std::string list;
+  for (const auto& ending : mesh_file_extensions)
+    list.append(list.empty() ? "" : ending == mesh_file_extensions.back() ? " or " : ", ").append(ending);
+  return list;
+}
+
 }  // namespace
 
 void GroupBuilder::add(int dimension, std::int64_t tag, const std::vector<std::int32_t>& nodes) {
-  if (tag == 0) return;  // gmsh's "belongs to no physical group"
+  if (tag == 0) return;  // in gmsh's format: belongs to no physical group
   auto& list = _nodes[{dimension, tag}];
   list.insert(list.end(), nodes.begin(), nodes.end());
 }
@@ -54,19 +75,13 @@ RawMesh read_mesh_file(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  using Reader = RawMesh (*)(const std::string&, const std::string&);
-  const Reader reader = extension == ".msh"   ? &read_msh
-                        : extension == ".vtk" ? &read_vtk
-                        : extension == ".stl" ? &read_stl
-                        : extension == ".obj" ? &read_obj
-                                              : nullptr;
+  const auto reader = reader_of(extension);
   if (!reader)
-    throw input_error("mesh file of an unknown kind", file.string(),
-                      "give .msh (1, 2.2, 4.1), .vtk (legacy), .stl or .obj");
+    throw input_error("mesh file of an unknown kind", file.string(), "give a file whose name ends in " + extensions());
   // Ten million tetrahedra, a hundred times what is solved, take some 600 MB as text.
   constexpr std::uint64_t most_bytes = 1 << 30;
   const std::string bytes =
-      read_input_file(file, {"the mesh file", "name a .msh, .vtk, .stl or .obj file", most_bytes, false});
+      read_input_file(file, {"the mesh file", "name a file that ends in " + extensions(), most_bytes, false});
   if (bytes.empty()) throw input_error("the mesh file is empty", file.string(), "export the file again");
   return reader(bytes, file.filename().string());
 }

@@ -64,7 +64,7 @@ void expect_end(Scanner& scanner, const std::string& name) {
   if (const std::string_view found = scanner.word(name.c_str()); found != name) {
     if (name.starts_with(found) && scanner.at_end()) scanner.truncated(name);
     scanner.fail("expected " + name, std::string(found.substr(0, 40)),
-                 "the section holds more or fewer entries than it declares: export the file again");
+                 "export the file again; the section has more or fewer entries than it declares");
   }
 }
 
@@ -85,7 +85,7 @@ RawMesh read_msh_1(Scanner& scanner) {
       expect_end(scanner, "$ENDNOD");
       nodes_seen = true;
     } else if (section == "$ELM") {
-      if (!nodes_seen) scanner.fail("$ELM stands before $NOD", "", "export the file again");
+      if (!nodes_seen) scanner.fail("$ELM is before $NOD", "", "export the file again");
       const auto n = scanner.checked_count(scanner.number<std::int64_t>("the number of elements"), 12, "elements");
       std::vector<std::int64_t> nodes;
       for (std::size_t i = 0; i < n; ++i) {
@@ -117,10 +117,10 @@ RawMesh read_msh_1(Scanner& scanner) {
 RawMesh read_msh(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
   Scanner probe = scanner;
-  constexpr std::size_t longest_name = 40;  // a damaged file may be one word
+  constexpr std::size_t longest_name = 40;  // limits the message for a damaged file of one word
   const std::string first(probe.word_or_end().substr(0, longest_name));
   if (first == "$NOD") return read_msh_1(scanner);
-  // Comments may stand before the header.
+  // Comments are allowed before the header.
   std::string section = first;
   while (section == "$Comments" || section == "$Comment") {
     skip_section(probe, section);

@@ -84,7 +84,7 @@ RawMesh read_msh_2(Scanner& scanner, bool binary, bool swap) {
       read_nodes(scanner, builder, binary, swap);
       nodes_seen = true;
     } else if (section == "$Elements") {
-      if (!nodes_seen) scanner.fail("$Elements stands before $Nodes", "", "export the file again");
+      if (!nodes_seen) scanner.fail("$Elements is before $Nodes", "", "export the file again");
       const auto n = scanner.checked_count(scanner.number<std::int64_t>("the number of elements"), 8, "elements");
       if (binary)
         read_binary_elements(scanner, builder, n, swap);

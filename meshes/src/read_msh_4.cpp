@@ -4,7 +4,7 @@
 namespace phynness::meshes {
 namespace {
 
-/// Text and binary 4.1 hold the same values in the same order; only their encoding differs.
+/// Reads values of version 4.1. Text and binary files have the same values in the same order.
 class Values {
  public:
   Values(Scanner& scanner, bool binary, bool swap) : _scanner(scanner), _binary(binary), _swap(swap) {}
@@ -43,7 +43,7 @@ Physical read_entities(Values& values) {
       for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) values.real("an entity's bounding box");
       auto& tags = physical[{dimension, tag}];
       tags.resize(values.count("physical tags", 2, 4));
-      // gmsh negates a tag where the group runs against the entity's orientation.
+      // gmsh negates a tag if the group and the entity have opposite orientations.
       for (auto& group : tags) group = std::abs(values.integer("a physical tag"));
       if (dimension == 0) continue;
       const std::size_t n = values.count("bounding entities", 2, 4);
@@ -132,7 +132,7 @@ RawMesh read_msh_4(Scanner& scanner, bool binary, bool swap) {
       read_nodes(values, builder);
       nodes_seen = true;
     } else if (section == "$Elements") {
-      if (!nodes_seen) scanner.fail("$Elements stands before $Nodes", "", "export the file again");
+      if (!nodes_seen) scanner.fail("$Elements is before $Nodes", "", "export the file again");
       read_elements(values, builder, physical);
       elements_seen = true;
     } else if (section.starts_with("$") && !section.starts_with("$End")) {

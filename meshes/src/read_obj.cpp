@@ -21,7 +21,7 @@ RawMesh read_obj(const std::string& bytes, const std::string& source) {
   std::size_t polygons = 0;
   std::vector<std::int32_t> corners;
   while (!scanner.at_end()) {
-    const Scanner here = scanner;  // errors name the line at hand, not the next one
+    const Scanner here = scanner;  // errors name this line, not the next one
     std::string_view rest = scanner.line();
     const std::string_view word = next_field(rest);
     if (word == "v") {
@@ -36,7 +36,7 @@ RawMesh read_obj(const std::string& bytes, const std::string& source) {
       for (std::string_view field = next_field(rest); !field.empty(); field = next_field(rest)) {
         const auto index = here.parse<std::int64_t>(field.substr(0, field.find('/')), "a face's vertex");
         const auto n = static_cast<std::int64_t>(raw.nodes.size());
-        const std::int64_t position = index > 0 ? index - 1 : n + index;  // negative: counted back from here
+        const std::int64_t position = index > 0 ? index - 1 : n + index;  // negative: relative to the last vertex
         if (index == 0 || position < 0 || position >= n)
           here.fail("a face uses a vertex that is not defined above it", std::to_string(index),
                     "export the file again");

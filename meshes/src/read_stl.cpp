@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t binary_header = 84, binary_facet = 50;
 
-/// STL repeats a vertex in every triangle; equal coordinates make one node, numbered by first appearance.
+/// STL repeats a vertex in every triangle. Equal coordinates become one node, numbered by first appearance.
 class Welder {
  public:
   explicit Welder(RawMesh& raw) : _raw(raw) {}
@@ -53,7 +53,7 @@ void read_binary(Scanner& scanner, RawMesh& raw) {
     raw.triangles.push_back(triangle);
   }
   if (scanner.remaining() > 0)
-    raw.notes.push_back("ignored " + std::to_string(scanner.remaining()) + " bytes behind the last triangle");
+    raw.notes.push_back("ignored " + std::to_string(scanner.remaining()) + " bytes after the last triangle");
 }
 
 void expect(Scanner& scanner, const char* word) {
@@ -69,7 +69,7 @@ void read_text(Scanner& scanner, RawMesh& raw) {
     if (word == "endsolid") {
       scanner.line();
       if (scanner.word_or_end().empty()) return;
-      scanner.line();  // another solid of the same file: its name
+      scanner.line();  // the name of a further solid of the file
       continue;
     }
     if (word != "facet")
@@ -96,7 +96,7 @@ void read_text(Scanner& scanner, RawMesh& raw) {
 RawMesh read_stl(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
   RawMesh raw;
-  // Binary headers may begin with "solid" too: a text file is one that goes on with 'facet' or 'endsolid'.
+  // Binary headers may begin with "solid" too, so that the second word decides: 'facet' or 'endsolid' in a text file.
   Scanner probe = scanner;
   bool text = probe.word_or_end() == "solid";
   if (text) {

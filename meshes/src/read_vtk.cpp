@@ -2,11 +2,10 @@
 
 #include "raw_mesh.hpp"
 #include "scanner.hpp"
+#include "vtk_cells.hpp"
 
 namespace phynness::meshes {
 namespace {
-
-constexpr int vtk_vertex = 1, vtk_polygon = 7, vtk_triangle = 5, vtk_quad = 9, vtk_tetrahedron = 10;
 
 /// Numbers of a legacy VTK file: text, or big-endian binary of the type that the file names.
 class Numbers {
@@ -41,8 +40,8 @@ class Numbers {
   bool _binary;
 };
 
-/// Cells as lists of point numbers, in both layouts: "n a b c ..." (to version 4.2) and offsets +
-/// connectivity (5.1).
+/// Cells as lists of point numbers, in both layouts: "n a b c ..." (up to version 4.2), and offsets with connectivity
+/// (5.1).
 std::vector<std::vector<std::int32_t>> read_cells(Scanner& scanner, Numbers& numbers, bool with_offsets,
                                                   std::size_t n_points) {
   std::vector<std::vector<std::int32_t>> cells;
@@ -85,33 +84,15 @@ std::vector<std::vector<std::int32_t>> read_cells(Scanner& scanner, Numbers& num
   return cells;
 }
 
-void sort_cell(Scanner& scanner, const std::vector<std::int32_t>& cell, std::size_t number, std::int64_t type,
-               RawMesh& raw) {
-  const auto refuse = [&](const std::string& what) {
-    scanner.fail("cell " + std::to_string(number) + what,
-                 "VTK cell type " + std::to_string(type) + " with " + std::to_string(cell.size()) + " points",
-                 "mesh the body with 4-node tetrahedra (type 10) and export it again");
-  };
-  if (type == vtk_tetrahedron) {
-    if (cell.size() != 4) refuse(" is a tetrahedron without four points");
-    raw.tetrahedra.push_back({cell[0], cell[1], cell[2], cell[3]});
-  } else if (type == vtk_triangle || type == vtk_quad || type == vtk_polygon) {
-    if (cell.size() < 3) refuse(" is a polygon with fewer than three points");
-    for (std::size_t k = 2; k < cell.size(); ++k) raw.triangles.push_back({cell[0], cell[k - 1], cell[k]});
-  } else if (type < vtk_vertex || type > 4) {  // 1 to 4 are points and lines: of no interest
-    refuse(" is of a type that is not supported");
-  }
-}
-
 }  // namespace
 
 RawMesh read_vtk(const std::string& bytes, const std::string& source) {
   Scanner scanner(bytes, source);
-  const std::string header(scanner.line().substr(0, 256));  // as long as the format allows
+  const std::string header(scanner.line().substr(0, 256));  // the largest length in the format
   const std::string_view magic = "# vtk DataFile Version ";
   if (!header.starts_with(magic))
     throw input_error(source + ":1: not a legacy VTK file", header.substr(0, 40),
-                      "save the mesh as legacy VTK (.vtk), not as XML (.vtu)");
+                      "give an XML file the name .vtu (or .vtp), or save the mesh as legacy VTK");
   const bool with_offsets = header.compare(magic.size(), std::string::npos, "5.1") >= 0;
   scanner.line();
   const std::string encoding(scanner.word("ASCII or BINARY"));
@@ -141,7 +122,7 @@ RawMesh read_vtk(const std::string& bytes, const std::string& source) {
         for (double& value : x) value = numbers.real(type, "a point's coordinate");
       points_seen = true;
     } else if (section == "CELLS" || section == "POLYGONS") {
-      if (!points_seen) scanner.fail(section + " stands before POINTS", "", "export the file again");
+      if (!points_seen) scanner.fail(section + " is before POINTS", "", "export the file again");
       cells = read_cells(scanner, numbers, with_offsets, raw.nodes.size());
       cells_seen = true;
     } else if (section == "CELL_TYPES") {
@@ -163,7 +144,10 @@ RawMesh read_vtk(const std::string& bytes, const std::string& source) {
   if (types.size() != cells.size())
     scanner.fail("the numbers of cells and of cell types differ",
                  std::to_string(cells.size()) + " and " + std::to_string(types.size()), "export the file again");
-  for (std::size_t c = 0; c < cells.size(); ++c) sort_cell(scanner, cells[c], c, types[c], raw);
+  const auto fail = [&](const std::string& what, const std::string& value, const std::string& remedy) {
+    scanner.fail(what, value, remedy);
+  };
+  for (std::size_t c = 0; c < cells.size(); ++c) add_vtk_cell(cells[c], c, types[c], raw, fail);
   if (raw.tetrahedra.empty() && raw.triangles.empty())
     throw input_error(source + ": the file holds neither tetrahedra nor polygons",
                       std::to_string(raw.nodes.size()) + " points", "save the mesh with its cells");

@@ -7,6 +7,7 @@
 
 #include "changing_surface.hpp"
 #include "closest_point.hpp"
+#include "surface_slivers.hpp"
 
 namespace phynness::meshes {
 namespace {
@@ -38,7 +39,7 @@ int collapse_short_edges(ChangingSurface& surface, double shortest, double longe
   for (const Edge& edge : by_length(surface, false)) {
     const auto [a, b] = edge;
     if (!surface.exists(a) || !surface.exists(b) || surface.length(edge) >= shortest) continue;
-    // The node with fewer features goes; the other way round is the second choice.
+    // The node with fewer features is removed first; otherwise the other node is tried.
     const bool a_goes = surface.feature_degree(a) <= surface.feature_degree(b);
     const bool done = a_goes ? surface.collapse(a, b, longest) || surface.collapse(b, a, longest)
                              : surface.collapse(b, a, longest) || surface.collapse(a, b, longest);
@@ -89,7 +90,7 @@ void smooth(ChangingSurface& surface, const ClosestPoint& closest) {
 Surface remeshed(const Surface& original, double edge_m) {
   const ClosestPoint closest(original);
   ChangingSurface surface(original, sharp_cosine);
-  // 4/3 and 4/5: neither a split nor a collapse then makes an edge that calls for the other at once.
+  // With 4/3 and 4/5 neither a split nor a collapse makes an edge that is changed back immediately.
   const double longest = 4.0 / 3.0 * edge_m, shortest = 4.0 / 5.0 * edge_m;
   int good_rounds = 0;
   for (int round = 0; round < max_rounds && good_rounds < smooth_rounds; ++round) {
@@ -97,9 +98,10 @@ Surface remeshed(const Surface& original, double edge_m) {
     const int collapses = collapse_short_edges(surface, shortest, longest);
     flip_towards_six(surface);
     smooth(surface, closest);
-    // A coarse input needs as many rounds of splitting as the size asks for before the smoothing ones count.
+    // A coarse input first needs rounds of splitting, which do not count as smoothing rounds.
     good_rounds += splits + collapses < surface.n_nodes() / 4;
   }
+  remove_slivers(surface, closest, edge_m);
   return surface.surface();
 }
 

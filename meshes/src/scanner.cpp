@@ -16,7 +16,7 @@ void Scanner::fail(const std::string& what, const std::string& value, const std:
 }
 
 void Scanner::truncated(const std::string& expected) const {
-  fail("the file is truncated: it ends where " + expected + " should stand", "", "copy or export the file again");
+  fail("the file is truncated: it ends before " + expected, "", "copy or export the file again");
 }
 
 void Scanner::skip_white() {
@@ -47,15 +47,16 @@ std::string_view Scanner::word(const char* expected) {
 std::string_view Scanner::closed_word(const char* expected) {
   const std::string_view text = word(expected);
   if (at_end())
-    fail(std::string("the file ends right after ") + expected + ", perhaps in the middle of it",
-         std::string(text.substr(0, 40)), "export the file again; if it is whole, end its last line with a line break");
+    fail(std::string("the file ends directly after ") + expected + ", which may be incomplete",
+         std::string(text.substr(0, 40)),
+         "export the file again; if it is complete, end its last line with a line break");
   return text;
 }
 
 std::size_t Scanner::checked_count(std::int64_t count, std::size_t bytes_each, const char* what) const {
   if (count < 0) fail(std::string("negative number of ") + what, std::to_string(count), "export the file again");
   if (static_cast<std::uint64_t>(count) > remaining() / bytes_each)
-    fail("the file is truncated: it declares " + std::to_string(count) + " " + what + " but is too short to hold them",
+    fail("the file is truncated: it declares " + std::to_string(count) + " " + what + " but is too short for them",
          std::to_string(remaining()) + " bytes remain", "copy or export the file again");
   return static_cast<std::size_t>(count);
 }

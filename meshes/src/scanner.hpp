@@ -1,4 +1,4 @@
-// A cursor over a mesh file's bytes: words, lines and binary values, with errors that name the place.
+// Reads words, lines and binary values from the bytes of a mesh file; errors name the place.
 #pragma once
 
 #include <bit>
@@ -29,8 +29,7 @@ class Scanner {
   std::string_view word_or_end();
   /// The next word. @throws Error if the file ends
   std::string_view word(const char* expected);
-  /// The next word, which must be followed by white space: formats without an end marker show a cut number
-  /// this way.
+  /// The next word, which white space must follow. In formats without an end marker this detects a truncated number.
   std::string_view closed_word(const char* expected);
 
   template <class Number>
@@ -50,11 +49,11 @@ class Scanner {
     if (error == std::errc::result_out_of_range && is_underflow(digits)) return Number{};
     if (error != std::errc{} || end != digits.data() + digits.size())
       fail(std::string("expected a number for ") + expected, std::string(text.substr(0, 40)),
-           "the file is damaged or not of this format: export it again");
+           "export the file again; it is damaged or of another format");
     return value;
   }
 
-  /// Binary value in the file's byte order.
+  /// Binary value in the byte order of the file.
   template <class Value>
   Value raw(const char* expected, bool swap) {
     if (remaining() < sizeof(Value)) truncated(expected);
@@ -66,8 +65,8 @@ class Scanner {
     return std::bit_cast<Value>(buffer);
   }
 
-  /// A count of items that each take at least `bytes_each`: a larger one than the file can hold is refused
-  /// before anything is allocated for it.
+  /// A number of items that take at least `bytes_each` bytes each. If the file is too short for them, it is refused
+  /// before any allocation.
   std::size_t checked_count(std::int64_t count, std::size_t bytes_each, const char* what) const;
 
   void skip(std::size_t bytes, const char* expected);

@@ -21,17 +21,22 @@ std::string first_of(const Nodes& nodes) {
 }  // namespace
 
 NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
+  NodeSets sets;
+  resolve_selections(scene, mesh, sets);
+  return sets;
+}
+
+void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   if (mesh.nodes.rows() == 0) throw input_error("cannot select nodes: the mesh is empty", "", "give a mesh with cells");
   for (const Selector& selector : scene.fixed)
     if (selector.choice->needs_fixed())
-      throw input_error(at(selector.where) + "the fixed nodes are selected by what is not fixed",
+      throw input_error(at(selector.where) + "the selector of the fixed nodes depends on the fixed nodes",
                         "\"free-surface\" or \"free\"", "use \"surface\" or a box");
   SelectableBody body(mesh);
-  NodeSets sets;
   sets.fixed = select_nodes(scene.fixed, body, "fixed", scene.fixed_where);
   body.fixed = sets.fixed;
   if (!hold_the_body(mesh, sets.fixed))
-    throw input_error(at(scene.fixed_where) + "the fixed nodes do not hold the body: it can still turn",
+    throw input_error(at(scene.fixed_where) + "the fixed nodes do not prevent rotations of the body",
                       std::to_string(sets.fixed.size()) + " nodes: " + first_of(sets.fixed),
                       "fix at least three nodes that are not on one line");
   if (std::includes(sets.fixed.begin(), sets.fixed.end(), body.surface.begin(), body.surface.end()))
@@ -46,7 +51,7 @@ NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
   if (!both.empty())
     throw input_error(at(scene.active_where) + "active nodes that are also fixed cannot be displaced",
                       std::to_string(both.size()) + " nodes: " + first_of(both),
-                      "use \"free-surface\", or move the selections apart");
+                      "take them out: active = { difference = [ SELECTION, \"fixed\" ] }, or use \"free-surface\"");
   Nodes inside;
   std::set_difference(sets.active.begin(), sets.active.end(), body.surface.begin(), body.surface.end(),
                       std::back_inserter(inside));
@@ -55,7 +60,6 @@ NodeSets resolve_selections(const Scene& scene, const Mesh& mesh) {
                       std::to_string(inside.size()) + " nodes: " + first_of(inside),
                       "add surface_only = true to the selector, or use \"free-surface\"");
   if (scene.mesh.symmetry) sets.mirror = meshes::find_mirror(scene, mesh, sets);
-  return sets;
 }
 
 }  // namespace phynness

@@ -49,7 +49,7 @@ std::vector<std::array<std::int32_t, 2>> crossing_triangles(const Surface& surfa
     low.row(t) = a.cwiseMin(b).cwiseMin(c);
     high.row(t) = a.cwiseMax(b).cwiseMax(c);
   }
-  // Sweep along the longest axis: there the fewest boxes overlap.
+  // A sweep along the longest axis has the fewest overlapping boxes.
   Eigen::Index axis = 0;
   (high.colwise().maxCoeff() - low.colwise().minCoeff()).maxCoeff(&axis);
   std::vector<std::int32_t> order(static_cast<std::size_t>(n)), open;
@@ -101,10 +101,10 @@ void untangle(Surface& surface, std::vector<std::string>& notes) {
   std::ostringstream text;
   if (!pairs.empty()) {
     text << counted(at_first, "pair", "pairs") << " of triangles, first " << pairs[0][0] << " and " << pairs[0][1];
-    throw failure("the surface cuts through itself and smoothing does not untangle it", text.str(),
+    throw failure("the surface intersects itself, and smoothing does not remove the intersections", text.str(),
                   "repair the surface in the program that made it");
   }
-  text << "smoothed the surface where it cut through itself (" << counted(at_first, "pair", "pairs")
+  text << "smoothed the surface where it intersected itself (" << counted(at_first, "pair", "pairs")
        << " of triangles): moved " << std::count(moving.begin(), moving.end(), 1) << " nodes by at most "
        << (surface.nodes - before).rowwise().norm().maxCoeff() << " m";
   notes.push_back(text.str());

@@ -1,4 +1,4 @@
-// Surfaces that cut through themselves: no mesher can fill them.
+// Detection and removal of intersections of a surface with itself, which no mesher can fill.
 #pragma once
 
 #include <array>
@@ -9,13 +9,13 @@
 
 namespace phynness::meshes {
 
-/// Pairs of triangles that cut through each other, smaller number first, sorted. Triangles that only share a
-/// node or an edge do not count unless they also cross elsewhere.
+/// Pairs of intersecting triangles, smaller number first, sorted. Triangles that only share a node or an edge do not
+/// count unless they also intersect elsewhere.
 std::vector<std::array<std::int32_t, 2>> crossing_triangles(const Surface& surface);
 
-/// Smooths the surface around its crossings, over a growing neighbourhood, until there are none. What was
-/// done is named in `notes`; nothing happens to a surface without crossings.
-/// @throws Error (failure) with the pairs that are left if smoothing does not help
+/// Smooths the surface around its intersections, in growing neighbourhoods, until there are none. `notes` describes the
+/// changes. A surface without intersections is not changed.
+/// @throws Error (failure) with the remaining pairs if smoothing does not help
 void untangle(Surface& surface, std::vector<std::string>& notes);
 
 }  // namespace phynness::meshes

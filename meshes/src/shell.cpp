@@ -16,16 +16,17 @@
 namespace phynness::meshes {
 namespace {
 
-// A director is the mean normal of the two triangles at an edge: beyond this angle it stands for neither.
+// A director is the mean normal of the two triangles at an edge. Beyond this angle it represents neither of them.
 constexpr double sharpest_fold_deg = 120, sharp_fold_deg = 60;
 constexpr double flat_triangle = 1e-6;  // twice the area over the square of the longest edge
-// Area of the inner face over that of the middle surface, 1 - t / (2 R) of a bend of radius R. Below 0.75, t > R / 2,
-// the theory of shells has errors of some per cent by itself; the inner face of a wall as thick as 2 R meets itself.
+// Area of the inner face over that of the middle surface, 1 - t / (2 R) for a bend of radius R. Below 0.75, t > R / 2,
+// the theory of shells has errors of some per cent. The inner face of a wall of thickness 2 R intersects itself.
 constexpr double thick_layer = 0.75, thickest_layer = 0.05;
-// Of the surface's length. A wall resists bending with the square of this, as a fraction of what resists stretching.
+// As a fraction of the length of the surface. The ratio of bending stiffness to membrane stiffness is the square of
+// this.
 constexpr double thinnest_wall = 1e-12;
 
-/// Keeps what `kept` says and renumbers the nodes that are left, in their order.
+/// Keeps the nodes for which `kept` is true and renumbers them in their order.
 void reduce(RawMesh& raw, const std::vector<char>& kept, std::vector<std::string>& notes) {
   std::vector<Triangle> triangles;
   std::vector<std::int32_t> number(raw.nodes.size(), -1), dropped;
@@ -71,16 +72,16 @@ void drop_useless(RawMesh& raw, std::vector<std::string>& notes) {
   reduce(raw, kept, notes);
 }
 
-/// A seam whose nodes are there twice is a slit: named, or with `repair` closed.
+/// A seam with duplicate nodes is a slit: it results in a warning, or with `repair` the nodes are merged.
 void look_at_twins(RawMesh& raw, const Points& nodes, bool repair, MeshResult& result) {
   const auto first = coincident_nodes(nodes);
   const auto twins = repeated(first);
   if (twins.empty()) return;
   const std::string text =
-      counted(twins.size(), "node lies", "nodes lie") + " exactly on another one (" + first_few(twins) + ")";
+      counted(twins.size(), "node lies", "nodes lie") + " exactly on another node (" + first_few(twins) + ")";
   if (!repair) {
     result.warnings.push_back(text +
-                              ": a slit in the surface, unless they should have been merged; mesh.repair = true "
+                              ": the surface has a slit there, unless the nodes should be merged; mesh.repair = true "
                               "merges them");
     return;
   }
@@ -116,10 +117,11 @@ void require_sound_edges(SurfaceTopology topology, const std::string& source) {
   topology.open_edges.clear();
   topology.inconsistent_edges.clear();
   if (const std::string defects = describe_defects(topology, true); !defects.empty())
-    throw input_error(source + ": the triangles are not one surface that a shell can have", defects,
+    throw input_error(source + ": the triangles do not form the surface of a shell", defects,
                       topology.component_sizes.size() > 1
                           ? "keep one piece, or set mesh.repair = true to keep the largest"
-                          : "at most two triangles may share an edge, and those of a node must form one fan");
+                          : "change the mesh: at most two triangles may share an edge, and the triangles of a node "
+                            "must form one fan");
 }
 
 void require_areas(const Mesh& mesh, const std::string& source) {
@@ -131,7 +133,7 @@ void require_areas(const Mesh& mesh, const std::string& source) {
     if (!(u.cross(v).norm() > flat_triangle * longest)) flat.push_back(static_cast<std::int32_t>(t));
   }
   if (!flat.empty())
-    throw input_error(source + ": triangles without area",
+    throw input_error(source + ": triangles have no area",
                       counted(flat.size(), "triangle", "triangles") + ": " + first_few(flat), "mesh the surface again");
 }
 
@@ -158,7 +160,7 @@ void look_at_folds(const Mesh& mesh, const std::string& source, std::vector<std:
   }
   if (sharp > 0)
     warnings.push_back("the surface turns by more than 60 degrees at " + counted(sharp, "edge", "edges") +
-                       ": a shell is smooth, so mesh it finer there, or model the corner as a solid");
+                       ": shell theory needs a smooth surface; mesh it finer there, or model the corner as a solid");
 }
 
 }  // namespace
@@ -188,11 +190,11 @@ MeshResult checked_shell(const RawMesh& given, double scale_to_m, bool repair, c
   mesh.surface = to_matrix(raw.triangles);
   const std::int32_t turned = orient_consistently(mesh.surface, topology);
   if (turned < 0)
-    throw input_error(source + ": the surface has one side only, like a Moebius strip", "",
-                      "a shell needs a front and a back: cut the surface open");
+    throw input_error(source + ": the surface is not orientable", "",
+                      "cut the surface so that it has a front and a back");
   if (turned > 0)
     result.notes.push_back("turned " + counted(static_cast<std::size_t>(turned), "triangle", "triangles") +
-                           " that ran against their neighbours");
+                           " with orientations opposite to their neighbours");
   if (topology.open_edges.empty() && enclosed_volume(mesh.nodes, mesh.surface) < 0)
     mesh.surface.col(1).swap(mesh.surface.col(2));
   mesh.cells = mesh.surface;
@@ -222,11 +224,12 @@ void check_wall(MeshResult& result, double thickness_m, const std::string& sourc
   if (!(thickness_m < longest))
     throw input_error(source + ": the shell is thicker than it is long",
                       "thickness_m = " + metres(thickness_m) + ", the middle surface is " + metres(longest) + " long",
-                      "lengths are in metres; simulate a thick wall as a solid, without thickness_m");
+                      "check the units, lengths are in metres; simulate a thick wall as a solid, without thickness_m");
   if (thickness_m < thinnest_wall * longest)
-    throw input_error(source + ": the wall is too thin for double precision",
-                      "thickness_m = " + metres(thickness_m) + ", the middle surface is " + metres(longest) + " long",
-                      "lengths are in metres; make it at least " + metres(thinnest_wall * longest) + " thick");
+    throw input_error(
+        source + ": the wall is too thin for double precision",
+        "thickness_m = " + metres(thickness_m) + ", the middle surface is " + metres(longest) + " long",
+        "check the units, lengths are in metres; make the wall at least " + metres(thinnest_wall * longest) + " thick");
   std::map<Edge, Eigen::RowVector3d> directors;
   const auto corner = [&](Eigen::Index t, int i) -> Eigen::RowVector3d { return mesh.nodes.row(mesh.cells(t, i % 3)); };
   const auto edge = [&](Eigen::Index t, int i) -> Edge {
@@ -243,7 +246,7 @@ void check_wall(MeshResult& result, double thickness_m, const std::string& sourc
     const Eigen::RowVector3d u = corner(t, 1) - corner(t, 0), v = corner(t, 2) - corner(t, 0);
     std::array<Eigen::RowVector3d, 3> D;
     for (int i = 0; i < 3; ++i) D[static_cast<std::size_t>(i)] = directors.at(edge(t, i)).normalized();
-    // Linear in the triangle, given at the middles of its edges 0-1, 1-2, 2-0.
+    // Linear in the triangle, given at the midpoints of its edges 0-1, 1-2, 2-0.
     const Eigen::RowVector3d along_u = 2 * (D[1] - D[2]), along_v = 2 * (D[1] - D[0]);
     const Eigen::RowVector3d middle = (D[0] + D[1] + D[2]) / 3;
     for (const double zeta : {thickness_m / 2, -thickness_m / 2}) {
@@ -255,12 +258,12 @@ void check_wall(MeshResult& result, double thickness_m, const std::string& sourc
                             std::to_string(worst) + " (" + metres(corner(worst, 0)[0]) + ", " +
                             metres(corner(worst, 0)[1]) + ", " + metres(corner(worst, 0)[2]) + ")";
   if (thinnest < thickest_layer)
-    throw input_error(source + ": the wall is so thick that its inner face meets itself where the surface bends", where,
-                      "make it thinner, round the bend, or simulate a solid, without thickness_m");
+    throw input_error(source + ": the wall is so thick that its inner face intersects itself at a bend", where,
+                      "make the wall thinner, round the bend, or simulate a solid, without thickness_m");
   if (thinnest < thick_layer)
     result.warnings.push_back(
-        "the wall is thicker than half the radius of a bend: a shell is thin, a solid would be "
-        "more accurate; " +
+        "the wall is thicker than half the radius of a bend, for which a solid would be more "
+        "accurate than a shell; " +
         where);
 }
 

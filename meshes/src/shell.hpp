@@ -1,4 +1,4 @@
-// From a file's or gmsh's triangles to the middle surface of a shell that a solver may trust.
+// Makes a checked middle surface of a shell from the triangles of a file or of gmsh.
 #pragma once
 
 #include <phynness/meshes/meshes.hpp>
@@ -8,14 +8,15 @@
 
 namespace phynness::meshes {
 
-/// Scales, drops unreferenced nodes, makes triangles run the same way, checks finiteness, areas, components and edges.
-/// The surface may be open. With `repair`, coincident nodes are merged and the largest of several components is kept.
-/// @return cells and surface are the same triangles; notes and warnings; quality filled in
+/// Scales, drops unreferenced nodes, orients triangles consistently, and checks finiteness, areas, components and
+/// edges. The surface may be open. With `repair`, coincident nodes are merged and only the largest of several
+/// components is kept.
+/// @return cells and surface are the same triangles; notes and warnings; quality is set
 /// @throws Error naming the defect with its count
 MeshResult checked_shell(const RawMesh& raw, double scale_to_m, bool repair, const std::string& source);
 
-/// Refuses a wall that is thicker than the surface is long or bends more sharply than it is thick, and warns of one
-/// that is thicker than half the radius of a bend.
+/// Refuses a wall that is thicker than the surface is long or than the diameter of a bend, and warns of a wall that is
+/// thicker than half the radius of a bend.
 void check_wall(MeshResult& shell, double thickness_m, const std::string& source);
 
 }  // namespace phynness::meshes

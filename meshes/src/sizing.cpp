@@ -17,7 +17,7 @@ constexpr double most_nodes = 5e6;
 constexpr int most_meshings = 10;
 constexpr double least_step = 2e-4;  // of the logarithm of the edge length
 constexpr double good_enough = 0.005, far_off = 0.05;
-constexpr double good_enough_big = 0.02;  // big meshes take long and nobody counts their nodes
+constexpr double good_enough_big = 0.02;  // large meshes take long and need no exact number of nodes
 constexpr int big = 10000;
 
 double edge_for(const Extent& extent, double nodes) {
@@ -33,8 +33,8 @@ double edge_for(const Extent& extent, double nodes) {
 }  // namespace
 
 double expected_nodes(const Extent& extent, double edge_m) {
-  // Equilateral triangles meet six at a node; in a Delaunay mesh about 5.5 tetrahedra come to one interior
-  // node, and the layer next to the surface holds none.
+  // Six equilateral triangles meet at a node. A Delaunay mesh has about 5.5 tetrahedra per interior node, and there are
+  // no interior nodes in the layer next to the surface.
   const double surface = extent.area_m2 / (std::sqrt(3.0) / 2 * edge_m * edge_m);
   const double interior =
       std::max(0.0, extent.volume_m3 - 0.5 * edge_m * extent.area_m2) / (0.65 * std::pow(edge_m, 3));
@@ -46,9 +46,9 @@ void require_affordable(const Extent& extent, double edge_m, const std::string& 
   if (n <= most_nodes) return;
   std::ostringstream value, remedy;
   value << "edge length " << edge_m << " m gives about " << n << " nodes";
-  remedy << "at most " << most_nodes << " nodes are meshed: use an edge length above " << edge_for(extent, most_nodes)
+  remedy << "use at most " << most_nodes << " nodes, which means an edge length above " << edge_for(extent, most_nodes)
          << " m, or check mesh.scale_to_m";
-  throw input_error(place + ": the mesh would be too big", value.str(), remedy.str());
+  throw input_error(place + ": the mesh would be too large", value.str(), remedy.str());
 }
 
 MeshResult meet_node_target(int target, const Extent& extent, const std::string& place,
@@ -57,7 +57,7 @@ MeshResult meet_node_target(int target, const Extent& extent, const std::string&
   std::optional<Error> last_error;
   double best_edge = 0, log_edge = std::log(edge_for(extent, target));
   double previous_edge = 0, previous_nodes = 0, slope = -2.5;
-  // Sizes known to give too many and too few nodes: what lies outside them is not tried again.
+  // Sizes that are known to give too many and too few nodes; sizes outside of this interval are not tried again.
   double too_fine = -std::numeric_limits<double>::infinity(), too_coarse = -too_fine;
   int meshings = 0;
   const auto miss = [target](const MeshResult& r) { return std::abs(r.mesh.n_nodes() - target); };
@@ -67,7 +67,7 @@ MeshResult meet_node_target(int target, const Extent& extent, const std::string&
       MeshResult result = mesh_at(std::exp(log_edge));
       const std::int32_t result_nodes = result.mesh.n_nodes();
       const double log_nodes = std::log(static_cast<double>(result_nodes));
-      // Two meshes of nearly the same size tell noise, not slope.
+      // Two meshes of nearly the same size do not determine the slope.
       if (previous_nodes > 0 && std::abs(log_edge - previous_edge) > 0.01)
         slope = std::clamp((log_nodes - previous_nodes) / (log_edge - previous_edge), -4.0, -1.5);
       previous_edge = log_edge;
@@ -76,13 +76,13 @@ MeshResult meet_node_target(int target, const Extent& extent, const std::string&
       if (miss(*best) <= (target > big ? good_enough_big : good_enough) * target) break;
       (result_nodes > target ? too_fine : too_coarse) = log_edge;
       log_edge += (std::log(static_cast<double>(target)) - log_nodes) / slope;
-      if (too_coarse - too_fine < least_step) break;  // the number jumps over the target here
+      if (too_coarse - too_fine < least_step) break;  // the number of nodes jumps across the target
       if (std::isfinite(too_coarse - too_fine) && (log_edge <= too_fine || log_edge >= too_coarse))
         log_edge = (too_fine + too_coarse) / 2;
     } catch (const Error& error) {
       if (error.kind() == Error::Kind::input) throw;
       last_error = error;
-      log_edge -= 0.02;  // a slightly finer surface has other triangles
+      log_edge -= 0.02;  // a slightly finer surface has different triangles
     }
   }
   if (!best) throw *last_error;

@@ -1,4 +1,4 @@
-// Edge lengths: what a size costs, and the size that gives a wanted number of nodes.
+// Edge lengths: the expected number of nodes, and the edge length for a wanted number of nodes.
 #pragma once
 
 #include <functional>
@@ -11,15 +11,15 @@ struct Extent {
   double volume_m3 = 0, area_m2 = 0;
 };
 
-/// Nodes that a mesh of this edge length is going to have, within some tens of percent.
+/// Expected number of nodes of a mesh of this edge length, with an error of some tens of percent.
 double expected_nodes(const Extent& extent, double edge_m);
 
-/// @throws Error if a mesh of this edge length would be too big to be meant
+/// @throws Error if a mesh of this edge length would be so large that it is probably a mistake
 void require_affordable(const Extent& extent, double edge_m, const std::string& place);
 
-/// Meshes a few times (secant on the logarithms of size and number) and returns the mesh whose number of
-/// nodes is nearest to the target; a note says how near. Deterministic if `mesh_at` is.
-/// @throws Error as `mesh_at` does, if no size worked
+/// Makes several meshes (secant method on the logarithms of size and number) and returns the mesh whose number of nodes
+/// is nearest to the target; a note states the result. It is deterministic if `mesh_at` is.
+/// @throws Error as `mesh_at`, if no size worked
 MeshResult meet_node_target(int target, const Extent& extent, const std::string& place,
                             const std::function<MeshResult(double edge_m)>& mesh_at);
 

@@ -22,7 +22,7 @@ Triangles filtered(const Triangles& triangles, Keep keep) {
   return kept;
 }
 
-/// Renumbers the nodes that are used, in their order.
+/// Renumbers the used nodes in their order.
 Surface compacted(const Points& nodes, Triangles triangles) {
   std::vector<std::int32_t> position(static_cast<std::size_t>(nodes.rows()), -1);
   for (Eigen::Index i = 0; i < triangles.size(); ++i) position[triangles.data()[i]] = 0;
@@ -39,7 +39,7 @@ Surface compacted(const Points& nodes, Triangles triangles) {
   return surface;
 }
 
-/// Triangles without an area of their own: two corners are one node, or the same three nodes come again.
+/// Drops triangles without area: those with two equal corners, and repetitions of a triangle.
 void drop_useless(Triangles& triangles, bool repair, std::vector<std::string>& notes) {
   const Eigen::Index before = triangles.rows();
   triangles = filtered(triangles, [&](Eigen::Index t) {
@@ -77,7 +77,7 @@ std::string list_inward(const Points& nodes, const Triangles& triangles, const S
 
 double enclosed_volume(const Points& nodes, const Triangles& triangles) {
   if (nodes.rows() == 0) return 0;
-  const Eigen::RowVector3d origin = nodes.colwise().mean();  // near the body, so that little cancels
+  const Eigen::RowVector3d origin = nodes.colwise().mean();  // near the body, which reduces cancellation
   double six_volumes = 0;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     const Eigen::RowVector3d a = nodes.row(triangles(t, 0)) - origin, b = nodes.row(triangles(t, 1)) - origin,
@@ -129,23 +129,24 @@ Surface checked_surface(const RawMesh& raw, double scale_to_m, bool repair, cons
     topology = surface_topology(triangles);
   }
   if (const std::string defects = describe_defects(topology, true); !defects.empty())
-    throw input_error(source + ": the surface is not one closed manifold, so it has no inside to fill",
-                      defects + list_inward(nodes, triangles, topology),
-                      topology.closed_manifold()
-                          ? "keep one component, or set mesh.repair = true to keep the largest"
-                          : std::string("close the holes and separate what touches in the program that made the file") +
-                                (repair || topology.component_sizes.size() < 2
-                                     ? ""
-                                     : "; mesh.repair = true keeps the largest component, if that one is sound"));
+    throw input_error(
+        source + ": the surface is not one closed manifold, so it has no inside to fill",
+        defects + list_inward(nodes, triangles, topology),
+        topology.closed_manifold()
+            ? "keep one component, or set mesh.repair = true to keep the largest"
+            : std::string("close the holes and separate parts that touch in the program that made the file") +
+                  (repair || topology.component_sizes.size() < 2
+                       ? ""
+                       : "; mesh.repair = true keeps the largest component, if this component has no defects"));
 
   const std::int32_t turned = orient_consistently(triangles, topology);
   if (turned < 0)
-    throw input_error(source + ": the surface has no inside (it is one-sided like a Klein bottle)", "",
+    throw input_error(source + ": the surface is not orientable and has no inside", "",
                       "export a closed, orientable surface");
   double volume = enclosed_volume(nodes, triangles);
   if (turned > 0)
     notes.push_back("turned " + counted(static_cast<std::size_t>(turned), "triangle", "triangles") +
-                    " that ran against their neighbours");
+                    " with orientations opposite to their neighbours");
   if (volume < 0) {
     triangles.col(1).swap(triangles.col(2));
     volume = -volume;

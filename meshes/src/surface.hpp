@@ -1,4 +1,4 @@
-// A closed surface on its way to being filled with tetrahedra.
+// A closed surface that is to be filled with tetrahedra.
 #pragma once
 
 #include <phynness/formats/mesh.hpp>
@@ -19,10 +19,10 @@ double enclosed_volume(const Points& nodes, const Triangles& triangles);
 double area(const Points& nodes, const Triangles& triangles);
 double mean_edge(const Points& nodes, const Triangles& triangles);
 
-/// Scales and checks the triangles of a file: finite, closed, manifold, one component, normals outward.
-/// Turning normals and dropping unused nodes is always done; keeping the largest of several components and
-/// dropping repeated triangles only with `repair`. Everything done is named in `notes`.
-/// @throws Error that counts every defect
+/// Scales and checks the triangles of a file: finite, closed, manifold, one component, normals outward. Triangles are
+/// always reoriented and unused nodes always dropped. Only with `repair` the largest of several components is kept and
+/// repeated triangles are dropped. `notes` lists all changes.
+/// @throws Error with the number of defects of each kind
 Surface checked_surface(const RawMesh& raw, double scale_to_m, bool repair, const std::string& source,
                         std::vector<std::string>& notes);
 

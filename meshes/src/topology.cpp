@@ -24,7 +24,7 @@ class Sets {
   std::vector<std::int32_t> _parent;
 };
 
-/// Numbers the sets that `members` belong to by first appearance.
+/// Numbers the sets of `members` by first appearance.
 void number_sets(Sets& sets, const std::vector<std::int32_t>& members, std::vector<std::int32_t>& component,
                  std::vector<std::size_t>& sizes, std::size_t n_elements) {
   std::vector<std::int32_t> number(n_elements, -1);
@@ -42,7 +42,7 @@ void number_sets(Sets& sets, const std::vector<std::int32_t>& members, std::vect
 struct HalfEdge {
   Edge edge;
   std::int32_t triangle;
-  bool forward;  // runs from the smaller to the larger node
+  bool forward;  // from the smaller to the larger node
 };
 
 std::vector<HalfEdge> half_edges(const Triangles& triangles) {
@@ -70,7 +70,7 @@ void for_each_edge(const std::vector<HalfEdge>& edges, Visit visit) {
   }
 }
 
-/// Nodes whose corners do not hang together over shared edges.
+/// Nodes whose triangles are not all connected by shared edges.
 std::vector<std::int32_t> pinched(const Triangles& triangles, const std::vector<HalfEdge>& edges) {
   Sets corners(static_cast<std::size_t>(triangles.rows()) * 3);
   const auto corner = [&](std::int32_t t, std::int32_t node) {

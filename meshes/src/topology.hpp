@@ -1,4 +1,4 @@
-// What is wrong with a surface or a body as a complex of triangles or tetrahedra, independent of coordinates.
+// Defects of a surface or a body as a complex of triangles or tetrahedra, independent of coordinates.
 #pragma once
 
 #include <array>
@@ -17,20 +17,20 @@ struct SurfaceTopology {
   std::vector<Edge> open_edges;              ///< edges of one triangle
   std::vector<Edge> non_manifold_edges;      ///< edges of more than two triangles
   std::vector<std::int32_t> pinched_nodes;   ///< nodes whose triangles form more than one fan
-  std::vector<Edge> inconsistent_edges;      ///< both triangles run along the edge the same way
-  std::vector<std::int32_t> component;       ///< of each triangle; triangles that share a node belong together
+  std::vector<Edge> inconsistent_edges;      ///< both triangles have the same direction along the edge
+  std::vector<std::int32_t> component;       ///< of each triangle; triangles that share a node have the same number
   std::vector<std::size_t> component_sizes;  ///< triangles, by component number
   bool closed_manifold() const { return open_edges.empty() && non_manifold_edges.empty() && pinched_nodes.empty(); }
 };
 SurfaceTopology surface_topology(const Triangles& triangles);
 
-/// Turns triangles round so that all of a component run the same way, keeping the first triangle of each.
+/// Reverses triangles so that all triangles of a component are consistent with its first triangle.
 /// @pre every edge belongs to at most two triangles
-/// @return number of triangles turned, or -1 if a component has no consistent orientation
+/// @return number of reversed triangles, or -1 if a component has no consistent orientation
 std::int32_t orient_consistently(Triangles& triangles, const SurfaceTopology& topology);
 
 struct CellTopology {
-  std::vector<std::int32_t> component;       ///< of each cell; cells that share a node belong together
+  std::vector<std::int32_t> component;       ///< of each cell; cells that share a node have the same number
   std::vector<std::size_t> component_sizes;  ///< cells, by component number
   std::vector<std::int32_t> folded_cells;    ///< lie on the same side of a face as their neighbour: they overlap
   std::vector<std::int32_t> crowded_cells;   ///< share a face with more than one other cell
@@ -38,11 +38,11 @@ struct CellTopology {
 /// @pre cells have 4 columns and positive orientation
 CellTopology cell_topology(const Cells& cells, Eigen::Index n_nodes);
 
-/// The surface's defects as one phrase, "31 open edges (first: 3-17, 17-20), 16 components (...)"; empty if
-/// none.
+/// The defects of the surface in one line, such as "31 open edges (first: 3-17, 17-20), 16 components (...)"; empty if
+/// there are none.
 std::string describe_defects(const SurfaceTopology& topology, bool with_components);
 
-/// "12, 15, 18, ..." : the first few entries.
+/// The first entries: "12, 15, 18, ...".
 std::string first_few(const std::vector<std::int32_t>& numbers, std::size_t how_many = 8);
 /// "3 components of 120, 4 and 2 <things>".
 std::string describe_components(const std::vector<std::size_t>& sizes, const char* things);

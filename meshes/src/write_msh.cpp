@@ -11,12 +11,12 @@ using Groups = std::map<std::string, std::vector<std::int32_t>>;
 template <class Number>
 void append(std::string& text, Number value) {
   char buffer[40];
-  // Without a format to_chars writes the shortest decimal that reads back as the same double.
+  // Without a format argument to_chars writes the shortest decimal from which the same double is read.
   const char* end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
   text.append(buffer, static_cast<std::size_t>(end - buffer));
 }
 
-/// Numbers separated by spaces, then a line break.
+/// Writes numbers separated by spaces, then a line break.
 template <class... Numbers>
 void line(std::string& text, Numbers... numbers) {
   bool first = true;
@@ -39,7 +39,7 @@ void append_names(std::string& text, const Groups& groups) {
 
 bool is_solid(const Mesh& mesh) { return mesh.cells.cols() == 4; }
 
-/// One point entity per group, one surface, and the volume of a solid.
+/// One point entity for each group, one surface, and the volume of a solid.
 void append_entities(std::string& text, const Mesh& mesh, const Groups& groups) {
   const Eigen::RowVector3d low = mesh.nodes.colwise().minCoeff(), high = mesh.nodes.colwise().maxCoeff();
   text += "$Entities\n";
@@ -59,7 +59,7 @@ void append_nodes(std::string& text, const Mesh& mesh) {
   const Eigen::Index n = mesh.nodes.rows();
   text += "$Nodes\n";
   line(text, 1, n, 1, n);
-  line(text, is_solid(mesh) ? 3 : 2, 1, 0, n);  // all in one block, so that their order is the mesh's own
+  line(text, is_solid(mesh) ? 3 : 2, 1, 0, n);  // all in one block, which keeps the order of the mesh
   for (Eigen::Index i = 1; i <= n; ++i) line(text, i);
   for (Eigen::Index i = 0; i < n; ++i) line(text, mesh.nodes(i, 0), mesh.nodes(i, 1), mesh.nodes(i, 2));
   text += "$EndNodes\n";

@@ -1,5 +1,5 @@
-// Walks the grammar of models (phynness/schema/model_grammar.hpp) over a model that knows its sizes but not its
-// numbers.
+// Applies the grammar of models (phynness/schema/model_grammar.hpp) to a model whose sizes are known but whose numbers
+// are not.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -12,14 +12,14 @@
 namespace phynness {
 namespace {
 
-/// Characters of a number in hexadecimal: half a sign, 1 and a point, the digits of 52 or of 23 bits less the zeros at
-/// their end, and an exponent between p-1 and p-9, which fitted numbers mostly have.
+/// Mean number of characters of a hexadecimal number: half a sign, a 1 and a point, the digits of 52 or 23 bits without
+/// zeros at their end, and an exponent between p-1 and p-9, which most fitted numbers have.
 constexpr double full_characters = 0.5 + 2 + 12.93 + 3, float_characters = 0.5 + 2 + 5.86 + 3;
 
-/// A table of numbers that training will find.
+/// A table of numbers that training will compute.
 struct Unknown {
   std::int64_t n_rows = 0, n_cols = 1;
-  double characters = full_characters;  ///< of a number; integers have those of their range
+  double characters = full_characters;  ///< of a number; for integers the mean over their range
 };
 Unknown floats(std::int64_t rows, std::int64_t cols) { return {rows, cols, float_characters}; }
 
@@ -92,7 +92,7 @@ struct PlannedNode {
   std::vector<PlannedNodeLevel> levels;
 };
 
-/// What a database knows of a model, and the sizes of the rest.
+/// The properties of a model that the database determines, and the sizes of the rest.
 struct PlannedModel : Model {
   Unknown displacements;
   struct {
@@ -120,7 +120,7 @@ class TextCount : public ModelStores {
   double bytes() const { return _bytes; }
 
   void keyword(std::string_view word) { _bytes += 1 + static_cast<double>(word.size()); }
-  void end() {}  // the line feed is counted where a space would stand
+  void end() {}  // a line feed has the same size as the space that is counted in its place
   void text(const std::string& line) { _bytes += line.empty() ? 0 : 1 + static_cast<double>(line.size()); }
   void word(const char*, const std::string& word) { keyword(word); }
   void family(Family family) { keyword(name(family)); }
@@ -150,7 +150,7 @@ class TextCount : public ModelStores {
   auto get(const Store& store, std::int64_t i, std::int64_t k) const {
     return cell(store, i, k);
   }
-  /// The number that is asked for next is not known.
+  /// The next number is not known.
   double get(const Unknown& table, std::int64_t, std::int64_t) {
     _unknown = &table;
     return 0;
@@ -166,14 +166,14 @@ class TextCount : public ModelStores {
   const Unknown* _unknown = nullptr;
 };
 
-/// Half as many of everything for each level below the full one; training's least sizes change little.
+/// Halves all numbers for each level below the full one; the smallest sizes of training have little influence.
 template <class Count>
 Count halved(Count full, std::size_t below) {
   const Count step = Count{1} << below;
   return (full + step - 1) / step;
 }
 
-/// As many of everything as the database allows.
+/// The largest numbers that the database allows.
 void plan_shared(const TrainingSpec& spec, const std::vector<Field>& fields, PlannedModel& model) {
   const auto n_output = static_cast<std::int64_t>(model.output.size());
   const auto modes = [&](std::int64_t rows) { return std::min<std::int64_t>(spec.shared_modes, rows); };
@@ -196,7 +196,7 @@ void plan_response(const TrainingSpec& spec, const PlannedModel& model, PlannedN
   const std::int64_t n_near = m > 0 ? std::min<std::int64_t>(spec.near_nodes, n_output) : 0;
   node.force = PlannedNetwork(spec.force_neurons, 3);
   node.deformation = PlannedNetwork(spec.deformation_neurons, 6);
-  // Training rounds to float32 what was stored so.
+  // Training rounds these values to float32 if they are stored as float32.
   node.linear = {Unknown{3, 3}, floats(n_output, 9)};
   node.conservative = PlannedForce(std::min<std::int64_t>(spec.force_centers, states));
   node.modal = PlannedModes(n_centers + schema::n_linear_terms, model.shared.modes.entries.n_cols, n_near, 3, m);

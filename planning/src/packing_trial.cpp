@@ -25,7 +25,7 @@ class TemporaryFolder {
   explicit TemporaryFolder(const fs::path& parent) {
     std::string pattern = (parent / "phynness-plan-XXXXXX").string();
     if (!::mkdtemp(pattern.data()))
-      throw failure("cannot make a folder to try packing in", parent.string() + ": " + std::strerror(errno),
+      throw failure("cannot make a folder for the packing trial", parent.string() + ": " + std::strerror(errno),
                     "set TMPDIR to a folder that can be written");
     path = pattern;
   }
@@ -37,8 +37,7 @@ class TemporaryFolder {
   fs::path path;
 };
 
-/// The rays as a database of their own: a rectangle of nodes and directions, as many for each node as the one
-/// with the fewest has.
+/// The rays as a rectangular database of nodes and directions, with as many directions as the node with the fewest has.
 std::vector<std::vector<Ray>> by_node(const std::vector<Ray>& rays) {
   std::vector<std::vector<Ray>> nodes;
   for (const auto& ray : rays) {
@@ -59,7 +58,7 @@ struct Packed {
 Packed pack(const DatabaseHeader& whole, std::span<const std::vector<Ray>> nodes, const fs::path& file) {
   DatabaseHeader header = whole;
   header.sets.active.clear();
-  header.sets.mirror.reset();  // a few nodes are not symmetric
+  header.sets.mirror.reset();  // a sample of nodes is not symmetric
   for (const auto& node : nodes)
     header.sets.active.push_back(whole.sets.active[static_cast<std::size_t>(node.front().active)]);
   header.directions.resize(nodes.front().size());
@@ -101,7 +100,7 @@ PackingTrial try_packing(const DatabaseHeader& whole, const std::vector<Ray>& ra
 
   const auto nodes = by_node(rays);
   const std::span all(nodes);
-  // Two sizes, so that what a file costs once does not count for each ray.
+  // Two sizes allow to subtract the part that does not grow with the rays.
   std::optional<Packed> half;
   if (all.size() > 1) half = pack(whole, all.first(all.size() / 2), temporary.path / "half.h5");
   const Packed full = pack(whole, all, temporary.path / "full.h5");

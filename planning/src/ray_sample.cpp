@@ -8,10 +8,10 @@
 namespace phynness {
 namespace {
 
-/// Costs differ more from node to node than from direction to direction: short runs, many nodes.
+/// Costs vary more between nodes than between directions, so that short runs at many nodes are better.
 constexpr std::size_t run_length = 2;
 
-/// A whole number below n. The standard's distributions differ between libraries; the remainder's bias is
+/// An integer below n. The distributions of the standard library differ between platforms; the bias of the remainder is
 /// 2^-40 here.
 std::size_t draw(std::mt19937_64& random, std::size_t n) { return static_cast<std::size_t>(random() % n); }
 
@@ -21,7 +21,7 @@ std::vector<double> expected_cost(const Points& points, const Points& fixed) {
   if (fixed.rows() == 0) return size;
   for (Eigen::Index i = 0; i < points.rows(); ++i)
     size[static_cast<std::size_t>(i)] = (fixed.rowwise() - points.row(i)).rowwise().norm().minCoeff();
-  // A node that all but touches a fixed one is not to be the whole sample.
+  // The bound prevents a node very close to a fixed node from dominating the sample.
   const double least = 1e-2 * *std::max_element(size.begin(), size.end());
   for (double& s : size) s = least > 0 ? 1 / std::max(s, least) : 1;
   return size;
@@ -33,7 +33,7 @@ std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fi
                                    const std::vector<char>& requested, std::size_t n_directions, std::size_t wanted,
                                    std::uint64_t seed) {
   assert(requested.size() == static_cast<std::size_t>(active_points.rows()) * n_directions);
-  // Nodes that are asked for nothing, as all their rays are mirror images, take no part.
+  // Nodes without requested rays, whose rays are all mirror images, are not used.
   std::vector<std::size_t> order, n_requested;
   for (std::size_t a = 0; a < static_cast<std::size_t>(active_points.rows()); ++a) {
     const auto first = requested.begin() + static_cast<std::ptrdiff_t>(a * n_directions);
@@ -103,7 +103,7 @@ std::optional<double> RaySample::relative_error() const {
   double weight = 0, squares = 0;
   for (const auto& [w, c] : nodes) {
     weight += w;
-    squares += (c - w * mean) * (c - w * mean);  // of the ratio estimate sum c / sum w
+    squares += (c - w * mean) * (c - w * mean);  // residual of the ratio estimate sum c / sum w
   }
   return std::sqrt(squares * n / (n - 1)) / weight / mean;
 }

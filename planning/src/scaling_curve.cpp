@@ -11,7 +11,7 @@ double efficiency(const Schedule& one_rank, const Schedule& many) {
 
 namespace {
 
-/// What ranks without a task wait for.
+/// What ranks without a task wait for at the end.
 Limit limit_of_the_end(const Schedule& many, const RayWork& work, const MachineCosts& machine) {
   if (static_cast<std::size_t>(many.ranks) >= work.n_rays()) return Limit::n_rays;
   const double solving_s = many.solved_s - machine.launch_s - machine.start_s;

@@ -24,7 +24,7 @@ class Server {
 };
 
 struct Rank {
-  std::int64_t next = 0, end = 0;  ///< what is left of the task in hand
+  std::int64_t next = 0, end = 0;  ///< remaining rays of the present task
   std::int32_t node = -1;
 };
 
@@ -33,7 +33,7 @@ struct Event {
   double time;
   int rank;
   Moment moment;
-  bool operator<(const Event& other) const {  // the earliest is on top
+  bool operator<(const Event& other) const {  // the earliest event is on top
     if (time != other.time) return time > other.time;
     return rank > other.rank;
   }
@@ -91,7 +91,7 @@ class Simulation {
       rank.end = _starts[task + 1];
     }
     const auto ray = static_cast<std::size_t>(rank.next++);
-    // A ray that is not asked for touches no node.
+    // A ray that is not requested needs no preparation of its node.
     if (_work.seconds[ray] > 0 && _work.rays[ray].active != rank.node) {
       rank.node = _work.rays[ray].active;
       now += _machine.node_setup_s;

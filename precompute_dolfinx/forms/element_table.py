@@ -7,7 +7,6 @@ separate forms and spaces (shell.py, shell_elements.py).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
 
 
 @dataclass(frozen=True)
@@ -21,14 +20,19 @@ class Element:
     quadrature_degree: int
     stabilized: bool = False  # equal order of displacement and pressure
     is_shell: bool = False
-    locks_above: float = inf  # K/mu above which the element is too stiff
-    locks_severely: bool = False  # too stiff by a large factor; otherwise noticeably, at worst by a small factor
+    # Of an element that locks: rows of K/mu, ascending, and its force over that of Taylor-Hood on the same mesh, in the
+    # mean over patch probes to 0.15 edges and to one edge; over that of the mixed element that holds the same points in
+    # node probes. docs/theory.md, Why P1 locks, says what was measured.
+    force_ratios: tuple[tuple[float, float, float, float], ...] = ()
 
 
 ELEMENTS = (
-    Element("p1", "P1", 1, None, 1, locks_above=20, locks_severely=True),
-    # P2 locks later than P1: at K/mu = 200 with few cells it is too stiff by a factor of a few.
-    Element("p2", "P2", 2, None, 4, locks_above=100),
+    Element("p1", "P1", 1, None, 1, force_ratios=(
+        (2, 1.15, 1.3, 1.07), (5, 1.4, 1.9, 1.23), (10, 1.75, 2.6, 1.37), (20, 2.5, 3.8, 1.56), (50, 4.2, 6.8, 1.85),
+        (100, 6.5, 11, 2.15), (200, 10, 19, 2.5))),
+    Element("p2", "P2", 2, None, 4, force_ratios=(
+        (2, 1.02, 1.02, 1.07), (5, 1.07, 1.1, 1.2), (10, 1.12, 1.2, 1.35), (20, 1.23, 1.38, 1.48), (50, 1.5, 1.7, 1.75),
+        (100, 1.8, 2.1, 2.1), (200, 2.2, 2.9, 2.5))),
     Element("th", "taylor-hood", 2, 1, 4),
     Element("p1p1", "p1-p1", 1, 1, 1, stabilized=True),
     Element("shell", "shell", 2, None, 2, is_shell=True),

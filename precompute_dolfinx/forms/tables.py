@@ -106,17 +106,21 @@ def _row(law):
 
 def _element_row(element):
     flags = (element.pressure_degree is not None, element.is_shell)
-    return (f"{{{literal(element.name)}, {element.displacement_degree}, {', '.join(str(f).lower() for f in flags)}, "
-            f"{number(element.locks_above)}, {str(element.locks_severely).lower()}}}")  # fmt: skip
+    rows = ["{" + ", ".join(number(float(x)) for x in row) + "}" for row in element.force_ratios]
+    ratios, span = _array("ForceRatio", f"{element.identifier}_force_ratios", rows)
+    return ratios, (f"{{{literal(element.name)}, {element.displacement_degree}, "
+                    f"{', '.join(str(f).lower() for f in flags)}, {span}}}")  # fmt: skip
 
 
 def tables(laws):
     texts, rows = zip(*(_row(law) for law in laws))
+    element_texts, element_rows = zip(*(_element_row(e) for e in ELEMENTS))
     return (
         NOTE + "#include <limits>\n#include <phynness/formats/law.hpp>\n\nnamespace phynness {\nnamespace {\n\n"
         + "\n".join(texts)
         + _array("LawRow", "every_law", rows)[0]
-        + _array("ElementRow", "every_element", [_element_row(e) for e in ELEMENTS])[0]
+        + "".join(element_texts)
+        + _array("ElementRow", "every_element", element_rows)[0]
         + "\n}  // namespace\n\nstd::span<const LawRow> laws() { return every_law; }\n"
         "std::span<const ElementRow> elements() { return every_element; }\n\n}  // namespace phynness\n"
     )  # fmt: skip

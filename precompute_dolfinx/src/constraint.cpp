@@ -1,26 +1,53 @@
 #include "constraint.hpp"
 
-#include <phynness/formats/tool.hpp>
+#include <functional>
 
 namespace phynness {
 
-std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, double radius, std::int32_t node,
-                                 const std::vector<char>& fixed) {
-  std::vector<std::int32_t> fixed_nodes;
-  for (int i = 0; i < body.n_nodes(); ++i)
-    if (fixed[i]) fixed_nodes.push_back(i);
-  const bool patch = kind == ProbeKind::patch;
-  const auto touched =
-      touched_nodes(body.points().topRows(body.n_nodes()), body.surface(), fixed_nodes, node, patch ? radius : 0.0);
+namespace {
+
+/// Weights of all points: those of the nodes, and `at_middle` for middles of surface edges that end at one of them.
+std::vector<double> with_middles(const Discretization& body, const TouchedNodes& touched,
+                                 const std::vector<char>& fixed, const std::function<double(int point)>& at_middle) {
   std::vector<double> weights(body.n_points(), 0.0);
   for (std::size_t i = 0; i < touched.nodes.size(); ++i) weights[touched.nodes[i]] = touched.weights[i];
   for (int p = body.n_nodes(); p < body.n_points(); ++p) {
     const auto [a, b] = body.edge(p);
-    if (fixed[p] || !body.on_surface(p) || (weights[a] == 0 && weights[b] == 0)) continue;
-    weights[p] =
-        patch ? patch_weight((body.points().row(p) - body.points().row(node)).squaredNorm() / (radius * radius)) : 0.5;
+    if (!fixed[p] && body.on_surface(p) && (weights[a] != 0 || weights[b] != 0)) weights[p] = at_middle(p);
   }
   return weights;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> fixed_nodes(const Discretization& body, const std::vector<char>& fixed) {
+  std::vector<std::int32_t> nodes;
+  for (int i = 0; i < body.n_nodes(); ++i)
+    if (fixed[i]) nodes.push_back(i);
+  return nodes;
+}
+
+std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, double radius, std::int32_t node,
+                                 const std::vector<char>& fixed) {
+  const bool patch = kind == ProbeKind::patch;
+  const auto touched = touched_nodes(body.points().topRows(body.n_nodes()), body.surface(), fixed_nodes(body, fixed),
+                                     node, patch ? radius : 0.0);
+  return with_middles(body, touched, fixed, [&](int p) {
+    return patch ? patch_weight((body.points().row(p) - body.points().row(node)).squaredNorm() / (radius * radius))
+                 : 0.5;
+  });
+}
+
+std::vector<double> patch_weights(const Discretization& body, double radius, const SurfacePoint& center,
+                                  const std::vector<char>& fixed) {
+  const auto touched =
+      touched_nodes(body.points().topRows(body.n_nodes()), body.surface(), fixed_nodes(body, fixed), center, radius);
+  Eigen::RowVector3d point = Eigen::RowVector3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k)
+    if (center.weights[k] > 0) point += center.weights[k] * body.points().row(center.nodes[k]);
+  return with_middles(body, touched, fixed, [&](int p) {
+    return touched.scale * patch_weight((body.points().row(p) - point).squaredNorm() / (radius * radius));
+  });
 }
 
 Constraint tool_constraint(const Discretization& body, const std::vector<std::vector<double>>& weights_of_tools) {

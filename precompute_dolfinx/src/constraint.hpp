@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <phynness/formats/scene.hpp>
+#include <phynness/formats/tool.hpp>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,12 @@ struct Constraint {
 /// @param fixed  flag of each point
 std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, double radius, std::int32_t node,
                                  const std::vector<char>& fixed);
+/// The same of a patch around a point of the surface (touched_nodes). @param radius  > 0
+/// @throws Error (input) if the patch holds no free node of the point's triangle
+std::vector<double> patch_weights(const Discretization& body, double radius, const SurfacePoint& center,
+                                  const std::vector<char>& fixed);
+/// Fixed nodes, ascending. @param fixed  flag of each point
+std::vector<std::int32_t> fixed_nodes(const Discretization& body, const std::vector<char>& fixed);
 
 /// The constraint of several tools; parameters 3 t + k are the components of tool t's displacement.
 Constraint tool_constraint(const Discretization& body, const std::vector<std::vector<double>>& weights_of_tools);

@@ -1,5 +1,6 @@
 #include <Eigen/LU>
 #include <algorithm>
+#include <phynness/formats/error.hpp>
 #include <phynness/precompute/held_points.hpp>
 
 namespace phynness {
@@ -29,9 +30,53 @@ std::vector<Vec3> per_tool(const Eigen::VectorXd& values) {
   return rows;
 }
 
+/// The tools without fixed nodes. @throws Error (input) if nothing is left of one
+std::vector<PointTool> without_fixed(const ProbeSolver& solver, const std::vector<PointTool>& tools) {
+  std::vector<PointTool> free;
+  for (const auto& tool : tools) {
+    auto& kept = free.emplace_back(PointTool{{}, {}, tool.displacement_m});
+    for (std::size_t i = 0; i < tool.nodes.size(); ++i) {
+      if (tool.weights[i] == 0 || solver.is_fixed(tool.nodes[i])) continue;
+      kept.nodes.push_back(tool.nodes[i]);
+      kept.weights.push_back(tool.weights[i]);
+    }
+    if (kept.nodes.empty())
+      throw input_error("all nodes of a tool are fixed", "tool " + std::to_string(free.size() - 1),
+                        "touch a part of the surface that can move");
+  }
+  return free;
+}
+
+HeldPoints hold_patches(ProbeSolver& solver, const std::vector<PointTool>& tools, int increments, bool tangents) {
+  std::vector<SurfacePoint> centers;
+  std::vector<Vec3> displacements;
+  Eigen::VectorXd d(3 * static_cast<Eigen::Index>(tools.size()));
+  for (const auto& tool : tools) {
+    SurfacePoint& center = centers.emplace_back();
+    center.nodes = {-1, -1, -1};
+    for (std::size_t i = 0; i < tool.nodes.size(); ++i) {
+      center.nodes.at(i) = tool.nodes[i];
+      center.weights.at(i) = tool.weights[i];
+    }
+    d.segment<3>(3 * static_cast<Eigen::Index>(displacements.size())) =
+        Eigen::Vector3d(tool.displacement_m[0], tool.displacement_m[1], tool.displacement_m[2]);
+    displacements.push_back(tool.displacement_m);
+  }
+  solver.touch_patches(centers);
+  HeldPoints held;
+  held.linear_force_N = per_tool(solver.rest().stiffness_N_per_m * d);
+  const Eigen::VectorXd u = solver.rest().sensitivity * d;
+  held.linear_displacement_m = Eigen::Map<const Points>(u.data(), u.size() / 3, 3);
+  held.response = solver.solve(displacements, increments, tangents);
+  held.solves = 1;
+  return held;
+}
+
 }  // namespace
 
-HeldPoints hold_points(ProbeSolver& solver, const std::vector<PointTool>& tools, int increments) {
+HeldPoints hold_points(ProbeSolver& solver, const std::vector<PointTool>& all_tools, int increments, bool tangents) {
+  const auto tools = without_fixed(solver, all_tools);
+  if (solver.holds_patches()) return hold_patches(solver, all_tools, increments, tangents);
   std::vector<std::int32_t> nodes;
   for (const auto& tool : tools)
     for (const auto node : tool.nodes)

@@ -20,8 +20,7 @@ struct NegativeCurvature {
 /// @pre K has a negative eigenvalue; otherwise all steps are executed before the result is empty
 /// @param preconditioner  has factors of P
 /// @param start  n; zero for prescribed displacements and for pressures. It determines the sign of the result, start .
-/// v >
-///               0, and which of several directions with the same curvature is found
+///               v > 0, and which of several directions with the same curvature is found
 NegativeCurvature most_negative_curvature(LinearSolver& preconditioner, Mat K, const Eigen::VectorXd& start);
 
 }  // namespace phynness

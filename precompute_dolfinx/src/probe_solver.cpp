@@ -47,6 +47,29 @@ struct ProbeSolver::Impl {
   RaySolver::Rest rest;
   RestResponse rest_SI;
 
+  double radius() const { return scene.probe.tool_radius_m / scaling.length_m; }
+
+  /// @throws Error (input) unless the node is of the surface and free
+  void check_touched(std::int32_t node) const {
+    const auto value = "node " + std::to_string(node);
+    if (node < 0 || node >= body.n_nodes())
+      throw input_error("the mesh has no such node", value,
+                        "give a number from 0 to " + std::to_string(body.n_nodes() - 1));
+    if (!body.on_surface(node))
+      throw input_error("the touched node is inside the body", value, "touch a node of the surface");
+    if (fixed[node]) throw input_error("the touched node is fixed", value, "touch a node that can move");
+  }
+
+  /// Prescribes the weights of all tools and computes their responses at rest.
+  void find_rest() {
+    equilibrium.prescribe(tool_constraint(body, weights));
+    rest = rays.rest();
+    rest_SI.stiffness_N_per_m = rest.tangent * scaling.stiffness_N_per_m();
+    rest_SI.sensitivity.resize(3 * body.n_nodes(), rest.sensitivity.cols());
+    for (int i = 0; i < body.n_nodes(); ++i)
+      for (int k = 0; k < 3; ++k) rest_SI.sensitivity.row(3 * i + k) = rest.sensitivity.row(body.dofs(i)[k]);
+  }
+
   Eigen::Index n_fields() const { return static_cast<Eigen::Index>(scene.database.fields.size()); }
 
   Points displacement(std::span<const double> state) const {
@@ -80,23 +103,20 @@ void ProbeSolver::recover() { _impl->equilibrium.recover(); }
 void ProbeSolver::set_stop(std::function<bool()> stop) { _impl->equilibrium.set_stop(std::move(stop)); }
 SolverCounts ProbeSolver::counts() const { return _impl->equilibrium.counts(); }
 
+bool ProbeSolver::holds_patches() const { return _impl->scene.probe.kind == ProbeKind::patch; }
+bool ProbeSolver::is_fixed(std::int32_t node) const { return _impl->fixed.at(static_cast<std::size_t>(node)) != 0; }
+
 void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
   auto& s = *_impl;
   s.weights.clear();
   for (std::size_t t = 0; t < nodes.size(); ++t) {
     const auto node = nodes[t];
-    const auto value = "node " + std::to_string(node);
-    if (node < 0 || node >= s.body.n_nodes())
-      throw input_error("the mesh has no such node", value,
-                        "give a number from 0 to " + std::to_string(s.body.n_nodes() - 1));
-    if (!s.body.on_surface(node))
-      throw input_error("the touched node is inside the body", value, "touch a node of the surface");
-    if (s.fixed[node]) throw input_error("the touched node is fixed", value, "touch a node that can move");
+    s.check_touched(node);
     if (std::find(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(t), node) !=
         nodes.begin() + static_cast<std::ptrdiff_t>(t))
-      throw input_error("two tools hold the same node", value, "give each tool a different node");
-    s.weights.push_back(
-        tool_weights(s.body, s.scene.probe.kind, s.scene.probe.tool_radius_m / s.scaling.length_m, node, s.fixed));
+      throw input_error("two tools hold the same node", "node " + std::to_string(node),
+                        "give each tool a different node");
+    s.weights.push_back(tool_weights(s.body, s.scene.probe.kind, s.radius(), node, s.fixed));
   }
   for (std::size_t t = 0; t < nodes.size(); ++t)
     for (std::size_t other = 0; other < nodes.size(); ++other)
@@ -104,13 +124,23 @@ void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
         throw input_error("two tools overlap: one moves the node that the other touches",
                           "nodes " + std::to_string(nodes[t]) + " and " + std::to_string(nodes[other]),
                           "keep tools at least a tool radius apart");
-  s.equilibrium.prescribe(tool_constraint(s.body, s.weights));
-  s.rest = s.rays.rest();
+  s.find_rest();
+}
 
-  s.rest_SI.stiffness_N_per_m = s.rest.tangent * s.scaling.stiffness_N_per_m();
-  s.rest_SI.sensitivity.resize(3 * s.body.n_nodes(), s.rest.sensitivity.cols());
-  for (int i = 0; i < s.body.n_nodes(); ++i)
-    for (int k = 0; k < 3; ++k) s.rest_SI.sensitivity.row(3 * i + k) = s.rest.sensitivity.row(s.body.dofs(i)[k]);
+void ProbeSolver::touch_patches(const std::vector<SurfacePoint>& centers) {
+  auto& s = *_impl;
+  s.weights.clear();
+  const auto held = fixed_nodes(s.body, s.fixed);
+  for (const auto& center : centers) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (center.weights[k] > 0 && !std::binary_search(held.begin(), held.end(), center.nodes[k]))
+        s.check_touched(center.nodes[k]);
+    s.weights.push_back(patch_weights(s.body, s.radius(), center, s.fixed));
+  }
+  require_apart(centers, held, [&](std::int32_t node) {
+    return touched_nodes(s.body.points().topRows(s.body.n_nodes()), s.body.surface(), held, node, s.radius()).nodes;
+  });
+  s.find_rest();
 }
 
 const RestResponse& ProbeSolver::rest() const { return _impl->rest_SI; }

@@ -40,8 +40,7 @@ class TangentMatrix {
   /// Assembles K(state) into matrix() and replaces prescribed rows and columns by those of the identity.
   /// @param prescribed  unknowns of constraint.dofs, in their order
   /// @param convexity   unless `none`, matrix() is assembled from element tangents whose displacement block is replaced
-  /// by
-  ///                    the nearest positive semidefinite one, and exact() from the true element tangents
+  ///                    by the nearest positive semidefinite one, and exact() from the true element tangents
   Coupling assemble(Discretization& body, std::span<const double> state, const Constraint& constraint,
                     const std::vector<std::int32_t>& prescribed, Convexity convexity = Convexity::none);
 

@@ -1,4 +1,4 @@
-// What happens at the extremes: docs/extremes.md. Usage: tools/study-extremes [SECTION ...]
+// Behaviour at extreme parameters: docs/extremes.md. Usage: tools/study-extremes [SECTION ...]
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -27,8 +27,8 @@ const std::vector<std::pair<std::string, void (*)(const SolverSession&)>> sectio
 int run(int argc, char** argv) {
   std::vector<std::string> wanted, names;
   for (const auto& [section, work] : sections) names.push_back(section);
-  CLI::App app{"What happens at the extremes (docs/extremes.md)"};
-  app.add_option("SECTION", wanted, "which tables (default: all)")->check(CLI::IsMember(names));
+  CLI::App app{"Behaviour at extreme parameters (docs/extremes.md)"};
+  app.add_option("SECTION", wanted, "tables to compute (default: all)")->check(CLI::IsMember(names));
   CLI11_PARSE(app, argc, argv);
   const SolverSession session;
   for (const auto& [section, work] : sections)

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::RowVector3d;
 
-/// The same responses of a body that stands elsewhere.
+/// The same responses of a body at another place.
 study::StudyData moved(study::StudyData data, const RowVector3d& by) {
   data.header.mesh.nodes.rowwise() += by;
   data.header.mesh_hash = mesh_hash(data.header.mesh);
@@ -22,7 +22,7 @@ study::StudyData moved(study::StudyData data, const RowVector3d& by) {
   return data;
 }
 
-/// Once subdivided, at rest.
+/// Subdivided once, at rest.
 struct FineSurface {
   explicit FineSurface(const LoadedModel& model) : surface(model.runtime(), 1) {}
   Eigen::MatrixXd points() const {
@@ -58,7 +58,7 @@ double largest_difference(const LoadedModel& here, const LoadedModel& there, boo
 void far_models(const SolverSession&) {
   const auto body = solve_body("demo.toml");
   fmt::print(
-      "\nModels far from the origin: the demo's responses with its mesh elsewhere, trained there; largest "
+      "\nModels far from the origin: the demo's responses with a moved mesh, trained there; largest "
       "difference\n"
       "over the largest answer at 300 displacements, and of points of the once subdivided surface at rest\n");
   fmt::print("{:<10}{:<14}{:>12}{:>14}{:>18}\n", "family", "away", "force", "displacement", "fine surface");

@@ -1,4 +1,4 @@
-// A body that is solved, trained and evaluated in memory: the demo's liver, unless said otherwise.
+// A body that is solved, trained and evaluated in memory, by default the demo's liver.
 #pragma once
 
 #include <phynness/evaluation/loaded_model.hpp>
@@ -17,20 +17,20 @@ struct ModelBody {
   const Mesh& mesh() const { return data.header.mesh; }
 };
 
-/// Solves every ray of a shipped scene.
-/// @param depth_m    instead of the scene's; 0: the scene's
-/// @param most_active  nodes that stay active, drawn; 0: all
+/// Solves every ray of a scene of the distribution.
+/// @param depth_m      depth; 0: of the scene
+/// @param most_active  number of active nodes, selected at random; 0: all
 ModelBody solve_body(const std::string& scene_name, double depth_m = 0, int most_active = 0);
-/// The scene's [training] but for the family.
+/// [training] of the scene with another family.
 TrainingSpec training_of(const Scene& scene, Family family);
 LoadedModel train_on(const study::StudyData& data, const TrainingSpec& spec);
 
-/// What something says of one probe of a node, and the truth.
+/// A prediction for one probe of a node, and the finite element solution.
 struct Compared {
   Eigen::Vector3d force{0, 0, 0}, force_FE{0, 0, 0};
   Points u, u_FE;  ///< at the output nodes
 };
-/// Errors (17) over the probes of some nodes, those of each node in one group.
+/// Errors (17) over the probes of some nodes; the probes of each node form one group.
 class Errors {
  public:
   /// @param without  position of the touched node among the output nodes

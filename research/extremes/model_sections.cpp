@@ -19,7 +19,7 @@ constexpr std::size_t n_probed = 10;
 Vector3d vector(const Vec3& v) { return {v[0], v[1], v[2]}; }
 Vec3 array(const Vector3d& v) { return {v[0], v[1], v[2]}; }
 
-/// Ten of the active nodes, spread over their list.
+/// Ten active nodes, distributed evenly over their list.
 std::vector<std::int32_t> probed_nodes(const ModelBody& body) {
   const auto& active = body.data.header.sets.active;
   const std::size_t n = std::min(n_probed, active.size());
@@ -102,7 +102,7 @@ void extrapolation(const SolverSession&) {
   const auto modal = train_on(body.data, training_of(body.scene, Family::modal));
   const auto rbfn = train_on(body.data, training_of(body.scene, Family::rbfn));
   fmt::print(
-      "\nBeyond the trained range: the demo's liver trained to {:g} mm, asked deeper; {} nodes, {} "
+      "\nBeyond the trained range: the demo's liver trained to {:g} mm, evaluated deeper; {} nodes, {} "
       "directions at\n"
       "random. Errors (17) of each depth, mean / p95 / max in %; probes that the finite elements solve\n",
       1e3 * depth_m, probed_nodes(body).size(), n_directions);
@@ -157,7 +157,7 @@ void missing(const SolverSession& session) {
   std::size_t inside = 0;
   for (const auto& node : fresh) inside += node.states[0].size();
   fmt::print(
-      "\nProbes that failed, drawn for each node: the demo's liver; {} fresh probes inside the range at {} "
+      "\nRandom failed probes of each node: the demo's liver; {} new probes inside the range at {} "
       "nodes,\n"
       "errors (17), mean / p95 / max in %\n",
       inside, fresh.size());
@@ -173,7 +173,7 @@ void missing(const SolverSession& session) {
       print(name(family), fmt::format("{:.0f} %", 100 * share),
             model_errors(train_on(data, training_of(body.scene, family)), fresh).inside);
     }
-  // One of the probed nodes has not a single answer.
+  // One of the probed nodes has no response.
   auto data = body.data;
   const auto lost = fresh[0].node;
   study::StudyData one;
@@ -207,7 +207,7 @@ void floats(const SolverSession&) {
                fmt::format("{:.0e}, {:.0e}", in_double.force_deviation, in_double.deformation_deviation));
     std::fflush(stdout);
   };
-  row("as the scene says", training_of(body.scene, Family::modal));
+  row("as in the scene", training_of(body.scene, Family::modal));
   for (const double spread : {0.2, 0.75, 2.0, 5.0, 20.0}) {
     auto spec = training_of(body.scene, Family::rbfn);
     spec.force_spread = spec.deformation_spread = spread;

@@ -11,7 +11,7 @@
 namespace phynness::extremes {
 namespace {
 
-/// Means of |network - data| over the points, over the largest |data|: (17) of one node.
+/// Means of |network - data| over the points, over the largest |data|: (17) for one node.
 struct Fit {
   double training = 0, fresh = 0;
 };
@@ -21,7 +21,7 @@ struct Truth {
   Points u;  ///< at the output nodes
 };
 
-/// Fresh solves of a node within its trained depths.
+/// New solves of a node within its trained depths.
 std::vector<Truth> fresh_solves(const ModelBody& body, const study::StudyNode& node, ProbeSolver& solver,
                                 const TrainingTables& tables, int n_rays, std::mt19937_64& random) {
   const auto described = describe_node(tables, node.node, node.point, node.prescribed, node.rays);

@@ -21,7 +21,7 @@ const Element elements[] = {element_named("P1"), element_named("P2"), element_na
                             element_named("taylor-hood")};
 constexpr double edge_m = 0.1, h_m = edge_m / robustness::elements_along_edge;
 
-/// A round tool of twice the element size: a node alone has no limit under refinement.
+/// A round tool of twice the element size, because the force of a single node does not converge under refinement.
 Body pressed(Body body, double size_m = h_m) {
   body.scene.probe.kind = ProbeKind::patch;
   body.scene.probe.tool_radius_m = 2 * h_m;
@@ -33,7 +33,7 @@ Body pressed(Body body, double size_m = h_m) {
   return body;
 }
 
-/// The surface node nearest to the middle of the top.
+/// The surface node nearest to the center of the top face.
 std::int32_t top(const Mesh& mesh) {
   const auto nodes = surface_nodes(mesh.surface);
   const Eigen::RowVector3d low = mesh.nodes.colwise().minCoeff(), high = mesh.nodes.colwise().maxCoeff();
@@ -47,7 +47,7 @@ std::int32_t top(const Mesh& mesh) {
 Vec3 times(double s, const Vec3& e) { return {s * e[0], s * e[1], s * e[2]}; }
 Vector3d force(const Response& r) { return Vector3d::Map(r.force_N[0].data()); }
 
-/// f . d / |d|^2 of the middle of the top pushed half an element deep; NaN if it does not converge.
+/// f . d / |d|^2 of the center of the top face, displaced inward by half an element; NaN if it does not converge.
 double stiffness_N_per_m(const Body& body) {
   ProbeSolver solver(body.scene, body.mesh, body.sets);
   solver.touch({top(body.mesh)});
@@ -72,7 +72,7 @@ void incompressibility(const SolverSession&) {
     for (const auto element : elements) {
       auto body = pressed(robustness::cube(law, element, ratio));
       const double felt = stiffness_N_per_m(body);
-      if (element == element_named("P2") && ratio > 200) {  // minutes a ray
+      if (element == element_named("P2") && ratio > 200) {  // minutes per ray
         fmt::print("{:>14.2f}{:>6} %", felt / reference, "-");
       } else {
         body.scene.probe.max_displacement_m = h_m;

@@ -42,7 +42,7 @@ double largest(const std::vector<double>& v) {
   return most;
 }
 
-/// Two places of one triangle of active corners, `apart_m` apart.
+/// Two points of a triangle of active corners at the distance `apart_m`.
 bool place(const LoadedModel& model, std::mt19937_64& random, double apart_m, phn_tool (&pair)[2]) {
   const auto& m = model.model();
   const auto active = [&](std::int32_t node) {
@@ -65,7 +65,7 @@ bool place(const LoadedModel& model, std::mt19937_64& random, double apart_m, ph
     if (!model.runtime().nearest(at[i], pair[i], point).ok()) return false;
     for (int k = 0; k < 3; ++k)
       if (pair[i].weights[k] > 0 && !active(pair[i].nodes[k])) return false;
-    // Off the rim of a triangle the nearest point of the surface is elsewhere.
+    // For a point outside of the triangle the nearest point of the surface is a different one.
     if (i == 1) {
       double first[3];
       phn_tool again;
@@ -88,9 +88,9 @@ void tools(const SolverSession&) {
   fmt::print(
       "\nTwo tools closer than an edge ({:.0f} mm on average): the demo's liver, family modal, {} pairs of points at "
       "random, both {:g} mm\n"
-      "deep. Together: the same displacement, as one blunt tool makes; apart: displacements at random. "
+      "deep. Together: both tools have the same displacement; apart: random displacements. "
       "Unsettled by\n"
-      "status; force of the worse tool over that of one tool alone, median and largest; error of the summed "
+      "status; larger force of the two tools over that of one tool alone, median and largest; error of the summed "
       "force over\n"
       "the finite elements', median and largest, in %, of the pairs that these solve\n",
       1e3 * measure_quality(body.mesh()).mean_edge_m, n_pairs, 1e3 * depth_m);
@@ -120,7 +120,8 @@ void tools(const SolverSession&) {
         }
         over.push_back(worse / alone);
         const bool one_place = together && apart_m < 1e-5;
-        if (!together && apart_m < 1e-3) continue;  // displacements that no body follows
+        if (!together && apart_m < 1e-3)
+          continue;  // the body cannot have such different displacements at this distance
         const auto truth =
             hold_points(solver, one_place ? std::vector{held(tool[0])} : std::vector{held(tool[0]), held(tool[1])},
                         body.scene.probe.increments);

@@ -1,5 +1,5 @@
-// Time against neurons, centers and nodes, with the straight lines through it, and how near the paper's sizes
-// are to what this core can do. Usage: phynness_cost_lines [--plot FILE.svg] [--json FILE]
+// Time against numbers of neurons, centers and nodes with straight lines fitted to it, and a comparison with the limits
+// of the processor. Usage: phynness_cost_lines [--plot FILE.svg] [--json FILE]
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -30,12 +30,12 @@ class Timed : public bench::TimedModel {
   }
 };
 
-/// One figure: times of the runtime and, in family rbfn, of the plain loop.
+/// Times of the runtime and, in family rbfn, of the plain loop.
 struct Series {
   std::string name, axis, unit;
   std::vector<double> n, time, plain;
 
-  /// Least squares with every point counting by its own size: constant and slope.
+  /// Least squares with relative weights: constant and slope.
   std::array<double, 2> line() const {
     double s = 0, sx = 0, sxx = 0, sy = 0, sxy = 0;
     for (std::size_t i = 0; i < n.size(); ++i) {
@@ -64,7 +64,7 @@ struct Series {
       if (!plain.empty()) std::printf("   plain loop %12.3f, %.1f times", plain[i], plain[i] / time[i]);
       std::printf("\n");
     }
-    std::printf("  line: %.3g + %.4g n %s, largest departure %.0f %%\n", constant, slope, unit.c_str(),
+    std::printf("  line: %.3g + %.4g n %s, largest deviation %.0f %%\n", constant, slope, unit.c_str(),
                 100 * departure());
     std::fflush(stdout);
   }
@@ -105,7 +105,7 @@ std::vector<Series> measure() {
   }
   {
     Series force{"force, family modal", "centers", "ns", {}, {}, {}};
-    // And one at rest. Fewer than 32 are gathered, which is another line.
+    // The additional center is at rest. With fewer than 32 centers a different kernel is used, with a different line.
     for (const int n : {47, 79, 111, 143}) {
       force.n.push_back(n + 1);
       force.time.push_back(Timed(bench::modal_model(n, n_shared, n_own, n_centers, n_near, 1)).force_ns());
@@ -124,7 +124,7 @@ std::vector<Series> measure() {
   return all;
 }
 
-/// Additions, multiplications, divisions and roots, without the choice of neurons and the like.
+/// Numbers of additions, multiplications, divisions and roots, without those for the choice of neurons.
 struct Work {
   std::string what;
   double time_us, flops, bytes;
@@ -137,8 +137,8 @@ nlohmann::json compare_with_limits() {
               limits.double_gflops, limits.float_gflops);
   Timed networks(bench::networks_model(n_force_neurons, n_neurons, 1));
   Timed modal(bench::modal_model(n_centers, n_shared, n_own, n_centers, n_near, 1));
-  // A Gaussian: distance 8, its exponential 37, in float, where it is a power of two, 18; three sums 6. A
-  // center of a force: distance 9, root and division 2, the rest 18.
+  // A Gaussian needs 8 operations for the distance, 37 for its exponential (18 in float, where it is a power of two)
+  // and 6 for three sums. A center of a force needs 9 for the distance, 2 for root and division, and 18 for the rest.
   const bool single = modal.model.info().precision_bits == 32;
   const double gaussian = single ? 26 : 45, bytes = single ? 4 : 8;
   constexpr double sums = 6, center = 29;

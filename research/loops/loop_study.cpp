@@ -1,5 +1,5 @@
-// Work over closed paths, integrated from forces: the energy that a model could supply to a device; and jumps of
-// the force where a tool slides from triangle to triangle.
+// Work along closed paths, integrated from forces, which is energy that a model could supply to a device; and jumps of
+// the force while a tool slides from triangle to triangle.
 #include <phynness/phynness.h>
 
 #include <CLI/CLI.hpp>
@@ -38,7 +38,7 @@ class Paths {
 
   bool has_points() const { return !_triangles.empty(); }
 
-  /// A quadrilateral of displacements at one node, corners uniform in the ball of the trained depth.
+  /// A quadrilateral of displacements at one node, with corners uniform in the ball of the trained depth.
   Loop at_node() {
     const auto& nodes = _model.model().nodes;
     const std::int32_t node = nodes[index(nodes.size())].node;
@@ -57,9 +57,8 @@ class Paths {
     });
   }
 
-  /// A tool that is pushed to one displacement slides around a node, over every edge that meets there. What
-  /// it does to the body is its force times how the material under it moves: sum over corners of weight force
-  /// . du.
+  /// A tool with a constant displacement slides around a node, across every edge at this node. The work on the body is
+  /// the force times the motion of the material under the tool: the sum over corners of weight force . du.
   Loop sliding(int steps_per_triangle) {
     std::vector<std::array<std::int32_t, 3>> ring;
     std::int32_t center = 0;
@@ -87,8 +86,8 @@ class Paths {
     return loop;
   }
 
-  /// A tool that is pushed to one displacement slides by `step` [m] from a triangle to another: over an edge,
-  /// or every fourth time over a node. @return change of the force over its size
+  /// A tool with a constant displacement slides by `step` [m] from one triangle to another, across an edge or in every
+  /// fourth case across a node. @return change of the force over its size
   double slide(double step) {
     const auto& from = _triangles[index(_triangles.size())];
     const std::size_t first = index(3);
@@ -111,7 +110,7 @@ class Paths {
   }
 
  private:
-  /// Another neighbour of node a, to slide to over a: the corner after the next around it.
+  /// Another neighbour of node a, for a path across a: the second next corner around it.
   std::int32_t opposite(std::int32_t a, std::int32_t b, std::int32_t c) const {
     std::int32_t at = c;
     for (int turn = 0; turn < 2; ++turn) {
@@ -159,7 +158,7 @@ class Paths {
     return phynness::around_quadrilateral(corners, respond);
   }
 
-  /// The triangles around a node in order, each with the node first; empty unless they close.
+  /// The triangles around a node in order, each beginning with the node; empty if they do not form a closed fan.
   std::vector<std::array<std::int32_t, 3>> ring_of(std::int32_t center) const {
     std::map<std::int32_t, std::array<std::int32_t, 3>> next;
     for (auto triangle : _triangles)
@@ -195,7 +194,7 @@ class Paths {
     return state;
   }
 
-  /// Trapezoidal.
+  /// Trapezoidal rule.
   static double work_between(const State& a, const State& b) {
     const auto u = [](const State& state, std::int32_t at) {
       return Vector(&state.u[3 * static_cast<std::size_t>(at)]);
@@ -237,7 +236,7 @@ nlohmann::ordered_json report(const char* what, const std::vector<Loop>& loops) 
 
 nlohmann::ordered_json report_slides(Paths& paths, int n) {
   nlohmann::ordered_json out;
-  std::printf("slides over edges and nodes, %d of each size: change of the force over its size\n", n);
+  std::printf("slides across edges and nodes, %d of each size: change of the force over its size\n", n);
   for (const double step : {1e-4, 1e-5, 1e-6, 1e-7}) {
     std::vector<double> change;
     for (int i = 0; i < n; ++i) change.push_back(paths.slide(step));
@@ -252,14 +251,15 @@ nlohmann::ordered_json report_slides(Paths& paths, int n) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Work over closed paths, integrated from the forces of a model, over the largest energy on the path");
+  CLI::App app("Work along closed paths, integrated from the forces of a model, over the largest energy on the path");
   std::string directory, json_file;
   int loops = 1000, steps = 200, slides = 0;
   std::uint64_t seed = 1;
   app.add_option("MODEL_DIR", directory)->required();
-  app.add_option("--loops", loops, "of each kind")->check(CLI::Range(1, 1'000'000));
-  app.add_option("--steps", steps, "of a sliding tool in each triangle")->check(CLI::Range(2, 100'000));
-  app.add_option("--slides", slides, "small ones over edges and nodes, of each size")->check(CLI::Range(0, 10'000'000));
+  app.add_option("--loops", loops, "number of loops of each kind")->check(CLI::Range(1, 1'000'000));
+  app.add_option("--steps", steps, "steps of a sliding tool in each triangle")->check(CLI::Range(2, 100'000));
+  app.add_option("--slides", slides, "number of short slides across edges and nodes, of each size")
+      ->check(CLI::Range(0, 10'000'000));
   app.add_option("--seed", seed);
   app.add_option("--json", json_file);
   CLI11_PARSE(app, argc, argv);

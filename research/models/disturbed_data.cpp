@@ -9,7 +9,7 @@
 namespace phynness::study {
 namespace {
 
-/// The same on every platform (std distributions are not).
+/// The same numbers on every platform, which the distributions of the standard library do not guarantee.
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
 double normal(std::mt19937_64& random) {

@@ -25,7 +25,7 @@ Eigen::Matrix<double, 3, 9> force_tail(const Vector3d& x) {
   return t;
 }
 
-/// Coefficients of kernel and tail that reproduce the values.
+/// Coefficients of kernel and tail that interpolate the values.
 MatrixXd interpolated(const MatrixXd& kernel, const MatrixXd& tail, const MatrixXd& values) {
   const Index n = kernel.rows(), m = tail.cols();
   MatrixXd system = MatrixXd::Zero(n + m, n + m), right = MatrixXd::Zero(n + m, values.cols());
@@ -36,7 +36,7 @@ MatrixXd interpolated(const MatrixXd& kernel, const MatrixXd& tail, const Matrix
   return Eigen::PartialPivLU<MatrixXd>(system).solve(right);
 }
 
-/// Rest first, then the training states.
+/// Rest, followed by the training states.
 Eigen::MatrixX3d with_rest(const Eigen::MatrixX3d& x) {
   Eigen::MatrixX3d all = Eigen::MatrixX3d::Zero(x.rows() + 1, 3);
   all.bottomRows(x.rows()) = x;
@@ -94,7 +94,7 @@ class FieldInterpolation {
   MatrixXd _coefficients;
 };
 
-/// Modes and amplitudes as stored, in double.
+/// Modes and amplitudes as stored, evaluated in double.
 class StoredField {
  public:
   StoredField(const Model& model, const ModalDeformation& modal, const std::vector<char>& counts)
@@ -127,7 +127,7 @@ class StoredField {
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> _qr;
 };
 
-/// A field without the nodes that the probe moves itself.
+/// A field without the nodes that the probe itself moves.
 VectorXd counted(const double* u, const std::vector<char>& counts) {
   VectorXd field = Eigen::Map<const VectorXd>(u, 3 * static_cast<Index>(counts.size()));
   for (std::size_t o = 0; o < counts.size(); ++o)

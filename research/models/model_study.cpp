@@ -1,5 +1,5 @@
-// How stable training is: disturbed data and forced parameters, measured on the same fresh solves; and the
-// sources of the errors of the trained models. Usage: tools/study-models SCENE database.h5 [--json FILE]
+// Stability of training: disturbed data and forced parameters, measured by the same new solves; and sources of the
+// errors of trained models. Usage: tools/study-models SCENE database.h5 [--json FILE]
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -33,12 +33,12 @@ struct Options {
   std::vector<std::string> families{"modal", "rbfn"};
 };
 
-/// The solves that every row is held against.
+/// The solves with which every row is compared.
 struct Fresh {
   std::vector<NodeProbes> all, calm;  ///< calm: at nodes that do not snap
 };
 
-/// Probes no deeper than this, as if they were all.
+/// The probes up to this depth only.
 Fresh within(const Fresh& fresh, double depth_m) {
   Fresh some = fresh;
   for (auto* list : {&some.all, &some.calm})
@@ -62,7 +62,7 @@ bool all_finite(const LoadedModel& model, const std::vector<NodeProbes>& probes)
 }
 
 void measure(Row& row, const LoadedModel& model, const Fresh& fresh) {
-  // Nodes without a single converged state have no model.
+  // Nodes without a converged state have no model.
   Fresh known = fresh;
   for (auto* list : {&known.all, &known.calm})
     std::erase_if(*list, [&](const NodeProbes& p) {
@@ -147,14 +147,14 @@ class Study {
   std::vector<Row> _rows;
 };
 
-/// The increments of every second one, the deepest among them.
+/// Every second increment, including the deepest.
 std::vector<std::size_t> every_second(std::size_t n) {
   std::vector<std::size_t> kept;
   for (std::size_t i = n % 2 == 0 ? 1 : 0; i < n; i += 2) kept.push_back(i);
   return kept;
 }
 
-/// Where the directions of a smaller set are among these.
+/// Positions of the directions of a smaller set.
 std::vector<std::size_t> found_among(const std::vector<Vec3>& directions, const std::vector<Vec3>& some) {
   std::vector<std::size_t> found;
   for (const auto& direction : some) {
@@ -207,7 +207,7 @@ void Study::rbfn_rows() {
     rbfn(fmt::format("both spreads {:g}", spread), _data, spread);
 }
 
-/// Largest force over the median active node's, by active node.
+/// Largest force of each active node over that of the median active node.
 std::vector<double> force_ratios(const Database& database) {
   const auto n = static_cast<std::int32_t>(database.header().sets.active.size());
   cli::Progress progress("read", "nodes");
@@ -223,25 +223,25 @@ std::vector<double> force_ratios(const Database& database) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("SCENE", options.scene, "the scene the database was made from")->required();
+  app.add_option("SCENE", options.scene, "scene of the database")->required();
   app.add_option("DATABASE", options.database, "database.h5 of phynness precompute")->required();
-  app.add_option("--probes", options.probes, "fresh solves, half inside the trained range")
+  app.add_option("--probes", options.probes, "number of new solves, half of them inside the trained range")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  app.add_option("--nodes", options.nodes, "active nodes trained and measured")
+  app.add_option("--nodes", options.nodes, "number of active nodes that are trained and measured")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "of the probes; nodes are those of phynness validate --nodes")
+  app.add_option("--seed", options.seed, "seed of the probes; nodes are those of phynness validate --nodes")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--others", options.others, "more nodes that the shared modes are made of")
+  app.add_option("--others", options.others, "number of further nodes for the shared modes")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  app.add_option("--family", options.families, "which rows")->check(CLI::IsMember({"modal", "rbfn"}));
-  app.add_option("--json", options.json_file, "write the figures for machines");
+  app.add_option("--family", options.families, "families of the rows")->check(CLI::IsMember({"modal", "rbfn"}));
+  app.add_option("--json", options.json_file, "write the results as JSON");
 }
 
-/// Which nodes snap, and what fresh solves say.
+/// Nodes that snap, and the results of the new solves.
 struct Solved {
   std::vector<double> ratios;  ///< force_ratios(), by active node
   Fresh fresh;
@@ -288,7 +288,7 @@ json report_linear(const Fresh& fresh) {
   return {{"all", to_json(linear)}, {"without_snaps", to_json(calm)}};
 }
 
-/// @return where the error of family modal comes from
+/// @return the parts of the error of family modal
 json report_parts(Study& study, const StudyData& data, const Solved& solved, const std::vector<std::int32_t>& active) {
   json out = json::object();
   const auto half = every_second(data.header.magnitudes_m.size());
@@ -309,12 +309,12 @@ json report_parts(Study& study, const StudyData& data, const Solved& solved, con
 void write(const std::filesystem::path& file_name, const json& out) {
   std::ofstream file(file_name);
   file << out.dump(1) << '\n';
-  if (!file.flush()) throw failure("writing failed", file_name.string(), "look at the disk's space");
+  if (!file.flush()) throw failure("writing failed", file_name.string(), "free space on the disk");
 }
 
 int run(int argc, char** argv) {
   Options options;
-  CLI::App app{"How stable training is, and where its error comes from (docs/stability.md)"};
+  CLI::App app{"Stability of training and sources of its error (docs/stability.md)"};
   add_options(app, options);
   CLI11_PARSE(app, argc, argv);
 
@@ -322,9 +322,9 @@ int run(int argc, char** argv) {
   const Scene scene = read_scene(options.scene);
   const auto database = Database::open(options.database);
   if (physics_hash(scene) != database.header().physics_hash)
-    throw input_error("the database was made from another scene",
+    throw input_error("the database belongs to another scene",
                       "physics " + database.header().physics_hash + ", this scene's " + physics_hash(scene),
-                      "give the scene it was made from (phynness info prints it)");
+                      "give the scene of the database (phynness info prints it)");
   const double tool_radius_m = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
   const auto solved = solve(session, options, scene, database, tool_radius_m);
   const auto& active = database.header().sets.active;

@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 
 constexpr int n_displacements = 1000, n_loops = 10, n_parts = 80;
 
-// Gauss-Legendre on [-1, 1], ten points in each of 80 parts of an edge: exact to 1e-12 for shapes of 0.03 and
-// more.
+// Gauss-Legendre quadrature on [-1, 1] with ten points in each of 80 parts of an edge: exact to 1e-12 for shapes of at
+// least 0.03.
 constexpr double gauss_point[] = {0.14887433898163121, 0.43339539412924719, 0.67940956829902441, 0.86506336668898451,
                                   0.97390652851717172};
 constexpr double gauss_weight[] = {0.29552422471475287, 0.26926671930999636, 0.21908636251598204, 0.14945134915058059,
@@ -28,7 +28,7 @@ Vector3d in_ball(std::mt19937_64& random) {
   }
 }
 
-/// A node's network as the runtime holds it.
+/// The network of a node as the runtime stores it.
 template <class Real>
 struct Potential {
   Potential(const Model& model, const ConservativeNetwork& of) {

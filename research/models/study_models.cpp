@@ -9,7 +9,7 @@
 namespace phynness::study {
 namespace {
 
-/// As many as training takes.
+/// The same numbers as in training.
 constexpr std::size_t n_center_nodes = 12, n_search_nodes = 5;
 
 template <class T>
@@ -20,7 +20,7 @@ std::vector<T> some_of(const std::vector<T>& all, std::size_t wanted) {
   return some;
 }
 
-/// train() says the same.
+/// train() throws the same error.
 void require_a_node(const Model& model) {
   if (model.nodes.empty()) throw input_error("no active node has a converged increment", "", "");
 }
@@ -71,7 +71,7 @@ Model train_rbfn(const StudyData& data, TrainingSpec spec, double& diagonal_rati
     search.push_back({node.node, node.prescribed, node.rays});
   if (!(spec.force_spread > 0)) spec.force_spread = search_force_spread(tables, search, spec);
   if (!(spec.deformation_spread > 0)) spec.deformation_spread = search_deformation_spread(tables, search, spec);
-  // As training does where no node has points enough for a search.
+  // As in training if no node has enough points for a search.
   if (!(spec.force_spread > 0)) spec.force_spread = 1;
   if (!(spec.deformation_spread > 0)) spec.deformation_spread = 1;
   diagonal_ratio = 1;

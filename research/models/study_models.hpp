@@ -1,4 +1,4 @@
-// Models of the probed nodes alone, from the public pieces that training is made of.
+// Models of the probed nodes only, made by the public functions of training.
 #pragma once
 
 #include <phynness/evaluation/loaded_model.hpp>
@@ -8,12 +8,12 @@
 
 namespace phynness::study {
 
-/// Shapes forced upon the kernels; 0: as training chooses.
+/// Forced shapes of the kernels; 0: chosen by training.
 struct ForcedShapes {
   double force = 0, amplitude = 0;
 };
 
-/// What training knows about the fits of one node.
+/// Results of the fits of one node.
 struct NodeFit {
   ForceStates states;
   ConservativeFit force;
@@ -26,15 +26,15 @@ struct StudiedModal {
   std::vector<NodeFit> fits;  ///< one per node of the model
 };
 
-/// As train() does it, but for the nodes that the shared modes are made of: those of the data.
+/// As train(), but with shared modes from the nodes of the data.
 /// @param spec  sizes
 StudiedModal train_modal(const StudyData& data, const TrainingSpec& spec, const ForcedShapes& forced);
 
 /// @param spec  with both spreads > 0, or 0 to search
-/// @param diagonal_ratio  set to the worst NetworkFit::diagonal_ratio
+/// @param diagonal_ratio  output, the largest NetworkFit::diagonal_ratio
 Model train_rbfn(const StudyData& data, TrainingSpec spec, double& diagonal_ratio);
 
-/// All active nodes with their trained depths and no response: for the choice of probes.
+/// All active nodes with their trained depths and without responses, for the selection of probes.
 Model without_response(const Database& database, double tool_radius_m);
 
 LoadedModel loaded(const Model& model, const Mesh& mesh);

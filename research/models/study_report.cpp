@@ -69,7 +69,7 @@ void print_row(const Row& row) {
     fmt::print("{:<44} | refused: {}\n", row.family + " " + row.name, row.refused);
     return;
   }
-  print_errors(row.family + " " + row.name + (row.finite ? "" : " (NOT FINITE)"), row.all, row.calm, row.by_node);
+  print_errors(row.family + " " + row.name + (row.finite ? "" : " (not finite)"), row.all, row.calm, row.by_node);
 }
 
 void print_numbers(const std::vector<Row>& rows) {

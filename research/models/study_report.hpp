@@ -1,4 +1,4 @@
-// What the study of models finds, as tables and as JSON.
+// Results of the study of models as tables and as JSON.
 #pragma once
 
 #include <array>
@@ -12,16 +12,16 @@
 
 namespace phynness::study {
 
-/// A node whose largest force is so many times the median node's holds states beyond a snap.
+/// A node snaps if its largest force exceeds that of the median node by this factor.
 inline constexpr double snap_ratio = 5;
 
 struct Row {
   std::string family, name;
-  std::string refused;        ///< why there is no model; empty: there is one
+  std::string refused;        ///< reason why there is no model; empty: there is a model
   PredictorErrors all, calm;  ///< calm: at nodes that do not snap
-  /// By node: mean of force and of displacement inside, in the order of the probes.
+  /// Per node: mean errors of force and displacement inside the trained range, in the order of the probes.
   std::vector<std::array<double, 2>> by_node;
-  bool finite = true;  ///< every force and displacement that was asked for
+  bool finite = true;  ///< all evaluated forces and displacements are finite
   // modal
   double smallest_shape = 0, largest_shape = 0, amplitude_shape = 0;
   double cancellation = 0, force_condition = 0, amplitude_condition = 0;
@@ -37,7 +37,7 @@ void print_errors(const std::string& name, const PredictorErrors& all, const Pre
 void print_row(const Row& row);
 /// Conditioning and single precision.
 void print_numbers(const std::vector<Row>& rows);
-/// @param snaps  per entry of `parts`
+/// @param snaps  flags for the entries of `parts`
 void print_parts(const std::string& name, const std::vector<ErrorParts>& parts, const std::vector<char>& snaps);
 
 nlohmann::json to_json(const PredictorErrors& e);

@@ -1,5 +1,5 @@
-// Claim: what the page says of a run follows from the run's measurements. Other measurements give other sentences, with
-// the numbers that are in them; without measurements there is no sentence.
+// Claim: the sentences of the page about a run follow from its measurements. Other measurements result in other
+// sentences with their numbers, and without measurements there is no sentence.
 #include <gtest/gtest.h>
 
 #include "report/findings.hpp"
@@ -7,7 +7,7 @@
 namespace phynness::study {
 namespace {
 
-/// Two nodes, the second beside the fixed ones, with the same errors [fractions] at each x.
+/// Two nodes, the second beside the fixed nodes, with the same errors [fractions] at each x.
 CaseResult measured(const std::vector<double>& x, const std::vector<double>& held, const std::vector<double>& fresh) {
   CaseResult result;
   result.of = {"3", "Case 3", "", "", false, false, true};

@@ -1,7 +1,7 @@
-// Claim: tools/study-paper runs every case whose scene is there and writes one page and one JSON file with
-// every table and figure; its numbers are those that eval and solve give; it goes on where it was
-// interrupted, does not depend on the number of ranks, and takes no folder of another scene. Blocks of some
-// dozen nodes stand for the paper's bodies.
+// Claim: tools/study-paper runs every case whose scene exists and writes a page and a JSON file with every table and
+// figure. The numbers agree with those of eval and solve. An interrupted study is resumed. Results do not depend on the
+// number of ranks, and a folder of another scene is refused. Blocks of some dozen nodes are used instead of the paper's
+// bodies.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -42,7 +42,7 @@ class Study : public CommandLine {
     return program("--scenes scenes --sizes sizes.json -o out " + more);
   }
 
-  /// Of a deformation CSV: node -> displacement.
+  /// Field of a deformation CSV: node -> displacement.
   std::map<int, std::array<double, 3>> field(const std::string& file) const {
     std::map<int, std::array<double, 3>> rows;
     std::istringstream in(read_file(folder / file));
@@ -65,7 +65,7 @@ class Study : public CommandLine {
   void expect_page() const;
 };
 
-/// No NaN nor infinity becomes a number in JSON: it becomes null.
+/// NaN and infinity become null in JSON, so that null values show them.
 void expect_no_null(const nlohmann::json& value, const std::string& where) {
   EXPECT_FALSE(value.is_null()) << where;
   if (value.is_structured())
@@ -103,8 +103,8 @@ void Study::expect_numbers(const nlohmann::json& report) const {
   EXPECT_FALSE(report.at("quick"));
 }
 
-/// The block's top is flat: its inward normal is -z. Forces of the curve are those of a solve in one go and
-/// of the model; to the solver's tolerance, 1e-8 of the force, and to rounding.
+/// The top of the block is flat, so that its inward normal is -z. The forces of the curve are those of a single solve
+/// and of the model, up to the solver's tolerance of 1e-8 of the force and rounding.
 void Study::expect_curve(const nlohmann::json& report) const {
   const auto& node = report.at("cases").at("3").at("measured").at("nodes").at(1);
   const auto& curves = node.at("curves");
@@ -120,13 +120,13 @@ void Study::expect_curve(const nlohmann::json& report) const {
   EXPECT_GT(solved, 0);
   EXPECT_NEAR(curves.at("finite_elements").at(2).get<double>(), solved, 1e-6 * solved);
   EXPECT_NEAR(curves.at("ours").at(2).get<double>(), said, 1e-9 * solved);
-  // The linear predictor's error, by hand.
+  // The error of the linear predictor, computed independently.
   const double linear = depth * node.at("stiffness_N_per_m").get<double>();
   EXPECT_NEAR(curves.at("linear").at(2).get<double>(), linear, 1e-12 * linear);
 }
 
-/// One pair of tools, by eval with the paper's weights and by a solve that holds both nodes. 1e-6: the
-/// solver's tolerance and a file of nine digits.
+/// A pair of tools by eval with the paper's weights and by a solve with both nodes prescribed. Tolerance 1e-6: the
+/// solver's tolerance and a file with nine digits.
 void Study::expect_pair(const nlohmann::json& report) const {
   const auto& pair = report.at("cases").at("3").at("measured").at("pairs").at(0);
   ASSERT_EQ(pair.at("depths").size(), 2U);
@@ -204,8 +204,8 @@ TEST_F(Study, HasEveryTableAndFigureAndGoesOnWhereItWas) {
   expect_pair(report);
   expect_page();
 
-  // Again, after the measurements of two cases were lost: those asked for are made anew, on two ranks, and
-  // are the same.
+  // After the measurements of two cases were lost, those of the selected case are repeated on two ranks and are the
+  // same.
   std::filesystem::remove(folder / "out/case-3/measured.json");
   std::filesystem::remove(folder / "out/case-4/measured.json");
   const auto again = study("--ranks 2 --cases 3");
@@ -214,7 +214,7 @@ TEST_F(Study, HasEveryTableAndFigureAndGoesOnWhereItWas) {
   EXPECT_NE(again.out.find(": measure"), std::string::npos) << again.out;
   auto before = report.at("cases").at("3").at("measured"),
        after = json("out/paper.json").at("cases").at("3").at("measured");
-  // What is finished stays on the page, asked for or not.
+  // Finished cases remain on the page even if they are not selected.
   EXPECT_EQ(json("out/paper.json").at("cases").at("1").at("measured"), report.at("cases").at("1").at("measured"));
   EXPECT_EQ(json("out/paper.json").at("cases").at("4").at("not_run"), "not asked for (--cases)");
   for (auto* measured : {&before, &after}) {
@@ -233,7 +233,7 @@ TEST_F(Study, NamesWhatItDoesNotKnow) {
   const auto no_case = study("--cases 3,7");
   EXPECT_EQ(no_case.exit_status, 2);
   EXPECT_NE(no_case.err.find("no such case: 7"), std::string::npos) << no_case.err;
-  // An unset variable of a shell is no wish for all of them.
+  // An empty value, such as an unset variable of a shell, does not select all cases.
   const auto nothing = study("--cases ''");
   EXPECT_EQ(nothing.exit_status, 2);
   EXPECT_NE(nothing.err.find("no case is named"), std::string::npos) << nothing.err;

@@ -9,7 +9,7 @@
 namespace phynness::robustness {
 namespace {
 
-/// The cells around a node as a mesh of their own, for measure_quality.
+/// The cells around a node as a separate mesh, for measure_quality.
 Mesh around(const Mesh& mesh, std::int32_t node) {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index c = 0; c < mesh.cells.rows(); ++c)
@@ -46,7 +46,7 @@ Body cube(Law law, Element element, double bulk_to_shear, double edge_m, double 
   scene.mesh.size_m = {edge_m, edge_m, edge_m};
   scene.mesh.target_size_m = edge_m / elements_along_edge;
   const double bulk_Pa = bulk_to_shear * shear_modulus_Pa;
-  // The Penrose drain's share of the second invariant.
+  // The ratio of C01 to mu of the Penrose drain.
   const double c01_Pa = shear_modulus_Pa / 22;
   scene.material =
       law == law_named("mooney-rivlin")
@@ -76,14 +76,14 @@ int add_slivers(Mesh& mesh, int n, double quality) {
       const double height = height_over_face(mesh, c, corner, normal);
       const Eigen::RowVector3d start = mesh.nodes.row(node);
       Mesh part = around(mesh, node);
-      double low = 0, high = 1;  // share of the height that is taken away
+      double low = 0, high = 1;  // fraction by which the height is reduced
       for (int i = 0; i < 50; ++i) {
         const double middle = (low + high) / 2;
         part.nodes.row(node) = start - middle * height * normal;
         (all_positive(part) && measure_quality(part).min_quality > quality ? low : high) = middle;
       }
       part.nodes.row(node) = start - low * height * normal;
-      // Another cell may have become flat first; then this corner is left as it was.
+      // If another cell becomes flat first, this corner is not moved.
       const auto worst = measure_quality(part).worst_cell;
       if ((part.cells.row(worst).array() == mesh.cells.row(c).array()).all()) {
         mesh.nodes.row(node) = part.nodes.row(node);

@@ -16,7 +16,7 @@ namespace {
 
 using Vector3 = Eigen::Vector3d;
 
-/// The body at the end of the path so far. Without dimension inside, as the solver.
+/// The state at the end of the path so far, in dimensionless form as in the solver.
 class Walker {
  public:
   explicit Walker(const Body& b)
@@ -35,7 +35,7 @@ class Walker {
     linearize();
   }
 
-  /// Moves straight to the displacement [m], in halved steps where need be. False: cannot.
+  /// Moves straight to the displacement [m], with halved steps if necessary. Returns false on failure.
   bool go(const Vector3& displacement_m) {
     const Vector3 from = _q, target = displacement_m / _scaling.length_m;
     constexpr double shortest = 1.0 / 64;
@@ -103,7 +103,7 @@ struct RadialState {
   Vector3 force_N;
   double energy_J;
 };
-/// The state at point i of the circle, reached from rest in so many increments; nothing if it is not reached.
+/// The state at point i of the circle, reached from rest in the given number of increments; empty on failure.
 using Radial = std::function<std::optional<RadialState>(int i, int increments)>;
 
 using Circle = std::function<Vector3(double angle)>;  ///< displacement [m]

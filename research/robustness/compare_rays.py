@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Compares databases of the same scene ray by ray: which rays end otherwise, and which come to other forces.
+"""Compares databases of the same scene ray by ray: which rays have other outcomes, and which have other forces.
 
 Usage: compare_rays.py REFERENCE.h5 OTHER.h5 ... [--folder DIR] [--tolerance T]
-A force differs if its difference is more than T (1e-5) of the largest force on that ray in the reference, or in the
-other, whichever is greater. Every ray that differs is printed, with the increment where it begins, J and the energy there.
-Exit status: 0, whatever was found; 2 wrong usage or files that cannot be compared.
+A force differs if the difference exceeds T (1e-5) times the largest force of the ray in both databases. Every ray that
+differs is printed with its first different increment, and with J and the energy there.
+Exit status: 0 also if rays differ; 2 wrong usage or files that cannot be compared.
 """
 
 import argparse
@@ -38,21 +38,21 @@ def describe(data, name):
     kept = ", ".join(f"{n} {label}" for label, n in outcomes.items() if n and label != "not_requested")
     rays = int(((status < 0) & asked).any(axis=2).sum())
     unstable = int(((data["negative_pivots"] > 0) & (status == 0)).sum())
-    print(f"{name}: {kept}; {rays} rays that stop short, {unstable} unstable states, "
+    print(f"{name}: {kept}; {rays} rays without full depth, {unstable} unstable states, "
           f"{data['iterations'].sum() / max(1, (status == 0).sum()):.3f} iterations for each converged increment")
 
 
 def compare(reference, other, name, tolerance):
     if reference["hashes"] != other["hashes"]:
-        raise ValueError(f"{name} is of another scene or mesh")
+        raise ValueError(f"{name} belongs to another scene or mesh")
     both = (reference["status"] == 0) & (other["status"] == 0)
     scale = np.maximum(np.abs(reference["force"]).max(axis=(2, 3)), np.abs(other["force"]).max(axis=(2, 3)))
     gap = np.abs(reference["force"] - other["force"]).max(axis=3) / np.where(scale > 0, scale, 1)[..., None]
     gap = np.where(both, gap, 0)
     outcome = (reference["status"] != other["status"]).any(axis=2)
     force = (gap > tolerance).any(axis=2)
-    print(f"\n{name}: of {outcome.size} rays {int(outcome.sum())} end otherwise, "
-          f"{int((force & ~outcome).sum())} others come to another force; "
+    print(f"\n{name}: of {outcome.size} rays {int(outcome.sum())} have another outcome, "
+          f"{int((force & ~outcome).sum())} others have another force; "
           f"all remaining forces agree to {gap[~(outcome | force)].max(initial=0):.1e}")
     for a, d in np.argwhere(outcome | force):
         differs = (reference["status"][a, d] != other["status"][a, d]) | (gap[a, d] > tolerance)

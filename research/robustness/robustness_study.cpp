@@ -1,4 +1,4 @@
-// What converges at the extremes, what fails and why. Usage: tools/study-robustness [SECTION ...] [--nodes N]
+// Convergence at extreme parameters, and reasons for failures. Usage: tools/study-robustness [SECTION ...] [--nodes N]
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -72,7 +72,7 @@ void slivers(const Options& options) {
   }
 }
 
-/// The same rays in other units, without dimension: the largest difference of forces over the largest force.
+/// The same rays in other units, in dimensionless form: the largest difference of forces over the largest force.
 void units(const Options& options) {
   std::printf(
       "\nThe same cube in other units: largest difference of a force from that of 0.1 m and 500 Pa, "
@@ -181,15 +181,16 @@ const std::vector<std::pair<std::string, void (*)(const Options&)>> sections = {
 int run(int argc, char** argv) {
   Options options;
   std::vector<std::string> wanted;
-  CLI::App app{"What converges at the extremes, what fails and why (docs/robustness.md)"};
+  CLI::App app{"Convergence at extreme parameters, and reasons for failures (docs/robustness.md)"};
   std::vector<std::string> names;
   for (const auto& [section, work] : sections) names.push_back(section);
-  app.add_option("SECTION", wanted, "which tables (default: all)")->check(CLI::IsMember(names));
-  app.add_option("--nodes", options.nodes, "nodes of the cube that are probed")->check(CLI::Range(1, 1000));
-  app.add_option("--paper-nodes", options.paper_nodes, "nodes of the liver that are probed (Case 1: ten times as many)")
+  app.add_option("SECTION", wanted, "tables to compute (default: all)")->check(CLI::IsMember(names));
+  app.add_option("--nodes", options.nodes, "number of probed nodes of the cube")->check(CLI::Range(1, 1000));
+  app.add_option("--paper-nodes", options.paper_nodes,
+                 "number of probed nodes of the liver (Case 1: ten times as many)")
       ->check(CLI::Range(1, 1000));
-  app.add_flag("--failures", options.failures, "name every ray that stops short, with its reason");
-  app.add_option("--path-nodes", options.path_nodes, "nodes with closed paths")->check(CLI::Range(1, 1000));
+  app.add_flag("--failures", options.failures, "print every ray that does not reach full depth, with the reason");
+  app.add_option("--path-nodes", options.path_nodes, "number of nodes with closed paths")->check(CLI::Range(1, 1000));
   CLI11_PARSE(app, argc, argv);
   const SolverSession session;
   for (const auto& [section, work] : sections)

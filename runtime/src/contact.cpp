@@ -46,7 +46,6 @@ int read_tool(const ContactSurface& surface, const phn_contact_tool& tool, ToolI
   input.radius = std::fmin(tool.radius, surface.size);
   input.friction = std::fmin(tool.friction, largest_friction);
   input.mode = tool.mode;
-  input.guarded = tool.unguarded == 0;
   return PHN_OK;
 }
 
@@ -129,7 +128,7 @@ int phn_contact_init(void* memory, size_t bytes, const phn_model* model, int32_t
   const int status = build_contact_surface(*model, parts.scratch, parts.surface);
   if (status != PHN_OK) return status;
   build_volumes(parts.surface, parts.volumes);
-  *parts.contact = {model, max_tools, parts.surface, parts.volumes, {}};
+  *parts.contact = {model, max_tools, true, parts.surface, parts.volumes, {}};
   *contact = parts.contact;
   return PHN_OK;
 }

@@ -12,7 +12,6 @@ namespace PHN_RUNTIME {
 struct ToolInput {
   double center[3], radius, friction;
   std::int32_t mode;
-  bool guarded;
 };
 
 struct ToolContact {
@@ -43,6 +42,7 @@ struct ToolContact {
 struct phn_contact {
   const phn_model* model;
   std::int32_t max_tools;
+  bool guarded;  ///< true, except where tests measure what the guard is worth
   PHN_RUNTIME::ContactSurface surface;
   PHN_RUNTIME::BoundingVolumes volumes;
   PHN_RUNTIME::ToolContact tool[PHN_RUNTIME::most_coupled];

@@ -69,7 +69,7 @@ class Balance {
   /// Scales the force so that the returned work does not exceed the work done. Work is the mean of two successive
   /// forces times the motion between them.
   void guard(ToolContact& tool, const ToolInput& input, double energy) {
-    const bool guarded = input.mode == PHN_TOOL_PRESS && input.guarded && has_energy(*_contact.model),
+    const bool guarded = input.mode == PHN_TOOL_PRESS && _contact.guarded && has_energy(*_contact.model),
                was_alone = tool.alone;
     const double so_far = tool.taken + dot(tool.given, tool.moved) / 2, now = dot(tool.force, tool.moved) / 2;
     tool.alone = guarded && _n_active == 1;

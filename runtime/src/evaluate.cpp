@@ -30,8 +30,10 @@ double evaluate_energy(const phn_model& model, const ActiveNode& node, const dou
   return with_response(model, node, [&](const auto& response) { return response_energy(response, d); });
 }
 
-void evaluate_stiffness(const phn_model& model, const ActiveNode& node, const double* d, double* stiffness) {
-  with_response(model, node, [&](const auto& response) { response_stiffness(response, d, stiffness); });
+void evaluate_derivatives(const phn_model& model, const ActiveNode& node, const double* d, double* force,
+                          double* energy, double* stiffness) {
+  with_response(model, node,
+                [&](const auto& response) { response_derivatives(response, d, force, energy, stiffness); });
 }
 
 bool has_energy(const phn_model& model) { return schema::traits(model.family).has_energy; }

@@ -31,9 +31,12 @@ bool has_energy(const phn_model& model);
 /// @pre has_energy(model)
 /// @return the work from rest to d [J]
 double evaluate_energy(const phn_model& model, const ActiveNode& node, const double* d);
+/// The same bits of the force, and with it energy and stiffness.
 /// @pre has_energy(model)
-/// @param stiffness  3 x 3 [N/m]: derivative of the force
-void evaluate_stiffness(const phn_model& model, const ActiveNode& node, const double* d, double* stiffness);
+/// @param energy     may be null
+/// @param stiffness  3 x 3 [N/m]: derivative of the force; may be null
+void evaluate_derivatives(const phn_model& model, const ActiveNode& node, const double* d, double* force,
+                          double* energy, double* stiffness);
 
 /// Whether the node has a deformation; a modal model may have forces only.
 bool has_deformation(const phn_model& model, const ActiveNode& node);

@@ -1,7 +1,8 @@
 // The only place where the runtime distinguishes families. Each family has a folder with the type of a node's response
 // and overloads of these functions:
 //
-//   response_force, response_energy, response_stiffness   of one node
+//   response_force, response_energy, response_derivatives of one node: force, energy, and force with any of both and
+//                                                         stiffness
 //   has_deformation, basis_size                           whether the node has a basis, and its size
 //   response_basis, response_gradient                     the basis at a displacement, and its derivatives
 //   response_field                                        the field of a basis

@@ -22,6 +22,14 @@
 #define PHN_KEEP_IN_MEMORY(array)
 #endif
 
+/// Hides the value of a variable from the optimization. GCC 12 clears an array in memory even if its entries stay in
+/// registers, unless it does not know that they are 0.
+#if defined(__GNUC__) && !defined(__clang__)
+#define PHN_HIDE(number) __asm__("" : "+m"(number))
+#else
+#define PHN_HIDE(number)
+#endif
+
 namespace PHN_RUNTIME {
 
 /// 0: any processor; 1: AVX2; 2: AVX-512.

@@ -3,6 +3,7 @@
 
 #include "evaluate.hpp"
 #include "load_stores.hpp"
+#include "modal/force_kernels.hpp"
 
 namespace PHN_RUNTIME {
 namespace {
@@ -232,22 +233,7 @@ void ModelLoader::done(ForceStore& store) {
   auto* centers = _arena.take<Real>(in_table ? 6 * static_cast<std::size_t>(whole_blocks(net.n_centers + 1)) : 0);
   table.centers = in_table ? centers : nullptr;
   if (!_load.has_memory() || !good()) return;
-  // The function that later adds these values also computes them, so that the results at rest are exactly 0.
-  const auto by_kernel = [&](const Conservative<double>& unit, const double* at, double* force) {
-    for (double& f : table.at_rest) f = 0;
-    if (in_table) fill_force_table(unit, centers);
-    best_modal_kernels().force(unit, table, at, force);
-  };
-#ifdef PHYNNESS_FLOAT
-  const double rest[3] = {0, 0, 0};
-  double force[3];
-  set_rest(net);
-  by_kernel(net, rest, force);
-  for (int k = 0; k < 3; ++k) table.at_rest[k] = -force[k];
-#else
-  set_rest(net, by_kernel);
-  for (int k = 0; k < 3; ++k) table.at_rest[k] = net.force_at_rest[k];
-#endif
+  set_rest(net, table, in_table ? centers : nullptr);
 }
 
 ModalTables with_weights(ModalTables tables, const ScaledTable& weights) {

@@ -120,7 +120,8 @@ double curvature(const phn_model& model, const ActiveNode& node, const Matrix& s
 Matrix stiffness_at_rest(const phn_model& model, const ActiveNode& node) {
   Matrix secant;
   if (schema::traits(model.family).proportional) {
-    evaluate_stiffness(model, node, Vector{}.x, secant.a);
+    Vector none;
+    evaluate_derivatives(model, node, Vector{}.x, none.x, nullptr, secant.a);
     return secant;
   }
   const double h = model.first_increment;

@@ -1,9 +1,11 @@
 // Real, the number type of the loops of forces and of family rbfn: double in phynness::runtime, float in
-// phynness::runtime_float, which is built from the same files. Arguments, results, energies, stiffnesses, amplitudes,
-// coupled tools and contact are double in both libraries; modes and fine surfaces are float in both.
+// phynness::runtime_float, which is built from the same files. The stiffness of family modal is summed together with
+// the force. Arguments, results, energies, amplitudes, coupled tools and contact are double in both libraries; modes
+// and fine surfaces are float in both.
 #pragma once
 
 #include <cfloat>
+#include <cstddef>
 #include <cstdint>
 
 #include "instruction_sets.hpp"
@@ -43,6 +45,20 @@ PHN_INLINE void add_up(const Real (&sums)[3][at_once], double* total) {
       for (std::int32_t i = 0; i < half; ++i) sum[k][i] += sum[k][i + half];
     }
     total[k] = static_cast<double>(sum[k][0]);
+  }
+}
+
+/// The same for n vectors, which it overwrites; quicker for many.
+template <class T, std::size_t n>
+PHN_INLINE void add_up_many(T (&sum)[n][at_once], double* total) {
+  static_assert(at_once == 16);
+  for (std::size_t k = 0; k < n; ++k) {
+    PHN_KEEP_IN_MEMORY(sum[k]);
+    for (std::int32_t i = 0; i < 8; ++i) sum[k][i] += sum[k][i + 8];
+    PHN_KEEP_IN_MEMORY(sum[k]);
+    for (std::int32_t i = 0; i < 4; ++i) sum[k][i] += sum[k][i + 4];
+    PHN_KEEP_IN_MEMORY(sum[k]);
+    total[k] = static_cast<double>((sum[k][0] + sum[k][2]) + (sum[k][1] + sum[k][3]));
   }
 }
 

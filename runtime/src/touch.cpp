@@ -51,10 +51,11 @@ CoupledResult single(const phn_model& model, Coupling& c, const Vector& target) 
   point.reach[0] = diagonal(1 / point.weight[0]);
   const Vector d = target / point.weight[0];
   c.field[0] = {1, d};
-  evaluate_force(model, node, d.x, point.force.x);
+  double energy = 0;
+  evaluate_derivatives(model, node, d.x, point.force.x, has_energy(model) ? &energy : nullptr, nullptr);
   point.force /= point.weight[0];
   if (has_deformation(model, node)) basis_of(model, node, d.x, c.field_basis, c.kernel);
-  return {true, 0, has_energy(model) ? evaluate_energy(model, node, d.x) : 0};
+  return {true, 0, energy};
 }
 
 /// Warnings of all nodes at the displacements at which their responses are evaluated.

@@ -1,10 +1,10 @@
-// Claim (patch test): where the whole boundary moves affinely, u = H X, so does the interior of an irregular
-// mesh; the energy is W(F) times the volume, its derivatives by H are P times the volume, and the pressure is
-// the law's.
+// Claim (patch test): if the whole boundary of an irregular mesh has the displacement u = H X, the interior has it,
+// too. The energy is W(F) times the volume, its derivatives by H are P times the volume, and the pressure is that of
+// the law.
 //
-// All elements hold the state exactly. The solver stops at 1e-11 of the reactions, so interior points deviate
-// by about 1e-11 of the boundary's displacement times the ratio of the stiffest to the softest mode (some
-// 1e2): 1e-9. Force and energy are first and second order in that, and are left with it.
+// All elements represent this state exactly. The solver's tolerance is 1e-11 of the reactions, so that interior points
+// deviate by about 1e-11 of the boundary's displacement times the ratio of the largest to the smallest stiffness (about
+// 1e2): the tolerance is 1e-9. Errors of force and energy are of first and second order in this deviation.
 #include "block_mesh.hpp"
 #include "body_states.hpp"
 #include "ray_solver.hpp"

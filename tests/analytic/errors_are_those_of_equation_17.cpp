@@ -1,7 +1,7 @@
-// Claim: errors of validation are equation (17) as docs/theory.md has it: each force and each output node's
-// displacement over the largest finite element norm of that active node and group, nodes that the tool moves
-// left out of both; p95 by nearest rank; relative L2 per probe. Numbers chosen so that every figure can be
-// said by head; 1e-15 is rounding.
+// Claim: errors of validation follow equation (17) of docs/theory.md. Each force and each displacement of an output
+// node is divided by the largest finite element norm of the same active node and group. Nodes that the tool moves do
+// not count. p95 is the nearest rank, and relative L2 is per probe. The numbers are chosen so that all results can be
+// computed mentally; 1e-15 is rounding.
 #include <gtest/gtest.h>
 
 #include <phynness/validation/probed_states.hpp>

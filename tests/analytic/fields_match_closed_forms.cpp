@@ -1,10 +1,10 @@
-// Claims: in a homogeneous state the von Mises stress and the energy density at every node are those of the
-// laws written out by hand, for every law and element; the energy of the cells adds up to the stored energy
-// in any state; a node takes the mean of its cells by volume.
+// Claims: in a homogeneous state the von Mises stress and the energy density at every node are those of independently
+// written laws, for every law and element. The energy of the cells adds up to the stored energy in any state. A node
+// has the mean of its cells, weighted by volume.
 //
-// The homogeneous state is held exactly (p1-p1: constant pressure, so nothing of its stabilization is left)
-// and a cell is integrated exactly: what separates the two is rounding, of a stress that is a difference of
-// terms up to 10 times larger, hence 1e-12 of the values.
+// The homogeneous state is represented exactly (p1-p1: the stabilization vanishes for a constant pressure), and a cell
+// is integrated exactly. The tolerance of 1e-12 is the rounding of a stress that is a difference of terms up to 10
+// times larger.
 #include "block_mesh.hpp"
 #include "body_states.hpp"
 #include "nodal_fields.hpp"

@@ -1,6 +1,6 @@
-// Claim: the solver's check of a state sees det F where the law has an energy and nothing above zero
-// elsewhere, whether a cell is turned inside out (J <= 0) or the law ends by itself (`inside` of its file).
-// In a homogeneous state of straight cells det F is the same everywhere, so that only rounding is left.
+// Claim: the solver's check of a state returns det F if the energy of the law is defined, and a value of at most zero
+// otherwise: for inverted cells (J <= 0) and for states that the law excludes (`inside` of its file). In a homogeneous
+// state of straight cells det F is constant, so that only rounding remains.
 #include "block_mesh.hpp"
 #include "body_states.hpp"
 #include "solver_cases.hpp"

@@ -1,5 +1,5 @@
-// Claims: the fields of the linear predictor are those of the finite elements where the law is linear, at any
-// depth; and those of a nonlinear law in the limit of small displacements, at first order.
+// Claims: the fields of the linear predictor are those of the finite elements, at any depth for a linear law, and in
+// the limit of small displacements with first order for a nonlinear law.
 #include <gtest/gtest.h>
 
 #include <cmath>

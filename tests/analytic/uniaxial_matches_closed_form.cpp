@@ -1,9 +1,8 @@
-// Claim: a bar under dead traction with free sides takes the stretches of the closed form, for every law and
-// element.
+// Claim: a bar with free sides under dead traction has the stretches of the closed form, for every law and element.
 //
-// The state is homogeneous, so every element holds it exactly and nothing but the solver's tolerance (1e-11
-// of the load) and rounding separates the two. Displacements differ by about tolerance * load / stiffness <
-// 1e-10; the published figures carry 9 decimals, hence 1e-9.
+// The state is homogeneous, so that every element represents it exactly, and only the solver's tolerance (1e-11 of the
+// load) and rounding remain. Displacements differ by about tolerance * load / stiffness < 1e-10. The published figures
+// have 9 decimals, so that the tolerance is 1e-9.
 #include "block_mesh.hpp"
 #include "body_states.hpp"
 #include "solver_cases.hpp"

@@ -1,4 +1,4 @@
-// Claim: each way in which a database cannot be read or begun has a message of its own, with the file and a
+// Claim: for each reason why a database cannot be read or started there is a separate message with the file and a
 // remedy.
 #include "../as_nobody.hpp"
 #include "bad_database.hpp"

@@ -1,5 +1,5 @@
-// Claim: every number of a database that is used as an index, a count or a divisor, and every response that
-// is used at all, is checked where it is read; the message names dataset, entry and value.
+// Claim: every number of a database that is used as an index, a count or a divisor, and every response that is used, is
+// checked when it is read. The message names dataset, entry and value.
 #include <cmath>
 #include <limits>
 

@@ -1,5 +1,5 @@
-// Claim: an object that is not what a database has in its place is refused by name before anything of it is
-// read or allocated: attributes and datasets of any type, shape, storage or link, and damaged texts.
+// Claim: an object of the wrong kind in a database is refused with its name before any of its contents is read or
+// allocated: attributes and datasets of any type, shape, storage or link, and damaged texts.
 #include <sys/resource.h>
 
 #include <array>

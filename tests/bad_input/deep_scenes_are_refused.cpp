@@ -1,5 +1,5 @@
-// Claim: a scene whose keys, headers or brackets are nested deeper than any scene needs is refused with its
-// line and a remedy, however deep it is; dots and brackets in strings and comments are no nesting.
+// Claim: a scene with keys, headers or brackets that are nested too deeply is refused with its line and a remedy at any
+// depth. Dots and brackets in strings and comments do not count.
 #include "scene_under_test.hpp"
 
 namespace phynness::test {

@@ -1,4 +1,4 @@
-// A scene that is right.
+// A valid scene.
 #pragma once
 
 #include <string>

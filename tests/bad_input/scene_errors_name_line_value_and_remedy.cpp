@@ -1,4 +1,4 @@
-// Claim: every way to get a scene wrong is refused with file and line, the value that did it, and a remedy.
+// Claim: every error in a scene is refused with file and line, the wrong value, and a remedy.
 #include <algorithm>
 #include <vector>
 
@@ -273,6 +273,31 @@ const std::vector<Mistake> combinations = {
      "fixed = { group = \"a\", nodes = [1] }",
      "",
      {"[nodes] fixed", "two selectors"}},
+    {"fixed_by_what_is_free_inside",
+     fixed_line,
+     "fixed = { difference = [\"surface\",\n { near = { to = \"free\", distance_m = 1 } }] }",
+     "fixed = ",
+     {"[nodes] fixed", "depends on the fixed nodes"}},
+    {"fixed_by_itself", fixed_line, "fixed = { not = \"fixed\" }", "", {"[nodes] fixed", "depends on the fixed nodes"}},
+    {"intersection_of_one", fixed_line, "fixed = { intersection = [\"surface\"] }", "", {"intersection", "two"}},
+    {"intersection_of_nothing",
+     fixed_line,
+     "fixed = { intersection = [\"surface\", []] }",
+     "",
+     {"intersection", "empty list"}},
+    {"difference_of_a_table", fixed_line, "fixed = { difference = { box = {} } }", "", {"difference", "array"}},
+    {"not_a_selection", fixed_line, "fixed = { not = 3 }", "", {"not", "3"}},
+    {"near_nothing", fixed_line, "fixed = { near = { distance_m = 1 } }", "", {"[selector.near] to", "missing"}},
+    {"near_without_distance",
+     fixed_line,
+     "fixed = { near = { to = { group = \"a\" } } }",
+     "",
+     {"[selector.near] distance_m", "missing"}},
+    {"a_sphere_in_an_intersection",
+     fixed_line,
+     "fixed = { intersection = [\"surface\",\n { sphere = { center_m = [0, 0, 0], radius = 1 } }] }",
+     " { sphere",
+     {"radius_m"}},
     {"selector_without_shape", fixed_line, "fixed = { surface_only = true }", "", {"[nodes] fixed", "sphere"}},
     {"half_a_box", fixed_line, "fixed = { box = { min_m = [0,0,0] } }", "", {"max_m is missing"}},
     {"box_in_two_measures",

@@ -1,4 +1,4 @@
-// A scene that is right, to be broken one line at a time.
+// A valid scene, in which tests change single lines.
 #pragma once
 
 #include <gtest/gtest.h>

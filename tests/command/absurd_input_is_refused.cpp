@@ -1,6 +1,6 @@
-// Claims: sizes that double precision cannot hold, numbers that are none, control characters, files that are something
-// else and foreign files in a database's folder of logs are refused, or left alone, by the command as a person runs it;
-// what a run says about itself is of this run; an output that cannot be written leaves nothing half.
+// Claims: sizes outside of double precision, texts that are not numbers, control characters, files of other kinds and
+// foreign files in the log folder of a database are refused by the command, or ignored. Outputs describe the present
+// run only, and an output that cannot be written does not remain incomplete.
 #include <sys/resource.h>
 
 #include "../pipeline/command_line.hpp"
@@ -109,7 +109,8 @@ TEST_F(AbsurdInput, FilesWithoutPermissionAreSaidToBe) {
 }
 
 TEST_F(AbsurdInput, GigabytesOfZerosEndSoonAndCostNoMemory) {
-  for (const char* name : {"large.toml", "large.msh", "large.vtk", "large.stl", "large.obj"}) {
+  for (const char* name : {"large.toml", "large.msh", "large.vtk", "large.stl", "large.obj", "large.vtu", "large.ply",
+                           "large.off", "large.inp"}) {
     write_file(folder / name, "");
     fs::resize_file(folder / name, std::uintmax_t{3} << 30);
     const auto outcome = shell(std::string("timeout 20 \"$PHYNNESS\" info ") + name);
@@ -158,6 +159,20 @@ TEST_F(AbsurdInput, AResumeOfOtherWorkIsRefusedBeforeItIsAnnounced) {
   const auto outcome = phynness("precompute changed.toml -o d.h5 --resume");
   EXPECT_EQ(outcome.exit_status, 2);
   EXPECT_EQ(outcome.err.find("resuming"), std::string::npos) << outcome.err;
+}
+
+TEST_F(AbsurdInput, ASelectionOfNothingStillLeavesTheMeshToLookAt) {
+  write_file(folder / "changed.toml", small_scene());
+  auto text = small_scene();
+  text.insert(text.find("[probe]"), "output = { sphere = { center_m = [0, 0, 0.1], radius_m = 0.01 } }\n");
+  write_file(folder / "changed.toml", text);
+  expect_refused("mesh changed.toml -o m.msh",
+                 {"changed.toml:16", "output nodes", "at (0, 0, 0.05) m, 0.04 m", "m.msh"});
+  const auto mesh = read_file(folder / "m.msh");
+  for (const char* group : {"\"phynness_fixed\"", "\"phynness_active\""})
+    EXPECT_NE(mesh.find(group), std::string::npos) << group;
+  EXPECT_EQ(mesh.find("phynness_output"), std::string::npos);
+  EXPECT_EQ(phynness("info m.msh").exit_status, 0);
 }
 
 TEST_F(AbsurdInput, TheCostOfAnIncrementIsThatOfTheIncrementsOfTheRun) {

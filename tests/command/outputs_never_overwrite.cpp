@@ -1,6 +1,6 @@
-// Claims: no command writes over what it reads, however the output is spelled, nor over another of its
-// outputs; it exits with 2, says which options and paths, and leaves every file as it was. The commands and
-// their options are taken from --help; an option for a path that is not declared as INPUT or OUTPUT is found.
+// Claims: no command overwrites its inputs, whatever the spelling of the output, or another of its outputs. It exits
+// with 2, names options and paths, and changes no file. The commands and their options are taken from --help; an option
+// for a path that is not declared as INPUT or OUTPUT fails the test.
 #include <algorithm>
 #include <map>
 #include <set>

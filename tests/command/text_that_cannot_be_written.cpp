@@ -1,6 +1,6 @@
-// Claims: what cannot be written to stderr is lost and changes nothing else; results that cannot be written
-// to stdout are reported on stderr at the end, with exit status 1, when all files are written. No text for a
-// person gets into a file, whichever standard descriptors are closed at the start.
+// Claims: text that cannot be written to stderr is lost without other effects. If results cannot be written to stdout,
+// this is reported on stderr after all files were written, with exit status 1. No printed text gets into a file, even
+// if standard descriptors are closed at the start.
 #include <regex>
 
 #include "../pipeline/command_line.hpp"

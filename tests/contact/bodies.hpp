@@ -1,5 +1,5 @@
-// Bodies to touch: a ball and a thin plate with the compliance C_ij = k(|x_i - x_j|) S, k a Gaussian and S a
-// matrix that turns pushes a little aside; linear, or with a little curvature as modal models.
+// Bodies for contact: a ball and a thin plate with the compliance C_ij = k(|x_i - x_j|) S, where k is a Gaussian and S
+// a matrix that adds a small tangential component; linear, or with a small nonlinearity like modal models.
 #pragma once
 
 #include <Eigen/Dense>

@@ -1,4 +1,4 @@
-// A hand that moves tools on the bodies of bodies.hpp.
+// Moves tools on the bodies of bodies.hpp.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -48,9 +48,8 @@ struct Touch {
   int status = 0;
 };
 
-inline phn_contact_tool tool_at(const Vector3d& x, double radius, int mode = PHN_TOOL_PRESS, double friction = 0,
-                                int unguarded = 0) {
-  return {{x[0], x[1], x[2]}, radius, friction, mode, unguarded};
+inline phn_contact_tool tool_at(const Vector3d& x, double radius, int mode = PHN_TOOL_PRESS, double friction = 0) {
+  return {{x[0], x[1], x[2]}, radius, friction, mode};
 }
 inline Vector3d vector(const double* x) { return {x[0], x[1], x[2]}; }
 

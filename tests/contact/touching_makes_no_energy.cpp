@@ -1,3 +1,6 @@
+#include <cstring>
+
+#include "contact.hpp"
 #include "touched_body.hpp"
 
 namespace {
@@ -11,17 +14,30 @@ struct Path {
 
 /// Work of the tool along straight legs between corners, from outside to outside: mean force times way, step
 /// by step.
-Path follow(const LoadedModel& loaded, const std::vector<Vector3d>& corners, double mu, int unguarded, double step) {
+/// @param guarded  false: with the whole force of phn_couple, which only a private header gives
+/// @param padding  of the tool's bytes that belong to no field
+Path follow(const LoadedModel& loaded, const std::vector<Vector3d>& corners, double mu, bool guarded, double step,
+            int padding = 0) {
   Touch touch(loaded);
+  touch.contact->guarded = guarded;
   Path path;
   Vector3d c = corners.front(), f(0, 0, 0);
-  touch.step(tool_at(c, 0.004, PHN_TOOL_PRESS, mu, unguarded));
+  phn_contact_tool tool;
+  std::memset(&tool, padding, sizeof tool);
+  const auto step_to = [&](const Vector3d& x) {
+    for (int k = 0; k < 3; ++k) tool.center[k] = x[k];
+    tool.radius = 0.004;
+    tool.friction = mu;
+    tool.mode = PHN_TOOL_PRESS;
+    return touch.step(tool);
+  };
+  step_to(c);
   for (std::size_t leg = 1; leg < corners.size(); ++leg) {
     const Vector3d from = c, way = corners[leg] - from;
     const int n = static_cast<int>(way.norm() / step) + 1;
     for (int i = 1; i <= n; ++i) {
       const Vector3d next = from + i * way / n;
-      const auto state = touch.step(tool_at(next, 0.004, PHN_TOOL_PRESS, mu, unguarded));
+      const auto state = step_to(next);
       path.work += (f + vector(state.force)).dot(next - c) / 2;
       path.least = std::min(path.least, path.work);
       path.stored = std::max(path.stored, touch.coupled.energy);
@@ -59,7 +75,7 @@ TEST(Energy, ThereAndBackWithoutFrictionIsNoWork) {
   Numbers numbers;
   for (const LoadedModel* loaded : {&linear_ball(), &bent_ball()}) {
     for (int i = 0; i < 20; ++i) {
-      const Path path = follow(*loaded, there_and_back(numbers), 0, 1, 5e-5);
+      const Path path = follow(*loaded, there_and_back(numbers), 0, false, 5e-5);
       EXPECT_GT(path.stored, 1e-4);
       EXPECT_LT(std::abs(path.work), 1e-3 * path.stored) << i;
     }
@@ -73,7 +89,7 @@ TEST(Energy, PressAndReleaseReturnsWhatWasStored) {
   Touch touch(bent_ball());
   for (int i = 0; i < 20; ++i) {
     const Vector3d at = random_direction(numbers);
-    const Path path = follow(bent_ball(), {0.06 * at, 0.049 * at, 0.06 * at}, 10, 1, 5e-5);
+    const Path path = follow(bent_ball(), {0.06 * at, 0.049 * at, 0.06 * at}, 10, false, 5e-5);
     EXPECT_LT(std::abs(path.work), 1e-4 * path.stored);
   }
 }
@@ -85,7 +101,7 @@ TEST(Energy, NoToolGains) {
   for (const double mu : {0.0, 0.05, 0.2, 0.5, 1.0}) {
     double lost = 0;
     for (int i = 0; i < 30; ++i) {
-      const Path path = follow(bent_ball(), round_trip(numbers), mu, 0, 1e-4);
+      const Path path = follow(bent_ball(), round_trip(numbers), mu, true, 1e-4);
       EXPECT_GT(path.least, -1e-3 * path.stored) << i << " " << mu;
       lost += path.work / path.stored / 30;
     }
@@ -100,11 +116,31 @@ TEST(Energy, UnguardedToolsGainWithoutFriction) {
   double least = 0;
   for (int i = 0; i < 30; ++i) {
     const auto corners = round_trip(numbers);
-    const Path path = follow(bent_ball(), corners, 0, 1, 1e-4);
+    const Path path = follow(bent_ball(), corners, 0, false, 1e-4);
     least = std::min(least, path.least / path.stored);
-    EXPECT_EQ(follow(bent_ball(), corners, 0.5, 1, 1e-4).work, follow(bent_ball(), corners, 0.5, 0, 1e-4).work);
+    EXPECT_EQ(follow(bent_ball(), corners, 0.5, false, 1e-4).work, follow(bent_ball(), corners, 0.5, true, 1e-4).work);
   }
   EXPECT_LT(least, -1e-2);
+}
+
+// Claim: nothing in the interface takes the guard away. A tool has these four fields and no other, whatever its bytes
+// between and behind them contain changes nothing, and a contact that was made, reset or refitted has its guard. That
+// the library has no function beside those of its headers is a test of its symbols.
+TEST(Energy, NoFieldAndNoFunctionTakesTheGuardAway) {
+  const auto& [center, radius, friction, mode] = phn_contact_tool{};
+  static_assert(std::size(decltype(phn_contact_tool::center){}) == 3);
+  EXPECT_EQ(radius + friction + mode + center[0], 0);
+  Numbers numbers;
+  for (int i = 0; i < 10; ++i) {
+    const auto corners = round_trip(numbers);
+    const double work = follow(bent_ball(), corners, 0, true, 1e-4).work;
+    for (const int padding : {1, 0xff}) EXPECT_EQ(follow(bent_ball(), corners, 0, true, 1e-4, padding).work, work);
+  }
+  Touch touch(bent_ball());
+  EXPECT_TRUE(touch.contact->guarded);
+  EXPECT_EQ(phn_contact_reset(touch.contact), PHN_OK);
+  EXPECT_EQ(phn_contact_refit(touch.contact, nullptr), PHN_OK);
+  EXPECT_TRUE(touch.contact->guarded);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-"""The law of Cook's membrane as others computed it, W = mu/2 (J^(-2/3) I1 - 3) + kappa/4 (J^2 - 1 - 2 ln J).
+"""The law of Cook's membrane in the published computations, W = mu/2 (J^(-2/3) I1 - 3) + kappa/4 (J^2 - 1 - 2 ln J).
 
-It has no form kappa/2 g^2 that is smooth at J = 1, so all of it goes into `shape`.
+It has no form kappa/2 g^2 that is smooth at J = 1, so that all of it is in `shape`.
 """
 
 from element_table import SOLIDS

@@ -1,7 +1,7 @@
-"""A solution made up beforehand, for the neo-Hookean law (8): the load that it needs, and the distance from it.
+"""A manufactured solution for the neo-Hookean law (8): its load, and errors with respect to it.
 
 The load is the weak form of the exact stress, L(v) = int P(I + grad u*) : grad v. For test functions that vanish on the
-boundary that is the work of the body force -Div P, without having to write its divergence down.
+boundary this is the work of the body force -Div P, so that the divergence need not be written.
 """
 
 from element_table import SOLIDS

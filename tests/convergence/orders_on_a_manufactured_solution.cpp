@@ -1,5 +1,5 @@
-// Claim: on a smooth solution the displacement error falls with the order of the element: 1 in H1 and 2 in L2
-// with P1 and p1-p1, 2 and 3 with P2 and Taylor-Hood. Higher than that is as suspicious as lower.
+// Claim: for a smooth solution the displacement error decreases with the order of the element: 1 in H1 and 2 in L2 with
+// P1 and p1-p1, 2 and 3 with P2 and Taylor-Hood. Higher orders fail the test as well as lower ones.
 #include <gtest/gtest.h>
 #include <manufactured.h>
 

@@ -1,9 +1,9 @@
-// Claim: under refinement the force of a patch converges, whatever the element, and that of a node does not:
-// a force at a point moves the point infinitely far, so the finer the mesh the softer it feels, without end.
+// Claim: under refinement the force of a patch converges for every element, and that of a node does not. The
+// displacement of a point under a point force is infinite, so that the force of a node decreases with the mesh size.
 //
-// The body is 10 x 8 x 6 cm with K/mu = 10, cut into 4 x 4 x 3 boxes (h), and into 2 and 4 times as many an
-// edge. A patch moves its nodes as if they were all that is there, so its rim is blurred by an element and
-// its force converges with order 1 or little more, unevenly.
+// The body is 10 x 8 x 6 cm with K/mu = 10, divided into 4 x 4 x 3 boxes (h), and into 2 and 4 times as many per edge.
+// A patch prescribes only its nodes, so that its boundary is determined up to an element, and its force converges
+// unevenly with an order of about 1.
 #include <gtest/gtest.h>
 
 #include "probe_block.hpp"

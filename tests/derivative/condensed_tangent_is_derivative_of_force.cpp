@@ -1,9 +1,9 @@
-// Claim: at an equilibrium under a tool, linearize() gives dF/dd and dx/dd: what solves at neighbouring
-// displacements give as difference quotients. The condensed tangent is symmetric.
+// Claim: at an equilibrium under a tool, linearize() gives dF/dd and dx/dd, which agree with difference quotients of
+// solves at neighbouring displacements. The condensed tangent is symmetric.
 //
-// Solves stop at 1e-12 of the reactions, so a quotient over h carries 1e-12 F / h; the five-point formula
-// truncates at h^4/30 of the fifth derivative. With h = 1 % of the block and forces of order 1 that is 1e-10
-// and some 1e-8: 1e-6 of the norm decides, while a wrong term shows as 1e-2.
+// The solver's tolerance is 1e-12 of the reactions, so that a quotient with step h has an error of 1e-12 F / h. The
+// truncation error of the five-point formula is h^4/30 times the fifth derivative. With h = 1 % of the block and forces
+// of order 1 these are 1e-10 and about 1e-8. The tolerance is 1e-6 of the norm; a wrong term would change 1e-2.
 #include <gtest/gtest.h>
 
 #include "block_mesh.hpp"

@@ -1,11 +1,11 @@
-// Claim: the force of a probe is the derivative of the stored energy by the tool's displacement, for node and
-// patch and for several tools at once; so its integral along a ray is the energy.
+// Claim: the force of a probe is the derivative of the stored energy by the displacement of the tool, for node and
+// patch and for several tools at once. Its integral along a ray is therefore the energy.
 //
-// Along a ray d = s D the force along it, f = sum of F . D over the tools, must be dE/ds. The seven-point
-// quotient truncates at h^6/140 of the seventh derivative and the integral (trapezoids corrected with df/ds =
-// D . K D at the ends) at h^4/720 of the third derivative of f; on the unit ray with h = 1/16 that is 1e-9
-// and 1e-7 of derivatives of order 1 to 100. A solver tolerance of 1e-10 drowns in either. Forgetting a
-// weight of the tool shows as 1e-1.
+// Along a ray d = s D the force f = sum of F . D over the tools must be dE/ds. The truncation error of the seven-point
+// quotient is h^6/140 times the seventh derivative; that of the integral (trapezoids corrected with df/ds = D . K D at
+// the ends) is h^4/720 times the third derivative of f. On the unit ray with h = 1/16 these are 1e-9 and 1e-7 times
+// derivatives of order 1 to 100. The solver's tolerance of 1e-10 is small compared with both. A missing weight of the
+// tool would change 1e-1.
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -1,10 +1,9 @@
-// Claim: the residual is the derivative of the energy and the tangent that of the residual, which makes it
-// symmetric, for every law and element at a deformed state that is nothing special.
+// Claim: the residual is the derivative of the energy, and the tangent is the derivative of the residual and therefore
+// symmetric, for every law and element at a general deformed state.
 //
-// The difference quotient is the five-point one: its truncation error is h^4/30 times the fifth derivative
-// along the direction, and rounding adds 1e-16/h. With h = 1e-3 and states whose derivatives are of order 1
-// to 10 (J stays away from 0) both are below 1e-11; 1e-8 of the norm leaves room for the fifth derivatives of
-// ln J and J^(-2/3).
+// The five-point difference quotient has a truncation error of h^4/30 times the fifth derivative along the direction,
+// and a rounding error of 1e-16/h. With h = 1e-3 and states with derivatives of order 1 to 10 (J is not close to 0)
+// both are below 1e-11. The tolerance of 1e-8 of the norm allows for the fifth derivatives of ln J and J^(-2/3).
 #include <gtest/gtest.h>
 
 #include "block_mesh.hpp"

@@ -1,9 +1,8 @@
-// Claim: negative_pivots is the number of directions in which the energy, minimized over nothing and with
-// pressures condensed out, curves downwards: 0 where a state is stable, and otherwise what dense algebra
-// counts.
+// Claim: negative_pivots is the number of directions of negative curvature of the energy, with pressures condensed out:
+// 0 for a stable state, and otherwise the number that dense algebra gives.
 //
-// By Sylvester's law the factorization and the eigenvalues agree exactly, unless an eigenvalue is within
-// rounding of zero; the tests assert that none is.
+// By Sylvester's law factorization and eigenvalues agree exactly unless an eigenvalue is within rounding of zero, which
+// the tests exclude.
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Claim: tools/measure-source counts right. On a small made-up tree every figure is known by counting by hand; what looks
-like code and is none (comments, strings, raw strings, digit separators) and what looks like a function and is none
-(braces that initialize, classes, namespaces) does not disturb it.
+"""Claim: tools/measure-source counts correctly. For a small artificial tree all figures are known. Text that resembles
+code (comments, strings, raw strings, digit separators) or a function (initializing braces, classes, namespaces) does
+not change them.
 
 Usage: source_is_measured_right.py TOOL
 """

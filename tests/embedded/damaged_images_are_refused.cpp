@@ -1,5 +1,5 @@
-// Claims: an image with any one byte damaged, cut short at any word, of the other kind of number, of another
-// version or at an odd address is refused with its own status; one whose tables do not fit is refused though
+// Claims: an image with any one damaged byte, truncated at any word, with the other type of numbers, of another version
+// or at an unaligned address is refused with a separate status. An image with inconsistent tables is refused even if
 // its checksum is right.
 #include <gtest/gtest.h>
 #include <phynness/phynness_image.h>

@@ -1,6 +1,6 @@
-// Claim: every function of phynness_image.h gives the same bits and status when an output lies in the memory of an
-// input, at any offset, as when it does not. Scratch over the output, and a pointer to an image inside of its
-// bytes, are refused and zeros. A function of the header that has no row here fails the test.
+// Claim: every function of phynness_image.h gives the same bits and status if an output overlaps an input at any
+// offset. Scratch that overlaps the output, and a pointer to an image inside of its own bytes, are refused with zeros
+// as output. A function of the header without a row here fails the test.
 #include "../runtime/overlapping_memory.hpp"
 #include "../runtime/small_model.hpp"
 #include "opened_image.hpp"

@@ -1,7 +1,7 @@
-// Claims: an image of doubles gives the runtime's forces, energies, stiffnesses, depths and deformations but
-// for rounding (1e-12 of the largest of the model: sums are ordered otherwise, Gaussians are powers of two);
-// one of floats to 1e-6 of the largest (weights of these models cancel by up to a hundred, a float's half
-// unit is 6e-8). Rest is exactly 0.
+// Claims: an image of doubles gives the forces, energies, stiffnesses, depths and deformations of the runtime up to
+// rounding (1e-12 of the largest value of the model, because sums have another order and Gaussians are powers of two).
+// An image of floats gives them up to 1e-6 of the largest value (weights of these models cancel by up to a hundred, and
+// the rounding of a float is 6e-8). At rest all are exactly 0.
 #include <gtest/gtest.h>
 #include <phynness/phynness_image.h>
 

@@ -28,6 +28,7 @@ for family in rbfn linear modal; do
   node "$source/check.mjs" "$work/build/phynness.wasm" "$work/models/$family/model.txt" \
     "$work/build/force.wasm" "$work/$family/model.bin" "$work/golden.json" || failed=1
 done
+node "$source/check_loop.mjs" "$work/build/loop.wasm" || failed=1
 limit() {
   local bytes
   bytes=$(stat -c %s "$work/build/$1")
@@ -36,4 +37,5 @@ limit() {
 }
 if command -v wasm-opt > /dev/null; then limit phynness.wasm 76000; else echo "size not checked: no wasm-opt"; fi
 limit force.wasm 8192
+limit loop.wasm 16384
 exit "$failed"

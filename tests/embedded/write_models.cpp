@@ -1,5 +1,5 @@
-// Model directories for tests of devices: write_models DIR makes DIR/rbfn, DIR/linear and DIR/modal. 60
-// neurons or centers of force, 26 directions, as the paper's models have.
+// Writes model directories for tests of devices: write_models DIR makes DIR/rbfn, DIR/linear and DIR/modal with 60
+// neurons or centers of force and 26 directions, as in the paper.
 #include <cmath>
 #include <cstdio>
 #include <exception>

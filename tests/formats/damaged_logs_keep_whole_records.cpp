@@ -1,5 +1,5 @@
-// Claims: whatever happens to the bytes of a log, every record that is still whole counts, no other one does,
-// and a database completed after that is the undamaged one, byte for byte.
+// Claims: for any change of the bytes of a log, exactly the records that are still complete count, and a database
+// completed from it is identical to the undamaged one.
 #include <algorithm>
 
 #include "database_under_test.hpp"

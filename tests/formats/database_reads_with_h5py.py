@@ -1,7 +1,7 @@
-"""Claim: a database reads in h5py as formats/database.md says: paths, shapes, types, units, outcomes by name.
+"""Claim: h5py reads a database as formats/database.md describes: paths, shapes, types, units, names of outcomes.
 
 Usage: database_reads_with_h5py.py PROGRAM DOCUMENT, where PROGRAM FILE [symmetric] writes a database to FILE.
-Exit status 77: h5py is not there, skipped.
+Exit status 77: h5py is not installed, skipped.
 """
 
 import os

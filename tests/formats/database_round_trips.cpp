@@ -1,5 +1,5 @@
-// Claims: what is appended is what is read, bit for bit (float32 displacements: rounded once, to nearest); it
-// does not matter how the rays were spread over logs; the summary counts what is there.
+// Claims: the values that are read are those that were appended, bit for bit (float32 displacements: rounded once, to
+// nearest). The distribution of rays over logs has no influence. The summary counts the contents.
 #include <cstring>
 
 #include "database_under_test.hpp"

@@ -1,6 +1,5 @@
-// Claims: fields come back from a database as float32, rounded once; mirror images take the value of the
-// image node; a database is not continued or merged with other fields; one without fields has not a byte of
-// them.
+// Claims: fields are read from a database as float32, rounded once. Mirror images have the value of the image node. A
+// database is not continued or merged with other fields. A database without fields contains no bytes for them.
 #include <phynness/formats/database_merge.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 

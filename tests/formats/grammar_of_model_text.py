@@ -1,9 +1,9 @@
-"""Claim: the grammar in formats/model.md is that of the program, neither wider nor narrower.
+"""Claim: the grammar in formats/model.md is exactly that of the program.
 
-The page's blocks become a program (model_grammar.py). It accepts every text that the writer makes and refuses each of
-several hundred damaged ones; of these, of texts that it makes up itself, of texts with one number at a bound or just
-outside, and of other spellings of numbers it says what both readers of the program say. The checksum is always right.
-What the page says in words and not in blocks is beyond_words and scaled_centers_overflow below.
+The blocks of the page are converted to a program (model_grammar.py). It accepts every text of the writer and refuses
+each of several hundred damaged ones. For these texts, for generated texts, for texts with a number at a bound or just
+outside of it, and for other spellings of numbers, its result is that of both readers of the program. The checksum is
+always right. Conditions that the page states in words are in beyond_words and scaled_centers_overflow below.
 
 Usage: grammar_of_model_text.py MODEL_MD MODEL_TEXTS
 """

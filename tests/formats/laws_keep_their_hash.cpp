@@ -1,6 +1,5 @@
-// Claim: what a database calls its material does not change. Texts and hashes are those of commit cbd7c29;
-// with others,
-// `--resume`, training and validation would refuse its databases.
+// Claim: the description of a material in a database does not change. Texts and hashes are those of commit cbd7c29.
+// With others, `--resume`, training and validation would refuse existing databases.
 #include "../bad_input/scene_under_test.hpp"
 
 namespace phynness::test {

@@ -1,6 +1,6 @@
-// Claims: every ray of a symmetric database is solved or the image of one that is; the counts are those of
-// the group; images of known responses are what the reflection says; logs need the solved rays only, an
-// interruption among them included; a database without a plane is untouched.
+// Claims: every ray of a symmetric database is solved or is the image of a solved one. The counts are those of the
+// group. Images of known responses agree with the reflection. Logs need the solved rays only, also after an
+// interruption. A database without a plane of symmetry is not affected.
 #include <phynness/formats/database_merge.hpp>
 #include <phynness/formats/mirrored_rays.hpp>
 

@@ -1,7 +1,7 @@
-"""The grammar that formats/model.md writes down, as a program: it reads a model.txt or makes up one.
+"""The grammar of formats/model.md as a program that reads or generates a model.txt.
 
-The notation is explained there, at the top of "Grammar". `Grammar.walk` follows the grammar; a Reader checks a text on
-that walk, a Maker (model_text_maker.py) writes one. Neither knows of models what the blocks of the page do not say.
+The notation is described there under "Grammar". `Grammar.walk` follows the grammar; with it a Reader checks a text and
+a Maker (model_text_maker.py) writes one. Both use nothing but the blocks of the page.
 """
 import re
 

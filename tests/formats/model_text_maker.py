@@ -1,4 +1,4 @@
-"""Makes up texts by the grammar of formats/model.md, with numbers at will: see model_grammar.py."""
+"""Generates texts from the grammar of formats/model.md with arbitrary numbers (model_grammar.py)."""
 import math
 import re
 

@@ -1,4 +1,4 @@
-// Claims about model.txt that every family meets.
+// Claims about the model.txt of every family.
 #pragma once
 
 #include <gtest/gtest.h>

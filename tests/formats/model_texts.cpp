@@ -1,9 +1,7 @@
-// Model texts for a test in another language, and what the program says of its texts.
-// Usage: model_texts write FOLDER    a small model of every family, with and without levels and fields, and
-// other sizes
-//        model_texts judge FILE      FILE: texts, each after a line with its number of bytes. Prints a line
-//        for each:
-//                                    what the host's reader says and what the runtime says, `yes` or `no`
+// Model texts for a test in another language, and the results of the program's readers for the texts of that test.
+// Usage: model_texts write FOLDER    a small model of every family, with and without levels and fields, and other sizes
+//        model_texts judge FILE      FILE: texts, each after a line with its number of bytes. Prints for each text
+//                                    the results of the host's and the runtime's reader, `yes` or `no`, in a line
 #include <cstring>
 #include <filesystem>
 #include <fstream>

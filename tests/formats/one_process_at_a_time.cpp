@@ -1,5 +1,5 @@
-// Claims: a database that one process works on is refused to a second one, which learns who has it; a killed
-// process leaves no lock behind; where the file system has no locks there is a warning and work goes on.
+// Claims: a database on which a process works is refused to a second process, with a message about the first one. A
+// killed process leaves no lock. On a file system without locks there is a warning, and work continues.
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>

@@ -1,5 +1,5 @@
-// Claims: every ray has one shard and shards are even; merged shards are the file that one run writes, byte
-// for byte; what is missing is named with its shard; shards of other work are refused with what differs.
+// Claims: every ray belongs to one shard, and shards have equal sizes. Merged shards are identical to the file of one
+// run. Missing parts are named with their shard. Shards of other work are refused with the difference.
 #include <algorithm>
 #include <phynness/formats/database_lock.hpp>
 #include <phynness/formats/database_merge.hpp>

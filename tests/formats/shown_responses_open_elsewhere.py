@@ -1,8 +1,8 @@
-"""Claim: what `phynness show` writes opens in VTK and in meshio, with the database's numbers to the last bit, in every
-format; and the cells are tetrahedra, triangles or points, according to which nodes are stored.
+"""Claim: VTK and meshio read the output of `phynness show` in every format, with exactly the numbers of the database.
+The cells are tetrahedra, triangles or points, according to the stored nodes.
 
 Usage: shown_responses_open_elsewhere.py WRITE_DATABASE PHYNNESS
-Exit status 77: neither reader, or no h5py, skipped. With one of the two readers it checks with that one.
+Exit status 77: h5py or both readers are missing, skipped. With one of the two readers it checks with that one.
 """
 
 import os

@@ -1,4 +1,4 @@
-// A model in the memory that it asked for, and what may be claimed of every answer to every question.
+// A model in separately allocated memory, and claims about the result of every query.
 #pragma once
 
 #include <phynness/phynness.h>

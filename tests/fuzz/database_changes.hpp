@@ -1,4 +1,4 @@
-// Changes to an HDF5 file that HDF5 itself makes, so that what comes out is sound HDF5 with wrong content.
+// Changes to an HDF5 file by HDF5 itself, so that the result is valid HDF5 with wrong content.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// A database with wrong content in sound HDF5, as a file or as logs: read and trained from, or an Error in
-// words; never a model that is not finite. Input: a byte (below), then changes: of objects by HDF5
+// A database with wrong content in valid HDF5, as a file or as logs, is read and used for training, or results in an
+// Error, but never in a model with values that are not finite. Input: a byte (below), then changes: of objects by HDF5
 // (database_changes.hpp), or of bytes as pairs of place and value.
 #include <unistd.h>
 

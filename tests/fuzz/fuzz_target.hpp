@@ -1,6 +1,5 @@
-// What every fuzz target has: seeds, one function that takes an input, and checks that end the program.
-// libFuzzer drives it (libfuzzer_entry.cpp), or a plain main with fixed random numbers (plain_main.cpp),
-// which needs no clang.
+// Interface of the fuzz targets: seeds, a function that takes an input, and checks that end the program. It is called
+// by libFuzzer (libfuzzer_entry.cpp), or by a main with fixed random numbers (plain_main.cpp), which needs no clang.
 #pragma once
 
 #include <bit>

@@ -1,5 +1,5 @@
-// Any bytes as an image: refused with a documented status, or every answer is defined. Input: a byte (bit 0:
-// put the right checksum and size, bit 1: floats), 8 bytes that decide the questions, 7 that stay, the image.
+// Arbitrary bytes as an image are refused with a documented status, or every result is defined. Input: a byte (bit 0:
+// set the right checksum and size, bit 1: floats), 8 bytes that determine the queries, 7 unused bytes, the image.
 #include <phynness/phynness_image.h>
 
 #include <phynness/embedding/embedding.hpp>

@@ -1,7 +1,7 @@
-// Any bytes as a mesh: mesh.txt, .msh, .vtk, .stl, .obj. Read, or an Error in words. Input: a byte (which
-// reader; bit 3: put the right checksum, of mesh.txt; bits 4 to 6: repair, millimetres, half a body), the
-// file. What a reader gives is checked as a body, as a surface and as a shell: a sound mesh, or an Error in
-// words.
+// Any bytes as a mesh: mesh.txt, .msh, .vtk, .stl, .obj, .vtu, .vtp, .ply, .off, .inp. Read, or an Error in words.
+// Input: a byte (bits 0 to 3: which reader; 8: mesh.txt with its right checksum; bits 4 to 6: repair, millimetres, half
+// a body), the file. What a reader gives is checked as a body, as a surface and as a shell: a sound mesh, or an Error
+// in words.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/mesh.hpp>
 
@@ -77,7 +77,42 @@ const std::vector<std::string_view> words = {"0",
                                              "f",
                                              "f 1/2/3 2//3 -1",
                                              "g",
+                                             "ascii",
+                                             "binary",
+                                             "appended",
+                                             "base64",
+                                             "raw",
+                                             "UInt64",
+                                             "BigEndian",
+                                             "compressor=\"vtkZLibDataCompressor\"",
+                                             "AQAAAACAAAAQAAAA",
+                                             "property",
+                                             "element",
+                                             "list",
+                                             "*NODE",
+                                             "*NSET,NSET=a",
+                                             "GENERATE",
                                              ""};
+
+using Read = meshes::RawMesh (*)(const std::string&, const std::string&);
+/// By the low four bits of the first byte; 0 and 8 are mesh.txt.
+constexpr Read readers[16] = {nullptr,          meshes::read_msh, meshes::read_vtk, meshes::read_stl,
+                              meshes::read_obj, meshes::read_vtu, meshes::read_vtp, meshes::read_ply,
+                              nullptr,          meshes::read_off, meshes::read_inp};
+
+/// An XML file of VTK with one tetrahedron or triangle, in ASCII or with arrays in base64 or appended.
+std::string small_vtk_xml(const std::string& kind, const std::string& cells, const std::string& rest) {
+  return "<VTKFile type=\"" + kind + "\" byte_order=\"LittleEndian\" header_type=\"UInt32\"><" + kind +
+         "><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\" NumberOfPolys=\"1\"><Points><DataArray type=\"Float32\" "
+         "NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>" +
+         cells + "</Piece></" + kind + ">" + rest + "</VTKFile>\n";
+}
+
+std::string small_cells(const std::string& place) {
+  return "<Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=" + place +
+         "</DataArray><DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">4</DataArray>"
+         "<DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10</DataArray></Cells>";
+}
 
 Mesh small_mesh() {
   Mesh mesh;
@@ -152,6 +187,22 @@ std::vector<Input> seeds() {
   }
   add(3, binary);
   add(4, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1/1 2/2 4/3\nf 2//1 3//1 4//1\nf -4 -1 -2\n");
+  const std::string four = "EAAAAAAAAAABAAAAAgAAAAMAAAA=";  // 16 bytes: 0 1 2 3
+  add(5, small_vtk_xml("UnstructuredGrid", small_cells("\"ascii\">0 1 2 3"), ""));
+  add(5, small_vtk_xml("UnstructuredGrid", small_cells("\"binary\">" + four), ""));
+  add(5, small_vtk_xml("UnstructuredGrid", small_cells("\"appended\" offset=\"0\">"),
+                       "<AppendedData encoding=\"base64\">_" + four + "</AppendedData>"));
+  add(6, small_vtk_xml("PolyData",
+                       "<Polys><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 2 1</DataArray>"
+                       "<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">3</DataArray></Polys>",
+                       ""));
+  add(7,
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  add(9, "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n4 0 1 2 3 1 0 0\n");
+  add(10,
+      "*NODE, NSET=all\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n*ELEMENT, TYPE=C3D4, ELSET=b\n1, 1, 2,\n3, 4\n"
+      "*NSET, NSET=a, GENERATE\n1, 3, 2\n*NSET, NSET=c\na, 2\n");
   // Triangles and cells that are points or lines, repeated, far away, or of nodes that lie on one another.
   for (const int how : {0, 16, 32, 64, 112}) {
     add(4 + how, "v 0 0 0\nf 1 1 1\n");
@@ -183,20 +234,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::uint8_t how = script.byte();
   const Input rest = script.rest();
   std::string text(rest.begin(), rest.end());
-  if (how & 8) text = sealed(text);
+  const auto reader = how & 15;
+  if (reader == 8) text = sealed(text);
   try {
-    const auto reader = how & 7;
-    if (reader == 0) {
+    if (reader == 0 || reader == 8) {
       std::vector<std::int32_t> fixed;
       const Mesh mesh = read_mesh_text(text, "mesh.txt", &fixed);
       const std::string written = write_mesh_text(mesh, fixed);
       require(write_mesh_text(read_mesh_text(written, "mesh.txt", &fixed), fixed) == written, "a round trip");
       return 0;
     }
-    const auto read = reader == 1   ? meshes::read_msh
-                      : reader == 2 ? meshes::read_vtk
-                      : reader == 3 ? meshes::read_stl
-                                    : meshes::read_obj;
+    const Read read = readers[reader] ? readers[reader] : meshes::read_obj;
     const meshes::RawMesh raw = read(text, "file");
     const auto n = static_cast<std::int32_t>(raw.nodes.size());
     for (const auto& cell : raw.tetrahedra)

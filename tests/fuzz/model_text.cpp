@@ -1,6 +1,6 @@
-// Any bytes as model.txt: refused with a documented status, or a model whose every answer is defined. Where
-// the runtime accepts, the host's reader does, and what it writes back is the same model. Input: a byte (bit
-// 0: put the right checksum, bits 1 ... 4: alignment), 8 bytes that decide the questions, the text.
+// Arbitrary bytes as model.txt are refused with a documented status, or are a model with defined results. If the
+// runtime accepts a text, so does the reader of the host, and the text that it writes is the same model. Input: a byte
+// (bit 0: set the right checksum, bits 1 ... 4: alignment), 8 bytes that determine the queries, the text.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/model.hpp>
 

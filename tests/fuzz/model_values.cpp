@@ -1,6 +1,6 @@
-// Models that are right in structure and hold any numbers, coincident points, empty parts: what the host
-// writes, the runtime loads or finds out of range, and every answer is defined. Input: which small model, its
-// sizes, what is changed, questions.
+// Models of valid structure with arbitrary numbers, coincident points and empty parts: the runtime loads the text of
+// the host or finds a value out of range, and every result is defined. Input: the small model, its sizes, changes,
+// queries.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/model.hpp>
 

@@ -1,5 +1,5 @@
-// A fuzz target without libFuzzer: its seeds, then as many changed ones as were asked for, the same in every
-// run. Usage: regress_TARGET [RUNS | FILE ...]. What ends the program is left in crash-TARGET.
+// Runs a fuzz target without libFuzzer: its seeds, then the requested number of changed seeds, which are the same in
+// every run. Usage: regress_TARGET [RUNS | FILE ...]. An input that ends the program is kept in crash-TARGET.
 #include <csignal>
 #include <filesystem>
 #include <fstream>

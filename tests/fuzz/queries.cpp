@@ -1,4 +1,4 @@
-// Any sequence of calls with any arguments on good models of every family. Input: which model, calls.
+// Arbitrary sequences of calls with arbitrary arguments on valid models of every family. Input: the model, calls.
 #include <phynness/formats/model.hpp>
 
 #include "../runtime/small_model.hpp"

@@ -1,5 +1,5 @@
-// Any bytes as a scene: read, or an Error in words; the physics of what was read has one hash. Changed texts
-// repeat pieces of themselves, so that keys, headers and brackets are nested as deep as the input is long.
+// Arbitrary bytes as a scene are read or result in an Error. The physics of a scene has one hash. Changed texts repeat
+// parts of themselves, so that keys, headers and brackets can be nested as deeply as the input is long.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/scene.hpp>
 

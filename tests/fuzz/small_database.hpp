@@ -1,4 +1,4 @@
-// A small database that reads without complaint, as a file to change: a block with every kind of content.
+// A small valid database as a file to be changed: a block with every kind of content.
 #pragma once
 
 #include <phynness/formats/database.hpp>

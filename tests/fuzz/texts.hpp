@@ -1,4 +1,4 @@
-// Texts that end with a checksum of what precedes it: model.txt and mesh.txt. And how to change texts.
+// Texts with a checksum at their end, model.txt and mesh.txt, and functions that change texts.
 #pragma once
 
 #include <algorithm>

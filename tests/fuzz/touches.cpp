@@ -1,5 +1,5 @@
-// Any sequence of tools that come, touch, slide and go, at any places and of any sizes. Every step is taken
-// twice: by a contact with scratch in use, and by its twin with fresh scratch. Input: which model, how many
+// Arbitrary sequences of tools that approach, touch, slide and leave, at any places and of any sizes. Every step is
+// computed twice: with a contact whose scratch was used before, and with fresh scratch. Input: the model, the number of
 // tools, steps.
 #include <phynness/phynness_levels.h>
 
@@ -55,7 +55,7 @@ class Hand {
             "half the memory is refused");
     for (phn_contact_tool& tool : _tools) {
       for (double& x : tool.center) x = near();
-      tool = {{tool.center[0], tool.center[1], tool.center[2]}, 0.004, 0, PHN_TOOL_PRESS, 0};
+      tool = {{tool.center[0], tool.center[1], tool.center[2]}, 0.004, 0, PHN_TOOL_PRESS};
     }
   }
 
@@ -108,7 +108,6 @@ class Hand {
     if (kind == 14) tool.mode = _script.below(8) == 0 ? _script.raw<std::int32_t>() : _script.below(3);
     if (kind == 15) tool.radius = _script.below(2) == 0 ? amount() : std::fabs(near());
     if (kind == 11) tool.friction = _script.below(2) == 0 ? amount() : _script.byte() / 128.0;
-    if (kind == 10) tool.unguarded = _script.below(2);
   }
 
   void step() {

@@ -1,9 +1,9 @@
-// Claim: the force of a probe belongs to the body, not to how it is written down: turned, given in other
-// units, renumbered or placed far from the origin, the same scene gives the same force.
+// Claim: the force of a probe does not depend on the description of the body: if the scene is rotated, in other units,
+// renumbered or far from the origin, the force is the same.
 //
-// Solves stop at 1e-11 of the reactions, and a force is off by that times the norm of the sensitivities (some
-// 1e1): two solves of the same thing agree to 1e-9. Where the sequence of iterates is the same too, less is
-// left.
+// The solver's tolerance is 1e-11 of the reactions, and the error of a force is this times the norm of the
+// sensitivities (about 1e1): two solves of the same problem agree to 1e-9. If the iterates are the same, the difference
+// is smaller.
 #include <gtest/gtest.h>
 
 #include <numeric>

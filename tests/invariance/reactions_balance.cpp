@@ -1,10 +1,10 @@
-// Claim: under a tool, the forces at the held points (fixed and touched) sum to zero, and so do their moments
-// about the origin: in the deformed configuration for the objective laws, in the reference configuration for
-// the linear one, whose stress is symmetric there.
+// Claim: under a tool, the forces at the held points (fixed and touched) sum to zero, and so do their moments about the
+// origin: in the deformed configuration for the objective laws, in the reference configuration for the linear law,
+// whose stress is symmetric there.
 //
-// Summed over all points both vanish to rounding for any state, as shape functions sum to one and the energy
-// knows no rigid motion: 1e-13 of the forces. Over held points only, what is missing is what the solver left
-// at the free ones: its tolerance, 1e-10 of the reactions, times the square root of their number (some 1e2).
+// Summed over all points both vanish up to rounding for any state, because shape functions sum to one and the energy is
+// invariant to rigid motions: 1e-13 of the forces. Over the held points only, the difference is the residual at the
+// free points: the solver's tolerance, 1e-10 of the reactions, times the square root of their number (about 1e2).
 #include <gtest/gtest.h>
 
 #include "block_mesh.hpp"

@@ -1,9 +1,9 @@
-// Claim: the three nonlinear laws are objective, with every element: a rigid motion costs no energy and no
-// force, and a rotation on top of a deformation leaves the energy and turns the forces. The linear law is not
-// objective, by design.
+// Claim: the three nonlinear laws are objective for every element. A rigid motion has no energy and no force. A
+// rotation after a deformation does not change the energy and rotates the forces. The linear law is not objective by
+// definition.
 //
-// Nothing is solved. Nodal forces are sums of stress times h^2 with mu = 1, in which rounding leaves 1e-16
-// times the largest modulus (10): 1e-13 of mu h^2 is plenty. Pressures are scalars and do not turn.
+// Nothing is solved. Nodal forces are sums of stress times h^2 with mu = 1 and have a rounding error of 1e-16 times the
+// largest modulus (10), so that 1e-13 of mu h^2 is a sufficient tolerance. Pressures are scalars and do not rotate.
 #include <gtest/gtest.h>
 
 #include "block_mesh.hpp"

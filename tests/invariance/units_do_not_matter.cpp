@@ -1,9 +1,8 @@
-// Claim: the same scene at 1 mm or 1 m and with moduli of 1 Pa or 1 GPa gives the same answer, from the text
-// of the scene on: mesh, selections, steps, forces, displacements. No length or modulus is hidden in the
-// program.
+// Claim: a scene of 1 mm or 1 m with moduli of 1 Pa or 1 GPa gives the same results from its text on: mesh, selections,
+// steps, forces, displacements. The program contains no length or modulus of its own.
 //
-// The solver works without dimension, so iterates are the same up to the rounding of a change of units; 1e-8
-// is the tolerance of the scenes themselves, to which alone an answer is defined.
+// The solver works with dimensionless values, so that iterates differ only by the rounding of the change of units. The
+// tolerance of 1e-8 is that of the scenes, which limits the precision of all results.
 #include <gtest/gtest.h>
 
 #include <phynness/meshes/meshes.hpp>

@@ -1,4 +1,4 @@
-// A law written out by hand, held against what its file declares.
+// Comparison of an independently written law with the declaration in its file.
 #pragma once
 
 #include <gtest/gtest.h>

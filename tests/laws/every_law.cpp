@@ -1,5 +1,6 @@
-// Claims about every law of precompute_dolfinx/laws: rest is at rest, moduli at rest are those that the file
-// states, rotations of body and space change nothing, and a scene's parameters are all in its hash.
+// Claims about every law of precompute_dolfinx/laws: the reference state has no energy and stress, the moduli at rest
+// are those of the file, rotations of body and space have no effect, and all parameters of a scene are part of its
+// hash.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// Claim: what users bring broken is refused with the defect and its count, or repaired by name. The counts
-// are those that tests/data/meshes/make.py has built in.
+// Claim: defective files are refused with the defect and its count, or repaired with a note. The counts are those that
+// tests/data/meshes/make.py makes.
 #include "mesh_under_test.hpp"
 
 namespace phynness::test {

@@ -1,5 +1,5 @@
-// Claims: the liver at the paper's size has the paper's counts; target_nodes is met; shapes have their
-// closed-form volumes; the same scene gives the same mesh; impossible wishes are refused.
+// Claims: the liver with the size of the paper has the paper's counts. target_nodes is met. Shapes have the volumes of
+// closed forms. The same scene gives the same mesh. Impossible sizes are refused.
 #include <cmath>
 #include <numbers>
 
@@ -106,7 +106,7 @@ TEST(BuiltInShapes, ImpossibleWishesAreRefused) {
   scene.mesh.inner_radius_m = 0;
   scene.mesh.target_size_m = 1e-6;
   message = error_of([&] { make_mesh(scene); });
-  EXPECT_TRUE(contains(message, "too big")) << message;
+  EXPECT_TRUE(contains(message, "scene.toml:3") && contains(message, "1e-06 m")) << message;
   scene.mesh.target_size_m = -1;
   EXPECT_TRUE(contains(error_of([&] { make_mesh(scene); }), "target_size_m must be positive"));
 }

@@ -1,6 +1,6 @@
-// Claims: cells numbered the other way round are flipped by name; flat, overlapping or separate cells, NaN
-// coordinates and pinched bodies are refused by name; unreferenced nodes are dropped by name without touching
-// the order of the others.
+// Claims: cells with opposite numbering are flipped with a note. Flat, overlapping or separate cells, NaN coordinates
+// and pinched bodies are refused with their numbers. Unreferenced nodes are dropped with a note, and the order of all
+// others is kept.
 #include "mesh_under_test.hpp"
 
 namespace phynness::test {
@@ -26,7 +26,7 @@ TEST(Cells, OverlappingNeighboursAreInverted) {
   // Node 5 lies on the same side of the common face as node 1.
   const std::string message = error_of(
       [] { import_bytes(msh_2(two_cells, 2, "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0.1 0.1 0.1\n"), ".msh"); });
-  EXPECT_TRUE(contains(message, "inverted cells") && contains(message, "2 cells: 0, 1")) << message;
+  EXPECT_TRUE(contains(message, "inverted") && contains(message, "2 cells: 0, 1")) << message;
 }
 
 TEST(Cells, WithoutVolumeAreRefusedWithTheirNodes) {
@@ -46,7 +46,7 @@ const char* unmerged_cells = "1 4 2 0 1 1 2 3 4\n2 4 2 0 1 6 5 7 8\n";
 
 TEST(Cells, UnmergedCoincidentNodesAreNamed) {
   const std::string message = error_of([] { import_bytes(msh_2(unmerged_cells, 2, twin_nodes, 8), ".msh"); });
-  EXPECT_TRUE(contains(message, "2 components") && contains(message, "3 nodes lie exactly on another one (5, 6, 7)"))
+  EXPECT_TRUE(contains(message, "2 components") && contains(message, "3 nodes") && contains(message, "(5, 6, 7)"))
       << message;
 }
 
@@ -85,9 +85,9 @@ TEST(Nodes, UnreferencedAreDroppedByNameAndTheRestKeepTheirOrder) {
 
 TEST(Units, ASizeThatCannotBeMetresIsAskedAbout) {
   const TemporaryFile file(msh_2(two_cells, 2), ".msh");
-  EXPECT_TRUE(contains(joined(import_file(file.path, 1000).warnings), "mesh.scale_to_m = 1000 right?"));
-  EXPECT_TRUE(contains(joined(import_file(file.path, 1e-5).warnings), "right?"));
-  EXPECT_FALSE(contains(joined(import_file(file.path, 0.1).warnings), "right?"));
+  EXPECT_TRUE(contains(joined(import_file(file.path, 1000).warnings), "mesh.scale_to_m = 1000"));
+  EXPECT_TRUE(contains(joined(import_file(file.path, 1e-5).warnings), "mesh.scale_to_m"));
+  EXPECT_FALSE(contains(joined(import_file(file.path, 0.1).warnings), "mesh.scale_to_m"));
 }
 
 }  // namespace

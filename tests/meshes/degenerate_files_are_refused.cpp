@@ -1,6 +1,5 @@
-// Claim: a file whose triangles or cells are points, lines, repeated, too far away or not there at all is
-// refused with words, whatever its format and whether it is to be filled, repaired, mirrored or taken for a
-// shell. None ends the program.
+// Claim: a file whose triangles or cells are points, lines, repeated, too far away or missing is refused with a
+// message, in every format and for filling, repair, mirroring and shells. None ends the program.
 #include <sstream>
 
 #include "body.hpp"
@@ -166,7 +165,7 @@ TEST(DegenerateFiles, WithCellsSmallerThanOnePlaceAreRefused) {
   RawMesh raw;
   raw.nodes = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 0, 0}, {2 + 1e-10, 0, 0}, {2, 1e-10, 0}, {2, 0, 1e-10}};
   raw.tetrahedra = {{0, 1, 2, 3}, {4, 5, 6, 7}};
-  EXPECT_TRUE(contains(error_of([&] { meshes::checked_body(raw, 1, true, "f"); }), "so small that merging"));
+  EXPECT_TRUE(contains(error_of([&] { meshes::checked_body(raw, 1, true, "f"); }), "cell 1"));
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
-// Claim: whatever is wrong with a file, the answer is an Error with the place and the defect; never a crash,
-// a hang, a huge allocation or half a mesh. Every truncation of a small file is tried, and every byte set to
-// something else.
+// Claim: every defect of a file results in an Error with place and defect, and never in a crash, a hang, a huge
+// allocation or an incomplete mesh. All truncations of a small file and changes of all its bytes are tried.
 #include <random>
 
 #include "mesh_under_test.hpp"
@@ -84,7 +83,7 @@ TEST(DamagedFiles, MessagesNameTheDefect) {
       {".obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n", "not defined above"},
       {".obj", "v 0 0 0\n", "no faces"},
       {".stl", "solid x\nendsolid x\n", "no triangles"},
-      {".ply", "ply\n", "unknown kind"}};
+      {".3mf", "PK\n", "unknown kind"}};
   for (const Case& c : cases) {
     const std::string message = error_of([&] { import_bytes(c.bytes, c.extension); });
     EXPECT_TRUE(contains(message, c.part)) << "expected '" << c.part << "' in '" << message << "'";

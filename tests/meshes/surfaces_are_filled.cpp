@@ -73,7 +73,7 @@ TEST(Surfaces, AsciiStlIsWelded) {
 
 TEST(Surfaces, OversizedWishesAreRefusedAtOnce) {
   const std::string message = error_of([] { fill_cube(cube_obj, 1e-4); });
-  EXPECT_TRUE(contains(message, "too big") && contains(message, "scale_to_m")) << message;
+  EXPECT_TRUE(contains(message, "0.0001 m") && contains(message, "scale_to_m")) << message;
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-// Claim: a patch holds the surface nodes within its radius that it can reach over the surface, with the
-// weights of the documented bump, and neither fixed nodes nor the far side of a thin body. Exact: the
-// expected weights are the same expression in other words.
+// Claim: a patch holds the surface nodes within its radius that are connected to its center over the surface, with the
+// weights of the documented bump, and neither fixed nodes nor the far side of a thin body. The comparison is exact,
+// because the expected weights are the same expression.
 #include <gtest/gtest.h>
 
 #include <cmath>

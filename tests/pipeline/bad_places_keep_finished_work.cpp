@@ -1,6 +1,6 @@
-// Claims: on a disk that fills up, under a limit of file size, in a read-only folder or beside a second
-// process, precompute ends with a reason and a remedy, keeps every finished ray, and goes on to the same
-// database when the cause is gone.
+// Claims: on a full disk, with a limit of file size, in a read-only folder or together with a second process,
+// precompute ends with a reason and a remedy and keeps every finished ray. After the cause is removed, it continues to
+// the same database.
 #include "command_line.hpp"
 #include "same_results.hpp"
 

@@ -1,7 +1,6 @@
-// Claim: probes are solved from rest by whichever process is free, so 1, 2 and 4 ranks write the same
-// database. Tolerance: the same program solves the same systems in the same order, so even rounding agrees;
-// the promise is solver tolerance, and 1e-7 of the largest value is what the relative force residual of 1e-8
-// leaves on values in float32.
+// Claim: probes are solved from rest by any free process, so that 1, 2 and 4 ranks write the same database. The same
+// systems are solved in the same order, so that even rounding agrees. Only the solver's tolerance is guaranteed: a
+// relative force residual of 1e-8 gives a tolerance of 1e-7 of the largest value for values in float32.
 #include <phynness/formats/database.hpp>
 
 #include "command_line.hpp"

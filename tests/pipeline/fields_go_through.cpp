@@ -1,6 +1,6 @@
-// Claim: the fields that a scene names go through the pipeline: stored, modelled by family modal, measured
-// beside both yardsticks and closer to the finite elements than either, printed by eval and solve in the same
-// columns, shown. A scene without them has the database and the model that it had before.
+// Claim: the fields of a scene pass through the pipeline: they are stored, modelled by family modal, compared with both
+// trivial predictors and closer to the finite elements than these, printed by eval and solve in the same columns, and
+// shown. A scene without fields has the same database and model as before.
 #include <phynness/formats/database.hpp>
 
 #include "command_line.hpp"

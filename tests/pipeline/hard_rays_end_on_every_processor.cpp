@@ -1,8 +1,8 @@
-// Claim: a ray whose tangent cannot be factorized, with the kernels that OpenBLAS has for this processor, is
-// solved by another way and costs the others nothing; PETSc's words stay out of what a person reads.
+// Claim: a ray whose tangent cannot be factorized with the OpenBLAS kernels of this processor is solved in another way
+// and does not slow down the others. Messages of PETSc are not printed.
 //
-// Node 163 of the paper's liver with p1-p1 elements (K/mu = 200, node probe to 28 mm), direction 6: with the
-// kernels for SkylakeX, LDL^T without pivoting meets a zero pivot. All 156 increments have an equilibrium.
+// Node 163 of the paper's liver with p1-p1 elements (K/mu = 200, node probe to 28 mm), direction 6: with the kernels
+// for SkylakeX, LDL^T without pivoting finds a zero pivot. All 156 increments have an equilibrium.
 #include <phynness/formats/database.hpp>
 
 #include "command_line.hpp"

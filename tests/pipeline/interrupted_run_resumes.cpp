@@ -1,6 +1,5 @@
-// Claim: a run that is killed or interrupted keeps its finished rays, and --resume ends at the database of an
-// uninterrupted run. The kill comes after a fixed number of logged rays, seen from outside in the size of the
-// log.
+// Claim: a killed or interrupted run keeps its finished rays, and --resume leads to the database of an uninterrupted
+// run. The process is killed after a fixed number of logged rays, which the size of the log shows.
 #include <phynness/formats/database.hpp>
 
 #include "command_line.hpp"

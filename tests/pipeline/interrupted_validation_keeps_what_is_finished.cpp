@@ -1,5 +1,5 @@
-// Claim: an interrupted validation reports what it has finished, says that it is not all, and the same seed
-// begins with the same probes: a run of as many gives the same figures.
+// Claim: an interrupted validation reports its finished probes and states that they are not all. The same seed begins
+// with the same probes, so that a run with this number of probes gives the same figures.
 #include "command_line.hpp"
 
 namespace phynness::test {

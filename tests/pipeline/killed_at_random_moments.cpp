@@ -1,8 +1,8 @@
-// Claim: kill -9 at any moment, of one process, one rank of several or all of them, of a run or of a shard,
-// loses nothing that was finished: resumed as often as it takes, it ends at the database of an uninterrupted
-// run, to the last bit. Half of the moments are drawn over the whole length of a run, its start and its
-// packing included, half from the first ray that it finishes. How many runs a database takes depends on the
-// machine; that it is the same database does not, nor that some of the kills find some rays finished and some not.
+// Claim: kill -9 at any moment of one process, of one or all of several ranks, of a run or of a shard loses no finished
+// work. After any number of resumed runs the database is identical to that of an uninterrupted run. Half of the moments
+// are distributed over the whole length of a run including start and packing, half over the time from its first
+// finished ray on. The number of runs for a database depends on the machine; the database does not. Kills go on until
+// one has found some rays finished and some not.
 #include <fcntl.h>
 #include <spawn.h>
 

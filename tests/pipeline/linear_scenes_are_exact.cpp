@@ -1,7 +1,7 @@
-// Claim: a linear scene goes through the whole pipeline, and its model repeats fresh finite element solves
-// inside and beyond the trained depth: forces to 1e-8 (the solver's relative tolerance), displacements to
-// 1e-6 (float32 in the database, 6e-8, twice). So does the linear predictor, as it must. What cannot be
-// trained is refused before anything is solved.
+// Claim: a linear scene passes through the whole pipeline, and its model agrees with new finite element solves inside
+// and outside of the trained depth: forces to 1e-8 (the solver's relative tolerance), displacements to 1e-6 (float32 in
+// the database, 6e-8, twice). So does the linear predictor. Scenes that cannot be trained are refused before anything
+// is solved.
 #include <array>
 #include <cstdio>
 #include <sstream>

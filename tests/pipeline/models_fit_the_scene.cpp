@@ -1,5 +1,5 @@
-// Claim: family modal goes through the pipeline, beats the paper's networks and the linear predictor on the
-// same probes, and tune writes the model that meets the limits or says why none does.
+// Claim: family modal passes through the pipeline and has smaller errors than the paper's networks and the linear
+// predictor for the same probes. tune writes the model that meets the limits, or names the limits that are not met.
 #include <algorithm>
 #include <phynness/formats/model.hpp>
 
@@ -81,7 +81,7 @@ TEST_F(Families, TuneMeetsTheLimitsOrSaysWhy) {
 
   const auto missed = phynness("tune scene.toml d.h5 -o n --max-size 1kB --probes 4");
   EXPECT_EQ(missed.exit_status, 1);
-  EXPECT_NE(missed.err.find("memory: the least is"), std::string::npos) << missed.err;
+  EXPECT_NE(missed.err.find("memory"), std::string::npos) << missed.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "n"));
   for (const std::string wrong : {"--max-error -1%", "--max-error much", "--max-time 20", "--max-size 1GiB"})
     EXPECT_EQ(phynness("tune scene.toml d.h5 -o n --probes 4 " + wrong).exit_status, 2) << wrong;

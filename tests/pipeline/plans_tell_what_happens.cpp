@@ -1,6 +1,6 @@
-// Claim: `phynness plan` says before a precompute what it then weighs; from a finished database it takes the
-// measured costs to the last digit; the tasks that it simulates are those that precompute hands out, in the
-// same order; what cannot be planned is refused. Times are not compared: the machine that tests may be busy.
+// Claim: `phynness plan` predicts the sizes of the files of a precompute run. For a finished database it uses exactly
+// the measured costs. The tasks that it simulates are those of precompute in the same order. Input that cannot be
+// planned is refused. Times are not compared, because the machine may have other load.
 #include <numeric>
 #include <phynness/formats/database.hpp>
 #include <phynness/planning/schedule.hpp>

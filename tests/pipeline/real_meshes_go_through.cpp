@@ -1,6 +1,5 @@
-// Claim: every mesh of tests/data/meshes goes from file to validated model. Coarse settings: two nodes, three
-// directions, two increments; what is shown is that nothing on the way refuses or fails, and that forces have the right
-// sign.
+// Claim: every mesh of tests/data/meshes passes from file to validated model, and forces have the right sign. The
+// settings are coarse: two nodes, three directions, two increments.
 #include "command_line.hpp"
 
 namespace phynness::test {

@@ -1,4 +1,4 @@
-// Two databases hold the same work: everything that is computed agrees to the last bit. CPU times differ.
+// Comparison of two databases: all computed values agree exactly, except CPU times.
 #pragma once
 
 #include <gtest/gtest.h>

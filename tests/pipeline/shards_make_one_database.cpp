@@ -1,5 +1,5 @@
-// Claims: shards, each solved by a process or by several ranks, merge to the database of one run, to the last
-// bit; merge says what is missing and the command that solves it; every command knows a shard for what it is.
+// Claims: shards, each solved by a process or by several ranks, merge exactly to the database of one run. merge names
+// missing parts and the command that solves them. Every command recognizes a shard.
 #include "command_line.hpp"
 #include "same_results.hpp"
 

@@ -1,6 +1,6 @@
-// Claim: a shell's scene goes through the whole pipeline: mesh, precompute, train, validate; the model
-// repeats fresh finite element solves better than linear theory does, and every text speaks of a shell. A
-// plane of symmetry, ranks, teams of ranks and an interruption change nothing of its results.
+// Claim: the scene of a shell passes through the whole pipeline: mesh, precompute, train, validate. The model is closer
+// to new finite element solves than linear theory, and all texts refer to a shell. A plane of symmetry, ranks, teams of
+// ranks and an interruption do not change the results.
 #include <cmath>
 #include <phynness/formats/database.hpp>
 

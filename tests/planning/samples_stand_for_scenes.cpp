@@ -1,6 +1,5 @@
-// Claim: the sample of a plan covers active nodes and directions evenly, is the same for the same seed, and
-// what is made of it keeps the sample's mean; sizes tried with a few rays are those of the whole database and
-// model.
+// Claim: the sample of a plan covers active nodes and directions evenly and is the same for the same seed, and
+// estimates keep the mean of the sample. Sizes tried with a few rays are those of the whole database and model.
 #include <gtest/gtest.h>
 
 #include <cmath>

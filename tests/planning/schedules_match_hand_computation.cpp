@@ -1,6 +1,5 @@
-// Claim: the simulation of a precompute gives what a pencil gives where a pencil suffices, in every part of
-// the account. Times are multiples of powers of two, so sums are exact and need no tolerance, unless said
-// otherwise.
+// Claim: in simple cases the simulation of a precompute agrees with a calculation by hand in all parts of the time.
+// Times are multiples of powers of two, so that sums are exact and need no tolerance unless stated.
 #include <gtest/gtest.h>
 
 #include <phynness/planning/scaling_curve.hpp>

@@ -1,7 +1,7 @@
-// Claims: tasks cover every ray that is left once, and none crosses to another node; ranks that take them in
-// turn end almost together, whatever rays cost; and touch few more nodes than there are. Bound on the loss:
-// three rays of average cost, a ninth of a node. Single rays alone lose up to one; before them comes a share
-// of at most one node, whose cost may be off by half. Whole nodes as tasks lose 5 to 17.
+// Claims: tasks contain every remaining ray once, and each task has one node. Ranks that take them in turn end almost
+// at the same time for any costs of rays, and prepare few more nodes than there are. The bound of the loss is three
+// rays of average cost, a ninth of a node. Tasks of single rays alone lose up to one ray; before them there is a share
+// of at most one node, whose cost may be wrong by half. Tasks of whole nodes lose 5 to 17 rays.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,9 +1,9 @@
-// Claims about bodies at the extremes (docs/extremes.md):
-// - Mixed elements do not feel how incompressible a body is beyond K/mu = 1000, P1 feels hardly anything
-// else.
-// - Cells flattened to a billionth of their height cost no convergence, and the force changes as by any other
-//   move of a node.
-// - A round tool that slides farther than its surface can follow is a failure with a reason, not a force.
+// Claims about bodies at extreme parameters (docs/extremes.md):
+// - For K/mu above 1000 the force of mixed elements hardly depends on K/mu, while that of P1 depends mainly on it.
+// - Cells flattened to a billionth of their height do not prevent convergence, and the force changes as for any other
+// motion
+//   of a node.
+// - A round tool that slides farther than the surface can follow results in a failure with a reason, not in a force.
 #include <gtest/gtest.h>
 
 #include "probe_block.hpp"

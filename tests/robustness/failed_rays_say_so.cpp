@@ -1,9 +1,8 @@
-// Claim: a ray that cannot go on ends with a reason; what came before it stays good, and what comes after is
-// marked.
+// Claim: a ray that cannot continue ends with a reason. Earlier increments remain valid, and later ones are marked.
 //
-// St. Venant-Kirchhoff softens in compression, so a probe pushed deep turns cells inside out, and Newton's
-// method is content with that: the residual of an inverted state converges like any other. Outcomes are
-// exact; nothing here has a tolerance but the last, the solver's own.
+// St. Venant-Kirchhoff softens in compression, so that a deep probe inverts cells, and Newton's method accepts this:
+// the residual of an inverted state converges like any other. Outcomes are exact; only the last test has a tolerance,
+// that of the solver.
 #include <gtest/gtest.h>
 
 #include "probe_block.hpp"

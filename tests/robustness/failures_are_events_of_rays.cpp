@@ -1,10 +1,9 @@
-// Claim: a library call that fails inside a solve ends at most the ray that it happened in. No process ends,
-// the database is complete, every ray that met no failure is the same to the last bit, and what did converge
-// in the others is the same equilibrium.
+// Claim: a failure of a library call inside a solve ends at most the ray of this solve. No process ends, the database
+// is complete, all rays without failures are identical, and converged increments of the others are the same equilibria.
 //
-// Failures are those of the libraries themselves where they can be provoked: MUMPS gets a singular matrix, or
-// 1 MB of memory. Tolerance of a ray that went on after a failure: it arrives by other steps, so it agrees
-// as far as a relative residual of 1e-8 decides a force, 1e-6 of the largest on the ray.
+// Failures are caused in the libraries where possible: MUMPS gets a singular matrix, or 1 MB of memory. A ray that
+// continues after a failure uses other steps, so that its forces agree to 1e-6 of the largest force of the ray, the
+// effect of a relative residual of 1e-8.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
-// Claim: what cannot be solved is refused with a message that names the value and the remedy, before any
-// number is made.
+// Claim: input that cannot be solved is refused with a message that names the value and the remedy, before any result
+// is computed.
 #include <gtest/gtest.h>
 
 #include <phynness/formats/error.hpp>

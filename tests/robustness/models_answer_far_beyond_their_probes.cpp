@@ -1,9 +1,8 @@
-// Claims about models at the extremes (docs/extremes.md), on a soft block that is solved here, trained to a
-// tenth of the depth that it is asked for, K/mu = 200, p1-p1:
-// - family modal stays what linear theory is ten times beyond its range, and says that it is beyond;
-// - the paper's networks have lost the displacement there, and say so by the same warning;
-// - family modal stays better than linear theory with half the rays failed, and a node without any is
-// refused.
+// Claims about models at extreme parameters (docs/extremes.md), for a soft block that is solved here and trained to a
+// tenth of the evaluated depth, K/mu = 200, p1-p1:
+// - Family modal is as accurate as linear theory at ten times its trained range, and returns the warning for it.
+// - The displacements of the paper's networks are wrong there, with the same warning.
+// - Family modal is more accurate than linear theory with half of the rays failed, and a node without rays is refused.
 #include <gtest/gtest.h>
 
 #include <cmath>

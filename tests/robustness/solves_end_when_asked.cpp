@@ -1,6 +1,6 @@
-// Claims: a solve looks between its iterations whether a person wants an end, and ends some seconds later however long
-// it would take; the ray that it worked on is not recorded, and a resumed run is the same as one that was never
-// interrupted. A ray whose displacements are too small to be halved ends.
+// Claims: a solve checks between its iterations whether it is to be interrupted, and then ends within seconds,
+// independent of its length. Its ray is not recorded, and a resumed run is identical to one without interruption. A ray
+// whose displacements are too small to be halved ends.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

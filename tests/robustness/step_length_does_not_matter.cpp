@@ -1,5 +1,5 @@
-// Claim: the answer does not depend on how it is reached: no displacement gives zeros, a tiny one the rest
-// stiffness, and a huge one in a single increment the same force as in twelve.
+// Claim: results do not depend on the path: no displacement gives zeros, a very small one gives the stiffness at rest,
+// and a large one in a single increment gives the same force as in twelve.
 #include <gtest/gtest.h>
 
 #include "probe_block.hpp"

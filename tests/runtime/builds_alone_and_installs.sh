@@ -22,6 +22,16 @@ rm -rf "$work"
 "$work/consumer/shared_consumer"
 "$work/consumer/shared_float_consumer"
 "$work/consumer/both_consumer"
+# The devices and the example of a haptic loop, outside of the repository, against what is installed.
+cp -r "$runtime/../devices" "$work/devices"
+cp -r "$runtime/../examples/haptic_loop" "$work/haptic_loop"
+"$cmake" -S "$work/devices" -B "$work/devices_build" -DCMAKE_PREFIX_PATH="$work/prefix" \
+  -DCMAKE_INSTALL_PREFIX="$work/prefix" >> "$work.log"
+"$cmake" --build "$work/devices_build" >> "$work.log"
+"$cmake" --install "$work/devices_build" >> "$work.log"
+"$cmake" -S "$work/haptic_loop" -B "$work/haptic_build" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
+"$cmake" --build "$work/haptic_build" >> "$work.log"
+"$work/haptic_build/haptic_loop" --help | grep -q MODEL_DIR
 # Headers of one precision, library of the other.
 lib=$(dirname "$(find "$work/prefix" -name libphynness_runtime.a)")
 for mixed in "-DPHYNNESS_FLOAT runtime phnf_" "-UPHYNNESS_FLOAT runtime_float phn_"; do

@@ -1,5 +1,5 @@
-// Claims: phynness.hpp gives the bits and statuses of phynness.h, owns its memory or uses yours, survives
-// moves, writes through maps of Eigen in place, and takes no array of a wrong length.
+// Claims: phynness.hpp gives the bits and statuses of phynness.h, owns its memory or uses that of the caller, can be
+// moved, writes through maps of Eigen in place, and refuses arrays of a wrong length.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -117,7 +117,7 @@ TEST_P(Wrapper, GivesTheSameBits) {
   phn_contact* expected_contact = nullptr;
   ASSERT_EQ(phn_contact_init(memory.data(), n_bytes, c.model, 1, &expected_contact), PHN_OK);
   for (const double z : {2.0, 1.0, 0.5, 0.4}) {
-    const phn_contact_tool sphere{{0.3, 0.2, z}, 0.1, 0, PHN_TOOL_PRESS, 0};
+    const phn_contact_tool sphere{{0.3, 0.2, z}, 0.1, 0, PHN_TOOL_PRESS};
     phn_contact_state state, expected_state;
     EXPECT_EQ(contact.step(data, sphere, state),
               phn_contact_step(expected_contact, c.data, 1, &sphere, &expected_state, nullptr));

@@ -37,9 +37,9 @@ auto difference(F f, double h) -> decltype(f(h)) {
 
 // Claim: force is the gradient of the energy and stiffness the derivative of the force. Steps of a thousandth
 // of the largest displacement R: truncation (h / shape)^4 / 30 = 4e-12 of higher derivatives, rounding 1e-16
-// R / h = 1e-13 of the sizes of the terms; 1e-9 leaves room for both. Energies and stiffnesses are of doubles
-// in either runtime; a force in float is the slope to its own rounding, and has no fourth-order differences:
-// a step of a tenth of R, truncation 4e-4 of higher derivatives.
+// R / h = 1e-13 of the sizes of the terms; 1e-9 leaves room for both. Energies are sums of doubles in either runtime; a
+// force in float is the slope to its own rounding, and has no fourth-order differences: a step of a tenth of R,
+// truncation 4e-4 of higher derivatives.
 TEST_P(DerivativesOf, EqualFiniteDifferences) {
   const Model model = small_model_of(GetParam());
   const LoadedModel loaded(write_model_text(model));
@@ -59,6 +59,29 @@ TEST_P(DerivativesOf, EqualFiniteDifferences) {
         EXPECT_LT((column - at.stiffness.col(k)).norm(), (in_float ? 1e-2 : 1e-9) * at.stiffness.norm());
       }
       EXPECT_EQ(at.stiffness, at.stiffness.transpose());
+    }
+  }
+}
+
+// Claim: whatever is asked for together, force, energy and stiffness have the bits that they have when asked for alone.
+TEST_P(DerivativesOf, HaveTheSameBitsInAnyCall) {
+  const Model model = small_model_of(GetParam());
+  const LoadedModel loaded(write_model_text(model));
+  Numbers numbers;
+  for (const ActiveNodeModel& node : model.nodes) {
+    for (int trial = 0; trial < 20; ++trial) {
+      const Vector3d d = 1.5 * model.max_displacement_m * Vector3d(numbers.next(), numbers.next(), numbers.next());
+      const Response alone = response(loaded, node.node, d);
+      for (int asked = 1; asked < 8; ++asked) {
+        const bool force = asked & 1, energy = asked & 2, stiffness = asked & 4;
+        Response r{-1, Vector3d::Constant(-1), Matrix3d::Constant(-1)};
+        ASSERT_GE(phn_force(loaded.model, loaded.data, node.node, d.data(), force ? r.force.data() : nullptr,
+                            energy ? &r.energy : nullptr, stiffness ? r.stiffness.data() : nullptr),
+                  0);
+        EXPECT_EQ(r.force, force ? alone.force : Vector3d::Constant(-1)) << asked;
+        EXPECT_EQ(r.energy, energy ? alone.energy : -1) << asked;
+        EXPECT_EQ(r.stiffness, stiffness ? alone.stiffness : Matrix3d::Constant(-1)) << asked;
+      }
     }
   }
 }

@@ -80,8 +80,8 @@ TEST_P(Memory, NothingIsAllocated) {
   worst = std::min(worst, phn_surface_init(surface_memory.data(), bytes, model, 3, &surface));
   worst = std::min(worst, phn_surface_deform(surface, scratch.data(), out, fine.data()));
   phn_contact* contact = nullptr;
-  const phn_contact_tool touching[] = {{{0.01, 0, 0}, 0.1, 0.3, PHN_TOOL_PRESS, 1},
-                                       {{0, 0.01, 0}, 0.1, 0, PHN_TOOL_GRASP, 0}};
+  const phn_contact_tool touching[] = {{{0.01, 0, 0}, 0.1, 0.3, PHN_TOOL_PRESS},
+                                       {{0, 0.01, 0}, 0.1, 0, PHN_TOOL_GRASP}};
   phn_contact_state states[2];
   worst = std::min(worst, phn_contact_size(model, 2, &bytes));
   worst = std::min(worst, phn_contact_init(contact_memory.data(), bytes, model, 2, &contact));

@@ -1,4 +1,4 @@
-// Surfaces in the runtime's hands: closed ones, open ones and some that are no manifolds.
+// Surfaces in the runtime: closed ones, open ones and some that are not manifolds.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,7 +1,6 @@
-// Claim: every function of phynness.h and the headers beside it gives the same bits and status when an output lies in
-// the memory of an input, at any offset, as when it does not. Outputs that overlap each other, and those over inputs
-// that are too large to be copied, are refused and hold zeros. A function of the headers that has no row here fails the
-// test.
+// Claim: every function of phynness.h and the other headers gives the same bits and status if an output overlaps an
+// input at any offset. Outputs that overlap each other, or inputs that are too large to be copied, are refused with
+// zeros as output. A function of the headers without a row here fails the test.
 #include <phynness/phynness_contact.h>
 #include <phynness/phynness_surface.h>
 
@@ -177,7 +176,7 @@ class Table {
     std::vector<phn_contact_tool> before(2), after(2);
     for (std::size_t t = 0; t < 2; ++t) {
       const double from[3] = {x[0] + 0.01 * static_cast<double>(t), x[1], x[2]};
-      before[t] = {{}, 0.01, 0.5, PHN_TOOL_GRASP, 0};
+      before[t] = {{}, 0.01, 0.5, PHN_TOOL_GRASP};
       LoadedModel::check(phn_contact_nearest(touch, from, &tool, before[t].center));
       after[t] = before[t];
       after[t].center[t] += 0.002;

@@ -1,4 +1,4 @@
-// Bodies that are known exactly: linear ones, and the same bent a little.
+// Bodies with known solutions: linear ones, and the same with a small nonlinearity.
 #pragma once
 
 #include <phynness/phynness.h>

@@ -1,4 +1,4 @@
-// A model in the runtime's hands: the memory that a C program would own, held by vectors.
+// A model in the runtime, with memory in vectors that a C program would allocate.
 #pragma once
 
 #include <phynness/phynness.h>

@@ -1,5 +1,5 @@
-// Functions of a C header whose pointers are given overlapping memory: what the header declares, and what
-// each does.
+// Calls functions of a C header with pointers to overlapping memory: the declarations of the header, and the roles of
+// the arguments of each function.
 #pragma once
 
 #include <gtest/gtest.h>

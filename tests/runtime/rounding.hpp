@@ -1,4 +1,4 @@
-// Claims about rounding hold for both runtimes, each by its own numbers.
+// Claims about rounding for both runtimes, each with its type of numbers.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Claim: the distance of phn_trust is 0 where the model was told the answer, about 1 in the widest gap inside the
-// trained range, and grows outward without bound; finite and continuous for every input.
+// Claim: the distance of phn_trust is 0 at trained displacements, about 1 in the widest gap inside the trained range,
+// and increases outward without bound. It is finite and continuous for every input.
 #include <gtest/gtest.h>
 
 #include <cmath>

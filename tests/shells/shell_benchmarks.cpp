@@ -1,7 +1,7 @@
-// Claim: the shell bends and stretches as the benchmarks of Sze, Liu & Lo (2004),
-// doi 10.1016/j.finel.2003.11.001, say, within 1 %, at thickness over length 1/100 to 1/250: neither shear
-// nor membrane nor thickness locks. Their figures are converged ones of fine meshes; with these meshes 0.1,
-// 0.5 and 0.9 % are left.
+// Claim: bending and stretching of the shell agree with the benchmarks of Sze, Liu & Lo (2004), doi
+// 10.1016/j.finel.2003.11.001, within 1 % for thickness over length from 1/100 to 1/250: there is no locking by shear,
+// membrane or thickness. The reference values are converged values of fine meshes; with the meshes here the errors are
+// 0.1, 0.5 and 0.9 %.
 #include <algorithm>
 
 #include "shell_bodies.hpp"

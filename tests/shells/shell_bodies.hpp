@@ -1,4 +1,4 @@
-// Middle surfaces for tests, and what holds and loads them.
+// Middle surfaces for tests, with supports and loads.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -1,6 +1,6 @@
-// Claims about the shell's forms: rigid motions are free, residual and tangent are derivatives, the stress
-// across the shell is condensed as the law has it, bending is that of plate theory down to thickness over
-// length 1/1000, and a slit tube of the paper's drain is as stiff as a solid of Taylor-Hood tetrahedra.
+// Claims about the forms of the shell: rigid motions have no energy, residual and tangent are derivatives, the stress
+// across the shell is condensed according to the law, bending agrees with plate theory down to thickness over length
+// 1/1000, and a slit tube of the paper's drain is as stiff as a solid of Taylor-Hood tetrahedra.
 #include <gtest/gtest.h>
 
 #include <algorithm>

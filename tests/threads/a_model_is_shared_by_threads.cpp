@@ -1,18 +1,16 @@
 // Claims: threads that share a model, a surface and an image, each with scratch of its own, get the answers
-// that one thread gets alone, to the last bit; what the force thread of the haptic loop hands to the picture
-// thread is whole. Run by the sanitizer of threads, too, which sees races that answers do not show.
+// that one thread gets alone, to the last bit; what a force thread hands to a picture thread by devices::Latest is
+// whole. Run by the sanitizer of threads, too, which sees races that answers do not show.
 #include <gtest/gtest.h>
 #include <phynness/phynness_paper.h>
 #include <phynness/phynness_surface.h>
+#include <phynness/devices/latest.hpp>
 
 #include <atomic>
 #include <thread>
 
 #include "../embedded/opened_image.hpp"
-#include "force_thread.hpp"
 #include "loaded_model.hpp"
-#include "picture_thread.hpp"
-#include "simulated_device.hpp"
 #include "small_model.hpp"
 
 namespace phynness::test {
@@ -120,25 +118,43 @@ TEST_P(Shared, ForceAndPictureThreadsShareAModel) {
   std::size_t bytes = 0;
   LoadedModel::check(phn_data_size(loaded.model, 1, &bytes));
   std::vector<char> memory(bytes);
-  phn_data* data = nullptr;
-  LoadedModel::check(phn_data_init(memory.data(), bytes, loaded.model, 1, &data));
-  LoopSettings settings;
-  settings.largest_displacement_m = 0.01;
-  ForceThread loop(settings, loaded.model, loaded.data, 3);
-  SimulatedDevice device({}, HandMotion(0.02));
-  PictureThread picture(loop.touch(), loaded.model, data, 3, 5000);
+  phn_data* of_picture = nullptr;
+  LoadedModel::check(phn_data_init(memory.data(), bytes, loaded.model, 1, &of_picture));
+  struct Touch {
+    double d[3] = {0, 0, 0};
+  };
+  devices::Latest<Touch> latest;
+  std::atomic<bool> stop{false}, shown{false};
+  long frames = 0;
+  double largest_shown = 0;
+  std::thread picture([&] {
+    std::vector<double> field(3 * static_cast<std::size_t>(info_of(loaded.model).n_output));
+    while (!stop) {
+      Touch touch;
+      if (!latest.read(touch)) continue;
+      if (phn_deform(loaded.model, of_picture, 3, touch.d, field.data()) < 0) continue;
+      for (const double x : field) largest_shown = std::max(largest_shown, std::fabs(x));
+      ++frames;
+      shown = true;
+    }
+  });
   double largest = 0;
   for (long cycle = 1; cycle <= 20'000; ++cycle) {
-    const auto sample = device.read();
-    const Vector3 force = loop.step(sample.position, sample.cycle, cycle);
-    device.hold(force, false);
-    largest = std::max(largest, length(force));
+    const double t = 1e-3 * static_cast<double>(cycle);
+    const Touch touch = {{0.008 * std::sin(t), 0.006 * std::cos(3 * t), -0.004}};
+    double force[3];
+    EXPECT_GE(phn_force(loaded.model, loaded.data, 3, touch.d, force, nullptr, nullptr), 0);
+    latest.write(touch);
+    largest = std::max(largest, std::hypot(force[0], force[1], force[2]));
     if (cycle % 100 == 0) std::this_thread::yield();
   }
-  picture.stop();
+  while (!shown) std::this_thread::yield();
+  stop = true;
+  picture.join();
   EXPECT_GT(largest, 0);
   EXPECT_TRUE(std::isfinite(largest));
-  EXPECT_TRUE(std::isfinite(picture.largest_displacement_m()));
+  EXPECT_GT(frames, 0);
+  EXPECT_TRUE(std::isfinite(largest_shown));
 }
 
 }  // namespace

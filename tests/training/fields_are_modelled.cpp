@@ -1,6 +1,6 @@
-// Claims: family modal models the fields of a database: it repeats what it was trained on, is right between
-// the directions, has the kink of a norm at rest and the flat bottom of a quadratic form; terms that are even
-// in the displacement are what does it; the other families have no fields.
+// Claims: family modal models the fields of a database: it reproduces the training data, is accurate between the
+// directions, and has the kink of a norm or the flat minimum of a quadratic form at rest, because of the terms that are
+// even in the displacement. Other families have no fields.
 #include <gtest/gtest.h>
 
 #include <cmath>

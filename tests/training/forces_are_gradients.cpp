@@ -1,5 +1,5 @@
-// Claim: the force network of a modal model repeats a conservative force, with no more centers than asked
-// for, and is the gradient of a potential whatever it was trained on.
+// Claim: the force network of a modal model reproduces a conservative force with at most the requested number of
+// centers, and is the gradient of a potential for any training data.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>

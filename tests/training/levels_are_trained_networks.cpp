@@ -1,6 +1,5 @@
-// Claim: a level is what training makes of that many centers, neurons or modes: the same as a training that
-// was asked for no more, so each is the least squares fit of its own size. The full level is the training
-// without levels, to the last bit.
+// Claim: a level is identical to the result of a training with its number of centers, neurons or modes, so that each is
+// the least squares fit of its size. The full level is identical to the result of a training without levels.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>

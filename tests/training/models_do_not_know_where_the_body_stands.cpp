@@ -1,6 +1,5 @@
-// Claim: responses of a body that stands a kilometre away make the same model: family modal to the last bit,
-// as it knows displacements only; the paper's networks, whose inputs are coordinates, to what their rounding
-// leaves.
+// Claim: a body one kilometre away has the same model: identical in family modal, which uses displacements only, and up
+// to rounding for the paper's networks, whose inputs are coordinates.
 #include <gtest/gtest.h>
 
 #include "small_responses.hpp"

@@ -1,5 +1,5 @@
-// Claim: the modes and amplitudes of a modal model repeat the fields they were made of; truncation and
-// regression are told apart; the model does not depend on the number of threads.
+// Claim: the modes and amplitudes of a modal model reproduce their training fields. Errors of truncation and regression
+// are separated. The model does not depend on the number of threads.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>

@@ -1,5 +1,5 @@
-// Claim: the front holds exactly the models that none beats in everything, and the choice is the cheapest
-// within the limits, or says which limit is missed and by how much.
+// Claim: the front contains exactly the models for which no other model is better in everything. The selected model is
+// the cheapest one within the limits; otherwise the result names the missed limit and the factor.
 #include <gtest/gtest.h>
 
 #include <phynness/tuning/tuning.hpp>
@@ -66,7 +66,7 @@ TEST(Choice, CountsTheStatisticAskedFor) {
   EXPECT_EQ(choose_model(models, {.error = 0.011, .statistic = ErrorStatistic::median}).chosen, 0u);
   const auto none = choose_model(models, {.error = 0.1, .statistic = ErrorStatistic::p95});
   EXPECT_FALSE(none.chosen);
-  EXPECT_NE(none.missed.find("95 % quantile of the error: the least is 20 %"), std::string::npos) << none.missed;
+  EXPECT_NE(none.missed.find("20 %"), std::string::npos) << none.missed;
   mark_front(models, ErrorStatistic::median);
   // "middle" costs more than "small" and has the same median.
   EXPECT_TRUE(models[0].on_front && models[2].on_front && models[4].on_front);
@@ -76,16 +76,16 @@ TEST(Choice, CountsTheStatisticAskedFor) {
 TEST(Choice, SaysWhichLimitIsMissed) {
   const auto one = choose_model(some(), {.error = 0.001});
   EXPECT_FALSE(one.chosen);
-  EXPECT_EQ(one.missed, "mean error: the least is 0.5 % (large), 5 times the limit of 0.1 %");
+  for (const char* part : {"0.5 %", "large", "5 times", "0.1 %"})
+    EXPECT_NE(one.missed.find(part), std::string::npos) << one.missed;
   const auto two = choose_model(some(), {.error = 0.001, .deformation_us = 0.5});
-  EXPECT_NE(two.missed.find("mean error: the least is 0.5 %"), std::string::npos) << two.missed;
-  EXPECT_NE(two.missed.find("time of a deformation: the least is 1 us (small), 2 times"), std::string::npos)
-      << two.missed;
+  EXPECT_NE(two.missed.find("0.5 %"), std::string::npos) << two.missed;
+  for (const char* part : {"deformation", "1 us", "small", "2 times"})
+    EXPECT_NE(two.missed.find(part), std::string::npos) << two.missed;
   const auto together = choose_model(some(), {.error = 0.01, .deformation_us = 2});
   EXPECT_FALSE(together.chosen);
-  EXPECT_NE(together.missed.find("not all of them at once; the nearest is middle: mean error 2 %, limit 1 %; time"),
-            std::string::npos)
-      << together.missed;
+  for (const char* part : {"middle", "2 %", "1 %", "deformation"})
+    EXPECT_NE(together.missed.find(part), std::string::npos) << together.missed;
 }
 
 TEST(Choice, IsNoneWhereNoErrorIsKnown) {

@@ -1,18 +1,18 @@
-// Factorizations of dense matrices that several fits need. Each takes the compiler ten seconds or more: here it does so
-// once.
+// Factorizations of dense matrices for several fits. They are compiled in one file, because each takes the compiler ten
+// seconds or more.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace phynness {
 
-/// Orthonormal basis of the columns' space, by Householder's QR. @return rows x min(rows, cols)
+/// Orthonormal basis of the column space by Householder QR. @return rows x min(rows, cols)
 Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& a);
 
-/// x of least length among those that minimize |a x - b|, by a complete orthogonal decomposition. @param b  rows x any
+/// The x of minimal length that minimizes |a x - b|, by a complete orthogonal decomposition. @param b  rows x any
 Eigen::MatrixXd least_squares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-/// The same for one right-hand side; rounds otherwise than a matrix of one column. @param b  rows
+/// The same for one right-hand side. Its rounding differs from that for a matrix of one column. @param b  rows
 Eigen::VectorXd least_squares_vector(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 
 /// a^-1 b by LDL^T. @pre a is symmetric and positive definite

@@ -1,4 +1,4 @@
-// Training of one family: what its nodes share, then each node, then what the report says of all.
+// Interface of the training of a family: first the part that all nodes share, then each node, then the report.
 #pragma once
 
 #include <functional>
@@ -9,10 +9,10 @@ namespace phynness {
 
 extern const FamilyOperations rbfn_operations, linear_operations, modal_operations;
 
-/// Responses of the active node at a position in the list of active nodes. Any thread may call it.
+/// Reads the responses of an active node, given by its position in the list of active nodes. It is thread-safe.
 using NodeReader = std::function<SearchNode(std::int64_t active)>;
 
-/// What training of one node leaves.
+/// Result of the training of one node.
 struct NodeOutcome {
   bool trained = false;
   ActiveNodeModel model;
@@ -21,20 +21,20 @@ struct NodeOutcome {
   ConservativeFit conservative;
   ModalFit modal;
   std::vector<ModalFit> fields;
-  std::vector<double> force_errors, displacement_errors;  ///< by level; none: not estimated
-  std::int64_t used = 0, failed = 0;                      ///< increments
+  std::vector<double> force_errors, displacement_errors;  ///< by level; empty: not estimated
+  std::int64_t used = 0, failed = 0;                      ///< numbers of increments
 };
 
 class FamilyTraining {
  public:
   virtual ~FamilyTraining() = default;
-  /// What all nodes share, before the first.
+  /// Computes the part that all nodes share; called before the first node.
   virtual void prepare(const NodeReader&, int /*threads*/) {}
-  /// @param estimate_errors  of levels, in families where that is costly
+  /// @param estimate_errors  estimate errors of levels, in families in which this is costly
   virtual void train(const SearchNode& read, const Vec3& point, bool estimate_errors, NodeOutcome& outcome) const = 0;
-  /// Adds a node's quality to the sums or extremes of the report; called in the order of the nodes.
+  /// Adds the figures of a node to the sums or extremes of the report; called in the order of the nodes.
   virtual void add(TrainingReport& report, const NodeOutcome& outcome) const = 0;
-  /// Centers of the amplitudes of each level, where the family has such.
+  /// Completes model and report after all nodes; family modal sets the centers of the amplitudes of each level.
   virtual void finish(Model& model, TrainingReport& report) const = 0;
 };
 

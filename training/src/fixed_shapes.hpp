@@ -1,5 +1,5 @@
-// Fits with the kernel's shape given, without the guard that training keeps, and how well conditioned fits
-// are: what a study of stability asks and no user needs.
+// Fits with a given shape of the kernel, without the limits of training, and condition numbers of fits. Used by the
+// study of stability only.
 #pragma once
 
 #include <phynness/training/conservative_fit.hpp>
@@ -14,9 +14,9 @@ ConservativeFit fit_conservative_of_shape(const ForceStates& states, double max_
 AmplitudeCenters amplitude_centers_of_shape(const TrainingTables& tables, const std::vector<NodeModes>& nodes,
                                             int max_centers, double shape);
 
-/// Condition number of the normal matrix, damping included, that gave the network its coefficients.
+/// Condition number of the normal matrix, including damping, from which the coefficients of the network follow.
 double condition_number(const ForceStates& states, const ConservativeNetwork& network);
-/// The same of the amplitudes' network of a node.
+/// The same for the amplitudes of a node.
 double condition_number(const TrainingTables& tables, const SharedModes& shared, const NodeModes& node);
 
 }  // namespace phynness

@@ -1,8 +1,8 @@
 #include "kernels.hpp"
 
-// `omp simd` lets the compiler reorder these sums, and only these; no OpenMP runtime is involved. The clones
-// save a fifth of the training time. The order of the sums depends on the vector width, so trained weights
-// agree between machines to rounding, and between thread counts exactly.
+// `omp simd` allows the compiler to reorder these sums only; the OpenMP runtime is not used. The clones save a fifth of
+// the training time. The order of the sums depends on the vector width, so that trained weights of different machines
+// agree up to rounding; for different numbers of threads they are identical.
 #if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PHYNNESS_CLONES __attribute__((target_clones("default", "avx2", "avx512f")))

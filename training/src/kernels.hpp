@@ -1,4 +1,4 @@
-// The loops in which training spends its time, compiled for several instruction sets and chosen at load time.
+// Time-critical loops of training, compiled for several instruction sets and selected at load time.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace phynness::kernels {
 
-/// Columns that one sweep handles together: enough to hide the latency of the sums and to read h seldom.
+/// Columns per sweep: enough to hide the latency of the sums and to reduce the number of reads of h.
 inline constexpr int block = 4;
 
 /// sums[j] = q_j . h for `block` columns q_j = q + j * stride of length n.

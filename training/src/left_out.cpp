@@ -7,8 +7,8 @@
 namespace phynness {
 namespace {
 
-/// A group that leaves less than this of some combination of the columns determines it: what is left is
-/// damping.
+/// If without a group less than this fraction of a combination of columns remains, the group alone determines this
+/// combination, and the remainder is damping.
 constexpr double undetermined = 1e-8;
 
 }  // namespace
@@ -59,7 +59,7 @@ MatrixXd left_out_of_projection(const Eigen::Ref<const MatrixXd, 0, Eigen::Outer
   MatrixXd errors = MatrixXd::Zero(rest.rows(), rest.cols());
   for (const auto& group : groups) {
     const MatrixXd some = rows_of(q, group), left = rows_of(rest, group);
-    // The smaller of two matrices: (I - Q Q^T)^-1 = I + Q (I - Q^T Q)^-1 Q^T.
+    // (I - Q Q^T)^-1 = I + Q (I - Q^T Q)^-1 Q^T; the smaller of the two matrices is inverted.
     const bool small_group = some.rows() <= some.cols();
     const MatrixXd product = small_group ? MatrixXd(some * some.transpose()) : MatrixXd(some.transpose() * some);
     Eigen::FullPivLU<MatrixXd> lu(MatrixXd::Identity(product.rows(), product.cols()) - product);

@@ -1,4 +1,4 @@
-// Draws that are the same on every platform: standard distributions are not.
+// Random numbers that are the same on every platform, which standard distributions do not guarantee.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ class SplitMix64 {
     return z ^ (z >> 31);
   }
 
-  /// Uniform in 0 ... n - 1, n > 0; draws that would favour small values are thrown away.
+  /// Uniform in 0 ... n - 1, n > 0. Draws that would favour small values are rejected.
   std::uint64_t below(std::uint64_t n) {
     const std::uint64_t unfair = (0 - n) % n;
     std::uint64_t draw = next();
@@ -34,7 +34,7 @@ class SplitMix64 {
   std::uint64_t _state;
 };
 
-/// Seed of one node's draws: neighbouring seeds and nodes share nothing.
+/// Seed of the draws of a node; draws of neighbouring seeds and nodes are independent.
 inline std::uint64_t node_seed(std::uint64_t seed, std::int32_t node) {
   return SplitMix64(seed).next() ^ SplitMix64(~static_cast<std::uint64_t>(node)).next();
 }

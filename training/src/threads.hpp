@@ -1,4 +1,4 @@
-// Jobs on several threads.
+// Parallel execution of jobs on several threads.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace phynness {
 
-/// Runs job(i) for i = 0 ... n - 1 on `threads` threads; the first exception stops all and is rethrown here.
+/// Runs job(i) for i = 0 ... n - 1 on `threads` threads. The first exception stops all threads and is rethrown.
 template <class Job>
 void for_each_index(std::int32_t n, int threads, const Job& job) {
   std::atomic<std::int32_t> next{0};

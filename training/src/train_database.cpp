@@ -1,4 +1,4 @@
-// A database as a source of responses.
+// Training on a database.
 #include <phynness/formats/error.hpp>
 #include <phynness/training/training.hpp>
 

@@ -1,4 +1,4 @@
-// Trains all active nodes on threads, family by family (families.hpp), and sums up what a report says.
+// Trains all active nodes on several threads by the operations of a family (families.hpp), and computes the report.
 #include <algorithm>
 #include <chrono>
 #include <phynness/formats/error.hpp>
@@ -11,19 +11,19 @@
 namespace phynness {
 namespace {
 
-/// Nodes whose deformation networks are asked for the errors of levels: what is left out are groups of
-/// hundreds of points.
+/// Number of nodes whose errors of levels are estimated. The number is small because the groups of left-out points of
+/// deformation networks have hundreds of points.
 constexpr std::int32_t n_error_nodes = 20;
 
 void check_spec(const TrainingSpec& spec) {
   if (spec.levels < 1 || spec.levels > largest_level_count)
-    throw input_error("levels must lie between 1 and " + std::to_string(largest_level_count),
-                      std::to_string(spec.levels), "1 makes one network of the size asked for");
+    throw input_error("levels must be between 1 and " + std::to_string(largest_level_count),
+                      std::to_string(spec.levels), "use 1 for a single network of the given size");
   operations(spec.family).check(spec);
 }
 
-/// Medians over the nodes where errors were estimated: a node where the body snaps is told by no network,
-/// and would outweigh all others in a mean.
+/// Medians over the nodes with estimated errors. The median is used because a node where the body snaps through is not
+/// represented by any network and would dominate a mean.
 class LevelErrors {
  public:
   explicit LevelErrors(int n_levels)
@@ -72,7 +72,7 @@ class Training {
         node,
         touched_nodes(_header.mesh.nodes, _header.mesh.surface, _header.sets.fixed, node, _source.tool_radius_m),
         {}};
-    // One read at a time: HDF5 need not be built thread-safe.
+    // Only one thread reads at a time, because HDF5 may not be thread-safe.
     const std::lock_guard lock(_source_mutex);
     read.rays = _source.rays(active);
     return read;
@@ -92,21 +92,22 @@ class Training {
           outcome.failed += status != Status::converged && status != Status::not_requested;
         }
       }
-      // Errors are estimated at nodes that are spread evenly over the active ones.
+      // Errors are estimated at nodes that are distributed evenly over the active nodes.
       const std::int32_t stride = std::max(1, n_active / n_error_nodes);
       const auto x = _header.mesh.nodes.row(read_node.node);
       _training->train(read_node, {x[0], x[1], x[2]}, active % stride == stride / 2, outcome);
       const std::lock_guard lock(progress_mutex);
       if (progress && !progress(++done, n_active)) {
         throw failure("training was interrupted",
-                      std::to_string(done) + " of " + std::to_string(n_active) + " nodes done",
-                      "run the same command again; nothing was written");
+                      std::to_string(done) + " of " + std::to_string(n_active) + " nodes are trained",
+                      "run the same command again; no model was written");
       }
     });
     return outcomes;
   }
 
-  /// In the order of the nodes, so that sums and lists do not depend on who finished first.
+  /// Collects results in the order of the nodes, so that sums and lists do not depend on the order in which threads
+  /// finish.
   Model collect(std::vector<NodeOutcome> outcomes, TrainingReport& report) const {
     Model model = model_of_database(_header, _family, _source.title);
     model.displacements = _tables.displacements;
@@ -125,7 +126,7 @@ class Training {
     }
     if (model.nodes.empty()) {
       throw input_error("no active node has a converged increment", _header.scene_name,
-                        "look at the reasons with `phynness info`, then precompute with a smaller displacement");
+                        "see the reasons with `phynness info`, and precompute with a smaller displacement");
     }
     report.n_networks = static_cast<std::int32_t>(model.nodes.size());
     report.n_skipped = static_cast<std::int32_t>(report.skipped_nodes.size());

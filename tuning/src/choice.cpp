@@ -53,7 +53,7 @@ std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs&
   const std::array<const char*, 3> what_of{name_of_error(statistic), "time of a deformation", "memory"};
   const auto costs_of = [&](const MeasuredModel& m) { return costs(m, statistic); };
   if (std::none_of(models.begin(), models.end(), [&](const auto& m) { return std::isfinite(m.error(statistic)); }))
-    return "no probe inside the trained range was solved, so that no error is known";
+    return "no probe inside the trained range was solved, so that the errors are unknown";
   std::string said;
   for (int k = 0; k < 3; ++k) {
     const auto best = std::min_element(models.begin(), models.end(), [&](const auto& a, const auto& b) {
@@ -64,12 +64,12 @@ std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs&
     char times[32];
     std::snprintf(times, sizeof times, "%.3g", least / allowed);
     if (!said.empty()) said.append("; ");
-    said.append(what_of[static_cast<std::size_t>(k)]).append(": the least is ").append(text(k, least));
+    said.append(what_of[static_cast<std::size_t>(k)]).append(": the smallest is ").append(text(k, least));
     said.append(" (").append(best->candidate.name).append("), ").append(times);
     said.append(" times the limit of ").append(text(k, allowed));
   }
   if (!said.empty()) return said;
-  // Each alone can be met: the model that misses by the smallest factor tells the price.
+  // Each limit can be met by some model. The model with the smallest factor above its limits is reported.
   const auto worst = [&](const MeasuredModel& m) {
     double ratio = 0;
     for (std::size_t k = 0; k < 3; ++k) ratio = std::max(ratio, costs_of(m)[k] / limit[k]);
@@ -77,7 +77,7 @@ std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs&
   };
   const auto nearest =
       std::min_element(models.begin(), models.end(), [&](const auto& a, const auto& b) { return worst(a) < worst(b); });
-  said.append("each limit can be met, but not all of them at once; the nearest is ");
+  said.append("each limit can be met, but not all of them by the same model; the nearest model is ");
   said.append(nearest->candidate.name).append(":");
   for (int k = 0; k < 3; ++k)
     if (const double cost = costs_of(*nearest)[static_cast<std::size_t>(k)];

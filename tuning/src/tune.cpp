@@ -9,11 +9,11 @@
 namespace phynness {
 namespace {
 
-/// Few nodes and many probes each: (17) divides by the largest force of a node's probes, which few probes do
-/// not tell.
+/// Few nodes with many probes each, because (17) divides by the largest force of a node's probes, which needs many
+/// probes.
 constexpr std::int64_t probed_nodes = 10;
 
-/// The sizes of a model, of its largest node.
+/// The sizes of a model: the largest of all nodes.
 TrainingSpec sizes_of(const Model& model) {
   TrainingSpec spec;
   spec.family = model.family;
@@ -72,8 +72,8 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
             solved.push_back(std::move(found));
           });
       if (share.stopped)
-        throw failure("tuning was interrupted", std::to_string(share.rays) + " rays of the validation solved",
-                      "run it again");
+        throw failure("tuning was interrupted", std::to_string(share.rays) + " rays of the validation are solved",
+                      "run the command again");
       report.linear = linear_errors(solved);
     }
     measured.errors = model_errors(model, solved);
@@ -84,8 +84,8 @@ TuningReport tune(const SolverSession& session, const Scene& scene, const Databa
   }
   if (report.models.empty())
     throw input_error("no candidate could be trained",
-                      report.left_out.empty() ? "there is none" : report.left_out.front(),
-                      "look at the database with `phynness info`");
+                      report.left_out.empty() ? "there is no candidate" : report.left_out.front(),
+                      "check the database with `phynness info`");
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }

@@ -1,4 +1,4 @@
-// Work over closed paths of displacements, integrated from forces.
+// Work along closed paths of displacements, integrated from forces.
 #pragma once
 
 #include <algorithm>
@@ -9,12 +9,12 @@
 namespace phynness {
 
 struct Loop {
-  double work = 0, energy = 0;  ///< [J]: around the path; the largest on it
+  double work = 0, energy = 0;  ///< [J]: along the path; largest value on the path
 };
 
-/// Once around a quadrilateral of displacements [m]: eight points of Gauss and Legendre on 100 pieces of each
-/// side. Half as many pieces change no figure's first two digits.
-/// @param respond  (displacement, force to fill in) -> energy
+/// Integral along a quadrilateral of displacements [m] with eight Gauss-Legendre points on each of 100 pieces of each
+/// side. Half as many pieces do not change the first two digits of any figure.
+/// @param respond  (displacement, force as output) -> energy
 template <class Respond>
 Loop around_quadrilateral(const std::array<Eigen::Vector3d, 4>& corners, const Respond& respond) {
   static constexpr std::array<double, 4> x{0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
@@ -36,7 +36,7 @@ Loop around_quadrilateral(const std::array<Eigen::Vector3d, 4>& corners, const R
   return loop;
 }
 
-/// Force of a node, and its energy [J]; in families that have none, the work |f . d| / 2.
+/// Force of a node, and its energy [J]; in families without an energy the work |f . d| / 2.
 inline double force_and_energy(const LoadedModel& model, std::int32_t node, const Eigen::Vector3d& d,
                                Eigen::Vector3d& force) {
   double energy = 0;

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
+#include <phynness/evaluation/database_errors.hpp>
 #include <phynness/validation/validation.hpp>
 
 namespace phynness {
@@ -24,7 +26,7 @@ ErrorStatistics ErrorStatistics::of(std::vector<double> samples) {
   std::sort(samples.begin(), samples.end());
   s.mean = std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
   s.median = samples[(samples.size() - 1) / 2];
-  // Nearest rank: the smallest sample that at least 95 % of the samples do not exceed.
+  // Nearest rank: the smallest sample that is not exceeded by at least 95 % of the samples.
   const auto rank = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(samples.size())));
   s.p95 = samples[rank - 1];
   s.max = samples.back();
@@ -33,7 +35,7 @@ ErrorStatistics ErrorStatistics::of(std::vector<double> samples) {
 
 namespace {
 
-/// Ranks less their mean; equal values share theirs.
+/// Ranks minus their mean; equal values have the same rank.
 std::vector<double> centered_ranks(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -48,6 +50,32 @@ std::vector<double> centered_ranks(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+std::string WorseThanLinear::sentence() const {
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      "the model is worse than the linear predictor %s the trained range: mean error of the %s %.2f %%, of the "
+      "linear predictor %.2f %%",
+      outside ? "beyond" : "inside", what, 100 * model, 100 * linear);
+  return text;
+}
+
+std::vector<WorseThanLinear> worse_than_linear(const ValidationReport& report) {
+  std::vector<WorseThanLinear> worse;
+  for (const bool outside : {false, true}) {
+    const auto group = [&](Predictor p) -> const GroupErrors& {
+      return outside ? report.of(p).outside : report.of(p).inside;
+    };
+    const auto &model = group(Predictor::model), &linear = group(Predictor::linear);
+    const auto compare = [&](const char* what, const ErrorStatistics& a, const ErrorStatistics& b) {
+      if (a.n > 0 && b.n > 0 && is_worse_than_linear(a.mean, b.mean)) worse.push_back({what, outside, a.mean, b.mean});
+    };
+    compare("force", model.force, linear.force);
+    compare("displacement", model.displacement, linear.displacement);
+  }
+  return worse;
+}
 
 std::optional<double> rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
   const auto x = centered_ranks(a), y = centered_ranks(b);

@@ -48,11 +48,12 @@ std::vector<NodePlan> choose_nodes(const LoadedModel& model, std::int64_t wanted
   beside.resize(std::min(beside.size(), n_beside));
 
   std::vector<NodePlan> plan;
-  for (const auto node : beside) plan.push_back({node, true, {}});
+  for (const auto node : beside) plan.push_back({node, true, distance_to_fixed(model, node), {}});
   shuffle(active, random);
   for (const auto node : active) {
     if (static_cast<std::int64_t>(plan.size()) >= wanted) break;
-    if (std::find(beside.begin(), beside.end(), node) == beside.end()) plan.push_back({node, false, {}});
+    if (std::find(beside.begin(), beside.end(), node) == beside.end())
+      plan.push_back({node, false, distance_to_fixed(model, node), {}});
   }
   return plan;
 }
@@ -61,7 +62,9 @@ std::vector<NodePlan> choose_nodes(const LoadedModel& model, std::int64_t wanted
 
 std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions directions, std::int64_t probes,
                                   std::uint64_t seed, std::int64_t nodes) {
-  if (probes < 1) throw input_error("the number of probes must be at least 1", std::to_string(probes), "--probes 200");
+  if (probes < 1)
+    throw input_error("the number of probes must be at least 1", std::to_string(probes),
+                      "use for example --probes 200");
   std::mt19937_64 random(seed);
   const std::int64_t n_inside = (probes + 1) / 2, n_outside = probes / 2;
   auto plan =
@@ -79,8 +82,8 @@ std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions direction
       depth = model.trained_depth(entry.node, pair.direction);
     }
     if (depth <= 0)
-      throw input_error("a node of the model was trained in no direction", "node " + std::to_string(entry.node),
-                        "precompute it again: all of its probes failed");
+      throw input_error("a node of the model has no trained direction", "node " + std::to_string(entry.node),
+                        "all of its probes failed; precompute it again");
     pair.inside_m = depth * (1 - uniform(random));
     const double beyond = depth * (1 + (outside_factor - 1) * (1 - uniform(random)));
     pair.outside_m = i < n_outside ? beyond : 0;

@@ -6,7 +6,7 @@
 namespace phynness {
 namespace {
 
-/// node, group, displacement, two forces, four errors.
+/// Node, group, displacement, two forces, four errors.
 constexpr std::size_t row_size = 15, curve_head = 5, curve_point = 4;
 
 Vec3 three(const std::vector<double>& from, std::size_t at) { return {from[at], from[at + 1], from[at + 2]}; }

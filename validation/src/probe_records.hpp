@@ -1,4 +1,4 @@
-// Single probes and their errors, for reports: kept on every rank, gathered at the end.
+// Probes and their errors for reports: stored on every rank, gathered at the end.
 #pragma once
 
 #include <phynness/validation/probed_states.hpp>
@@ -17,7 +17,7 @@ class ProbeRecords {
   void add_curve(const ForceCurve& curve);
 
   const LoadedModel& _model;
-  std::vector<double> _rows, _curves;            ///< as numbers, which travel between ranks
+  std::vector<double> _rows, _curves;            ///< rows of numbers, which ranks can exchange
   std::vector<double> _error_sum, _error_count;  ///< per output node
 };
 

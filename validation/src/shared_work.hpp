@@ -1,4 +1,4 @@
-// Work that ranks share, item by item, and that a person may end early.
+// Distribution of items of work over ranks, which can be ended early.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +8,11 @@
 
 namespace phynness {
 
-/// Items 0 ... n - 1 in turn to the ranks of a session, so that what is finished early is an even part of
-/// all. `stop` is asked after each; an item that throws Interrupted is the last, unfinished. @param progress  items
-/// done over all ranks, as rank 0 sees it, and n
-/// @return items that this rank finished
+/// Distributes the items 0 ... n - 1 to the ranks of a session in turn, so that the items finished before an early end
+/// are an even sample of all. `stop` is called after each item. An item that throws Interrupted is the last one and not
+/// finished.
+/// @param progress  receives the finished items of all ranks, as estimated by rank 0, and n
+/// @return number of items that this rank finished
 inline std::int64_t share_out(const SolverSession& session, std::int64_t n,
                               const std::function<void(std::int64_t, std::int64_t)>& progress,
                               const std::function<bool()>& stop, const std::function<void(std::size_t)>& work) {

@@ -29,11 +29,11 @@ namespace {
 
 constexpr std::size_t n_pair_predictors = pair_predictors.size();
 constexpr double none = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
-/// index, two nodes, two displacements, distance, solved, status, residual, error alone; the errors of each
-/// predictor.
+/// Index, two nodes, two displacements, distance, solved, status, residual, error of a tool alone; then the errors of
+/// each predictor.
 constexpr std::size_t pair_row_head = 14, n_errors = 5, pair_row_size = pair_row_head + n_errors * n_pair_predictors;
 
-/// A tool moves the node that another one touches.
+/// Whether a tool moves the node that another one touches.
 bool moves(const ActiveNodeModel& tool, std::int32_t other) {
   return std::find(tool.prescribed.begin(), tool.prescribed.end(), other) != tool.prescribed.end();
 }
@@ -55,9 +55,9 @@ std::vector<PairRecord> choose_pairs(const Scene& scene, const LoadedModel& mode
       record.nodes = {a.node, b.node};
     }
     if (!apart)
-      throw input_error("the model has no two nodes that tools can hold at once",
+      throw input_error("the model has no two nodes that tools can touch at the same time",
                         std::to_string(nodes.size()) + " active nodes",
-                        "make more nodes active or patches smaller, or leave --pairs out");
+                        "make more nodes active or patches smaller, or omit --pairs");
     record.distance_m = (model.mesh().nodes.row(record.nodes[0]) - model.mesh().nodes.row(record.nodes[1])).norm();
     for (std::size_t t = 0; t < 2; ++t) {
       Vec3 e = on_sphere(random);
@@ -69,7 +69,7 @@ std::vector<PairRecord> choose_pairs(const Scene& scene, const LoadedModel& mode
   return records;
 }
 
-/// Errors of one prediction. @param counts  per output node: 0 where a tool moves it itself
+/// Errors of one prediction. @param counts  per output node: 0 if a tool itself moves it
 PairErrors errors_of(const std::vector<std::optional<Vec3>>& force, const Points& u, const Response& truth,
                      const Points& u_FE, const std::vector<char>& counts) {
   PairErrors errors;
@@ -111,7 +111,11 @@ class PairComparison {
   void at(PairRecord& pair) {
     const std::vector<std::int32_t> nodes(pair.nodes.begin(), pair.nodes.end());
     const std::vector<Vec3> d(pair.displacement_m.begin(), pair.displacement_m.end());
-    _solver.touch(nodes);
+    try {
+      _solver.touch(nodes);
+    } catch (const Error&) {
+      return;  // counts as not solved
+    }
     const auto truth = _solver.solve(d, _increments);
     pair.solved = truth.status == Status::converged;
     if (!pair.solved) return;
@@ -153,7 +157,7 @@ class PairComparison {
   }
 
  private:
-  /// Error of a tool alone, over its finite element force; infinite where that has none.
+  /// Error of a tool alone, over its finite element force; infinite if this force is not known.
   double single_force(std::int32_t node, const Vec3& d, const Vec3& force) {
     _solver.touch({node});
     const Response truth = _solver.solve({d}, _increments);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t n_predictors = predictors.size();
 enum Group : std::size_t { inside = 0, outside = 1 };
-/// Two for each field follow: nodal and l2 of field f at n_measures + 2 f.
+/// Two measures for each field follow: nodal and l2 of field f at n_measures + 2 f.
 enum Measure : std::size_t { force, displacement, moving, field_l2, force_relative, n_measures };
 
 /// Normalized errors of one predictor, by group and measure.
@@ -27,7 +27,7 @@ Samples no_samples(std::size_t n_fields) {
   return samples;
 }
 
-/// What a predictor says of a probe; `u` is empty if it has forces only, as are `fields` then.
+/// Prediction for a probe; `u` and `fields` are empty if the predictor has forces only.
 struct Prediction {
   Vec3 force{};
   Points u;
@@ -49,14 +49,14 @@ Prediction by_zero(std::int32_t, const ProbedState& state) {
           Eigen::MatrixXd::Zero(state.fields_FE.rows(), state.fields_FE.cols())};
 }
 
-/// The model's fields in the words of the solver.
+/// The fields of the model as the types of the solver.
 std::vector<Field> fields_of(const Model& model) {
   std::vector<Field> fields;
   for (const auto& of_model : model.fields) {
     const auto field = field_named(of_model.name);
     if (!field || (!fields.empty() && *field <= fields.back()))
-      throw input_error("the model has a field that this program cannot solve for", of_model.name,
-                        "validate with the phynness that trained it");
+      throw input_error("the model has a field that this version cannot compute", of_model.name,
+                        "validate it with the version of phynness that trained it");
     fields.push_back(*field);
   }
   return fields;
@@ -69,7 +69,7 @@ void check_same_scene(const Scene& scene, const LoadedModel& model) {
   if (physics_hash(scene) != model.model().physics_hash)
     throw input_error("the model was trained for another scene",
                       "physics " + model.model().physics_hash + ", this scene's " + physics_hash(scene),
-                      "validate with the scene the database was made from, or precompute and train again");
+                      "validate with the scene of the model's database, or precompute and train again");
 }
 
 ProbedState state_of(const Model& model, const ProbeSolver& solver, const Vec3& d, const Response& response) {
@@ -99,7 +99,7 @@ ProbedState state_of(const Model& model, const ProbeSolver& solver, const Vec3& 
   return state;
 }
 
-/// Examples travel between ranks as rows of 13 numbers.
+/// Examples are exchanged between ranks as rows of 13 numbers.
 constexpr std::size_t max_examples = 5, example_size = 13;
 
 void add_example(const LoadedModel& model, std::int32_t node, const ProbedState& state, std::vector<double>& rows) {
@@ -119,7 +119,7 @@ std::vector<ForceExample> read_examples(const std::vector<double>& rows) {
   return examples;
 }
 
-/// The same of fields; `said` is each state's response of the predictor.
+/// The same for fields. @param said  response of the predictor for each state
 void collect_fields(const std::vector<ProbedState>& states, const std::vector<Eigen::MatrixXd>& said,
                     GroupSamples& samples) {
   const Eigen::Index n_fields = states.empty() ? 0 : states.front().fields_FE.cols();
@@ -127,7 +127,7 @@ void collect_fields(const std::vector<ProbedState>& states, const std::vector<Ei
     double largest = 0;
     for (const auto& state : states) largest = std::max(largest, state.fields_FE.col(f).cwiseAbs().maxCoeff());
     for (std::size_t s = 0; s < states.size(); ++s) {
-      if (said[s].size() == 0) continue;  // a node of forces only
+      if (said[s].size() == 0) continue;  // the node has forces only
       const Eigen::VectorXd FE = states[s].fields_FE.col(f), error = said[s].col(f) - FE;
       auto* out = &samples[n_measures + 2 * static_cast<std::size_t>(f)];
       for (Eigen::Index i = 0; largest > 0 && i < error.size(); ++i) out[0].push_back(std::abs(error[i]) / largest);
@@ -136,7 +136,7 @@ void collect_fields(const std::vector<ProbedState>& states, const std::vector<Ei
   }
 }
 
-/// Turns one active node's probes of one group into samples of (17).
+/// Converts the probes of one active node and group to samples of (17).
 void collect(const Predict& predict, const NodeProbes& probes, Group group, Samples& samples) {
   const auto& counts = probes.counts;
   auto& out = samples[group];
@@ -173,7 +173,7 @@ void collect(const Predict& predict, const NodeProbes& probes, Group group, Samp
   collect_fields(probes.states[group], fields_said, out);
 }
 
-/// Values of s that a ray visits: the trained increments up to the deepest probe, and the probes themselves.
+/// Magnitudes at which a ray is solved: the trained increments up to the deepest probe, and the probes.
 std::vector<double> waypoints(const ProbePair& pair, double increment_m) {
   std::vector<double> s;
   const double deepest = std::max(pair.inside_m, pair.outside_m);
@@ -181,7 +181,7 @@ std::vector<double> waypoints(const ProbePair& pair, double increment_m) {
   if (pair.inside_m > 0) s.push_back(pair.inside_m);
   if (pair.outside_m > 0) s.push_back(pair.outside_m);
   std::sort(s.begin(), s.end());
-  // A waypoint next to a probe would be a solve for nothing.
+  // A waypoint next to a probe would only add a solve.
   const auto is_probe = [&](double x) { return x == pair.inside_m || x == pair.outside_m; };
   std::vector<double> kept;
   for (std::size_t i = 0; i < s.size(); ++i) {
@@ -207,7 +207,7 @@ PredictorErrors statistics(const Samples& samples) {
   return {of(samples[inside]), of(samples[outside])};
 }
 
-/// 1 for the output nodes that count in (17): those that the tool does not move itself.
+/// 1 for the output nodes that count in (17), which are those that the tool itself does not move.
 std::vector<char> counted_nodes(const ProbeSolver& solver, const std::vector<std::int32_t>& output) {
   std::vector<char> counts(output.size(), 1);
   for (const auto& [node, weight] : solver.prescribed()) {
@@ -217,12 +217,21 @@ std::vector<char> counted_nodes(const ProbeSolver& solver, const std::vector<std
   return counts;
 }
 
-/// Solves the probes of one node. `go_on` is asked after every ray.
+/// Solves the probes of one node. `go_on` is called after every ray.
 NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& entry, double increment_m,
                       const std::function<bool()>& go_on) {
-  solver.touch({entry.node});
   NodeProbes found;
   found.node = entry.node;
+  try {
+    solver.touch({entry.node});
+  } catch (const Error& error) {
+    if (error.kind() == Error::Kind::input) throw;
+    for (const auto& pair : entry.pairs) {  // none can be solved; those of other nodes can
+      found.failed += 1 + (pair.outside_m > 0);
+      if (!go_on()) break;
+    }
+    return found;
+  }
   found.counts = counted_nodes(solver, model.output);
   if (!entry.pairs.empty()) found.curve = {entry.node, entry.pairs.front().direction, {}, {}};
   for (const auto& pair : entry.pairs) {
@@ -263,7 +272,8 @@ SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const
                          const std::function<void(std::int64_t, std::int64_t)>& progress,
                          const std::function<bool()>& stop,
                          const std::function<void(std::size_t, NodeProbes&&)>& take) {
-  // Which fields are stored is no part of the physics: the model's are solved for.
+  // The physics hash does not depend on stored fields, so that the fields of the model are solved for in place of the
+  // scene's.
   Scene with_fields = scene;
   with_fields.database.fields = fields_of(model.model());
   ProbeSolver solver(with_fields, model.mesh(), {model.model().fixed, {}, model.model().output});
@@ -328,7 +338,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
     share = solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
       for (const Group g : {inside, outside}) {
         for (std::size_t p = 0; p < n_predictors; ++p) collect(predict[p], found, g, samples[p]);
-        // One for each error of a force: a node without any force has none.
+        // Only for errors of forces: a node without any force has none.
         for (const auto& state : found.states[g])
           if (distances[g].size() < samples[0][g][force].size())
             distances[g].push_back(model.trained_distance(found.node, state.d));
@@ -353,7 +363,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   report.outside_factor = outside_factor;
   for (const auto& entry : plan) {
     report.nodes.push_back(entry.node);
-    report.n_beside_fixed += entry.beside_fixed;
+    report.fixed_distance_m.push_back(entry.fixed_distance_m);
   }
   for (std::size_t p = 0; p < n_predictors; ++p) {
     for (auto& group : samples[p])

@@ -36,7 +36,7 @@ std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, s
   if (triangles.empty())
     throw input_error("no triangle of the surface has three active corners",
                       std::to_string(active.size()) + " active nodes",
-                      "probe a coherent part of the surface, or leave --points out");
+                      "probe a coherent part of the surface, or omit --points");
   const Points normals = node_normals(model.mesh());
   std::mt19937_64 random(seed);
   std::vector<Place> places(static_cast<std::size_t>(points));
@@ -59,7 +59,7 @@ std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, s
   return places;
 }
 
-/// One predictor's word and the truth, at one place and displacement.
+/// Prediction and finite element solution at one point and displacement.
 struct Compared {
   Vec3 force{}, force_FE{};
   Points u, u_FE;  ///< n_output x 3
@@ -69,7 +69,7 @@ struct PointSamples {
   std::vector<double> force, displacement, field_l2;
 };
 
-/// @param without  position among the output nodes that does not count; -1: all do
+/// @param without  position of the output node that does not count; -1: all count
 void collect(const std::vector<Compared>& compared, Eigen::Index without, PointSamples& samples) {
   double largest_force = 0, largest_u = 0;
   for (const auto& c : compared) {
@@ -111,6 +111,27 @@ class PointComparison {
     _solver.set_stop(stop);
   }
 
+  /// A place that the solver refuses counts as not solved, with the reason of the first one.
+  void try_at(const Place& place, PointReport& report) {
+    try {
+      at(place, report);
+    } catch (const Error& refused) {
+      report.failed += std::ssize(place.displacements);
+      ++_refused;
+      if (!_first_refusal) _first_refusal = refused;
+      _solver.recover();
+    }
+  }
+
+  /// @throws Error if every place was refused. Collective.
+  void require_some(const SolverSession& session, std::int64_t finished) const {
+    const double refused = session.sum(static_cast<double>(_refused)), all = session.sum(static_cast<double>(finished));
+    session.together([&] {
+      if (refused > 0 && refused == all && _first_refusal) throw Error(*_first_refusal);
+    });
+  }
+
+ private:
   void at(const Place& place, PointReport& report) {
     std::vector<Compared> coupled, linear, at_node;
     for (const auto& d : place.displacements) {
@@ -152,6 +173,7 @@ class PointComparison {
     collect(at_node, std::lower_bound(output.begin(), output.end(), corner) - output.begin(), _at_nodes);
   }
 
+ public:
   void finish(const SolverSession& session, PointReport& report) const {
     report.coupled = statistics(session, _coupled);
     report.linear = statistics(session, _linear);
@@ -167,6 +189,8 @@ class PointComparison {
   int _increments;
   ProbeSolver _solver;
   PointSamples _coupled, _linear, _at_nodes;
+  std::int64_t _refused = 0;
+  std::optional<Error> _first_refusal;
 };
 
 }  // namespace
@@ -184,8 +208,9 @@ PointReport validate_points(const SolverSession& session, const Scene& scene, co
     const auto places = choose_places(scene, model, points, displacements, seed);
     comparison.emplace(scene, model, stop);
     report.finished =
-        share_out(session, points, progress, stop, [&](std::size_t i) { comparison->at(places[i], report); });
+        share_out(session, points, progress, stop, [&](std::size_t i) { comparison->try_at(places[i], report); });
   });
+  comparison->require_some(session, report.finished);
   comparison->finish(session, report);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;

@@ -1,4 +1,4 @@
-// The study of the paper as a program. Usage: tools/study-paper [--quick] [-o DIR] [--cases 1,3] [--ranks N]
+// Program of the study of the paper. Usage: tools/study-paper [--quick] [-o DIR] [--cases 1,3] [--ranks N]
 #include <phynness/formats/error.hpp>
 #include <sstream>
 
@@ -11,10 +11,10 @@ namespace {
 
 /// @return the exit status, as of the command phynness
 int run(int argc, char** argv) {
-  CLI::App app{"The paper's Cases 1 to 4 run whole; Tables 1 and 2 and Figures 6 to 15 beside the paper's numbers"};
+  CLI::App app{"Runs the paper's Cases 1 to 4 and compares Tables 1 and 2 and Figures 6 to 15 with the paper"};
   app.name("phynness_paper_study");
   add_paper_study(app);
-  // Runs when the whole line has been parsed, and before the study does.
+  // Called after the whole command line was parsed and before the study starts.
   app.parse_complete_callback([&app] { check_files(app); });
   try {
     app.parse(argc, argv);
@@ -26,7 +26,7 @@ int run(int argc, char** argv) {
     message("{}", messages.str());
     return status == 0 ? 0 : 2;
   } catch (const Error& error) {
-    // Ranks other than the first fail without words, so that a person reads the reason once.
+    // Ranks other than the first fail without a message, so that the reason is printed once.
     if (*error.what() != 0) message("error: {}\n", error.what());
     return error.kind() == Error::Kind::input ? 2 : 1;
   } catch (const std::exception& error) {

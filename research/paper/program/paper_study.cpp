@@ -1,4 +1,4 @@
-// The paper's cases run whole, and its tables and figures beside the paper's numbers.
+// Runs the paper's cases and compares the tables and figures with those of the paper.
 #include <fmt/core.h>
 
 #include <chrono>
@@ -38,24 +38,24 @@ std::string machine() {
   return fmt::format("{}, {} cores", model, std::thread::hardware_concurrency());
 }
 
-/// The folder of scenes: what was asked for, or the source's.
+/// The folder of scenes: the given folder, or that of the source.
 std::filesystem::path scenes_folder(const std::filesystem::path& asked) {
   if (!asked.empty()) {
     if (!std::filesystem::is_directory(asked))
-      throw input_error("there is no such folder of scenes", asked.string(),
-                        "--scenes names the folder with liver_case1.toml ...");
+      throw input_error("the folder of scenes does not exist", asked.string(),
+                        "give with --scenes the folder of liver_case1.toml ...");
     return asked;
   }
   return PHYNNESS_SCENES;
 }
 
-/// @throws Error if a word is no case
+/// @throws Error if a word is not the name of a case
 std::vector<PaperCase> chosen_cases(const std::string& words) {
   std::vector<PaperCase> chosen;
   std::stringstream in(words);
   std::string names;
   for (const auto& one : paper_cases()) names += (names.empty() ? "" : ", ") + one.id;
-  if (words.empty()) throw input_error("no case is named", "--cases \"\"", "--cases: some of " + names);
+  if (words.empty()) throw input_error("no case is named", "--cases \"\"", "give with --cases some of " + names);
   for (std::string word; std::getline(in, word, ',');) {
     word.erase(0, word.find_first_not_of(' '));
     word.erase(word.find_last_not_of(' ') + 1);
@@ -67,12 +67,12 @@ std::vector<PaperCase> chosen_cases(const std::string& words) {
       }
     if (!found)
       throw input_error("the study has no such case", word.empty() ? "an empty word" : word,
-                        "--cases: some of " + names);
+                        "give with --cases some of " + names);
   }
   return chosen;
 }
 
-/// Finished cases belong to the page, asked for or not.
+/// Finished cases are part of the page even if --cases does not select them.
 void declare_files(const StudyRun& run) {
   for (const auto& one : paper_cases()) {
     declare_input("--scenes", run.scenes / one.scene);
@@ -122,7 +122,7 @@ void run_study(Options options) {
   print_result("\n== times and report\n");
   for (const auto& one : paper_cases()) {
     const bool ran = std::any_of(done.begin(), done.end(), [&](const auto& d) { return d.id == one.id; });
-    // One that was finished before belongs to the page, asked for or not.
+    // A case that was finished before is part of the page even if it is not selected.
     if (ran || is_finished(run, one)) {
       study.cases.push_back(read_case(run, one));
       continue;
@@ -150,18 +150,19 @@ void run_study(Options options) {
 
 void add_paper_study(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_flag("--quick", options->run.quick, "coarser meshes and fewer points: some minutes instead of an hour");
+  app.add_flag("--quick", options->run.quick, "coarser meshes and fewer points, for some minutes instead of an hour");
   add_path(app, "-o,--output", options->run.output, OutputKind::folder,
-           "folder; an interrupted study goes on there (default: out/paper or out/paper-quick)");
-  app.add_option("--cases", options->cases, "some of 1,2,3,3-p1-p1,4 (default: all whose scene is there)");
+           "folder, in which an interrupted study is resumed (default: out/paper or out/paper-quick)");
+  app.add_option("--cases", options->cases, "some of 1,2,3,3-p1-p1,4 (default: all whose scene exists)");
   add_path(app, "--scenes", options->run.scenes, InputKind::folder, "folder with the scenes of the cases");
-  app.add_option("--ranks", options->run.ranks, "processes for the finite element stages (mpirun)")
+  app.add_option("--ranks", options->run.ranks, "number of processes of the finite element stages (mpirun)")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  add_path(app, "--sizes", options->sizes_file, InputKind::whole, "JSON that changes how much is measured")->group("");
+  add_path(app, "--sizes", options->sizes_file, InputKind::whole, "JSON file with other numbers of measurements")
+      ->group("");
   auto folder = std::make_shared<std::filesystem::path>();
-  auto* measure = app.add_subcommand("measure", "One case, as the study starts it")->group("");
-  add_path(*measure, "FOLDER", *folder, OutputKind::tree, "of the case")->required();
+  auto* measure = app.add_subcommand("measure", "Measures one case; started by the study")->group("");
+  add_path(*measure, "FOLDER", *folder, OutputKind::tree, "folder of the case")->required();
   app.callback([options, folder, measure] {
     if (measure->parsed())
       measure_folder(*folder);

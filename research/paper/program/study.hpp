@@ -10,7 +10,7 @@
 
 namespace phynness::cli {
 
-/// How a study is run.
+/// Settings of a study.
 struct StudyRun {
   std::filesystem::path scenes, output;
   int ranks = 2;
@@ -18,25 +18,26 @@ struct StudyRun {
   StudySizes sizes;
 };
 
-/// Options of the study, and what it does when the line has been parsed.
+/// Adds the options of the study, and the function that runs it after the command line was parsed.
 void add_paper_study(CLI::App& app);
 
-/// Everything about one case that needs a process of its own: mesh, database, models, their validation, the
-/// measurements. What is there already, of the same scene, is kept.
-/// @param how_far  which of all cases, and the time: asked before each stage
-/// @throws Error  also (input) if the folder holds the case of another scene
+/// Runs all stages of a case that need their own process: mesh, database, models, their validation, measurements.
+/// Results of the same scene that exist already are kept.
+/// @param how_far  returns the number of the case and the time; called before each stage
+/// @throws Error  also (input) if the folder contains a case of another scene
 void run_case(const StudyRun& run, const PaperCase& of, const std::function<std::string()>& how_far);
 
-/// True if run_case() has ended there, for these sizes.
+/// True if run_case() has finished in this folder with these sizes.
 bool is_finished(const StudyRun& run, const PaperCase& of);
 
-/// What run_case() left, with times taken now.
+/// The results of run_case(), with times measured now.
 CaseResult read_case(const StudyRun& run, const PaperCase& of);
 
-/// The scene that a case is made from, in its folder.
+/// The folder of a case, with its scene.
 std::filesystem::path case_folder(const StudyRun& run, const PaperCase& of);
 
-/// What run_case() starts, perhaps under mpirun: measures the case in a folder -> measured.json in it.
+/// Measures the case in a folder and writes measured.json there; run_case() starts it, with mpirun if there are several
+/// ranks.
 void measure_folder(const std::filesystem::path& folder);
 
 }  // namespace phynness::cli

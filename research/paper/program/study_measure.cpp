@@ -1,4 +1,4 @@
-// One case measured: a process of its own, so that it runs under mpirun.
+// Measurement of one case as a separate process, so that it can run under mpirun.
 #include <fmt/core.h>
 
 #include <fstream>
@@ -50,7 +50,7 @@ void measure_folder(const std::filesystem::path& folder) {
         stop_requested);
     write_text_file(part_file(folder, session.rank()), nlohmann::json(measured).dump());
   });
-  session.sum(0);  // all parts are there
+  session.sum(0);  // all ranks have finished
   if (session.rank() != 0) return;
   std::vector<CaseMeasurements> parts;
   for (int rank = 0; rank < session.size(); ++rank)

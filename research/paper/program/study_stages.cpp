@@ -35,7 +35,7 @@ std::string hash_of(const std::string& text) {
   return hash.hex();
 }
 
-/// Which stages have been done, and of what.
+/// Record of the finished stages and their inputs.
 class Journal {
  public:
   explicit Journal(const std::filesystem::path& folder) : _file(folder / "stages.json"), _stages(json_of(_file)) {
@@ -54,7 +54,8 @@ class Journal {
   nlohmann::json _stages;
 };
 
-/// The scene in the case's folder; another one there is another study, and may have taken an hour.
+/// Writes the scene into the folder of the case. A different scene there belongs to another study and is not
+/// overwritten, because its results may have taken an hour.
 std::string lay_scene(const StudyRun& run, const PaperCase& of, const std::filesystem::path& folder) {
   const auto text = case_scene(of, read_text(run.scenes / of.scene), run.quick);
   const auto file = folder / "scene.toml";
@@ -62,16 +63,16 @@ std::string lay_scene(const StudyRun& run, const PaperCase& of, const std::files
     const auto there = parse_scene(read_text(file), file.string(), run.scenes);
     if (physics_hash(there) != physics_hash(parse_scene(text, of.scene, run.scenes)))
       throw input_error("the folder holds a study of another scene", folder.string(),
-                        "remove it, or give the study another folder with -o");
+                        "remove the folder, or give the study another folder with -o");
   }
-  // A relative mesh file is looked for beside the scene.
+  // A relative name of a mesh file refers to the folder of the scene.
   if (parse_scene(text, of.scene, run.scenes).mesh.shape == Shape::none)
     throw input_error("a scene of the study reads its mesh from a file", of.scene, "use a built-in shape");
   write_text_file(file, text);
   return text;
 }
 
-/// What a case is measured with.
+/// Settings of the measurements of a case.
 nlohmann::json settings_of(const StudyRun& run, const PaperCase& of) {
   return {{"sizes", run.sizes}, {"two_tools", of.two_tools}};
 }
@@ -111,7 +112,7 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
 
   stage("mesh", physics, exists("mesh.msh") && exists("mesh.json"),
         {phynness, "mesh", in("scene.toml"), "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1);
-  // A finished database is never solved again, wherever it comes from.
+  // A finished database is never solved again.
   if (!exists("database.h5") || !Database::is_complete(folder / "database.h5")) {
     announce("precompute");
     std::vector<std::string> precompute{phynness,          "precompute", in("scene.toml"),     "-o",
@@ -121,7 +122,7 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
   }
   if (read_database_header(folder / "database.h5").physics_hash != physics)
     throw input_error("the folder holds the database of another scene", in("database.h5"),
-                      "remove it, or give the study another folder with -o");
+                      "remove the folder, or give the study another folder with -o");
   const std::string trained = hash_of(text);
   const auto probes = std::to_string(2 * run.sizes.nodes * run.sizes.probes_per_node);
   const auto validate = [&](const char* name, const char* model, const char* result) {
@@ -196,7 +197,7 @@ CaseResult read_case(const StudyRun& run, const PaperCase& of) {
   } catch (const nlohmann::json::exception& error) {
     throw input_error("the measurements of a case cannot be read",
                       (folder / "measured.json").string() + ", " + error.what(),
-                      "remove this file and run the study again: it is measured anew");
+                      "remove this file and run the study again, which repeats the measurements");
   }
   if (of.linear) return result;
   const LoadedModel networks(folder / "networks"), ours(folder / "ours");

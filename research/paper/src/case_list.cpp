@@ -9,7 +9,7 @@ namespace {
 constexpr const char *quick_nodes = "150", *quick_drain_nodes = "70";
 constexpr const char* quick_increments = "4";
 
-/// Replaces the value of a key of a section; what follows a '#' stays. False if the key is not there.
+/// Replaces the value of a key in a section and keeps comments. Returns false if the key is missing.
 bool set_key(std::string& text, const std::string& section, const std::string& key, const std::string& value) {
   bool inside = false;
   for (std::size_t at = 0; at < text.size();) {

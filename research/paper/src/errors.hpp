@@ -1,4 +1,4 @@
-// (17) over test points: differences, and the largest response that they are divided by.
+// (17) over test points: differences, and the largest response by which they are divided.
 #pragma once
 
 #include <algorithm>

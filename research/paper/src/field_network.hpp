@@ -1,12 +1,12 @@
-// A deformation network at all output nodes at once.
+// A deformation network evaluated at all output nodes.
 #pragma once
 
 #include <phynness/formats/model.hpp>
 
 namespace phynness::study {
 
-/// (11)-(12) as the product that a Gaussian of (displacement, place) is: the factors of the places are a
-/// table.
+/// (11)-(12) as a product, because a Gaussian of (displacement, place) is the product of two factors. The factors of
+/// the places are stored in a table.
 class FieldNetwork {
  public:
   /// @param network  of six inputs; @param places  n x 3 [m]

@@ -7,7 +7,7 @@
 
 namespace phynness::study {
 
-/// Pushes along the inward normal beyond the trained range; fills curves and stiffness_N_per_m.
+/// Displaces the node along the inward normal to beyond the trained range. Sets curves and stiffness_N_per_m.
 void measure_curves(ProbeSolver& solver, const NodeUnderStudy& node, const LoadedModel& ours, const Vec3& inward,
                     double deepest_m, const StudySizes& sizes, NodeMeasurements& out);
 

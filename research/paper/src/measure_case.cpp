@@ -15,14 +15,14 @@ namespace {
 
 using namespace study;
 
-constexpr std::size_t searched_nodes = 3;  // whose forces decide the spread of all
+constexpr std::size_t searched_nodes = 3;  // whose forces determine the spread for all nodes
 
 PredictorAtNode at_node(const PredictorErrors& e) {
   return {e.inside.force.mean,  e.inside.force.max,  e.inside.displacement.mean,
           e.outside.force.mean, e.outside.force.max, e.outside.displacement.mean};
 }
 
-/// CPU of one core for both networks of a node, from the database on.
+/// CPU time of one core for both networks of a node, including the reading of the database.
 double training_cpu_s(const NodeData& data, std::int32_t node, TrainingSpec spec, double force_spread) {
   spec.force_spread = force_spread;
   spec.levels = 1;
@@ -42,7 +42,7 @@ double chosen_force_spread(const NodeData& data, const std::vector<NodePlan>& pl
   const double spread = search_force_spread(data.tables(), nodes, scene.training);
   if (!(spread > 0))
     throw input_error("too few increments to train force networks on", scene.source_name,
-                      "study a scene with more directions or increments");
+                      "use a scene with more directions or increments");
   return spread;
 }
 
@@ -57,7 +57,7 @@ CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, 
                               bool two_tools, const StudyProgress& progress, const std::function<bool()>& stop) {
   const auto start = std::chrono::steady_clock::now();
   if (physics_hash(scene) != database.header().physics_hash)
-    throw input_error("the database was made from another scene", scene.source_name,
+    throw input_error("the database belongs to another scene", scene.source_name,
                       "remove it, or give the study another folder");
   const bool linear = scene.material.law->linear;
   const NodeData data(database, linear, scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0);
@@ -130,7 +130,7 @@ CaseMeasurements merged(const std::vector<CaseMeasurements>& parts) {
     pairs = std::max(pairs, part.pairs.size());
     all.seconds = std::max(all.seconds, part.seconds);
   }
-  // Dealt out like cards: the order does not depend on how many ranks there were.
+  // Nodes are distributed to ranks in turn, so that the order of the results does not depend on the number of ranks.
   for (std::size_t i = 0; i < nodes; ++i)
     for (const auto& part : parts)
       if (i < part.nodes.size()) all.nodes.push_back(part.nodes[i]);

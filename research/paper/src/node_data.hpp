@@ -1,5 +1,4 @@
-// Where the study's networks get their data: a case's database, as the paper's networks would be trained on
-// it.
+// Data of the study's networks: the database of a case, used as for the paper's networks.
 #pragma once
 
 #include <phynness/formats/database.hpp>
@@ -9,8 +8,8 @@
 
 namespace phynness::study {
 
-/// The rays of a database; those of a linear body, which is solved in three directions and one step,
-/// superposed to 26 directions in six steps, since networks need points to be trained on.
+/// The rays of a database. Those of a linear body, which is solved in three directions and one step, are superposed to
+/// 26 directions in six steps, because the training of networks needs points.
 class NodeData {
  public:
   /// @param radius_m  of a patch probe; 0: node probe

@@ -19,7 +19,7 @@ Eigen::Vector3d said_at(const RbfNetwork& network, const NetworkPoints& points, 
   return evaluate(network, inputs);
 }
 
-/// The paper's test: points that were not trained on.
+/// The paper's test: points that were not used in training.
 Errors on_points(const RbfNetwork& network, const NetworkPoints& points) {
   Errors errors;
   for (std::size_t p = 0; p < points.size(); ++p) {
@@ -29,7 +29,7 @@ Errors on_points(const RbfNetwork& network, const NetworkPoints& points) {
   return errors;
 }
 
-/// Fresh solves, at all output nodes that the tool does not hold. @param group  0 inside, 1 beyond
+/// New solves at all output nodes that the tool does not hold. @param group  0: inside, 1: outside of the trained range
 Errors on_fresh_fields(const FieldNetwork& network, const NodeProbes& probes, std::size_t group) {
   Errors errors;
   for (const auto& state : probes.states[group]) {
@@ -62,7 +62,7 @@ NetworkErrors row_of(double x, const NetworkFit& fit, const Errors& held, const 
           beyond.max()};
 }
 
-/// One deformation network, measured.
+/// A deformation network with its errors.
 struct MeasuredField {
   NetworkErrors errors;
   Histogram held, fresh;
@@ -109,7 +109,7 @@ void measure_deformation(const NodeUnderStudy& node, const StudySizes& sizes, No
   for (const int samples : sizes.samples) {
     NetworkPoints others;
     const NetworkPoints some = points(samples, others);
-    if (static_cast<int>(some.size()) < samples || others.size() == 0) continue;  // the database has no more
+    if (static_cast<int>(some.size()) < samples || others.size() == 0) continue;  // the database has no more points
     out.by_samples.push_back(
         measured(node, some, others, samples, sizes.study_neurons, node.deformation_spread).errors);
   }
@@ -127,7 +127,7 @@ void measure_forces(const NodeUnderStudy& node, const StudySizes& sizes, NodeMea
   std::mt19937_64 random(sizes.seed + static_cast<std::uint64_t>(out.node));
   for (std::size_t i = order.size(); i > 1; --i)
     std::swap(order[i - 1], order[static_cast<std::size_t>(uniform(random) * static_cast<double>(i))]);
-  // Databases of fewer increments are split in the paper's proportion.
+  // Databases with fewer increments are divided in the proportion of the paper.
   const auto wanted = static_cast<double>(sizes.force_training_pairs + sizes.force_test_pairs);
   const double scale = std::min(1.0, static_cast<double>(all.size()) / wanted);
   const auto n_train = static_cast<std::size_t>(scale * sizes.force_training_pairs),

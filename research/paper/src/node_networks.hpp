@@ -1,4 +1,4 @@
-// The paper's networks in many sizes at one node, and what they are worth.
+// The paper's networks of many sizes at one node, and their errors.
 #pragma once
 
 #include <phynness/studies/measurements.hpp>
@@ -8,7 +8,7 @@
 
 namespace phynness::study {
 
-/// What a node's networks are trained on and measured with.
+/// Data for training and measuring the networks of a node.
 struct NodeUnderStudy {
   const NodeData& data;
   const NodeProbes& probes;
@@ -17,9 +17,9 @@ struct NodeUnderStudy {
   double deformation_spread = 0, force_spread = 0;
 };
 
-/// Fills by_neurons, by_spread, by_samples and histograms.
+/// Sets by_neurons, by_spread, by_samples and histograms.
 void measure_deformation(const NodeUnderStudy& node, const StudySizes& sizes, NodeMeasurements& out);
-/// Fills force_as_paper and force_all.
+/// Sets force_as_paper and force_all.
 void measure_forces(const NodeUnderStudy& node, const StudySizes& sizes, NodeMeasurements& out);
 /// One force network on all increments.
 NetworkFit fit_force(const NodeUnderStudy& node, int neurons);

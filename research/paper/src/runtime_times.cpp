@@ -12,7 +12,7 @@ namespace {
 
 constexpr int n_batches = 9;
 
-/// Processor time of this thread [us]: what else the machine does counts little.
+/// Processor time of this thread [us], which depends little on other load.
 double now_us() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -27,7 +27,7 @@ double median_us(const Call& call) {
     for (int i = 0; i < calls; ++i) call(i);
     return (now_us() - start) / calls;
   };
-  time(1);  // what is made at the first call does not count
+  time(1);  // the preparation in the first call does not count
   const int calls = static_cast<int>(std::clamp(2000 / std::max(time(1), 1e-3), 1.0, 1e6));
   std::vector<double> times;
   for (int b = 0; b < n_batches; ++b) times.push_back(time(calls));
@@ -35,7 +35,7 @@ double median_us(const Call& call) {
   return times[n_batches / 2];
 }
 
-/// A displacement that changes from call to call, as a hand's does.
+/// A displacement that changes from call to call, as that of a moving hand.
 Vec3 displacement(const Model& model, int i) {
   Vec3 d{};
   for (int k = 0; k < 3; ++k) d[static_cast<std::size_t>(k)] = model.max_displacement_m * 0.01 * ((i * (k + 3)) % 50);
@@ -47,7 +47,7 @@ class Surface {
   Surface(const LoadedModel& model, int levels) : _surface(model.runtime(), levels) {
     if (!_surface)
       throw input_error("the surface cannot be subdivided", _surface.status().message(),
-                        "study a scene whose output nodes are its surface");
+                        "use a scene whose output nodes are the whole surface");
     _scratch.resize(_surface.n_scratch());
     _fine.resize(_surface.points().size());
   }
@@ -62,7 +62,7 @@ class Surface {
   std::vector<float> _scratch, _fine;
 };
 
-/// One deformation of a node that is ready.
+/// A deformation of a prepared node.
 class Deformation {
  public:
   explicit Deformation(const LoadedModel& model)
@@ -90,7 +90,7 @@ double force_us(const LoadedModel& model) {
   });
 }
 
-/// (11)-(12) written down once for every vertex: what the paper times.
+/// (11)-(12) evaluated at every vertex by a plain loop, as timed in the paper.
 double every_vertex_us(const RbfNetwork& network, const Model& model, const float* points, std::int32_t n) {
   Eigen::VectorXd inputs(6);
   volatile double keep = 0;

@@ -13,7 +13,7 @@ Vec3 scaled(const Vec3& v, double s) { return {s * v[0], s * v[1], s * v[2]}; }
 double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 double distance(const Vec3& a, const Vec3& b) { return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]}); }
 
-/// What is said of one depth by everyone, at the output nodes that count.
+/// All predictions for one depth, at the output nodes that count.
 struct State {
   double depth_m = 0;
   Points finite_elements, paper, coupled, linear;

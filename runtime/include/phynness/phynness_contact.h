@@ -30,11 +30,10 @@ enum {
 };
 
 typedef struct phn_contact_tool {
-  double center[3];  /* of the sphere, at the position of the device [m]; clamped to 1000 sizes of the body */
-  double radius;     /* >= 0 [m]; clamped to the size of the body, which is the diagonal of its bounding box */
-  double friction;   /* coefficient >= 0 of mode press; 0: frictionless */
-  int32_t mode;      /* PHN_TOOL_* */
-  int32_t unguarded; /* mode press. 0: no more work is returned than was done; 1: the unscaled force of phn_couple */
+  double center[3]; /* of the sphere, at the position of the device [m]; clamped to 1000 sizes of the body */
+  double radius;    /* >= 0 [m]; clamped to the size of the body, which is the diagonal of its bounding box */
+  double friction;  /* coefficient >= 0 of mode press; 0: frictionless */
+  int32_t mode;     /* PHN_TOOL_* */
 } phn_contact_tool;
 
 typedef struct phn_contact_state {
@@ -72,9 +71,9 @@ PHN_API int phn_contact_init(void* memory, size_t bytes, const phn_model* model,
  * where the force would pull. Of several tools that press at one point, only the deepest has a force.
  *
  * A tool that slides with little friction from soft to stiff tissue would return more work than was done on it, because
- * its force is normal and sideways motion does no work. In families with an energy, unless `unguarded`, the force is
- * therefore scaled down, continuously, so that the returned work does not exceed the work done. With several tools in
- * contact the scales keep their values. With friction the scale is seldom below 1 (docs/decisions/contact.md).
+ * its force is normal and sideways motion does no work. In families with an energy the force is therefore always scaled
+ * down, continuously, so that the returned work does not exceed the work done. With several tools in contact the scales
+ * keep their values. With friction the scale is seldom below 1 (docs/decisions/contact.md).
  *
  * Grasp: the tool holds its point, and the force is that of phn_couple. A tool that starts to grasp holds the nearest
  * point if the surface is within its radius, and the point does not move. A tool in contact holds the touched point.

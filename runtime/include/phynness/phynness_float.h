@@ -4,9 +4,9 @@
  * that a file compiled for one cannot be linked with the other by mistake. A program may use both libraries in
  * different files.
  *
- * In float, forces of the families rbfn and modal and deformations of the family rbfn have rounding errors of 1e-7 of
- * their largest terms. A model.txt with weights beyond 1e25, or with networks whose output could reach 1e37 m, is
- * refused (PHN_ERROR_RANGE).
+ * In float, forces of the families rbfn and modal, stiffnesses of the family modal and deformations of the family rbfn
+ * have rounding errors of 1e-7 of their largest terms. Energies are summed in double. A model.txt with weights beyond
+ * 1e25, or with networks whose output could reach 1e37 m, is refused (PHN_ERROR_RANGE).
  */
 #ifndef PHYNNESS_FLOAT_H
 #define PHYNNESS_FLOAT_H

@@ -15,7 +15,13 @@ double response_energy(const LinearResponse& linear, const double* d) {
   return dot(at, force) / 2;
 }
 
-void response_stiffness(const LinearResponse& linear, const double*, double* stiffness) {
+void response_derivatives(const LinearResponse& linear, const double* d, double* force, double* energy,
+                          double* stiffness) {
+  double at[3];
+  cut(d, 1, largest_linear, at);
+  multiply_symmetric(linear.stiffness, at, force);
+  if (energy != nullptr) *energy = dot(at, force) / 2;
+  if (stiffness == nullptr) return;
   const double* k = linear.stiffness;
   for (int i = 0; i < 3; ++i) {
     for (int j = i; j < 3; ++j) stiffness[3 * i + j] = stiffness[3 * j + i] = *k++;

@@ -7,7 +7,8 @@ namespace PHN_RUNTIME {
 
 void response_force(const LinearResponse& linear, const double* d, double* force);
 double response_energy(const LinearResponse& linear, const double* d);
-void response_stiffness(const LinearResponse& linear, const double* d, double* stiffness);
+void response_derivatives(const LinearResponse& linear, const double* d, double* force, double* energy,
+                          double* stiffness);
 
 inline bool has_deformation(const LinearResponse&) { return true; }
 /// The basis is the displacement itself.

@@ -151,44 +151,9 @@ PHN_INLINE void mix_block(const SharedTable& shared, const ModalTables& tables, 
   }
 }
 
-PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTable& table, const double* x,
-                                 double* force) {
-  const Real shape = static_cast<Real>(net.shape), s2 = shape * shape;
-  const Real x0 = static_cast<Real>(x[0]), x1 = static_cast<Real>(x[1]), x2 = static_cast<Real>(x[2]);
-  Real few[6 * (most_gathered + 1)];
-  const Real* from = table.centers;
-  if (from == nullptr) {
-    fill_force_table(net, few);
-    from = few;
-  }
-  const std::int32_t n_whole = whole_blocks(net.n_centers + 1);
-  const Real *c0 = from, *c1 = c0 + n_whole, *c2 = c1 + n_whole, *w0 = c2 + n_whole, *w1 = w0 + n_whole,
-             *w2 = w1 + n_whole;
-  Real sum[3][at_once] = {};
-  const std::int32_t n_centers = net.n_centers;
-  for (std::int32_t begin = 0; begin <= n_centers; begin += at_once) {
-    for (std::int32_t i = 0; i < at_once; ++i) {
-      const std::int32_t j = begin + i;
-      const Real y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
-      const Real q = square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2), along = (y0 * b0 + y1 * b1 + y2 * b2) / q;
-      sum[0][i] += q * b0 + along * y0;
-      sum[1][i] += q * b1 + along * y1;
-      sum[2][i] += q * b2 + along * y2;
-    }
-  }
-  double total[3];
-  add_up(sum, total);
-  const double d[3] = {net.max_displacement * x[0], net.max_displacement * x[1], net.max_displacement * x[2]};
-  multiply_symmetric(net.stiffness, d, force);
-  for (int k = 0; k < 3; ++k) force[k] += total[k] + table.at_rest[k];
-}
-
 /// Instantiates all functions above for each instruction set.
 #define PHN_KERNELS(name, attributes)                                                                                  \
   namespace name {                                                                                                     \
-  attributes void force(const Conservative<double>& net, const ForceTable& table, const double* x, double* sum) {      \
-    force_of_centers(net, table, x, sum);                                                                              \
-  }                                                                                                                    \
   attributes void basis(const SharedModes& shared, const double* x, double* values) { fill_basis(shared, x, values); } \
   attributes void basis_gradient(const SharedModes& shared, const double* x, double* values) {                         \
     fill_basis_gradient(shared, x, values);                                                                            \
@@ -208,8 +173,7 @@ PHN_INLINE void force_of_centers(const Conservative<double>& net, const ForceTab
   attributes void sum_block(const SharedTable& shared, const ModalTables& tables, const float* block, float* out) {    \
     mix_block(shared, tables, block, out);                                                                             \
   }                                                                                                                    \
-  constexpr ModalKernels kernels = {#name, force,    basis, basis_gradient, amplitudes, three_amplitudes,              \
-                                    field, sum_block};                                                                 \
+  constexpr ModalKernels kernels = {#name, basis, basis_gradient, amplitudes, three_amplitudes, field, sum_block};     \
   }
 
 PHN_KERNELS(any, )
@@ -219,22 +183,6 @@ PHN_KERNELS(avx512, __attribute__((target("avx512f"))))
 #endif
 
 }  // namespace
-
-void fill_force_table(const Conservative<double>& net, Real* table) {
-  const std::int32_t n = net.n_centers, n_whole = whole_blocks(n + 1);
-  for (int k = 0; k < 3; ++k) {
-    Real *center = table + k * n_whole, *coefficient = table + (3 + k) * n_whole;
-    for (std::int32_t i = 0; i < n_whole; ++i) {
-      const std::size_t at = 3 * static_cast<std::size_t>(i) + k;
-      center[i] = coefficient[i] = 0;
-      if (i >= n) continue;
-      center[i] = static_cast<Real>(net.displacements[3 * static_cast<std::size_t>(net.center[i]) + k]);
-      coefficient[i] =
-          net.short_coefficient ? static_cast<Real>(net.short_coefficient[at]) : static_cast<Real>(net.coefficient[at]);
-    }
-    coefficient[n] = static_cast<Real>(-net.total[k]);
-  }
-}
 
 const ModalKernels* modal_kernels(int set) {
 #ifdef PHN_X86_64

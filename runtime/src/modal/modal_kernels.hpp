@@ -10,10 +10,6 @@ namespace PHN_RUNTIME {
 
 struct ModalKernels {
   const char* name;
-  /// As conservative_force, but with another order of summation.
-  /// @param x      d / max_displacement, clamped
-  /// @param force  3 [N]
-  void (*force)(const Conservative<double>& net, const ForceTable& table, const double* x, double* force);
   /// Basis of all amplitudes: kernels minus their values at rest, then x.
   /// @param x      d / max_displacement, clamped
   /// @param basis  n_centers + 3
@@ -34,9 +30,6 @@ struct ModalKernels {
   /// @param out  tables.n_modes x rows_per_block
   void (*sum_block)(const SharedTable& shared, const ModalTables& tables, const float* block, float* out);
 };
-
-/// @param table  6 whole_blocks(n_centers + 1), as ForceTable::centers
-void fill_force_table(const Conservative<double>& net, Real* table);
 
 /// Null if the library or the processor does not have the instruction set.
 const ModalKernels* modal_kernels(int set);

@@ -1,5 +1,6 @@
 #include "modal/response.hpp"
 
+#include "modal/force_kernels.hpp"
 #include "modal/modal_kernels.hpp"
 
 namespace PHN_RUNTIME {
@@ -28,19 +29,25 @@ void amplitude_gradient(const phn_model& model, const ModalResponse& node, const
 void response_force(const ModalResponse& node, const double* d, double* force) {
   double x[3];
   cut(d, node.force.max_displacement, largest_modal, x);
-  best_modal_kernels().force(node.force, node.force_table, x, force);
+  best_force_kernels().force(node.force, node.force_table, x, force);
 }
 
 double response_energy(const ModalResponse& node, const double* d) {
   double x[3];
   cut(d, node.force.max_displacement, largest_modal, x);
-  return conservative_energy(node.force, x);
+  return best_force_kernels().energy(node.force, node.force_table, x);
 }
 
-void response_stiffness(const ModalResponse& node, const double* d, double* stiffness) {
+void response_derivatives(const ModalResponse& node, const double* d, double* force, double* energy,
+                          double* stiffness) {
   double x[3];
   cut(d, node.force.max_displacement, largest_modal, x);
-  conservative_stiffness(node.force, x, stiffness);
+  const ForceKernels& kernels = best_force_kernels();
+  if (energy == nullptr && stiffness == nullptr) return kernels.force(node.force, node.force_table, x, force);
+  auto* derivatives = energy == nullptr      ? kernels.with_stiffness
+                      : stiffness == nullptr ? kernels.with_energy
+                                             : kernels.with_both;
+  derivatives(node.force, node.force_table, x, force, energy, stiffness);
 }
 
 void response_basis(const phn_model& model, const ModalResponse& node, const double* d, double* basis,

@@ -8,7 +8,7 @@ namespace PHN_RUNTIME {
 
 void response_force(const ModalResponse& node, const double* d, double* force);
 double response_energy(const ModalResponse& node, const double* d);
-void response_stiffness(const ModalResponse& node, const double* d, double* stiffness);
+void response_derivatives(const ModalResponse& node, const double* d, double* force, double* energy, double* stiffness);
 
 /// Values of a field at all output nodes, >= 0.
 /// @param scratch  as model.n_scratch  @param out  n_output

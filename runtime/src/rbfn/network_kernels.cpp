@@ -82,8 +82,7 @@ PHN_INLINE void gaussians_of_coordinates(const Network& net, std::int32_t n_outp
 }
 
 /// @tparam by_nodes  hide the address of the next neuron's row from the compiler; otherwise GCC 12 vectorizes over
-/// neurons
-///                   for AVX-512, which takes four times as long
+///                   neurons for AVX-512, which takes four times as long
 template <bool by_nodes>
 PHN_INLINE void field_of_table(const Network& net, std::int32_t n_output, const Real* table, const double* factor,
                                double share, double* scratch, double* field) {

@@ -8,7 +8,9 @@ namespace PHN_RUNTIME {
 void response_force(const Networks& nets, const double* d, double* force);
 /// The family has no energy and no stiffness.
 inline double response_energy(const Networks&, const double*) { return 0; }
-inline void response_stiffness(const Networks&, const double*, double*) {}
+inline void response_derivatives(const Networks& nets, const double* d, double* force, double*, double*) {
+  response_force(nets, d, force);
+}
 
 inline bool has_deformation(const Networks&) { return true; }
 inline std::int32_t basis_size(const Networks& nets) { return nets.deformation.n_neurons; }

@@ -1,6 +1,6 @@
 """Makes own/ and broken/ from built-in shapes: python3 make.py PHYNNESS (the command, build/release/phynness).
 
-gmsh of another version makes other meshes; the tests hold for the files that are committed.
+Another version of gmsh makes other meshes; the tests are valid for the files of the repository.
 """
 import os
 import struct

@@ -39,7 +39,7 @@ std::vector<Increment> increments_of(const TrainingTables& tables, const std::ve
   return found;
 }
 
-/// 3 x n: the least squares solution per unit of each increment's data.
+/// 3 x n: the pseudo-inverse of the displacements of the increments.
 Eigen::MatrixXd pseudo_inverse(const std::vector<Increment>& increments, const TrainingTables& tables,
                                const std::vector<Ray>& rays, std::int32_t node) {
   const auto n = static_cast<Eigen::Index>(increments.size());
@@ -48,16 +48,15 @@ Eigen::MatrixXd pseudo_inverse(const std::vector<Increment>& increments, const T
     d.row(i) = increments[static_cast<std::size_t>(i)].d;
     unit.row(i) = d.row(i).normalized();
   }
-  // The squares of singular values are far above rounding: those of interest are above the square of the threshold,
-  // 1e-4.
+  // Squares of singular values suffice, because the smallest relevant one, 1e-4, is far above rounding.
   const Eigen::VectorXd squares = symmetric_eigen(unit.transpose() * unit).values;
   if (n < 3 || !(squares[0] > independence_threshold * independence_threshold * squares[2])) {
     std::set<std::int32_t> directions;
     for (const std::int32_t row : converged_increments(tables, rays)) directions.insert(row / tables.n_increments);
     throw input_error("a linear response needs converged increments in three independent directions",
                       "node " + std::to_string(node) + " has " + std::to_string(directions.size()) + " of " +
-                          std::to_string(rays.size()) + " directions, in one plane or fewer",
-                      "probe with directions = 3 or 26; if increments failed, `phynness info` says why");
+                          std::to_string(rays.size()) + " directions, which are in one plane",
+                      "probe with directions = 3 or 26; if increments failed, `phynness info` lists the reasons");
   }
   return least_squares(d, Eigen::MatrixXd::Identity(n, n));
 }
@@ -92,10 +91,10 @@ void require_linear(const LinearQuality& quality, std::int32_t node) {
       {"energies differ from d.K d / 2 by ", quality.energy_residual}};
   for (const auto& [what, size] : checks) {
     if (!(size <= linear_tolerance)) {
-      throw input_error(
-          "the scene is not linear",
-          "node " + std::to_string(node) + ": " + what + percent(size) + ", allowed are " + percent(linear_tolerance),
-          "use family rbfn; if the law is linear, tighten [solver] relative_tolerance");
+      throw input_error("the scene is not linear",
+                        "node " + std::to_string(node) + ": " + what + percent(size) + ", at most " +
+                            percent(linear_tolerance) + " is allowed",
+                        "use family rbfn; if the law is linear, tighten [solver] relative_tolerance");
     }
   }
 }
@@ -118,7 +117,7 @@ LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node
     for (int axis = 0; axis < 3; ++axis) linear.unit_responses.middleCols<3>(3 * axis) += share[axis] * increments[i].u;
   }
   if (!linear.stiffness.allFinite() || !linear.unit_responses.allFinite()) {
-    throw failure("database holds a value that is not finite in an increment marked converged",
+    throw failure("the database has a value that is not finite in a converged increment",
                   "node " + std::to_string(node), "precompute this database again");
   }
   const Eigen::Matrix3d skew = linear.stiffness - linear.stiffness.transpose();

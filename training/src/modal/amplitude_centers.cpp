@@ -1,4 +1,4 @@
-// Which states become centers of the amplitudes, and how flat their kernel is.
+// Selection of the centers of the amplitudes and of the shape of their kernel.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Products of two components of a displacement.
+/// Number of products of two components of a displacement.
 constexpr int n_even = 6;
 
 }  // namespace
@@ -47,12 +47,10 @@ MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, do
 
 namespace {
 
-/// Amplitudes at directions left out, mean over states: root mean square over nodes of their error, over the
-/// largest displacement of a node. (Modes are orthonormal: the size of an amplitude vector is that of the
-/// whole field.)
+/// Error of the amplitudes at left-out directions: mean over the states of the root mean square over nodes, over the
+/// largest displacement of a node. (Modes are orthonormal, so that the norm of the amplitudes is that of the field.)
 double left_out_error(const TrainingTables& tables, const NodeModes& node, double shape) {
-  // The same displacement twice would make the matrix singular, close neighbours along a direction singular
-  // to rounding.
+  // Equal displacements would make the matrix singular, and close neighbours along a direction numerically singular.
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < node.row.size(); ++i)
     if (std::none_of(places.begin(), places.end(), [&](std::size_t j) {
@@ -87,11 +85,11 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
   return node.largest > 0 ? errors.bottomRows(n - 1).rowwise().norm().mean() / std::sqrt(n_output) / node.largest : 0;
 }
 
-/// One node's part in the choice of centers: what its states say of each candidate.
+/// The data of one node in the selection of centers.
 struct Chooser {
   MatrixXd columns,
-      rest;        ///< states x candidates, states x modes; orthogonal to the linear part and to what was chosen
-  VectorXd first;  ///< squared lengths of the columns at the start
+      rest;        ///< states x candidates, states x modes; orthogonal to the linear part and to selected columns
+  VectorXd first;  ///< initial squared lengths of the columns
 };
 
 Chooser chooser(const TrainingTables& tables, const NodeModes& node, const Eigen::MatrixX3d& candidates, double shape) {
@@ -106,7 +104,7 @@ Chooser chooser(const TrainingTables& tables, const NodeModes& node, const Eigen
   return c;
 }
 
-/// How much of each candidate is left, and what it would explain; nothing where what is left is rounding.
+/// The squared amplitude that each candidate would explain; 0 where the remainder of a candidate is rounding.
 VectorXd explained(const Chooser& c) {
   const VectorXd left = c.columns.colwise().squaredNorm();
   const VectorXd slope = (c.columns.transpose() * c.rest).rowwise().squaredNorm();
@@ -140,7 +138,8 @@ AmplitudeCenters choose_amplitude_centers(const TrainingTables& tables, const st
   if (std::all_of(nodes.begin(), nodes.end(), [](const auto& node) { return node.row.empty(); })) return chosen;
   chosen.left_out_error = std::numeric_limits<double>::infinity();
   for (const double candidate : amplitude_shape_candidates()) {
-    // The median: a node where the body snaps is predicted by no shape, and would outweigh all others.
+    // The median is used because a node where the body snaps through is not predicted by any shape and would dominate a
+    // mean.
     std::vector<double> errors;
     for (const auto& node : nodes) errors.push_back(left_out_error(tables, node, candidate));
     std::sort(errors.begin(), errors.end());
@@ -162,7 +161,7 @@ AmplitudeCenters amplitude_centers_of_shape(const TrainingTables& tables, const 
   chosen.shape = shape;
   std::set<std::int32_t> every;
   for (const auto& node : nodes) every.insert(node.row.begin(), node.row.end());
-  // Candidates are the states of any node; nodes that face different ways have different ones.
+  // Candidates are the states of all nodes, because nodes with different normals have different states.
   const std::vector<std::int32_t> rows(every.begin(), every.end());
   const auto x = scaled_rows(tables, rows);
   std::vector<Chooser> choosers;

@@ -1,4 +1,4 @@
-// What amplitudes of modes are fitted with, shared by their fit and the choice of their centers.
+// Features of the amplitudes of modes, used by their fit and by the selection of their centers.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,11 +6,11 @@
 
 namespace phynness {
 
-/// Displacements of these rows of the table, over the largest.
+/// Displacements of these rows of the table, divided by the largest displacement.
 Eigen::MatrixX3d scaled_rows(const TrainingTables& tables, const std::vector<std::int32_t>& rows);
 
-/// n x (centers + 3), of a field + 9: the amplitudes' features at each x.
-/// @param degree  of a field near rest; 0: a displacement
+/// Features of the amplitudes at each x: n x (centers + 3), for a field n x (centers + 9).
+/// @param degree  degree of a field near rest; 0: a displacement
 Eigen::MatrixXd features(const Eigen::MatrixX3d& x, const Eigen::MatrixX3d& centers, double shape, int degree = 0);
 
 }  // namespace phynness

@@ -14,13 +14,14 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// What an unknown of a center counts in cross-validation, as centers are places chosen by the data (Friedman
-/// 1991, doi 10.1214/aos/1176347963). On the paper's liver (P1, K/mu = 200) 1, 1.3, 1.6 and 1.9 give 0.71,
-/// 0.70, 0.70 and 0.72 % inside, all centers 0.99.
+/// Cost of an unknown in cross-validation. It exceeds 1 because the positions of centers are also selected from the
+/// data (Friedman 1991, doi 10.1214/aos/1176347963). On the paper's liver (P1, K/mu = 200) costs of 1, 1.3, 1.6 and 1.9
+/// give errors of 0.71, 0.70, 0.70 and 0.72 % inside the trained range; all centers give 0.99 %.
 constexpr double unknown_cost = 1.5;
 
 /// Generalized cross-validation: an estimate, up to a factor, of the squared error between the states.
-/// @param rest  what is left of all forces; @param n_unknowns that took the remainder away
+/// @param rest        residuals of all forces
+/// @param n_unknowns  number of fitted unknowns
 double cross_validation(const VectorXd& rest, Index n_unknowns) {
   const double left = static_cast<double>(rest.size()) - unknown_cost * static_cast<double>(n_unknowns);
   return left > 0 ? rest.squaredNorm() / (left * left) : std::numeric_limits<double>::infinity();
@@ -49,7 +50,7 @@ std::vector<Index> choose_centers(Columns columns, VectorXd rest, int wanted) {
     double most = 0;
     for (Index i = 0; i < n; ++i) {
       const auto& g = gram[static_cast<std::size_t>(i)];
-      // What is left of a column is rounding once it is this small.
+      // Such a small remainder of a column is rounding.
       if (!open[static_cast<std::size_t>(i)] || !(g.trace() > 1e-10 * first[i])) continue;
       const Matrix3d safe = g + 1e-12 * g.trace() * Matrix3d::Identity();
       const Vector3d h = slope.segment<3>(3 * i);

@@ -21,22 +21,24 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Damping of the least squares, in columns of unit length, for columns that nearly depend on each other.
-/// With half as many centers as states it matters little: on the paper's liver (P1) errors beyond the trained
-/// range are 5.76 %, 5.85 without it, and the same inside; 1e-4 makes 0.08 of 0.06 % inside on the demo.
+/// Damping of the least squares for columns scaled to unit length, needed for nearly dependent columns. With half as
+/// many centers as states its effect is small: on the paper's liver (P1) errors outside of the trained range are 5.76
+/// %, and 5.85 % without damping; inside they are equal. On the demo a damping of 1e-4 increases the error from 0.06 to
+/// 0.08 %.
 constexpr double damping = 1e-6;
 
-/// Far beyond the states at least this part of the smallest eigenvalue of the stiffness that serves them best
-/// is left. Without a bound K had negative eigenvalues at most of a liver's nodes, so that far away the force
-/// pushed the tool on. Errors do not depend on the part from 0.02 to 0.5 (docs/decisions/modal-family.md).
+/// Lower bound of the eigenvalues of K, which dominates far outside of the states, as a fraction of the smallest
+/// eigenvalue of the best linear stiffness. Without a bound K had negative eigenvalues at most nodes of a liver, so
+/// that a force at large displacements pushed the tool further away. Errors are the same for fractions from 0.02 to 0.5
+/// (docs/decisions/modal-family.md).
 constexpr double least_tail_share = 0.2;
 
-/// Centers are states: with more states than this, some are passed over; a body's force is told by
-/// directions.
+/// With more states than this, some increments are not used as centers, because the force depends mainly on the
+/// direction.
 constexpr std::size_t max_fit_states = 400;
 
-/// Forces far above this part of the median count relative to their size. Parts from 0.3 to 3 were tried on a
-/// liver: less is better where it snaps, and the same elsewhere.
+/// Forces far above this fraction of the median have weights inverse to their size. Of fractions from 0.3 to 3, the
+/// smaller ones were better where a liver snaps through, and equal elsewhere.
 constexpr double usual_share = 0.3;
 
 /// Phi(x - c) - Phi(x) - Phi(c) + Phi(0)
@@ -45,7 +47,7 @@ Matrix3d anchored_kernel(const Vector3d& x, const Vector3d& c, double shape) {
          force_kernel(Vector3d::Zero(), shape);
 }
 
-/// Force per entry of a symmetric stiffness xx xy xz yy yz zz.
+/// Force for each entry of a symmetric stiffness xx xy xz yy yz zz.
 Eigen::Matrix<double, 3, 6> stiffness_columns(const Vector3d& x) {
   Eigen::Matrix<double, 3, 6> k = Eigen::Matrix<double, 3, 6>::Zero();
   k(0, 0) = k(1, 1) = k(2, 2) = x[0];
@@ -78,9 +80,8 @@ double mean_length(const VectorXd& stacked_vectors) {
   return sum / std::max(1.0, static_cast<double>(stacked_vectors.size() / 3));
 }
 
-/// What a state counts: 1 for small forces, less for large ones. Beside a fixed part a body snaps, with
-/// forces a hundred times those of all other states; counted alike, they would bend the network everywhere
-/// else.
+/// Weights of the states: 1 for small forces, less for large ones. Next to a fixed part a body may snap through, with
+/// forces a hundred times larger than all others; with equal weights these would distort the network everywhere else.
 VectorXd weights_of(const ForceStates& states) {
   const VectorXd size = states.force.rowwise().norm();
   VectorXd sorted = size;
@@ -91,7 +92,7 @@ VectorXd weights_of(const ForceStates& states) {
 
 double largest_force(const ForceStates& states) { return std::sqrt(states.force.rowwise().squaredNorm().maxCoeff()); }
 
-/// Every `stride`-th state of each direction, the deepest among them.
+/// Every `stride`-th state of each direction, including the deepest.
 ForceStates thinned(const ForceStates& states, std::size_t stride) {
   std::vector<Index> kept;
   for (std::size_t end = states.row.size(), i = end; i-- > 0;) {
@@ -109,8 +110,8 @@ ForceStates thinned(const ForceStates& states, std::size_t stride) {
   return some;
 }
 
-/// States at the same displacement are one, their mean: twice the same would make interpolation singular, so
-/// that no shape could be found, and let centers be as many as places.
+/// Replaces states at the same displacement by their mean. Equal displacements would make the interpolation singular,
+/// so that no shape could be found, and would allow as many centers as different displacements.
 ForceStates merged(const ForceStates& states) {
   std::vector<Index> first;
   std::vector<double> copies;
@@ -139,8 +140,8 @@ ForceStates merged(const ForceStates& states) {
   return some;
 }
 
-/// Mean error at directions left out one by one, over the largest force: interpolation of all states and of
-/// no force at rest, with a constant and a symmetric stiffness.
+/// Mean error with one direction at a time left out, over the largest force. The interpolant of all other states, and
+/// of zero force at rest, has a constant and a symmetric stiffness.
 double left_out_error(const ForceStates& states, double shape) {
   const Index n = states.x.rows() + 1;
   MatrixXd phi(3 * n, 3 * n), tail(3 * n, 9);
@@ -157,7 +158,7 @@ double left_out_error(const ForceStates& states, double shape) {
   return mean_length(errors.col(0).tail(3 * (n - 1))) / largest_force(states);
 }
 
-/// The columns scaled to unit length, and rows of damping for the first n_damped of them.
+/// The columns scaled to unit length, with rows of damping for the first n_damped columns.
 MatrixXd damped_columns(const MatrixXd& a, const VectorXd& size, Index n_damped) {
   MatrixXd unit = MatrixXd::Zero(a.rows() + n_damped, a.cols());
   unit.topRows(a.rows()) = a * size.cwiseInverse().asDiagonal();
@@ -169,7 +170,7 @@ VectorXd column_sizes(const MatrixXd& a) {
   return a.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
 }
 
-/// Least squares of a x = b in columns of unit length, the first n_damped of them damped.
+/// Least squares solution of a x = b with columns scaled to unit length, of which the first n_damped are damped.
 VectorXd damped_solution(const MatrixXd& a, const VectorXd& b, Index n_damped) {
   if (a.cols() == 0) return VectorXd(0);
   const VectorXd size = column_sizes(a);
@@ -185,14 +186,15 @@ Matrix3d symmetric(const Eigen::Matrix<double, 6, 1>& k) {
   return m;
 }
 
-/// The smallest eigenvalue that a tail may have: a part of that of the stiffness that serves all states best.
+/// Lower bound of the eigenvalues of K: a fraction of the smallest eigenvalue of the best linear stiffness of all
+/// states.
 double least_tail(const MatrixXd& stiffness_columns, const VectorXd& force) {
   const Matrix3d best = symmetric(damped_solution(stiffness_columns, force, 0));
   return least_tail_share *
          std::max(0.0, Eigen::SelfAdjointEigenSolver<Matrix3d>(best, Eigen::EigenvaluesOnly).eigenvalues()[0]);
 }
 
-/// Eigenvalues below `least` raised to it; the same matrix if there are none.
+/// The matrix with eigenvalues below `least` replaced by `least`; unchanged if there are none.
 Matrix3d at_least(const Matrix3d& k, double least) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(k);
   if (eigen.eigenvalues()[0] >= least) return k;
@@ -201,7 +203,7 @@ Matrix3d at_least(const Matrix3d& k, double least) {
   return (raised + raised.transpose()) / 2;
 }
 
-/// What a network is fitted to, and how.
+/// Data and parameters of a fit.
 struct Problem {
   const ForceStates& states;
   double max_displacement_m, shape;
@@ -209,7 +211,7 @@ struct Problem {
   VectorXd force, weights;
 };
 
-/// Least squares with the given centers, in ascending order. @param left_out_error  may be null
+/// Least squares with the given centers, in ascending order. @param left_out_error  output, may be null
 ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& chosen, double* left_out_error) {
   const auto& [states, max_displacement_m, shape, columns, force, weights] = problem;
   const auto m = static_cast<Index>(chosen.size());
@@ -221,7 +223,7 @@ ConservativeFit fit_centers(const Problem& problem, const std::vector<Index>& ch
   const VectorXd target = weights.cwiseProduct(force);
   VectorXd solution = damped_solution(weighted, target, 3 * m);
   Index n_free = a.cols();
-  // Far away the tail is all there is: it must not push the tool away.
+  // At large displacements only this stiffness remains; it must not push the tool away.
   const Matrix3d tail = at_least(symmetric(solution.tail<6>()), least_tail(weighted.rightCols<6>(), target));
   if (tail != symmetric(solution.tail<6>())) {
     n_free = 3 * m;
@@ -315,7 +317,7 @@ ConservativeFit fit_conservative(const ForceStates& all, double max_displacement
     }
   }
   auto fit = fit_shape(states, max_displacement_m, max_centers, shape, n_levels);
-  // Flat kernels cancel; the next sharper one does less.
+  // Flat kernels cause cancellation; use the next sharper one.
   while (fit.cancellation > largest_cancellation && shape > candidates.front()) {
     shape = *std::prev(std::lower_bound(candidates.begin(), candidates.end(), shape));
     fit = fit_shape(states, max_displacement_m, max_centers, shape, n_levels);

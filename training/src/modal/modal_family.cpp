@@ -10,20 +10,20 @@
 namespace phynness {
 namespace {
 
-/// Nodes whose modes the shared ones are made of; and the memory that they may take.
+/// Largest and smallest number of nodes from whose modes the shared modes are computed.
 constexpr std::int32_t max_basis_nodes = 500, min_basis_nodes = 20;
 constexpr double max_basis_bytes = 1e9;
 
-/// Nodes whose amplitudes choose the centers.
+/// Number of nodes whose amplitudes determine the centers.
 constexpr std::int32_t n_center_nodes = 12;
 
 struct Size {
   int modes, shared_modes, near_nodes, amplitude_centers, force_centers;
 };
 
-// From small to large: on the liver of docs/howto/own-organ.md memory and time of a deformation grow by
-// factors of 1.1 to 1.7 from one to the next. Training takes no more force centers than half of a database's
-// states, 78 with 26 directions in 6 increments; what is beyond is for more increments.
+// In ascending order. On the liver of docs/howto/own-organ.md memory and time of a deformation grow by factors of 1.1
+// to 1.7 between successive sizes. The number of force centers is limited to half of the states of a database, which is
+// 78 for 26 directions with 6 increments; larger numbers only take effect with more increments.
 constexpr Size candidate_sizes[] = {{3, 12, 8, 20, 20},   {4, 24, 16, 26, 24},    {4, 40, 20, 30, 30},
                                     {6, 40, 20, 52, 40},  {8, 64, 24, 52, 60},    {12, 64, 24, 80, 80},
                                     {16, 64, 40, 80, 80}, {20, 96, 60, 104, 100}, {24, 120, 80, 156, 120}};
@@ -31,9 +31,9 @@ constexpr Size candidate_sizes[] = {{3, 12, 8, 20, 20},   {4, 24, 16, 26, 24},  
 void check_modal(const TrainingSpec& spec) {
   if (spec.force_centers < 1 || spec.amplitude_centers < 0 || spec.modes < 0 || spec.shared_modes < 0 ||
       spec.near_nodes < 0 || spec.modes > largest_mode_count || spec.shared_modes > largest_mode_count) {
-    throw input_error("impossible number of centers, modes or near nodes", "",
-                      "force_centers is at least 1, modes and shared_modes at most " +
-                          std::to_string(largest_mode_count) + ", none negative");
+    throw input_error("a number of centers, modes or near nodes is impossible", "",
+                      "use at least 1 for force_centers, at most " + std::to_string(largest_mode_count) +
+                          " for modes and shared_modes, and no negative number");
   }
 }
 
@@ -148,7 +148,7 @@ class ModalTraining : public FamilyTraining {
   }
 
  private:
-  /// Modes of a field that all nodes mix from; centers and kernel are those of the displacement.
+  /// Computes the shared modes of a field; its centers and kernel are those of the displacement.
   void share_field(Field field, const std::vector<NodeModes>& nodes) {
     FieldModes modes{name(field), unit(field), degree(field), 0, {}};
     for (const auto& node : nodes) modes.scale = std::max(modes.scale, node.largest);
@@ -164,7 +164,7 @@ class ModalTraining : public FamilyTraining {
   SharedModes _shared;
   std::vector<FieldModes> _fields;  ///< their modes are in _shared_of_field
   std::vector<SharedModes> _shared_of_field;
-  std::vector<AmplitudeLevel> _levels;  ///< none if there is one
+  std::vector<AmplitudeLevel> _levels;  ///< empty with a single level
   double _amplitude_left_out = 0;
 };
 
@@ -194,7 +194,7 @@ std::vector<std::pair<std::string, int>> sizes(const TrainingSpec& spec) {
           {"force_centers", spec.force_centers}};
 }
 
-/// The largest of all nodes.
+/// Largest sizes of all nodes.
 struct Largest {
   std::size_t centers = 0, modes = 0;
 };
@@ -222,7 +222,7 @@ std::vector<std::string> summarize_modal(const Model& model, const TrainingRepor
           fmt::format("mean error, eq. (17), on the training states: force {:.3f} %; displacement {:.3f} % by "
                       "truncation, {:.3f} % by regression",
                       100 * q.force_training, 100 * q.truncation, 100 * q.regression),
-          fmt::format("with a direction left out: force {:.3f} %, amplitudes {:.3f} %; terms cancel by {:.0f} at most; "
+          fmt::format("with a direction left out: force {:.3f} %, amplitudes {:.3f} %; largest cancellation {:.0f}; "
                       "shapes {:.2g} to {:.2g} and {:.2g}",
                       100 * q.force_left_out, 100 * q.amplitude_left_out, q.worst_cancellation, q.smallest_force_shape,
                       q.largest_force_shape, q.amplitude_shape)};

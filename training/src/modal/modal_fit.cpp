@@ -21,19 +21,19 @@ using Eigen::MatrixXf;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Modes smaller than this part of the largest are rounding of the data (float32).
+/// Modes below this fraction of the largest are rounding errors of the data (float32).
 constexpr double smallest_mode = 1e-6;
 
-/// Damping of the amplitudes' least squares, in columns of unit length: without it, weights of opposite signs
-/// grow where a body snaps, and errors beyond the trained range by a quarter; ten times more would cost
-/// accuracy inside.
+/// Damping of the least squares of amplitudes for columns scaled to unit length. Without it, where a body snaps
+/// through, large weights of opposite signs occur and errors outside of the trained range are larger by a quarter. Ten
+/// times more damping would reduce the accuracy inside.
 constexpr double damping = 1e-3;
 
-/// More columns than asked for and rounds of subspace iteration: the spectrum falls by half within a few
-/// modes, so that 8 columns and 3 rounds leave the subspace converged beyond what 16 bits show.
+/// Additional columns and rounds of the subspace iteration. The singular values decrease by half within a few modes, so
+/// that with 8 columns and 3 rounds the error of the subspace is below the resolution of 16 bits.
 constexpr int spare_columns = 8, rounds = 3;
 
-/// Mean over rows and output nodes not moved by the probe of |displacement| (of a field: |value|) / largest.
+/// Mean of |displacement| (for a field |value|) / largest over rows and output nodes that the probe does not move.
 double mean_share(const MatrixXd& fields, const NodeModes& node) {
   double sum = 0;
   Index n = 0;
@@ -46,7 +46,7 @@ double mean_share(const MatrixXd& fields, const NodeModes& node) {
   return n > 0 && node.largest > 0 ? sum / static_cast<double>(n) / node.largest : 0;
 }
 
-/// The least squares of the amplitudes: features in columns of unit length, damped.
+/// The damped least squares problem of the amplitudes, with features scaled to columns of unit length.
 struct AmplitudeProblem {
   explicit AmplitudeProblem(const MatrixXd& f)
       : size(f.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min())),
@@ -58,7 +58,7 @@ struct AmplitudeProblem {
   MatrixXd unit, normal;
 };
 
-/// Amplitudes of a level, fitted to its centers alone. @param stored  modes as the model holds them
+/// Fits the amplitudes of a level with its centers only. @param stored  modes as stored in the model
 ModalFit::Level fit_level(const TrainingTables& tables, const AmplitudeLevel& level, double shape, int degree,
                           const NodeModes& node, const MatrixXd& stored) {
   const Index n_modes = std::min<Index>(level.modes, node.modes.cols());
@@ -79,7 +79,7 @@ ModalFit::Level fit_level(const TrainingTables& tables, const AmplitudeLevel& le
   return fit;
 }
 
-/// A node that has its states and `moved`, and no modes yet.
+/// A node with its states and `moved`, without modes.
 NodeModes node_of(const TrainingTables& tables, const std::vector<Ray>& rays, int components) {
   NodeModes node;
   node.components = components;
@@ -89,7 +89,7 @@ NodeModes node_of(const TrainingTables& tables, const std::vector<Ray>& rays, in
   return node;
 }
 
-/// What each state of the node holds, one per row; `values(ray)` are those of all of a ray's increments.
+/// Values of each state of the node, one state per row. @param values  gives the values of all increments of a ray
 template <typename Values>
 MatrixXd states_of(const TrainingTables& tables, const std::vector<Ray>& rays, const NodeModes& node,
                    const Values& values) {
@@ -102,25 +102,26 @@ MatrixXd states_of(const TrainingTables& tables, const std::vector<Ray>& rays, c
     u.row(i) = Eigen::Map<const Eigen::RowVectorXd>(from, u.cols());
   }
   if (!u.allFinite())
-    throw failure("database holds a " + std::string(node.components == 3 ? "displacement" : "field") +
-                      " that is not finite in an increment marked converged",
+    throw failure("the database has a " + std::string(node.components == 3 ? "displacement" : "field") +
+                      " that is not finite in a converged increment",
                   "", "precompute this database again");
   return u;
 }
 
-/// Fills in modes, amplitudes and what is said of them.
+/// Sets modes, amplitudes and their errors.
 void decompose(const MatrixXd& u, int max_modes, NodeModes& node) {
   const Index n = u.rows(), k = node.components;
   for (Index o = 0; o < u.cols() / k; ++o)
     for (Index i = 0; i < n; ++i) node.largest = std::max(node.largest, u.row(i).segment(k * o, k).norm());
   if (n == 0) return;
-  // Fewer states than unknowns: the small Gram matrix has the same singular values.
+  // There are fewer states than unknowns, so that the smaller Gram matrix is decomposed, which gives the same singular
+  // values.
   const SymmetricEigen eigen = symmetric_eigen(u * u.transpose());
   const VectorXd squares = eigen.values.reverse().cwiseMax(0);
   Index m = 0;
   while (m < std::min<Index>(n, max_modes) && squares[m] > smallest_mode * smallest_mode * squares[0]) ++m;
   if (m == 0 && max_modes > 0) {
-    // Nothing moves but what the probe moves itself: one mode, of zeros.
+    // Only nodes that the probe itself moves have displacements: one mode of zeros.
     node.size = VectorXd::Zero(1);
     node.modes = MatrixXd::Zero(u.cols(), 1);
     node.amplitudes = MatrixXd::Zero(n, 1);
@@ -196,7 +197,7 @@ ModalFit fit_modal(const TrainingTables& tables, const SharedModes& shared, cons
   const MatrixXd basis = shared.modes.values();
   const Index k = node.components, n_output = basis.rows() / k, m = node.modes.cols();
 
-  // Near nodes: where the shared modes miss most, the sizes of the modes counted in.
+  // Near nodes are the nodes with the largest errors of the shared modes, weighted by the sizes of the modes.
   MatrixXd mixing = basis.transpose() * node.modes;
   const MatrixXd missing = (node.modes - basis * mixing) * node.size.asDiagonal();
   std::vector<std::pair<double, std::int32_t>> worst;

@@ -1,5 +1,5 @@
-// The kernels of family modal: q_s(y) = sqrt(|y|^2 + s^2) of its amplitudes and the Hessian of q_s^3 / 3 of
-// its forces (docs/theory.md).
+// The kernels of family modal: q_s(y) = sqrt(|y|^2 + s^2) for amplitudes, and the Hessian of q_s^3 / 3 for forces
+// (docs/theory.md).
 #pragma once
 
 #include <Eigen/Core>

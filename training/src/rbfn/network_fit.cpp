@@ -12,7 +12,7 @@ namespace {
 
 using kernels::block;
 
-/// Center and half range of every column over the rows that `rows` names; a constant column keeps its unit.
+/// Center and half range of every column over the given rows; a constant column is not scaled.
 void transform_of(const Eigen::MatrixXd& table, const std::vector<std::int32_t>& rows, Eigen::Index at,
                   Eigen::VectorXd& center, Eigen::VectorXd& half_range) {
   for (Eigen::Index k = 0; k < table.cols(); ++k) {
@@ -22,7 +22,7 @@ void transform_of(const Eigen::MatrixXd& table, const std::vector<std::int32_t>&
       high = std::max(high, table(row, k));
     }
     center[at + k] = low + (high - low) / 2;
-    // Rounding of the center must not push an end of the range past 1.
+    // Despite the rounding of the center, scaled values must not exceed 1.
     const double half = std::max(high - center[at + k], center[at + k] - low);
     half_range[at + k] = half > 0 && std::isfinite(1 / half) ? half : 1;
   }
@@ -83,8 +83,8 @@ class BasisColumns {
   std::vector<std::int32_t> _no_place;
 };
 
-/// Growing thin QR factorization of the basis, bias first. Columns are padded with zeros to whole blocks, so
-/// the sweeps need no remainder; a padded column contributes nothing.
+/// Growing thin QR factorization of the basis, of which the first column is the bias. Zero columns are appended up to
+/// whole blocks, so that the sweeps have no remainder.
 class GrowingQr {
  public:
   GrowingQr(std::size_t n, int max_columns)
@@ -103,16 +103,15 @@ class GrowingQr {
   }
   const Eigen::MatrixXd& r() const { return _r; }
 
-  /// Orthonormalizes next() against the columns so far and keeps it, or returns false and clears it if it is
-  /// dependent.
+  /// Orthonormalizes next() against the present columns and appends it. @return false if it is dependent; it is cleared
+  /// then
   bool accept_next() {
     double* h = next();
     const double before = norm(h);
     Eigen::VectorXd projection = Eigen::VectorXd::Zero(_size + block);
     sweep(h, projection);
     double after = norm(h);
-    // What cancellation left of an almost dependent column is no longer orthogonal: a second sweep repairs
-    // it.
+    // After strong cancellation the remainder of a column is not orthogonal; a second sweep corrects this.
     if (after < reorthogonalize_below * before) {
       sweep(h, projection);
       after = norm(h);
@@ -133,7 +132,7 @@ class GrowingQr {
 
   void sweep(double* h, Eigen::VectorXd& projection) {
     double c[block];
-    // The block that holds h itself is done column by column below.
+    // The block that contains h itself is processed column by column below.
     const int whole = _size / block * block;
     for (int k = 0; k < whole; k += block) {
       kernels::dot_block(column(k), _stride, h, _n, c);
@@ -182,7 +181,7 @@ double left_out_error(const GrowingQr::Columns& q, const Eigen::MatrixXd& rest, 
   return largest > 0 ? sum / (static_cast<double>(points.size()) * largest) : 0;
 }
 
-/// The greedy selection of one network, then its weights, for as many of the first centers as are asked for.
+/// Greedy selection of the centers of a network, and computation of weights for any number of the first centers.
 class NetworkBuilder {
  public:
   NetworkBuilder(const NetworkPoints& points, const FitOptions& options, NetworkFit& fit)
@@ -276,11 +275,11 @@ class NetworkBuilder {
     _fit.mse.push_back(sum / (3 * static_cast<double>(_n)));
   }
 
-  /// Weights, bias first, of the first columns; `_remainder` becomes what they leave of the targets.
+  /// Weights of the first columns, starting with the bias; `_remainder` becomes the residual of the targets.
   Eigen::MatrixXd solve(int n_columns) {
     const auto triangle = _qr.r().topLeftCorner(n_columns, n_columns).triangularView<Eigen::Upper>();
     Eigen::MatrixXd solution = triangle.solve(_z.topRows(n_columns));
-    // Refinement against the basis itself, not its factors: removes what Gram-Schmidt's rounding did to the
+    // Refinement with the basis itself instead of its factors removes the effect of Gram-Schmidt's rounding on the
     // weights.
     _remainder = _targets.rowwise() - solution.row(0);
     std::vector<double> column(_n);

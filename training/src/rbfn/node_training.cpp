@@ -11,8 +11,8 @@ namespace {
 void require_finite(const double* values, std::size_t n, const char* what) {
   for (std::size_t i = 0; i < n; ++i) {
     if (!std::isfinite(values[i])) {
-      throw failure(std::string("database holds a ") + what + " that is not finite in an increment marked converged",
-                    "", "precompute this database again");
+      throw failure(std::string("the database has a ") + what + " that is not finite in a converged increment", "",
+                    "precompute this database again");
     }
   }
 }
@@ -94,7 +94,7 @@ NetworkPoints deformation_points(const TrainingTables& tables, const std::vector
   }
   const auto n_output = tables.output.size();
   const auto pick = [&](std::vector<std::int32_t> drawn) {
-    // Sorted by displacement, then place: the tables behind a basis column are walked in order.
+    // Sorted by displacement and then by place, so that tables of a basis column are read in order.
     std::sort(drawn.begin(), drawn.end());
     NetworkPoints points;
     points.displacements = tables.displacements;
@@ -132,8 +132,8 @@ NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const V
   if (force.size() == 0) return result;
   const NetworkPoints deformation = deformation_points(tables, rays, prescribed, node, spec.samples, spec.seed);
   if (deformation.size() == 0) {
-    throw input_error("no output node is left to train on: the probe moves all of them", "node " + std::to_string(node),
-                      "select more output nodes");
+    throw input_error("the probe moves all output nodes, so that none is left for training",
+                      "node " + std::to_string(node), "select more output nodes");
   }
   const auto options = [&](const NetworkPoints& points, int neurons, double spread) {
     FitOptions of_network{capped_neurons(neurons, points.size()), spread, spec.target_mse, spec.levels, {}};

@@ -1,4 +1,4 @@
-// Family rbfn: the paper's networks, section 2.2.
+// Family rbfn: the networks of section 2.2 of the paper.
 #include <fmt/core.h>
 
 #include <phynness/formats/error.hpp>
@@ -8,21 +8,22 @@
 namespace phynness {
 namespace {
 
-/// Nodes that take part in a spread search, spread evenly over the list of active nodes.
+/// Number of nodes in a search for the spread, distributed evenly over the list of active nodes.
 constexpr std::int32_t n_search_nodes = 5;
 
-/// Used where no node has enough points for a search.
+/// Spread if no node has enough points for a search.
 constexpr double fallback_spread = 1.0;
 
-// The paper's sizes, and half and twice as many.
+// The paper's numbers of neurons, and half and twice of them.
 constexpr int neuron_counts[] = {25, 50, 100, 200, 300, 400};
 
 void check_rbfn(const TrainingSpec& spec) {
   if (spec.samples < 1)
-    throw input_error("samples must be at least 1", std::to_string(spec.samples), "the paper uses 5000");
+    throw input_error("samples must be at least 1", std::to_string(spec.samples),
+                      "use for example 5000, as in the paper");
   if (spec.deformation_neurons < 1 || spec.force_neurons < 1) {
     throw input_error("a network needs at least one neuron", "",
-                      "the paper uses 200 for deformation and about 60 for force");
+                      "use for example 200 for deformation and 60 for force, as in the paper");
   }
   if (!(spec.target_mse >= 0))
     throw input_error("target_mse must not be negative", std::to_string(spec.target_mse), "use 0");
@@ -33,7 +34,7 @@ class RbfnTraining : public FamilyTraining {
   RbfnTraining(const DatabaseHeader& header, const TrainingTables& tables, const TrainingSpec& spec)
       : _header(header), _tables(tables), _spec(spec) {}
 
-  /// Chooses the spreads that are not given.
+  /// Searches the spreads that are not given.
   void prepare(const NodeReader& read, int) override {
     if (_spec.deformation_spread > 0 && _spec.force_spread > 0) return;
     const auto n_active = static_cast<std::int32_t>(_header.sets.active.size());

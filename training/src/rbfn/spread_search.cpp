@@ -88,7 +88,7 @@ double search_deformation_spread(const TrainingTables& tables, const std::vector
     Split split;
     split.train = deformation_points(tables, node.rays, node.prescribed, node.node, spec.samples, spec.seed,
                                      &split.held_out, n_held_out_deformation);
-    // A small response set has no points to spare beside its samples: then a part of these is held out.
+    // In a small set of responses all points are samples, and a part of the samples is held out.
     if (split.held_out.size() < split.train.size() / 10) {
       const int n = static_cast<int>(split.train.size() + split.held_out.size());
       split.train = deformation_points(tables, node.rays, node.prescribed, node.node, n - n / 5, spec.seed,

@@ -1,4 +1,4 @@
-// Work over closed paths, integrated from forces.
+// Work along closed paths, integrated from forces.
 #pragma once
 
 #include <phynness/validation/validation.hpp>
@@ -7,12 +7,12 @@ namespace phynness::report {
 
 struct Conservation {
   int paths = 0;
-  double median = 0, largest = 0;  ///< |work| over the largest energy at a corner
-  bool has_energy = false;         ///< else over the largest |force . d| / 2
+  double median = 0, largest = 0;  ///< |work| over the largest energy at a corner of the path
+  bool has_energy = false;         ///< false: over the largest |force . d| / 2
 };
 
-/// Closed quadrilaterals of displacements inside the trained range at nodes at random; Gauss-Legendre along
-/// each side.
+/// Closed quadrilaterals of displacements inside the trained range at random nodes, with Gauss-Legendre quadrature
+/// along each side.
 Conservation closed_paths(const LoadedModel& model, int n_paths, std::uint64_t seed);
 
 }  // namespace phynness::report

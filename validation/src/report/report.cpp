@@ -7,6 +7,7 @@
 #include <phynness/drawing/html.hpp>
 #include <phynness/drawing/plots.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/locking.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/report.hpp>
 
@@ -18,7 +19,7 @@ namespace {
 
 using namespace report;
 
-/// A just noticeable difference of force is some 10 % of it (paper, section 5; Allin et al. 2002).
+/// The smallest noticeable difference of a force is about 10 % (paper, section 5; Allin et al. 2002).
 constexpr double noticeable = 0.10;
 constexpr std::size_t most_curves = 6, most_worst = 10;
 
@@ -51,17 +52,19 @@ std::string headline(const ReportInput& in) {
   }
   std::string moved;
   if (errors.displacement.n > 0)
-    moved = fmt::format("; displacements by {} % (linear: {} %)", percent(errors.displacement.mean),
+    moved = fmt::format("; of displacements {} % (linear: {} %)", percent(errors.displacement.mean),
                         percent(linear.displacement.mean));
-  return fmt::format(
-      "<p>Inside the trained range the model's force is off by {} % in the mean ({} % in the median, {} % at "
-      "worst), where three unit responses, the linear predictor, are off by {} %{}. {} of {} probes have a "
-      "force "
-      "off by more than {:.0f} %, which a hand may notice. All figures are error (17): the difference over "
-      "the "
-      "largest finite element response of that node.</p>\n",
-      percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max), percent(linear.force.mean),
-      moved, felt, n, 100 * noticeable);
+  std::string warnings;
+  for (const auto& worse : worse_than_linear(in.validation))
+    warnings += "<p class=\"warning\">" + escaped(worse.sentence()) + ".</p>\n";
+  return warnings +
+         fmt::format(
+             "<p>Inside the trained range the error of the model's force is {} % in the mean ({} % in the median, {} % "
+             "at most). The error of the linear predictor, which uses three unit responses, is {} %{}. For {} of {} "
+             "probes the error of the force exceeds {:.0f} %, the smallest difference that a person may notice. All "
+             "figures are error (17): the difference over the largest finite element response of the node.</p>\n",
+             percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max),
+             percent(linear.force.mean), moved, felt, n, 100 * noticeable);
 }
 
 std::string modelled(const ReportInput& in) {
@@ -70,18 +73,17 @@ std::string modelled(const ReportInput& in) {
   const double K_mu = scene.material.bulk_to_shear();
   const auto& family = model.family;
   std::string out;
-  if (scene.solver.element->locks_severely && K_mu > scene.solver.element->locks_above)
+  if (const double ratio = expected_force_ratio(scene); ratio > warned_force_ratio)
     out += fmt::format(
-        "<p class=\"warning\">Plain linear tetrahedra lock at K/mu = {:.3g}: the body feels several times "
-        "too stiff. The "
-        "figures below say how well the model repeats these finite elements, not the tissue. Elements p1-p1 "
-        "or taylor-hood do "
-        "not lock.</p>\n",
-        K_mu);
+        "<p class=\"warning\">{} tetrahedra lock at K/mu = {:.3g}: forces at a depth of one edge of the mesh are about "
+        "{}. "
+        "The figures below say how well the model repeats these finite elements, not the tissue. Elements p1-p1 and "
+        "taylor-hood do not lock.</p>\n",
+        name(scene.solver.element), K_mu, ratio_in_words(ratio));
   if (scene.probe.kind == ProbeKind::node)
     out +=
-        "<p class=\"warning\">Probes move one node: their force depends on the size of the mesh. A patch has "
-        "a limit.</p>\n";
+        "<p class=\"warning\">Each probe moves one node, so its force depends on the size of the mesh. The force "
+        "of a patch converges with the mesh size.</p>\n";
   out += table({{"", "value"},
                 {"law", name(scene.material.law)},
                 {"shear modulus", fmt::format("{:.4g} Pa", scene.material.shear_modulus_Pa)},
@@ -95,7 +97,7 @@ std::string modelled(const ReportInput& in) {
                 {"trained range R", fmt::format("{:.4g} mm", 1e3 * scene.probe.max_displacement_m)},
                 {"directions, increments", fmt::format("{}, {}", model.directions.size(), scene.probe.increments)},
                 {"family of the model", name(family)}});
-  return section("What was modelled", out);
+  return section("Scene", out);
 }
 
 std::string solved(const ReportInput& in) {
@@ -103,13 +105,12 @@ std::string solved(const ReportInput& in) {
   std::string nodes;
   for (std::size_t i = 0; i < std::min<std::size_t>(20, v.nodes.size()); ++i) nodes += fmt::format(" {}", v.nodes[i]);
   if (v.nodes.size() > 20) nodes += " ...";
+  const auto [nearest, farthest] = std::ranges::minmax(v.fixed_distance_m);
   std::string out = fmt::format(
-      "<p>{} fresh probes at {} active nodes, {} of them beside the fixed ones ({}); directions uniform on "
-      "the sphere, half of "
-      "the depths inside the trained range, half beyond it up to {:.2f} times. {} were solved inside, {} "
-      "beyond; {} found no "
-      "equilibrium and count nowhere.</p>\n",
-      v.probes, v.nodes.size(), v.n_beside_fixed, nodes.empty() ? "" : nodes.substr(1), v.outside_factor,
+      "<p>{} new probes at {} active nodes ({}), {:.3g} to {:.3g} mm from the nearest fixed node. Directions are "
+      "uniform on the sphere. Half of the depths are inside the trained range, half are outside, up to {:.2f} times "
+      "the range. {} probes were solved inside, {} outside. {} probes have no equilibrium and do not count.</p>\n",
+      v.probes, v.nodes.size(), nodes.empty() ? "" : nodes.substr(1), 1e3 * nearest, 1e3 * farthest, v.outside_factor,
       v.solved_inside, v.solved_outside, v.failed);
   std::size_t short_rays = 0, rays = 0, incomplete = 0;
   for (const auto& node : in.model.model().nodes) {
@@ -121,10 +122,12 @@ std::string solved(const ReportInput& in) {
     short_rays += here;
     incomplete += here > 0;
   }
-  out += fmt::format("<p>In training {} of {} rays stopped short of the full depth, at {} of {} nodes{}</p>\n",
-                     short_rays, rays, incomplete, in.model.model().nodes.size(),
-                     short_rays > 0 ? "; there the runtime warns, and the trained range is what was reached." : ".");
-  return section("What was solved, and what failed", out);
+  out += fmt::format(
+      "<p>{} of {} training rays ended before the full depth, at {} of {} nodes{}</p>\n", short_rays, rays, incomplete,
+      in.model.model().nodes.size(),
+      short_rays > 0 ? "; their trained range is the reached depth, beyond which the runtime returns a warning." : ".");
+  for (const auto& part : in.not_done) out += "<p class=\"warning\">" + escaped(part) + "</p>\n";
+  return section("Solved and failed probes", out);
 }
 
 std::string errors(const ReportInput& in) {
@@ -139,13 +142,14 @@ std::string errors(const ReportInput& in) {
       };
       const auto &m = of(Predictor::model), &l = of(Predictor::linear), &z = of(Predictor::zero);
       if (m.n == 0) return;
-      rows.push_back({std::string(what) + (outside ? ", beyond" : ", inside"), percent(m.mean), percent(m.median),
+      rows.push_back({std::string(what) + (outside ? ", outside" : ", inside"), percent(m.mean), percent(m.median),
                       percent(m.p95), percent(m.max), percent(l.mean), percent(l.p95), percent(l.max),
                       percent(z.mean)});
     };
     row("force (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.force; });
     row("displacement (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement; });
-    row("tenth that moves most", [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement_moving; });
+    row("tenth with the largest displacements",
+        [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement_moving; });
     row("field, relative L2", [](const GroupErrors& e) -> const ErrorStatistics& { return e.field_l2; });
   }
   std::string out = table(rows);
@@ -159,7 +163,7 @@ std::string errors(const ReportInput& in) {
       u_linear.push_back(100 * r.displacement_error_linear);
     }
     if (force.empty()) continue;
-    const char* where = outside ? "beyond the trained range" : "inside the trained range";
+    const char* where = outside ? "outside the trained range" : "inside the trained range";
     const auto both = [&](const char* what, const std::vector<double>& model, const std::vector<double>& linear) {
       constexpr double least = 1e-3;
       return "<figure>" +
@@ -187,8 +191,8 @@ std::string worst(const ReportInput& in) {
   records.resize(std::min(records.size(), most_worst));
   const ForceUnit unit = unit_of(in);
   std::vector<std::vector<std::string>> rows{
-      {"node", "to the fixed nodes, mm", "displacement, mm", fmt::format("finite elements, {}", unit.name),
-       fmt::format("model, {}", unit.name), "force off by, %", "displacement off by, %"}};
+      {"node", "distance to the fixed nodes, mm", "displacement, mm", fmt::format("finite elements, {}", unit.name),
+       fmt::format("model, {}", unit.name), "error of force, %", "error of displacement, %"}};
   const auto& points = in.model.mesh().nodes;
   for (const auto* r : records) {
     double nearest = 1e300;
@@ -199,29 +203,27 @@ std::string worst(const ReportInput& in) {
          vector(r->finite_elements_N, unit.per_N), vector(r->model_N, unit.per_N), percent(r->force_error),
          in.validation.of(Predictor::model).inside.displacement.n > 0 ? percent(r->displacement_error) : "-"});
   }
-  return section("The worst forces inside the range", table(rows));
+  return section("Largest errors of force inside the trained range", table(rows));
 }
 
 std::string curves(const ReportInput& in) {
   std::vector<const ForceCurve*> chosen;
   for (const auto& curve : in.validation.curves)
     if (curve.depth_m.size() > 2) chosen.push_back(&curve);
-  // Evenly among the nodes, not the kindest.
+  // Curves are distributed evenly over the nodes and not selected by their error.
   std::vector<const ForceCurve*> shown;
   for (std::size_t i = 0; i < std::min(most_curves, chosen.size()); ++i)
     shown.push_back(chosen[i * chosen.size() / std::min(most_curves, chosen.size())]);
   std::string out =
-      "<p>The component of the force along the first random ray of a node, against depth. Solid: the model; "
-      "dots: finite "
-      "elements; dashed: the force at the first dot, drawn on in a straight line.</p>\n<div "
-      "class=\"plots\">\n";
+      "<p>The component of the force along the first random ray of a node, against depth. Solid: the model; dots: "
+      "finite elements; dashed: the straight line through the first dot.</p>\n<div class=\"plots\">\n";
   const ForceUnit newton = unit_of(in);
   for (const auto* curve : shown) {
     const auto along = [&](const Vec3& f) {
       return newton.per_N * (f[0] * curve->direction[0] + f[1] * curve->direction[1] + f[2] * curve->direction[2]);
     };
     Curve model{"model", Mark::line, 0, {}}, solves{"finite elements", Mark::points, 2, {}},
-        straight{"straight on", Mark::dashes, 1, {}};
+        straight{"straight line", Mark::dashes, 1, {}};
     const double deepest = curve->depth_m.back();
     constexpr int n = 120;
     for (int i = 0; i <= n; ++i) {
@@ -234,7 +236,7 @@ std::string curves(const ReportInput& in) {
     const double slope = along(curve->force_N[0]) / curve->depth_m[0];
     straight.at = {{0, 0}, {1e3 * deepest, slope * deepest}};
     const Vec3 unit{curve->direction[0] * 1e-3, curve->direction[1] * 1e-3, curve->direction[2] * 1e-3};
-    out += fmt::format("<figure>{}<figcaption>Along {}; trained to {:.3g} mm</figcaption></figure>\n",
+    out += fmt::format("<figure>{}<figcaption>Direction {}; trained to {:.3g} mm</figcaption></figure>\n",
                        plot({fmt::format("Node {}", curve->node),
                              "depth, mm",
                              fmt::format("force, {}", newton.name),
@@ -257,7 +259,7 @@ std::string picture(const ReportInput& in) {
   std::vector<double> value;
   for (const double e : in.validation.output_error) value.push_back(100 * e);
   std::vector<std::vector<std::string>> rows{
-      {"node", "probes", "force off by, mean %", "max %", "displacement, mean %"}};
+      {"node", "probes", "error of force, mean %", "max %", "of displacement, mean %"}};
   std::map<std::int32_t, std::vector<const ProbeRecord*>> by_node;
   for (const auto& r : in.validation.records)
     if (!r.outside) by_node[r.node].push_back(&r);
@@ -271,36 +273,33 @@ std::string picture(const ReportInput& in) {
     rows.push_back({std::to_string(node), std::to_string(records.size()), percent(force), percent(most), percent(u)});
   }
   std::string out =
-      "<p>The mean error of the displacement at each place over all probes inside the range; rings, on both "
-      "pictures: the "
-      "nodes that were "
-      "touched; grey: fixed. Larger errors than the scale's end are drawn as its end.</p>\n" +
+      "<p>The mean error of the displacement at each point over all probes inside the trained range. Rings in "
+      "both pictures: touched nodes; grey: fixed. Errors above the end of the scale have the colour of its "
+      "end.</p>\n" +
       surface_picture(in.model.model(), value, marks, "%");
   if (rows.size() <= 41) out += table(rows);
-  return section("Where on the body the error is", out);
+  return section("Distribution of the error on the body", out);
 }
 
 std::string correlation(const std::optional<double>& value) {
-  return value ? fmt::format("{:.2f}", *value) : "(too few probes to say)";
+  return value ? fmt::format("{:.2f}", *value) : "(too few probes)";
 }
 
 std::string trust(const ReportInput& in) {
   constexpr int n_paths = 200;
   const Conservation c = closed_paths(in.model, n_paths, in.seed);
   std::string out = fmt::format(
-      "<p>The work over {} closed paths of displacements inside the range, integrated from forces, is {:.1e} "
-      "of the {} in the "
-      "median and {:.1e} at most. {}</p>\n",
-      c.paths, c.median, c.has_energy ? "largest stored energy on the path" : "largest work |f . d| / 2 on it",
+      "<p>The work along {} closed paths of displacements inside the trained range, integrated from forces, is "
+      "{:.1e} of the {} in the median and {:.1e} at most. {}</p>\n",
+      c.paths, c.median, c.has_energy ? "largest stored energy on the path" : "largest work |f . d| / 2 on the path",
       c.largest,
-      c.has_energy ? "Forces are the gradient of a stored energy: a hand cannot draw work from the model."
-                   : "Networks of this family have no energy: a hand on a closed path may gain or lose this much.");
+      c.has_energy ? "Forces are the gradient of a stored energy, so that no closed path gains energy."
+                   : "This family has no stored energy: a closed path may gain or lose this work.");
   out += fmt::format(
-      "<p>The distance to the nearest trained displacement (phn_trust) and the error of the force "
-      "have a rank "
-      "correlation of {} inside and {} beyond.</p>\n",
+      "<p>The rank correlation of the distance to the nearest trained displacement (phn_trust) with the error of "
+      "the force is {} inside and {} outside the trained range.</p>\n",
       correlation(in.validation.distance_correlation_inside), correlation(in.validation.distance_correlation_outside));
-  return section("Conservation and trust", out);
+  return section("Conservation of energy and indicator of trust", out);
 }
 
 std::string cost(const ReportInput& in) {
@@ -310,18 +309,16 @@ std::string cost(const ReportInput& in) {
     deformation =
         fmt::format(", a deformation of {} nodes in {:.1f} us", in.model.model().output.size(), speed.deformation_us);
   std::string out = fmt::format(
-      "<p>On one core of the machine that wrote this: a force in {:.2f} us{}. An increment of the finite "
-      "elements "
-      "took {:.1f} ms of one core, all that this validation did besides included. {} in the runtime's "
-      "memory, {} as "
-      "text.</p>\n",
+      "<p>On one core of the machine that wrote this report: a force in {:.2f} us{}. An increment of the finite "
+      "elements took {:.1f} ms of one core, including all other work of this validation. The model has {} in the "
+      "runtime's memory and {} as text.</p>\n",
       speed.force_us, deformation, in.validation.solve_ms_per_increment, bytes(in.model.memory_bytes()),
       bytes(in.model.text_bytes()));
   const std::int32_t n_levels = in.model.runtime().n_levels();
   if (n_levels > 1) {
     const auto times = measure_levels(in.model);
     std::vector<std::vector<std::string>> rows{{"level", "centers of a force", "of a deformation", "modes", "force, us",
-                                                "deformation, us", "force off by, %", "displacement, %"}};
+                                                "deformation, us", "error of force, %", "of displacement, %"}};
     for (std::int32_t l = 0; l < n_levels; ++l) {
       phn_level level;
       in.model.runtime().level_info(l, level).ignore();
@@ -332,39 +329,38 @@ std::string cost(const ReportInput& in) {
                       percent(level.error_displacement)});
     }
     out +=
-        "<p>Speed against accuracy, by level; errors are estimates of training: displacements left out one "
-        "by one, the "
-        "median node.</p>\n" +
+        "<p>Times and errors of the levels. Errors are leave-one-out estimates from training, of the median "
+        "node.</p>\n" +
         table(rows);
   } else {
     out +=
-        "<p class=\"key\">The model has one level. <code>phynness train --levels 4</code> stores smaller "
-        "ones beside it; "
+        "<p class=\"key\">The model has one level. <code>phynness train --levels 4</code> adds smaller levels; "
         "<code>phynness tune</code> measures families and sizes.</p>\n";
   }
   return section("Size and time", out);
 }
 
 std::string origin(const ReportInput& in) {
-  return section("What made this", table({{"", "value"},
-                                          {"software", escaped(in.software)},
-                                          {"scene", escaped(in.scene.source_name)},
-                                          {"physics of the scene", in.model.model().physics_hash},
-                                          {"mesh", in.model.model().mesh_hash},
-                                          {"seed of the probes", std::to_string(in.seed)},
-                                          {"time of the solves", fmt::format("{:.0f} s", in.validation.seconds)}}));
+  return section("Origin of this report",
+                 table({{"", "value"},
+                        {"software", escaped(in.software)},
+                        {"scene", escaped(in.scene.source_name)},
+                        {"physics of the scene", in.model.model().physics_hash},
+                        {"mesh", in.model.model().mesh_hash},
+                        {"seed of the probes", std::to_string(in.seed)},
+                        {"time of the solves", fmt::format("{:.0f} s", in.validation.seconds)}}));
 }
 
 }  // namespace
 
 void require_plots() {
   if (!gnuplot_is_there())
-    throw failure("a report needs gnuplot for its plots, which is not there", "gnuplot",
-                  "install gnuplot-nox, or leave --report out");
+    throw failure("a report needs gnuplot for its plots, which was not found", "gnuplot",
+                  "install gnuplot-nox, or omit --report");
 }
 
 std::string html_report(const ReportInput& in) {
-  const std::string title = in.scene.title.empty() ? "Model against finite elements" : in.scene.title;
+  const std::string title = in.scene.title.empty() ? "Model compared with finite elements" : in.scene.title;
   return page(title, "<h1>" + escaped(title) + "</h1>\n" + headline(in) + modelled(in) + solved(in) + errors(in) +
                          worst(in) + curves(in) + picture(in) + trust(in) + cost(in) + origin(in));
 }

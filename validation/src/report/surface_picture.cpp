@@ -12,10 +12,10 @@ namespace phynness::report {
 namespace {
 
 constexpr double width = 460, margin = 10;
-/// More triangles than this are drawn as every n-th: a page is no viewer.
+/// Of more triangles than this only every n-th is drawn, which limits the size of the page.
 constexpr std::size_t most_triangles = 20000;
 
-/// Dark blue, green, yellow: equal steps look equal, also to eyes that confuse red and green.
+/// Dark blue, green, yellow: the colours are perceptually uniform, also with red-green colour blindness.
 std::array<double, 3> color(double t) {
   static constexpr std::array<std::array<double, 3>, 5> stops{
       {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
@@ -37,7 +37,7 @@ struct Face {
   std::string polygon;
 };
 
-/// A model's surface, seen along its shortest axis.
+/// The surface of a model, seen along its shortest axis.
 class Picture {
  public:
   Picture(const Model& model, const std::vector<double>& value) : _model(model), _value(value) {
@@ -48,7 +48,7 @@ class Picture {
     _height = std::max(40.0, _scale * (high[_axes[1]] - _low[_axes[1]]) + 2 * margin);
     std::vector<double> sorted = value;
     std::sort(sorted.begin(), sorted.end());
-    // The largest few would make all else dark.
+    // The scale ends below the few largest values, because otherwise all other values would be dark.
     _top = std::max(1e-300, sorted[static_cast<std::size_t>(0.98 * static_cast<double>(sorted.size() - 1))]);
   }
 
@@ -104,7 +104,7 @@ class Picture {
     return {side > 0 ? margin + across : width - margin - across, _height - margin - up};
   }
 
-  /// Nothing where the triangle faces away.
+  /// Empty if the triangle faces away from the viewer.
   std::optional<Face> seen(Eigen::Index triangle, double side) const {
     std::array<Eigen::RowVector3d, 3> x;
     double mean = 0;
@@ -117,7 +117,7 @@ class Picture {
       n_fixed += fixed;
     }
     const Eigen::RowVector3d normal = (x[1] - x[0]).cross(x[2] - x[0]);
-    // Axes may be a mirrored set: what counts is which way the normal points along the line of sight.
+    // The axes may be left-handed, so the direction of the normal along the line of sight decides.
     const double facing = side * normal[_axes[2]] / std::max(1e-300, normal.norm());
     if (facing <= 0) return std::nullopt;
     const double light = 0.65 + 0.35 * facing;

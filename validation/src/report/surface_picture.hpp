@@ -1,4 +1,4 @@
-// The surface seen from both sides, coloured by a number at each output node.
+// The surface seen from both sides, coloured by a value at each output node.
 #pragma once
 
 #include <phynness/formats/model.hpp>
@@ -7,9 +7,10 @@
 
 namespace phynness::report {
 
-/// Two views along the body's shortest axis and a scale of colours, as SVG. @param value  per output node, >=
-/// 0
-/// @param marks  output positions that get a dot; @param unit of the scale
+/// Two views along the shortest axis of the body and a scale of colours, as SVG.
+/// @param value  per output node, >= 0
+/// @param marks  positions of output nodes that are marked by rings
+/// @param unit   of the values
 std::string surface_picture(const Model& model, const std::vector<double>& value,
                             const std::vector<std::int32_t>& marks, const std::string& unit);
 

@@ -1,4 +1,4 @@
-// The little HTML that a report needs.
+// HTML elements of reports.
 #pragma once
 
 #include <string>
@@ -6,20 +6,19 @@
 
 namespace phynness::report {
 
-/// Text as it may stand between tags and in attributes.
+/// Text with escapes, for use between tags and in attributes.
 std::string escaped(const std::string& text);
 
-/// Numbers stay on one line; words break, so that wide tables fit the page.
+/// Numbers are not broken across lines; words are, so that wide tables fit the page.
 enum class CellKind { numbers, words };
 
-/// Cells are HTML already. The first row is the head; columns after the first are numbers and set to the
-/// right.
+/// A table. Cells are HTML. The first row is the head. Columns after the first are aligned to the right.
 std::string table(const std::vector<std::vector<std::string>>& rows, CellKind kind = CellKind::numbers);
 
 /// A section with a heading.
 std::string section(const std::string& title, const std::string& body);
 
-/// A whole page.
+/// A complete page.
 std::string page(const std::string& title, const std::string& body);
 
 }  // namespace phynness::report

@@ -1,4 +1,4 @@
-// Vector plots by gnuplot, as SVG elements that take the colours of the page.
+// Vector plots by gnuplot, as SVG elements with the colours of the page.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace phynness::report {
 
 enum class Mark { line, dashes, points, joined_points, dotted };
 
-/// Colours of the page, with a light and a dark value each.
+/// Colours of the page, each with a light and a dark value.
 inline constexpr int n_colors = 8;
 
 struct Curve {
@@ -24,14 +24,14 @@ struct PlotSpec {
   bool log_x = false;
   std::vector<Curve> curves;
   bool log_y = false;
-  double low = 0, high = 0;  ///< of the vertical axis; equal: as the curves need
+  double low = 0, high = 0;  ///< of the vertical axis; equal: chosen from the curves
 };
 
 /// @throws Error (failure) if gnuplot fails
 std::string plot(const PlotSpec& spec);
 
-/// How many of the samples [%] lie in each third of a decade, from the smallest to the largest; smaller ones
-/// than `least` count as `least`.
+/// Percentages of samples in each third of a decade, from the smallest to the largest sample. Samples below `least`
+/// count as `least`.
 std::vector<std::pair<double, double>> histogram(const std::vector<double>& samples, double least);
 
 }  // namespace phynness::report

@@ -1,4 +1,4 @@
-// A model for devices: an image (formats/image.md), C source that holds it, and answers to compare with.
+// A model for devices: an image (formats/image.md), C source that contains it, and golden queries for tests of devices.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace phynness {
 class LoadedModel;
 
 struct ImageOptions {
-  bool force_only = false;  ///< leave the deformation out
+  bool force_only = false;  ///< without deformation
   bool floats = false;      ///< store and compute in float
 };
 
@@ -23,39 +23,39 @@ struct ModelImage {
   std::size_t n_scratch = 0;  ///< numbers that a deformation needs besides its result
 
   std::size_t real_bytes() const { return options.floats ? sizeof(float) : sizeof(double); }
-  /// For deformations: scratch and result. A force needs none.
+  /// Bytes for a deformation: scratch and result. A force needs no memory.
   std::size_t ram_bytes() const { return real_bytes() * (n_scratch + 3 * n_output); }
 };
 
-/// @throws Error if the model is too large for the layout or a number too large for a float
+/// @throws Error if the model is too large for the layout or a number is too large for a float
 ModelImage model_image(const Model& model, const ImageOptions& options);
 
-/// A question to a model, what the runtime answers in double and what the image does.
+/// A query of a model with the responses of the runtime in double and of the image.
 struct GoldenQuery {
   std::int32_t node = 0;
   Vec3 displacement_m{0, 0, 0};
   Vec3 force_N{0, 0, 0}, image_force_N{0, 0, 0};
-  int status = 0;                                             ///< of the image's force
-  std::int32_t output = 0;                                    ///< a position among the output nodes; it changes
+  int status = 0;           ///< of the force of the image
+  std::int32_t output = 0;  ///< a position in the list of output nodes, which varies from query to query
   Vec3 deformation_m{0, 0, 0}, image_deformation_m{0, 0, 0};  ///< of that node; 0 if there are forces only
 };
 
 struct GoldenQueries {
   std::vector<GoldenQuery> query;
-  /// Largest difference between image and runtime, over the largest component of all answers.
+  /// Largest difference between image and runtime, over the largest component of all responses.
   double force_deviation = 0, deformation_deviation = 0;
 };
 
-/// `n` queries: in turn all active nodes; rest, both ways along each axis, then directions and depths at
-/// random inside the trained range, every fourth beyond it up to 1.43 times, every sixteenth at 3 times.
-/// Repeatable. Displacements are numbers that the image can hold.
+/// `n` queries at all active nodes in turn: rest, both directions along each axis, then random directions and depths
+/// inside the trained range. Every fourth query is outside of it, up to a factor of 1.43, and every sixteenth has a
+/// factor of 3. The queries are reproducible. Displacements are numbers that the image can represent.
 GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, std::size_t n);
 
 struct CSource {
   std::string header, source;
 };
-/// NAME.h and NAME.c: the image as a const array, and what it needs as constants of the preprocessor.
-/// @param name  an identifier of C
+/// NAME.h and NAME.c: the image as a const array, and its sizes as constants of the preprocessor.
+/// @param name  a C identifier
 CSource c_source(const ModelImage& image, const Model& model, const std::string& name);
 /// NAME_golden.h and NAME_golden.c.
 CSource c_source(const GoldenQueries& queries, const Model& model, const std::string& name);

@@ -1,4 +1,5 @@
-// A model in the runtime's hands, with memory of its own: what eval, validate, tune, export and bench call.
+// A model loaded into the runtime, with the memory that it needs, for the commands eval, validate, tune, export and
+// bench.
 #pragma once
 
 #include <filesystem>
@@ -10,49 +11,49 @@
 namespace phynness {
 
 struct ModelResponse {
-  std::vector<std::optional<Vec3>> force_N;  ///< per tool; empty where the method defines none
+  std::vector<std::optional<Vec3>> force_N;  ///< per tool; empty if the method defines no force
   std::optional<double>
-      energy_J;            ///< stored; family rbfn has none: work of the force along the straight path from rest
+      energy_J;            ///< stored energy; in family rbfn the work of the force along the straight path from rest
   Points displacement_m;   ///< n_output x 3; empty if the model has forces only
-  Eigen::MatrixXd fields;  ///< n_output x n_fields, in their units; empty if the model has none, or for several tools
-  int status = PHN_OK;     ///< phn_* status, warnings only
-  phn_coupled coupled{};   ///< what coupled tools left over
+  Eigen::MatrixXd fields;  ///< n_output x n_fields, in their units; empty for a model without fields or several tools
+  int status = PHN_OK;     ///< status of the runtime: PHN_OK or warnings
+  phn_coupled coupled{};   ///< residual and energy of coupled tools
 };
 
-/// Not for several threads at once.
+/// Must not be used by several threads at the same time.
 class LoadedModel {
  public:
-  /// Only the runtime reads the model's text, until model() is called.
-  /// @throws Error if the directory, its files or their match is unsound
+  /// Loads a model directory. Until model() is called, only the runtime parses the text.
+  /// @throws Error (input) if a file is missing or invalid, or if mesh.txt does not belong to model.txt
   explicit LoadedModel(const std::filesystem::path& dir, std::int32_t max_tools = 16);
-  /// The same of a model that need not be in files; `name` is for messages.
+  /// Loads a model that is not in files. @param name  for messages
   LoadedModel(Model model, Mesh mesh, const std::string& name, std::int32_t max_tools = 16);
 
-  /// What the model was trained to: its coefficients, read from its text at the first call.
+  /// The coefficients of the model, parsed from its text at the first call.
   const Model& model() const;
   const Mesh& mesh() const { return _mesh; }
-  /// Bytes of model.txt, mesh.txt, and of the model in the runtime's memory.
+  /// Bytes of model.txt, of mesh.txt, and of the model in the runtime's memory.
   std::size_t text_bytes() const { return _text.size(); }
   std::size_t mesh_text_bytes() const { return _mesh_text_bytes; }
   std::size_t memory_bytes() const { return _runtime.bytes(); }
   const rt::Model& runtime() const { return _runtime; }
   rt::Data& data() const { return _data; }
 
-  /// Sets the level of all that is asked from now on; the full one before.
+  /// Sets the level of later calls; initially the full level.
   /// @throws Error (input) if the model has no such level
   void set_level(std::int32_t level);
 
-  /// Force of one tool alone.
-  /// @throws Error naming the nearest active nodes if `node` is not active
+  /// Force [N] of a single tool.
+  /// @throws Error (input) if `node` is not active; the message names the nearest active nodes
   Vec3 force(std::int32_t node, const Vec3& displacement_m) const;
-  /// Distance to the nearest trained displacement over the fill distance of these.
+  /// Distance to the nearest trained displacement over the fill distance of the trained displacements.
   double trained_distance(std::int32_t node, const Vec3& displacement_m) const;
-  /// Deep into the trained range of the exploratory direction nearest to `displacement_m` [m].
+  /// Trained depth [m] in the exploratory direction nearest to `displacement_m`.
   double trained_depth(std::int32_t node, const Vec3& displacement_m) const;
-  /// Tools anywhere on the surface, coupled.
-  /// @throws Error if a tool's nodes can neither be touched nor are fixed, or the model has forces only
+  /// Response to coupled tools anywhere on the surface.
+  /// @throws Error (input) if a node of a tool is neither active nor fixed, or if the model has forces only
   ModelResponse couple(const std::vector<phn_tool>& tools) const;
-  /// Several tools with the paper's weights (15)-(16).
+  /// Response to several tools at nodes with the paper's weights (15)-(16).
   ModelResponse respond(const std::vector<std::int32_t>& nodes, const std::vector<Vec3>& displacement_m) const;
 
  private:

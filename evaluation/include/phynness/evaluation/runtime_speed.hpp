@@ -1,4 +1,4 @@
-// How long the runtime takes on this machine.
+// Measurement of the speed of the runtime on this machine.
 #pragma once
 
 #include <phynness/evaluation/loaded_model.hpp>
@@ -6,15 +6,14 @@
 
 namespace phynness {
 
-/// Median time of one call of the runtime on this machine, this process alone; deformations of nodes that are
-/// ready (phn_prepare).
+/// Median times of one call of the runtime in one thread; deformations of prepared nodes (phn_prepare).
 struct RuntimeSpeed {
   double force_us = 0, deformation_us = 0;
-  double field_us = 0;  ///< of one field; 0: the model has none
+  double field_us = 0;  ///< of one scalar field; 0: the model has no fields
 };
 RuntimeSpeed measure_speed(const LoadedModel& model);
 
-/// Times of each level by phn_calibrate and this machine's steady clock.
+/// Times of each level by phn_calibrate with the steady clock of this machine.
 std::vector<phn_level_time> measure_levels(const LoadedModel& model);
 
 }  // namespace phynness

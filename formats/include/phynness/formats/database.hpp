@@ -30,6 +30,8 @@ inline constexpr Status every_status[] = {Status::converged,  Status::not_reques
                                           Status::inverted,   Status::diverged,      Status::factorization,
                                           Status::not_finite, Status::after_failure, Status::library_error};
 const char* name(Status);
+/// What it means, in a few words for people.
+const char* meaning(Status);
 
 /// One ray: an active node displaced along one direction in n_increments steps. All SI.
 /// Arrays have n_increments entries (x ...). Entries of increments that did not converge are zero.

@@ -61,13 +61,21 @@ struct LawRow {
 /// Laws are equal if they are the same row.
 using Law = const LawRow*;
 
+/// Size of an element's force over that of an element that does not lock, on the same mesh, in the mean over measured
+/// probes.
+struct ForceRatio {
+  double bulk_to_shear;
+  double shallow, deep;  ///< patch probes, over Taylor-Hood, |d| of shallow_probe and of deep_probe edges of the mesh
+  double node;           ///< node probes of any depth, over the mixed element that holds the same points
+};
+inline constexpr double shallow_probe = 0.15, deep_probe = 1;
+
 struct ElementRow {
   const char* name;  ///< in a scene
   int displacement_degree;
-  bool mixed;           ///< has displacement and linear pressure
-  bool is_shell;        ///< made of triangles; other elements are tetrahedra
-  double locks_above;   ///< K/mu above which the element is too stiff
-  bool locks_severely;  ///< too stiff by a large factor, otherwise noticeably
+  bool mixed;                                ///< has displacement and linear pressure
+  bool is_shell;                             ///< made of triangles; other elements are tetrahedra
+  std::span<const ForceRatio> force_ratios;  ///< by ascending K/mu; empty: the element does not lock
 };
 using Element = const ElementRow*;
 

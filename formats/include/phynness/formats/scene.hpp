@@ -130,7 +130,8 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
                   MeshFile mesh_file = MeshFile::must_exist, Element solid_element = SolverSpec{}.element);
 
 /// Warnings about allowed values that usually give bad results, one sentence each, with file and line.
-std::vector<std::string> scene_warnings(const Scene& scene);
+/// @param mean_edge_m  of the scene's mesh; 0: unknown
+std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m = 0);
 /// Notes about the meaning of important defaults, one sentence each, with file and line.
 std::vector<std::string> scene_notes(const Scene& scene);
 

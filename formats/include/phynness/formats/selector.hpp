@@ -1,4 +1,5 @@
-// Selection of mesh nodes by a scene. Each selector is a struct in formats/src/selectors.cpp.
+// Selection of mesh nodes by a scene. Each selector is a struct in formats/src/selectors.cpp or
+// formats/src/selector_combinations.cpp.
 #pragma once
 
 #include <array>
@@ -51,6 +52,8 @@ class NodeChoice {
   /// The selected nodes in any order.
   /// @throws Error (input) if the body does not have the named group or node
   virtual NodeList pick(const SelectableBody& body, const PickRequest& request) const = 0;
+  /// What to do if it selects no node of this body, for messages.
+  virtual std::string remedy_if_empty(const SelectableBody& body, const PickRequest& request) const;
   /// Whether the selection depends on the fixed nodes; if so, it cannot define them.
   virtual bool needs_fixed() const { return false; }
   /// Whether it selects every node of any body; if so, it cannot define the fixed nodes.

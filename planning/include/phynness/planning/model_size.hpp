@@ -1,4 +1,4 @@
-// What model.txt and mesh.txt will weigh.
+// Predicted sizes of model.txt and mesh.txt.
 #pragma once
 
 #include <phynness/formats/database.hpp>
@@ -10,8 +10,8 @@ struct ModelSize {
   double model_text_bytes = 0, mesh_text_bytes = 0;
 };
 
-/// Counts the bytes of a model of one and of two active nodes and continues the line. An upper bound where
-/// networks may stop growing early ([training] target_mse).
+/// Counts the bytes of a model of one and of two active nodes and extrapolates linearly. The result is an upper bound
+/// if networks may stop growing early ([training] target_mse).
 ModelSize predict_model_size(const Scene& scene, const DatabaseHeader& header);
 
 }  // namespace phynness

@@ -1,4 +1,4 @@
-// Which few rays stand for all of a scene, and what they say about all.
+// Selection of a few rays that represent all rays of a scene, and estimates from their costs.
 #pragma once
 
 #include <cstdint>
@@ -11,39 +11,38 @@ namespace phynness {
 
 struct RayChoice {
   std::int32_t active = 0, direction = 0;  ///< indices, as in Ray
-  double weight = 1;                       ///< for how many rays it stands, up to a common factor
+  double weight = 1;                       ///< number of rays that it represents, up to a common factor
 };
 
-/// About `wanted` rays: pairs of neighbouring directions at nodes that are drawn systematically with a
-/// probability inverse to their distance from the fixed nodes, which is where solves are long (measured on a
-/// liver: the logarithms of cost and distance correlate with -0.78, and the error of the mean is half that of
-/// nodes drawn evenly). Directions go on where the last pair ended, so that all come equally often.
-/// @param active_points, fixed_points  n x 3, positions in the same unit; without fixed ones nodes are drawn
-/// evenly
-/// @param requested  n_active x n_directions flags; only such rays are chosen
-/// @return in the database's order, no ray twice; empty if nothing is requested
+/// About `wanted` rays: pairs of neighbouring directions at nodes that are drawn systematically with a probability
+/// inverse to their distance from the fixed nodes. Solves near fixed nodes take longer (on a liver the logarithms of
+/// cost and distance have a correlation of -0.78, and the error of the mean is half of that with equal probabilities).
+/// The directions of a pair follow those of the previous pair, so that all directions occur equally often.
+/// @param active_points, fixed_points  n x 3, positions in the same unit; without fixed points all nodes have the same
+///   probability
+/// @param requested  n_active x n_directions flags; only these rays are selected
+/// @return in the order of the database, no ray twice; empty if nothing is requested
 std::vector<RayChoice> choose_rays(const Points& active_points, const Points& fixed_points,
                                    const std::vector<char>& requested, std::size_t n_directions, std::size_t wanted,
                                    std::uint64_t seed);
 
-/// What the chosen rays cost.
+/// Costs of the selected rays.
 struct RaySample {
   std::vector<RayChoice> rays;
   std::vector<double> seconds;  ///< CPU time of each ray [s]
 
   double mean_ray_seconds() const;  ///< weighted
-  /// Standard error of the mean over the mean, nodes taken as independent draws. Too small if the sample has
-  /// missed rare long rays.
-  /// @return nothing for fewer than `fewest_nodes` nodes
+  /// Standard error of the mean over the mean, with nodes as independent draws. It is too small if the sample contains
+  /// none of some rare long rays.
+  /// @return empty for fewer than `fewest_nodes` nodes
   std::optional<double> relative_error() const;
-  /// A standard error from n draws is itself uncertain by about 1 / sqrt(2 (n - 1)) of its value: 19 % with
-  /// 15 nodes, which are 30 rays as rays are chosen in pairs; 71 % with two.
+  /// The standard error of n draws has itself a relative uncertainty of about 1 / sqrt(2 (n - 1)): 19 % with 15 nodes,
+  /// which are 30 rays because rays are selected in pairs; 71 % with two nodes.
   static constexpr std::size_t fewest_nodes = 15;
 };
 
-/// A requested ray costs what one of the sample did, all of them equally often, dealt at random; the others
-/// cost nothing.
-/// @param rays       those that are solved or recorded, as rays_left() orders them
+/// Assigns the costs of the sample to the requested rays, each equally often, in random order. Other rays cost nothing.
+/// @param rays       rays that are solved or recorded, in the order of rays_left()
 /// @param requested  n_active x n_directions flags
 RayWork work_like(const RaySample& sample, const std::vector<RayIndex>& rays, const std::vector<char>& requested,
                   std::size_t n_directions, std::uint64_t seed);

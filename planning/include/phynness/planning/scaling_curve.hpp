@@ -1,4 +1,4 @@
-// How many ranks a scene can use, and what stops more of them.
+// The number of ranks that a scene can use, and what limits it.
 #pragma once
 
 #include <phynness/planning/schedule.hpp>
@@ -8,26 +8,26 @@ namespace phynness {
 /// Wall time on one rank over ranks * wall time.
 double efficiency(const Schedule& one_rank, const Schedule& many);
 
-/// What most of the core-seconds beyond those of one rank go into.
+/// The largest part of the core-seconds that exceed those of one rank.
 enum class Limit {
   nothing,      ///< on one rank
-  start,        ///< loading the program, reading the scene, making logs
-  node_setup,   ///< several ranks share a node, and each turns to it
+  start,        ///< loading the program, reading the scene, creating logs
+  node_setup,   ///< several ranks share a node, and each of them prepares it
   fetching,     ///< the counter of tasks
   writing,      ///< the bandwidth of the file system
-  n_rays,       ///< waiting at the end: there are no more rays than ranks
+  n_rays,       ///< waiting at the end: there are at most as many rays as ranks
   longest_ray,  ///< waiting at the end: one ray takes more than half of the time for solving
   last_rays,    ///< waiting at the end, for several rays
-  packing,      ///< which one rank does alone
+  packing,      ///< on one rank
 };
 Limit limited_by(const Schedule& one_rank, const Schedule& many, const RayWork& work, const MachineCosts& machine);
 
 /// "longest_ray"
 const char* name(Limit limit);
 
-/// The most ranks, 1 to `most`, below which the efficiency has never been seen under `wanted`: looked at in
-/// steps of a tenth, then halved down to one rank. Where the last rays divide badly the curve may come back
-/// above it.
+/// The largest number of ranks, 1 to `most`, up to which the efficiency was at least `wanted` at all tried numbers.
+/// Numbers are tried in steps of a tenth, then halved down to one rank. With larger numbers of ranks the efficiency may
+/// exceed `wanted` again, if the last rays are distributed better.
 int ranks_at_efficiency(double wanted, const RayWork& work, const MachineCosts& machine, int most);
 
 }  // namespace phynness

@@ -55,8 +55,7 @@ using PrecomputeProgress = std::function<void(std::int64_t, std::int64_t)>;
 /// @param stop  polled between rays, and between iterations of a solve, on every rank; true ends the run and keeps
 /// finished rays
 /// @param warn  called immediately on a rank that cannot continue, for example because its file system is full; the
-/// other
-///              ranks finish their present nodes before this function throws
+///              other ranks finish their present nodes before this function throws
 /// @throws Error
 PrecomputeReport precompute(const SolverSession& session, const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                             const PrecomputeTarget& target, const PrecomputeProgress& progress = {},

@@ -9,6 +9,7 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
+#include <phynness/formats/tool.hpp>
 #include <vector>
 
 namespace phynness {
@@ -66,6 +67,13 @@ class ProbeSolver {
   /// @throws Error if a node is not on the surface, is fixed, or is given twice, or if the tangent at rest could not be
   /// factorized; a later call may succeed
   void touch(const std::vector<std::int32_t>& nodes);
+  /// The same for patches around points of the surface (touched_nodes of formats/tool.hpp).
+  /// @pre holds_patches()
+  /// @throws Error as above, and if a patch holds no free node of its point's triangle, or two patches overlap
+  void touch_patches(const std::vector<SurfacePoint>& centers);
+  bool holds_patches() const;
+  /// @pre the mesh has the node
+  bool is_fixed(std::int32_t node) const;
   const RestResponse& rest() const;
   /// Scalar fields of a displacement by linear theory, n_nodes x n_fields, in their units. They are computed from the
   /// sensitivities at rest at a very small displacement and scaled by the power with which each field grows.

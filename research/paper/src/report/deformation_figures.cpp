@@ -27,10 +27,9 @@ std::string all_conditions(const std::vector<const CaseResult*>& cases) {
 std::string test_words(const CaseResult& result) {
   const auto& sizes = result.measured.sizes;
   return fmt::format(
-      " Each network is trained on {} pairs of one node. 'As the paper': {} other pairs of the same "
-      "database, so of "
-      "the same 26 directions. 'Fresh': {} solves a node in random directions at random depths, all output "
-      "nodes. Lines: the median over the nodes of each node's mean.",
+      " Each network is trained on {} pairs of one node. 'As the paper': {} other pairs of the same database, "
+      "with the same 26 directions. 'Fresh': {} new solves per node in random directions and depths, at all "
+      "output nodes. Lines: the median over the nodes of the mean of each node.",
       sizes.training_pairs, sizes.test_pairs, sizes.probes_per_node);
 }
 

@@ -19,7 +19,7 @@ std::string at_smallest(const Series& series) {
   return fmt::format("{:g} ({:.2f} %)", series.x[at], series.y[at]);
 }
 
-/// Time per vertex between the coarsest and the finest level.
+/// Time per vertex from the coarsest to the finest level.
 double per_vertex_us(const RuntimeTimes& times, double SurfaceLevel::*time) {
   const auto &coarse = times.levels.front(), &fine = times.levels.back();
   return (fine.*time - coarse.*time) / static_cast<double>(fine.vertices - coarse.vertices);

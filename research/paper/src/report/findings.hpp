@@ -1,4 +1,4 @@
-// What the run found, in sentences: every number and every case in them is computed from its measurements.
+// Sentences about the results of a run. All numbers and cases in them are computed from its measurements.
 #pragma once
 
 #include "parts.hpp"
@@ -8,7 +8,7 @@ namespace phynness::study {
 /// "a 1.20 %, b 0.80 %, ratio 1.5"; fractions.
 std::string against(const std::string& a, double of_a, const std::string& b, double of_b);
 
-/// "WHAT: Case 3: ...; Case 4: ... ." or nothing where no case has something to say.
+/// "WHAT: Case 3: ...; Case 4: ... ."; empty if there is no case with a result.
 class Finding {
  public:
   explicit Finding(std::string what) : _what(std::move(what)) {}
@@ -19,24 +19,24 @@ class Finding {
   std::string _what, _words;
 };
 
-/// Where most pairs lie, by neurons.
+/// Errors at which the histograms have their maximum, by number of neurons.
 std::string peaks_of_histograms(const std::vector<const CaseResult*>& cases);
-/// Fresh probes against the paper's test and the linear predictor, with the most neurons.
+/// Errors of new probes compared with the paper's test and the linear predictor, with the most neurons.
 std::string fresh_against_held(const std::vector<const CaseResult*>& cases, NodeCurve curve,
                                double PredictorAtNode::*linear);
-/// The x with the smallest median error, as the paper and fresh.
+/// The x with the smallest median error, in the paper's test and for new probes.
 std::string best_x(const std::vector<const CaseResult*>& cases, NodeCurve curve, const std::string& x);
-/// The error with the last x against the first.
+/// The error at the last x compared with that at the first x.
 std::string last_against_first(const std::vector<const CaseResult*>& cases, NodeCurve curve, const std::string& x);
-/// At how many nodes no size keeps the largest force error within what a hand notices.
+/// Numbers of nodes at which no network size keeps the largest force error below the noticeable difference.
 std::string never_enough(const std::vector<const CaseResult*>& cases);
-/// What a vertex more costs, by slopes of lines.
+/// Time per additional vertex, from slopes of lines.
 std::string slopes(const RuntimeTimes& times);
-/// Two tools at the deepest measured depth.
+/// Two tools at the largest measured depth.
 std::string deepest_pairs(const CaseResult& result);
-/// Stiffness of one element over another's, and how well networks learn each.
+/// Stiffness of one element over that of another, and errors of networks for both.
 std::string locking(const CaseResult& locked, const CaseResult& free, const std::vector<double>& ratios);
-/// Times of Tables 1 and 2 beside a plain loop.
+/// Times of Tables 1 and 2 compared with a plain loop.
 std::string plain_loop_against_ours(const RuntimeTimes& times);
 std::string finest_level(const RuntimeTimes& times);
 

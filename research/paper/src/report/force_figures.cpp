@@ -21,8 +21,8 @@ std::string all_conditions(const std::vector<const CaseResult*>& cases) {
   return out;
 }
 
-/// Mean and largest |said - finite elements| over the largest finite element force, inside or beyond R.
-/// NaN where finite elements found no equilibrium.
+/// Mean and largest |prediction - finite elements| over the largest finite element force, inside and outside of R; NaN
+/// if finite elements found no equilibrium.
 struct CurveError {
   double inside = 0, beyond = 0;
   bool whole_inside = false, whole_beyond = false;  ///< an equilibrium at every depth
@@ -49,13 +49,13 @@ CurveError curve_error(const std::vector<double>& said, const ForceCurves& curve
   return error;
 }
 
-/// Median of the nodes that have a number; NaN if none has.
+/// Median of the nodes with a number; NaN if there is none.
 double median_known(std::vector<double> values) {
   std::erase_if(values, [](double value) { return std::isnan(value); });
   return values.empty() ? std::numeric_limits<double>::quiet_NaN() : median(std::move(values));
 }
 
-/// The same, and how many of all nodes have a number for every depth.
+/// The same, with the number of nodes that have a number for every depth.
 std::string median_of_those(const std::vector<double>& values, std::size_t whole) {
   const double known = median_known(values);
   if (std::isnan(known)) return "no equilibrium";
@@ -63,7 +63,7 @@ std::string median_of_those(const std::vector<double>& values, std::size_t whole
   return whole == values.size() ? said : fmt::format("{} ({} of {} whole)", said, whole, values.size());
 }
 
-/// Forces are drawn in mN, or in uN where 0.1 mN is never felt.
+/// Forces are drawn in mN, or in uN if they are always below 0.1 mN.
 struct ForceUnit {
   const char* label;
   double per_newton;
@@ -101,7 +101,7 @@ Panel curve_panel(const CaseResult& result, const NodeMeasurements& node) {
                           7,
                           {1e3 * result.measured.range_m, 1e3 * result.measured.range_m},
                           {bottom, top}});
-  // Networks that run away leave the frame.
+  // The frame cuts off curves of networks with very large errors.
   panel.low = bottom - 0.25 * (top - bottom);
   panel.high = top + 0.5 * (top - bottom);
   return panel;
@@ -112,7 +112,7 @@ Panel curve_panel(const CaseResult& result, const NodeMeasurements& node) {
 PaperFigure figure_6(const PaperStudy& study) {
   PaperFigure figure{"6", "Force against depth, beyond the calibrated range", "", "", "", {}, {}};
   figure.paper =
-      "Trained to 2.8 cm and asked to 4 cm, predictions compare well with finite elements in Cases 1 to 3, "
+      "With training to 2.8 cm, predictions to 4 cm compare well with finite elements in Cases 1 to 3, "
       "better with "
       "more neurons, but for Case 2, where 100 are worse than 75.";
   figure.table = {{"case; mean error % (17) along the curve, median of nodes", "50 neurons: to R", "beyond", "75: to R",
@@ -161,12 +161,10 @@ PaperFigure figure_6(const PaperStudy& study) {
   figure.found = found.sentence();
   if (const auto cases = run_cases(study, false); !cases.empty())
     figure.conditions += fmt::format(
-        "Force along the inward normal, trained on all increments; {} points to {:.1f} mm; drawn: a node "
-        "beside the fixed "
-        "ones and one that is not; the table: the median of nodes, each as far as it has an equilibrium (whole: "
-        "at all depths). Case 1's three solves a node are "
-        "superposed to the "
-        "26 directions, as networks need points.",
+        "Force along the inward normal, trained on all increments; {} points to {:.1f} mm. Drawn: a node beside "
+        "the fixed nodes and another node. Table: the median of the nodes, each up to its last equilibrium "
+        "(whole: at all depths). The three solves per node of Case 1 are superposed to the 26 directions, because "
+        "networks need points.",
         cases.front()->measured.sizes.curve_points,
         1e3 * cases.front()->measured.outside_factor * cases.front()->measured.range_m);
   return figure;
@@ -183,8 +181,8 @@ PaperFigure figure_11(const PaperStudy& study) {
                    "as the paper: mean %, median of nodes (range)", "the same, fresh", "trained on all: fresh",
                    "beyond R"}};
   figure.conditions +=
-      "Lines: the median over the nodes of each node's mean. 'All': trained on every increment. Training ends where "
-      "further neurons would depend linearly on those there are. ";
+      "Lines: the median over the nodes of each node's mean. 'All': trained on every increment. Training ends if "
+      "further neurons would depend linearly on the present ones. ";
   for (const auto* result : run_cases(study, true)) {
     const auto& nodes = result->measured.nodes;
     figure.conditions += fmt::format("Spread {:.2f}, found by search. ", result->measured.force_spread);
@@ -244,7 +242,7 @@ std::vector<int> neurons_needed(const CaseMeasurements& measured, bool fresh) {
 std::string needed_words(const CaseMeasurements& measured, bool fresh) {
   std::vector<double> needed;
   std::size_t never = 0;
-  int most = 0;  // that training found worth adding
+  int most = 0;  // largest number of trained neurons
   for (const auto& node : measured.nodes)
     for (const auto& row : fresh ? node.force_all : node.force_as_paper) most = std::max(most, row.neurons);
   for (const int n : neurons_needed(measured, fresh)) {

@@ -1,18 +1,19 @@
-// Case 3 with and without locking elements: forces.
+// Forces of Case 3 with and without locking elements.
 #include "findings.hpp"
 
 namespace phynness::study {
 
 PaperFigure figure_locking(const PaperStudy& study) {
-  PaperFigure figure{"P1 and p1-p1", "What locking does to the force a hand would feel", "", "", "", {}, {}};
+  PaperFigure figure{"P1 and p1-p1", "Effect of locking on the force", "", "", "", {}, {}};
   const auto *locked = ran(study, "3"), *free = ran(study, "3-p1-p1");
   figure.paper = "The paper does not mention locking; its elements are linear tetrahedra.";
   if (locked == nullptr || free == nullptr) {
     figure.conditions = "Not run: needs Case 3 with both elements (--cases 3,3-p1-p1).";
     return figure;
   }
-  figure.conditions = conditions(*locked) + ". " + conditions(*free) +
-                      ". Same mesh, same nodes; stiffness at rest along the inward normal; curves along it.";
+  figure.conditions =
+      conditions(*locked) + ". " + conditions(*free) +
+      ". The mesh and the nodes are the same. Stiffness at rest and curves are along the inward normal.";
   figure.table = {{"node", "P1, N/m", "p1-p1, N/m", "P1 over p1-p1"}};
   std::vector<double> ratios;
   int drawn = 0;

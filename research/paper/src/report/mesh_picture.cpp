@@ -11,7 +11,7 @@
 namespace phynness::report {
 namespace {
 
-constexpr int width = 4600, margin = 60;  // tenths of a point: coordinates are whole numbers
+constexpr int width = 4600, margin = 60;  // tenths of a point, so that coordinates are integers
 constexpr int n_shades = 12;
 
 }  // namespace
@@ -39,7 +39,7 @@ std::string mesh_picture(const Points& points, const Triangles& triangles, const
     auto& path = paths[static_cast<std::size_t>(std::min(n_shades - 1, static_cast<int>(n_shades * facing)))];
     path += fmt::format("M{} {}l{} {} {} {}z", a[0], a[1], b[0] - a[0], b[1] - a[1], c[0] - b[0], c[1] - b[1]);
   }
-  // Lines of a fifth of the mean edge at most, or a fine mesh is all lines.
+  // Lines are limited to a fifth of the mean edge length, because they would cover a fine mesh.
   const double edge = width / std::sqrt(static_cast<double>(triangles.rows()));
   std::string out =
       fmt::format("<figure><svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"surface mesh\">\n", width, height);

@@ -1,4 +1,4 @@
-// A surface's triangles, lit and with their edges, as SVG.
+// Shaded triangles of a surface with their edges, as SVG.
 #pragma once
 
 #include <phynness/formats/mesh.hpp>
@@ -6,8 +6,8 @@
 
 namespace phynness::report {
 
-/// Seen along the body's shortest axis. One path for each of some shades, so that tens of thousands of
-/// triangles stay below a megabyte. @param points  n x 3; @param caption  HTML
+/// View along the shortest axis of the body. There is one path for each of some shades, which keeps tens of thousands
+/// of triangles below a megabyte. @param points  n x 3; @param caption  HTML
 std::string mesh_picture(const Points& points, const Triangles& triangles, const std::string& caption);
 
 }  // namespace phynness::report

@@ -1,4 +1,4 @@
-// The report as JSON and as one page.
+// The report as JSON and as a page.
 #include <phynness/drawing/html.hpp>
 #include <phynness/drawing/plots.hpp>
 #include <phynness/studies/json.hpp>
@@ -73,7 +73,7 @@ std::string figure_section(const PaperStudy& study, const PaperFigure& figure) {
   return section((numbered ? "Figure " : "") + figure.number + ": " + figure.title, body);
 }
 
-/// Figures of phynness validate for both models of a case.
+/// Results of phynness validate for both models of a case.
 std::string validations(const PaperStudy& study) {
   TextTable rows{{"case, error % (17)", "model", "force: mean", "p95", "max", "displacement: mean", "p95",
                   "beyond R: force", "displacement", "solved: inside, beyond"}};
@@ -102,12 +102,11 @@ std::string validations(const PaperStudy& study) {
     add("zero", result.facts.ours_errors.at("zero"));
   }
   return rows.size() < 2 ? ""
-                         : section("Whole models against fresh solves",
-                                   "<p>Every free node has its networks; probes in random directions, half of them "
-                                   "beyond the "
-                                   "trained range (phynness validate). Errors are of those that have an equilibrium. "
-                                   "Beside each stand "
-                                   "the two trivial answers.</p>\n" +
+                         : section("Whole models compared with new solves",
+                                   "<p>Every free node has its networks. Probes are in random directions, half of "
+                                   "them outside of the trained range (phynness validate). Errors are those of "
+                                   "the probes with an equilibrium. The two trivial predictors are listed for "
+                                   "comparison.</p>\n" +
                                        escaped_table(rows));
 }
 
@@ -122,9 +121,9 @@ std::string what_ran(const PaperStudy& study) {
                     std::to_string(result.facts.increments), std::to_string(result.facts.failed),
                     fmt::format("{:.1f}", result.facts.solve_cpu_s / 60)});
   }
-  return section("What was run",
+  return section("Cases",
                  escaped_table(rows) +
-                     fmt::format("<p class=\"key\">{}; {}. This run took {:.1f} min; stages that were there already "
+                     fmt::format("<p class=\"key\">{}; {}. This run took {:.1f} min; stages that were already finished "
                                  "were kept.</p>\n",
                                  escaped(study.software), escaped(study.machine), study.seconds / 60));
 }
@@ -192,15 +191,14 @@ nlohmann::ordered_json to_json(const PaperStudy& study, const PaperReport& repor
 std::string html_page(const PaperStudy& study, const PaperReport& report) {
   std::string body = "<h1>The paper's tables and figures, from our runs</h1>\n";
   if (study.quick)
-    body += "<p class=\"warning\"><b>Quick study</b>, to see that all works, not to quote: " + escaped(quick_words()) +
-            ". Without --quick it is the paper's size.</p>\n";
+    body += "<p class=\"warning\"><b>Quick study</b>, a check of all parts whose numbers should not be quoted: " +
+            escaped(quick_words()) + ". Without --quick the study has the sizes of the paper.</p>\n";
   body +=
       "<p>D. Deo and S. De, PhyNNeSS (2011), Cases 1 to 4, computed anew. Errors are the paper's (17): the "
-      "difference over the "
-      "largest finite element response of that node and group. Beside the paper's networks stand two things "
-      "it does not have: the linear predictor, three unit responses at rest; and the "
-      "default family of this "
-      "software (modal; linear for the linear case). Figures 1 to 5 show how, not how well.</p>\n";
+      "difference over the largest finite element response of the same node and group. Two predictors that the "
+      "paper does not have are shown for comparison: the linear predictor, which uses three unit responses at "
+      "rest, and the default family of this software (modal; linear for the linear case). Figures 1 to 5 of the "
+      "paper have no measurements.</p>\n";
   if (report.summary.size() > 1) body += section("The paper's numbers and ours", escaped_table(report.summary));
   body += what_ran(study);
   body += section("Table 1: model data", said("Paper:", report.table1_paper) + escaped_table(report.table1) +

@@ -1,4 +1,4 @@
-// What the parts of the report share.
+// Functions that several parts of the report use.
 #pragma once
 
 #include <fmt/core.h>
@@ -21,15 +21,15 @@ inline double median(std::vector<double> values) {
   return n % 2 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
 }
 
-/// Mean over the nodes of a number of each.
+/// Mean of a number over the nodes.
 template <typename Number>
 double node_mean(const std::vector<NodeMeasurements>& nodes, const Number& number) {
   double sum = 0;
   for (const auto& node : nodes) sum += number(node);
   return nodes.empty() ? 0 : sum / static_cast<double>(nodes.size());
 }
-/// Their median: where the body snaps, a node's errors are many times those of the others and would make the
-/// mean.
+/// Median over the nodes. Where the body snaps, the errors of a node are much larger than those of others and would
+/// dominate a mean.
 template <typename Number>
 double node_median(const std::vector<NodeMeasurements>& nodes, const Number& number) {
   std::vector<double> values;
@@ -37,17 +37,17 @@ double node_median(const std::vector<NodeMeasurements>& nodes, const Number& num
   return median(std::move(values));
 }
 
-/// The case of that name, if it was run.
+/// The case of this name, or null if it was not run.
 inline const CaseResult* ran(const PaperStudy& study, const std::string& id) {
   for (const auto& one : study.cases)
     if (one.of.id == id && one.missing.empty()) return &one;
   return nullptr;
 }
-/// K/mu, element, probe, R, nodes: what every figure must name.
+/// K/mu, element, probe, R, nodes: conditions that every figure must state.
 std::string conditions(const CaseResult& result);
 
 using NodeCurve = std::vector<NetworkErrors> NodeMeasurements::*;
-/// Over the nodes, at each x that all of them have.
+/// A statistic over the nodes at each x that all nodes have.
 Series over_nodes(const std::string& name, LineStyle style, int color, const std::vector<NodeMeasurements>& nodes,
                   NodeCurve curve, double NetworkErrors::*error, double (*combine)(std::vector<double>));
 /// Every value times `factor`.
@@ -55,9 +55,9 @@ std::vector<double> times(const std::vector<double>& values, double factor);
 double mean_of(std::vector<double> values);
 double median_of(std::vector<double> values);
 double largest_of(std::vector<double> values);
-/// A straight level over the x of another series.
+/// A constant value over the x of another series.
 Series level(const std::string& name, LineStyle style, int color, double percent, const Series& like);
-/// Steps from counts, in per cent.
+/// Step curve of counts, in per cent.
 Series steps(const std::string& name, int color, const Histogram& counts, std::size_t last_bin);
 void add(Histogram& sum, const Histogram& more);
 double share_below(const Histogram& counts, double error);
@@ -74,10 +74,10 @@ PaperFigure figure_14(const PaperStudy& study);
 PaperFigure figure_15(const PaperStudy& study);
 PaperFigure figure_locking(const PaperStudy& study);
 
-/// Fewest neurons with which the largest force error of the paper's test stays below what a hand notices, by
-/// node; 0: none does.
+/// Smallest number of neurons for which the largest force error of the paper's test is below the noticeable difference,
+/// by node; 0: no number is sufficient.
 std::vector<int> neurons_needed(const CaseMeasurements& measured, bool fresh);
-/// The median of them, and at how many nodes none suffices.
+/// Their median, and the number of nodes for which no number is sufficient.
 std::string needed_words(const CaseMeasurements& measured, bool fresh);
 
 TextTable summary(const PaperStudy& study);

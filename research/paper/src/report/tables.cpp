@@ -1,4 +1,4 @@
-// Tables 1 and 2, Figures 13 and 14, and the few numbers that come first.
+// Tables 1 and 2, Figures 13 and 14, and the summary at the beginning.
 #include <array>
 #include <cmath>
 
@@ -37,7 +37,7 @@ struct PaperLevel {
 constexpr std::array<PaperLevel, 4> paper_levels{
     {{596, 1188, 0.00936}, {2378, 4752, 0.03748}, {9506, 19008, 0.15}, {38018, 76032, 0.5994}}};
 
-/// Least squares; every point by its own size, or the largest decides all.
+/// Least squares with relative weights, because otherwise the largest values would dominate.
 std::pair<double, double> straight_line(const std::vector<double>& x, const std::vector<double>& y) {
   double s = 0, sx = 0, sxx = 0, sy = 0, sxy = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {

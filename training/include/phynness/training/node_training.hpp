@@ -1,4 +1,4 @@
-// From the rays of one active node to its two networks. No file access: arrays in, ActiveNodeModel out.
+// Trains the two networks of one active node on its rays, without file access.
 #pragma once
 
 #include <cstdint>
@@ -9,52 +9,53 @@
 
 namespace phynness {
 
-/// A network with nearly as many neurons as points follows the noise between them: 150 force neurons on 156
-/// points over-fit where 60 to 100 did not (DESIGN, section 4).
+/// Largest number of neurons as a fraction of the points. A network with nearly as many neurons as points over-fits:
+/// 150 force neurons on 156 points did, 60 to 100 did not.
 inline constexpr double largest_neuron_share = 0.6;
 
-/// What all active nodes of a database share.
+/// Data that are common to all active nodes of a database.
 struct TrainingTables {
   Points displacements;  ///< n_directions * n_increments x 3 [m], row direction * n_increments + increment
   std::int32_t n_increments = 0;
   std::vector<std::int32_t> output;  ///< mesh node numbers, ascending
   Points output_points;              ///< n_output x 3 [m]
   std::vector<double> magnitudes_m;  ///< n_increments
-  bool float64 = false;              ///< displacements were stored as float64
+  bool float64 = false;              ///< displacements are stored as float64
 };
 TrainingTables training_tables(const DatabaseHeader& header);
 
-/// Row (direction * n_increments + increment) of every converged increment, ascending.
+/// Rows (direction * n_increments + increment) of all converged increments, ascending.
 std::vector<std::int32_t> converged_increments(const TrainingTables& tables, const std::vector<Ray>& rays);
 
-/// Everything about an active node but its response: probe, trained depths, directions that stopped short.
+/// Properties of an active node except its response: probe, trained depths, number of incomplete directions.
 ActiveNodeModel describe_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
                               const TouchedNodes& prescribed, const std::vector<Ray>& rays);
 
-/// Points of the force network: one per converged increment. `rays` is one per direction, in order.
-/// @throws Error (failure) if a converged increment holds a value that is not finite
+/// Points of the force network, one per converged increment. @param rays  one per direction, in order
+/// @throws Error (failure) if a value of a converged increment is not finite
 NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>& rays);
 
-/// Points of the deformation network: `samples` of all (converged increment, output node not prescribed),
-/// drawn uniformly without replacement by a generator that depends on `seed` and `node` only; all of them if
-/// there are fewer.
-/// @param held_out  if not null, filled with `n_held_out` further points of the same draw
+/// Points of the deformation network: `samples` of all pairs (converged increment, output node that is not prescribed),
+/// drawn uniformly without replacement by a generator that depends on `seed` and `node` only; all pairs if there are
+/// fewer.
+/// @param held_out  output, `n_held_out` further points of the same draw; may be null
 NetworkPoints deformation_points(const TrainingTables& tables, const std::vector<Ray>& rays,
                                  const TouchedNodes& prescribed, std::int32_t node, int samples, std::uint64_t seed,
                                  NetworkPoints* held_out = nullptr, int n_held_out = 0);
 
-/// Neurons that `n_points` points can carry, at most `wanted`.
+/// The smaller of `wanted` and the largest number of neurons for `n_points` points.
 int capped_neurons(int wanted, std::size_t n_points);
 
 struct NodeTraining {
   bool trained = false;  ///< false: no increment converged
   ActiveNodeModel model;
-  NetworkFit force, deformation;  ///< the fits behind the model, for reports and tests
+  NetworkFit force, deformation;  ///< the fits, for reports and tests
 };
 
-/// @param node    mesh node number; `point` its coordinates [m]
-/// @param spec    with both spreads > 0
-/// @param estimate_errors  of levels; costs about as much as the training itself
+/// @param node   mesh node number
+/// @param point  coordinates of the node [m]
+/// @param spec   with both spreads > 0
+/// @param estimate_errors  estimate the errors of levels, which takes about as long as the training itself
 NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
                         const TouchedNodes& prescribed, const std::vector<Ray>& rays, const TrainingSpec& spec,
                         bool estimate_errors = true);

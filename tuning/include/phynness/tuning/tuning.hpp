@@ -1,5 +1,4 @@
-// Which model a scene needs: families and sizes trained on one database and measured on the same fresh
-// solves.
+// Selection of a model for a scene: families and sizes are trained on one database and measured by the same new solves.
 #pragma once
 
 #include <algorithm>
@@ -17,24 +16,25 @@ namespace phynness {
 class SolverSession;
 
 struct Candidate {
-  std::string name;  ///< family and what its size is, in few words
+  std::string name;  ///< short description of family and size
   TrainingSpec spec;
 };
-/// Sizes of every family that the scene's law allows, each family from small to large. Spreads, samples and
-/// seed are the scene's.
+/// Sizes of all families that the scene's law allows, in ascending order for each family. Spreads, samples and seed are
+/// those of the scene.
 std::vector<Candidate> tuning_candidates(const Scene& scene);
 
-/// What stands for the errors of many probes. The mean is made by few of them where the body snaps; the median
-/// does not see these.
+/// Statistic of the errors of all probes. Where the body snaps through, a few probes dominate the mean, but do not
+/// change the median.
 enum class ErrorStatistic { mean, median, p95 };
 
 struct MeasuredModel {
-  Candidate candidate;   ///< name: of the sizes that were made
-  TrainingSpec trained;  ///< those: less than candidate.spec asks for where a database has few states
+  Candidate candidate;   ///< its name describes the trained sizes
+  TrainingSpec trained;  ///< trained sizes, which may be below candidate.spec if the database has few states
   PredictorErrors errors;
   RuntimeSpeed speed;
   double memory_bytes = 0, text_bytes = 0, training_s = 0;
-  bool on_front = false;  ///< no other is at least as good in error, time and memory and better in one
+  bool on_front =
+      false;  ///< Pareto front: no other model is at least as good in error, time and memory and better in one
   Model model;
   /// The larger of the errors (17) of force and displacement inside the trained range.
   /// Infinite if no probe was solved.
@@ -42,39 +42,39 @@ struct MeasuredModel {
 };
 void mark_front(std::vector<MeasuredModel>& models, ErrorStatistic statistic = ErrorStatistic::mean);
 
-/// Largest allowed; absent: no limit.
+/// Upper limits; empty: no limit.
 struct TuningLimits {
   std::optional<double> error = {};           ///< of MeasuredModel::error(statistic), a fraction
-  std::optional<double> deformation_us = {};  ///< one deformation of all output nodes
-  std::optional<double> memory_bytes = {};    ///< of the model in the runtime
+  std::optional<double> deformation_us = {};  ///< time of one deformation of all output nodes
+  std::optional<double> memory_bytes = {};    ///< memory of the model in the runtime
   ErrorStatistic statistic = ErrorStatistic::mean;
 };
 
 struct TuningChoice {
-  std::optional<std::size_t> chosen;  ///< absent: none meets the limits
-  std::string missed;                 ///< which limit none meets, and by how much; empty if there is a choice
+  std::optional<std::size_t> chosen;  ///< empty: no model meets the limits
+  std::string missed;  ///< the limits that no model meets, with the smallest values; empty if one is chosen
 };
-/// With a limit of the error the fastest of those that meet all limits (the smaller of two as fast), without
-/// one the most accurate. @pre models not empty
+/// Of the models that meet all limits: with a limit of the error the fastest (of equally fast models the smallest),
+/// without it the most accurate. @pre models is not empty
 TuningChoice choose_model(const std::vector<MeasuredModel>& models, const TuningLimits& limits);
 
 struct TuningReport {
   std::vector<MeasuredModel> models;
-  std::vector<std::string> left_out;  ///< candidates that this database cannot train, and why
-  PredictorErrors linear;             ///< the yardstick on the same solves
+  std::vector<std::string> left_out;  ///< candidates that cannot be trained on this database, with the reason
+  PredictorErrors linear;             ///< errors of the linear predictor for the same solves, for comparison
   std::int64_t probes = 0, failed = 0;
-  std::vector<std::int32_t> nodes;  ///< probed
+  std::vector<std::int32_t> nodes;  ///< probed active nodes
   double seconds = 0;
 };
 
-/// Called as work goes on: what is done, how far, of how many. Return false to interrupt (an Error is
-/// thrown).
+/// Called with a description of the present work, the finished and the total number. If it returns false, tune throws
+/// an Error.
 using TuningProgress = std::function<bool(const std::string&, std::int64_t, std::int64_t)>;
 
-/// Trains each candidate on the whole database and measures it on `probes` fresh solves of random directions
-/// and depths, half inside the trained range, at ten active nodes (validation.hpp says which), solved once.
-/// Not collective: one process.
-/// @throws Error if the database is not the scene's, or interrupted
+/// Trains each candidate on the whole database and measures it by `probes` new solves with random directions and
+/// depths, half of them inside the trained range, at ten active nodes (selected as in validation.hpp). The solves are
+/// the same for all candidates. Must run as one process.
+/// @throws Error (input) if the database belongs to another scene, (failure) if it is interrupted
 TuningReport tune(const SolverSession& session, const Scene& scene, const Database& database,
                   const std::vector<Candidate>& candidates, std::int64_t probes, std::uint64_t seed,
                   const TuningProgress& progress = {});

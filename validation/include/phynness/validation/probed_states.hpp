@@ -1,4 +1,4 @@
-// Fresh solves that models are measured on.
+// New solves with which models are compared.
 #pragma once
 
 #include <array>
@@ -9,39 +9,38 @@
 
 namespace phynness {
 
-/// One solved probe, and the linear predictor's word on it, at the output nodes of the model.
+/// A solved probe with the response of the linear predictor, at the output nodes of the model.
 struct ProbedState {
   Vec3 d{}, force_FE{}, force_linear{};
   Points u_FE, u_linear;
-  Eigen::MatrixXd fields_FE,
-      fields_linear;  ///< n_output x n_fields, those of the model; linear: linear theory's
+  Eigen::MatrixXd fields_FE, fields_linear;  ///< n_output x n_fields: the fields of the model
 };
 
 struct NodeProbes {
   std::int32_t node = 0;
-  std::vector<char> counts;                        ///< per output node: 0 where the tool moves it itself
-  std::array<std::vector<ProbedState>, 2> states;  ///< inside and beyond the trained range
+  std::vector<char> counts;                        ///< per output node: 0 if the tool itself moves it
+  std::array<std::vector<ProbedState>, 2> states;  ///< inside and outside the trained range
   ForceCurve curve;                                ///< of the first ray
   std::int64_t failed = 0, increments = 0;
-  double cpu_s = 0;  ///< of following the rays; turning to the node left out
+  double cpu_s = 0;  ///< of the solves of the rays, without the preparation of the node
 };
 
-/// What one rank did.
+/// Work of one rank.
 struct SolvedShare {
   std::int64_t rays = 0;
   bool stopped = false;
 };
 
-/// Solves this rank's share of the plan; `take` gets each entry of it with its position. Where `stop` says so
-/// it ends after the ray at hand, and the last entry taken has fewer probes than planned.
+/// Solves the part of the plan of this rank. `take` receives each solved entry with its position in the plan. If `stop`
+/// returns true, solving ends after the present ray; the last entry then has fewer probes than planned.
 SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                          const std::vector<NodePlan>& plan,
                          const std::function<void(std::int64_t, std::int64_t)>& progress,
                          const std::function<bool()>& stop, const std::function<void(std::size_t, NodeProbes&&)>& take);
 
-/// The model's own errors on those probes.
+/// Errors of the model for these probes.
 PredictorErrors model_errors(const LoadedModel& model, const std::vector<NodeProbes>& probes);
-/// Those of the linear predictor.
+/// Errors of the linear predictor for these probes.
 PredictorErrors linear_errors(const std::vector<NodeProbes>& probes);
 
 }  // namespace phynness

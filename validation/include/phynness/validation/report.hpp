@@ -1,5 +1,5 @@
-// One page that says what a model is worth: what was modelled and solved, errors, worst cases, curves, where
-// on the body the error is, conservation, size and time.
+// A report on the accuracy of a model: scene, solves, errors, worst cases, curves, distribution of the error on the
+// body, conservation of energy, size and time.
 #pragma once
 
 #include <phynness/validation/validation.hpp>
@@ -11,14 +11,15 @@ struct ReportInput {
   const LoadedModel& model;
   const ValidationReport& validation;
   std::uint64_t seed = 0;
-  std::string software;  ///< versions of what computed it
+  std::string software;                 ///< versions of the software that computed it
+  std::vector<std::string> not_done{};  ///< requested parts of the validation that were not done, and why
 };
 
-/// Plots are drawn by gnuplot. @throws Error (failure) if it is not there
+/// Plots are drawn by gnuplot. @throws Error (failure) if gnuplot is not installed
 void require_plots();
 
-/// Self-contained HTML, UTF-8: style and vector plots inside, nothing from the network; light and dark,
-/// printable.
+/// Self-contained HTML in UTF-8 with its style and vector plots, without references to other files or servers. It has a
+/// light and a dark style and can be printed.
 /// @throws Error (failure) if gnuplot fails
 std::string html_report(const ReportInput& input);
 

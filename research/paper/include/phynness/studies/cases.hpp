@@ -1,4 +1,4 @@
-// The paper's cases: a scene each. A case is there as soon as its scene is.
+// The paper's cases, each given by a scene. A case is available if its scene exists.
 #pragma once
 
 #include <phynness/studies/measurements.hpp>
@@ -8,22 +8,22 @@
 namespace phynness {
 
 struct PaperCase {
-  std::string id;  ///< as --cases names it, and the folder's name
+  std::string id;  ///< identifier in --cases, and name of the folder
   std::string title;
   std::string scene;    ///< file in the folder of scenes
-  std::string element;  ///< the scene's is changed to it; empty: as it stands
+  std::string element;  ///< replaces that of the scene; empty: not changed
   bool linear = false;  ///< three unit responses instead of networks
   bool two_tools = false;
-  bool liver = true;  ///< which column of Table 1
+  bool liver = true;  ///< column of Table 1
 };
 const std::vector<PaperCase>& paper_cases();
 
-/// The scene that a study solves: the shipped one, the element changed, and with `quick` a coarser mesh and
-/// fewer increments. Comments stay. @throws Error if a key to change is not there
+/// The text of the scene that a study solves: that of the distribution with another element, and with `quick` with a
+/// coarser mesh and fewer increments. Comments are kept. @throws Error if a key that is to be changed is missing
 std::string case_scene(const PaperCase& of, std::string text, bool quick);
 
 StudySizes study_sizes(bool quick);
-/// What is less in a quick study, in words.
+/// Description of what is reduced in a quick study.
 std::string quick_words();
 
 }  // namespace phynness

@@ -1,4 +1,4 @@
-// Measurements to JSON and back, so that a study that was interrupted goes on where it was.
+// Conversion of measurements to and from JSON, with which an interrupted study can be resumed.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -6,7 +6,7 @@
 
 namespace phynness {
 
-/// Of what follows: measurements of another version are made anew.
+/// Version of this format. Measurements of another version are repeated.
 inline constexpr int measurements_version = 1;
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StudySizes, nodes, probes_per_node, neurons, histogram_neurons, spreads, samples,

@@ -1,4 +1,4 @@
-// Measures one case of the paper: networks of many sizes at some nodes against fresh finite element solves.
+// Measures one case of the paper: networks of many sizes at some nodes are compared with new finite element solves.
 #pragma once
 
 #include <functional>
@@ -10,19 +10,19 @@ namespace phynness {
 
 class SolverSession;
 
-/// What is under way, how far, of how many.
+/// Called with a description of the present work, the finished and the total number.
 using StudyProgress = std::function<void(const std::string&, std::int64_t, std::int64_t)>;
 
-/// Collective: each rank measures its share of the nodes and pairs; the result holds this rank's alone, in
-/// the order in which merged() puts the parts together.
-/// @param networks  the paper's networks of the whole scene, for two tools; may be null where there are none
-/// @param ours      the family that stands beside them
-/// @throws Error if the database is not the scene's, or `stop` says so
+/// Collective: each rank measures its share of the nodes and pairs. The result has the share of this rank, in the order
+/// that merged() expects.
+/// @param networks  the paper's networks of the whole scene, for two tools; null if there are none
+/// @param ours      a model of the family that is compared with the networks
+/// @throws Error if the database belongs to another scene, or if `stop` returns true
 CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, const Database& database,
                               const LoadedModel* networks, const LoadedModel& ours, const StudySizes& sizes,
                               bool two_tools, const StudyProgress& progress = {},
                               const std::function<bool()>& stop = {});
-/// The parts of all ranks as one. @pre parts not empty, in the order of the ranks
+/// Combines the parts of all ranks. @pre parts is not empty and in the order of the ranks
 CaseMeasurements merged(const std::vector<CaseMeasurements>& parts);
 
 /// Times of both models on this machine. Surfaces: levels 0 ... n_levels - 1 of Loop's subdivision.

@@ -1,4 +1,4 @@
-// The study's tables and figures beside the paper's numbers: as data, as JSON, as one page.
+// The tables and figures of the study with the numbers of the paper: as data, as JSON, and as a page.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,15 +11,15 @@
 
 namespace phynness {
 
-/// What a case's stages told about themselves.
+/// Results of the stages of a case.
 struct CaseFacts {
   std::int64_t nodes = 0, free_nodes = 0, surface_nodes = 0, cells = 0, corners = 0;
   std::int64_t rays = 0, increments = 0, failed = 0;
-  double setup_s = 0, solve_cpu_s = 0;            ///< of the finite elements; CPU of one core
+  double setup_s = 0, solve_cpu_s = 0;            ///< CPU time of the finite elements on one core
   double networks_train_s = 0, ours_train_s = 0;  ///< wall time of all nodes, all threads
   double database_bytes = 0, model_bytes = 0, ours_bytes = 0;
   int samples = 0, networks = 0;
-  nlohmann::json networks_errors, ours_errors;  ///< of phynness validate; null where there is no such model
+  nlohmann::json networks_errors, ours_errors;  ///< of phynness validate; null if there is no such model
 };
 
 struct SurfaceShape {
@@ -29,7 +29,7 @@ struct SurfaceShape {
 
 struct CaseResult {
   PaperCase of;
-  std::string missing;  ///< why it was not run; empty if it was
+  std::string missing;  ///< reason why it was not run; empty if it was run
   CaseFacts facts;
   CaseMeasurements measured;
   std::optional<RuntimeTimes> times;
@@ -54,13 +54,13 @@ struct Panel {
   std::string title, x, y;
   bool log_x = false, log_y = false;
   std::vector<Series> series;
-  double low = 0, high = 0;  ///< of the vertical axis; equal: as the series need
+  double low = 0, high = 0;  ///< of the vertical axis; equal: chosen from the series
 };
-/// Rows of words; the first is the head.
+/// Rows of texts; the first row is the head.
 using TextTable = std::vector<std::vector<std::string>>;
 struct PaperFigure {
   std::string number, title;
-  std::string conditions, paper, found;  ///< what was done; what the paper says; what this run measured
+  std::string conditions, paper, found;  ///< conditions of the run, statement of the paper, measurements of this run
   std::vector<Panel> panels;
   TextTable table;
 };
@@ -70,7 +70,7 @@ struct PaperReport {
   std::vector<PaperFigure> figures;  ///< in the paper's order; the last is force with and without locking
 };
 
-/// Every table and figure for which there is a case that was run.
+/// Every table and figure for which a case was run.
 PaperReport paper_report(const PaperStudy& study);
 nlohmann::ordered_json to_json(const PaperStudy& study, const PaperReport& report);
 /// Self-contained HTML. @throws Error (failure) if gnuplot fails

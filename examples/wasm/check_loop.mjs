@@ -1,0 +1,37 @@
+// Runs phynness_loop in WebAssembly against a spring of 600 N/m: the device stands 10 mm from rest, and the force must
+// be that of spring and coupling (400 N/m) in series.
+// Usage: node check_loop.mjs loop.wasm
+import { load } from './module.mjs';
+
+const { f, take, view, bytes } = load(process.argv[2]);
+// Offsets of phynness_loop.h: four doubles, two numbers, and then doubles.
+const hasTimes = 32, controller = 36, coupling = 40 + 8 * (9 + 3 + 2), checkForce = coupling + 8 * 11;
+const settings = take(512), size = take(4), handle = take(4);
+const status = (code, what) => {
+  if (code < 0) throw new Error(`${what}: status ${code}`);
+};
+status(f.phn_loop_defaults(settings), 'phn_loop_defaults');
+if (view(Float64Array, settings + coupling, 1)[0] !== 400 || view(Float64Array, settings + checkForce, 1)[0] !== 0.4)
+  throw new Error('phn_loop_settings has another layout');
+view(Int32Array, settings + hasTimes, 1)[0] = 1;
+view(Int32Array, settings + controller, 1)[0] = 0;
+view(Float64Array, settings + checkForce, 1)[0] = 0;
+status(f.phn_loop_size(size), 'phn_loop_size');
+const n = view(Uint32Array, size, 1)[0];
+status(f.phn_loop_init(take(n), n, settings, handle), 'phn_loop_init');
+const loop = view(Uint32Array, handle, 1)[0];
+status(f.phn_loop_engage(loop), 'phn_loop_engage');
+const sample = take(32), tool = take(24), response = take(144), force = take(24);
+for (let i = 1; i <= 400; ++i) {
+  view(Float64Array, sample, 4).set([0.006, 0, -0.008, 1e-3 * i]);
+  status(f.phn_loop_read(loop, sample, 1e-3 * i, tool), 'phn_loop_read');
+  const at = Array.from(view(Float64Array, tool, 3));
+  view(Int32Array, response, 3).set([0, 1, 1]);
+  view(Float64Array, response + 16, 16)
+    .set([...at.map((x) => 600 * x), 600, 0, 0, 0, 600, 0, 0, 0, 600, ...at, -1]);
+  status(f.phn_loop_hold(loop, response, 1e-3 * i, force), 'phn_loop_hold');
+}
+const held = Math.hypot(...view(Float64Array, force, 3)), expected = 0.01 / (1 / 600 + 1 / 400);
+console.log(`loop_module_bytes ${bytes}`);
+console.log(`loop_force ${held}, expected ${expected}`);
+process.exit(Math.abs(held - expected) < 1e-9 * expected ? 0 : 1);

@@ -1,0 +1,48 @@
+#include <phynness/formats/locking.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace phynness {
+namespace {
+
+/// In the notation of C, whatever the locale.
+std::string fixed(double value, int decimals) {
+  char text[330];  // the largest double has 309 digits
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr};
+}
+
+/// Logarithm of a row's ratio, interpolated over the logarithm of |d|; no deeper and shallower than was measured.
+double log_ratio(const ForceRatio& row, ProbeKind kind, double probe) {
+  if (kind == ProbeKind::node) return std::log(row.node);
+  const double t = std::log(probe / shallow_probe) / std::log(deep_probe / shallow_probe);
+  return std::log(row.shallow) + std::clamp(t, 0.0, 1.0) * std::log(row.deep / row.shallow);
+}
+
+}  // namespace
+
+double expected_force_ratio(const Scene& scene, double mean_edge_m) {
+  const auto rows = scene.solver.element->force_ratios;
+  if (rows.empty()) return 1;
+  const double depth = mean_edge_m > 0 ? scene.probe.max_displacement_m / mean_edge_m : deep_probe;
+  const double probe = scene.material.law->linear ? shallow_probe : depth;
+  const double K_mu = scene.material.bulk_to_shear();
+  const auto log_of = [&](const ForceRatio& row) { return log_ratio(row, scene.probe.kind, probe); };
+  if (K_mu <= rows.front().bulk_to_shear) return std::exp(log_of(rows.front()));
+  std::size_t i = 1;
+  while (i + 1 < rows.size() && rows[i].bulk_to_shear < K_mu) ++i;
+  const auto &low = rows[i - 1], &high = rows[i];
+  // Beyond the last row the line goes on: what a locked element resists with is K.
+  const double t = std::log(K_mu / low.bulk_to_shear) / std::log(high.bulk_to_shear / low.bulk_to_shear);
+  return std::exp(log_of(low) + t * (log_of(high) - log_of(low)));
+}
+
+std::string ratio_in_words(double ratio) {
+  if (ratio >= 1.995) return fixed(ratio, ratio < 9.95 ? 1 : 0) + " times too large";
+  if (ratio > 1.05) return fixed(100 * (ratio - 1), 0) + " % too large";
+  if (ratio < 0.95) return fixed(100 * (1 - ratio), 0) + " % too small";
+  return "right within 5 %";
+}
+
+}  // namespace phynness

@@ -1,0 +1,95 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <phynness/formats/tool.hpp>
+
+namespace phynness {
+namespace {
+
+/// With three digits, rounded down or up, so that what is recommended does.
+enum class Round { down, up, nearest };
+std::string three_digits(double value, Round round = Round::nearest) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
+  const double units = value / unit;
+  const double rounded = round == Round::down ? std::floor(units) : round == Round::up ? std::ceil(units) : units;
+  char text[64];
+  return {text, std::to_chars(text, text + sizeof text, rounded * unit, std::chars_format::general, 3).ptr};
+}
+
+/// Mean length of the surface edges at each of `nodes`.
+std::vector<double> edges_at(const std::vector<std::int32_t>& nodes, const Mesh& mesh) {
+  std::vector<double> sum(static_cast<std::size_t>(mesh.n_nodes()), 0), n(sum);
+  for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const auto a = mesh.surface(t, k), b = mesh.surface(t, (k + 1) % 3);
+      const double length = (mesh.nodes.row(a) - mesh.nodes.row(b)).norm();
+      for (const auto i : {a, b}) sum[static_cast<std::size_t>(i)] += length, n[static_cast<std::size_t>(i)] += 1;
+    }
+  std::vector<double> means;
+  for (const auto node : nodes)
+    if (const auto i = static_cast<std::size_t>(node); n[i] > 0) means.push_back(sum[i] / n[i]);
+  return means;
+}
+
+/// The key that makes edges shorter by this factor. A mesher meets a size to a tenth.
+std::string finer_mesh(const MeshSpec& mesh, double exact_factor, double mean_edge_m) {
+  const double factor = 0.9 * exact_factor;
+  if (mesh.target_size_m) return "target_size_m = " + three_digits(*mesh.target_size_m * factor, Round::down);
+  if (mesh.target_nodes && mesh.thickness_m == 0)
+    return "target_nodes = " + three_digits(*mesh.target_nodes / (factor * factor * factor), Round::up);
+  return "a mesh with edges of " + three_digits(mean_edge_m * factor, Round::down) + " m";
+}
+
+std::string warn_of_edges(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  const double radius = scene.probe.tool_radius_m;
+  auto edges = edges_at(sets.active, mesh);
+  if (edges.empty()) return "";
+  std::sort(edges.begin(), edges.end());
+  const auto n_short = std::upper_bound(edges.begin(), edges.end(), radius / fewest_edges_of_a_patch) - edges.begin();
+  const auto too_long = static_cast<std::ptrdiff_t>(edges.size()) - n_short;
+  // Edges of one mesh differ: a few long ones are no reason to do it again.
+  if (10 * static_cast<std::size_t>(too_long) <= edges.size()) return "";
+  const double long_edge = edges[(9 * edges.size()) / 10];
+  double mean = 0;
+  for (const double edge : edges) mean += edge / static_cast<double>(edges.size());
+  const double wanted_radius = fewest_edges_of_a_patch * long_edge;
+  return scene.probe.where.str() + ": the patch is not resolved at " + std::to_string(too_long) + " of " +
+         std::to_string(edges.size()) + " active nodes: its radius, tool_radius_m = " + three_digits(radius) +
+         ", is less than two edges of the surface there (edges are " + three_digits(mean) + " m in the mean, up to " +
+         three_digits(edges.back()) +
+         " m), so that the force depends on the mesh; tool_radius_m = " + three_digits(wanted_radius, Round::up) +
+         " would do, or " + finer_mesh(scene.mesh, radius / wanted_radius, mean);
+}
+
+std::string warn_of_slide(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  if (scene.material.law->linear) return "";
+  const double radius = scene.probe.tool_radius_m;
+  const Points normals = node_normals(mesh);
+  double sideways = 0;
+  for (const auto node : sets.active)
+    for (const auto& direction : exploratory_directions(scene.probe.directions)) {
+      const double along = normals.row(node).dot(to_eigen(direction).transpose());
+      if (scene.probe.directions == Directions::hemisphere && along > 1e-9) continue;
+      sideways = std::max(sideways, std::sqrt(std::max(0.0, 1 - along * along)));
+    }
+  const double slide = sideways * scene.probe.max_displacement_m;
+  if (slide <= (1 + 1e-9) * farthest_slide_of_a_patch * radius) return "";
+  return scene.probe.where.str() + ": the patch is displaced sideways by up to " + three_digits(slide) + " m, " +
+         three_digits(slide / radius) +
+         " radii: beyond 0.65 radii it folds over itself, solves fail, and what they "
+         "find are not the forces of a tool; max_displacement_m = " +
+         three_digits(farthest_slide_of_a_patch * radius / sideways, Round::down) +
+         " or tool_radius_m = " + three_digits(slide / farthest_slide_of_a_patch, Round::up) + " would do";
+}
+
+}  // namespace
+
+std::vector<std::string> patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  std::vector<std::string> warnings;
+  if (scene.probe.kind != ProbeKind::patch) return warnings;
+  for (auto& text : {warn_of_edges(scene, mesh, sets), warn_of_slide(scene, mesh, sets)})
+    if (!text.empty()) warnings.push_back(text);
+  return warnings;
+}
+
+}  // namespace phynness

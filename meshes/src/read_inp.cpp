@@ -1,0 +1,303 @@
+// Decks of CalculiX and Abaqus: nodes, C3D4 tetrahedra, three-node triangles, and their sets as groups. What a deck
+// says about materials, steps and loads is skipped.
+#include <algorithm>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "raw_mesh.hpp"
+#include "scanner.hpp"
+
+namespace phynness::meshes {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  const auto begin = text.find_first_not_of(" \t\r"), end = text.find_last_not_of(" \t\r");
+  return begin == text.npos ? std::string_view() : text.substr(begin, end - begin + 1);
+}
+
+std::string upper(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  return result;
+}
+
+std::vector<std::string_view> fields(std::string_view line) {
+  std::vector<std::string_view> list;
+  while (true) {
+    const auto comma = line.find(',');
+    list.push_back(trimmed(line.substr(0, comma)));
+    if (comma == line.npos) break;
+    line.remove_prefix(comma + 1);
+  }
+  if (list.back().empty()) list.pop_back();
+  return list;
+}
+
+/// "*ELEMENT, TYPE=C3D4, ELSET=body"; names of cards and parameters in capitals, values as written.
+struct Card {
+  std::string name;
+  std::map<std::string, std::string> parameters;
+
+  explicit Card(std::string_view line) {
+    const auto parts = fields(line);
+    if (!parts.empty()) name = upper(parts.front());
+    for (std::size_t i = 1; i < parts.size(); ++i) {
+      const auto equals = parts[i].find('=');
+      auto value = equals == parts[i].npos ? std::string_view() : trimmed(parts[i].substr(equals + 1));
+      if (value.size() >= 2 && value.front() == '"' && value.back() == '"') value = value.substr(1, value.size() - 2);
+      parameters[upper(trimmed(parts[i].substr(0, equals)))] = value;
+    }
+  }
+  std::string value(const std::string& key) const {
+    const auto found = parameters.find(key);
+    return found == parameters.end() ? "" : found->second;
+  }
+};
+
+enum class Kind { tetrahedron, triangle, line, other };
+
+Kind kind_of(const std::string& type) {
+  static const std::set<std::string> tetrahedra = {"C3D4", "C3D4H", "C3D4T"};
+  static const std::set<std::string> triangles = {"S3", "S3R", "STRI3", "CPS3", "CPE3", "M3D3", "SFM3D3", "R3D3"};
+  static const std::set<std::string> lines = {"T3D2", "B31", "B31R", "T2D2", "MASS", "SPRINGA", "SPRING1", "SPRING2"};
+  return tetrahedra.contains(type)  ? Kind::tetrahedron
+         : triangles.contains(type) ? Kind::triangle
+         : lines.contains(type)     ? Kind::line
+                                    : Kind::other;
+}
+
+class InpFile {
+ public:
+  InpFile(Scanner& scanner, const std::string& source) : _scanner(scanner), _here(scanner), _source(source) {}
+
+  RawMesh read() {
+    Card card("");
+    while (next_line()) {
+      if (_line.starts_with("**")) continue;
+      if (_line.starts_with('*')) {
+        require_no_rest();
+        std::string whole(_line);
+        while (whole.ends_with(',') && next_line()) whole += _line;
+        card = Card(whole);
+        begin(card);
+      } else if (!_line.empty()) {
+        read_data(card);
+      }
+    }
+    require_no_rest();
+    finish_groups();
+    return std::move(_raw);
+  }
+
+ private:
+  bool next_line() {
+    if (_scanner.at_end()) return false;
+    _here = _scanner;
+    _line = trimmed(_scanner.line());
+    return true;
+  }
+
+  [[noreturn]] void fail(const std::string& what, const std::string& value, const std::string& remedy) const {
+    _here.fail(what, value.substr(0, 60), remedy);
+  }
+
+  template <class Number>
+  Number number(std::string_view text, const char* expected) const {
+    std::string plain(text);  // exponents may be those of Fortran
+    std::replace(plain.begin(), plain.end(), 'D', 'E');
+    std::replace(plain.begin(), plain.end(), 'd', 'e');
+    return _here.parse<Number>(plain, expected);
+  }
+
+  void require_no_rest() const {
+    if (!_pending.empty())
+      fail("an element has too few nodes", "element " + std::to_string(_pending.front()), "export the file again");
+  }
+
+  void begin(const Card& card) {
+    static const std::set<std::string> unsupported = {"*INCLUDE", "*NCOPY", "*NFILL",  "*NGEN",    "*NMAP",
+                                                      "*ELCOPY",  "*ELGEN", "*SYSTEM", "*SUBMODEL"};
+    if (unsupported.contains(card.name) || !card.value("INPUT").empty())
+      fail("the deck makes its mesh with a card that is not supported", std::string(_line),
+           "write all nodes and elements into the deck itself, in Cartesian coordinates");
+    if (card.name == "*NODE" && !card.value("SYSTEM").empty() && upper(card.value("SYSTEM")) != "R")
+      fail("the nodes are not in Cartesian coordinates", std::string(_line),
+           "export the mesh in Cartesian coordinates");
+    if (card.name == "*ELEMENT") begin_elements(card);
+    if (card.name == "*NODE") _set = named(_node_sets, card.value("NSET"));
+    if (card.name == "*NSET") _set = required(_node_sets, card, "NSET");
+    if (card.name == "*ELSET") _set = required(_element_sets, card, "ELSET");
+    _generate = card.parameters.contains("GENERATE");
+  }
+
+  void begin_elements(const Card& card) {
+    const std::string type = upper(card.value("TYPE"));
+    _kind = kind_of(type);
+    if (_kind == Kind::other)
+      fail("elements of a type that is not supported", type.empty() ? std::string(_line) : type,
+           "mesh the body with 4-node tetrahedra (C3D4) and export it again");
+    _set = named(_element_sets, card.value("ELSET"));
+  }
+
+  struct Set {
+    std::string name;
+    std::vector<std::int64_t> numbers;
+    std::vector<std::string> sets;  ///< in capitals
+  };
+  using Sets = std::map<std::string, Set>;
+
+  static Set* named(Sets& sets, const std::string& name) {
+    if (name.empty()) return nullptr;
+    auto& set = sets[upper(name)];
+    if (set.name.empty()) set.name = name;
+    return &set;
+  }
+  Set* required(Sets& sets, const Card& card, const char* key) const {
+    if (Set* set = named(sets, card.value(key))) return set;
+    fail("a set has no name", std::string(_line), std::string("write ") + key + "=NAME");
+  }
+
+  void read_data(const Card& card) {
+    if (card.name == "*NODE") read_node();
+    if (card.name == "*ELEMENT" && _kind != Kind::line) read_element();
+    if (card.name == "*NSET" || card.name == "*ELSET") read_set();
+    if (card.name == "*INSTANCE")
+      fail("an instance of a part is moved or turned", std::string(_line),
+           "write the part alone, with its nodes where they belong");
+  }
+
+  void read_node() {
+    const auto parts = fields(_line);
+    if (parts.size() < 2 || parts.size() > 4)
+      fail("a node does not have a number and three coordinates", std::string(_line), "export the file again");
+    const auto tag = number<std::int64_t>(parts[0], "a node's number");
+    if (!_position.emplace(tag, static_cast<std::int32_t>(_raw.nodes.size())).second)
+      fail("two nodes have the same number", std::to_string(tag), "write one part with its own numbers");
+    auto& x = _raw.nodes.emplace_back(std::array<double, 3>{});
+    for (std::size_t k = 1; k < parts.size(); ++k) x[k - 1] = number<double>(parts[k], "a node's coordinate");
+    if (_set) _set->numbers.push_back(tag);
+  }
+
+  void read_element() {
+    for (const auto field : fields(_line))
+      _pending.push_back(number<std::int64_t>(field, "an element's number or node"));
+    const std::size_t size = _kind == Kind::tetrahedron ? 5 : 4;
+    if (_pending.size() > size)
+      fail("an element has too many nodes", "element " + std::to_string(_pending.front()), "export the file again");
+    if (_pending.size() < size) return;  // it goes on in the next line
+    const std::int64_t tag = _pending.front();
+    std::vector<std::int32_t> nodes;
+    for (std::size_t k = 1; k < size; ++k) nodes.push_back(position(_pending[k], "element " + std::to_string(tag)));
+    if (!_elements.emplace(tag, nodes).second)
+      fail("two elements have the same number", std::to_string(tag), "write one part with its own numbers");
+    if (size == 5)
+      _raw.tetrahedra.push_back({nodes[0], nodes[1], nodes[2], nodes[3]});
+    else
+      _raw.triangles.push_back({nodes[0], nodes[1], nodes[2]});
+    if (_set) _set->numbers.push_back(tag);
+    _pending.clear();
+  }
+
+  std::int32_t position(std::int64_t tag, const std::string& user) const {
+    const auto found = _position.find(tag);
+    if (found == _position.end())
+      fail(user + " uses a node that is not in the file above it", "node " + std::to_string(tag),
+           "export the file again");
+    return found->second;
+  }
+
+  void read_set() {
+    const auto parts = fields(_line);
+    if (_generate) {
+      std::array<std::int64_t, 3> range{0, 0, 1};
+      if (parts.size() < 2 || parts.size() > 3)
+        fail("a generated set needs first, last and step", std::string(_line), "export the file again");
+      for (std::size_t k = 0; k < parts.size(); ++k) range[k] = number<std::int64_t>(parts[k], "a set's range");
+      const std::size_t known = _raw.nodes.size() + _elements.size();
+      if (range[2] < 1 || range[0] < 0 || range[1] < range[0] ||
+          static_cast<std::uint64_t>((range[1] - range[0]) / range[2]) > known)
+        fail("a generated set has an impossible range", std::string(_line), "export the file again");
+      for (std::int64_t i = range[0]; i <= range[1]; i += range[2]) _set->numbers.push_back(i);
+      return;
+    }
+    for (const auto field : parts) {
+      const bool is_number = !field.empty() && field.find_first_not_of("0123456789") == field.npos;
+      if (is_number)
+        _set->numbers.push_back(number<std::int64_t>(field, "a set's number"));
+      else
+        _set->sets.push_back(upper(field));
+    }
+  }
+
+  /// The numbers of a set and of those that it names, each of which is visited once.
+  std::set<std::int64_t> numbers_of(const Sets& sets, const std::string& name) const {
+    std::set<std::int64_t> numbers;
+    std::set<std::string> seen{name};
+    std::vector<std::string> open{name};
+    while (!open.empty()) {
+      const auto found = sets.find(open.back());
+      if (found == sets.end())
+        throw input_error(_source + ": a set names another one that is not in the file", open.back(),
+                          "export the file again");
+      open.pop_back();
+      numbers.insert(found->second.numbers.begin(), found->second.numbers.end());
+      for (const auto& other : found->second.sets)
+        if (seen.insert(other).second) open.push_back(other);
+    }
+    return numbers;
+  }
+
+  void finish_groups() {
+    for (const auto& [key, set] : _node_sets) {
+      std::set<std::int32_t> nodes;
+      for (const std::int64_t tag : numbers_of(_node_sets, key))
+        if (const auto found = _position.find(tag); found != _position.end()) nodes.insert(found->second);
+      if (!nodes.empty()) _raw.groups[set.name].assign(nodes.begin(), nodes.end());
+    }
+    for (const auto& [key, set] : _element_sets) {
+      std::set<std::int32_t> nodes;
+      for (const std::int64_t tag : numbers_of(_element_sets, key))
+        if (const auto found = _elements.find(tag); found != _elements.end())
+          nodes.insert(found->second.begin(), found->second.end());
+      if (nodes.empty()) continue;
+      std::string name = set.name;
+      if (_node_sets.contains(key)) {
+        name = "elements " + set.name;
+        _raw.notes.push_back("a set of nodes and one of elements are both called " + set.name + ": the group '" + name +
+                             "' holds the nodes of the elements");
+      }
+      _raw.groups[name].assign(nodes.begin(), nodes.end());
+    }
+  }
+
+  Scanner& _scanner;
+  Scanner _here;  ///< at the beginning of the line
+  const std::string& _source;
+  std::string_view _line;
+  RawMesh _raw;
+  Kind _kind = Kind::other;
+  Set* _set = nullptr;
+  bool _generate = false;
+  Sets _node_sets, _element_sets;
+  std::vector<std::int64_t> _pending;  ///< number and nodes of an element that is not complete
+  std::unordered_map<std::int64_t, std::int32_t> _position;
+  std::unordered_map<std::int64_t, std::vector<std::int32_t>> _elements;
+};
+
+}  // namespace
+
+RawMesh read_inp(const std::string& bytes, const std::string& source) {
+  Scanner scanner(bytes, source);
+  if (!bytes.ends_with('\n') && !bytes.ends_with('\r'))
+    throw input_error(source + ": the file ends without a line break, perhaps in the middle of a number", "",
+                      "export the file again; if it is whole, end its last line with a line break");
+  RawMesh raw = InpFile(scanner, source).read();
+  if (raw.tetrahedra.empty() && raw.triangles.empty())
+    throw input_error(source + ": the file holds neither tetrahedra (C3D4) nor triangles (S3)",
+                      std::to_string(raw.nodes.size()) + " nodes", "write the mesh with its elements");
+  return raw;
+}
+
+}  // namespace phynness::meshes

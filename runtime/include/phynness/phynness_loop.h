@@ -1,0 +1,166 @@
+/* phynness: the part of a haptic controller between a device and a body.
+ *
+ * One cycle: read the device; phn_loop_read gives the position of the tool; phn_force, phn_couple or phn_contact_step
+ * gives the response of the body at this position; phn_loop_hold gives the force for the device. The library contains
+ * the virtual coupling between device and tool, the transform between their frames, a passivity observer and
+ * controller, limits of force and slew rate, ramps, a clutch, and a trip that switches the force off and keeps it off.
+ * It does not depend on a model and may be used with any other source of forces.
+ *
+ * The caller provides the memory. No function allocates memory, prints, or reads a clock or a file. A phn_loop belongs
+ * to one thread. Units are SI. Functions that return int return a status of phynness.h. All outputs are finite.
+ *
+ * Frames: x_body = origin_m + motion_scale * rotation * x_device. A force of the body acts on the device as
+ * force_scale * rotation^T * force. Positions, velocities, forces and energies are those of the device unless a comment
+ * says otherwise. An energy is positive if the loop takes it from the device.
+ *
+ * Time: `now_s` and the times of samples are those of one monotonic clock of the caller [s]. A force acts from
+ * force_delay_s after its phn_loop_hold until the next force acts.
+ *
+ * The passivity observer adds up -force . displacement for the forces that the device held between the times of two
+ * position samples. It therefore knows the energy up to the time of the newest sample. It is exact up to the resolution
+ * of the positions if forces change at the times of samples, and otherwise exact for a constant velocity between two
+ * samples. Methods: passivity observer and controller, Hannaford & Ryu 2002 (doi 10.1109/70.988969); passivity of a
+ * sampled spring and damper, Colgate & Schenkel 1997. Equations: docs/howto/haptic-loop.md. */
+#ifndef PHYNNESS_LOOP_H
+#define PHYNNESS_LOOP_H
+
+#include <phynness/phynness_api.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct phn_loop phn_loop;
+
+/* [Values of phn_loop_defaults]. A limit of 0 is not checked. */
+typedef struct phn_loop_settings {
+  double period_s;              /* of a cycle [1e-3] */
+  double latency_s;             /* age of a position when it is read, if samples have no times [0] */
+  double force_delay_s;         /* from phn_loop_hold until the device applies the force [0] */
+  double position_resolution_m; /* step of the measured positions [0] */
+  int32_t has_times;            /* 1: phn_loop_sample.time_s is valid [0] */
+
+  int32_t passivity_controller; /* 1: on, 0: only the observer [1] */
+  double rotation[9];           /* proper rotation, row by row, correct to 1e-9 [identity] */
+  double origin_m[3];           /* position of the device's origin in the body frame [0, 0, 0] */
+  double motion_scale;          /* metres of the body per metre of the device, > 0 [1] */
+  double force_scale;           /* newtons at the device per newton of the body, > 0 [1] */
+
+  double coupling_N_per_m;          /* stiffness of the virtual coupling, at the device [400] */
+  double coupling_damping_Ns_per_m; /* for the velocity of the device relative to the tool [0.2] */
+  double device_damping_Ns_per_m;   /* damping that the device certainly has; dissipation that may be used [0] */
+  double reach_m;                   /* largest displacement of the body, body frame; 0: no limit [0] */
+  double largest_damping_Ns_per_m;  /* of the passivity controller [2] */
+  double least_mass_kg;     /* smallest apparent mass of device and hand; bounds forces before a reversal [0.05] */
+  double allowance_J;       /* energy that the loop may deliver in all before the controller acts [2e-5] */
+  double largest_reserve_J; /* energy beyond the stored energy that may be returned later [5e-4] */
+
+  double largest_force_N;      /* a longer force is shortened [8] */
+  double largest_slew_N_per_s; /* rate of change of the force [4000] */
+  double force_resolution_N;   /* step of the motors [0] */
+
+  double check_force_N; /* test pulses of phn_loop_engage; 0: no test [0.4] */
+  double engage_s;      /* ramp of the force after phn_loop_engage [0.1] */
+  double release_s;     /* ramp after phn_loop_release and phn_loop_clutch [0.1] */
+  double trip_ramp_s;   /* ramp after a trip; PHN_TRIP_ENERGY ends the force at once [0.005] */
+
+  double trip_energy_J;      /* delivered by the loop beyond what it took and device_damping dissipated [3e-4] */
+  double trip_force_N;       /* of the coupling before all limits [40] */
+  double trip_speed_m_per_s; /* of the device, over 4 samples [2] */
+  double trip_jump_m;        /* between two samples one period apart [0.01] */
+  double trip_stale_s;       /* age of the newest position in addition to latency_s [0.01] */
+  double trip_frozen_s;      /* a position that stops suddenly and then does not change by one bit [0.05] */
+  double trip_overrun_s;     /* between two calls of phn_loop_hold [0.02] */
+} phn_loop_settings;
+PHN_API int phn_loop_defaults(phn_loop_settings* settings);
+
+enum { /* phn_loop_report.state */
+       PHN_LOOP_OFF = 0,
+       PHN_LOOP_CHECKING = 1,
+       PHN_LOOP_ENGAGING = 2,
+       PHN_LOOP_ON = 3,
+       PHN_LOOP_RELEASING = 4,
+       PHN_LOOP_CLUTCHED = 5,
+       PHN_LOOP_TRIPPED = 6
+};
+enum { /* phn_loop_report.trip */
+       PHN_TRIP_NONE = 0,
+       PHN_TRIP_ENERGY = 1,
+       PHN_TRIP_FORCE = 2,
+       PHN_TRIP_SPEED = 3,
+       PHN_TRIP_JUMP = 4,
+       PHN_TRIP_STALE = 5,
+       PHN_TRIP_FROZEN = 6,
+       PHN_TRIP_OVERRUN = 7,
+       PHN_TRIP_NOT_FINITE = 8, /* a position beyond 1000 m, or one or a response of the body is NaN or infinite */
+       PHN_TRIP_CLOCK = 9,      /* now_s runs backwards */
+       PHN_TRIP_CHECK = 10,     /* the device does not move along the test pulses: wrong axis, sign or unit */
+       PHN_TRIP_BODY = 11       /* the response of the body was refused: status < 0 in phn_loop_response */
+};
+/* The reason of a trip in one sentence; never null. */
+PHN_API const char* phn_loop_trip_message(int trip);
+
+/* Memory of a loop [bytes], and a loop in this memory, which is switched off. PHN_ERROR_ARGUMENT: a null pointer, a
+ * setting out of its range, or a rotation that is not a proper rotation. PHN_ERROR_NOT_FINITE: a setting is NaN or
+ * infinite. */
+PHN_API int phn_loop_size(size_t* bytes);
+PHN_API int phn_loop_init(void* memory, size_t bytes, const phn_loop_settings* settings, phn_loop** loop);
+
+/* Engage: tests the device with small force pulses (0.1 s, check_force_N), then raises the force. Release: lowers the
+ * force to zero and switches off. Clutch on: lowers the force to zero; the tool stays where it is and the device moves
+ * freely. Clutch off: the tool continues from there, as the origin is moved. Reset: switches a tripped loop off.
+ * PHN_ERROR_ARGUMENT: the loop is tripped (engage, release, clutch) or not engaged (clutch). */
+PHN_API int phn_loop_engage(phn_loop* loop);
+PHN_API int phn_loop_release(phn_loop* loop);
+PHN_API int phn_loop_clutch(phn_loop* loop, int32_t on);
+PHN_API int phn_loop_reset(phn_loop* loop);
+
+typedef struct phn_loop_sample {
+  double position_m[3]; /* of the device */
+  double time_s;        /* when it was measured; ignored unless has_times */
+} phn_loop_sample;
+
+/* Begins a cycle. `sample` is the newest position, or null if none arrived. Late, repeated and reordered samples are
+ * recognized by their times; a lost sample is bridged with constant velocity. `tool` is the position of the tool in the
+ * body frame, for which the caller computes the response of the body. */
+PHN_API int phn_loop_read(phn_loop* loop, const phn_loop_sample* sample, double now_s, double tool[3]);
+
+/* Response of the body to the tool, body frame. */
+typedef struct phn_loop_response {
+  int32_t status;         /* of the function that computed it; < 0 trips the loop */
+  int32_t in_contact;     /* 0: the body is not touched, and the tool follows the device without force */
+  int32_t has_stiffness;  /* 0: the secant stiffness force . displacement / |displacement|^2 is used */
+  double force[3];        /* on the body [N] */
+  double stiffness[9];    /* its derivative [N/m], symmetric; may be indefinite */
+  double displacement[3]; /* of the held point of the body from its rest position [m] */
+  double energy;          /* stored [J]; < 0: not known */
+} phn_loop_response;
+
+/* Ends a cycle: moves the tool by one Newton step towards the balance of body and coupling, and gives the force for the
+ * device [N]. Zeros while the loop is off. */
+PHN_API int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now_s, double force[3]);
+
+/* The force [N] that the device really holds since the last phn_loop_hold, if it reports one that differs from the
+ * output. Call it directly after phn_loop_hold. */
+PHN_API int phn_loop_held(phn_loop* loop, const double force[3]);
+
+typedef struct phn_loop_report {
+  int32_t state, trip;     /* PHN_LOOP_*, PHN_TRIP_* */
+  double work_J;           /* taken from the device since phn_loop_engage, up to the time of the newest sample */
+  double most_delivered_J; /* largest value of -work_J so far */
+  double gross_J;          /* sum of |force . displacement| */
+  double unsure_J;         /* bound of the error of work_J that lost samples cause */
+  double dissipated_J;     /* lower bound of what device_damping_Ns_per_m dissipated */
+  double speed_m_per_s;    /* of the device */
+  double latency_s;        /* age of the newest sample at the last phn_loop_read */
+  double force_N[3];       /* last force */
+  int64_t cycles, limited; /* all; those in which the passivity controller changed the force */
+  int64_t missing, repeated, reordered; /* cycles without a sample; samples that were not newer than the last */
+} phn_loop_report;
+PHN_API int phn_loop_get_report(const phn_loop* loop, phn_loop_report* report);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,117 @@
+// Virtual coupling: a spring and a damper between the device and a tool without mass, which is where the forces of
+// spring and body balance. Each cycle makes one Newton step.
+#include "loop.hpp"
+
+namespace phynness::loop {
+
+namespace {
+
+/// Solves (K + a I) x = b; K symmetric, K + a I positive definite.
+Vector solve(const double* K, double a, Vector b) {
+  const double p = K[0] + a, q = K[4] + a, r = K[8] + a, u = K[1], v = K[2], w = K[5];
+  const double c00 = q * r - w * w, c01 = w * v - u * r, c02 = u * w - q * v;
+  const double c11 = p * r - v * v, c12 = u * v - p * w, c22 = p * q - u * u;
+  const double scale = 1 / (p * c00 + u * c01 + v * c02);
+  return scale * Vector{c00 * b.x + c01 * b.y + c02 * b.z, c01 * b.x + c11 * b.y + c12 * b.z,
+                        c02 * b.x + c12 * b.y + c22 * b.z};
+}
+
+/// A lower bound of the eigenvalues of a symmetric matrix (Gershgorin).
+double softest(const double* K) {
+  const double u = std::fabs(K[1]), v = std::fabs(K[2]), w = std::fabs(K[5]);
+  return std::fmin(K[0] - u - v, std::fmin(K[4] - u - w, K[8] - v - w));
+}
+
+/// Newton step of the balance of the coupling [N/m, body frame] with the body.
+Vector newton_step(const phn_loop_response& response, double coupling, Vector unbalanced) {
+  double K[9] = {};
+  if (response.has_stiffness != 0) {
+    for (int i = 0; i < 9; ++i) K[i] = response.stiffness[i];
+  } else {
+    // The step finds the balance if the tangent is at most twice as stiff as this secant and the coupling together.
+    const Vector d = load(response.displacement);
+    const double d2 = dot(d, d), secant = d2 > 0 ? std::fmax(0.0, dot(load(response.force), d) / d2) : 0;
+    K[0] = K[4] = K[8] = secant;
+  }
+  // Where the body softens more than half as fast as the coupling is stiff, the step is damped.
+  const double damped = std::fmax(0.0, -0.5 * coupling - softest(K));
+  return solve(K, coupling + damped, unbalanced);
+}
+
+}  // namespace
+
+void ToolPath::add(Vector tool) {
+  for (int i = n_velocity; i > 0; --i) last[i] = last[i - 1];
+  last[0] = tool;
+  if (n < n_velocity + 1) ++n;
+}
+
+Vector ToolPath::velocity(double period) const {
+  return n < 2 ? Vector{} : (1 / ((n - 1) * period)) * (last[0] - last[n - 1]);
+}
+
+Vector to_body(const phn_loop& loop, Vector x) {
+  const double* R = loop.settings.rotation;
+  const double s = loop.settings.motion_scale;
+  return {loop.origin[0] + s * (R[0] * x.x + R[1] * x.y + R[2] * x.z),
+          loop.origin[1] + s * (R[3] * x.x + R[4] * x.y + R[5] * x.z),
+          loop.origin[2] + s * (R[6] * x.x + R[7] * x.y + R[8] * x.z)};
+}
+
+namespace {
+
+Vector turned_back(const double* R, Vector b) {
+  return {R[0] * b.x + R[3] * b.y + R[6] * b.z, R[1] * b.x + R[4] * b.y + R[7] * b.z,
+          R[2] * b.x + R[5] * b.y + R[8] * b.z};
+}
+
+}  // namespace
+
+Vector vector_to_device(const phn_loop& loop, Vector body) {
+  return (1 / loop.settings.motion_scale) * turned_back(loop.settings.rotation, body);
+}
+
+Vector force_to_device(const phn_loop& loop, Vector body) {
+  return loop.settings.force_scale * turned_back(loop.settings.rotation, body);
+}
+
+Vector predicted(const phn_loop& loop, double now) {
+  const phn_loop_settings& s = loop.settings;
+  const double ahead = now - loop.observer.time() + s.force_delay_s + 0.5 * s.period_s;
+  Vector moved = ahead * loop.observer.velocity(n_velocity);
+  if (s.trip_jump_m > 0) moved = shortened(moved, s.trip_jump_m);
+  return loop.observer.position() + moved;
+}
+
+Vector couple(phn_loop& loop, const phn_loop_response& response, double now, double& stored) {
+  const phn_loop_settings& s = loop.settings;
+  const Vector target = to_body(loop, predicted(loop, now));
+  stored = 0;
+  if (!loop.placed || response.in_contact == 0) {
+    loop.tool = target;
+    loop.placed = true;
+    loop.path.n = 0;
+    loop.path.add(vector_to_device(loop, loop.tool));
+    return {};
+  }
+  const double coupling = s.coupling_N_per_m / (s.force_scale * s.motion_scale);
+  const Vector of_body = load(response.force), displacement = load(response.displacement);
+  Vector step = newton_step(response, coupling, coupling * (target - loop.tool) - of_body);
+  if (s.reach_m > 0 && length(displacement + step) > s.reach_m)
+    step = shortened(displacement + step, s.reach_m) - displacement;
+  if (!finite(step)) {
+    trip(loop, PHN_TRIP_NOT_FINITE, now);
+    return {};
+  }
+  loop.tool = loop.tool + step;
+  loop.path.add(vector_to_device(loop, loop.tool));
+
+  const Vector stretch = loop.tool - target;
+  // Where the energy is not known, force . displacement is an upper bound of it as long as the body stiffens.
+  const double of_tissue = response.energy >= 0 ? response.energy : std::fmax(0.0, dot(of_body, displacement));
+  stored = s.force_scale / s.motion_scale * (of_tissue + 0.5 * coupling * dot(stretch, stretch));
+  const Vector slip = loop.observer.velocity(n_velocity) - loop.path.velocity(s.period_s);
+  return force_to_device(loop, coupling * stretch) - s.coupling_damping_Ns_per_m * slip;
+}
+
+}  // namespace phynness::loop

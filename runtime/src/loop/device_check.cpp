@@ -1,0 +1,128 @@
+#include "device_check.hpp"
+
+namespace phynness::loop {
+
+namespace {
+
+/// Solves the 4 x 4 normal equations with partial pivoting. @return false if they are singular
+bool solve(double (&a)[4][4], double (&b)[4][4]) {
+  for (int k = 0; k < 4; ++k) {
+    int pivot = k;
+    for (int i = k + 1; i < 4; ++i) pivot = std::fabs(a[i][k]) > std::fabs(a[pivot][k]) ? i : pivot;
+    if (!(std::fabs(a[pivot][k]) > 1e-9)) return false;
+    for (int j = 0; j < 4; ++j) {
+      const double t = a[k][j];
+      a[k][j] = a[pivot][j];
+      a[pivot][j] = t;
+    }
+    for (int j = 0; j < 4; ++j) {
+      const double t = b[k][j];
+      b[k][j] = b[pivot][j];
+      b[pivot][j] = t;
+    }
+    for (int i = 0; i < 4; ++i) {
+      if (i == k) continue;
+      const double factor = a[i][k] / a[k][k];
+      for (int j = 0; j < 4; ++j) a[i][j] -= factor * a[k][j];
+      for (int j = 0; j < 4; ++j) b[i][j] -= factor * b[k][j];
+    }
+  }
+  return true;
+}
+
+constexpr double least_mobility = 0.2, largest_mobility = 200;  // 1/kg, for 1 N
+
+}  // namespace
+
+void DeviceCheck::restart() {
+  *this = DeviceCheck(_force);
+  _passed = true;
+  begin_axis(0);
+}
+
+void DeviceCheck::begin_axis(int axis) {
+  if (axis != _axis) _attempts = 0;
+  _axis = axis;
+  _cycle = _n_samples = 0;
+  for (auto& row : _normal)
+    for (double& v : row) v = 0;
+  for (auto& row : _right)
+    for (double& v : row) v = 0;
+  for (double& v : _squares) v = 0;
+}
+
+Vector DeviceCheck::next(double time) {
+  if (finished()) return {};
+  const bool measured = _cycle > 4 * eighth && _newest >= _switch[3];
+  if (measured || _cycle == 4 * eighth + longest_wait) {
+    if (moved_as_pushed()) {
+      begin_axis(_axis + 1);
+    } else if (++_attempts < most_attempts) {
+      begin_axis(_axis);
+    } else {
+      _passed = false;
+      _axis = 3;
+    }
+    if (finished()) return {};
+  }
+  if (_cycle == 0) _switch[0] = time;
+  if (_cycle == eighth) _switch[1] = time;
+  if (_cycle == 3 * eighth) _switch[2] = time;
+  if (_cycle == 4 * eighth) _switch[3] = time;
+  const int quarter = _cycle / eighth;
+  ++_cycle;
+  const double f = quarter > 3 ? 0 : quarter == 0 || quarter == 3 ? _force : -_force;
+  return {_axis == 0 ? f : 0, _axis == 1 ? f : 0, _axis == 2 ? f : 0};
+}
+
+/// Displacement of a free mass of 1 kg under the pulses so far, in units of 1e-5 m.
+double DeviceCheck::response(double time) const {
+  const double sign[4] = {1, -2, 2, -1};
+  const int n_switches = _cycle > 4 * eighth ? 4 : _cycle > 3 * eighth ? 3 : _cycle > eighth ? 2 : 1;
+  double moved = 0;
+  for (int i = 0; i < n_switches; ++i) {
+    const double since = time - _switch[i];
+    if (since > 0) moved += sign[i] * 0.5 * _force * since * since;
+  }
+  return 1e5 * moved;
+}
+
+void DeviceCheck::sample(double time, Vector position) {
+  _newest = time;
+  if (finished() || _cycle == 0 || time < _switch[0]) return;
+  // The hand moves meanwhile: a parabola is fitted beside the response. Time in units of 10 ms keeps the sums of one
+  // order of magnitude.
+  const double t = 1e2 * (time - _switch[0]);
+  const double base[4] = {1, t, t * t, response(time)}, x[3] = {position.x, position.y, position.z};
+  for (int j = 0; j < 3; ++j) {
+    if (_n_samples == 0) _first[j] = x[j];
+    _squares[j] += (x[j] - _first[j]) * (x[j] - _first[j]);
+  }
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) _normal[i][j] += base[i] * base[j];
+    for (int j = 0; j < 3; ++j) _right[i][j] += base[i] * (x[j] - _first[j]);
+  }
+  ++_n_samples;
+}
+
+/// Whether the mobilities are inside their bounds by four standard errors: motions of the hand are smooth, so that
+/// neighbouring residuals are alike.
+bool DeviceCheck::moved_as_pushed() {
+  double right[4][4];
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) right[i][j] = j < 3 ? _right[i][j] : i == 3;
+  if (_n_samples < 2 * eighth || !solve(_normal, right)) return false;
+  double mobility[3], unsure[3];
+  for (int j = 0; j < 3; ++j) {
+    double left = _squares[j];
+    for (int i = 0; i < 4; ++i) left -= right[i][j] / _normal[i][i] * _right[i][j];
+    mobility[j] = 1e5 * right[3][j] / _normal[3][3];
+    unsure[j] = 4e5 * std::sqrt(std::fmax(0.0, left / (_n_samples - 4) * right[3][3] / _normal[3][3]));
+  }
+  const double least = mobility[_axis] - unsure[_axis], most = mobility[_axis] + unsure[_axis];
+  bool moved = least >= least_mobility && most <= largest_mobility;
+  for (int j = 0; j < 3; ++j) moved &= j == _axis || std::fabs(mobility[j]) + unsure[j] < 0.5 * least;
+  return moved;
+}
+
+}  // namespace phynness::loop

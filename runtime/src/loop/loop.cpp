@@ -1,0 +1,400 @@
+// The C interface of phynness_loop.h.
+#include "loop.hpp"
+
+#include <phynness/phynness.h>
+
+#include <cstdint>
+#include <new>
+
+using namespace phynness::loop;
+
+namespace {
+
+bool proper_rotation(const double* R) {
+  constexpr double rounding = 1e-9;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const double product = R[3 * i] * R[3 * j] + R[3 * i + 1] * R[3 * j + 1] + R[3 * i + 2] * R[3 * j + 2];
+      if (!(std::fabs(product - (i == j)) <= rounding)) return false;
+    }
+  const double determinant =
+      R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) + R[2] * (R[3] * R[7] - R[4] * R[6]);
+  return determinant > 0;
+}
+
+int refuse(const phn_loop_settings& s) {
+  const double positive[] = {s.period_s, s.motion_scale, s.force_scale, s.coupling_N_per_m, s.largest_force_N};
+  const double at_least_0[] = {s.latency_s,
+                               s.force_delay_s,
+                               s.position_resolution_m,
+                               s.coupling_damping_Ns_per_m,
+                               s.device_damping_Ns_per_m,
+                               s.reach_m,
+                               s.largest_damping_Ns_per_m,
+                               s.least_mass_kg,
+                               s.allowance_J,
+                               s.largest_reserve_J,
+                               s.largest_slew_N_per_s,
+                               s.force_resolution_N,
+                               s.check_force_N,
+                               s.engage_s,
+                               s.release_s,
+                               s.trip_ramp_s,
+                               s.trip_energy_J,
+                               s.trip_force_N,
+                               s.trip_speed_m_per_s,
+                               s.trip_jump_m,
+                               s.trip_stale_s,
+                               s.trip_frozen_s,
+                               s.trip_overrun_s};
+  constexpr double largest = 1e9;  // products of the settings stay finite
+  for (const double v : positive) {
+    if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
+    if (!(v > 1 / largest) || v > largest) return PHN_ERROR_ARGUMENT;
+  }
+  for (const double v : at_least_0) {
+    if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
+    if (v < 0 || v > largest) return PHN_ERROR_ARGUMENT;
+  }
+  if (!finite(load(s.origin_m))) return PHN_ERROR_NOT_FINITE;
+  for (const double v : s.rotation)
+    if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
+  return proper_rotation(s.rotation) ? PHN_OK : PHN_ERROR_ARGUMENT;
+}
+
+/// A position that a device can have [m]; others are treated like NaN.
+bool plausible(const phn_loop_sample& sample) {
+  constexpr double largest = 1e3;
+  bool all = true;
+  for (const double x : sample.position_m) all &= std::fabs(x) <= largest;
+  return all;
+}
+
+bool is_on(const phn_loop& loop) { return loop.state != PHN_LOOP_OFF && loop.state != PHN_LOOP_TRIPPED; }
+
+/// Factor of the force; ends ramps.
+double advance_ramp(phn_loop& loop, double now) {
+  const phn_loop_settings& s = loop.settings;
+  const double since = now - loop.ramp_from;
+  const auto share = [&](double duration) { return duration > 0 ? std::fmin(1.0, since / duration) : 1; };
+  switch (loop.state) {
+    case PHN_LOOP_ENGAGING:
+      loop.ramp = std::fmax(loop.ramp, share(s.engage_s));
+      if (loop.ramp >= 1) loop.state = PHN_LOOP_ON;
+      break;
+    case PHN_LOOP_ON:
+      loop.ramp = 1;
+      break;
+    case PHN_LOOP_RELEASING:
+    case PHN_LOOP_CLUTCHED:
+      loop.ramp = std::fmin(loop.ramp, 1 - share(s.release_s));
+      if (loop.state == PHN_LOOP_RELEASING && loop.ramp <= 0) loop.state = PHN_LOOP_OFF;
+      break;
+    default:
+      loop.ramp = 0;
+  }
+  return loop.ramp;
+}
+
+/// The last force, lowered to zero within trip_ramp_s. A part that would help the motion ends at once, and so does the
+/// whole force after PHN_TRIP_ENERGY: what acts there is not the force of this loop.
+Vector ramped_down(const phn_loop& loop, double now) {
+  const double ramp = loop.settings.trip_ramp_s, dt = now - loop.last_hold, left = loop.ramp_from + ramp - now;
+  if (!(left > 0) || loop.trip == PHN_TRIP_ENERGY) return {};
+  Vector force = (left / (left + std::fmax(0.0, dt))) * loop.force;
+  const Vector velocity = loop.observer.velocity(n_velocity);
+  const double power = dot(force, velocity), speed2 = dot(velocity, velocity);
+  if (power > 0) force = force - (power / speed2) * velocity;
+  return finite(force) ? force : Vector{};
+}
+
+Vector rounded(Vector force, double step) {
+  if (!(step > 0)) return force;
+  // Towards zero, so that the force stays within its limit.
+  return {step * std::trunc(force.x / step), step * std::trunc(force.y / step), step * std::trunc(force.z / step)};
+}
+
+/// The force of a cycle in which the loop is on.
+Vector next_force(phn_loop& loop, const phn_loop_response& response, double now) {
+  const phn_loop_settings& s = loop.settings;
+  double stored = 0;
+  Vector force = couple(loop, response, now, stored);
+  if (!finite(force)) {
+    trip(loop, PHN_TRIP_NOT_FINITE, now);
+    return {};
+  }
+  if (s.trip_force_N > 0 && length(force) > s.trip_force_N) trip(loop, PHN_TRIP_FORCE, now);
+  force = shortened(advance_ramp(loop, now) * force, s.largest_force_N);
+  if (s.largest_slew_N_per_s > 0)
+    force = loop.force + shortened(force - loop.force, s.largest_slew_N_per_s * std::fmax(0.0, now - loop.last_hold));
+  return rounded(shortened(kept_passive(loop, force, stored, now), s.largest_force_N), s.force_resolution_N);
+}
+
+/// Test pulses: @return whether the check goes on.
+bool check_device(phn_loop& loop, double now, Vector& force) {
+  force = loop.check.next(now + loop.settings.force_delay_s);
+  if (!loop.check.finished()) return true;
+  if (!loop.check.passed()) {
+    trip(loop, PHN_TRIP_CHECK, now);
+  } else {
+    loop.state = PHN_LOOP_ENGAGING;
+    loop.ramp_from = now;
+    loop.ramp = 0;
+    loop.observer.restart();
+    loop.forgotten = 0;
+  }
+  return false;
+}
+
+bool is_finite(const phn_loop_response& r) {
+  bool all = finite(load(r.force)) && finite(load(r.displacement)) && std::isfinite(r.energy);
+  for (int i = 0; i < 9 && r.has_stiffness != 0; ++i) all &= std::isfinite(r.stiffness[i]);
+  return all;
+}
+
+void check_response(phn_loop& loop, const phn_loop_response& response, double now) {
+  if (response.status < 0) {
+    trip(loop, PHN_TRIP_BODY, now);
+  } else if (response.in_contact != 0 && !is_finite(response)) {
+    trip(loop, PHN_TRIP_NOT_FINITE, now);
+  }
+}
+
+void take_sample(phn_loop& loop, const phn_loop_sample* sample) {
+  if (sample == nullptr) {
+    ++loop.missing;
+    return;
+  }
+  const phn_loop_settings& s = loop.settings;
+  const double time = s.has_times != 0 ? sample->time_s : loop.now - s.latency_s;
+  if (!plausible(*sample) || !std::isfinite(time)) {
+    trip(loop, PHN_TRIP_NOT_FINITE, loop.now);
+    return;
+  }
+  if (loop.observer.started() && !(time > loop.observer.time())) {
+    ++(time < loop.observer.time() ? loop.reordered : loop.repeated);
+    return;
+  }
+  check_sample(loop, *sample, time);
+  loop.observer.sample(time, load(sample->position_m));
+  if (loop.state == PHN_LOOP_CHECKING) loop.check.sample(time, load(sample->position_m));
+}
+
+}  // namespace
+
+extern "C" {
+
+int phn_loop_defaults(phn_loop_settings* settings) {
+  if (settings == nullptr) return PHN_ERROR_ARGUMENT;
+  phn_loop_settings s = {};
+  s.period_s = 1e-3;
+  s.passivity_controller = 1;
+  s.rotation[0] = s.rotation[4] = s.rotation[8] = 1;
+  s.motion_scale = s.force_scale = 1;
+  s.coupling_N_per_m = 400;
+  s.coupling_damping_Ns_per_m = 0.2;
+  s.largest_damping_Ns_per_m = 2;
+  s.least_mass_kg = 0.05;
+  s.allowance_J = 2e-5;
+  s.largest_reserve_J = 5e-4;
+  s.largest_force_N = 8;
+  s.largest_slew_N_per_s = 4000;
+  s.check_force_N = 0.4;
+  s.engage_s = s.release_s = 0.1;
+  s.trip_ramp_s = 0.005;
+  s.trip_energy_J = 3e-4;
+  s.trip_force_N = 40;
+  s.trip_speed_m_per_s = 2;
+  s.trip_jump_m = 0.01;
+  s.trip_stale_s = 0.01;
+  s.trip_frozen_s = 0.05;
+  s.trip_overrun_s = 0.02;
+  *settings = s;
+  return PHN_OK;
+}
+
+const char* phn_loop_trip_message(int trip) {
+  switch (trip) {
+    case PHN_TRIP_NONE:
+      return "The loop has not tripped.";
+    case PHN_TRIP_ENERGY:
+      return "The loop delivered more energy than it took from the device and the device dissipated.";
+    case PHN_TRIP_FORCE:
+      return "The force of the coupling was larger than trip_force_N.";
+    case PHN_TRIP_SPEED:
+      return "The device moved faster than trip_speed_m_per_s.";
+    case PHN_TRIP_JUMP:
+      return "The position of the device jumped by more than trip_jump_m.";
+    case PHN_TRIP_STALE:
+      return "No new position arrived for trip_stale_s.";
+    case PHN_TRIP_FROZEN:
+      return "The position of a moving device stopped suddenly and did not change any more.";
+    case PHN_TRIP_OVERRUN:
+      return "A cycle took longer than trip_overrun_s.";
+    case PHN_TRIP_NOT_FINITE:
+      return "A position or a response of the body was NaN or infinite.";
+    case PHN_TRIP_CLOCK:
+      return "The clock ran backwards or was not finite.";
+    case PHN_TRIP_CHECK:
+      return "The device did not move along the test pulses: an axis, a sign or a unit of its positions or forces is "
+             "wrong, or it is blocked.";
+    case PHN_TRIP_BODY:
+      return "The response of the body was refused.";
+    default:
+      return "This is not a reason of a trip.";
+  }
+}
+
+int phn_loop_size(size_t* bytes) {
+  if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
+  *bytes = sizeof(phn_loop) + alignof(phn_loop) - 1;
+  return PHN_OK;
+}
+
+int phn_loop_init(void* memory, size_t bytes, const phn_loop_settings* settings, phn_loop** loop) {
+  if (loop == nullptr) return PHN_ERROR_ARGUMENT;
+  *loop = nullptr;
+  if (memory == nullptr || settings == nullptr) return PHN_ERROR_ARGUMENT;
+  const phn_loop_settings copied = *settings;
+  const int refused = refuse(copied);
+  if (refused != PHN_OK) return refused;
+  const std::size_t off = reinterpret_cast<std::uintptr_t>(memory) % alignof(phn_loop);
+  const std::size_t skipped = off == 0 ? 0 : alignof(phn_loop) - off;
+  if (bytes < sizeof(phn_loop) + skipped) return PHN_ERROR_BUFFER;
+  *loop = new (static_cast<unsigned char*>(memory) + skipped) phn_loop(copied);
+  return PHN_OK;
+}
+
+int phn_loop_engage(phn_loop* loop) {
+  if (loop == nullptr || loop->state == PHN_LOOP_TRIPPED) return PHN_ERROR_ARGUMENT;
+  if (loop->state != PHN_LOOP_OFF && loop->state != PHN_LOOP_RELEASING) return PHN_OK;
+  loop->ramp_from = loop->now;
+  loop->observer.restart();
+  loop->forgotten = 0;
+  if (loop->state == PHN_LOOP_OFF) {
+    loop->placed = false;
+    loop->ramp = 0;
+  }
+  if (loop->settings.check_force_N > 0 && loop->state == PHN_LOOP_OFF) {
+    loop->state = PHN_LOOP_CHECKING;
+    loop->check.restart();
+  } else {
+    loop->state = PHN_LOOP_ENGAGING;
+  }
+  return PHN_OK;
+}
+
+int phn_loop_release(phn_loop* loop) {
+  if (loop == nullptr || loop->state == PHN_LOOP_TRIPPED) return PHN_ERROR_ARGUMENT;
+  if (loop->state == PHN_LOOP_OFF || loop->state == PHN_LOOP_RELEASING) return PHN_OK;
+  loop->state = loop->state == PHN_LOOP_CHECKING ? PHN_LOOP_OFF : PHN_LOOP_RELEASING;
+  loop->ramp_from = loop->now;
+  return PHN_OK;
+}
+
+int phn_loop_clutch(phn_loop* loop, int32_t on) {
+  if (loop == nullptr) return PHN_ERROR_ARGUMENT;
+  const bool clutched = loop->state == PHN_LOOP_CLUTCHED;
+  if (!clutched && loop->state != PHN_LOOP_ENGAGING && loop->state != PHN_LOOP_ON) return PHN_ERROR_ARGUMENT;
+  if (clutched == (on != 0)) return PHN_OK;
+  const Vector place = to_body(*loop, loop->observer.position());
+  if (on != 0) {
+    loop->clutch_at = place;
+    loop->state = PHN_LOOP_CLUTCHED;
+  } else {
+    const Vector moved = loop->clutch_at - place;
+    loop->origin[0] += moved.x;
+    loop->origin[1] += moved.y;
+    loop->origin[2] += moved.z;
+    loop->state = PHN_LOOP_ENGAGING;
+    loop->path.n = 0;
+  }
+  loop->ramp_from = loop->now;
+  return PHN_OK;
+}
+
+int phn_loop_reset(phn_loop* loop) {
+  if (loop == nullptr) return PHN_ERROR_ARGUMENT;
+  const phn_loop_settings settings = loop->settings;
+  *loop = phn_loop(settings);
+  return PHN_OK;
+}
+
+int phn_loop_read(phn_loop* loop, const phn_loop_sample* sample, double now, double tool[3]) {
+  if (tool != nullptr && loop == nullptr) store({}, tool);
+  if (loop == nullptr || tool == nullptr) return PHN_ERROR_ARGUMENT;
+  int status = PHN_OK;
+  if (!std::isfinite(now) || (loop->has_time && now < loop->now)) {
+    trip(*loop, PHN_TRIP_CLOCK, loop->now);
+    status = std::isfinite(now) ? PHN_ERROR_CLOCK : PHN_ERROR_NOT_FINITE;
+  } else {
+    loop->now = now;
+    loop->has_time = true;
+    if (sample != nullptr &&
+        !(finite(load(sample->position_m)) && (loop->settings.has_times == 0 || std::isfinite(sample->time_s))))
+      status = PHN_ERROR_NOT_FINITE;
+    take_sample(*loop, sample);
+    loop->latency = loop->observer.started() ? now - loop->observer.time() : 0;
+    if (is_on(*loop)) check_cycle(*loop, now);
+  }
+  if (!loop->placed && loop->observer.started()) {
+    loop->tool = to_body(*loop, predicted(*loop, loop->now));
+    loop->placed = true;
+  }
+  store(loop->tool, tool);
+  return status;
+}
+
+int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now, double force[3]) {
+  if (force != nullptr && (loop == nullptr || response == nullptr)) store({}, force);
+  if (loop == nullptr || response == nullptr || force == nullptr) return PHN_ERROR_ARGUMENT;
+  int status = PHN_OK;
+  if (!std::isfinite(now) || now < loop->now) {
+    trip(*loop, PHN_TRIP_CLOCK, loop->now);
+    status = std::isfinite(now) ? PHN_ERROR_CLOCK : PHN_ERROR_NOT_FINITE;
+    now = loop->now;
+  }
+  loop->now = now;
+  loop->has_time = true;
+  const double overrun = loop->settings.trip_overrun_s;
+  if (is_on(*loop) && loop->has_held && overrun > 0 && now - loop->last_hold > overrun)
+    trip(*loop, PHN_TRIP_OVERRUN, now);
+  if (is_on(*loop) && loop->state != PHN_LOOP_CHECKING) check_response(*loop, *response, now);
+
+  Vector next;
+  if (loop->state == PHN_LOOP_CHECKING && loop->observer.started())
+    check_device(*loop, now, next);
+  else if (is_on(*loop) && loop->state != PHN_LOOP_CHECKING && loop->observer.started())
+    next = loop->state == PHN_LOOP_CLUTCHED && loop->ramp <= 0 ? Vector{} : next_force(*loop, *response, now);
+  if (loop->state == PHN_LOOP_TRIPPED) next = ramped_down(*loop, now);
+  loop->force = next;
+  loop->last_hold = now;
+  loop->has_held = true;
+  loop->observer.hold(now + loop->settings.force_delay_s, next);
+  ++loop->cycles;
+  store(next, force);
+  return status;
+}
+
+int phn_loop_held(phn_loop* loop, const double force[3]) {
+  if (loop == nullptr || force == nullptr || !loop->has_held) return PHN_ERROR_ARGUMENT;
+  if (!finite(load(force))) {
+    trip(*loop, PHN_TRIP_NOT_FINITE, loop->now);
+    return PHN_ERROR_NOT_FINITE;
+  }
+  loop->observer.correct(load(force));
+  return PHN_OK;
+}
+
+int phn_loop_get_report(const phn_loop* loop, phn_loop_report* report) {
+  if (loop == nullptr || report == nullptr) return PHN_ERROR_ARGUMENT;
+  const Observer& o = loop->observer;
+  *report = {
+      loop->state,           loop->trip,    o.work, o.most_delivered, o.gross,       o.unsure,      o.dissipated,
+      length(o.velocity(4)), loop->latency, {},     loop->cycles,     loop->limited, loop->missing, loop->repeated,
+      loop->reordered};
+  store(loop->force, report->force_N);
+  return PHN_OK;
+}
+
+}  // extern "C"

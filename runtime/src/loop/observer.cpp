@@ -1,0 +1,67 @@
+#include "observer.hpp"
+
+namespace phynness::loop {
+
+void Observer::hold(double from, Vector force) {
+  if (_n_held == 0 || from > _held[_newest].from) {
+    _newest = (_newest + 1) % n_kept;
+    if (_n_held < n_kept) ++_n_held;
+  }
+  _held[_newest] = {from, force};
+}
+
+bool Observer::sample(double time, Vector position) {
+  if (started() && !(time > _samples[0].time)) return false;
+  if (started()) {
+    const double duration = time - _samples[0].time;
+    const Vector moved = position - _samples[0].position, velocity = (1 / duration) * moved;
+    Vector impulse;
+    each_force(_samples[0].time, time, [&](Vector force, double seconds) {
+      impulse = impulse + seconds * force;
+      gross += std::fabs(dot(force, velocity)) * seconds;
+    });
+    work -= dot(impulse, velocity);
+    most_delivered = std::fmax(most_delivered, -work);
+    if (duration > 1.5 * _period) {
+      // How the motion is spread over the forces of a gap is not known: all of it may belong to one of them.
+      double largest = 0;
+      each_force(_samples[0].time, time, [&](Vector force, double) {
+        largest = std::fmax(largest, std::fabs(dot(force - (1 / duration) * impulse, moved)));
+      });
+      unsure += largest;
+    }
+    // Steps of the positions would count as motion in every interval, therefore over sixteen of them.
+    const double long_duration = time - _window.time;
+    if (long_duration >= 15.5 * _period) {
+      const double distance = std::fmax(0.0, length(position - _window.position) - 1.8 * _resolution);
+      dissipated += _damping * distance * distance / long_duration;
+      _window = {time, position};
+    }
+  } else {
+    _window = {time, position};
+  }
+  for (int i = 4; i > 0; --i) _samples[i] = _samples[i - 1];
+  _samples[0] = {time, position};
+  if (_n_samples < 5) ++_n_samples;
+  return true;
+}
+
+void Observer::restart() {
+  work = most_delivered = gross = unsure = dissipated = 0;
+  _window = _samples[0];
+}
+
+Vector Observer::velocity(int n) const {
+  const int last = n < _n_samples ? n : _n_samples - 1;
+  if (last < 1) return {};
+  return (1 / (_samples[0].time - _samples[last].time)) * (_samples[0].position - _samples[last].position);
+}
+
+double Observer::pending(Vector velocity, double until) const {
+  double energy = 0;
+  if (!started()) return 0;
+  each_force(_samples[0].time, until, [&](Vector force, double seconds) { energy += seconds * dot(force, velocity); });
+  return energy;
+}
+
+}  // namespace phynness::loop

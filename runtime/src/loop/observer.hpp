@@ -1,0 +1,71 @@
+// Passivity observer: the work that the device did on the loop, from the forces that it held and the positions that it
+// measured, each with its time.
+#pragma once
+
+#include "vector.hpp"
+
+namespace phynness::loop {
+
+class Observer {
+ public:
+  /// @param device_damping  certain damping of the device [Ns/m]
+  /// @param resolution      step of the positions [m]
+  Observer(double period, double device_damping, double resolution)
+      : _period(period), _damping(device_damping), _resolution(resolution) {}
+
+  /// The device holds `force` from time `from` on.
+  void hold(double from, Vector force);
+  /// The force of the last hold() was another one.
+  void correct(Vector force) { _held[_newest].force = force; }
+  /// @return whether the sample is newer than the last one; others are ignored
+  bool sample(double time, Vector position);
+  /// Sets the sums to zero.
+  void restart();
+
+  bool started() const { return _n_samples > 0; }
+  double time() const { return _samples[0].time; }
+  Vector position() const { return _samples[0].position; }
+  /// Mean of up to the last `n` (1 ... 4) intervals between samples [m/s].
+  Vector velocity(int n) const;
+  /// Energy that the loop will deliver from the time of the newest sample until `until` at a constant velocity [J].
+  double pending(Vector velocity, double until) const;
+
+  double work = 0;            ///< taken from the device [J]
+  double most_delivered = 0;  ///< largest -work [J]
+  double gross = 0;           ///< sum of |force . displacement| [J]
+  double unsure = 0;          ///< bound of the error of `work` that lost samples cause [J]
+  double dissipated = 0;      ///< by the damping of the device, at least [J]
+
+ private:
+  struct Sample {
+    double time = 0;
+    Vector position;
+  };
+  struct Held {
+    double from = 0;
+    Vector force;
+  };
+  static constexpr int n_kept = 64;
+
+  /// Calls part(force, seconds) for every force that acted between two times.
+  template <class Part>
+  void each_force(double from, double to, Part part) const {
+    for (int i = 0; i < _n_held && to > from; ++i) {
+      const Held& held = _held[(_newest - i + n_kept) % n_kept];
+      const bool oldest = i + 1 == _n_held;
+      if (held.from >= to && !oldest) continue;
+      const double begin = held.from > from && !oldest ? held.from : from;
+      part(held.force, to - begin);
+      to = begin;
+    }
+  }
+
+  double _period, _damping, _resolution;
+  Held _held[n_kept];
+  int _newest = 0, _n_held = 0;
+  Sample _samples[5];  ///< the newest first
+  int _n_samples = 0;
+  Sample _window;  ///< begin of the interval over which dissipation is measured
+};
+
+}  // namespace phynness::loop

@@ -1,0 +1,199 @@
+// Claim: each fault trips the loop for its reason before 2 mJ more have gone into the hand than it gave; after that the
+// force falls to zero within the ramp and stays there. Faults of forces act only while the motors have a force.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "rig.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+constexpr double most_into_hand_J = 2e-3;
+constexpr int before = 700;  ///< cycles without the fault: the hand is pressing
+
+bool on(Vector3 f) { return f.x != 0 || f.y != 0 || f.z != 0; }
+
+struct Fault {
+  const char* name;
+  std::function<void(Rig&)> begin;
+  int trip;
+};
+
+void expect_tripped(Rig& rig, const Fault& fault) {
+  rig.run(before);
+  ASSERT_EQ(rig.loop.report().state, PHN_LOOP_ON) << fault.name;
+  fault.begin(rig);
+  ASSERT_GE(rig.run_until_trip(3'000), 0) << fault.name;
+  EXPECT_EQ(rig.loop.report().trip, fault.trip) << fault.name << ": " << phn_loop_trip_message(rig.loop.report().trip);
+  EXPECT_LT(rig.device.energy().most_to_hand, most_into_hand_J) << fault.name;
+  rig.run(static_cast<int>(1e3 * rig.settings.trip_ramp_s) + 1);
+  for (int i = 0; i < 200; ++i) EXPECT_FALSE(on(rig.cycle())) << fault.name;
+  EXPECT_LT(rig.device.energy().most_to_hand, 2 * most_into_hand_J) << fault.name;  // with the speed of the device
+  EXPECT_NE(rig.loop.engage(), PHN_OK);                                             // it stays off until a reset
+}
+
+TEST(Faults, OfForcesTrip) {
+  const Fault faults[] = {
+      {"negative damping",
+       [](Rig& rig) {
+         rig.device.force_fault = [](Vector3 f, Vector3, Vector3 v) {
+           return on(f) ? Vector3{f.x + 30 * v.x, f.y + 30 * v.y, f.z + 30 * v.z} : f;
+         };
+       },
+       PHN_TRIP_ENERGY},
+      {"curl",
+       [](Rig& rig) {
+         rig.device.force_fault = [](Vector3 f, Vector3 x, Vector3) {
+           return on(f) ? Vector3{f.x - 300 * x.y, f.y + 300 * x.x, f.z} : f;
+         };
+       },
+       PHN_TRIP_ENERGY},
+      {"sign",
+       [](Rig& rig) { rig.device.force_fault = [](Vector3 f, Vector3, Vector3) {
+                        return Vector3{-f.x, -f.y, -f.z};
+                      }; },
+       PHN_TRIP_ENERGY}};
+  for (const Fault& fault : faults) {
+    Body body(spring(150), 3);
+    Rig rig(body, {}, 0.015);
+    expect_tripped(rig, fault);
+  }
+}
+
+// Claim: forces on wrong axes trip, or nothing of them gets through; a body that pushes along instead of back delivers
+// nothing.
+TEST(Faults, AreHeldBack) {
+  {
+    Body body(spring(150), 3);
+    Rig rig(body, {}, 0.015);
+    rig.run(before);
+    rig.device.force_fault = [](Vector3 f, Vector3, Vector3) { return Vector3{f.z, f.x, f.y}; };
+    rig.run(5'000);
+    EXPECT_LT(rig.device.energy().most_delivered, most_into_hand_J);
+  }
+  Body body(spring(150), 3);
+  Rig rig(body, {}, 0.015);
+  rig.run(before);
+  rig.response_fault = [](phn_loop_response& r) {
+    for (double& f : r.force) f = -f;
+    r.has_stiffness = 0;
+  };
+  rig.run(5'000);
+  EXPECT_LT(rig.device.energy().most_delivered, 1e-4);
+  EXPECT_GT(rig.loop.report().limited, 1'000);
+}
+
+TEST(Faults, OfPositionsTrip) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const Fault faults[] = {
+      {"millimetres",
+       [](Rig& rig) { rig.device.position_fault = [](Vector3 p) {
+                        return Vector3{1e3 * p.x, 1e3 * p.y, 1e3 * p.z};
+                      }; },
+       PHN_TRIP_JUMP},
+      {"jump", [](Rig& rig) { rig.device.position_fault = [](Vector3 p) {
+                                return Vector3{p.x + 0.02, p.y, p.z};
+                              }; },
+       PHN_TRIP_JUMP},
+      {"no positions", [](Rig& rig) { rig.device.stall(1'000); }, PHN_TRIP_STALE},
+      {"frozen",
+       [](Rig& rig) {
+         const Vector3 here = rig.device.position();
+         rig.device.position_fault = [here](Vector3) { return here; };
+       },
+       PHN_TRIP_FROZEN},
+      {"NaN", [nan](Rig& rig) { rig.device.position_fault = [nan](Vector3 p) {
+                                  return Vector3{nan, p.y, p.z};
+                                }; },
+       PHN_TRIP_NOT_FINITE},
+      {"NaN of the body", [nan](Rig& rig) { rig.response_fault = [nan](phn_loop_response& r) { r.force[1] = nan; }; },
+       PHN_TRIP_NOT_FINITE},
+      {"refusal of the body",
+       [](Rig& rig) { rig.response_fault = [](phn_loop_response& r) { r.status = PHN_ERROR_NOT_ACTIVE; }; },
+       PHN_TRIP_BODY}};
+  for (const Fault& fault : faults) {
+    Body body(spring(150), 3);
+    Rig rig(body, {}, 0.015);
+    expect_tripped(rig, fault);
+  }
+}
+
+// Claim: axes, signs and units that are wrong from the beginning are found by the test pulses, before the body can be
+// felt; right ones pass, with latency, losses and a moving hand too.
+TEST(Faults, OfFramesAreFoundByTheTestPulses) {
+  const std::function<Vector3(Vector3)> wrong[] = {[](Vector3 p) {
+                                                     return Vector3{-p.x, p.y, p.z};
+                                                   },
+                                                   [](Vector3 p) {
+                                                     return Vector3{-p.x, -p.y, -p.z};
+                                                   },
+                                                   [](Vector3 p) {
+                                                     return Vector3{p.y, p.x, p.z};
+                                                   },
+                                                   [](Vector3 p) {
+                                                     return Vector3{p.y, p.z, p.x};
+                                                   },
+                                                   [](Vector3) { return Vector3{}; },
+                                                   [](Vector3 p) {
+                                                     return Vector3{1e3 * p.x, 1e3 * p.y, 1e3 * p.z};
+                                                   }};
+  Body body(spring(150), 3);
+  const auto checked = [](phn_loop_settings& s) {
+    s.check_force_N = 0.4;
+    s.trip_jump_m = s.trip_speed_m_per_s = 0;  // the pulses alone are to find them
+  };
+  for (const auto& fault : wrong) {
+    Rig rig(body, {}, 0.005, checked);
+    rig.device.position_fault = fault;
+    EXPECT_GE(rig.run_until_trip(4'000), 0);
+    EXPECT_EQ(rig.loop.report().trip, PHN_TRIP_CHECK);
+    EXPECT_LE(rig.largest, 0.4 * (1 + 1e-12));
+  }
+  for (const int latency : {0, 2, 5}) {
+    for (const double reach : {0.0, 0.01}) {
+      for (const double friction : {0.05, 2.0}) {
+        SimulatedDeviceSettings device;
+        device.latency_samples = latency;
+        device.friction_Ns_per_m = friction;
+        device.lost = 0.02;
+        Rig rig(body, device, reach, checked);
+        rig.run(3'000);
+        EXPECT_EQ(rig.loop.report().state, PHN_LOOP_ON) << latency << ' ' << reach << ' ' << friction;
+      }
+    }
+  }
+}
+
+// Claim: the limits of speed and force and a late cycle trip; a clock that runs backwards does.
+TEST(Faults, OfLimitsAndTimeTrip) {
+  Body body(spring(150), 3);
+  Rig fast(body, {}, 0.02, [](phn_loop_settings& s) { s.trip_speed_m_per_s = 0.01; });
+  EXPECT_GE(fast.run_until_trip(2'000), 0);
+  EXPECT_EQ(fast.loop.report().trip, PHN_TRIP_SPEED);
+  Rig strong(body, {}, 0.02, [](phn_loop_settings& s) { s.trip_force_N = 0.2; });
+  EXPECT_GE(strong.run_until_trip(2'000), 0);
+  EXPECT_EQ(strong.loop.report().trip, PHN_TRIP_FORCE);
+  for (const double step : {0.05, -0.01}) {
+    Rig rig(body, {}, 0.01);
+    rig.run(500);
+    const phn_loop_sample sample = {{0, 0, 0}, rig.device.now() + std::max(step, 0.0)};
+    double tool[3], force[3];
+    const phn_loop_response none = {};
+    const int status = rig.loop.read(&sample, rig.device.now() + step, tool);
+    EXPECT_EQ(status, step > 0 ? PHN_OK : PHN_ERROR_CLOCK);
+    rig.loop.hold(none, rig.device.now() + std::max(step, 0.0), force).ignore();
+    EXPECT_EQ(rig.loop.report().trip, step > 0 ? PHN_TRIP_OVERRUN : PHN_TRIP_CLOCK);
+  }
+}
+
+// Claim: an hour at a normal coupling does not trip. The 10^7 cycles are tools/study-passivity's.
+TEST(Faults, NothingElseTrips) {
+  Body body(small_model_of(Family::modal), 3);
+  Rig rig(body, {}, 0.01, [](phn_loop_settings& s) { s.check_force_N = 0.4; });
+  EXPECT_EQ(rig.run_until_trip(200'000), -1) << phn_loop_trip_message(rig.loop.report().trip);
+}
+
+}  // namespace

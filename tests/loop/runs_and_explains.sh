@@ -1,0 +1,35 @@
+#!/bin/sh
+# Claim: the example runs a model of each family to its report, and says what is wrong with wrong arguments.
+# Usage: runs_and_explains.sh HAPTIC_LOOP WRITE_MODELS FOLDER
+set -eu
+loop=$1
+mkdir -p "$3"
+cd "$3"
+"$2" .
+for model in rbfn linear modal; do
+  out=$("$loop" "$model" --node 3 --cycles 5000 --latency 2 --coupling 800)
+  echo "$out"
+  echo "$out" | grep -q '5000 cycles'
+  echo "$out" | grep -q 'has not tripped'
+done
+out=$("$loop" modal --node 3 --cycles 5000 --contact 1 --radius 0.003 --friction 0.3 --reach 0.05)
+echo "$out"
+echo "$out" | grep -Eq 'touching in [1-9][0-9]*,'
+printf '0 0 0\n0.001 0 -0.002\n' > motion.txt
+"$loop" modal --node 3 --motion motion.txt | grep -q '2 cycles'
+refused() {
+  expected=$1; words=$2; shift 2
+  status=0
+  said=$("$loop" "$@" 2>&1 >/dev/null) || status=$?
+  echo "$said"
+  [ $status -eq "$expected" ] && echo "$said" | grep -q -e "$words" || { echo "expected $expected: $words"; exit 1; }
+}
+refused 2 'model directory' --node 3
+refused 2 '--cycles needs a number' modal --node 3 --cycles -1
+refused 2 'unknown option --radios' modal --node 3 --radios 1
+refused 1 'phynness train' nowhere --node 3
+refused 1 'node 1' modal --node 1
+refused 1 'node 15' modal --node 15 --contact 1
+refused 1 '--coupling' modal --node 3 --coupling 0
+printf '0 0 up\n' > motion.txt
+refused 1 'motion.txt:1' modal --node 3 --motion motion.txt

@@ -1,0 +1,90 @@
+// Claim: the loop delivers at most 0.1 mJ more than it took, at the device and at the hand, at every point of the list;
+// the whole list with 100 s each is tools/study-passivity. 0.1 mJ is a tenth of the energy of the trip.
+#include <gtest/gtest.h>
+
+#include "rig.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+constexpr double most_J = 1e-4;
+
+TEST(Passivity, HoldsForAHeldNode) {
+  for (const Family family : {Family::linear, Family::modal, Family::rbfn}) {
+    Body body(family == Family::linear ? spring(150) : small_model_of(family), 3);
+    for (const int latency : {0, 1, 2}) {
+      for (const double damping : {0.5, 2.0}) {
+        for (const double coupling : {100.0, 400.0, 1000.0, 2000.0}) {
+          SimulatedDeviceSettings device;
+          device.latency_samples = latency;
+          device.friction_Ns_per_m = damping;
+          Rig rig(body, device, 0.01, [&](phn_loop_settings& s) {
+            s.coupling_N_per_m = coupling;
+            s.reach_m = 0.01;
+          });
+          rig.run(10'000);
+          const auto where = std::string(name(family)) + " latency " + std::to_string(latency) + " damping " +
+                             std::to_string(damping) + " coupling " + std::to_string(coupling);
+          EXPECT_LE(rig.device.energy().most_delivered, most_J) << where;
+          EXPECT_LE(rig.device.energy().most_to_hand, most_J) << where;
+          EXPECT_EQ(rig.loop.report().trip, PHN_TRIP_NONE) << where;
+          EXPECT_GT(rig.largest, 0.05) << where;
+        }
+      }
+    }
+  }
+}
+
+// Claim: so it is where Colgate's condition does not hold; without the controller much is delivered there.
+TEST(Passivity, IsKeptByTheController) {
+  Body body(spring(3000), 3);
+  double delivered[2];
+  for (const bool controlled : {false, true}) {
+    SimulatedDeviceSettings device;
+    device.latency_samples = 2;
+    device.friction_Ns_per_m = 0.05;
+    Rig rig(body, device, 0.01, [&](phn_loop_settings& s) {
+      s.coupling_N_per_m = 2000;
+      s.passivity_controller = controlled ? 1 : 0;
+      s.trip_energy_J = s.trip_force_N = s.trip_speed_m_per_s = 0;
+    });
+    rig.run(10'000);
+    delivered[controlled] = rig.device.energy().most_delivered;
+  }
+  EXPECT_GT(delivered[0], 5 * most_J);
+  EXPECT_LT(delivered[1], delivered[0] / 5);
+}
+
+TEST(Passivity, HoldsForASphereThatTouches) {
+  for (const double friction : {0.0, 0.4}) {
+    for (const double harder : {1.0, 12.0}) {
+      Body body(ball_of(harder, Family::modal), 4, 0.004, friction);
+      for (const int latency : {0, 2}) {
+        SimulatedDeviceSettings device;
+        device.latency_samples = latency;
+        Rig rig(body, device, 0.015, [](phn_loop_settings& s) { s.reach_m = 0.02; });
+        rig.run(10'000);
+        EXPECT_GT(rig.in_contact, 2'000);
+        EXPECT_LT(rig.in_contact, 9'900);
+        EXPECT_GT(rig.largest, 0.1);
+        EXPECT_LE(rig.device.energy().most_delivered, most_J) << friction << ' ' << harder << ' ' << latency;
+        EXPECT_EQ(rig.loop.report().trip, PHN_TRIP_NONE);
+      }
+    }
+  }
+}
+
+// Claim: in the air nothing is felt, to the last bit.
+TEST(Passivity, NothingIsFeltInTheAir) {
+  Body body(ball_of(12), 4, 0.004);
+  Rig rig(body, {}, 0.01, [](phn_loop_settings& s) {
+    for (double& x : s.origin_m) x *= 2;  // far above the ball
+  });
+  rig.run(3'000);
+  EXPECT_EQ(rig.in_contact, 0);
+  EXPECT_EQ(rig.largest, 0);
+}
+
+}  // namespace

@@ -1,0 +1,134 @@
+// Claims: `phynness check` gives the ratios of forces that single solves give, with Taylor-Hood elements on the same
+// mesh and with the own element on the refined one; failed solves are named, an interruption keeps what is finished,
+// and what the time does not allow is said. Solves stop at 1e-8 of the reactions: forces agree to 1e-5.
+#include <cmath>
+#include <phynness/meshes/meshes.hpp>
+
+#include "command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+std::string changed(std::string text, const std::string& old_part, const std::string& new_part) {
+  const auto at = text.find(old_part);
+  EXPECT_NE(at, std::string::npos) << old_part;
+  return text.replace(at, old_part.size(), new_part);
+}
+
+class Check : public CommandLine {
+ protected:
+  static std::string scene(const std::string& element) {
+    return changed(small_scene(element), "[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = 0.03\n");
+  }
+
+  /// Size of the force of a single solve.
+  double force(const std::string& file, const nlohmann::json& probe, double depth_m, int increments) {
+    std::ostringstream d;
+    d.precision(17);
+    for (int k = 0; k < 3; ++k) d << (k ? "," : "") << depth_m * probe.at("direction").at(k).get<double>();
+    const auto solved =
+        phynness("solve " + file + " --node " + std::to_string(probe.at("node").get<int>()) +
+                 " --displacement=" + d.str() + " --json f.json --increments " + std::to_string(increments));
+    EXPECT_EQ(solved.exit_status, 0) << solved.err;
+    const auto f = json("f.json").at("tools").at(0).at("force");
+    return std::hypot(f.at(0).get<double>(), f.at(1).get<double>(), f.at(2).get<double>());
+  }
+};
+
+TEST_F(Check, GivesTheRatiosOfSingleSolves) {
+  const auto own = scene("P1");
+  write_file(folder / "own.toml", own);
+  write_file(folder / "th.toml", changed(own, "\"P1\"", "\"taylor-hood\""));
+  const auto from = own.find("shape = "), to = own.find("[material]");
+  write_file(folder / "fine.toml", std::string(own).replace(from, to - from, "file = \"fine.msh\"\n"));
+  write_msh(refined(make_mesh(read_scene(folder / "own.toml")).mesh), nullptr, folder / "fine.msh");
+
+  const auto outcome = phynness("check own.toml --probes 2 --seconds 300 --json check.json");
+  ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  const auto check = json("check.json");
+  ASSERT_EQ(check.at("probes").size(), 2u);
+  const auto depths = check.at("depth_m").get<std::vector<double>>();
+  ASSERT_EQ(depths.size(), 2u);
+  EXPECT_DOUBLE_EQ(depths.back(), 0.008);
+  EXPECT_NE(check.at("probes").at(0).at("node"), check.at("probes").at(1).at("node"));
+  EXPECT_GT(check.at("probes").at(0).at("inward").get<double>(), 0.7);
+  for (const auto& [name, file] : {std::pair{"taylor-hood", "th.toml"}, std::pair{"half-size", "fine.toml"}})
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+      const auto said = check.at("against").at(name).at("ratios").at(i);
+      double sum = 0, largest = 0;
+      for (const auto& probe : check.at("probes")) {
+        const double ratio = force("own.toml", probe, depths[i], static_cast<int>(i + 1)) /
+                             force(file, probe, depths[i], static_cast<int>(i + 1));
+        sum += ratio;
+        largest = std::max(largest, ratio);
+      }
+      EXPECT_EQ(said.at("n").get<int>(), 2);
+      EXPECT_NEAR(said.at("median").get<double>(), sum / 2, 1e-5) << name << i;
+      EXPECT_NEAR(said.at("max").get<double>(), largest, 1e-5) << name << i;
+      EXPECT_GT(largest, 1.05) << "P1 at K/mu = 10 is too stiff: this test would show nothing";
+    }
+  EXPECT_NE(outcome.out.find("too large"), std::string::npos) << outcome.out;
+}
+
+TEST_F(Check, OfNodeProbesHoldsPatchesAndSaysSo) {
+  write_file(folder / "scene.toml", small_scene("taylor-hood"));
+  const auto outcome = phynness("check scene.toml --probes 1 --seconds 300 --json check.json");
+  ASSERT_EQ(outcome.exit_status, 0) << outcome.err;
+  const auto check = json("check.json");
+  EXPECT_TRUE(check.at("patch_for_node").get<bool>());
+  EXPECT_GE(check.at("tool_radius_m").get<double>(), 2 * check.at("mean_edge_m").get<double>());
+  EXPECT_NE(outcome.err.find("note: "), std::string::npos) << outcome.err;
+  // It is its own reference.
+  EXPECT_FALSE(check.at("against").at("taylor-hood").at("possible").get<bool>());
+  EXPECT_EQ(check.at("against").at("half-size").at("ratios").back().at("n").get<int>(), 1);
+}
+
+TEST_F(Check, NamesSolvesThatFail) {
+  // The law has no resistance to strong compression: a push to the bottom inverts cells.
+  auto deep = changed(scene("P1"), "neo-hookean", "st-venant-kirchhoff");
+  deep = changed(changed(deep, "0.008", "0.045"), "increments = 2", "increments = 6");
+  write_file(folder / "scene.toml", deep);
+  const auto outcome = phynness("check scene.toml --probes 1 --seconds 300 --json check.json");
+  EXPECT_EQ(outcome.exit_status, 0) << outcome.err;
+  const auto probe = json("check.json").at("probes").at(0);
+  for (const char* name : {"scene", "taylor-hood", "half-size"}) {
+    EXPECT_NE(probe.at(name).at("status").back(), "converged") << name;
+    EXPECT_TRUE(probe.at(name).at("force").back().is_null()) << name;
+  }
+  EXPECT_EQ(json("check.json").at("against").at("half-size").at("ratios").back().at("n").get<int>(), 0);
+  EXPECT_NE(outcome.out.find("failed"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("node " + std::to_string(probe.at("node").get<int>())), std::string::npos) << outcome.out;
+}
+
+TEST_F(Check, KeepsWhatIsFinishedWhenInterrupted) {
+  auto many = scene("p1-p1");
+  const auto active = many.find("active = [");
+  many.replace(active, many.find("[probe]") - active,
+               "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
+  write_file(folder / "scene.toml", changed(many, "increments = 2", "increments = 6"));
+  const auto stopped = shell(
+      "PHYNNESS_PROGRESS=1 \"$PHYNNESS\" check scene.toml --probes 1000 --seconds 1000 --json part.json "
+      "2>progress.txt & pid=$!; for i in $(seq 3000); do grep -qE '[4-9]/[0-9]+ rays' progress.txt && break; "
+      "sleep 0.01; done; kill -INT $pid; wait $pid; status=$?; cat progress.txt >&2; exit $status");
+  EXPECT_EQ(stopped.exit_status, 1);
+  EXPECT_NE(stopped.err.find("interrupted"), std::string::npos) << stopped.err;
+  const auto part = json("part.json");
+  EXPECT_TRUE(part.at("interrupted").get<bool>());
+  EXPECT_GE(part.at("probes").size(), 1u);
+  EXPECT_GE(part.at("against").at("taylor-hood").at("ratios").back().at("n").get<int>(), 1);
+}
+
+TEST_F(Check, SaysWhatTheTimeDoesNotAllow) {
+  write_file(folder / "scene.toml", changed(scene("P1"), "target_size_m = 0.025", "target_size_m = 0.007"));
+  const auto outcome = phynness("check scene.toml --seconds 1 --json check.json");
+  const auto fine = json("check.json").at("against").at("half-size");
+  EXPECT_EQ(fine.at("left_out"), "time");
+  EXPECT_GT(fine.at("predicted_seconds_per_probe").get<double>(), 0);
+  EXPECT_NE((outcome.out + outcome.err).find("--seconds"), std::string::npos) << outcome.out << outcome.err;
+  // Without mpirun and in one process, like plan.
+  EXPECT_EQ(phynness("check scene.toml --probes 0").exit_status, 2);
+  EXPECT_EQ(phynness("check scene.toml --seconds nan").exit_status, 2);
+}
+
+}  // namespace
+}  // namespace phynness::test

@@ -1,0 +1,49 @@
+// Claim: phynness info tells of every ray that stopped short its node, direction, last good depth, failed depth and
+// reason, as they are in the database, and explains the reasons.
+#include <phynness/formats/database.hpp>
+
+#include "command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+class FailedRays : public CommandLine {};
+
+TEST_F(FailedRays, AreListedWithDepthAndReason) {
+  // St. Venant-Kirchhoff bodies fold under compression; 30 mm is more than half of this one.
+  auto scene = small_scene("P1", 4);
+  scene.replace(scene.find("neo-hookean"), 11, "st-venant-kirchhoff");
+  scene.replace(scene.find("0.008"), 5, "0.030");
+  write_file(folder / "scene.toml", scene);
+  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+  const auto listed = phynness("info d.h5 --failed --json info.json");
+  ASSERT_EQ(listed.exit_status, 0) << listed.err;
+  const auto failed = json("info.json").at("failed_rays");
+
+  const auto database = Database::open(folder / "d.h5");
+  const auto& header = database.header();
+  std::size_t expected = 0;
+  for (std::size_t active = 0; active < header.sets.active.size(); ++active)
+    for (const auto& ray : database.rays(static_cast<std::int32_t>(active)))
+      for (std::size_t i = 0; i < ray.status.size(); ++i) {
+        if (static_cast<int>(ray.status[i]) >= 0) continue;
+        ASSERT_LT(expected, failed.size());
+        const auto& told = failed.at(expected++);
+        EXPECT_EQ(told.at("node"), header.sets.active[active]);
+        EXPECT_EQ(told.at("direction"), ray.direction);
+        EXPECT_EQ(told.at("reached_m").get<double>(), i > 0 ? header.magnitudes_m[i - 1] : 0.0);
+        EXPECT_EQ(told.at("failed_at_m").get<double>(), header.magnitudes_m[i]);
+        EXPECT_EQ(told.at("reason"), name(ray.status[i]));
+        expect_names(listed.out, {name(ray.status[i]), meaning(ray.status[i])});
+        break;
+      }
+  EXPECT_EQ(expected, failed.size());
+  EXPECT_GT(expected, 0U);
+
+  EXPECT_EQ(phynness("info scene.toml --failed").exit_status, 2);
+  const auto counted = phynness("info d.h5");
+  expect_names(counted.out, {"--failed"});
+}
+
+}  // namespace
+}  // namespace phynness::test

@@ -1,0 +1,94 @@
+// Claims: a patch that its mesh does not resolve, and one that is displaced so far sideways that it folds, are warned
+// of by mesh, info, plan and train, with file and line; what the warning recommends ends it. Other scenes are not
+// warned of.
+#include <regex>
+
+#include "command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+class Patches : public CommandLine {
+ protected:
+  /// A block with edges of about 25 mm.
+  static std::string scene(const std::string& radius, const std::string& depth,
+                           const std::string& size = "target_size_m = 0.025") {
+    auto text = small_scene();
+    const auto replace = [&](const std::string& from, const std::string& to) {
+      text.replace(text.find(from), from.size(), to);
+    };
+    replace("[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = " + radius + "\n");
+    replace("max_displacement_m = 0.008", "max_displacement_m = " + depth);
+    replace("target_size_m = 0.025", size);
+    return text;
+  }
+  std::string warnings(const std::string& text) {
+    write_file(folder / "scene.toml", text);
+    const auto meshed = phynness("mesh scene.toml -o mesh.msh");
+    EXPECT_EQ(meshed.exit_status, 0) << meshed.err;
+    return meshed.err;
+  }
+  static std::string recommended(const std::string& key, const std::string& words) {
+    std::smatch found;
+    EXPECT_TRUE(std::regex_search(words, found,
+                                  std::regex("(" + key + " = [0-9.e+-]+),? (would|or)|(" + key + " = [0-9.e+-]+)\n")))
+        << key << "\n"
+        << words;
+    return found[1].matched ? found[1] : found[3];
+  }
+};
+
+const std::string unresolved = "not resolved", folds = "sideways";
+bool holds(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST_F(Patches, AreSilentWhereTheyAreResolvedAndDoNotFold) {
+  const auto words = warnings(scene("0.07", "0.04"));
+  EXPECT_FALSE(holds(words, unresolved) || holds(words, folds)) << words;
+  EXPECT_FALSE(holds(warnings(small_scene()), unresolved));  // a node probe
+}
+
+TEST_F(Patches, OfFewEdgesAreNamedByEveryCommandThatReadsThem) {
+  write_file(folder / "scene.toml", scene("0.03", "0.008"));
+  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+  for (const char* line : {"mesh scene.toml -o mesh.msh", "info scene.toml", "info d.h5", "plan scene.toml --rays 2",
+                           "plan d.h5", "train scene.toml d.h5 -o model"}) {
+    const auto outcome = phynness(line);
+    EXPECT_EQ(outcome.exit_status, 0) << line << "\n" << outcome.err;
+    EXPECT_TRUE(holds(outcome.err, "warning: ") && holds(outcome.err, unresolved)) << line << "\n" << outcome.err;
+    EXPECT_TRUE(holds(outcome.err, "scene.toml:")) << line << "\n" << outcome.err;
+    EXPECT_FALSE(holds(outcome.err, folds)) << line << "\n" << outcome.err;
+  }
+}
+
+TEST_F(Patches, AreResolvedAsRecommended) {
+  const auto words = warnings(scene("0.03", "0.008"));
+  const auto radius = recommended("tool_radius_m", words);
+  EXPECT_FALSE(holds(warnings(scene(radius.substr(radius.find("= ") + 2), "0.008")), unresolved)) << words;
+  // A liver, as a block has a whole number of cells along each edge.
+  const auto liver = [](const std::string& size) {
+    auto text = scene("0.03", "0.008", size);
+    const std::string block = "shape = \"block\"\nsize_m = [0.1, 0.08, 0.05]\n";
+    text.replace(text.find(block), block.size(), "shape = \"liver\"\n");
+    const std::string bottom = "plane = { point_fraction = [0, 0, 0], normal = [0, 0, 1], tolerance_m = 1e-6 }";
+    return text.replace(text.find(bottom), bottom.size(),
+                        "box = { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] }");
+  };
+  const auto of_liver = warnings(liver("target_size_m = 0.02"));
+  EXPECT_TRUE(holds(of_liver, unresolved));
+  EXPECT_FALSE(holds(warnings(liver(recommended("target_size_m", of_liver))), unresolved)) << of_liver;
+}
+
+TEST_F(Patches, ThatSlideTooFarAreNamedAndDoNotFoldAsRecommended) {
+  const auto words = warnings(scene("0.06", "0.045"));
+  EXPECT_TRUE(holds(words, folds) && holds(words, "scene.toml:")) << words;
+  const auto depth = recommended("max_displacement_m", words), radius = recommended("tool_radius_m", words);
+  EXPECT_FALSE(holds(warnings(scene("0.06", depth.substr(depth.find("= ") + 2))), folds)) << words;
+  EXPECT_FALSE(holds(warnings(scene(radius.substr(radius.find("= ") + 2), "0.045")), folds)) << words;
+  // A linear body does not fold.
+  auto linear = scene("0.06", "0.045");
+  linear.replace(linear.find("neo-hookean"), 11, "linear");
+  EXPECT_FALSE(holds(warnings(linear), folds));
+}
+
+}  // namespace
+}  // namespace phynness::test

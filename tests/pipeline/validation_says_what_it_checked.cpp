@@ -1,0 +1,54 @@
+// Claims: validate says how far the probed nodes are from the fixed ones, and not that some are beside them; train,
+// validate and the report say where a model is worse than the linear predictor, and only there.
+#include "command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+class ValidationWords : public CommandLine {
+ protected:
+  void SetUp() override {
+    CommandLine::SetUp();
+    write_file(folder / "scene.toml", small_scene("P1", 3));
+    ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+  }
+};
+
+TEST_F(ValidationWords, AreDistances) {
+  ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal").exit_status, 0);
+  const auto validated = phynness("validate scene.toml m --probes 8 --json v.json");
+  ASSERT_EQ(validated.exit_status, 0) << validated.err;
+  const auto conditions = json("v.json").at("conditions");
+  ASSERT_EQ(conditions.at("fixed_distances_m").size(), conditions.at("nodes").size());
+  // The block is 50 mm high, touched on top and fixed at the bottom.
+  for (const double distance : conditions.at("fixed_distances_m")) {
+    EXPECT_GE(distance, 0.05);
+    EXPECT_LT(distance, 0.06);
+  }
+  EXPECT_EQ(validated.out.find("next to"), std::string::npos) << validated.out;
+  EXPECT_EQ(validated.out.find("beside"), std::string::npos) << validated.out;
+  expect_names(validated.out, {" mm from the nearest fixed node"});
+}
+
+TEST_F(ValidationWords, NameWhatIsWorseThanLinear) {
+  // A single neuron cannot repeat a deformation; 16 modes can.
+  const auto poor = phynness("train scene.toml d.h5 -o poor --family rbfn --neurons 1 --json t.json");
+  ASSERT_EQ(poor.exit_status, 0) << poor.err;
+  expect_names(poor.err, {"warning:", "linear predictor", "displacement"});
+  const auto training = json("t.json").at("training_errors");
+  EXPECT_GT(training.at("displacement").get<double>(), training.at("displacement_linear").get<double>());
+  const auto validated = phynness("validate scene.toml poor --probes 8 --json v.json --report r.html");
+  ASSERT_EQ(validated.exit_status, 0) << validated.err;
+  expect_names(validated.out, {"worse than the linear predictor", "displacement"});
+  EXPECT_FALSE(json("v.json").at("worse_than_linear").empty());
+  expect_names(read_file(folder / "r.html"), {"worse than the linear predictor"});
+
+  const auto good = phynness("train scene.toml d.h5 -o good --family modal --json t.json");
+  ASSERT_EQ(good.exit_status, 0) << good.err;
+  EXPECT_EQ(good.err.find("linear predictor"), std::string::npos) << good.err;
+  ASSERT_EQ(phynness("validate scene.toml good --probes 8 --json v.json").exit_status, 0);
+  EXPECT_TRUE(json("v.json").at("worse_than_linear").empty()) << json("v.json").at("worse_than_linear");
+}
+
+}  // namespace
+}  // namespace phynness::test

@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <numeric>
+#include <random>
+
+#include "modal/force_kernels.hpp"
+
+namespace {
+
+using namespace phynness::runtime;
+
+struct ForceValues {
+  std::array<double, 3> force;
+  double energy;
+  std::array<double, 9> stiffness;
+  bool operator==(const ForceValues&) const = default;
+};
+
+/// A force of random centers and coefficients, with its table if the loader would make one.
+struct RandomForce {
+  explicit RandomForce(std::int32_t n_centers)
+      : center(static_cast<std::size_t>(n_centers)),
+        displacements(3 * center.size()),
+        coefficients(displacements.size()),
+        terms(n_centers > most_gathered ? 6 * static_cast<std::size_t>(whole_blocks(n_centers + 1)) : 0) {
+    std::mt19937 random(static_cast<unsigned>(n_centers));
+    std::uniform_real_distribution<double> between(-1, 1);
+    std::iota(center.begin(), center.end(), 0);
+    for (double& c : displacements) c = between(random);
+    for (double& b : coefficients) b = between(random);
+    net.n_centers = n_centers;
+    net.max_displacement = 0.02;
+    net.shape = 0.3;
+    for (double& k : net.stiffness) k = 50 * between(random);
+    net.center = center.data();
+    net.displacements = displacements.data();
+    net.coefficient = coefficients.data();
+    table.centers = terms.empty() ? nullptr : terms.data();
+    set_rest(net, table, terms.empty() ? nullptr : terms.data());
+  }
+
+  ForceValues by(const ForceKernels& kernels, const double* x) const {
+    ForceValues values = {};
+    kernels.with_both(net, table, x, values.force.data(), &values.energy, values.stiffness.data());
+    return values;
+  }
+
+  std::vector<std::int32_t> center;
+  std::vector<double> displacements, coefficients;
+  std::vector<Real> terms;
+  Conservative<double> net = {};
+  ForceTable table = {};
+};
+
+constexpr std::int32_t force_sizes[] = {0, 1, 15, 16, 31, 32, 60, 78, 143};
+constexpr double force_depths[] = {0.0, 1e-9, 0.3, 1.0, 40.0, largest_modal};
+
+// Claim: whatever the processor has, force, energy and stiffness of one pass are the same to the last bit, for numbers
+// of centers that fill whole registers and for those that do not, gathered or from a table.
+TEST(ForceKernels, GiveTheSameBitsWithEverySetOfInstructions) {
+  for (const std::int32_t n_centers : force_sizes) {
+    const RandomForce force(n_centers);
+    for (const double depth : force_depths) {
+      const double x[] = {depth, -0.4 * depth, 0.2 * depth};
+      const ForceValues expected = force.by(*force_kernels(0), x);
+      for (int set = 1; set < n_instruction_sets; ++set) {
+        const ForceKernels* kernels = force_kernels(set);
+        if (kernels == nullptr) continue;
+        EXPECT_EQ(force.by(*kernels, x), expected) << kernels->name << ", " << n_centers << " centers, " << depth;
+      }
+    }
+  }
+}
+
+// Claim: what is asked for beside the force changes no bit of it, nor of anything else: each kernel gives what all
+// give.
+TEST(ForceKernels, GiveTheSameBitsAloneAndTogether) {
+  for (int set = 0; set < n_instruction_sets; ++set) {
+    const ForceKernels* kernels = force_kernels(set);
+    if (kernels == nullptr) continue;
+    for (const std::int32_t n_centers : force_sizes) {
+      const RandomForce force(n_centers);
+      for (const double depth : force_depths) {
+        const double x[] = {depth, -0.4 * depth, 0.2 * depth};
+        const ForceValues together = force.by(*kernels, x);
+        ForceValues alone = together, with_energy = together, with_stiffness = together;
+        kernels->force(force.net, force.table, x, alone.force.data());
+        alone.energy = kernels->energy(force.net, force.table, x);
+        kernels->with_energy(force.net, force.table, x, with_energy.force.data(), &with_energy.energy, nullptr);
+        kernels->with_stiffness(force.net, force.table, x, with_stiffness.force.data(), nullptr,
+                                with_stiffness.stiffness.data());
+        EXPECT_EQ(alone, together) << kernels->name << ", " << n_centers << " centers, " << depth;
+        EXPECT_EQ(with_energy, together) << kernels->name << ", " << n_centers << " centers, " << depth;
+        EXPECT_EQ(with_stiffness, together) << kernels->name << ", " << n_centers << " centers, " << depth;
+      }
+    }
+  }
+}
+
+// Claim: at rest force and energy are exactly 0 with every set of instructions.
+TEST(ForceKernels, GiveNothingAtRest) {
+  const double rest[3] = {0, 0, 0};
+  for (int set = 0; set < n_instruction_sets; ++set) {
+    for (const std::int32_t n_centers : force_sizes) {
+      if (force_kernels(set) == nullptr) continue;
+      const ForceValues at_rest = RandomForce(n_centers).by(*force_kernels(set), rest);
+      EXPECT_EQ(at_rest.force, (std::array<double, 3>{0, 0, 0})) << n_centers;
+      EXPECT_EQ(at_rest.energy, 0) << n_centers;
+    }
+  }
+}
+
+}  // namespace

@@ -1,0 +1,276 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <phynness/formats/error.hpp>
+#include <phynness/meshes/meshes.hpp>
+#include <phynness/precompute/precompute.hpp>
+#include <phynness/precompute/sample_rays.hpp>
+#include <phynness/validation/discretization.hpp>
+
+namespace phynness {
+
+const char* name(Variant v) {
+  switch (v) {
+    case Variant::scene:
+      return "scene";
+    case Variant::taylor_hood:
+      return "taylor-hood";
+    case Variant::half_size:
+      break;
+  }
+  return "half-size";
+}
+
+std::optional<double> CheckedProbe::ratio(Variant other, std::size_t depth) const {
+  const auto &own = of(Variant::scene), &reference = of(other);
+  if (!own.converged(depth) || !reference.converged(depth) || !(reference.force_N[depth] > 0)) return {};
+  return own.force_N[depth] / reference.force_N[depth];
+}
+
+RatioStatistics DiscretizationReport::ratios(Variant other, std::size_t depth) const {
+  std::vector<double> all;
+  for (const auto& probe : probes)
+    if (const auto ratio = probe.ratio(other, depth)) all.push_back(*ratio);
+  if (all.empty()) return {};
+  std::sort(all.begin(), all.end());
+  const std::size_t n = all.size();
+  return {(all[(n - 1) / 2] + all[n / 2]) / 2, all.front(), all.back(), static_cast<std::int64_t>(n)};
+}
+
+double patch_radius_for_node(double mean_edge_m, double max_displacement_m) {
+  // A patch of less than two edges is not resolved; one that slides farther than 0.65 radii folds (docs/extremes.md).
+  return std::max(2 * mean_edge_m, max_displacement_m / 0.6);
+}
+
+std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const DatabaseHeader& header,
+                                                                       const std::vector<char>& requested, int wanted) {
+  const auto& active = header.sets.active;
+  const std::size_t n_directions = header.directions.size();
+  const Points normals = node_normals(header.mesh);
+  // Distance of each candidate from the fixed nodes and from those that are chosen.
+  std::vector<double> distance(active.size(), std::numeric_limits<double>::infinity());
+  const auto keep_away_from = [&](std::int32_t node) {
+    for (std::size_t a = 0; a < active.size(); ++a)
+      distance[a] = std::min(distance[a], (header.mesh.nodes.row(active[a]) - header.mesh.nodes.row(node)).norm());
+  };
+  for (const auto node : header.sets.fixed) keep_away_from(node);
+  for (std::size_t a = 0; a < active.size(); ++a) {
+    const auto first = requested.begin() + static_cast<std::ptrdiff_t>(a * n_directions);
+    if (std::count(first, first + static_cast<std::ptrdiff_t>(n_directions), char{1}) == 0) distance[a] = 0;
+  }
+  std::vector<std::pair<std::int32_t, std::int32_t>> chosen;
+  for (int k = 0; k < wanted && k < static_cast<int>(active.size()); ++k) {
+    const auto a = static_cast<std::size_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
+    if (!(distance[a] > 0)) break;
+    std::size_t best = n_directions;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t d = 0; d < n_directions; ++d) {
+      const double inward = -normals.row(active[a]).dot(to_eigen(header.directions[d]).transpose());
+      const double off = std::abs(inward - std::array{1.0, 0.0, -1.0}[static_cast<std::size_t>(k % 3)]);
+      if (requested[a * n_directions + d] && off < least) least = off, best = d;
+    }
+    chosen.emplace_back(static_cast<std::int32_t>(a), static_cast<std::int32_t>(best));
+    keep_away_from(active[a]);
+  }
+  return chosen;
+}
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// More increments than this do not change what is compared.
+constexpr int most_increments = 6;
+/// CPU time of a solve grows with this power of the unknowns where nothing was measured: between 1.6 (p1-p1, 736 to
+/// 4,298 nodes) and 2.1 (p1-p1 against Taylor-Hood).
+constexpr double cost_exponent = 2;
+/// A solve that takes so many times what the budget leaves is ended.
+constexpr double patience = 1.5;
+
+/// A body to be solved on; what is expensive is made when it is needed.
+struct Body {
+  Scene scene;
+  Mesh mesh;
+  NodeSets sets;
+  double unknowns = 0;
+  std::optional<DatabaseHeader> header;
+  std::unique_ptr<ProbeSolver> solver;
+};
+
+double unknowns_of(Element element, double nodes, double edges) {
+  const double points = element->displacement_degree > 1 ? nodes + edges : nodes;
+  const double pressures = element->mixed ? nodes : 0;
+  return 3 * points + pressures + (element->is_shell ? 3 * edges : 0);
+}
+
+class Check {
+ public:
+  Check(const Scene& scene, const Mesh& mesh, const NodeSets& sets, const DiscretizationOptions& options,
+        const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop)
+      : _options(options), _progress(progress), _stop(stop), _edges(mesh_edges(mesh)) {
+    set_up(scene, mesh, sets);
+  }
+
+  DiscretizationReport run();
+
+ private:
+  void set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
+  void prepare(Variant v);
+  bool affordable(Variant v);
+  bool comparable() const {
+    return _report.cost(Variant::taylor_hood).left_out.empty() || _report.cost(Variant::half_size).left_out.empty();
+  }
+  void solve(Variant v, std::pair<std::int32_t, std::int32_t> ray, CheckedProbe& probe);
+  double elapsed() const { return std::chrono::duration<double>(Clock::now() - _start).count(); }
+  VariantCost& cost(Variant v) { return _report.costs[static_cast<std::size_t>(v)]; }
+  Body& body(Variant v) { return _bodies[static_cast<std::size_t>(v)]; }
+
+  const DiscretizationOptions& _options;
+  const std::function<void(std::int64_t, std::int64_t)>& _progress;
+  const std::function<bool()>& _stop;
+  Clock::time_point _start = Clock::now();
+  std::vector<std::array<std::int32_t, 2>> _edges;
+  DiscretizationReport _report;
+  std::array<Body, 3> _bodies;
+  std::vector<std::pair<std::int32_t, std::int32_t>> _rays;
+  std::array<double, 3> _measured{};  ///< wall time of the longest ray; 0: none yet
+};
+
+void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  Scene common = scene;
+  common.probe.increments = std::min(scene.probe.increments, most_increments);
+  common.database.tangents = false;
+  common.database.fields.clear();
+  _report.mean_edge_m = measure_quality(mesh).mean_edge_m;
+  _report.patch_for_node = scene.probe.kind == ProbeKind::node;
+  if (_report.patch_for_node) {
+    common.probe.kind = ProbeKind::patch;
+    common.probe.tool_radius_m = patch_radius_for_node(_report.mean_edge_m, scene.probe.max_displacement_m);
+  }
+  _report.tool_radius_m = common.probe.tool_radius_m;
+
+  // Mirror images are left out by the scene's own symmetry, of which a refined mesh has no list.
+  _rays = choose_checked_rays(database_header(common, mesh, sets),
+                              requested_rays(common, mesh, database_header(common, mesh, sets)), _options.probes);
+  if (_rays.empty())
+    throw input_error("the scene has no rays", scene.source_name, "check nodes.active and the directions");
+  NodeSets own{sets.fixed, sets.active, sets.active};
+  const auto n = static_cast<double>(mesh.n_nodes()), e = static_cast<double>(_edges.size());
+  const auto c = static_cast<double>(mesh.n_cells());
+  const auto faces = (4 * c + static_cast<double>(mesh.surface.rows())) / 2;
+  const double fine_edges = mesh.cells.cols() == 4 ? 2 * e + 3 * faces + c : 2 * e + 3 * c;
+  for (const auto v : variants) body(v).scene = common, body(v).sets = own;
+  body(Variant::scene).mesh = mesh;
+  body(Variant::taylor_hood).mesh = mesh;
+  body(Variant::taylor_hood).scene.solver.element = element_named("taylor-hood");
+  const auto element = common.solver.element;
+  body(Variant::scene).unknowns = unknowns_of(element, n, e);
+  body(Variant::taylor_hood).unknowns = unknowns_of(element_named("taylor-hood"), n, e);
+  body(Variant::half_size).unknowns = unknowns_of(element, n + e, fine_edges);
+  for (const auto v : variants) cost(v).n_nodes = mesh.n_nodes();
+  cost(Variant::half_size).n_nodes = static_cast<std::int32_t>(n + e);
+
+  auto& against = cost(Variant::taylor_hood);
+  if (element->is_shell)
+    against.left_out = "a shell has one element only";
+  else if (element == element_named("taylor-hood"))
+    against.left_out = "it is the element of the scene";
+  else if (!(common.material.lame_lambda_Pa > 0))
+    against.left_out = "it needs a material with lambda > 0";
+  against.possible = against.left_out.empty();
+}
+
+/// Makes the body of a variant; the fine mesh is not made before it is affordable.
+void Check::prepare(Variant v) {
+  Body& b = body(v);
+  if (b.solver) return;
+  if (v == Variant::half_size) {
+    const Mesh& coarse = body(Variant::scene).mesh;
+    b.mesh = refined(coarse);
+    b.sets.fixed = refined(b.sets.fixed, _edges, coarse.n_nodes());
+  }
+  b.header = database_header(b.scene, b.mesh, b.sets);
+  b.solver = std::make_unique<ProbeSolver>(b.scene, b.mesh, b.sets);
+}
+
+/// Whether the next ray of a variant is predicted to end within the budget. If it is not, the variant is left out from
+/// here on.
+bool Check::affordable(Variant v) {
+  if (!cost(v).left_out.empty()) return false;
+  const auto own = _measured[static_cast<std::size_t>(v)], scene = _measured[0];
+  if (own == 0 && scene == 0) return true;  // nothing is known before the first ray
+  const double predicted =
+      own > 0 ? own : scene * std::pow(body(v).unknowns / body(Variant::scene).unknowns, cost_exponent);
+  if (elapsed() + predicted <= _options.seconds) return true;
+  cost(v).predicted_s = predicted;
+  cost(v).left_out = "time";
+  return false;
+}
+
+void Check::solve(Variant v, std::pair<std::int32_t, std::int32_t> ray, CheckedProbe& probe) {
+  const auto before = elapsed();
+  prepare(v);
+  bool asked = false;
+  const double latest = before + patience * std::max(1.0, _options.seconds - before);
+  const auto solved = solve_rays(*body(v).solver, *body(v).header, {ray}, {}, [&] {
+    asked = asked || (_stop && _stop());
+    return asked || elapsed() > latest;
+  });
+  const double seconds = elapsed() - before;
+  cost(v).seconds += seconds;
+  _measured[static_cast<std::size_t>(v)] = std::max(_measured[static_cast<std::size_t>(v)], seconds);
+  if (solved.interrupted || solved.rays.empty()) {
+    _report.interrupted = _report.interrupted || asked;
+    cost(v).predicted_s = seconds;
+    if (!asked) cost(v).left_out = "time";
+    return;
+  }
+  auto& forces = probe.forces[static_cast<std::size_t>(v)];
+  const Ray& result = solved.rays.front();
+  forces.status = result.status;
+  for (std::size_t i = 0; i < result.status.size(); ++i)
+    forces.force_N.push_back(std::hypot(result.force[3 * i], result.force[3 * i + 1], result.force[3 * i + 2]));
+}
+
+DiscretizationReport Check::run() {
+  const auto total = static_cast<std::int64_t>(_rays.size() * variants.size());
+  std::int64_t done = 0;
+  const auto& mesh = body(Variant::scene).mesh;
+  const Points normals = node_normals(mesh);
+  const auto directions = exploratory_directions(body(Variant::scene).scene.probe.directions);
+  for (const auto& ray : _rays) {
+    if (_report.interrupted || (_stop && _stop())) {
+      _report.interrupted = true;
+      break;
+    }
+    CheckedProbe probe;
+    probe.node = body(Variant::scene).sets.active[static_cast<std::size_t>(ray.first)];
+    probe.direction = directions[static_cast<std::size_t>(ray.second)];
+    probe.inward = -normals.row(probe.node).dot(to_eigen(probe.direction).transpose());
+    for (const auto v : variants) {
+      // A force of the scene without one to compare it with, or the other way round, says nothing.
+      const bool wanted = v == Variant::scene ? comparable() : !probe.of(Variant::scene).status.empty();
+      if (wanted && !_report.interrupted && affordable(v)) solve(v, ray, probe);
+      if (_progress) _progress(++done, total);
+    }
+    if (!probe.of(Variant::scene).status.empty()) _report.probes.push_back(std::move(probe));
+    if (!cost(Variant::scene).left_out.empty() || !comparable()) break;
+  }
+  if (body(Variant::scene).header) _report.depth_m = body(Variant::scene).header->magnitudes_m;
+  _report.seconds = elapsed();
+  return std::move(_report);
+}
+
+}  // namespace
+
+DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
+                                          const DiscretizationOptions& options,
+                                          const std::function<void(std::int64_t, std::int64_t)>& progress,
+                                          const std::function<bool()>& stop) {
+  return Check(scene, mesh, sets, options, progress, stop).run();
+}
+
+}  // namespace phynness
