@@ -27,6 +27,10 @@ class StrangeFile : public DatabaseTest {
 TEST_F(StrangeFile, is_called_what_it_is) {
   expect_contains(refused(path("nowhere")), {"does not exist"});
   expect_contains(refused(folder()), {"folder"});
+  std::ofstream(path("file")) << "a";
+  const auto below = refused(folder() / "file" / "model.txt");
+  expect_contains(below, {path("file").c_str(), "folder"});
+  EXPECT_EQ(below.find("model.txt"), std::string::npos) << below;
   ASSERT_EQ(mkfifo(path("pipe").c_str(), 0644), 0);
   expect_contains(refused(path("pipe")), {"pipe"});
   expect_contains(refused("/dev/null"), {"device"});
