@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/error.hpp>
 
@@ -60,6 +61,28 @@ void refuse_overlap(const LoadedModel& loaded, const std::vector<SurfacePoint>& 
   });
 }
 
+/// Of every tool that is displaced farther than a node below it was trained: both lengths. "": the status says no such
+/// thing.
+std::string lengths_outside(const LoadedModel& model, int status, const std::vector<SurfacePoint>& places,
+                            const std::vector<Vec3>& displacements) {
+  std::string text;
+  if ((status & PHN_WARNING_OUTSIDE) == 0) return text;
+  const auto active = model.runtime().active_nodes();
+  for (std::size_t t = 0; t < places.size(); ++t) {
+    const Vec3& d = displacements[t];
+    const double length_m = std::hypot(d[0], d[1], d[2]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto node = places[t].nodes[k];
+      if (places[t].weights[k] == 0 || std::find(active.begin(), active.end(), node) == active.end()) continue;
+      const double trained_m = model.trained_depth(node, d);
+      if (length_m > trained_m)
+        text += fmt::format("\n  {:.4g} m at node {}, trained to {:.4g} m in the nearest direction", length_m, node,
+                            trained_m);
+    }
+  }
+  return text;
+}
+
 /// --queries replaces the options of a single query, and its result is a table.
 void run_queries(const Options& options) {
   const auto& tool = options.tool;
@@ -93,7 +116,9 @@ void run(const Options& options) {
   if (response.displacement_m.rows() == 0 && wanted)
     throw input_error("this model has forces only", wanted->string(),
                       "omit the output file, or train the model with [training] modes of 1 or more");
-  if (response.status > 0) message("warning: {}\n", phn_status_message(response.status));
+  if (response.status > 0)
+    message("warning: {}{}\n", phn_status_message(response.status),
+            lengths_outside(model, response.status, places, displacements));
   json extra{{"status", response.status}, {"family", model.runtime().info().family}, {"level", model.data().level()}};
   if (!coupled && places.size() == 1)
     extra["trained_distance"] = model.trained_distance(options.tool.nodes.front(), displacements.front());

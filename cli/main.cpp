@@ -6,6 +6,7 @@
 #include "command_files.hpp"
 #include "commands.hpp"
 #include "streams.hpp"
+#include "usage_error.hpp"
 
 namespace phynness {
 namespace {
@@ -34,13 +35,17 @@ void add_commands(CLI::App& app) {
   cli::run_command::add(app);
 }
 
-/// Help and version are printed on stdout, errors of the command line on stderr.
-int end_of_parsing(const CLI::App& app, const CLI::ParseError& error) {
+/// Prints help or the version, which CLI11 throws like errors.
+void print_help(const CLI::App& app, const CLI::ParseError& call) {
   std::ostringstream results, messages;
-  const int status = app.exit(error, results, messages);
+  app.exit(call, results, messages);
   cli::print_result("{}", results.str());
-  cli::message("{}", messages.str());
-  return status == 0 ? 0 : 2;
+}
+
+int end_with(const Error& error) {
+  // Ranks other than the first have no text, so that the reason is printed once.
+  if (*error.what() != 0) cli::message("error: {}\n", error.what());
+  return error.kind() == Error::Kind::input ? 2 : 1;
 }
 
 /// @return the exit status
@@ -60,11 +65,11 @@ int run_command_line(int argc, char** argv) {
     app.parse(argc, argv);
     return 0;
   } catch (const CLI::ParseError& error) {
-    return end_of_parsing(app, error);
+    if (error.get_exit_code() != 0) return end_with(cli::usage_error(app, error));
+    print_help(app, error);
+    return 0;
   } catch (const Error& error) {
-    // Ranks other than the first have no text, so that the reason is printed once.
-    if (*error.what() != 0) cli::message("error: {}\n", error.what());
-    return error.kind() == Error::Kind::input ? 2 : 1;
+    return end_with(error);
   } catch (const std::bad_alloc&) {
     cli::message("error: out of memory\n  remedy: use a coarser mesh, fewer output nodes or a larger machine\n");
     return 1;

@@ -14,12 +14,24 @@
 namespace phynness {
 namespace {
 
+/// The file of a path that goes through it as if it were a folder; empty: there is none.
+std::filesystem::path file_in_place_of_a_folder(const std::filesystem::path& path) {
+  std::error_code code;
+  for (auto part = path.parent_path(); !part.empty() && part != part.parent_path(); part = part.parent_path())
+    if (std::filesystem::exists(part, code)) return std::filesystem::is_directory(part, code) ? "" : part;
+  return {};
+}
+
 /// @throws Error (input) unless a regular file is opened
 Descriptor open_input(const std::filesystem::path& file, const InputFile& about, std::uint64_t& size) {
   // A pipe without a writer would keep an open() waiting.
   Descriptor input(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!input.is_open() && (errno == ENOENT || errno == ENOTDIR))
-    throw input_error(about.what + " does not exist", file.string(), about.remedy);
+  const bool missing = !input.is_open() && (errno == ENOENT || errno == ENOTDIR);
+  if (missing && errno == ENOTDIR)
+    if (const auto other = file_in_place_of_a_folder(file); !other.empty())
+      throw input_error(about.what + " cannot be there, because this is a file and no folder", other.string(),
+                        about.remedy);
+  if (missing) throw input_error(about.what + " does not exist", file.string(), about.remedy);
   if (!input.is_open())
     throw input_error(about.what + " cannot be opened: " + std::generic_category().message(errno), file.string(),
                       "check its permissions");

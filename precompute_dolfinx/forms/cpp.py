@@ -27,8 +27,10 @@ class Formula:
         return Formula(f"transpose({self.code})")
 
     def __pow__(self, exponent):
-        if exponent != int(exponent) or exponent < 1:
-            raise TypeError(f"power {exponent}: exponents must be positive integers; use exp and ln for other powers")
+        if isinstance(exponent, Formula) or exponent != int(exponent) or exponent < 1:
+            raise TypeError(
+                f"the exponent {code(exponent)} is not a positive integer: write x**a as exp(a * ln(x)), and x**-1 as 1 / x"
+            )
         return Formula(f"power<{int(exponent)}>({self.code})")
 
     def __neg__(self):

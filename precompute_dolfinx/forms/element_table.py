@@ -1,4 +1,4 @@
-"""The table of elements, in the order in which ffcx compiles their forms. Needs Python's standard library only.
+"""The tables of elements and of the functionals of fields, in the order in which ffcx compiles their forms. Needs Python's standard library only.
 
 The row of a tetrahedron determines its forms (mechanics.py) and spaces (elements.py, dolfinx_api.hpp). The shell has
 separate forms and spaces (shell.py, shell_elements.py).
@@ -38,3 +38,7 @@ ELEMENTS = (
     Element("shell", "shell", 2, None, 2, is_shell=True),
 )
 SOLIDS = tuple(e for e in ELEMENTS if not e.is_shell)
+
+# The functionals of fields, in the order of formats/include/phynness/formats/fields.hpp: displacement() and mixed() of
+# mechanics.py return them behind the tangent. Shells have none.
+FIELDS = ("von_mises", "stored")

@@ -24,8 +24,13 @@ and optionally
     calculix()          (card, numbers) of CalculiX's material, moduli in the same unit (validation/against_calculix.py)
     shell_from = 2      smallest K/mu at which plane_stress is accurate enough; default: 0
 
-The parameter names of a function determine its arguments: shape(F, mu) is called with F and mu. The functions below
-work on objects of UFL and on formulas of tables.py, which become C++; F.T is the transpose.
+The parameter names of a function determine its arguments: shape(F, mu) is called with F and mu. Formulas consist of
++ - * /, comparisons, powers with positive integers, F.T (the transpose), identity(F) and the functions det, exp, inner,
+ln, sinh, sqrt, sym and tr, which work on objects of UFL and on formulas of tables.py, which become C++. Another power
+is written with exp and ln: J^(-2/3) is exp(-2 / 3 * ln(J)).
+
+A key has one meaning in all laws. hooke.py has the quantities MU, LAMBDA, YOUNG and POISSON, and what laws with these
+parameters share; BULK is below.
 """
 
 from __future__ import annotations
@@ -33,7 +38,8 @@ from __future__ import annotations
 import importlib.util
 import inspect
 import sys
-from dataclasses import dataclass, field
+import traceback
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 LAWS = Path(__file__).resolve().parent.parent / "laws"
@@ -111,14 +117,26 @@ BULK = modulus("K", "bulk_modulus_Pa", "K")
 D1 = Quantity("d1", "d1_per_Pa", "D1", low=1e-12, meaning="> 0; D1 in 1/Pa, in place of K: here K = 1/D1")
 
 
+class LawError(Exception):
+    pass
+
+
+def _place(error, path):
+    """FILE:LINE of the last line of a law file that an error came through."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename) == Path(path)]
+    return f"{path}:{lines[-1]}" if lines else str(path)
+
+
 def call(function, *leading, **symbols):
     """Calls a law's function with the symbols that are its parameters."""
     wanted = list(inspect.signature(function).parameters)[len(leading) :]
-    return function(*leading, **{name: symbols[name] for name in wanted})
-
-
-class LawError(Exception):
-    pass
+    try:
+        return function(*leading, **{name: symbols[name] for name in wanted})
+    except Exception as error:
+        place = _place(error, function.__code__.co_filename)
+        raise LawError(
+            f"{place}: {function.__name__} cannot be evaluated: {error}; forms/law.py lists what formulas consist of"
+        ) from error
 
 
 class Law:
@@ -128,8 +146,11 @@ class Law:
         self.identifier = path.stem
         spec = importlib.util.spec_from_file_location(f"law_{path.stem}", path)
         module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
         self._path = path
+        try:
+            spec.loader.exec_module(module)
+        except Exception as error:
+            raise LawError(f"{_place(error, path)}: {error}; forms/law.py lists what a law file may use") from error
         for word in ("name", "parameters", "kappa", "formulas", "shape", "volumetric", "shear_modulus", "bulk_modulus", "example"):
             if not hasattr(module, word):
                 raise self._error(f"a law must define {word}", "it is missing", "see forms/law.py for its meaning")
@@ -154,14 +175,14 @@ class Law:
             if p.key.endswith("_per_Pa"):
                 raise self._error("a parameter must be a modulus or dimensionless", p.key, "give it in Pa")
         known = set(symbols) | {f.__name__ for f in self.derived}
-        fields = {"shape": 1, "volumetric": 1, "coupling": 2, "inside": 1, "plane_stress": 1, "squared_thickness": 1,
+        leading_of = {"shape": 1, "volumetric": 1, "coupling": 2, "inside": 1, "plane_stress": 1, "squared_thickness": 1,
                   "shear_modulus": 0, "bulk_modulus": 0, "calculix": 0}  # fmt: skip
-        for word, leading in fields.items():
+        for word, leading in leading_of.items():
             if function := getattr(self, word):
                 strange = set(list(inspect.signature(function).parameters)[leading:]) - known
                 if strange:
                     raise self._error(f"{word} has unknown arguments", sorted(strange), f"use symbols of {sorted(known)}")
-        example = self.example(10.0)
+        example = call(self.example, 10.0)
         if not any({q.symbol for q in s.given} == set(symbols) for s in self.accepted):
             raise self._error("accepted must contain the set of all parameters", symbols, "add this set to accepted")
         if set(example) != set(symbols):
@@ -191,8 +212,25 @@ def every_law():
     keys = {}
     for law in laws:
         for quantity in (q for s in law.accepted for q in s.given):
-            if keys.setdefault(quantity.key, quantity) != quantity:
+            first, other = keys.setdefault(quantity.key, (quantity, law))
+            if quantity != first:
                 raise law._error(
-                    "a key of [material] must have the same meaning in every law", quantity.key, "choose another key"
+                    f"a key of [material] must have the same meaning in every law, and {other.identifier}.py gives another one",
+                    f"{quantity.key}: {_differences(quantity, first)}",
+                    f"use {_origin(first) or _origin(quantity) or 'the same Quantity'} in both, or another key",
                 )
     return laws
+
+
+def _differences(here, there):
+    words = [f.name for f in fields(here) if getattr(here, f.name) != getattr(there, f.name)]
+    return ", ".join(f"{w} = {getattr(here, w)!r} and there {getattr(there, w)!r}" for w in words)
+
+
+def _origin(quantity):
+    """How a law file imports a quantity that is defined for all laws; None: this one is not."""
+    for module in ("hooke", "law"):
+        for name, value in vars(sys.modules.get(module)).items() if module in sys.modules else ():
+            if value is quantity:
+                return f"`from {module} import {name}`"
+    return None

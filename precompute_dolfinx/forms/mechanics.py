@@ -28,7 +28,7 @@ All lengths and moduli are dimensionless (see scaling.hpp).
 """
 
 import basix
-from element_table import SOLIDS
+from element_table import FIELDS, SOLIDS
 from elements import displacement_space, domain, mixed_space
 from ufl import (
     CellDiameter, Coefficient, Identity, Jacobian, TestFunction, TrialFunction, conditional, cross, derivative, det, dev, diff, dot,
@@ -150,14 +150,14 @@ def every_element(shape, volumetric, kappa, stabilization, coupling=None, finite
     positive where the law is defined.
     """
     coupling = coupling or quadratic(volumetric, kappa)
-    quantities = ("energy", "residual", "tangent", "von_mises", "stored", "jacobian")
+    quantities = ("energy", "residual", "tangent", *FIELDS, "jacobian")
     names = {}
     for element in SOLIDS:
         if element.pressure_degree is None:
             built = displacement(element, shape, volumetric, kappa, finite, inside)
         else:
             built = mixed(element, shape, coupling, kappa, stabilization, finite, inside)
-        names |= {f"{element.identifier}_{q}": value for q, value in zip(quantities, built)}
+        names |= {f"{element.identifier}_{q}": value for q, value in zip(quantities, built, strict=True)}
     names["forms"] = [v for n, v in names.items() if not n.endswith("_jacobian")]
     names["expressions"] = [v for n, v in names.items() if n.endswith("_jacobian")]
     return names

@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 
 from cpp import Formula, code, literal, number
-from element_table import ELEMENTS, SOLIDS
+from element_table import ELEMENTS, FIELDS, SOLIDS
 from law import LawError, call, every_law
 
 NOTE = "// Made by precompute_dolfinx/forms/tables.py; law files and element_table.py are what to edit.\n"
@@ -133,12 +133,13 @@ def compiled_forms(laws):
         rows = []
         for i, e in enumerate(SOLIDS):
             form = f"form_{law.identifier}_{e.identifier}_"
-            rows.append(f"{{{form}energy, {form}residual, {form}tangent, {form}von_mises, {form}stored, "
+            fields = ", ".join(form + name for name in FIELDS)
+            rows.append(f"{{{form}energy, {form}residual, {form}tangent, {{{{{fields}}}}}, "
                         f"expression_{law.identifier}_{i}, nullptr, nullptr, nullptr}}")  # fmt: skip
         if law.plane_stress:
             includes.append(f"#include <shell_{law.identifier}.h>")
             form = f"form_shell_{law.identifier}_"
-            rows.append(f"{{{form}energy, {form}residual, {form}tangent, nullptr, nullptr, "
+            rows.append(f"{{{form}energy, {form}residual, {form}tangent, {{}}, "
                         f"expression_shell_{law.identifier}_orientation, {form}gauge_energy, {form}gauge_residual, "
                         f"{form}gauge_tangent}}")  # fmt: skip
         else:
@@ -146,7 +147,8 @@ def compiled_forms(laws):
         cases.append("{{\n    " + ",\n    ".join(rows) + "}}")
     return (
         NOTE + '#include "form_set.hpp"\n\n#include <array>\n\n' + "\n".join(includes)
-        + "\n\nnamespace phynness {\n\nCompiledForms compiled_forms(Law law, Element element) {\n"
+        + f"\n\nnamespace phynness {{\n\nstatic_assert(every_field.size() == {len(FIELDS)}, \"FIELDS of element_table.py lists "
+        "other fields than formats/fields.hpp\");\n\nCompiledForms compiled_forms(Law law, Element element) {\n"
         f"  const std::array<CompiledForms, {len(ELEMENTS)}> forms[] = {{\n  " + ",\n  ".join(cases)
         + "};\n  return forms[law - laws().data()][static_cast<std::size_t>(element - elements().data())];\n}\n\n"
         "}  // namespace phynness\n"

@@ -1,5 +1,6 @@
 // Claim: for each reason why a database cannot be read or started there is a separate message with the file and a
 // remedy.
+#include "../as_nobody.hpp"
 #include "bad_database.hpp"
 
 namespace phynness::test {
@@ -115,15 +116,8 @@ TEST_F(BadDatabase, begun_in_a_folder_that_is_missing_or_not_writable) {
   expect_contains(refusal([&] { DatabaseWriter::create(folder() / "no" / "x.h5", header, false); }),
                   {"does not exist", "mkdir"});
   fs::permissions(folder(), fs::perms::owner_read | fs::perms::owner_exec);
-  const bool root = ::getuid() == 0;  // whom permissions do not bind: for once as the user nobody
-  if (root) {
-    ASSERT_EQ(::setresuid(65534, 65534, 0), 0);
-  }
-  const auto message = refusal([&] { DatabaseWriter::create(file, header, false); });
-  if (root) {
-    ASSERT_EQ(::setresuid(0, 0, 0), 0);
-  }
-  expect_contains(message, {"not writable", folder().c_str()});
+  const AsNobody as_nobody;
+  expect_contains(refusal([&] { DatabaseWriter::create(file, header, false); }), {"not writable", folder().c_str()});
 }
 
 TEST_F(BadDatabase, begun_without_anything_to_probe) {

@@ -8,6 +8,7 @@
 #include <phynness/formats/printable.hpp>
 #include <phynness/formats/scene.hpp>
 
+#include "../as_nobody.hpp"
 #include "../formats/database_under_test.hpp"
 
 namespace phynness::test {
@@ -26,6 +27,10 @@ class StrangeFile : public DatabaseTest {
 TEST_F(StrangeFile, is_called_what_it_is) {
   expect_contains(refused(path("nowhere")), {"does not exist"});
   expect_contains(refused(folder()), {"folder"});
+  std::ofstream(path("file")) << "a";
+  const auto below = refused(folder() / "file" / "model.txt");
+  expect_contains(below, {path("file").c_str(), "folder"});
+  EXPECT_EQ(below.find("model.txt"), std::string::npos) << below;
   ASSERT_EQ(mkfifo(path("pipe").c_str(), 0644), 0);
   expect_contains(refused(path("pipe")), {"pipe"});
   expect_contains(refused("/dev/null"), {"device"});
@@ -34,15 +39,8 @@ TEST_F(StrangeFile, is_called_what_it_is) {
   std::ofstream(path("closed")) << "a";
   fs::permissions(path("closed"), fs::perms::none);
   fs::permissions(folder(), fs::perms::owner_all | fs::perms::others_exec);
-  const bool root = ::getuid() == 0;  // whom permissions do not bind: for once as the user nobody
-  if (root) {
-    ASSERT_EQ(::setresuid(65534, 65534, 0), 0);
-  }
-  const auto message = refused(path("closed"));
-  if (root) {
-    ASSERT_EQ(::setresuid(0, 0, 0), 0);
-  }
-  expect_contains(message, {"ermission"});
+  const AsNobody as_nobody;
+  expect_contains(refused(path("closed")), {"ermission"});
 }
 
 TEST_F(StrangeFile, with_a_zero_in_its_text_says_where) {

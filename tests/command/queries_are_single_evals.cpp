@@ -88,6 +88,15 @@ TEST_F(Queries, AreAnsweredAsOneByOne) {
   }
 }
 
+TEST_F(Queries, BeyondTheTrainedDepthAreWarnedOfWithBothLengths) {
+  const auto node = std::to_string(nodes[0]);
+  const auto outcome = phynness("eval modal --node " + node + " --displacement 0,0,-0.0125");
+  EXPECT_EQ(outcome.exit_status, 0) << outcome.err;
+  expect_names(outcome.err, {"warning: ", "node " + node, "0.0125 m", "0.008 m"});
+  const auto inside = phynness("eval modal --node " + node + " --displacement 0,0,-0.006");
+  EXPECT_EQ(inside.err, "");
+}
+
 TEST_F(Queries, WithABadRowAreRefusedByItsLine) {
   const std::string head = "node,ux_m,uy_m,uz_m\n", good = std::to_string(nodes[0]) + ",0,0,-0.001\n";
   const auto node = std::to_string(nodes[1]);

@@ -20,7 +20,7 @@ def nothing(F):
 
 
 P1, P2, _, _ = SOLIDS
-p1_energy, p1_residual, p1_tangent, _, _, p1_jacobian = displacement(P1, energy_density, nothing, kappa)
-p2_energy, p2_residual, p2_tangent, _, _, p2_jacobian = displacement(P2, energy_density, nothing, kappa)
+p1_energy, p1_residual, p1_tangent, *_, p1_jacobian = displacement(P1, energy_density, nothing, kappa)
+p2_energy, p2_residual, p2_tangent, *_, p2_jacobian = displacement(P2, energy_density, nothing, kappa)
 forms = [p1_energy, p1_residual, p1_tangent, p2_energy, p2_residual, p2_tangent]
 expressions = [p1_jacobian, p2_jacobian]

@@ -2,6 +2,7 @@
 // parts of themselves, so that keys, headers and brackets can be nested as deeply as the input is long.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/scene.hpp>
+#include <set>
 
 #include "../bad_input/good_scene.hpp"
 #include "texts.hpp"
@@ -9,99 +10,62 @@
 namespace phynness::fuzz {
 namespace {
 
-const std::vector<std::string_view> words = {"0",
-                                             "1",
-                                             "-1",
-                                             "2",
-                                             "26",
-                                             "98",
-                                             "1e30",
-                                             "-1e300",
-                                             "1e-320",
-                                             "nan",
-                                             "inf",
-                                             "-inf",
-                                             "9223372036854775807",
-                                             "0.5",
-                                             "true",
-                                             "false",
-                                             "[]",
-                                             "{}",
-                                             "\"\"",
-                                             "[0, 0, 0]",
-                                             "[1, 1, 1]",
-                                             "\"block\"",
-                                             "\"liver\"",
-                                             "\"cylinder\"",
-                                             "\"tube\"",
-                                             "\"linear\"",
-                                             "\"neo-hookean\"",
-                                             "\"mooney-rivlin\"",
-                                             "\"st-venant-kirchhoff\"",
-                                             "\"P1\"",
-                                             "\"p1-p1\"",
-                                             "\"taylor-hood\"",
-                                             "\"surface\"",
-                                             "\"free-surface\"",
-                                             "\"all\"",
-                                             "\"x\"",
-                                             "[mesh]",
-                                             "[material]",
-                                             "[solver]",
-                                             "[nodes]",
-                                             "[probe]",
-                                             "[training]",
-                                             "[validation]",
-                                             "[database]",
-                                             "shape",
-                                             "file",
-                                             "law",
-                                             "young_modulus_Pa",
-                                             "poisson_ratio",
-                                             "shear_modulus_Pa",
-                                             "bulk_modulus_Pa",
-                                             "c10_Pa",
-                                             "c01_Pa",
-                                             "element",
-                                             "fixed",
-                                             "active",
-                                             "output",
-                                             "box",
-                                             "sphere",
-                                             "plane",
-                                             "half_space",
-                                             "nearest",
-                                             "nodes",
-                                             "group",
-                                             "min_fraction",
-                                             "max_fraction",
-                                             "min_m",
-                                             "max_m",
-                                             "center_m",
-                                             "radius_m",
-                                             "normal",
-                                             "point_m",
-                                             "directions",
-                                             "increments",
-                                             "max_displacement_m",
-                                             "symmetry",
-                                             "family",
-                                             "\"modal\"",
-                                             "\"rbfn\"",
-                                             "fields",
-                                             "[\"von-mises-stress\"]",
-                                             "target_nodes",
-                                             "target_size_m",
-                                             "size_m",
-                                             "seed",
-                                             "a.a.a",
-                                             "[a.a]",
-                                             "[[a.a]]",
-                                             "{a.a=",
-                                             "\"a.\".",
-                                             "#",
-                                             "'''",
-                                             "\"\"\""};
+/// What scenes are made of: values and structure, and all sections, keys, selectors, laws, elements and fields that the
+/// parser knows.
+const std::vector<std::string>& known_words() {
+  static const std::vector<std::string> all = [] {
+    std::vector<std::string> words = {"0",
+                                      "1",
+                                      "-1",
+                                      "2",
+                                      "26",
+                                      "98",
+                                      "1e30",
+                                      "-1e300",
+                                      "1e-320",
+                                      "nan",
+                                      "inf",
+                                      "-inf",
+                                      "9223372036854775807",
+                                      "0.5",
+                                      "true",
+                                      "false",
+                                      "[]",
+                                      "{}",
+                                      "\"\"",
+                                      "[0, 0, 0]",
+                                      "[1, 1, 1]",
+                                      "a.a.a",
+                                      "[a.a]",
+                                      "[[a.a]]",
+                                      "{a.a=",
+                                      "\"a.\".",
+                                      "#",
+                                      "'''",
+                                      "\"\"\""};
+    for (const char* text : {"block", "liver", "cylinder", "tube", "drain", "surface", "free-surface", "all", "node",
+                             "patch", "modal", "rbfn", "linear", "x"})
+      words.push_back('"' + std::string(text) + '"');
+    for (const LawRow& law : laws()) words.push_back('"' + std::string(law.name) + '"');
+    for (const ElementRow& element : elements()) words.push_back('"' + std::string(element.name) + '"');
+    for (const auto& field : every_field) words.push_back("[\"" + std::string(field.name) + "\"]");
+    std::set<std::string> parts;
+    for (const std::string& key : scene_keys()) {
+      const std::size_t dot = key.find('.');
+      if (dot == std::string::npos) {
+        parts.insert(key);
+        continue;
+      }
+      if (key.compare(0, dot, "selector") != 0) parts.insert('[' + key.substr(0, dot) + ']');
+      for (std::size_t at = dot; at != std::string::npos; at = key.find('.', at + 1))
+        parts.insert(key.substr(at + 1, key.find('.', at + 1) - at - 1));
+    }
+    words.insert(words.end(), parts.begin(), parts.end());
+    return words;
+  }();
+  return all;
+}
+const std::vector<std::string_view> words(known_words().begin(), known_words().end());
 
 /// `head`, a piece n times, `tail`, behind a scene.
 void append_deep(std::vector<Input>& all, std::size_t n, std::string_view head, std::string_view piece,

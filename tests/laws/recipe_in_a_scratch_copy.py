@@ -68,9 +68,19 @@ max_displacement_m = 0.01
 """
 
 
-def run(*command, **options):
+# What a law file may have wrong: (text, replacement, words of the message).
+WRONG_LAWS = [
+    ("exp(-2 / 3 * ln(det(F)))", "det(F) ** (-2 / 3)", ["demiray.py:24", "shape", "-0.66", "exp(a * ln(x))"]),
+    ("import BULK, ", "import BULK, cos, ", ["demiray.py:3", "cos", "forms/law.py"]),
+    ("def shape(F, mu, b):", "def shape(F, mu, b):\n    return F @ F", ["demiray.py:24", "shape", "@"]),
+    ('Quantity("b", "stiffening", "b", high=100', 'Quantity("b", "poisson_ratio", "nu", high=0.5',
+     ["poisson_ratio", "demiray.py", "linear.py", "from hooke import POISSON"]),
+]  # fmt: skip
+
+
+def run(*command, status=0, **options):
     done = subprocess.run([str(c) for c in command], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, **options)
-    assert done.returncode == 0, f"{command}\n{done.stdout}"
+    assert done.returncode == status, f"{command}\n{done.stdout}"
     return done.stdout
 
 
@@ -85,7 +95,7 @@ def main(source, compiler, libraries, python_with_ufl=None):
         copy = Path(temporary)
         for folder in ("forms", "laws"):
             shutil.copytree(source / "precompute_dolfinx" / folder, copy / "precompute_dolfinx" / folder)
-        for page in ("formats/scene.md", "docs/theory.md"):
+        for page in ("formats/scene.md", "docs/theory.md", "README.md"):
             (copy / page).parent.mkdir(exist_ok=True)
             shutil.copy(source / page, copy / page)
         (copy / "precompute_dolfinx" / "laws" / "demiray.py").write_text(LAW)
@@ -107,16 +117,30 @@ def main(source, compiler, libraries, python_with_ufl=None):
         expect(run(copy / "recipe", SCENE.replace("stiffening = 0.7", "stiffenin = 0.7")), ["did you mean stiffening?"])
         expect(run(copy / "recipe", SCENE.replace("= 0.7", "= 700")), ["recipe.toml:6", "stiffening", "700"])
 
-        run(sys.executable, forms / "doc_tables.py", "--write", cwd=copy)
+        missing = run(sys.executable, forms / "doc_tables.py", "--write", cwd=copy, status=1)
+        expect(missing, ["README.md:", "demiray"])
+        readme = copy / "README.md"
+        readme.write_text(readme.read_text().replace("Laws: ", "Laws: Demiray, "))
+        assert run(sys.executable, forms / "doc_tables.py", cwd=copy) == ""
         expect((copy / "formats" / "scene.md").read_text(), ["| `stiffening` | number | > 0; b no unit |"])
 
         if python_with_ufl:
-            # Five forms and J of each of the four elements of tetrahedra.
+            # Of each element of tetrahedra energy, residual, tangent, the fields, and J.
             made = run(python_with_ufl, "-c", "import sys, runpy; names = runpy.run_path(sys.argv[1]);"
                        "print(len(names['forms']), len(names['expressions']))",
                        copy / "made" / "forms" / "demiray.py",
                        env={**os.environ, "PYTHONPATH": str(forms), "PYTHONDONTWRITEBYTECODE": "1"})  # fmt: skip
-            expect(made, ["20 4"])
+            sys.path.insert(0, str(forms))
+            from element_table import FIELDS, SOLIDS
+
+            expect(made, [f"{len(SOLIDS) * (3 + len(FIELDS))} {len(SOLIDS)}"])
+
+        for text, replacement, words in WRONG_LAWS:
+            assert text in LAW
+            (copy / "precompute_dolfinx" / "laws" / "demiray.py").write_text(LAW.replace(text, replacement))
+            message = run(sys.executable, forms / "tables.py", copy / "wrong", status=1)
+            expect(message, words)
+            assert "Traceback" not in message, message
 
 
 if __name__ == "__main__":

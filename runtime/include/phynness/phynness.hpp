@@ -109,28 +109,92 @@ class Memory {
  private:
   std::vector<std::byte> _owned;
 };
+
+/// What all classes of the wrapper are: an object of the C library in memory of its own or of the caller, and its
+/// status. It can be moved, which leaves the memory in place and the other one as if constructed without arguments, but
+/// not copied.
+/// @tparam Object  of the C library
+/// @tparam More    what a class keeps beside it
+template <class Object, class More>
+class Built {
+ public:
+  Built(Built&& other) noexcept { swap(other); }
+  Built& operator=(Built&& other) noexcept {
+    Built(std::move(other)).swap(*this);
+    return *this;
+  }
+  explicit operator bool() const noexcept { return _object != nullptr; }
+  Status status() const noexcept { return _status; }
+  Object* get() const noexcept { return _object; }
+
+ protected:
+  Built() = default;
+  /// @param size  called with the address of the number of bytes, returns a status
+  /// @param init  called with memory, its bytes and the address of the object, returns a status
+  /// @return the bytes that the object needs; 0 if there is none
+  template <class Size, class Init>
+  std::size_t build(Span<std::byte> own, Size&& size, Init&& init) {
+    std::size_t bytes = 0;
+    _status = size(&bytes);
+    if (!_status.ok()) return 0;
+    void* place = _memory.place(own, bytes);
+    _status = init(place, own.data() ? own.size() : bytes, &_object);
+    return _status.ok() ? bytes : 0;
+  }
+  More& more() noexcept { return _more; }
+  const More& more() const noexcept { return _more; }
+
+ private:
+  void swap(Built& other) noexcept {
+    std::swap(_memory, other._memory);
+    std::swap(_object, other._object);
+    std::swap(_more, other._more);
+    std::swap(_status, other._status);
+  }
+
+  Memory _memory;
+  Object* _object = nullptr;
+  More _more = {};
+  Status _status = PHN_ERROR_ARGUMENT;
+};
+
+struct Nothing {};
+struct FieldSize {
+  std::size_t n_field = 0;  ///< 3 n_output
+};
+struct ModelContent {
+  static phn_info none() noexcept {
+    phn_info info;
+    phn_model_info(nullptr, &info);
+    return info;
+  }
+  phn_info info = none();
+  std::size_t bytes = 0, wrong_byte = 0;
+};
+struct DataSizes {
+  const phn_model* model = nullptr;
+  std::size_t n_field = 0;   ///< 3 n_output
+  std::size_t n_levels = 0;  ///< of the model
+};
 }  // namespace detail
 
 /// A model. It is constant and may be shared between threads. It can be moved, which leaves the memory in place, but
 /// not copied.
-class Model {
+class Model : public detail::Built<const phn_model, detail::ModelContent> {
  public:
   Model() = default;
   /// @param text  text of model.txt; not used after construction
   /// @param own   memory of at least bytes_for(text) bytes that outlives the model; empty: the model allocates memory
   explicit Model(std::string_view text, Span<std::byte> own = {}) {
-    std::size_t bytes = 0;
-    _status = phn_model_size(text.data(), text.size(), &bytes, &_wrong_byte);
-    if (!_status.ok()) return;
-    void* place = _memory.place(own, bytes);
-    _status = phn_model_init(place, own.data() ? own.size() : bytes, text.data(), text.size(), &_model, &_wrong_byte);
-    if (_status.ok()) phn_model_info(_model, &_info);
-    if (_status.ok()) _bytes = bytes;
-  }
-  Model(Model&& other) noexcept { swap(other); }
-  Model& operator=(Model&& other) noexcept {
-    Model(std::move(other)).swap(*this);
-    return *this;
+    auto& content = more();
+    const auto size = [&](std::size_t* bytes) {
+      return phn_model_size(text.data(), text.size(), bytes, &content.wrong_byte);
+    };
+    const auto init = [&](void* place, std::size_t bytes, const phn_model** model) {
+      return phn_model_init(place, bytes, text.data(), text.size(), model, &content.wrong_byte);
+    };
+    content.bytes = build(own, size, init);
+    if (content.bytes > 0) phn_model_info(get(), &content.info);
   }
 
   /// The model in a file; status PHN_ERROR_NOT_A_MODEL if the file cannot be read.
@@ -153,172 +217,126 @@ class Model {
     return phn_model_size(text.data(), text.size(), &bytes, nullptr) == PHN_OK ? bytes : 0;
   }
 
-  explicit operator bool() const noexcept { return _model != nullptr; }
-  Status status() const noexcept { return _status; }
-  const phn_model* get() const noexcept { return _model; }
-
   /// Position of the first error in a refused text, counted from 1; 0 for a valid text.
-  std::size_t wrong_byte() const noexcept { return _wrong_byte; }
+  std::size_t wrong_byte() const noexcept { return more().wrong_byte; }
   /// Memory of the model [bytes].
-  std::size_t bytes() const noexcept { return _bytes; }
+  std::size_t bytes() const noexcept { return more().bytes; }
 
   /// Contents of the model; without a model all zeros except the precision.
-  const phn_info& info() const noexcept { return _info; }
-  std::int32_t n_nodes() const noexcept { return _info.n_nodes; }
-  std::int32_t n_output() const noexcept { return _info.n_output; }
-  Span<const std::int32_t> active_nodes() const noexcept { return view(_info.active_nodes, _info.n_active); }
-  Span<const std::int32_t> output_nodes() const noexcept { return view(_info.output_nodes, _info.n_output); }
-  Span<const std::int32_t> fixed_nodes() const noexcept { return view(_info.fixed_nodes, _info.n_fixed); }
+  const phn_info& info() const noexcept { return more().info; }
+  std::int32_t n_nodes() const noexcept { return info().n_nodes; }
+  std::int32_t n_output() const noexcept { return info().n_output; }
+  Span<const std::int32_t> active_nodes() const noexcept { return view(info().active_nodes, info().n_active); }
+  Span<const std::int32_t> output_nodes() const noexcept { return view(info().output_nodes, info().n_output); }
+  Span<const std::int32_t> fixed_nodes() const noexcept { return view(info().fixed_nodes, info().n_fixed); }
   /// n x 3, row by row
-  Span<const double> output_points() const noexcept { return view(_info.output_points, 3 * _info.n_output); }
-  Span<const double> fixed_points() const noexcept { return view(_info.fixed_points, 3 * _info.n_fixed); }
-  Span<const std::int32_t> triangles() const noexcept { return view(_info.triangles, 3 * _info.n_triangles); }
-  std::int32_t n_fields() const noexcept { return _info.n_fields; }
-  std::int32_t n_levels() const noexcept { return _info.n_levels; }
-  Status level_info(std::int32_t level, phn_level& info) const noexcept { return phn_level_info(_model, level, &info); }
+  Span<const double> output_points() const noexcept { return view(info().output_points, 3 * info().n_output); }
+  Span<const double> fixed_points() const noexcept { return view(info().fixed_points, 3 * info().n_fixed); }
+  Span<const std::int32_t> triangles() const noexcept { return view(info().triangles, 3 * info().n_triangles); }
+  std::int32_t n_fields() const noexcept { return info().n_fields; }
+  std::int32_t n_levels() const noexcept { return info().n_levels; }
+  Status level_info(std::int32_t level, phn_level& info) const noexcept { return phn_level_info(get(), level, &info); }
 
   /// @param times  from Data::calibrate, n_levels() of them
   Status budget(Span<const phn_level_time> times, double n_forces, double n_deformations, double budget_us,
                 std::int32_t& level) const noexcept {
-    return times.size() < static_cast<std::size_t>(_info.n_levels)
+    return times.size() < static_cast<std::size_t>(info().n_levels)
                ? Status(PHN_ERROR_BUFFER)
-               : Status(phn_budget(_model, times.data(), n_forces, n_deformations, budget_us, &level));
+               : Status(phn_budget(get(), times.data(), n_forces, n_deformations, budget_us, &level));
   }
 
   Status trust(std::int32_t node, In3 d, phn_trusted& trusted) const noexcept {
-    return phn_trust(_model, node, d.data(), &trusted);
+    return phn_trust(get(), node, d.data(), &trusted);
   }
-  Status nearest(In3 x, phn_tool& tool) const noexcept { return phn_nearest(_model, x.data(), &tool, nullptr); }
+  Status nearest(In3 x, phn_tool& tool) const noexcept { return phn_nearest(get(), x.data(), &tool, nullptr); }
   Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
-    return phn_nearest(_model, x.data(), &tool, point.data());
+    return phn_nearest(get(), x.data(), &tool, point.data());
   }
 
  private:
-  static phn_info none() noexcept {
-    phn_info info;
-    phn_model_info(nullptr, &info);
-    return info;
-  }
   template <class T>
   static Span<const T> view(const T* data, std::int32_t n) noexcept {
     return {data, static_cast<std::size_t>(n)};
   }
-  void swap(Model& other) noexcept {
-    std::swap(_memory, other._memory);
-    std::swap(_model, other._model);
-    std::swap(_info, other._info);
-    std::swap(_bytes, other._bytes);
-    std::swap(_wrong_byte, other._wrong_byte);
-    std::swap(_status, other._status);
-  }
-
-  detail::Memory _memory;
-  const phn_model* _model = nullptr;
-  phn_info _info = none();
-  std::size_t _bytes = 0, _wrong_byte = 0;
-  Status _status = PHN_ERROR_ARGUMENT;
 };
 
 /// Working memory of one thread, with the functions that use it. Output spans may be longer than needed. A span that is
 /// too short is not written, and the status is PHN_ERROR_BUFFER. @pre the model outlives this object
-class Data {
+class Data : public detail::Built<phn_data, detail::DataSizes> {
  public:
   Data() = default;
-  Data(const Model& model, std::int32_t max_tools, Span<std::byte> own = {}) : _model(model.get()) {
-    std::size_t bytes = 0;
-    _status = phn_data_size(_model, max_tools, &bytes);
-    if (!_status.ok()) return;
-    void* place = _memory.place(own, bytes);
-    _status = phn_data_init(place, own.data() ? own.size() : bytes, _model, max_tools, &_data);
-    _n_field = 3 * static_cast<std::size_t>(model.n_output());
-    _n_levels = static_cast<std::size_t>(model.n_levels());
-  }
-  Data(Data&& other) noexcept { swap(other); }
-  Data& operator=(Data&& other) noexcept {
-    Data(std::move(other)).swap(*this);
-    return *this;
+  Data(const Model& model, std::int32_t max_tools, Span<std::byte> own = {}) {
+    more().model = model.get();
+    const auto size = [&](std::size_t* bytes) { return phn_data_size(model.get(), max_tools, bytes); };
+    const auto init = [&](void* place, std::size_t bytes, phn_data** data) {
+      return phn_data_init(place, bytes, model.get(), max_tools, data);
+    };
+    if (build(own, size, init) == 0) return;
+    more().n_field = 3 * static_cast<std::size_t>(model.n_output());
+    more().n_levels = static_cast<std::size_t>(model.n_levels());
   }
   static std::size_t bytes_for(const Model& model, std::int32_t max_tools) noexcept {
     std::size_t bytes = 0;
     return phn_data_size(model.get(), max_tools, &bytes) == PHN_OK ? bytes : 0;
   }
 
-  explicit operator bool() const noexcept { return _data != nullptr; }
-  Status status() const noexcept { return _status; }
-  phn_data* get() const noexcept { return _data; }
-
   Status force(std::int32_t node, In3 d, Out3 force_N) noexcept {
-    return phn_force(_model, _data, node, d.data(), force_N.data(), nullptr, nullptr);
+    return phn_force(more().model, get(), node, d.data(), force_N.data(), nullptr, nullptr);
   }
   /// Force, energy and stiffness in one call. @param stiffness_N_per_m  3 x 3, symmetric
   Status force(std::int32_t node, In3 d, Out3 force_N, double& energy_J, Out9 stiffness_N_per_m) noexcept {
-    return phn_force(_model, _data, node, d.data(), force_N.data(), &energy_J, stiffness_N_per_m.data());
+    return phn_force(more().model, get(), node, d.data(), force_N.data(), &energy_J, stiffness_N_per_m.data());
   }
   Status force(std::int32_t node, In3 d, Out3 force_N, double& energy_J) noexcept {
-    return phn_force(_model, _data, node, d.data(), force_N.data(), &energy_J, nullptr);
+    return phn_force(more().model, get(), node, d.data(), force_N.data(), &energy_J, nullptr);
   }
   Status energy(std::int32_t node, In3 d, double& energy_J) noexcept {
-    return phn_force(_model, _data, node, d.data(), nullptr, &energy_J, nullptr);
+    return phn_force(more().model, get(), node, d.data(), nullptr, &energy_J, nullptr);
   }
   /// @param stiffness_N_per_m  3 x 3, symmetric
   Status stiffness(std::int32_t node, In3 d, Out9 stiffness_N_per_m) noexcept {
-    return phn_force(_model, _data, node, d.data(), nullptr, nullptr, stiffness_N_per_m.data());
+    return phn_force(more().model, get(), node, d.data(), nullptr, nullptr, stiffness_N_per_m.data());
   }
   /// @param out  n_output x 3
   Status deform(std::int32_t node, In3 d, Span<double> out) noexcept {
-    return out.size() < _n_field ? Status(PHN_ERROR_BUFFER)
-                                 : Status(phn_deform(_model, _data, node, d.data(), out.data()));
+    return out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)
+                                       : Status(phn_deform(more().model, get(), node, d.data(), out.data()));
   }
   /// The paper's blending of several tools. @param displacements  nodes.size() x 3; @param out  n_output x 3
   Status blend_paper(Span<const std::int32_t> nodes, Span<const double> displacements, Span<double> out) noexcept {
-    if (out.size() < _n_field || displacements.size() < 3 * nodes.size()) return PHN_ERROR_BUFFER;
+    if (out.size() < more().n_field || displacements.size() < 3 * nodes.size()) return PHN_ERROR_BUFFER;
     if (nodes.size() > INT32_MAX / 3) return PHN_ERROR_TOOLS;
-    return phn_blend_paper(_model, _data, static_cast<std::int32_t>(nodes.size()), nodes.data(), displacements.data(),
-                           out.data());
+    return phn_blend_paper(more().model, get(), static_cast<std::int32_t>(nodes.size()), nodes.data(),
+                           displacements.data(), out.data());
   }
-  Status prepare(std::int32_t node) noexcept { return phn_prepare(_model, _data, node); }
+  Status prepare(std::int32_t node) noexcept { return phn_prepare(more().model, get(), node); }
   /// @param forces_N  tools.size() x 3
   Status couple(Span<const phn_tool> tools, Span<double> forces_N, phn_coupled* result = nullptr) noexcept {
     if (forces_N.size() / 3 < tools.size()) return PHN_ERROR_BUFFER;
     if (tools.size() > PHN_MOST_COUPLED) return PHN_ERROR_TOO_MANY_TOOLS;
-    return phn_couple(_model, _data, static_cast<std::int32_t>(tools.size()), tools.data(), forces_N.data(), result);
+    return phn_couple(more().model, get(), static_cast<std::int32_t>(tools.size()), tools.data(), forces_N.data(),
+                      result);
   }
   Status couple(const phn_tool& tool, Out3 force_N, phn_coupled* result = nullptr) noexcept {
-    return phn_couple(_model, _data, 1, &tool, force_N.data(), result);
+    return phn_couple(more().model, get(), 1, &tool, force_N.data(), result);
   }
   Status coupled_deform(Span<double> out) noexcept {
-    return out.size() < _n_field ? Status(PHN_ERROR_BUFFER) : Status(phn_coupled_deform(_model, _data, out.data()));
+    return out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)
+                                       : Status(phn_coupled_deform(more().model, get(), out.data()));
   }
   /// @param out  n_output values
   Status field(std::int32_t node, In3 d, std::int32_t number, Span<double> out) noexcept {
-    return 3 * out.size() < _n_field ? Status(PHN_ERROR_BUFFER)
-                                     : Status(phn_field(_model, _data, node, d.data(), number, out.data()));
+    return 3 * out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)
+                                           : Status(phn_field(more().model, get(), node, d.data(), number, out.data()));
   }
 
-  Status set_level(std::int32_t level) noexcept { return phn_set_level(_model, _data, level); }
-  std::int32_t level() const noexcept { return phn_level_of(_data); }
+  Status set_level(std::int32_t level) noexcept { return phn_set_level(more().model, get(), level); }
+  std::int32_t level() const noexcept { return phn_level_of(get()); }
   /// @param times  output, n_levels of the model
   Status calibrate(double (*clock_us)(void*), void* user, Span<phn_level_time> times) noexcept {
-    return times.size() < _n_levels ? Status(PHN_ERROR_BUFFER)
-                                    : Status(phn_calibrate(_model, _data, clock_us, user, times.data()));
+    return times.size() < more().n_levels ? Status(PHN_ERROR_BUFFER)
+                                          : Status(phn_calibrate(more().model, get(), clock_us, user, times.data()));
   }
-
- private:
-  void swap(Data& other) noexcept {
-    std::swap(_memory, other._memory);
-    std::swap(_model, other._model);
-    std::swap(_data, other._data);
-    std::swap(_n_field, other._n_field);
-    std::swap(_n_levels, other._n_levels);
-    std::swap(_status, other._status);
-  }
-
-  detail::Memory _memory;
-  const phn_model* _model = nullptr;
-  phn_data* _data = nullptr;
-  std::size_t _n_field = 0;   ///< 3 n_output
-  std::size_t _n_levels = 0;  ///< of the model
-  Status _status = PHN_ERROR_ARGUMENT;
 };
 
 }  // inline namespace

@@ -13,30 +13,21 @@ inline namespace in_double {
 #endif
 
 /// Contact of tools with a model; each thread that moves tools has its own. @pre the model outlives this object
-class Contact {
+class Contact : public detail::Built<phn_contact, detail::FieldSize> {
  public:
   Contact() = default;
-  Contact(const Model& model, std::int32_t max_tools, Span<std::byte> own = {})
-      : _n_field(3 * static_cast<std::size_t>(model.n_output())) {
-    std::size_t bytes = 0;
-    _status = phn_contact_size(model.get(), max_tools, &bytes);
-    if (!_status.ok()) return;
-    void* place = _memory.place(own, bytes);
-    _status = phn_contact_init(place, own.data() ? own.size() : bytes, model.get(), max_tools, &_contact);
-  }
-  Contact(Contact&& other) noexcept { swap(other); }
-  Contact& operator=(Contact&& other) noexcept {
-    Contact(std::move(other)).swap(*this);
-    return *this;
+  Contact(const Model& model, std::int32_t max_tools, Span<std::byte> own = {}) {
+    more().n_field = 3 * static_cast<std::size_t>(model.n_output());
+    const auto size = [&](std::size_t* bytes) { return phn_contact_size(model.get(), max_tools, bytes); };
+    const auto init = [&](void* place, std::size_t bytes, phn_contact** contact) {
+      return phn_contact_init(place, bytes, model.get(), max_tools, contact);
+    };
+    build(own, size, init);
   }
   static std::size_t bytes_for(const Model& model, std::int32_t max_tools) noexcept {
     std::size_t bytes = 0;
     return phn_contact_size(model.get(), max_tools, &bytes) == PHN_OK ? bytes : 0;
   }
-
-  explicit operator bool() const noexcept { return _contact != nullptr; }
-  Status status() const noexcept { return _status; }
-  phn_contact* get() const noexcept { return _contact; }
 
   /// @param data    of the same thread and model
   /// @param states  tools.size() of them
@@ -44,37 +35,24 @@ class Contact {
               phn_coupled* result = nullptr) noexcept {
     if (states.size() < tools.size()) return PHN_ERROR_BUFFER;
     if (tools.size() > PHN_MOST_COUPLED) return PHN_ERROR_TOO_MANY_TOOLS;
-    return phn_contact_step(_contact, data.get(), static_cast<std::int32_t>(tools.size()), tools.data(), states.data(),
+    return phn_contact_step(get(), data.get(), static_cast<std::int32_t>(tools.size()), tools.data(), states.data(),
                             result);
   }
   Status step(Data& data, const phn_contact_tool& tool, phn_contact_state& state,
               phn_coupled* result = nullptr) noexcept {
-    return phn_contact_step(_contact, data.get(), 1, &tool, &state, result);
+    return phn_contact_step(get(), data.get(), 1, &tool, &state, result);
   }
-  Status reset() noexcept { return phn_contact_reset(_contact); }
+  Status reset() noexcept { return phn_contact_reset(get()); }
   /// @param field  n_output x 3 of the model [m]; empty: the undeformed surface
   Status refit(Span<const double> field = {}) noexcept {
-    if (field.data() != nullptr && field.size() < _n_field) return PHN_ERROR_BUFFER;
-    return phn_contact_refit(_contact, field.data());
+    if (field.data() != nullptr && field.size() < more().n_field) return PHN_ERROR_BUFFER;
+    return phn_contact_refit(get(), field.data());
   }
   /// @return number of tools in contact, which are the first entries of `tools`
-  std::int32_t held(phn_tool (&tools)[PHN_MOST_COUPLED]) const noexcept { return phn_contact_held(_contact, tools); }
+  std::int32_t held(phn_tool (&tools)[PHN_MOST_COUPLED]) const noexcept { return phn_contact_held(get(), tools); }
   Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
-    return phn_contact_nearest(_contact, x.data(), &tool, point.data());
+    return phn_contact_nearest(get(), x.data(), &tool, point.data());
   }
-
- private:
-  void swap(Contact& other) noexcept {
-    std::swap(_memory, other._memory);
-    std::swap(_contact, other._contact);
-    std::swap(_n_field, other._n_field);
-    std::swap(_status, other._status);
-  }
-
-  detail::Memory _memory;
-  phn_contact* _contact = nullptr;
-  std::size_t _n_field = 0;
-  Status _status = PHN_ERROR_ARGUMENT;
 };
 
 }  // inline namespace

@@ -23,53 +23,33 @@ inline phn_loop_settings loop_defaults() noexcept {
 }
 
 /// The controller between a device and a body; see phynness_loop.h.
-class Loop {
+class Loop : public detail::Built<phn_loop, detail::Nothing> {
  public:
   Loop() = default;
   explicit Loop(const phn_loop_settings& settings, Span<std::byte> own = {}) {
-    std::size_t bytes = 0;
-    phn_loop_size(&bytes);
-    void* place = _memory.place(own, bytes);
-    _status = phn_loop_init(place, own.data() ? own.size() : bytes, &settings, &_loop);
-  }
-  Loop(Loop&& other) noexcept { swap(other); }
-  Loop& operator=(Loop&& other) noexcept {
-    Loop(std::move(other)).swap(*this);
-    return *this;
+    const auto init = [&](void* place, std::size_t bytes, phn_loop** loop) {
+      return phn_loop_init(place, bytes, &settings, loop);
+    };
+    build(own, phn_loop_size, init);
   }
 
-  explicit operator bool() const noexcept { return _loop != nullptr; }
-  Status status() const noexcept { return _status; }
-  phn_loop* get() const noexcept { return _loop; }
-
-  Status engage() noexcept { return phn_loop_engage(_loop); }
-  Status release() noexcept { return phn_loop_release(_loop); }
-  Status clutch(bool on) noexcept { return phn_loop_clutch(_loop, on ? 1 : 0); }
-  Status reset() noexcept { return phn_loop_reset(_loop); }
+  Status engage() noexcept { return phn_loop_engage(get()); }
+  Status release() noexcept { return phn_loop_release(get()); }
+  Status clutch(bool on) noexcept { return phn_loop_clutch(get(), on ? 1 : 0); }
+  Status reset() noexcept { return phn_loop_reset(get()); }
   /// @param sample  null: none arrived
   Status read(const phn_loop_sample* sample, double now_s, Out3 tool) noexcept {
-    return phn_loop_read(_loop, sample, now_s, tool.data());
+    return phn_loop_read(get(), sample, now_s, tool.data());
   }
   Status hold(const phn_loop_response& response, double now_s, Out3 force_N) noexcept {
-    return phn_loop_hold(_loop, &response, now_s, force_N.data());
+    return phn_loop_hold(get(), &response, now_s, force_N.data());
   }
-  Status held(In3 force_N) noexcept { return phn_loop_held(_loop, force_N.data()); }
+  Status held(In3 force_N) noexcept { return phn_loop_held(get(), force_N.data()); }
   phn_loop_report report() const noexcept {
     phn_loop_report report = {};
-    phn_loop_get_report(_loop, &report);
+    phn_loop_get_report(get(), &report);
     return report;
   }
-
- private:
-  void swap(Loop& other) noexcept {
-    std::swap(_memory, other._memory);
-    std::swap(_loop, other._loop);
-    std::swap(_status, other._status);
-  }
-
-  detail::Memory _memory;
-  phn_loop* _loop = nullptr;
-  Status _status = PHN_ERROR_ARGUMENT;
 };
 
 /// A body of which the tool holds one active node. The origin of its frame is the place of this node at rest.
