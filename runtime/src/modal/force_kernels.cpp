@@ -184,7 +184,7 @@ PHN_INLINE void derivatives_of_centers(const Conservative<double>& net, const Fo
 
 /// How many sums of stiffnesses stay in registers of so many bytes. GCC takes the loops over fewer lanes than a block
 /// as operations of whole registers; other compilers may not.
-constexpr std::int32_t lanes_of([[maybe_unused]] std::int32_t bytes) {
+[[maybe_unused]] constexpr std::int32_t lanes_of([[maybe_unused]] std::int32_t bytes) {
 #if defined(__GNUC__) && !defined(__clang__)
   return bytes / static_cast<std::int32_t>(sizeof(Real));
 #else
