@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A fake of Haply's Inverse service for tests: one client, one Inverse3, a real socket, the standard library alone.
+"""A fake of Haply's Inverse service for tests: one client at a time, one Inverse3, a real socket, the standard library alone.
 
 It says the port that it got (`port N`) and writes what happens to the log. It answers each message of the client with one
 state update, as Haply documents, unless --answers names something else for the first ones. It checks every message of the
@@ -61,8 +61,8 @@ class Service:
     def __init__(self, options, log):
         self.options, self.log_file, self.body = options, log, Body()
         self.answers = options.answers.split(",") if options.answers else []
-        self.force, self.n, self.violations, self.held_back = [0.0] * 3, 0, 0, None
-        self.finished = asyncio.Event()
+        self.force, self.n, self.violations = [0.0] * 3, 0, 0
+        self.clients_left, self.finished = options.clients, asyncio.Event()
 
     def log(self, text):
         print(text, file=self.log_file, flush=True)
@@ -133,7 +133,10 @@ class Service:
             if device["device_id"] != self.options.device_id:
                 self.violation("another device: " + text)
             named = device["commands"]["set_cursor_force"]
-            force = [float(named[self.options.force_name][axis]) for axis in "xyz"]
+            known = named.get(self.options.force_name)
+            if known is None and not self.options.ignores_forces:
+                self.violation("a force of another name: " + text)
+            force = [float(known[axis]) for axis in "xyz"] if known else [0.0] * 3
         except (ValueError, KeyError, TypeError) as error:
             return self.violation(f"a message is not as documented ({error!r}): {text}")
         size = math.hypot(*force)
@@ -149,20 +152,20 @@ class Service:
         kind = self.answers[self.n - 1] if self.n <= len(self.answers) else self.options.then
         if kind != "ok":
             self.log(f"answer {self.n}: {kind}")
-        if kind == "silent":
+        if kind == "silent" or self.is_closing:
             return True
         if kind == "close":
-            await wire.send(8, struct.pack("!H", 1001))
-            return False
+            await self.close(wire)
+            return True
         if kind == "vanish":
             wire.writer.transport.abort()
             return False
         if kind == "late":
-            self.held_back = self.update("ok")
+            self.held_back.append(self.update("ok"))
             return True
-        if self.held_back is not None:
-            await wire.send(1, self.held_back.encode())
-            self.held_back = None
+        for text in self.held_back:
+            await wire.send(1, text.encode())
+        self.held_back = []
         if kind == "ping":
             await wire.send(9, b"are you there")
         text = self.update(kind).encode()
@@ -175,7 +178,12 @@ class Service:
             await wire.send(1, text)
         return True
 
+    async def close(self, wire):
+        self.is_closing = True
+        await wire.send(8, struct.pack("!H", 1001))
+
     async def serve(self, reader, writer):
+        self.n, self.held_back, self.is_closing = 0, [], False
         try:
             await self.talk(Wire(reader, writer, self))
         except (asyncio.IncompleteReadError, ConnectionError) as error:
@@ -183,21 +191,23 @@ class Service:
         self.log("work on the device {:.9g} J, gross {:.9g} J, last force {:.6g} {:.6g} {:.6g}".format(
             self.body.work_J, self.body.gross_J, *self.force))
         writer.close()
-        self.finished.set()
+        self.clients_left -= 1
+        if self.clients_left == 0:
+            self.finished.set()
 
     async def talk(self, wire):
         if not await wire.upgrade(self.options.greeting == "not-websocket"):
             return
         self.log("connected; greeting: " + self.options.greeting)
         if self.options.greeting == "close":
-            return await wire.send(8, struct.pack("!H", 1001))
-        if self.options.greeting != "silent":
+            await self.close(wire)
+        elif self.options.greeting != "silent":
             await wire.send(1, self.greeting().encode())
         while True:
             opcode, data = await wire.receive()
             if opcode == 8:
                 self.log("close frame")
-                return await wire.send(8, data)
+                return None if self.is_closing else await wire.send(8, data)
             if opcode == 10:
                 self.log("pong: " + data.decode())
             elif opcode == 1:
@@ -256,6 +266,8 @@ async def main():
     parser.add_argument("--then", choices=ACTIONS, default="ok", help="the answers to later messages")
     parser.add_argument("--device-id", default="049D", help="that the client must name")
     parser.add_argument("--force-name", default="vector", help="that the client must use")
+    parser.add_argument("--ignores-forces", action="store_true", help="of other names, as the real one does")
+    parser.add_argument("--clients", type=int, default=1, help="number of clients, one after the other")
     parser.add_argument("--largest-force", type=float, default=2.0)
     options = parser.parse_args()
     with open(options.log, "w", encoding="utf-8") as log:
