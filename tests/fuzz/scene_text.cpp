@@ -48,7 +48,7 @@ const std::vector<std::string>& known_words() {
       words.push_back('"' + std::string(text) + '"');
     for (const LawRow& law : laws()) words.push_back('"' + std::string(law.name) + '"');
     for (const ElementRow& element : elements()) words.push_back('"' + std::string(element.name) + '"');
-    for (const auto& field : every_field) words.push_back("[\"" + std::string(field.name) + "\"]");
+    for (const Field field : every_field) words.push_back("[\"" + std::string(name(field)) + "\"]");
     std::set<std::string> parts;
     for (const std::string& key : scene_keys()) {
       const std::size_t dot = key.find('.');
