@@ -68,7 +68,7 @@ refuse() {
   shift
   "$phynness" export "$@" > /dev/null 2> "$work/err.txt" || status=$?
   [ "$status" -eq 2 ] || fail "export $*: exit status $status"
-  grep -q "$words" "$work/err.txt" || fail "export $*: $(cat "$work/err.txt")"
+  grep -q -- "$words" "$work/err.txt" || fail "export $*: $(cat "$work/err.txt")"
   [ ! -e "$work/out" ] || fail "export $*: wrote something"
 }
 good="$work/models/rbfn"

@@ -30,11 +30,9 @@ class Patches : public CommandLine {
   }
   static std::string recommended(const std::string& key, const std::string& words) {
     std::smatch found;
-    EXPECT_TRUE(std::regex_search(words, found,
-                                  std::regex("(" + key + " = [0-9.e+-]+),? (would|or)|(" + key + " = [0-9.e+-]+)\n")))
-        << key << "\n"
-        << words;
-    return found[1].matched ? found[1] : found[3];
+    EXPECT_TRUE(std::regex_search(words, found, std::regex("; .*(" + key + " = [0-9.e+-]+[0-9])"))) << key << "\n"
+                                                                                                    << words;
+    return found[1];
   }
 };
 
