@@ -28,8 +28,9 @@ TEST_F(StrangeFile, is_called_what_it_is) {
   expect_contains(refused(path("nowhere")), {"does not exist"});
   expect_contains(refused(folder()), {"folder"});
   std::ofstream(path("file")) << "a";
-  const auto below =
-      refusal([&] { read_input_file(folder() / "file" / "model.txt", {"the thing", "look elsewhere", 100, true}); });
+  const auto below = refusal([&] {
+    read_input_file(folder() / "file" / "model.txt", {"the thing", "look elsewhere", 100, true});
+  });
   expect_contains(below, {path("file").c_str(), "folder"});
   EXPECT_EQ(below.find("model.txt"), std::string::npos) << below;
   ASSERT_EQ(mkfifo(path("pipe").c_str(), 0644), 0);
