@@ -91,7 +91,8 @@ std::optional<Error> try_part(const Part& part) {
 }
 
 Measured measure(const Options& options, const SolverSession& session, const Compared& compared) {
-  const auto& [scene, model] = compared;
+  const auto& scene = compared.scene;
+  const auto& model = compared.model;
   Measured m;
   m.seed = options.seed ? static_cast<std::uint64_t>(*options.seed) : scene.validation.seed;
   {

@@ -139,7 +139,7 @@ void SimulatedDevice::count_energy_from_now() {
 void SimulatedDevice::measure(const std::vector<State>& steps) {
   std::uniform_real_distribution<double> share(0, 1);
   const double dt = _settings.period_s / n_steps;
-  const int early = std::min(n_steps - 1, static_cast<int>(share(_random) * _settings.jitter_s / dt + 0.5));
+  const int early = std::min(n_steps - 1, static_cast<int>(std::lround(share(_random) * _settings.jitter_s / dt)));
   const double late = share(_random) * _settings.late_s;
   const bool lost = share(_random) < _settings.lost, twice = share(_random) < _settings.twice;
   if (_stalled > 0) {

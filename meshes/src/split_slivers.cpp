@@ -82,7 +82,7 @@ void place(const RawMesh& raw, Split& split) {
   for (int tries = 0; tries < most_tries && step > 0.005 * (b - a).norm(); ++tries) {
     const Vector from = split.x;
     for (int d = 0; d < 27; ++d) {
-      const Vector x = from + step * Vector(d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1);
+      const Vector x = from + step * Eigen::RowVector3i(d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1).cast<double>();
       if (const double shape = worst_shape(raw, split, x); shape > split.shape) split.shape = shape, split.x = x;
     }
     if (split.x == from) step /= 2;

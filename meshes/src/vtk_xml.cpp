@@ -153,7 +153,7 @@ std::vector<Number> VtkXml::binary_numbers(pugi::xml_node array, std::size_t siz
     if (swap) std::reverse(first, first + sizeof(Stored));
     Stored value;
     std::memcpy(&value, first, sizeof value);
-    values[i] = static_cast<Number>(value);
+    values[i] = static_cast<Number>(value);  // NOLINT(bugprone-signed-char-misuse): Int8 holds numbers
   }
   return values;
 }

@@ -256,8 +256,9 @@ void ModelLoader::respond(schema::ModalGrammar, NodeStore& node, ActiveNode& mad
   }
   for (std::size_t f = 0; f < n_fields; ++f) {
     of_field[f] = node.fields.part[f].made();
-    raise(_model.n_field_scratch, static_cast<std::size_t>(_model.shared.n_centers + schema::n_field_terms +
-                                                           of_field[f].n_modes + _model.fields[f].n_modes));
+    raise(_model.n_field_scratch, static_cast<std::size_t>(_model.shared.n_centers) + schema::n_field_terms +
+                                      static_cast<std::size_t>(of_field[f].n_modes) +
+                                      static_cast<std::size_t>(_model.fields[f].n_modes));
   }
   const auto place_at = [&](ModalResponse response, const ForceStore& force, const auto& field) {
     response.force = force.made;

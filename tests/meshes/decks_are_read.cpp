@@ -78,7 +78,7 @@ TEST(Decks, AreRefusedWithTheLineOfWhatIsNotRead) {
       {deck_nodes, "neither tetrahedra"},
       {",\n\n*\n*,\n", "neither tetrahedra"}};
   for (const auto& [bytes, part] : decks) {
-    const std::string message = error_of([&] { import_bytes(bytes, ".inp"); });
+    const std::string message = error_of([&, &text = bytes] { import_bytes(text, ".inp"); });
     EXPECT_TRUE(contains(message, part)) << "expected '" << part << "' in '" << message << "'";
   }
   // Sets that name each other are no endless list.

@@ -153,7 +153,7 @@ TEST(FilesOfOtherPrograms, NameTheDefectOfAnXmlFile) {
            Case{"<Points>", deep.c_str(), "XML file"},
            Case{"</VTKFile>", "", "XML file"},
        }) {
-    const std::string message = error_of([&] { import_bytes(changed_vtu(from, to), ".vtu"); });
+    const std::string message = error_of([bytes = changed_vtu(from, to)] { import_bytes(bytes, ".vtu"); });
     EXPECT_TRUE(contains(message, part)) << "expected '" << part << "' in '" << message << "'";
   }
   EXPECT_TRUE(contains(error_of([] { import_bytes("<VTKFile></VTKFile>", ".vtu"); }), "no UnstructuredGrid"));
@@ -186,7 +186,7 @@ TEST(FilesOfOtherPrograms, NameTheDefectOfASurface) {
       {ply + "0 0 0\n1 0 0\n0 1 0\n200 0 1 2\n", "truncated"},
       {ply + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2", "line break"}};
   for (const auto& [bytes, part] : plys) {
-    const std::string message = error_of([&] { import_bytes(bytes, ".ply"); });
+    const std::string message = error_of([&, &text = bytes] { import_bytes(text, ".ply"); });
     EXPECT_TRUE(contains(message, part)) << "expected '" << part << "' in '" << message << "'";
   }
   const std::pair<std::string, const char*> offs[] = {
@@ -199,7 +199,7 @@ TEST(FilesOfOtherPrograms, NameTheDefectOfASurface) {
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n1000000000000 0 1 2\n", ":6: a line is too short"},
       {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n", "truncated"}};
   for (const auto& [bytes, part] : offs) {
-    const std::string message = error_of([&] { import_bytes(bytes, ".off"); });
+    const std::string message = error_of([&, &text = bytes] { import_bytes(text, ".off"); });
     EXPECT_TRUE(contains(message, part)) << "expected '" << part << "' in '" << message << "'";
   }
 }

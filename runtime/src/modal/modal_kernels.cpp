@@ -111,7 +111,7 @@ PHN_INLINE void near_nodes(const ModalTables& tables, std::int32_t components, c
     } else {
       for (std::int32_t i = 0; i < size; ++i)
         sum[i] = row_times(tables.near_mode, tables.n_columns, tables.near_mode_scale,
-                           static_cast<std::size_t>(begin + i), tables.n_modes, amplitude);
+                           static_cast<std::size_t>(begin) + static_cast<std::size_t>(i), tables.n_modes, amplitude);
     }
     for (std::int32_t i = 0; i < size; ++i)
       field[components * tables.near[(begin + i) / components] + i % components] = sum[i];

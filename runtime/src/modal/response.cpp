@@ -89,7 +89,7 @@ void ModeSum::add(std::int32_t output, const Matrix& map, LocalResponse& local) 
   const std::int32_t at = find_sorted(_node.near, _node.n_near, output), n_shared = _model.shared.n_modes;
   _mixes = _mixes || at < 0;
   for (std::int32_t c = 0; c < 3; ++c) {
-    const auto row = static_cast<std::size_t>(3 * (at >= 0 ? at : output) + c);
+    const auto row = 3 * static_cast<std::size_t>(at >= 0 ? at : output) + static_cast<std::size_t>(c);
     const double factor[3] = {map(0, c), map(1, c), map(2, c)};
     if (at >= 0) {
       add_row(_node.near_mode + row * static_cast<std::size_t>(_node.n_columns), _node.near_mode_scale, factor,
