@@ -186,7 +186,6 @@ TEST(Contact, AnySurfaceIsSearchedOrRefused) {
 TEST(Contact, FixedEdgesAreWalls) {
   const LoadedModel loaded(write_model_text(linear_model(held_ball())));
   Touch touch(loaded);
-  Numbers numbers;
   int n_near = 0;
   for (int i = 0; i < 3000; ++i) {
     const double turn = 0.8 * std::sin(0.01 * i) + 2.0, depth = 0.002 * std::sin(0.013 * i);
