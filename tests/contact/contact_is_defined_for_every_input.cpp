@@ -175,7 +175,7 @@ TEST(Contact, AnySurfaceIsSearchedOrRefused) {
     Touch touch(loaded);
     Numbers numbers;
     for (int i = 0; i < 3000; ++i) {
-      const Vector3d c = 0.05 * Vector3d(numbers.next(), numbers.next(), numbers.next());
+      const Vector3d c = 0.05 * numbers.vector();
       ASSERT_TRUE(finite(touch.step(tool_at(c, i % 2 == 0 ? 0 : 0.01, 1 + i / 50 % 2, i % 3))));
     }
   }

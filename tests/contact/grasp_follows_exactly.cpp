@@ -18,7 +18,7 @@ TEST(Grasp, TheHeldPointFollowsTheTool) {
       ASSERT_EQ(first.in_contact, 1);
       EXPECT_LT(vector(first.force).norm(), 1e-12);
       for (int k = 0; k < 20; ++k) {
-        const Vector3d moved = 0.008 * Vector3d(numbers.next(), numbers.next(), numbers.next());
+        const Vector3d moved = 0.008 * numbers.vector();
         const auto state = touch.step(tool_at(start + moved, 0.004, PHN_TOOL_GRASP));
         ASSERT_EQ(state.in_contact, 1);
         ASSERT_TRUE(std::equal(state.held.weights, state.held.weights + 3, first.held.weights));

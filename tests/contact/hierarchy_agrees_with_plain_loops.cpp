@@ -60,7 +60,7 @@ TEST_P(Hierarchy, AgreesWithTheLoopOverAllTriangles) {
       ASSERT_EQ(phn_contact_refit(touch.contact, field.data()), PHN_OK);
     }
     const double radius = i % 3 == 0 ? 0 : 0.003 * (1 + numbers.next());
-    const auto point = [&] { return Vector3d(0.08 * Vector3d(numbers.next(), numbers.next(), numbers.next())); };
+    const auto point = [&] { return Vector3d(0.08 * numbers.vector()); };
     const Vector3d from = point(), to = i % 4 == 0 ? point() : Vector3d(from + 0.1 * point());
     runtime::SurfacePoint at = {};
     const double part = runtime::sweep(surface, touch.contact->volumes, radius, from.data(), to.data(), 0, at),
@@ -93,7 +93,7 @@ TEST(Hierarchy, FindsWhatPhnNearestFinds) {
   Touch touch(linear_ball());
   Numbers numbers;
   for (int i = 0; i < 10000; ++i) {
-    const Vector3d x = 0.1 * Vector3d(numbers.next(), numbers.next(), numbers.next());
+    const Vector3d x = 0.1 * numbers.vector();
     phn_tool a, b;
     Vector3d p, q;
     ASSERT_EQ(phn_contact_nearest(touch.contact, x.data(), &a, p.data()), PHN_OK);

@@ -64,7 +64,7 @@ inline const LoadedModel& bent_ball() {
 
 inline Vector3d random_direction(Numbers& numbers) {
   for (;;) {
-    const Vector3d x(numbers.next(), numbers.next(), numbers.next());
+    const Vector3d x = numbers.vector();
     if (x.norm() > 0.1 && x.norm() < 1) return x.normalized();
   }
 }

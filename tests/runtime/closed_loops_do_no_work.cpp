@@ -59,7 +59,7 @@ double worst_loop(Force force, Energy energy) {
   double worst = 0;
   for (int loop = 0; loop < 1000; ++loop) {
     std::vector<Vector3d> corners(3 + loop % 4);
-    for (Vector3d& corner : corners) corner = Vector3d(numbers.next(), numbers.next(), numbers.next());
+    for (Vector3d& corner : corners) corner = numbers.vector();
     double work = 0, stored = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const Vector3d step = (corners[(i + 1) % corners.size()] - corners[i]) / n_parts;

@@ -70,7 +70,7 @@ TEST_P(DerivativesOf, HaveTheSameBitsInAnyCall) {
   Numbers numbers;
   for (const ActiveNodeModel& node : model.nodes) {
     for (int trial = 0; trial < 20; ++trial) {
-      const Vector3d d = 1.5 * model.max_displacement_m * Vector3d(numbers.next(), numbers.next(), numbers.next());
+      const Vector3d d = 1.5 * model.max_displacement_m * numbers.vector();
       const Response alone = response(loaded, node.node, d);
       for (int asked = 1; asked < 8; ++asked) {
         const bool force = asked & 1, energy = asked & 2, stiffness = asked & 4;

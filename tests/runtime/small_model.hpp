@@ -23,6 +23,13 @@ class Numbers {
     _state = _state * 6364136223846793005ULL + 1442695040888963407ULL;
     return static_cast<double>(_state >> 11) * 0x1p-52 - 1;
   }
+  /// Three numbers. The order in which a compiler evaluates the arguments of a function is not defined, so that
+  /// Vector3d(next(), next(), next()) differs between compilers.
+  Eigen::Vector3d vector() {
+    Eigen::Vector3d v;
+    for (int k = 2; k >= 0; --k) v[k] = next();
+    return v;
+  }
 
  private:
   std::uint64_t _state = 42;
@@ -37,10 +44,10 @@ inline RbfNetwork random_network(const Model& model, int n_neurons, bool deforms
     net.input_center[k] = 0.001 * numbers.next();
     net.input_half_range[k] = (k < 3 ? 0.01 : 0.05) * (1 + 0.1 * numbers.next());
   }
-  net.output_center = Eigen::Vector3d(numbers.next(), numbers.next(), numbers.next()) * 0.001;
-  net.output_half_range = Eigen::Vector3d(1.1 + numbers.next(), 1.1 + numbers.next(), 1.1 + numbers.next()) * 0.01;
+  net.output_center = numbers.vector() * 0.001;
+  net.output_half_range = (Eigen::Vector3d::Constant(1.1) + numbers.vector()) * 0.01;
   net.spread = 0.8;
-  net.bias = Eigen::Vector3d(numbers.next(), numbers.next(), numbers.next());
+  net.bias = numbers.vector();
   net.weights.resize(n_neurons, 3);
   for (int i = 0; i < n_neurons; ++i) {
     net.center_displacement.push_back(i % static_cast<int>(model.displacements.rows()));
@@ -211,7 +218,7 @@ inline Model with_levels(Model model, int n_levels = 3) {
       const auto first = [&](const RbfNetwork& net, FirstNeurons& neurons) {
         const int n = share(net.weights.rows(), l);
         neurons.weights = random_table(n, 3, 3, numbers).values();
-        neurons.bias = Eigen::Vector3d(numbers.next(), numbers.next(), numbers.next());
+        neurons.bias = numbers.vector();
       };
       if (model.family == Family::rbfn) {
         first(node.force, response.force);

@@ -103,7 +103,7 @@ Vector3d eigen(const runtime::Vector& x) { return Vector3d::Map(x.x); }
 // bound; rotation_gradient is its derivative, by central differences.
 TEST(Rotate, IsARotationWithADerivative) {
   Numbers numbers;
-  const auto random = [&] { return Vector3d(numbers.next(), numbers.next(), numbers.next()); };
+  const auto random = [&] { return numbers.vector(); };
   for (const double size : {0.0, 1e-9, 0.1, 1.0, 30.0, 1e100}) {
     const Vector3d v = size * random().normalized(), x = random(), g = random();
     const Eigen::AngleAxisd rotation(2 * std::atan(v.norm()), size > 0 ? v.normalized() : Vector3d::UnitX().eval());

@@ -91,7 +91,7 @@ TEST_P(TrainedDistance, IsThatOfPlainLoops) {
   Numbers numbers;
   for (int i = 0; i < 300; ++i) {
     const auto& node = model.nodes[static_cast<std::size_t>(i % 3)];
-    const Eigen::RowVector3d d = 0.02 * Eigen::RowVector3d(numbers.next(), numbers.next(), numbers.next());
+    const Eigen::RowVector3d d = 0.02 * numbers.vector().transpose();
     double least = d.norm();
     for (Eigen::Index row = 0; row < 104; ++row)
       if (model.displacements.row(row).norm() <= node.trained_depth_m[static_cast<std::size_t>(row / 4)] + 1e-9)
