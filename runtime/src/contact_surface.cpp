@@ -45,9 +45,12 @@ void find_neighbors(TouchableEdge* edges, ContactSurface& s) {
     edges[i] = {a < b ? a : b, a < b ? b : a, i};
     s.neighbor[i] = -1;
   }
-  std::sort(edges, edges + n, [](const TouchableEdge& a, const TouchableEdge& b) {
+  const auto before = [](const TouchableEdge& a, const TouchableEdge& b) {
     return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.at < b.at;
-  });
+  };
+  // As fast as needed at start-up, and a third of the code of std::sort.
+  std::make_heap(edges, edges + n, before);
+  std::sort_heap(edges, edges + n, before);
   const auto same = [&](std::int32_t i, std::int32_t j) {
     return j < n && edges[i].low == edges[j].low && edges[i].high == edges[j].high;
   };

@@ -192,6 +192,13 @@ PHN_INLINE void derivatives_of_centers(const Conservative<double>& net, const Fo
 #endif
 }
 
+/// Code that is optimized for size has one function for all derivatives. The results have the same bits.
+#ifdef __OPTIMIZE_SIZE__
+constexpr bool small_code = true;
+#else
+constexpr bool small_code = false;
+#endif
+
 /// Instantiates all functions above for each instruction set.
 /// @param lanes  of the sums that are kept in registers; with few registers all sums are kept in memory
 #define PHN_KERNELS(name, attributes, lanes)                                                                          \
@@ -214,8 +221,12 @@ PHN_INLINE void derivatives_of_centers(const Conservative<double>& net, const Fo
                                                                                             stiffness);               \
     }                                                                                                                 \
   }                                                                                                                   \
-  constexpr ForceKernels kernels = {                                                                                  \
-      #name, force, energy, derivatives<false, true>, derivatives<true, false>, derivatives<true, true>};             \
+  constexpr ForceKernels kernels = {#name,                                                                            \
+                                    force,                                                                            \
+                                    energy,                                                                           \
+                                    small_code ? derivatives<true, true> : derivatives<false, true>,                  \
+                                    small_code ? derivatives<true, true> : derivatives<true, false>,                  \
+                                    derivatives<true, true>};                                                         \
   }
 
 PHN_KERNELS(any, , at_once)

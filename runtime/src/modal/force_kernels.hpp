@@ -19,8 +19,8 @@ struct ForceKernels {
   /// @return the work from rest to x [J]
   double (*energy)(const Conservative<double>& net, const ForceTable& table, const double* x);
   /// The same bits of force and energy, and the stiffness, together in less time.
-  /// @param energy     [J]; not used by with_stiffness
-  /// @param stiffness  3 x 3 [N/m], bitwise symmetric; not used by with_energy
+  /// @param energy     [J]; with_stiffness may leave it as it is
+  /// @param stiffness  3 x 3 [N/m], bitwise symmetric; with_energy may leave it as it is
   using Derivatives = void(const Conservative<double>& net, const ForceTable& table, const double* x, double* force,
                            double* energy, double* stiffness);
   Derivatives *with_energy, *with_stiffness, *with_both;

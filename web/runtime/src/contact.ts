@@ -1,0 +1,118 @@
+// Spheres that touch, slide on, press and grasp the object.
+import { bytesOf, Owner, type Engine } from './engine.js';
+import { warningsOf, type Warning } from './status.js';
+import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
+
+const modes = { off: 0, press: 1, grasp: 2 } as const;
+
+export interface Sphere {
+  /** position of the device [m] */
+  center: Vector;
+  /** [m] */
+  radius: number;
+  /** coefficient of mode press; default 0 */
+  friction?: number;
+  /** default press */
+  mode?: keyof typeof modes;
+}
+
+export interface Touch {
+  readonly inContact: boolean;
+  /** on the object [N]; zeros without contact */
+  readonly force: Float64Array;
+  /** centre of the sphere on the undeformed surface [m] */
+  readonly proxy: Float64Array;
+  /** outward; zeros without contact */
+  readonly normal: Float64Array;
+  /** factor of the force: below 1 where the tool would gain energy */
+  readonly scale: number;
+  readonly unbalanced: number;
+  /** null without contact */
+  readonly held: Tool | null;
+}
+
+export class Contact extends Owner {
+  private readonly contact: number;
+  private readonly data: number;
+  private readonly tools: number;
+  private readonly states: number;
+  private readonly result: number;
+  private readonly out: number;
+
+  constructor(
+    engine: Engine,
+    private readonly model: number,
+    private readonly max: number,
+    private readonly nOutput: number,
+  ) {
+    super(engine);
+    const contact = engine.made(
+      (result) => engine.call('phn_contact_size', model, max, result),
+      (memory, bytes, result) => engine.call('phn_contact_init', memory, bytes, model, max, result),
+    );
+    this.own(contact.memory);
+    this.contact = contact.object;
+    const data = engine.made(
+      (result) => engine.call('phn_data_size', model, max, result),
+      (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, model, max, result),
+    );
+    this.own(data.memory);
+    this.data = data.object;
+    this.tools = this.own(engine.heap.take(max * bytesOf('phn_contact_tool')));
+    this.states = this.own(engine.heap.take(max * bytesOf('phn_contact_state')));
+    this.result = this.own(engine.heap.take(bytesOf('phn_coupled')));
+    this.out = this.own(engine.heap.take(24 * nOutput));
+  }
+
+  /** Moves the spheres to new positions. Sphere i is the same sphere in every call. */
+  step(spheres: readonly Sphere[]): { status: number; warnings: readonly Warning[]; energy: number; touches: Touch[] } {
+    const { engine } = this;
+    this.alive();
+    if (spheres.length > this.max) throw new RangeError(`${spheres.length} spheres, but this was made for ${this.max}`);
+    spheres.forEach((sphere, i) => {
+      const at = this.tools + i * bytesOf('phn_contact_tool');
+      putVector(engine, at + bytesOf('phn_contact_tool.center'), sphere.center, 'the centre');
+      engine.reals(at + bytesOf('phn_contact_tool.radius'), 1)[0] = sphere.radius;
+      engine.reals(at + bytesOf('phn_contact_tool.friction'), 1)[0] = sphere.friction ?? 0;
+      engine.integers(at + bytesOf('phn_contact_tool.mode'), 1)[0] = modes[sphere.mode ?? 'press'];
+    });
+    const status = engine.call('phn_contact_step', this.contact, this.data, spheres.length, this.tools, this.states,
+      this.result);
+    return {
+      status,
+      warnings: warningsOf(status),
+      energy: engine.real(this.result + bytesOf('phn_coupled.energy')),
+      touches: spheres.map((_, i) => this.touch(this.states + i * bytesOf('phn_contact_state'))),
+    };
+  }
+
+  /** Displacements [m] of all output nodes, n x 3, of the last step(). */
+  deform(out?: Float64Array): Float64Array {
+    this.alive();
+    this.engine.call('phn_coupled_deform', this.model, this.data, this.out);
+    const values = this.engine.reals(this.out, 3 * this.nOutput);
+    if (!out) return values.slice();
+    out.set(values);
+    return out;
+  }
+
+  /** Ends every contact and forgets all positions. */
+  reset(): void {
+    this.alive();
+    this.engine.call('phn_contact_reset', this.contact);
+  }
+
+  private touch(at: number): Touch {
+    const { engine } = this;
+    const inContact = engine.integer(at + bytesOf('phn_contact_state.in_contact')) === 1;
+    return {
+      inContact,
+      force: engine.reals(at + bytesOf('phn_contact_state.force'), 3).slice(),
+      proxy: engine.reals(at + bytesOf('phn_contact_state.proxy'), 3).slice(),
+      normal: engine.reals(at + bytesOf('phn_contact_state.normal'), 3).slice(),
+      scale: engine.real(at + bytesOf('phn_contact_state.scale')),
+      unbalanced: engine.real(at + bytesOf('phn_contact_state.unbalanced')),
+      held: inContact ? toolFrom(engine, at + bytesOf('phn_contact_state.held')) : null,
+    };
+  }
+}

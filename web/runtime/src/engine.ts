@@ -1,0 +1,119 @@
+// One instance of phynness.wasm with its memory.
+import { Heap } from './heap.js';
+import { layout } from './layout.js';
+import { PhynnessError } from './status.js';
+
+type Functions = Readonly<Record<string, (...args: number[]) => number>>;
+type Member = keyof typeof layout;
+
+export const bytesOf = (member: Member): number => layout[member];
+
+export class Engine {
+  readonly heap: Heap;
+  readonly f: Functions;
+  private readonly memory: WebAssembly.Memory;
+
+  constructor(module: WebAssembly.Module) {
+    const exports = new WebAssembly.Instance(module, {}).exports;
+    this.memory = exports['memory'] as WebAssembly.Memory;
+    this.f = exports as unknown as Functions;
+    this.heap = new Heap(this.memory, (exports['__heap_base'] as WebAssembly.Global).value as number);
+  }
+
+  /** @throws PhynnessError if the status is below 0 */
+  call(name: string, ...args: number[]): number {
+    const status = this.f[name]!(...args);
+    if (status < 0) throw this.error(status, name);
+    return status;
+  }
+  error(status: number, call: string, wrongByte?: number): PhynnessError {
+    return new PhynnessError(status, this.text(this.f['phn_status_message']!(status)), call, wrongByte);
+  }
+
+  // Views are made anew at each use: memory that grows makes old ones unusable.
+  reals(at: number, n: number): Float64Array<ArrayBuffer> {
+    return new Float64Array(this.memory.buffer as ArrayBuffer, at, n);
+  }
+  floats(at: number, n: number): Float32Array<ArrayBuffer> {
+    return new Float32Array(this.memory.buffer as ArrayBuffer, at, n);
+  }
+  integers(at: number, n: number): Int32Array<ArrayBuffer> {
+    return new Int32Array(this.memory.buffer as ArrayBuffer, at, n);
+  }
+  bytes(at: number, n: number): Uint8Array<ArrayBuffer> {
+    return new Uint8Array(this.memory.buffer as ArrayBuffer, at, n);
+  }
+  integer(at: number): number {
+    return this.integers(at, 1)[0]!;
+  }
+  /** A size_t or an address. */
+  size(at: number): number {
+    return this.integer(at) >>> 0;
+  }
+  real(at: number): number {
+    return this.reals(at, 1)[0]!;
+  }
+  /** A text that ends with a 0; empty for a null pointer. */
+  text(at: number): string {
+    if (at === 0) return '';
+    const all = new Uint8Array(this.memory.buffer);
+    return new TextDecoder().decode(all.slice(at, all.indexOf(0, at)));
+  }
+  /** The block of an object of the C interface: `size(result)` gives its bytes, `init(memory, bytes, result)` makes it. */
+  made(size: (result: number) => void, init: (memory: number, bytes: number, result: number) => void): Block {
+    const result = this.heap.take(4);
+    let memory = 0;
+    try {
+      size(result);
+      const bytes = this.size(result);
+      memory = this.heap.take(bytes);
+      init(memory, bytes, result);
+      return { memory, object: this.size(result) };
+    } catch (error) {
+      if (memory !== 0) this.heap.give(memory);
+      throw error;
+    } finally {
+      this.heap.give(result);
+    }
+  }
+}
+
+export interface Block {
+  /** address for Heap.give */
+  memory: number;
+  /** address of the object */
+  object: number;
+}
+
+/** Gives blocks of memory back when the object that used them is collected without dispose(). */
+const forgotten = new FinalizationRegistry<() => void>((release) => release());
+
+/** An object that owns blocks of the memory of an engine. */
+export abstract class Owner {
+  private readonly blocks: number[] = [];
+  private disposed = false;
+
+  protected constructor(protected readonly engine: Engine) {
+    const { blocks } = this;
+    forgotten.register(this, () => release(engine, blocks), this);
+  }
+  protected own(block: number): number {
+    this.blocks.push(block);
+    return block;
+  }
+  /** @throws Error after dispose() */
+  protected alive(): void {
+    if (this.disposed) throw new Error(`this ${this.constructor.name} was disposed`);
+  }
+  /** Gives the memory back. The object must not be used afterwards; a second call does nothing. */
+  dispose(): void {
+    if (this.disposed) return;
+    this.disposed = true;
+    forgotten.unregister(this);
+    release(this.engine, this.blocks);
+  }
+}
+
+function release(engine: Engine, blocks: number[]): void {
+  for (const block of blocks.splice(0)) engine.heap.give(block);
+}

@@ -1,0 +1,254 @@
+// A trained model and its working memory.
+import { Contact } from './contact.js';
+import { bytesOf, Engine, Owner } from './engine.js';
+import { warningsOf, type Warning } from './status.js';
+import { Surface } from './surface.js';
+import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
+import { Tools } from './tools.js';
+
+/** Contents of a model: copies, which stay valid. Nodes are numbers of the mesh; points are n x 3 [m]. */
+export interface Info {
+  readonly family: string;
+  readonly title: string;
+  readonly meshHash: string;
+  /** largest displacement of the training data [m] */
+  readonly maxDisplacement: number;
+  readonly nNodes: number;
+  readonly activeNodes: Int32Array;
+  readonly outputNodes: Int32Array;
+  readonly fixedNodes: Int32Array;
+  readonly outputPoints: Float64Array;
+  readonly fixedPoints: Float64Array;
+  /** n x 3; 0 ... outputNodes.length - 1: output nodes, then fixed nodes */
+  readonly triangles: Int32Array;
+  readonly fields: readonly { readonly name: string; readonly unit: string }[];
+  readonly hasEnergy: boolean;
+}
+
+export interface Level {
+  readonly forceCenters: number;
+  readonly deformationCenters: number;
+  readonly modes: number;
+  /** estimated inside the trained range, fractions of the largest force and displacement; 0: no estimate */
+  readonly errorForce: number;
+  readonly errorDisplacement: number;
+}
+
+export interface Response {
+  readonly status: number;
+  readonly warnings: readonly Warning[];
+  /** on the object [N]; a haptic device renders its negative */
+  readonly force: Float64Array;
+  /** [J] */
+  readonly energy?: number;
+  /** 3 x 3 [N/m] */
+  readonly stiffness?: Float64Array;
+}
+
+export interface Trust {
+  /** in the exploratory direction nearest to d [m] */
+  readonly trainedDepth: number;
+  /** to the nearest displacement of the training data [m] */
+  readonly distance: number;
+  /** 0 at data, above 1: extrapolation */
+  readonly relative: number;
+}
+
+/** Offsets of the small arguments in one block. */
+const at = { d: 0, force: 24, energy: 48, stiffness: 56, out: 128 };
+const argumentBytes = 384;
+
+export class Model extends Owner {
+  readonly info: Info;
+  readonly levels: readonly Level[];
+  private readonly model: number;
+  private readonly data: number;
+  private readonly args: number;
+  private readonly field_: number;
+
+  /** @param text  contents of model.txt. @throws PhynnessError with the reason and the byte if it is refused */
+  constructor(module: WebAssembly.Module, text: Uint8Array) {
+    const engine = new Engine(module);
+    super(engine);
+    const model = loaded(engine, text);
+    this.own(model.memory);
+    this.model = model.object;
+    const data = engine.made(
+      (result) => engine.call('phn_data_size', this.model, 1, result),
+      (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, this.model, 1, result),
+    );
+    this.own(data.memory);
+    this.data = data.object;
+    this.args = this.own(engine.heap.take(argumentBytes));
+    this.info = infoOf(engine, this.model);
+    this.field_ = this.own(engine.heap.take(24 * this.info.outputNodes.length));
+    this.levels = levelsOf(engine, this.model);
+  }
+
+  /** Force at an active node that is displaced by d [m]; on request energy and stiffness (not in family rbfn). */
+  force(node: number, d: Vector, also: { energy?: boolean; stiffness?: boolean } = {}): Response {
+    const { engine, args } = this;
+    this.put(d);
+    const status = engine.call('phn_force', this.model, this.data, integer(node), args + at.d, args + at.force,
+      also.energy ? args + at.energy : 0, also.stiffness ? args + at.stiffness : 0);
+    return {
+      status,
+      warnings: warningsOf(status),
+      force: engine.reals(args + at.force, 3).slice(),
+      ...(also.energy ? { energy: engine.real(args + at.energy) } : {}),
+      ...(also.stiffness ? { stiffness: engine.reals(args + at.stiffness, 9).slice() } : {}),
+    };
+  }
+
+  /** Displacements [m] of all output nodes, n x 3, with one tool at an active node. @param out  is filled and returned */
+  deform(node: number, d: Vector, out?: Float64Array): Float64Array {
+    this.put(d);
+    this.engine.call('phn_deform', this.model, this.data, integer(node), this.args + at.d, this.field_);
+    return this.copied(3 * this.info.outputNodes.length, out);
+  }
+
+  /** Values of a scalar field at all output nodes. @param field  index of info.fields, or its name */
+  field(node: number, d: Vector, field: number | string, out?: Float64Array): Float64Array {
+    this.put(d);
+    const index = typeof field === 'number' ? field : this.info.fields.findIndex((f) => f.name === field);
+    this.engine.call('phn_field', this.model, this.data, integer(node), this.args + at.d, integer(index), this.field_);
+    return this.copied(this.info.outputNodes.length, out);
+  }
+
+  /** Where d lies relative to the training data of a node. */
+  trust(node: number, d: Vector): Trust {
+    const { engine, args } = this;
+    this.put(d);
+    engine.call('phn_trust', this.model, integer(node), args + at.d, args + at.out);
+    return {
+      trainedDepth: engine.real(args + at.out + bytesOf('phn_trusted.trained_depth')),
+      distance: engine.real(args + at.out + bytesOf('phn_trusted.distance')),
+      relative: engine.real(args + at.out + bytesOf('phn_trusted.relative')),
+    };
+  }
+
+  /** The tool at the point of the undeformed surface that is nearest to x [m]. */
+  nearest(x: Vector): { tool: Tool; point: Float64Array } {
+    const { engine, args } = this;
+    this.put(x);
+    engine.call('phn_nearest', this.model, args + at.d, args + at.out, args + at.force);
+    return { tool: toolFrom(engine, args + at.out), point: engine.reals(args + at.force, 3).slice() };
+  }
+
+  /** Computes in advance what all deformations of a node have in common. */
+  prepare(node: number): void {
+    this.alive();
+    this.engine.call('phn_prepare', this.model, this.data, integer(node));
+  }
+
+  /** Level of force, deform and field: index of `levels`; the last one is the full model. */
+  get level(): number {
+    this.alive();
+    return this.engine.f['phn_level_of']!(this.data);
+  }
+  set level(level: number) {
+    this.alive();
+    this.engine.call('phn_set_level', this.model, this.data, integer(level));
+  }
+
+  /** Up to 8 tools at the same time. It uses this model and must be disposed before it. */
+  tools(max: number): Tools {
+    this.alive();
+    return new Tools(this.engine, this.model, max, this.info.outputNodes.length);
+  }
+  /** The surface subdivided 0 to 6 times, for drawing. */
+  surface(levels: number): Surface {
+    this.alive();
+    return new Surface(this.engine, this.model, levels, this.info.outputNodes.length);
+  }
+  /** Up to 8 spheres that touch, slide and grasp. */
+  contact(max: number): Contact {
+    this.alive();
+    return new Contact(this.engine, this.model, max, this.info.outputNodes.length);
+  }
+
+  private put(d: Vector): void {
+    this.alive();
+    putVector(this.engine, this.args + at.d, d, 'a vector');
+  }
+  private copied(n: number, out: Float64Array | undefined): Float64Array {
+    const values = this.engine.reals(this.field_, n);
+    if (!out) return values.slice();
+    out.set(values);
+    return out;
+  }
+}
+
+/** Other numbers would become another node by conversion to 32 bits. */
+function integer(n: number): number {
+  if (!Number.isInteger(n) || Math.abs(n) > 0x7fffffff) throw new RangeError(`${n} is not an integer`);
+  return n;
+}
+
+function loaded(engine: Engine, text: Uint8Array): { memory: number; object: number } {
+  const bytes = engine.heap.take(text.byteLength), wrong = engine.heap.take(4);
+  engine.bytes(bytes, text.byteLength).set(text);
+  const call = (name: string, ...args: number[]) => {
+    const status = engine.f[name]!(...args);
+    if (status < 0) throw engine.error(status, 'model.txt', engine.size(wrong));
+  };
+  try {
+    return engine.made(
+      (result) => call('phn_model_size', bytes, text.byteLength, result, wrong),
+      (memory, size, result) => call('phn_model_init', memory, size, bytes, text.byteLength, result, wrong),
+    );
+  } finally {
+    engine.heap.give(wrong);
+    engine.heap.give(bytes);
+  }
+}
+
+function infoOf(engine: Engine, model: number): Info {
+  const info = engine.heap.take(bytesOf('phn_info'));
+  try {
+    engine.call('phn_model_info', model, info);
+    const n = (member: Parameters<typeof bytesOf>[0]) => engine.integer(info + bytesOf(member));
+    const pointer = (member: Parameters<typeof bytesOf>[0]) => engine.size(info + bytesOf(member));
+    const nOutput = n('phn_info.n_output'), nFixed = n('phn_info.n_fixed');
+    return Object.freeze({
+      family: engine.text(pointer('phn_info.family')),
+      title: engine.text(pointer('phn_info.title')),
+      meshHash: engine.text(pointer('phn_info.mesh_hash')),
+      maxDisplacement: engine.real(info + bytesOf('phn_info.max_displacement_m')),
+      nNodes: n('phn_info.n_nodes'),
+      activeNodes: engine.integers(pointer('phn_info.active_nodes'), n('phn_info.n_active')).slice(),
+      outputNodes: engine.integers(pointer('phn_info.output_nodes'), nOutput).slice(),
+      fixedNodes: engine.integers(pointer('phn_info.fixed_nodes'), nFixed).slice(),
+      outputPoints: engine.reals(pointer('phn_info.output_points'), 3 * nOutput).slice(),
+      fixedPoints: engine.reals(pointer('phn_info.fixed_points'), 3 * nFixed).slice(),
+      triangles: engine.integers(pointer('phn_info.triangles'), 3 * n('phn_info.n_triangles')).slice(),
+      fields: Array.from({ length: n('phn_info.n_fields') }, (_, i) => ({
+        name: engine.text(engine.size(info + bytesOf('phn_info.field_names') + 4 * i)),
+        unit: engine.text(engine.size(info + bytesOf('phn_info.field_units') + 4 * i)),
+      })),
+      hasEnergy: n('phn_info.has_energy') === 1,
+    });
+  } finally {
+    engine.heap.give(info);
+  }
+}
+
+function levelsOf(engine: Engine, model: number): readonly Level[] {
+  const info = engine.heap.take(bytesOf('phn_info')), level = engine.heap.take(bytesOf('phn_level'));
+  try {
+    engine.call('phn_model_info', model, info);
+    return Array.from({ length: engine.integer(info + bytesOf('phn_info.n_levels')) }, (_, i) => {
+      engine.call('phn_level_info', model, i, level);
+      return {
+        forceCenters: engine.integer(level + bytesOf('phn_level.force_centers')),
+        deformationCenters: engine.integer(level + bytesOf('phn_level.deformation_centers')),
+        modes: engine.integer(level + bytesOf('phn_level.modes')),
+        errorForce: engine.real(level + bytesOf('phn_level.error_force')),
+        errorDisplacement: engine.real(level + bytesOf('phn_level.error_displacement')),
+      };
+    });
+  } finally {
+    engine.heap.give(level);
+    engine.heap.give(info);
+  }
+}

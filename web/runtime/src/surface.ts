@@ -1,0 +1,50 @@
+// The surface of a model, subdivided by Loop's scheme, for drawing.
+import { Owner, type Engine } from './engine.js';
+
+export class Surface extends Owner {
+  readonly nVertices: number;
+  /** n x 3, normals outward */
+  readonly triangles: Int32Array;
+  /** nVertices x 3, undeformed [m] */
+  readonly points: Float32Array;
+  private readonly surface: number;
+  private readonly scratch: number;
+  private readonly field: number;
+  private readonly out: number;
+
+  constructor(
+    engine: Engine,
+    model: number,
+    levels: number,
+    private readonly nOutput: number,
+  ) {
+    super(engine);
+    const surface = engine.made(
+      (result) => engine.call('phn_surface_size', model, levels, result),
+      (memory, bytes, result) => engine.call('phn_surface_init', memory, bytes, model, levels, result),
+    );
+    this.own(surface.memory);
+    this.surface = surface.object;
+    const f = engine.f;
+    this.nVertices = f['phn_surface_n_vertices']!(this.surface);
+    const nTriangles = f['phn_surface_n_triangles']!(this.surface);
+    this.triangles = engine.integers(f['phn_surface_triangles']!(this.surface), 3 * nTriangles).slice();
+    this.points = engine.floats(f['phn_surface_points']!(this.surface), 3 * this.nVertices).slice();
+    this.scratch = this.own(engine.heap.take(f['phn_surface_scratch_size']!(this.surface)));
+    this.field = this.own(engine.heap.take(24 * nOutput));
+    this.out = this.own(engine.heap.take(12 * this.nVertices));
+  }
+
+  /** Displacements [m] of all vertices, n x 3. @param field  of Model.deform, Tools.deform or Contact.deform */
+  deform(field: Float64Array, out?: Float32Array): Float32Array {
+    this.alive();
+    if (field.length !== 3 * this.nOutput)
+      throw new RangeError(`the field has ${field.length} numbers instead of ${3 * this.nOutput}`);
+    this.engine.reals(this.field, field.length).set(field);
+    this.engine.call('phn_surface_deform', this.surface, this.scratch, this.field, this.out);
+    const values = this.engine.floats(this.out, 3 * this.nVertices);
+    if (!out) return values.slice();
+    out.set(values);
+    return out;
+  }
+}

@@ -1,0 +1,74 @@
+// Several tools at the same time, at nodes or between them.
+import { bytesOf, Owner, type Engine } from './engine.js';
+import { warningsOf, type Warning } from './status.js';
+import { putTool, type Tool } from './tool.js';
+
+export interface Coupled {
+  readonly status: number;
+  readonly warnings: readonly Warning[];
+  /** n x 3 [N], on the object */
+  readonly forces: Float64Array;
+  /** [J]; 0 in family rbfn */
+  readonly energy: number;
+  /** largest distance of a tool from the point that it holds [m] */
+  readonly residual: number;
+}
+
+export class Tools extends Owner {
+  private readonly data: number;
+  private readonly tools: number;
+  private readonly forces: number;
+  private readonly result: number;
+  private readonly out: number;
+
+  constructor(
+    engine: Engine,
+    private readonly model: number,
+    private readonly max: number,
+    private readonly nOutput: number,
+  ) {
+    super(engine);
+    const data = engine.made(
+      (result) => engine.call('phn_data_size', model, max, result),
+      (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, model, max, result),
+    );
+    this.own(data.memory);
+    this.data = data.object;
+    this.tools = this.own(engine.heap.take(max * bytesOf('phn_tool')));
+    this.forces = this.own(engine.heap.take(max * 24));
+    this.result = this.own(engine.heap.take(bytesOf('phn_coupled')));
+    this.out = this.own(engine.heap.take(24 * nOutput));
+  }
+
+  /** Forces of tools that hold their points; none of them: the object is free. */
+  set(tools: readonly Tool[]): Coupled {
+    const { engine } = this;
+    this.alive();
+    if (tools.length > this.max) throw new RangeError(`${tools.length} tools, but this was made for ${this.max}`);
+    tools.forEach((tool, i) => putTool(engine, this.tools + i * bytesOf('phn_tool'), tool));
+    const status = engine.call('phn_couple', this.model, this.data, tools.length, this.tools, this.forces, this.result);
+    return {
+      status,
+      warnings: warningsOf(status),
+      forces: engine.reals(this.forces, 3 * tools.length).slice(),
+      energy: engine.real(this.result + bytesOf('phn_coupled.energy')),
+      residual: engine.real(this.result + bytesOf('phn_coupled.residual')),
+    };
+  }
+
+  /** Displacements [m] of all output nodes, n x 3, under the tools of the last set(). */
+  deform(out?: Float64Array): Float64Array {
+    this.alive();
+    this.engine.call('phn_coupled_deform', this.model, this.data, this.out);
+    const values = this.engine.reals(this.out, 3 * this.nOutput);
+    if (!out) return values.slice();
+    out.set(values);
+    return out;
+  }
+
+  /** Level of later calls: an index of Model.levels. */
+  set level(level: number) {
+    this.alive();
+    this.engine.call('phn_set_level', this.model, this.data, level);
+  }
+}

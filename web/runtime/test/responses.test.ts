@@ -1,0 +1,102 @@
+// Claim: forces and deformations are those of the native runtime. Tolerance: the exponential function of the module's C
+// library differs from the host's in its last bit, and weights cancel (1e-10 of the largest value).
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { describe, expect, it } from 'vitest';
+import { toolAt } from '../src/index.js';
+import { built, difference, golden, load, sample } from './setup.js';
+
+describe.each(['rbfn', 'linear', 'modal'])('family %s', (family) => {
+  const folder = join(built.models, family);
+
+  it('answers golden queries', () => {
+    const model = load(folder), queries = golden(folder);
+    expect(queries.length).toBe(200);
+    expect(model.info.family).toBe(family);
+    const expected: number[] = [], got: number[] = [], expectedField: number[] = [], gotField: number[] = [];
+    for (const q of queries) {
+      expected.push(...q.force);
+      got.push(...model.force(q.node, q.displacement).force);
+      expectedField.push(...q.deformation);
+      gotField.push(...model.deform(q.node, q.displacement).subarray(3 * q.output, 3 * q.output + 3));
+    }
+    expect(difference(expected, got)).toBeLessThan(1e-10);
+    expect(difference(expectedField, gotField)).toBeLessThan(1e-10);
+  });
+
+  it('couples one tool at a node to the force of the node', () => {
+    const model = load(folder), node = model.info.activeNodes[0]!, d = [1e-4, -2e-4, 3e-4];
+    const tools = model.tools(2), coupled = tools.set([toolAt(node, d)]);
+    expect(difference(model.force(node, d).force, coupled.forces)).toBeLessThan(1e-12);
+    expect(difference(model.deform(node, d), tools.deform())).toBeLessThan(1e-9);
+  });
+
+  // The program `touches` moves a sphere along the same path with the native runtime.
+  it('touches as the native runtime does', () => {
+    const model = load(folder), contact = model.contact(1);
+    const native = JSON.parse(execFileSync(built.touches, [join(folder, 'model.txt')], { encoding: 'utf8' })) as {
+      radius: number; friction: number; centers: number[][]; forces: number[][]; touching: number;
+    };
+    expect(native.touching).toBeGreaterThan(native.centers.length / 4);
+    const forces = native.centers.flatMap((center) => {
+      const { touches } = contact.step([{ center, radius: native.radius, friction: native.friction }]);
+      return [...touches[0]!.force];
+    });
+    expect(difference(native.forces.flat(), forces)).toBeLessThan(1e-8);
+  });
+});
+
+describe('the sample model', () => {
+  it('has the force that the command prints', () => {
+    const model = load(sample), node = model.info.activeNodes[0]!, d = [0.001, 0, -0.002];
+    const file = join(mkdtempSync(join(tmpdir(), 'phynness-web-')), 'eval.json');
+    execFileSync(built.phynness, ['eval', sample, '--node', String(node), '--displacement', d.join(','), '--json', file]);
+    const { tools } = JSON.parse(readFileSync(file, 'utf8')) as { tools: { force: number[] }[] };
+    expect(difference(tools[0]!.force, model.force(node, d).force)).toBeLessThan(1e-10);
+  });
+
+  it('has a force that is the gradient of its energy and a stiffness that is the derivative of its force', () => {
+    const model = load(sample), node = model.info.activeNodes[0]!, d = [0.002, -0.001, -0.003], h = 1e-6;
+    const at = model.force(node, d, { energy: true, stiffness: true });
+    for (let k = 0; k < 3; ++k) {
+      const up = d.map((x, i) => x + (i === k ? h : 0)), down = d.map((x, i) => x - (i === k ? h : 0));
+      const a = model.force(node, up, { energy: true }), b = model.force(node, down, { energy: true });
+      // Central differences: errors of h^2 and of rounding / h, both below 1e-6 of the size here.
+      expect((a.energy! - b.energy!) / (2 * h)).toBeCloseTo(at.force[k]!, 6);
+      const column = [0, 1, 2].map((i) => (a.force[i]! - b.force[i]!) / (2 * h));
+      expect(difference(at.stiffness!.filter((_, i) => i % 3 === k), column)).toBeLessThan(1e-5);
+    }
+  });
+
+  it('tells where it was trained', () => {
+    const model = load(sample), node = model.info.activeNodes[0]!, { maxDisplacement } = model.info;
+    expect(model.trust(node, [0, 0, 0]).distance).toBe(0);
+    expect(model.force(node, [0, 0, -2 * maxDisplacement]).warnings).toContain('outside');
+    expect(model.force(node, [0, 0, -0.1 * maxDisplacement]).warnings).not.toContain('outside');
+  });
+
+  it('finds the nearest point, and subdivides', () => {
+    const model = load(sample), { outputPoints, outputNodes } = model.info;
+    const { tool, point } = model.nearest(outputPoints.subarray(0, 3));
+    expect(tool.nodes).toContain(outputNodes[0]);
+    expect(difference(outputPoints.subarray(0, 3), point)).toBeLessThan(1e-9);
+    const node = model.info.activeNodes[0]!, field = model.deform(node, [0, 0, -0.005]);
+    const sizes = [0, 1, 2, 3].map((levels) => {
+      const surface = model.surface(levels), moved = surface.deform(field);
+      expect(moved.length).toBe(3 * surface.nVertices);
+      expect(Math.max(...moved.map(Math.abs))).toBeGreaterThan(0.001);
+      const n = surface.triangles.length / 3;
+      surface.dispose();
+      return n;
+    });
+    expect(sizes).toEqual([1, 4, 16, 64].map((f) => f * sizes[0]!));
+  });
+
+  it('is an npm package for browsers without a module of Node', () => {
+    const browser = readFileSync(join(built.package, 'browser.js'), 'utf8');
+    expect(browser).not.toMatch(/node:|require\(/);
+    expect(readFileSync(join(built.package, 'node.js'), 'utf8')).toContain('node:fs/promises');
+  });
+});

@@ -1,0 +1,48 @@
+#!/bin/bash
+# Claims: the tests beside this file hold; the package is installed from its archive into another project, where its
+# types and its example work; and it loads in Node without an option.
+# Usage: run.sh PHYNNESS WRITE_MODELS TOUCHES SOURCE_DIR BUILD_DIR
+set -euo pipefail
+phynness=$1 write_models=$2 touches=$3 source=$4 build=$5
+fail() {
+  echo "FAILED: $1" >&2
+  exit 1
+}
+export PHYNNESS=$phynness PHYNNESS_TOUCHES=$touches PHYNNESS_MODELS=$build/models PHYNNESS_PACKAGE=$build/out/phynness
+export PHYNNESS_WASM=$build/wasm/phynness.wasm PHYNNESS_LAYOUT_WASM=$build/wasm/layout.wasm
+mkdir -p "$build/models"
+"$write_models" "$build/models"
+rm -rf "$build/models/sample"
+cp -r "$source/examples/model" "$build/models/sample"
+cd "$build/work"
+node_modules/.bin/tsc --noEmit || fail "the types are wrong"
+node_modules/.bin/vitest run
+
+bytes=$(wc -c < "$PHYNNESS_PACKAGE/phynness.wasm")
+echo "phynness.wasm: $bytes bytes, limit 98304"
+if command -v wasm-opt > /dev/null; then [ "$bytes" -le 98304 ] || fail "phynness.wasm is too large"; fi
+
+rm -rf "$build/user"
+mkdir -p "$build/user"
+cd "$build/user"
+echo '{"type": "module", "private": true}' > package.json
+archive=$(cd "$PHYNNESS_PACKAGE" && npm pack --silent --pack-destination "$build/user")
+npm install --silent --no-progress --offline "./$archive"
+cp "$source/web/runtime/examples/palpate.mjs" .
+node palpate.mjs "$build/models/sample/model.txt" > palpated.txt
+[ "$(grep -cE '^[0-9]+  [0-9.]+$' palpated.txt)" -gt 5 ] || fail "the example printed: $(cat palpated.txt)"
+echo "no model" > bad.txt
+status=0
+node palpate.mjs bad.txt 2> error.txt || status=$?
+[ "$status" -eq 1 ] || fail "exit status $status for a file that is no model"
+grep -q "not a phynness model" error.txt || fail "the error is: $(cat error.txt)"
+cat > use.ts <<'TS'
+import { modelFromText, PhynnessError, type Response } from 'phynness';
+const model = await modelFromText('');
+const response: Response = model.force(1, [0, 0, 0], { energy: true });
+export const force: Float64Array = response.force;
+export const status: number | undefined = new PhynnessError(-1, '', '').wrongByte;
+TS
+"$build/work/node_modules/.bin/tsc" --noEmit --strict --module nodenext --target es2022 --skipLibCheck use.ts ||
+  fail "a program that uses the types does not compile"
+echo "the package works in another project"
