@@ -5,6 +5,7 @@ import { readFileSync } from 'node:fs';
 
 export function layoutOf(bytes) {
   const { exports } = new WebAssembly.Instance(new WebAssembly.Module(bytes), {});
+  exports.__wasm_call_ctors();
   const words = new Uint32Array(exports.memory.buffer), text = new Uint8Array(exports.memory.buffer);
   const layout = {};
   for (let at = exports.phn_layout() / 4; words[at] !== 0; at += 2) {

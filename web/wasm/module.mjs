@@ -4,6 +4,7 @@ import { readFileSync } from 'node:fs';
 export function load(file) {
   const bytes = readFileSync(file);
   const { exports } = new WebAssembly.Instance(new WebAssembly.Module(bytes), {});
+  exports.__wasm_call_ctors();
   let top = exports.__heap_base.value;
   // Address of n bytes, aligned to 16.
   const take = (n) => {

@@ -192,7 +192,8 @@ PHN_INLINE void derivatives_of_centers(const Conservative<double>& net, const Fo
 #endif
 }
 
-/// Code that is optimized for size has one function for all derivatives. The results have the same bits.
+/// Code that is optimized for size has one function for stiffness with and without energy. The results have the same
+/// bits.
 #ifdef __OPTIMIZE_SIZE__
 constexpr bool small_code = true;
 #else
@@ -224,7 +225,7 @@ constexpr bool small_code = false;
   constexpr ForceKernels kernels = {#name,                                                                            \
                                     force,                                                                            \
                                     energy,                                                                           \
-                                    small_code ? derivatives<true, true> : derivatives<false, true>,                  \
+                                    derivatives<false, true>,                                                         \
                                     small_code ? derivatives<true, true> : derivatives<true, false>,                  \
                                     derivatives<true, true>};                                                         \
   }

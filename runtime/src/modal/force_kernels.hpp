@@ -20,7 +20,7 @@ struct ForceKernels {
   double (*energy)(const Conservative<double>& net, const ForceTable& table, const double* x);
   /// The same bits of force and energy, and the stiffness, together in less time.
   /// @param energy     [J]; with_stiffness may leave it as it is
-  /// @param stiffness  3 x 3 [N/m], bitwise symmetric; with_energy may leave it as it is
+  /// @param stiffness  3 x 3 [N/m], bitwise symmetric; not used by with_energy
   using Derivatives = void(const Conservative<double>& net, const ForceTable& table, const double* x, double* force,
                            double* energy, double* stiffness);
   Derivatives *with_energy, *with_stiffness, *with_both;

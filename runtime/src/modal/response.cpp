@@ -47,9 +47,8 @@ void response_derivatives(const ModalResponse& node, const double* d, double* fo
   auto* derivatives = energy == nullptr      ? kernels.with_stiffness
                       : stiffness == nullptr ? kernels.with_energy
                                              : kernels.with_both;
-  double unused_energy, unused_stiffness[9];
-  derivatives(node.force, node.force_table, x, force, energy == nullptr ? &unused_energy : energy,
-              stiffness == nullptr ? unused_stiffness : stiffness);
+  double unused;
+  derivatives(node.force, node.force_table, x, force, energy == nullptr ? &unused : energy, stiffness);
 }
 
 void response_basis(const phn_model& model, const ModalResponse& node, const double* d, double* basis,

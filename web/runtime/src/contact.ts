@@ -1,5 +1,5 @@
 // Spheres that touch, slide on, press and grasp the object.
-import { bytesOf, Owner, type Engine } from './engine.js';
+import { bytesOf, few, Owner, type Engine } from './engine.js';
 import { warningsOf, type Warning } from './status.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
 
@@ -32,6 +32,7 @@ export interface Touch {
 }
 
 export class Contact extends Owner {
+  protected readonly what = 'contact';
   private readonly contact: number;
   private readonly data: number;
   private readonly tools: number;
@@ -41,27 +42,34 @@ export class Contact extends Owner {
 
   constructor(
     engine: Engine,
+    parent: Owner,
     private readonly model: number,
     private readonly max: number,
     private readonly nOutput: number,
   ) {
-    super(engine);
-    const contact = engine.made(
-      (result) => engine.call('phn_contact_size', model, max, result),
-      (memory, bytes, result) => engine.call('phn_contact_init', memory, bytes, model, max, result),
-    );
-    this.own(contact.memory);
-    this.contact = contact.object;
-    const data = engine.made(
-      (result) => engine.call('phn_data_size', model, max, result),
-      (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, model, max, result),
-    );
-    this.own(data.memory);
-    this.data = data.object;
-    this.tools = this.own(engine.heap.take(max * bytesOf('phn_contact_tool')));
-    this.states = this.own(engine.heap.take(max * bytesOf('phn_contact_state')));
-    this.result = this.own(engine.heap.take(bytesOf('phn_coupled')));
-    this.out = this.own(engine.heap.take(24 * nOutput));
+    super(engine, parent);
+    few(max);
+    try {
+      const contact = engine.made(
+        (result) => engine.call('phn_contact_size', model, max, result),
+        (memory, bytes, result) => engine.call('phn_contact_init', memory, bytes, model, max, result),
+      );
+      this.own(contact.memory);
+      this.contact = contact.object;
+      const data = engine.made(
+        (result) => engine.call('phn_data_size', model, max, result),
+        (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, model, max, result),
+      );
+      this.own(data.memory);
+      this.data = data.object;
+      this.tools = this.own(engine.heap.take(max * bytesOf('phn_contact_tool')));
+      this.states = this.own(engine.heap.take(max * bytesOf('phn_contact_state')));
+      this.result = this.own(engine.heap.take(bytesOf('phn_coupled')));
+      this.out = this.own(engine.heap.take(24 * nOutput));
+    } catch (error) {
+      this.dispose();
+      throw error;
+    }
   }
 
   /** Moves the spheres to new positions. Sphere i is the same sphere in every call. */
@@ -70,11 +78,13 @@ export class Contact extends Owner {
     this.alive();
     if (spheres.length > this.max) throw new RangeError(`${spheres.length} spheres, but this was made for ${this.max}`);
     spheres.forEach((sphere, i) => {
+      const mode = sphere.mode ?? 'press';
+      if (!Object.hasOwn(modes, mode)) throw new RangeError(`${String(mode)} is not off, press or grasp`);
       const at = this.tools + i * bytesOf('phn_contact_tool');
       putVector(engine, at + bytesOf('phn_contact_tool.center'), sphere.center, 'the centre');
       engine.reals(at + bytesOf('phn_contact_tool.radius'), 1)[0] = sphere.radius;
       engine.reals(at + bytesOf('phn_contact_tool.friction'), 1)[0] = sphere.friction ?? 0;
-      engine.integers(at + bytesOf('phn_contact_tool.mode'), 1)[0] = modes[sphere.mode ?? 'press'];
+      engine.integers(at + bytesOf('phn_contact_tool.mode'), 1)[0] = modes[mode];
     });
     const status = engine.call('phn_contact_step', this.contact, this.data, spheres.length, this.tools, this.states,
       this.result);
@@ -94,6 +104,26 @@ export class Contact extends Owner {
     if (!out) return values.slice();
     out.set(values);
     return out;
+  }
+
+  /** Displaces the surface for spheres without contact by a field of deform(); null: the undeformed surface. */
+  refit(field: Float64Array | null): void {
+    const { engine } = this;
+    this.alive();
+    if (field && field.length !== 3 * this.nOutput)
+      throw new RangeError(`the field has ${field.length} numbers instead of ${3 * this.nOutput}`);
+    if (field) engine.reals(this.out, field.length).set(field);
+    engine.call('phn_contact_refit', this.contact, field ? this.out : 0);
+  }
+
+  /** The tool at the point, of those that can be touched, that is nearest to x [m]. */
+  nearest(x: Vector): { tool: Tool; point: Float64Array } {
+    const { engine } = this;
+    this.alive();
+    const at = this.states, tool = at + 48;
+    putVector(engine, at, x, 'the point');
+    engine.call('phn_contact_nearest', this.contact, at, tool, at + 24);
+    return { tool: toolFrom(engine, tool), point: engine.reals(at + 24, 3).slice() };
   }
 
   /** Ends every contact and forgets all positions. */

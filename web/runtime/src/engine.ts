@@ -13,10 +13,14 @@ export class Engine {
   readonly f: Functions;
   private readonly memory: WebAssembly.Memory;
 
-  constructor(module: WebAssembly.Module) {
-    const exports = new WebAssembly.Instance(module, {}).exports;
+  /** Browsers refuse to instantiate larger modules synchronously on the main thread. */
+  static async of(module: WebAssembly.Module): Promise<Engine> {
+    return new Engine(await WebAssembly.instantiate(module, {}));
+  }
+  private constructor({ exports }: WebAssembly.Instance) {
     this.memory = exports['memory'] as WebAssembly.Memory;
     this.f = exports as unknown as Functions;
+    this.f['__wasm_call_ctors']!();
     this.heap = new Heap(this.memory, (exports['__heap_base'] as WebAssembly.Global).value as number);
   }
 
@@ -31,17 +35,17 @@ export class Engine {
   }
 
   // Views are made anew at each use: memory that grows makes old ones unusable.
-  reals(at: number, n: number): Float64Array<ArrayBuffer> {
-    return new Float64Array(this.memory.buffer as ArrayBuffer, at, n);
+  reals(at: number, n: number): Float64Array {
+    return new Float64Array(this.memory.buffer, at, n);
   }
-  floats(at: number, n: number): Float32Array<ArrayBuffer> {
-    return new Float32Array(this.memory.buffer as ArrayBuffer, at, n);
+  floats(at: number, n: number): Float32Array {
+    return new Float32Array(this.memory.buffer, at, n);
   }
-  integers(at: number, n: number): Int32Array<ArrayBuffer> {
-    return new Int32Array(this.memory.buffer as ArrayBuffer, at, n);
+  integers(at: number, n: number): Int32Array {
+    return new Int32Array(this.memory.buffer, at, n);
   }
-  bytes(at: number, n: number): Uint8Array<ArrayBuffer> {
-    return new Uint8Array(this.memory.buffer as ArrayBuffer, at, n);
+  bytes(at: number, n: number): Uint8Array {
+    return new Uint8Array(this.memory.buffer, at, n);
   }
   integer(at: number): number {
     return this.integers(at, 1)[0]!;
@@ -93,7 +97,11 @@ export abstract class Owner {
   private readonly blocks: number[] = [];
   private disposed = false;
 
-  protected constructor(protected readonly engine: Engine) {
+  /** @param parent  whose memory this object uses, too; it is not collected before this one */
+  protected constructor(
+    protected readonly engine: Engine,
+    private readonly parent?: Owner,
+  ) {
     const { blocks } = this;
     forgotten.register(this, () => release(engine, blocks), this);
   }
@@ -101,10 +109,13 @@ export abstract class Owner {
     this.blocks.push(block);
     return block;
   }
-  /** @throws Error after dispose() */
+  /** @throws Error after dispose() of this object or of its parent */
   protected alive(): void {
-    if (this.disposed) throw new Error(`this ${this.constructor.name} was disposed`);
+    if (this.disposed) throw new Error(`this ${this.what} was disposed`);
+    this.parent?.alive();
   }
+  /** For messages. */
+  protected abstract readonly what: string;
   /** Gives the memory back. The object must not be used afterwards; a second call does nothing. */
   dispose(): void {
     if (this.disposed) return;
@@ -116,4 +127,16 @@ export abstract class Owner {
 
 function release(engine: Engine, blocks: number[]): void {
   for (const block of blocks.splice(0)) engine.heap.give(block);
+}
+
+/** Other numbers would become another integer by conversion to 32 bits. @throws RangeError */
+export function integer(n: number): number {
+  if (!Number.isInteger(n) || Math.abs(n) > 0x7fffffff) throw new RangeError(`${n} is not an integer`);
+  return n;
+}
+
+/** A number of tools or spheres. @throws RangeError */
+export function few(n: number): number {
+  if (!Number.isInteger(n) || n < 1 || n > 8) throw new RangeError(`${n} is not a number of tools from 1 to 8`);
+  return n;
 }

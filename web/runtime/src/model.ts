@@ -1,6 +1,6 @@
 // A trained model and its working memory.
 import { Contact } from './contact.js';
-import { bytesOf, Engine, Owner } from './engine.js';
+import { bytesOf, Engine, integer, Owner } from './engine.js';
 import { warningsOf, type Warning } from './status.js';
 import { Surface } from './surface.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
@@ -59,6 +59,7 @@ const at = { d: 0, force: 24, energy: 48, stiffness: 56, out: 128 };
 const argumentBytes = 384;
 
 export class Model extends Owner {
+  protected readonly what = 'model';
   readonly info: Info;
   readonly levels: readonly Level[];
   private readonly model: number;
@@ -67,22 +68,29 @@ export class Model extends Owner {
   private readonly field_: number;
 
   /** @param text  contents of model.txt. @throws PhynnessError with the reason and the byte if it is refused */
-  constructor(module: WebAssembly.Module, text: Uint8Array) {
-    const engine = new Engine(module);
+  static async create(module: WebAssembly.Module, text: Uint8Array): Promise<Model> {
+    return new Model(await Engine.of(module), text);
+  }
+  private constructor(engine: Engine, text: Uint8Array) {
     super(engine);
-    const model = loaded(engine, text);
-    this.own(model.memory);
-    this.model = model.object;
-    const data = engine.made(
-      (result) => engine.call('phn_data_size', this.model, 1, result),
-      (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, this.model, 1, result),
-    );
-    this.own(data.memory);
-    this.data = data.object;
-    this.args = this.own(engine.heap.take(argumentBytes));
-    this.info = infoOf(engine, this.model);
-    this.field_ = this.own(engine.heap.take(24 * this.info.outputNodes.length));
-    this.levels = levelsOf(engine, this.model);
+    try {
+      const model = loaded(engine, text);
+      this.own(model.memory);
+      this.model = model.object;
+      const data = engine.made(
+        (result) => engine.call('phn_data_size', this.model, 1, result),
+        (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, this.model, 1, result),
+      );
+      this.own(data.memory);
+      this.data = data.object;
+      this.args = this.own(engine.heap.take(argumentBytes));
+      this.info = infoOf(engine, this.model);
+      this.field_ = this.own(engine.heap.take(24 * this.info.outputNodes.length));
+      this.levels = levelsOf(engine, this.model);
+    } catch (error) {
+      this.dispose();
+      throw error;
+    }
   }
 
   /** Force at an active node that is displaced by d [m]; on request energy and stiffness (not in family rbfn). */
@@ -151,20 +159,20 @@ export class Model extends Owner {
     this.engine.call('phn_set_level', this.model, this.data, integer(level));
   }
 
-  /** Up to 8 tools at the same time. It uses this model and must be disposed before it. */
+  /** Up to 8 tools at the same time. It cannot be used after dispose() of this model. */
   tools(max: number): Tools {
     this.alive();
-    return new Tools(this.engine, this.model, max, this.info.outputNodes.length);
+    return new Tools(this.engine, this, this.model, max, this.info.outputNodes.length);
   }
   /** The surface subdivided 0 to 6 times, for drawing. */
   surface(levels: number): Surface {
     this.alive();
-    return new Surface(this.engine, this.model, levels, this.info.outputNodes.length);
+    return new Surface(this.engine, this, this.model, levels, this.info.outputNodes.length);
   }
   /** Up to 8 spheres that touch, slide and grasp. */
   contact(max: number): Contact {
     this.alive();
-    return new Contact(this.engine, this.model, max, this.info.outputNodes.length);
+    return new Contact(this.engine, this, this.model, max, this.info.outputNodes.length);
   }
 
   private put(d: Vector): void {
@@ -177,12 +185,6 @@ export class Model extends Owner {
     out.set(values);
     return out;
   }
-}
-
-/** Other numbers would become another node by conversion to 32 bits. */
-function integer(n: number): number {
-  if (!Number.isInteger(n) || Math.abs(n) > 0x7fffffff) throw new RangeError(`${n} is not an integer`);
-  return n;
 }
 
 function loaded(engine: Engine, text: Uint8Array): { memory: number; object: number } {

@@ -1,7 +1,8 @@
 // The surface of a model, subdivided by Loop's scheme, for drawing.
-import { Owner, type Engine } from './engine.js';
+import { integer, Owner, type Engine } from './engine.js';
 
 export class Surface extends Owner {
+  protected readonly what = 'surface';
   readonly nVertices: number;
   /** n x 3, normals outward */
   readonly triangles: Int32Array;
@@ -14,25 +15,32 @@ export class Surface extends Owner {
 
   constructor(
     engine: Engine,
+    parent: Owner,
     model: number,
     levels: number,
     private readonly nOutput: number,
   ) {
-    super(engine);
-    const surface = engine.made(
-      (result) => engine.call('phn_surface_size', model, levels, result),
-      (memory, bytes, result) => engine.call('phn_surface_init', memory, bytes, model, levels, result),
-    );
-    this.own(surface.memory);
-    this.surface = surface.object;
-    const f = engine.f;
-    this.nVertices = f['phn_surface_n_vertices']!(this.surface);
-    const nTriangles = f['phn_surface_n_triangles']!(this.surface);
-    this.triangles = engine.integers(f['phn_surface_triangles']!(this.surface), 3 * nTriangles).slice();
-    this.points = engine.floats(f['phn_surface_points']!(this.surface), 3 * this.nVertices).slice();
-    this.scratch = this.own(engine.heap.take(f['phn_surface_scratch_size']!(this.surface)));
-    this.field = this.own(engine.heap.take(24 * nOutput));
-    this.out = this.own(engine.heap.take(12 * this.nVertices));
+    super(engine, parent);
+    integer(levels);
+    try {
+      const surface = engine.made(
+        (result) => engine.call('phn_surface_size', model, levels, result),
+        (memory, bytes, result) => engine.call('phn_surface_init', memory, bytes, model, levels, result),
+      );
+      this.own(surface.memory);
+      this.surface = surface.object;
+      const f = engine.f;
+      this.nVertices = f['phn_surface_n_vertices']!(this.surface);
+      const nTriangles = f['phn_surface_n_triangles']!(this.surface);
+      this.triangles = engine.integers(f['phn_surface_triangles']!(this.surface) >>> 0, 3 * nTriangles).slice();
+      this.points = engine.floats(f['phn_surface_points']!(this.surface) >>> 0, 3 * this.nVertices).slice();
+      this.scratch = this.own(engine.heap.take(f['phn_surface_scratch_size']!(this.surface)));
+      this.field = this.own(engine.heap.take(24 * nOutput));
+      this.out = this.own(engine.heap.take(12 * this.nVertices));
+    } catch (error) {
+      this.dispose();
+      throw error;
+    }
   }
 
   /** Displacements [m] of all vertices, n x 3. @param field  of Model.deform, Tools.deform or Contact.deform */

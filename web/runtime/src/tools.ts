@@ -1,5 +1,5 @@
 // Several tools at the same time, at nodes or between them.
-import { bytesOf, Owner, type Engine } from './engine.js';
+import { bytesOf, few, integer, Owner, type Engine } from './engine.js';
 import { warningsOf, type Warning } from './status.js';
 import { putTool, type Tool } from './tool.js';
 
@@ -15,6 +15,7 @@ export interface Coupled {
 }
 
 export class Tools extends Owner {
+  protected readonly what = 'tools';
   private readonly data: number;
   private readonly tools: number;
   private readonly forces: number;
@@ -23,21 +24,28 @@ export class Tools extends Owner {
 
   constructor(
     engine: Engine,
+    parent: Owner,
     private readonly model: number,
     private readonly max: number,
     private readonly nOutput: number,
   ) {
-    super(engine);
-    const data = engine.made(
-      (result) => engine.call('phn_data_size', model, max, result),
-      (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, model, max, result),
-    );
-    this.own(data.memory);
-    this.data = data.object;
-    this.tools = this.own(engine.heap.take(max * bytesOf('phn_tool')));
-    this.forces = this.own(engine.heap.take(max * 24));
-    this.result = this.own(engine.heap.take(bytesOf('phn_coupled')));
-    this.out = this.own(engine.heap.take(24 * nOutput));
+    super(engine, parent);
+    few(max);
+    try {
+      const data = engine.made(
+        (result) => engine.call('phn_data_size', model, max, result),
+        (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, model, max, result),
+      );
+      this.own(data.memory);
+      this.data = data.object;
+      this.tools = this.own(engine.heap.take(max * bytesOf('phn_tool')));
+      this.forces = this.own(engine.heap.take(max * 24));
+      this.result = this.own(engine.heap.take(bytesOf('phn_coupled')));
+      this.out = this.own(engine.heap.take(24 * nOutput));
+    } catch (error) {
+      this.dispose();
+      throw error;
+    }
   }
 
   /** Forces of tools that hold their points; none of them: the object is free. */
@@ -67,8 +75,12 @@ export class Tools extends Owner {
   }
 
   /** Level of later calls: an index of Model.levels. */
+  get level(): number {
+    this.alive();
+    return this.engine.f['phn_level_of']!(this.data);
+  }
   set level(level: number) {
     this.alive();
-    this.engine.call('phn_set_level', this.model, this.data, level);
+    this.engine.call('phn_set_level', this.model, this.data, integer(level));
   }
 }

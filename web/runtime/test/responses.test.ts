@@ -11,8 +11,8 @@ import { built, difference, golden, load, sample } from './setup.js';
 describe.each(['rbfn', 'linear', 'modal'])('family %s', (family) => {
   const folder = join(built.models, family);
 
-  it('answers golden queries', () => {
-    const model = load(folder), queries = golden(folder);
+  it('answers golden queries', async () => {
+    const model = await load(folder), queries = golden(folder);
     expect(queries.length).toBe(200);
     expect(model.info.family).toBe(family);
     const expected: number[] = [], got: number[] = [], expectedField: number[] = [], gotField: number[] = [];
@@ -26,16 +26,16 @@ describe.each(['rbfn', 'linear', 'modal'])('family %s', (family) => {
     expect(difference(expectedField, gotField)).toBeLessThan(1e-10);
   });
 
-  it('couples one tool at a node to the force of the node', () => {
-    const model = load(folder), node = model.info.activeNodes[0]!, d = [1e-4, -2e-4, 3e-4];
+  it('couples one tool at a node to the force of the node', async () => {
+    const model = await load(folder), node = model.info.activeNodes[0]!, d = [1e-4, -2e-4, 3e-4];
     const tools = model.tools(2), coupled = tools.set([toolAt(node, d)]);
     expect(difference(model.force(node, d).force, coupled.forces)).toBeLessThan(1e-12);
     expect(difference(model.deform(node, d), tools.deform())).toBeLessThan(1e-9);
   });
 
   // The program `touches` moves a sphere along the same path with the native runtime.
-  it('touches as the native runtime does', () => {
-    const model = load(folder), contact = model.contact(1);
+  it('touches as the native runtime does', async () => {
+    const model = await load(folder), contact = model.contact(1);
     const native = JSON.parse(execFileSync(built.touches, [join(folder, 'model.txt')], { encoding: 'utf8' })) as {
       radius: number; friction: number; centers: number[][]; forces: number[][]; touching: number;
     };
@@ -49,16 +49,16 @@ describe.each(['rbfn', 'linear', 'modal'])('family %s', (family) => {
 });
 
 describe('the sample model', () => {
-  it('has the force that the command prints', () => {
-    const model = load(sample), node = model.info.activeNodes[0]!, d = [0.001, 0, -0.002];
+  it('has the force that the command prints', async () => {
+    const model = await load(sample), node = model.info.activeNodes[0]!, d = [0.001, 0, -0.002];
     const file = join(mkdtempSync(join(tmpdir(), 'phynness-web-')), 'eval.json');
     execFileSync(built.phynness, ['eval', sample, '--node', String(node), '--displacement', d.join(','), '--json', file]);
     const { tools } = JSON.parse(readFileSync(file, 'utf8')) as { tools: { force: number[] }[] };
     expect(difference(tools[0]!.force, model.force(node, d).force)).toBeLessThan(1e-10);
   });
 
-  it('has a force that is the gradient of its energy and a stiffness that is the derivative of its force', () => {
-    const model = load(sample), node = model.info.activeNodes[0]!, d = [0.002, -0.001, -0.003], h = 1e-6;
+  it('has a force that is the gradient of its energy and a stiffness that is the derivative of its force', async () => {
+    const model = await load(sample), node = model.info.activeNodes[0]!, d = [0.002, -0.001, -0.003], h = 1e-6;
     const at = model.force(node, d, { energy: true, stiffness: true });
     for (let k = 0; k < 3; ++k) {
       const up = d.map((x, i) => x + (i === k ? h : 0)), down = d.map((x, i) => x - (i === k ? h : 0));
@@ -70,15 +70,15 @@ describe('the sample model', () => {
     }
   });
 
-  it('tells where it was trained', () => {
-    const model = load(sample), node = model.info.activeNodes[0]!, { maxDisplacement } = model.info;
+  it('tells where it was trained', async () => {
+    const model = await load(sample), node = model.info.activeNodes[0]!, { maxDisplacement } = model.info;
     expect(model.trust(node, [0, 0, 0]).distance).toBe(0);
     expect(model.force(node, [0, 0, -2 * maxDisplacement]).warnings).toContain('outside');
     expect(model.force(node, [0, 0, -0.1 * maxDisplacement]).warnings).not.toContain('outside');
   });
 
-  it('finds the nearest point, and subdivides', () => {
-    const model = load(sample), { outputPoints, outputNodes } = model.info;
+  it('finds the nearest point, and subdivides', async () => {
+    const model = await load(sample), { outputPoints, outputNodes } = model.info;
     const { tool, point } = model.nearest(outputPoints.subarray(0, 3));
     expect(tool.nodes).toContain(outputNodes[0]);
     expect(difference(outputPoints.subarray(0, 3), point)).toBeLessThan(1e-9);

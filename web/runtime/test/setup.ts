@@ -22,8 +22,8 @@ export const built = {
 
 const module = new WebAssembly.Module(new Uint8Array(readFileSync(built.wasm)));
 export const textOf = (folder: string) => new Uint8Array(readFileSync(join(folder, 'model.txt')));
-export const load = (folder: string) => new Model(module, textOf(folder));
-export const loadText = (text: Uint8Array) => new Model(module, text);
+export const load = (folder: string) => Model.create(module, textOf(folder));
+export const loadText = (text: Uint8Array) => Model.create(module, text);
 export const sample = join(built.models, 'sample');
 
 export interface Golden {
