@@ -11,7 +11,6 @@
 namespace phynness {
 namespace {
 
-
 // Relative to the diagonal of the bounding box: a node on the face of a box, up to rounding, is in the box.
 constexpr double on_the_border = 1e-9;
 

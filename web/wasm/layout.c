@@ -8,8 +8,10 @@ typedef struct entry {
   int32_t bytes;
 } entry;
 
-#define SIZE(type) {#type, (int32_t)sizeof(type)}
-#define MEMBER(type, member) {#type "." #member, (int32_t)offsetof(type, member)}
+#define SIZE(type) \
+  { #type, (int32_t)sizeof(type) }
+#define MEMBER(type, member) \
+  { #type "." #member, (int32_t)offsetof(type, member) }
 
 static const entry entries[] = {
     SIZE(phn_info),

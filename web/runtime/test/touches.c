@@ -65,8 +65,7 @@ int main(int argc, char** argv) {
   for (i = 0; i < n_steps; ++i)
     printf("%s[%.17g,%.17g,%.17g]", i ? "," : "", centers[i][0], centers[i][1], centers[i][2]);
   printf("],\"forces\":[");
-  for (i = 0; i < n_steps; ++i)
-    printf("%s[%.17g,%.17g,%.17g]", i ? "," : "", forces[i][0], forces[i][1], forces[i][2]);
+  for (i = 0; i < n_steps; ++i) printf("%s[%.17g,%.17g,%.17g]", i ? "," : "", forces[i][0], forces[i][1], forces[i][2]);
   printf("]}\n");
   return fflush(stdout) == 0 ? 0 : 1;
 }
