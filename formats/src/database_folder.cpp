@@ -2,8 +2,12 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <fstream>
 #include <phynness/formats/error.hpp>
 
+#include "database_log.hpp"
 #include "database_scan.hpp"
 
 namespace phynness {
@@ -21,6 +25,14 @@ void refuse_folder_of_logs(const fs::path& folder, const fs::path& file) {
     return;
   throw input_error("the database is to be written into the folder of logs of another one", file.string(),
                     "choose another folder: " + resolved.string() + " belongs to " + database.string());
+}
+
+/// False for a file of somebody else that has the name of a log.
+bool begins_as_log(const fs::path& file) {
+  std::array<char, database_log::log_magic.size()> found{};
+  std::ifstream in(file, std::ios::binary);
+  in.read(found.data(), found.size());
+  return std::equal(found.begin(), found.begin() + in.gcount(), database_log::log_magic.begin());
 }
 
 }  // namespace
@@ -47,7 +59,8 @@ void make_log_folder(const fs::path& file) {
 
 void remove_logs(const fs::path& file) {
   std::error_code code;
-  for (const auto& log : database_log::logs_of(file)) fs::remove(log, code);
+  for (const auto& log : database_log::logs_of(file))
+    if (begins_as_log(log)) fs::remove(log, code);
   const auto folder = database_log::folder(file);
   const auto lock = folder / "lock";
   // A holder's lock goes with its folder; where the folder has to stay, the holder takes its lock away itself.

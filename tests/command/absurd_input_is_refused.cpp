@@ -144,8 +144,11 @@ TEST_F(AbsurdInput, ControlCharactersReachNoTerminal) {
 TEST_F(AbsurdInput, FilesOfOthersInAFolderOfLogsAreKept) {
   fs::create_directories(folder / "d.h5.log");
   write_file(folder / "d.h5.log/thesis.txt", "mine");
-  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+  write_file(folder / "d.h5.log/rank-00007", "mine, under the name of a log");
+  EXPECT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 2);
+  ASSERT_EQ(phynness("precompute scene.toml -o d.h5 --resume").exit_status, 0);
   EXPECT_EQ(read_file(folder / "d.h5.log/thesis.txt"), "mine");
+  EXPECT_EQ(read_file(folder / "d.h5.log/rank-00007"), "mine, under the name of a log");
   EXPECT_TRUE(is_empty_of("rank-0000"));
   EXPECT_FALSE(fs::exists(folder / "d.h5.log/lock"));
   fs::create_directories(folder / "e.h5.log");
