@@ -66,8 +66,8 @@ void print_summary(const ValidationReport& report) {
                told(report.distance_correlation_inside), told(report.distance_correlation_outside));
 }
 
-void print_worse_than_linear(const ValidationReport& report) {
-  for (const auto& worse : worse_than_linear(report)) print_result("warning: {}\n", worse.sentence());
+void print_worse(const std::vector<WorseThanLinear>& all) {
+  for (const auto& worse : all) print_result("warning: {}\n", worse.sentence());
 }
 
 void print_examples(const ValidationReport& report) {
@@ -108,6 +108,7 @@ void print_points(const PointReport& report) {
   row("force, as eq. (17)", &PointErrors::force);
   row("displacement", &PointErrors::displacement);
   row("field, relative L2", &PointErrors::field_l2);
+  print_worse(worse_than_linear(report));
   print_result("largest distance of a tool from its point in the field: {:.1e} m; {}\n", report.largest_residual_m,
                duration(report.seconds));
 }
@@ -150,6 +151,7 @@ void print_pairs(const PairReport& report) {
   block("displacement, mean of all nodes, relative to the largest", &PairStatistics::displacement_all);
   block("displacement as in eq. (17), without touched nodes", &PairStatistics::displacement);
   block("field, relative L2", &PairStatistics::field_l2);
+  print_worse(worse_than_linear(report));
   const auto& alone = report.single_force;
   if (alone.n > 0)
     print_result(

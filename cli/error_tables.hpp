@@ -12,7 +12,7 @@ void print_table(const ValidationReport& report, const std::vector<FieldModes>& 
 /// Median errors, and the correlation of the error with the distance from the training data.
 void print_summary(const ValidationReport& report);
 /// One line for each mean error in which the model is worse than the linear predictor.
-void print_worse_than_linear(const ValidationReport& report);
+void print_worse(const std::vector<WorseThanLinear>& all);
 /// Forces of some probes.
 void print_examples(const ValidationReport& report);
 void print_points(const PointReport& report);

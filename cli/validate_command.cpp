@@ -156,7 +156,7 @@ void print(const Compared& compared, const Measured& m, int ranks) {
   print_conditions(compared.scene, report);
   print_table(report, model.fields);
   print_summary(report);
-  print_worse_than_linear(report);
+  print_worse(worse_than_linear(report));
   print_examples(report);
   if (m.points.finished > 0) print_points(m.points);
   if (m.pairs.finished > 0) print_pairs(m.pairs);
@@ -212,11 +212,10 @@ json as_json(const Compared& compared, const Measured& m) {
            {"seconds", report.seconds},
            {"solve_ms_per_increment", report.solve_ms_per_increment}};
   out["worse_than_linear"] = json::array();
-  for (const auto& worse : worse_than_linear(report))
-    out["worse_than_linear"].push_back({{"error", worse.what},
-                                        {"range", worse.outside ? "outside" : "inside"},
-                                        {"model", worse.model},
-                                        {"linear", worse.linear}});
+  for (const auto& part : {worse_than_linear(report), worse_than_linear(m.points), worse_than_linear(m.pairs)})
+    for (const auto& worse : part)
+      out["worse_than_linear"].push_back(
+          {{"error", worse.what}, {"range", worse.range}, {"model", worse.model}, {"linear", worse.linear}});
   for (const auto& e : report.examples)
     out["examples"].push_back({{"node", e.node},
                                {"displacement", e.displacement_m},

@@ -168,7 +168,7 @@ ProbeSpec parse_probe(const SceneTable& table) {
   spec.kind_given = table.has("kind");
   spec.kind =
       table.choice<ProbeKind>("kind", {{"node", ProbeKind::node}, {"patch", ProbeKind::patch}}).value_or(spec.kind);
-  const auto radius = table.number("tool_radius_m", length);
+  const auto radius = table.number("tool_radius_m", shape_length);
   if (spec.kind == ProbeKind::node && radius)
     table.reject("tool_radius_m", "is only used by patch probes, but kind is \"node\"",
                  "remove it, or write kind = \"patch\"");

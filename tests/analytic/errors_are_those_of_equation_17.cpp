@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <phynness/validation/probed_states.hpp>
+#include <phynness/validation/surface_points.hpp>
+#include <phynness/validation/tool_pairs.hpp>
 
 namespace phynness {
 namespace {
@@ -69,6 +71,31 @@ TEST(Errors, P95IsTheNearestRank) {
   EXPECT_EQ(ErrorStatistics::of(samples).p95, 38);  // ceil(0.95 40)
   EXPECT_EQ(ErrorStatistics::of(samples).max, 40);
   EXPECT_EQ(ErrorStatistics::of({}).n, 0);
+}
+
+// Claim: a mean error above 0.1 % and above that of the linear predictor is named for every kind of probe.
+TEST(Errors, WorseThanLinearAreNamedForPointsAndPairs) {
+  const auto constant = [](double value) { return ErrorStatistics::of({value, value}); };
+  PointReport points;
+  points.coupled.force = constant(0.09);
+  points.linear.force = constant(0.02);
+  points.coupled.displacement = constant(0.0009);
+  points.linear.displacement = constant(0.0001);
+  ASSERT_EQ(worse_than_linear(points).size(), 1);
+  EXPECT_NE(worse_than_linear(points)[0].sentence().find("for tools between nodes: mean error of the force 9.00 %"),
+            std::string::npos);
+  PairReport pairs;
+  auto& model = pairs.all.errors[static_cast<std::size_t>(PairPredictor::coupled)];
+  auto& linear = pairs.all.errors[static_cast<std::size_t>(PairPredictor::linear)];
+  model.force = constant(0.02);
+  linear.force = constant(0.03);
+  model.displacement = constant(0.1);
+  linear.displacement = constant(0.01);
+  ASSERT_EQ(worse_than_linear(pairs).size(), 1);
+  EXPECT_NE(worse_than_linear(pairs)[0].sentence().find("for two tools: mean error of the displacement 10.00 %"),
+            std::string::npos);
+  EXPECT_TRUE(worse_than_linear(PointReport{}).empty());
+  EXPECT_TRUE(worse_than_linear(PairReport{}).empty());
 }
 
 }  // namespace

@@ -149,7 +149,7 @@ const std::vector<Mistake> values = {
      increments,
      "increments = 4\nkind = \"patch\"\ntool_radius_m = 0",
      "tool_radius_m",
-     {"greater than 0", "0"}},
+     {"at least 1e-09", "0"}},
     {"unknown_law",
      "law = \"neo-hookean\"",
      "law = \"neohookean\"",

@@ -3,7 +3,10 @@
 #include <cstdio>
 #include <numeric>
 #include <phynness/evaluation/database_errors.hpp>
+#include <phynness/validation/surface_points.hpp>
+#include <phynness/validation/tool_pairs.hpp>
 #include <phynness/validation/validation.hpp>
+#include <string_view>
 
 namespace phynness {
 
@@ -52,28 +55,50 @@ std::vector<double> centered_ranks(const std::vector<double>& values) {
 }  // namespace
 
 std::string WorseThanLinear::sentence() const {
+  const std::string_view of = range;
+  const char* where = of == "inside"    ? "inside the trained range"
+                      : of == "outside" ? "beyond the trained range"
+                      : of == "points"  ? "for tools between nodes"
+                                        : "for two tools";
   char text[200];
-  std::snprintf(
-      text, sizeof text,
-      "the model is worse than the linear predictor %s the trained range: mean error of the %s %.2f %%, of the "
-      "linear predictor %.2f %%",
-      outside ? "beyond" : "inside", what, 100 * model, 100 * linear);
+  std::snprintf(text, sizeof text,
+                "the model is worse than the linear predictor %s: mean error of the %s %.2f %%, of the linear "
+                "predictor %.2f %%",
+                where, what, 100 * model, 100 * linear);
   return text;
 }
 
+namespace {
+
+/// Adds a comparison of the means of force and displacement.
+template <class Errors>
+void compare(const char* range, const Errors& model, const Errors& linear, std::vector<WorseThanLinear>& worse) {
+  const auto add = [&](const char* what, const ErrorStatistics& a, const ErrorStatistics& b) {
+    if (a.n > 0 && b.n > 0 && is_worse_than_linear(a.mean, b.mean)) worse.push_back({what, range, a.mean, b.mean});
+  };
+  add("force", model.force, linear.force);
+  add("displacement", model.displacement, linear.displacement);
+}
+
+}  // namespace
+
 std::vector<WorseThanLinear> worse_than_linear(const ValidationReport& report) {
   std::vector<WorseThanLinear> worse;
-  for (const bool outside : {false, true}) {
-    const auto group = [&](Predictor p) -> const GroupErrors& {
-      return outside ? report.of(p).outside : report.of(p).inside;
-    };
-    const auto &model = group(Predictor::model), &linear = group(Predictor::linear);
-    const auto compare = [&](const char* what, const ErrorStatistics& a, const ErrorStatistics& b) {
-      if (a.n > 0 && b.n > 0 && is_worse_than_linear(a.mean, b.mean)) worse.push_back({what, outside, a.mean, b.mean});
-    };
-    compare("force", model.force, linear.force);
-    compare("displacement", model.displacement, linear.displacement);
-  }
+  const auto &model = report.of(Predictor::model), &linear = report.of(Predictor::linear);
+  compare("inside", model.inside, linear.inside, worse);
+  compare("outside", model.outside, linear.outside, worse);
+  return worse;
+}
+
+std::vector<WorseThanLinear> worse_than_linear(const PointReport& report) {
+  std::vector<WorseThanLinear> worse;
+  compare("points", report.coupled, report.linear, worse);
+  return worse;
+}
+
+std::vector<WorseThanLinear> worse_than_linear(const PairReport& report) {
+  std::vector<WorseThanLinear> worse;
+  compare("pairs", report.all.of(PairPredictor::coupled), report.all.of(PairPredictor::linear), worse);
   return worse;
 }
 

@@ -31,6 +31,9 @@ struct PointReport {
 /// Magnitudes are uniform up to the depth to which all three corners are trained. Collective; the result is the same
 /// for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the finished points.
 /// @throws Error (input) if no triangle has three active corners, or if the model has forces only
+/// For tools between nodes.
+std::vector<WorseThanLinear> worse_than_linear(const PointReport& report);
+
 PointReport validate_points(const SolverSession& session, const Scene& scene, const LoadedModel& model,
                             std::int64_t points, std::int64_t displacements, std::uint64_t seed,
                             const std::function<void(std::int64_t, std::int64_t)>& progress = {},

@@ -97,7 +97,8 @@ struct ValidationReport {
 /// Where the model's mean error (17) is larger than that of the linear predictor, and not negligible.
 struct WorseThanLinear {
   const char* what;  ///< "force" or "displacement"
-  bool outside = false;
+  const char*
+      range;  ///< "inside" or "outside" of the trained range, "points" (tools between nodes), "pairs" (two tools)
   double model = 0, linear = 0;
   /// One sentence, without a full stop.
   std::string sentence() const;
