@@ -1,5 +1,5 @@
 // Claims: a good motion is read as it is written; every defect of one is refused with the file, the key, the step and
-// tool, and a remedy; no text ends the program or takes much more memory than its size.
+// tool, and a remedy. No text ends the program: lists without end are refused where they become too deep.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/motion.hpp>
 
