@@ -7,6 +7,7 @@
 
 #include "command_files.hpp"
 #include "commands.hpp"
+#include "eval_motion.hpp"
 #include "eval_queries.hpp"
 #include "fine_surface.hpp"
 #include "streams.hpp"
@@ -21,7 +22,7 @@ struct Options {
   std::optional<std::filesystem::path> surface;
   int levels = 0;  ///< of subdivision
   std::optional<std::int32_t> level;
-  std::optional<std::filesystem::path> queries;
+  std::optional<std::filesystem::path> queries, motion;
 };
 
 void check_surface_options(const Options& options) {
@@ -99,6 +100,41 @@ void run_queries(const Options& options) {
   answer_queries(model, *options.queries);
 }
 
+std::vector<SurfacePoint> places_of(const Motion& motion, const std::string& name, const Mesh& mesh) {
+  std::vector<SurfacePoint> places;
+  for (const auto& tool : motion.tools) {
+    SurfacePoint place{tool.nodes, tool.weights, {}, 0};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (tool.nodes[k] >= mesh.n_nodes())
+        throw input_error(name + ": the mesh has no such node", std::to_string(tool.nodes[k]),
+                          "give the model for which the motion was recorded; its nodes are 0 to " +
+                              std::to_string(mesh.n_nodes() - 1));
+      for (int c = 0; c < 3 && tool.nodes[k] >= 0; ++c)
+        place.point[static_cast<std::size_t>(c)] += tool.weights[k] * mesh.nodes(tool.nodes[k], c);
+    }
+    places.push_back(place);
+  }
+  return places;
+}
+
+/// --motion replaces the options of a single query, except --json.
+void run_motion(const Options& options) {
+  const auto& tool = options.tool;
+  if (!tool.nodes.empty() || !tool.points.empty() || !tool.displacements.empty())
+    throw input_error("--motion excludes tools on the command line",
+                      "--motion together with --node, --point or --displacement", "omit either --motion or the tools");
+  if (options.queries || tool.deformation_csv || options.surface || options.levels > 0 || options.tools == "paper")
+    throw input_error("--motion only writes forces",
+                      "--motion together with --queries, --deformation, --surface, --subdivide or --tools paper",
+                      "use --json for the forces, or these options for one query with --node");
+  const auto name = options.motion->string();
+  const auto motion = read_motion(*options.motion);
+  LoadedModel model(options.model);
+  if (options.level) model.set_level(*options.level);
+  refuse_overlap(model, places_of(motion, name, model.mesh()));
+  answer_motion(model, motion, name, tool.json_file);
+}
+
 void run(const Options& options) {
   check_surface_options(options);
   const auto displacements = options.tool.parsed_displacements();
@@ -152,6 +188,8 @@ void add(CLI::App& app) {
       *command, "--queries", options->queries, InputKind::whole,
       fmt::format("CSV file of many queries, instead of --node; its first line is {}; prints a CSV table of forces",
                   queries_header));
+  add_path(*command, "--motion", options->motion, InputKind::whole,
+           "JSON file of a recorded motion of tools (formats/motion.md), instead of --node; --json writes its forces");
   command
       ->add_option("--tools", options->tools,
                    "method for several tools: coupled (with forces), or paper (weights (15)-(16), without forces)")
@@ -161,7 +199,10 @@ void add(CLI::App& app) {
            "write the surface: undeformed with its displacement (.vtk, .vtu) or deformed (.obj)");
   command->add_option("--subdivide", options->levels, "levels of subdivision of that surface (Loop's scheme)")
       ->check(CLI::Range(0, 6));
-  command->callback([options] { options->queries ? run_queries(*options) : run(*options); });
+  command->callback([options] {
+    if (options->motion) return run_motion(*options);
+    options->queries ? run_queries(*options) : run(*options);
+  });
 }
 
 }  // namespace phynness::cli::eval_command

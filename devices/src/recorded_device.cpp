@@ -6,6 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "recorded_motion.hpp"
+
 namespace phynness::devices {
 
 void RecordedDevice::open() {
@@ -14,6 +16,19 @@ void RecordedDevice::open() {
   _samples.clear();
   _forces.clear();
   _next = 0;
+  if (in.peek() == '{') {
+#ifdef PHYNNESS_DEVICES_READ_MOTIONS
+    std::ostringstream text;
+    text << in.rdbuf();
+    _samples = samples_of_motion(text.str(), _file, _period_s);
+    _now = _samples.front().time_s;
+    return;
+#else
+    throw std::runtime_error(_file +
+                             ": a motion in JSON needs nlohmann/json.hpp (Debian: nlohmann-json3-dev) where the "
+                             "devices are built; or write lines x y z");
+#endif
+  }
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     if (line.empty() || line[0] == '#') continue;

@@ -17,6 +17,12 @@ echo "$out"
 echo "$out" | grep -Eq 'touching in [1-9][0-9]*,'
 printf '0 0 0\n0.001 0 -0.002\n' > motion.txt
 "$loop" modal --node 3 --motion motion.txt | grep -q '2 cycles'
+# 20 ms at 1 kHz with both ends, however many steps the file has.
+motion='{"format": "phynness motion 1", "tools": [{"node": 3}], "time_s": [5, 5.016, 5.02], '
+echo "$motion"'"displacement_m": [[[0, 0, 0]], [[0, 0, -0.001]], [[0.001, 0, -0.001]]]}' > motion.json
+out=$("$loop" modal --node 3 --motion motion.json)
+echo "$out"
+echo "$out" | grep -q '21 cycles'
 refused() {
   expected=$1; words=$2; shift 2
   status=0
@@ -33,3 +39,7 @@ refused 1 'node 15' modal --node 15 --contact 1
 refused 1 '--coupling' modal --node 3 --coupling 0
 printf '0 0 up\n' > motion.txt
 refused 1 'motion.txt:1' modal --node 3 --motion motion.txt
+echo "$motion"'"displacement_m": [[[0, 0, 0]], [null], [[0, 0, 0]]]}' > motion.json
+refused 1 'motion.json: step 1: the tool lets go' modal --node 3 --motion motion.json
+echo "$motion" > motion.json
+refused 1 'motion.json: not a motion' modal --node 3 --motion motion.json
