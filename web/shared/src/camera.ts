@@ -1,0 +1,122 @@
+// A camera that turns about a target, z upwards. No graphics: what lies where on the screen is computed here only.
+import { add, cross, dot, norm, row, scale, sub, unit, zero, type V3 } from './vectors.js';
+
+export interface Camera {
+  readonly target: V3;
+  /** of the eye from the target [m] */
+  readonly distance: number;
+  /** of the eye about the z axis, from the x axis [rad] */
+  readonly azimuth: number;
+  /** of the eye above the xy plane [rad] */
+  readonly elevation: number;
+}
+
+/** Size of the picture in CSS pixels. */
+export interface Size {
+  readonly width: number;
+  readonly height: number;
+}
+
+/** Vertical angle of view [rad]. */
+export const angleOfView = (30 * Math.PI) / 180;
+const steepest = (89 * Math.PI) / 180;
+
+export interface Frame {
+  readonly eye: V3;
+  readonly right: V3;
+  readonly up: V3;
+  /** from the eye to the target */
+  readonly forward: V3;
+}
+
+export function frameOf({ target, distance, azimuth, elevation }: Camera): Frame {
+  const back: V3 = [
+    Math.cos(elevation) * Math.cos(azimuth),
+    Math.cos(elevation) * Math.sin(azimuth),
+    Math.sin(elevation),
+  ];
+  const right: V3 = [-Math.sin(azimuth), Math.cos(azimuth), 0];
+  return { eye: add(target, scale(distance, back)), right, up: cross(back, right), forward: scale(-1, back) };
+}
+
+/** Pixels per metre at a distance of 1 m before the eye. */
+const focus = (size: Size): number => size.height / (2 * Math.tan(angleOfView / 2));
+
+export interface Projected {
+  /** pixels from the left and from the top */
+  readonly x: number;
+  readonly y: number;
+  /** before the eye [m]; negative behind it */
+  readonly depth: number;
+}
+
+export function project(camera: Camera, size: Size, point: V3): Projected {
+  const { eye, right, up, forward } = frameOf(camera);
+  const from = sub(point, eye), depth = dot(from, forward), f = focus(size) / depth;
+  return { x: size.width / 2 + f * dot(from, right), y: size.height / 2 - f * dot(from, up), depth };
+}
+
+export interface Ray {
+  readonly origin: V3;
+  /** unit vector */
+  readonly direction: V3;
+}
+
+export function rayThrough(camera: Camera, size: Size, x: number, y: number): Ray {
+  const { eye, right, up, forward } = frameOf(camera), f = focus(size);
+  const across = add(scale((x - size.width / 2) / f, right), scale((size.height / 2 - y) / f, up));
+  return { origin: eye, direction: unit(add(forward, across)) };
+}
+
+/** Length of a pixel at a depth [m]. */
+export const metresPerPixel = (size: Size, depth: number): number => depth / focus(size);
+
+/** Movement of a point at `depth` that follows the pointer by dx, dy pixels, parallel to the screen [m]. */
+export function acrossScreen(camera: Camera, size: Size, depth: number, dx: number, dy: number): V3 {
+  const { right, up } = frameOf(camera), metres = metresPerPixel(size, depth);
+  return add(scale(dx * metres, right), scale(-dy * metres, up));
+}
+
+export function turned(camera: Camera, byAzimuth: number, byElevation: number): Camera {
+  const elevation = Math.min(steepest, Math.max(-steepest, camera.elevation + byElevation));
+  const azimuth = camera.azimuth + byAzimuth;
+  return { ...camera, elevation, azimuth: azimuth - 2 * Math.PI * Math.round(azimuth / (2 * Math.PI)) };
+}
+
+/** Closer by a factor below 1, further by a factor above 1, in the limits that are useful for a body of this radius. */
+export function moved(camera: Camera, factor: number, radius: number): Camera {
+  return { ...camera, distance: Math.min(20 * radius, Math.max(0.3 * radius, camera.distance * factor)) };
+}
+
+/** The target follows the pointer by dx, dy pixels. */
+export function shifted(camera: Camera, size: Size, dx: number, dy: number): Camera {
+  return { ...camera, target: sub(camera.target, acrossScreen(camera, size, camera.distance, dx, dy)) };
+}
+
+export interface Bounds {
+  readonly center: V3;
+  /** of a sphere around all points [m], > 0 */
+  readonly radius: number;
+}
+
+export function boundsOf(points: ArrayLike<number>): Bounds {
+  let low: V3 = [Infinity, Infinity, Infinity], high: V3 = [-Infinity, -Infinity, -Infinity];
+  const n = points.length / 3;
+  if (n === 0) return { center: zero, radius: 1 };
+  for (let i = 0; i < n; ++i) {
+    const p = row(points, i);
+    low = [Math.min(low[0], p[0]), Math.min(low[1], p[1]), Math.min(low[2], p[2])];
+    high = [Math.max(high[0], p[0]), Math.max(high[1], p[1]), Math.max(high[2], p[2])];
+  }
+  const center = scale(0.5, add(low, high));
+  let radius = 0;
+  for (let i = 0; i < n; ++i) radius = Math.max(radius, norm(sub(row(points, i), center)));
+  return { center, radius: radius || 1 };
+}
+
+/** The whole body from the front and above. */
+export function framing({ center, radius }: Bounds, size: Size): Camera {
+  const narrow = Math.min(1, size.width / size.height);
+  const distance = (1.04 * radius) / Math.sin(Math.atan(Math.tan(angleOfView / 2) * narrow));
+  return { target: center, distance, azimuth: (-65 * Math.PI) / 180, elevation: (32 * Math.PI) / 180 };
+}

@@ -1,0 +1,123 @@
+// Camera, colour map and numbers, which the pages share.
+import { describe, expect, test } from 'vitest';
+import { acrossScreen, boundsOf, frameOf, framing, project, rayThrough, turned, type Camera } from '../src/camera.js';
+import { cssColour, encoded, linearColour } from '../src/colour_maps.js';
+import { normalsOf } from '../src/normals.js';
+import { fileName, plain, roundedDown, significant, ticks } from '../src/numbers.js';
+import { add, cross, dot, norm, scale, sub, type V3 } from '../src/vectors.js';
+
+const size = { width: 800, height: 600 };
+const camera: Camera = { target: [0.1, -0.2, 0.3], distance: 0.7, azimuth: 0.4, elevation: 0.5 };
+
+describe('camera', () => {
+  test('the target is in the middle, and a ray through a projected point meets the point', () => {
+    const middle = project(camera, size, camera.target);
+    expect(middle.x).toBeCloseTo(400, 9);
+    expect(middle.y).toBeCloseTo(300, 9);
+    const point: V3 = [0.15, -0.1, 0.25], seen = project(camera, size, point);
+    const { origin, direction } = rayThrough(camera, size, seen.x, seen.y);
+    expect(norm(cross(sub(point, origin), direction))).toBeLessThan(1e-12);
+  });
+  test('its axes are orthogonal and right-handed', () => {
+    const { right, up, forward } = frameOf(camera);
+    expect(dot(right, up)).toBeCloseTo(0, 14);
+    expect(norm(sub(cross(right, up), scale(-1, forward)))).toBeLessThan(1e-14);
+  });
+  test('a point that moves across the screen follows the pointer to a thousandth of a pixel', () => {
+    const point: V3 = [0.12, -0.15, 0.28], from = project(camera, size, point);
+    const to = project(camera, size, add(point, acrossScreen(camera, size, from.depth, 37, -21)));
+    expect(to.x - from.x).toBeCloseTo(37, 3);
+    expect(to.y - from.y).toBeCloseTo(-21, 3);
+  });
+  test('framing shows the whole body, on a phone, too', () => {
+    const points = Float64Array.from([0, 0, 0, 0.2, 0, 0, 0.2, 0.14, 0, 0, 0.14, 0.05]);
+    for (const screen of [size, { width: 360, height: 640 }]) {
+      const whole = framing(boundsOf(points), screen);
+      for (let i = 0; i < 4; ++i) {
+        const { x, y } = project(whole, screen, [points[3 * i]!, points[3 * i + 1]!, points[3 * i + 2]!]);
+        expect(x > 0 && x < screen.width && y > 0 && y < screen.height).toBe(true);
+      }
+    }
+  });
+  test('turning stops short of the poles', () => {
+    expect(turned(camera, 0, 10).elevation).toBeLessThan(Math.PI / 2);
+  });
+});
+
+/** Oklab of a colour in linear light. */
+function lab([r, g, b]: readonly [number, number, number]): [number, number, number] {
+  const l = Math.cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
+  const m = Math.cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
+  const s = Math.cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
+  return [
+    0.2104542553 * l + 0.793617785 * m - 0.0040720468 * s,
+    1.9779984951 * l - 2.428592205 * m + 0.4505937099 * s,
+    0.0259040371 * l + 0.7827717662 * m - 0.808675766 * s,
+  ];
+}
+/** What people without red or green receptors see (Machado, Oliveira and Fernandes 2009, severity 1), linear light. */
+const blindness = {
+  protanopia: [0.152286, 1.052583, -0.204868, 0.114503, 0.786281, 0.099216, -0.003882, -0.048116, 1.051998],
+  deuteranopia: [0.367322, 0.860646, -0.227968, 0.280085, 0.672501, 0.047413, -0.01182, 0.04294, 0.968881],
+};
+const steps = (see: (c: readonly [number, number, number]) => readonly [number, number, number]) =>
+  Array.from({ length: 16 }, (_, i) => {
+    const a = lab(see(linearColour(i / 16))), b = lab(see(linearColour((i + 1) / 16)));
+    return { distance: Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]), lightness: b[0] - a[0] };
+  });
+
+describe('colour map', () => {
+  test('steps are equal within 10 % and always lighter', () => {
+    const all = steps((c) => c), mean = all.reduce((sum, step) => sum + step.distance, 0) / all.length;
+    for (const { distance, lightness } of all) {
+      expect(Math.abs(distance / mean - 1)).toBeLessThan(0.1);
+      expect(lightness).toBeGreaterThan(0.01);
+    }
+  });
+  test.each(Object.entries(blindness))('with %s every step stays visible and lighter', (_, m) => {
+    const see = (c: readonly [number, number, number]): [number, number, number] => [0, 3, 6].map((k) =>
+      Math.min(1, Math.max(0, m[k]! * c[0] + m[k + 1]! * c[1] + m[k + 2]! * c[2]))) as [number, number, number];
+    for (const { distance, lightness } of steps(see)) {
+      expect(distance).toBeGreaterThan(0.025);
+      expect(lightness).toBeGreaterThan(0);
+    }
+  });
+  test('all colours lie inside of sRGB and are not clipped', () => {
+    for (let i = 0; i <= 255; ++i) for (const x of linearColour(i / 255)) expect(x > 0 && x < 1).toBe(true);
+    expect(encoded(1)).toBeCloseTo(1, 12);
+    expect(cssColour(-1)).toBe(cssColour(0));
+    expect(cssColour(NaN)).toBe(cssColour(0));
+  });
+});
+
+describe('numbers', () => {
+  test('significant digits', () => {
+    expect(significant(0.0468019, 6)).toBe('0.0468019');
+    expect(significant(-12.3456789, 4)).toBe('−12.35');
+    expect(significant(0, 4)).toBe('0');
+    expect(significant(NaN, 4)).toBe('–');
+    expect(significant(1.5e-9, 3)).toBe('1.50e-9');
+  });
+  test('ticks are round and inside', () => {
+    expect(ticks(0, 0.37, 4)).toEqual([0, 0.1, 0.2, 0.3]);
+    expect(ticks(0, 1, 5)).toEqual([0, 0.2, 0.4, 0.6, 0.8, 1]);
+    expect(ticks(3, 3)).toEqual([3]);
+    expect(roundedDown(0.048)).toBe(0.02);
+  });
+  test('a text that changes the direction of writing becomes visible', () => {
+    expect(plain('a\u202eb\u0000<script>')).toBe('a\\u202eb\\u0000<script>');
+    expect(plain('x'.repeat(300))).toHaveLength(200);
+    expect(fileName('<b>Liver/../"', 'png')).toBe('b-liver.png');
+    expect(fileName('\u202e', 'png')).toBe('organ.png');
+  });
+});
+
+test('normals of a tetrahedron point outward and have the length 1', () => {
+  const points = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1], faces = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
+  const normals = normalsOf(points, faces, new Float32Array(12));
+  for (let i = 0; i < 4; ++i) {
+    const n: V3 = [normals[3 * i]!, normals[3 * i + 1]!, normals[3 * i + 2]!];
+    expect(norm(n)).toBeCloseTo(1, 6);
+    expect(dot(n, sub([points[3 * i]!, points[3 * i + 1]!, points[3 * i + 2]!], [0.25, 0.25, 0.25]))).toBeGreaterThan(0);
+  }
+});
