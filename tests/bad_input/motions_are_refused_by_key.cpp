@@ -80,7 +80,9 @@ TEST(Motion, of_strange_bytes_is_refused) {
   expect_refused(with("0.5]", "0.5"), {"m.json:1", "not valid JSON", "byte"});
   expect_refused(with("[4,5,6]", "[4,1e999,6]"), {"too large"});
   expect_refused(with("[4,5,6]", "[4,NaN,6]"), {"not valid JSON"});
-  expect_refused(std::string(10'000'000, '['), {"nested"});
+  std::string deep;
+  deep.resize(10'000'000, '[');
+  expect_refused(deep, {"nested"});
   std::string tools = "{\"node\":1}";
   for (int i = 0; i < 8; ++i) tools += ",{\"node\":1}";
   expect_refused(with("{\"node\":5}", tools), {"tools", "1 to 8 entries, not 10"});

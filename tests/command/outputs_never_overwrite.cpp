@@ -223,8 +223,8 @@ TEST_F(Overwriting, EveryWrittenFileIsRefusedAsInput) {
       {"mesh @ -o new.msh --json new.json", "scenes/scene.toml"},
       {"validate @ model --probes 2 --json new.json", "scenes/scene.toml"}};
   for (const auto& [words, input] : cases) {
-    const auto with = [&](const std::string& given) {
-      auto full = std::string(words);
+    const auto with = [&, command = std::string(words)](const std::string& given) {
+      auto full = command;
       return full.replace(full.find('@'), 1, given);
     };
     const auto before = files();

@@ -173,6 +173,34 @@ TEST(Faults, OfFramesAreFoundByTheTestPulses) {
   }
 }
 
+// Claim: motors that apply another force than commanded, and say so, trip during the test pulses, before 2 mJ reach the
+// hand. A device that nobody holds passes the pulses and stays on.
+TEST(Faults, OfMotorsFromTheBeginningTripDuringTheTestPulses) {
+  const auto checked = [](phn_loop_settings& s) { s.check_force_N = 0.4; };
+  const std::function<Vector3(Vector3, Vector3, Vector3)> wrong[] = {
+      [](Vector3 f, Vector3, Vector3 v) {
+        return on(f) ? Vector3{f.x + 30 * v.x, f.y + 30 * v.y, f.z + 30 * v.z} : f;
+      },
+      [](Vector3 f, Vector3, Vector3) {
+        return on(f) ? Vector3{8, 0, 0} : f;
+      }};
+  for (const auto& fault : wrong) {
+    Body body(spring(150), 3);
+    Rig rig(body, {}, 0.015, checked);
+    rig.device.force_fault = fault;
+    ASSERT_GE(rig.run_until_trip(1'000), 0);
+    EXPECT_EQ(rig.loop.report().trip, PHN_TRIP_CHECK);
+    rig.run(200);
+    EXPECT_LT(rig.device.energy().most_to_hand, most_into_hand_J);
+  }
+  SimulatedDeviceSettings alone;
+  alone.hand_stiffness_N_per_m = alone.hand_damping_Ns_per_m = 0;
+  Body body(spring(150), 3);
+  Rig rig(body, alone, 0, checked);
+  EXPECT_EQ(rig.run_until_trip(5'000), -1) << phn_loop_trip_message(rig.loop.report().trip);
+  EXPECT_EQ(rig.loop.report().state, PHN_LOOP_ON);
+}
+
 // Claim: the limits of speed and force and a late cycle trip; a clock that runs backwards does.
 TEST(Faults, OfLimitsAndTimeTrip) {
   Body body(spring(150), 3);

@@ -62,7 +62,7 @@ typedef struct phn_loop_settings {
   double check_force_N; /* test pulses of phn_loop_engage; 0: no test [0.4] */
   double engage_s;      /* ramp of the force after phn_loop_engage [0.1] */
   double release_s;     /* ramp after phn_loop_release and phn_loop_clutch [0.1] */
-  double trip_ramp_s;   /* ramp after a trip; PHN_TRIP_ENERGY ends the force at once [0.005] */
+  double trip_ramp_s;   /* ramp after a trip; PHN_TRIP_ENERGY and _CHECK end the force at once [0.005] */
 
   double trip_energy_J;      /* delivered by the loop beyond what it took and device_damping dissipated [3e-4] */
   double trip_force_N;       /* of the coupling before all limits [40] */
@@ -101,8 +101,8 @@ enum { /* phn_loop_report.trip */
 PHN_API const char* phn_loop_trip_message(int trip);
 
 /* Memory of a loop [bytes], and a loop in this memory, which is switched off. PHN_ERROR_ARGUMENT: a null pointer, a
- * setting out of its range, or a rotation that is not a proper rotation. PHN_ERROR_NOT_FINITE: a setting is NaN or
- * infinite. */
+ * setting out of its range, a rotation that is not a proper rotation, or latency_s + force_delay_s above 120 periods.
+ * PHN_ERROR_NOT_FINITE: a setting is NaN or infinite. */
 PHN_API int phn_loop_size(size_t* bytes);
 PHN_API int phn_loop_init(void* memory, size_t bytes, const phn_loop_settings* settings, phn_loop** loop);
 

@@ -56,6 +56,7 @@ int refuse(const phn_loop_settings& s) {
     if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
     if (v < 0 || v > largest) return PHN_ERROR_ARGUMENT;
   }
+  if (s.latency_s + s.force_delay_s > Observer(s.period_s, 0, 0).memory_s()) return PHN_ERROR_ARGUMENT;
   if (!finite(load(s.origin_m))) return PHN_ERROR_NOT_FINITE;
   for (const double v : s.rotation)
     if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
@@ -97,10 +98,10 @@ double advance_ramp(phn_loop& loop, double now) {
 }
 
 /// The last force, lowered to zero within trip_ramp_s. A part that would help the motion ends at once, and so does the
-/// whole force after PHN_TRIP_ENERGY: what acts there is not the force of this loop.
+/// whole force after PHN_TRIP_ENERGY and PHN_TRIP_CHECK: what acts there is not the force of this loop.
 Vector ramped_down(const phn_loop& loop, double now) {
   const double ramp = loop.settings.trip_ramp_s, dt = now - loop.last_hold, left = loop.ramp_from + ramp - now;
-  if (!(left > 0) || loop.trip == PHN_TRIP_ENERGY) return {};
+  if (!(left > 0) || loop.trip == PHN_TRIP_ENERGY || loop.trip == PHN_TRIP_CHECK) return {};
   Vector force = (left / (left + std::fmax(0.0, dt))) * loop.force;
   const Vector velocity = loop.observer.velocity(n_velocity);
   const double power = dot(force, velocity), speed2 = dot(velocity, velocity);
@@ -142,6 +143,8 @@ bool check_device(phn_loop& loop, double now, Vector& force) {
     loop.ramp = 0;
     loop.observer.restart();
     loop.forgotten = 0;
+    // The pulses ended the motion of a device that nobody holds.
+    loop.stopped_from = 0;
   }
   return false;
 }
@@ -383,6 +386,10 @@ int phn_loop_held(phn_loop* loop, const double force[3]) {
     return PHN_ERROR_NOT_FINITE;
   }
   loop->observer.correct(load(force));
+  // Motors that apply more than a test pulse are not those that were commanded.
+  const phn_loop_settings& s = loop->settings;
+  if (loop->state == PHN_LOOP_CHECKING && length(load(force)) > 2 * s.check_force_N + s.force_resolution_N)
+    trip(*loop, PHN_TRIP_CHECK, loop->now);
   return PHN_OK;
 }
 

@@ -30,6 +30,9 @@ class Observer {
   /// Energy that the loop will deliver from the time of the newest sample until `until` at a constant velocity [J].
   double pending(Vector velocity, double until) const;
 
+  /// Forces older than this are forgotten.
+  double memory_s() const { return (n_kept - 8) * _period; }
+
   double work = 0;            ///< taken from the device [J]
   double most_delivered = 0;  ///< largest -work [J]
   double gross = 0;           ///< sum of |force . displacement| [J]
@@ -45,7 +48,7 @@ class Observer {
     double from = 0;
     Vector force;
   };
-  static constexpr int n_kept = 64;
+  static constexpr int n_kept = 128;
 
   /// Calls part(force, seconds) for every force that acted between two times.
   template <class Part>

@@ -33,6 +33,7 @@ void check_cycle(phn_loop& loop, double now) {
   if (s.trip_speed_m_per_s > 0 && length(o.velocity(4)) > s.trip_speed_m_per_s) trip(loop, PHN_TRIP_SPEED, now);
   if (s.trip_stale_s > 0 && o.started() && now - o.time() - s.latency_s > s.trip_stale_s)
     trip(loop, PHN_TRIP_STALE, now);
+  if (o.started() && now + s.force_delay_s - o.time() > o.memory_s()) trip(loop, PHN_TRIP_STALE, now);
   // Forces that act since the newest sample deliver energy, too.
   const double unseen = std::fmax(0.0, o.pending(o.velocity(n_velocity), now + s.force_delay_s));
   if (s.trip_energy_J > 0 && loop.state != PHN_LOOP_CHECKING &&
