@@ -201,6 +201,48 @@ TEST(Faults, OfMotorsFromTheBeginningTripDuringTheTestPulses) {
   EXPECT_EQ(rig.loop.report().state, PHN_LOOP_ON);
 }
 
+// Claim: the test pulses do not depend on the period.
+TEST(Faults, OfNoneAreFoundAtShorterPeriods) {
+  for (const double period : {2.5e-4, 5e-4}) {
+    SimulatedDeviceSettings device;
+    device.period_s = period;
+    Body body(spring(150), 3);
+    Rig rig(body, device, 0.01, [](phn_loop_settings& s) { s.check_force_N = 0.4; });
+    EXPECT_EQ(rig.run_until_trip(20'000), -1) << period << phn_loop_trip_message(rig.loop.report().trip);
+    EXPECT_EQ(rig.loop.report().state, PHN_LOOP_ON);
+  }
+}
+
+// Claim: a clock that is set back or stands still, a position from the future and a force that no device has end the
+// force at once; no force is ever NaN.
+TEST(Faults, OfClocksEndTheForceAtOnce) {
+  enum Kind { set_back, stands, future, report };
+  for (const Kind kind : {set_back, stands, future, report}) {
+    Body body(spring(150), 3);
+    Rig rig(body, {}, 0.015);
+    rig.run(before);
+    ASSERT_EQ(rig.loop.report().state, PHN_LOOP_ON);
+    const double begin = rig.device.now();
+    double force[3] = {1, 1, 1}, tool[3];
+    int cycles = 0;
+    for (; cycles < 200 && rig.loop.report().state != PHN_LOOP_TRIPPED; ++cycles) {
+      const double now = kind == set_back ? begin - 3 + 1e-3 * cycles : kind == stands ? begin : begin + 1e-3 * cycles;
+      const Vector3 at = rig.device.position();
+      const phn_loop_sample sample = {{at.x, at.y, at.z}, kind == future ? now + 0.02 : now};
+      rig.loop.read(&sample, now, tool).ignore();
+      rig.loop.hold(body.at(tool), now, force).ignore();
+      for (const double f : force) EXPECT_TRUE(std::isfinite(f));
+      const double huge[] = {1e308, -1e308, 0};
+      if (kind == report) rig.loop.held(huge).ignore();
+    }
+    EXPECT_EQ(rig.loop.report().trip, kind == report ? PHN_TRIP_NOT_FINITE : PHN_TRIP_CLOCK) << kind;
+    EXPECT_LE(cycles, kind == stands ? 60 : 1) << kind;
+    if (kind != report) {
+      EXPECT_FALSE(on({force[0], force[1], force[2]})) << kind;
+    }
+  }
+}
+
 // Claim: the limits of speed and force and a late cycle trip; a clock that runs backwards does.
 TEST(Faults, OfLimitsAndTimeTrip) {
   Body body(spring(150), 3);

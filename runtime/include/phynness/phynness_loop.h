@@ -62,7 +62,7 @@ typedef struct phn_loop_settings {
   double check_force_N; /* test pulses of phn_loop_engage; 0: no test [0.4] */
   double engage_s;      /* ramp of the force after phn_loop_engage [0.1] */
   double release_s;     /* ramp after phn_loop_release and phn_loop_clutch [0.1] */
-  double trip_ramp_s;   /* ramp after a trip; PHN_TRIP_ENERGY and _CHECK end the force at once [0.005] */
+  double trip_ramp_s;   /* ramp after a trip; _ENERGY, _CHECK and _CLOCK end the force at once [0.005] */
 
   double trip_energy_J;      /* delivered by the loop beyond what it took and device_damping dissipated [3e-4] */
   double trip_force_N;       /* of the coupling before all limits [40] */
@@ -93,7 +93,7 @@ enum { /* phn_loop_report.trip */
        PHN_TRIP_FROZEN = 6,
        PHN_TRIP_OVERRUN = 7,
        PHN_TRIP_NOT_FINITE = 8, /* a position beyond 1000 m, or one or a response of the body is NaN or infinite */
-       PHN_TRIP_CLOCK = 9,      /* now_s runs backwards */
+       PHN_TRIP_CLOCK = 9,      /* now_s runs backwards or stands still, or a sample is from the future */
        PHN_TRIP_CHECK = 10,     /* the device does not move along the test pulses: wrong axis, sign or unit */
        PHN_TRIP_BODY = 11       /* the response of the body was refused: status < 0 in phn_loop_response */
 };

@@ -17,7 +17,7 @@ Vector kept_passive(phn_loop& loop, Vector force, double stored, double now) {
   const Vector velocity = loop.observer.velocity(n_velocity);
   const double speed2 = dot(velocity, velocity), power = dot(force, velocity);
   // The effect of this force is observed when the first sample arrives that was measured after it has acted.
-  const double acts = now + s.force_delay_s, unseen = acts - loop.observer.time() + s.period_s;
+  const double acts = now + s.force_delay_s, unseen = std::fmax(0.0, acts - loop.observer.time()) + s.period_s;
   const double pending = loop.observer.pending(velocity, acts);
   // Energy that was dissipated must not be returned later, except for a reserve and what is not observed yet.
   const double kept = stored + s.largest_reserve_J + s.allowance_J + unseen * length(loop.force) * std::sqrt(speed2);

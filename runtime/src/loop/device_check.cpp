@@ -35,7 +35,7 @@ constexpr double least_mobility = 0.2, largest_mobility = 200;  // 1/kg, for 1 N
 }  // namespace
 
 void DeviceCheck::restart() {
-  *this = DeviceCheck(_force);
+  *this = DeviceCheck(_force, _period);
   _passed = true;
   begin_axis(0);
 }
@@ -53,8 +53,8 @@ void DeviceCheck::begin_axis(int axis) {
 
 Vector DeviceCheck::next(double time) {
   if (finished()) return {};
-  const bool measured = _cycle > 4 * eighth && _newest >= _switch[3];
-  if (measured || _cycle == 4 * eighth + longest_wait) {
+  const bool measured = _cycle > 4 * _eighth && _newest >= _switch[3];
+  if (measured || _cycle == 4 * _eighth + _longest_wait) {
     if (moved_as_pushed()) {
       begin_axis(_axis + 1);
     } else if (++_attempts < most_attempts) {
@@ -66,10 +66,10 @@ Vector DeviceCheck::next(double time) {
     if (finished()) return {};
   }
   if (_cycle == 0) _switch[0] = time;
-  if (_cycle == eighth) _switch[1] = time;
-  if (_cycle == 3 * eighth) _switch[2] = time;
-  if (_cycle == 4 * eighth) _switch[3] = time;
-  const int quarter = _cycle / eighth;
+  if (_cycle == _eighth) _switch[1] = time;
+  if (_cycle == 3 * _eighth) _switch[2] = time;
+  if (_cycle == 4 * _eighth) _switch[3] = time;
+  const int quarter = _cycle / _eighth;
   ++_cycle;
   const double f = quarter > 3 ? 0 : quarter == 0 || quarter == 3 ? _force : -_force;
   return {_axis == 0 ? f : 0, _axis == 1 ? f : 0, _axis == 2 ? f : 0};
@@ -78,7 +78,7 @@ Vector DeviceCheck::next(double time) {
 /// Displacement of a free mass of 1 kg under the pulses so far, in units of 1e-5 m.
 double DeviceCheck::response(double time) const {
   const double sign[4] = {1, -2, 2, -1};
-  const int n_switches = _cycle > 4 * eighth ? 4 : _cycle > 3 * eighth ? 3 : _cycle > eighth ? 2 : 1;
+  const int n_switches = _cycle > 4 * _eighth ? 4 : _cycle > 3 * _eighth ? 3 : _cycle > _eighth ? 2 : 1;
   double moved = 0;
   for (int i = 0; i < n_switches; ++i) {
     const double since = time - _switch[i];
@@ -111,7 +111,7 @@ bool DeviceCheck::moved_as_pushed() {
   double right[4][4];
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 4; ++j) right[i][j] = j < 3 ? _right[i][j] : i == 3;
-  if (_n_samples < 2 * eighth || !solve(_normal, right)) return false;
+  if (_n_samples < 2 * _eighth || !solve(_normal, right)) return false;
   double mobility[3], unsure[3];
   for (int j = 0; j < 3; ++j) {
     double left = _squares[j];

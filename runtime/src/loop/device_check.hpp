@@ -1,4 +1,4 @@
-// Test of a device by small force pulses: along each axis a force +F, -F, -F, +F of eight cycles each, and the mobility
+// Test of a device by small force pulses: along each axis a force +F, -F, -F, +F of 8 ms each, and the mobility
 // that the measured positions show. While the hand moves too much for a judgement, the pulses are repeated.
 #pragma once
 
@@ -8,7 +8,8 @@ namespace phynness::loop {
 
 class DeviceCheck {
  public:
-  explicit DeviceCheck(double force) : _force(force) {}
+  DeviceCheck(double force, double period_s)
+      : _force(force), _period(period_s), _eighth(cycles(8e-3, 2)), _longest_wait(cycles(40e-3, 5)) {}
 
   void restart();
   bool finished() const { return _axis == 3; }
@@ -21,14 +22,20 @@ class DeviceCheck {
   bool passed() const { return _passed; }
 
  private:
-  static constexpr int eighth = 8, most_attempts = 40;
-  static constexpr int longest_wait = 40;  ///< cycles, for positions that arrive late
+  static constexpr int most_attempts = 40;
+  /// @return the number of cycles in so many seconds, but at least `least`
+  int cycles(double seconds, int least) const {
+    const double n = seconds / _period + 0.5;
+    return n > 1e6 ? 1'000'000 : n > least ? static_cast<int>(n) : least;
+  }
 
   double response(double time) const;
   bool moved_as_pushed();
   void begin_axis(int axis);
 
-  double _force;
+  double _force, _period;
+  int _eighth;        ///< cycles of a pulse
+  int _longest_wait;  ///< cycles, for positions that arrive late
   int _axis = 3, _cycle = 0, _attempts = 0;
   bool _passed = false;
   double _switch[4] = {};  ///< times at which the force of this axis changed

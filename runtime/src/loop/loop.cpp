@@ -63,6 +63,11 @@ int refuse(const phn_loop_settings& s) {
   return proper_rotation(s.rotation) ? PHN_OK : PHN_ERROR_ARGUMENT;
 }
 
+/// Calls of phn_loop_hold at the same time, after which the clock has stopped.
+constexpr int most_still = 50;
+/// Force that a device can report [N].
+constexpr double largest_report = 1e6;
+
 /// A position that a device can have [m]; others are treated like NaN.
 bool plausible(const phn_loop_sample& sample) {
   constexpr double largest = 1e3;
@@ -98,10 +103,12 @@ double advance_ramp(phn_loop& loop, double now) {
 }
 
 /// The last force, lowered to zero within trip_ramp_s. A part that would help the motion ends at once, and so does the
-/// whole force after PHN_TRIP_ENERGY and PHN_TRIP_CHECK: what acts there is not the force of this loop.
+/// whole force after PHN_TRIP_ENERGY and PHN_TRIP_CHECK, where what acts is not the force of this loop, and after
+/// PHN_TRIP_CLOCK, where no ramp has an end.
 Vector ramped_down(const phn_loop& loop, double now) {
   const double ramp = loop.settings.trip_ramp_s, dt = now - loop.last_hold, left = loop.ramp_from + ramp - now;
-  if (!(left > 0) || loop.trip == PHN_TRIP_ENERGY || loop.trip == PHN_TRIP_CHECK) return {};
+  if (!(left > 0) || loop.trip == PHN_TRIP_ENERGY || loop.trip == PHN_TRIP_CHECK || loop.trip == PHN_TRIP_CLOCK)
+    return {};
   Vector force = (left / (left + std::fmax(0.0, dt))) * loop.force;
   const Vector velocity = loop.observer.velocity(n_velocity);
   const double power = dot(force, velocity), speed2 = dot(velocity, velocity);
@@ -169,11 +176,17 @@ void take_sample(phn_loop& loop, const phn_loop_sample* sample) {
     return;
   }
   const phn_loop_settings& s = loop.settings;
-  const double time = s.has_times != 0 ? sample->time_s : loop.now - s.latency_s;
+  double time = s.has_times != 0 ? sample->time_s : loop.now - s.latency_s;
   if (!plausible(*sample) || !std::isfinite(time)) {
     trip(loop, PHN_TRIP_NOT_FINITE, loop.now);
     return;
   }
+  // No position comes from the future. The clock of a device that runs a little fast is set back to that of the caller.
+  if (time > loop.now + s.period_s) {
+    trip(loop, PHN_TRIP_CLOCK, loop.now);
+    return;
+  }
+  time = std::fmin(time, loop.now);
   if (loop.observer.started() && !(time > loop.observer.time())) {
     ++(time < loop.observer.time() ? loop.reordered : loop.repeated);
     return;
@@ -214,38 +227,6 @@ int phn_loop_defaults(phn_loop_settings* settings) {
   s.trip_overrun_s = 0.02;
   *settings = s;
   return PHN_OK;
-}
-
-const char* phn_loop_trip_message(int trip) {
-  switch (trip) {
-    case PHN_TRIP_NONE:
-      return "The loop has not tripped.";
-    case PHN_TRIP_ENERGY:
-      return "The loop delivered more energy than it took from the device and the device dissipated.";
-    case PHN_TRIP_FORCE:
-      return "The force of the coupling was larger than trip_force_N.";
-    case PHN_TRIP_SPEED:
-      return "The device moved faster than trip_speed_m_per_s.";
-    case PHN_TRIP_JUMP:
-      return "The position of the device jumped by more than trip_jump_m.";
-    case PHN_TRIP_STALE:
-      return "No new position arrived for trip_stale_s.";
-    case PHN_TRIP_FROZEN:
-      return "The position of a moving device stopped suddenly and did not change any more.";
-    case PHN_TRIP_OVERRUN:
-      return "A cycle took longer than trip_overrun_s.";
-    case PHN_TRIP_NOT_FINITE:
-      return "A position or a response of the body was NaN or infinite.";
-    case PHN_TRIP_CLOCK:
-      return "The clock ran backwards or was not finite.";
-    case PHN_TRIP_CHECK:
-      return "The device did not move along the test pulses: an axis, a sign or a unit of its positions or forces is "
-             "wrong, or it is blocked.";
-    case PHN_TRIP_BODY:
-      return "The response of the body was refused.";
-    default:
-      return "This is not a reason of a trip.";
-  }
 }
 
 int phn_loop_size(size_t* bytes) {
@@ -362,6 +343,8 @@ int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now,
   const double overrun = loop->settings.trip_overrun_s;
   if (is_on(*loop) && loop->has_held && overrun > 0 && now - loop->last_hold > overrun)
     trip(*loop, PHN_TRIP_OVERRUN, now);
+  loop->still = loop->has_held && now == loop->last_hold ? loop->still + 1 : 0;
+  if (is_on(*loop) && loop->still > most_still) trip(*loop, PHN_TRIP_CLOCK, now);
   if (is_on(*loop) && loop->state != PHN_LOOP_CHECKING) check_response(*loop, *response, now);
 
   Vector next;
@@ -369,6 +352,10 @@ int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now,
     check_device(*loop, now, next);
   else if (is_on(*loop) && loop->state != PHN_LOOP_CHECKING && loop->observer.started())
     next = loop->state == PHN_LOOP_CLUTCHED && loop->ramp <= 0 ? Vector{} : next_force(*loop, *response, now);
+  if (!finite(next)) {
+    trip(*loop, PHN_TRIP_NOT_FINITE, now);
+    loop->force = next = {};
+  }
   if (loop->state == PHN_LOOP_TRIPPED) next = ramped_down(*loop, now);
   loop->force = next;
   loop->last_hold = now;
@@ -381,7 +368,7 @@ int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now,
 
 int phn_loop_held(phn_loop* loop, const double force[3]) {
   if (loop == nullptr || force == nullptr || !loop->has_held) return PHN_ERROR_ARGUMENT;
-  if (!finite(load(force))) {
+  if (!(length(load(force)) <= largest_report)) {
     trip(*loop, PHN_TRIP_NOT_FINITE, loop->now);
     return PHN_ERROR_NOT_FINITE;
   }

@@ -27,7 +27,9 @@ struct phn_loop {
   using Vector = phynness::loop::Vector;
 
   explicit phn_loop(const phn_loop_settings& s)
-      : settings(s), observer(s.period_s, s.device_damping_Ns_per_m, s.position_resolution_m), check(s.check_force_N) {
+      : settings(s),
+        observer(s.period_s, s.device_damping_Ns_per_m, s.position_resolution_m),
+        check(s.check_force_N, s.period_s) {
     for (int k = 0; k < 3; ++k) origin[k] = s.origin_m[k];
   }
 
@@ -37,6 +39,7 @@ struct phn_loop {
   int state = PHN_LOOP_OFF, trip = PHN_TRIP_NONE;
   double origin[3] = {};
 
+  int still = 0;         ///< calls of phn_loop_hold since the clock advanced
   double now = 0;        ///< of the last call
   double last_hold = 0;  ///< time of the last phn_loop_hold
   bool has_time = false, has_held = false;
