@@ -7,7 +7,7 @@ import { angleOfView, frameOf, type Camera, type Size } from './camera.js';
 import { normalsOf } from './normals.js';
 
 /** Colour of a body without a map, in linear light. */
-export const tissue: readonly [number, number, number] = [0.56, 0.2, 0.155];
+export const tissue: readonly [number, number, number] = [0.5, 0.135, 0.1];
 /** Colour of what does not move. */
 export const held: readonly [number, number, number] = [0.16, 0.18, 0.21];
 /** Colour where a map has no value. */
@@ -22,8 +22,8 @@ export class BodyPicture {
   private readonly lines = new MeshBasicMaterial({ color: 0, wireframe: true, transparent: true, opacity: 0.28, depthWrite: false });
   private readonly body: Mesh<BufferGeometry, MeshStandardMaterial>;
   private readonly edges: Mesh<BufferGeometry, MeshBasicMaterial>;
-  private readonly key = new DirectionalLight(0xffffff, 2.2);
-  private readonly sky = new HemisphereLight(0xffffff, 0x8a8078, 1.5);
+  private readonly key = new DirectionalLight(0xffffff, 2.3);
+  private readonly sky = new HemisphereLight(0xffffff, 0x7a6a66, 1.25);
   private triangles: Int32Array = new Int32Array(0);
   private size_: Size = { width: 1, height: 1 };
 
@@ -85,8 +85,8 @@ export class BodyPicture {
   }
   /** With a map, light varies less, so that its colours can be compared with the legend. */
   set flatLight(flat: boolean) {
-    this.key.intensity = flat ? 0.9 : 2.2;
-    this.sky.intensity = flat ? 2.3 : 1.5;
+    this.key.intensity = flat ? 0.9 : 2.3;
+    this.sky.intensity = flat ? 2.3 : 1.25;
     this.material.roughness = flat ? 0.95 : 0.62;
   }
   set showEdges(show: boolean) {

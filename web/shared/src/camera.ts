@@ -114,9 +114,23 @@ export function boundsOf(points: ArrayLike<number>): Bounds {
   return { center, radius: radius || 1 };
 }
 
-/** The whole body from the front and above. */
-export function framing({ center, radius }: Bounds, size: Size): Camera {
-  const narrow = Math.min(1, size.width / size.height);
-  const distance = (1.04 * radius) / Math.sin(Math.atan(Math.tan(angleOfView / 2) * narrow));
-  return { target: center, distance, azimuth: (-65 * Math.PI) / 180, elevation: (32 * Math.PI) / 180 };
+/** The whole body from the front and above, as large as the picture allows with a margin for legends. */
+export function framing(points: ArrayLike<number>, size: Size): Camera {
+  const { center, radius } = boundsOf(points);
+  let camera: Camera = {
+    target: center, distance: (2 * radius) / Math.tan(angleOfView / 2), azimuth: (-65 * Math.PI) / 180, elevation: (32 * Math.PI) / 180,
+  };
+  for (let pass = 0; pass < 4; ++pass) {
+    let left = Infinity, right = -Infinity, top = Infinity, bottom = -Infinity;
+    for (let i = 0; i < points.length / 3; ++i) {
+      const { x, y } = project(camera, size, row(points, i));
+      left = Math.min(left, x); right = Math.max(right, x);
+      top = Math.min(top, y); bottom = Math.max(bottom, y);
+    }
+    if (!(right > left) && !(bottom > top)) break;
+    const centred = shifted(camera, size, size.width / 2 - (left + right) / 2, size.height / 2 - (top + bottom) / 2);
+    const filled = Math.max((right - left) / (0.84 * size.width), (bottom - top) / (0.66 * size.height));
+    camera = { ...centred, distance: camera.distance * filled };
+  }
+  return camera;
 }

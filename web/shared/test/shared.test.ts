@@ -1,6 +1,6 @@
 // Camera, colour map and numbers, which the pages share.
 import { describe, expect, test } from 'vitest';
-import { acrossScreen, boundsOf, frameOf, framing, project, rayThrough, turned, type Camera } from '../src/camera.js';
+import { acrossScreen, frameOf, framing, project, rayThrough, turned, type Camera } from '../src/camera.js';
 import { cssColour, encoded, linearColour } from '../src/colour_maps.js';
 import { normalsOf } from '../src/normals.js';
 import { fileName, plain, roundedDown, significant, ticks } from '../src/numbers.js';
@@ -32,7 +32,7 @@ describe('camera', () => {
   test('framing shows the whole body, on a phone, too', () => {
     const points = Float64Array.from([0, 0, 0, 0.2, 0, 0, 0.2, 0.14, 0, 0, 0.14, 0.05]);
     for (const screen of [size, { width: 360, height: 640 }]) {
-      const whole = framing(boundsOf(points), screen);
+      const whole = framing(points, screen);
       for (let i = 0; i < 4; ++i) {
         const { x, y } = project(whole, screen, [points[3 * i]!, points[3 * i + 1]!, points[3 * i + 2]!]);
         expect(x > 0 && x < screen.width && y > 0 && y < screen.height).toBe(true);

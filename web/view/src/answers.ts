@@ -1,0 +1,187 @@
+// What the runtime answers for tools and spheres, with the times it takes.
+import type { Contact, Level, Model, Sphere, Surface, Tools, Touch, Warning } from '../../runtime/src/index.js';
+import { row, type V3 } from '../../shared/src/vectors.js';
+import { nodeOf, toolOf } from './places.js';
+import type { HeldTool } from './state.js';
+
+export interface TrustFigure {
+  /** [m] */
+  readonly trainedDepth: number;
+  readonly relative: number;
+}
+export interface Answer {
+  readonly status: number;
+  readonly warnings: readonly Warning[];
+  /** of each tool or sphere, on the object [N] */
+  readonly forces: readonly V3[];
+  /** [J]; null in families without one */
+  readonly energy: number | null;
+  /** 3 x 3 [N/m]; null for several tools, between nodes and in families without energy */
+  readonly stiffness: Float64Array | null;
+  /** of a tool at a node */
+  readonly trust: TrustFigure | null;
+  /** of the spheres; empty for tools */
+  readonly touches: readonly Touch[];
+  /** largest distance of a tool from its point [m] */
+  readonly residual: number;
+}
+
+export const mostTools = 2;
+
+export class Runtime {
+  private readonly tools: Tools | null;
+  private readonly contact_: Contact | null;
+  private surface_: Surface | null = null;
+  private surfaceLevels = -1;
+  readonly active: ReadonlySet<number>;
+  /** row of a node in output points, then in fixed points */
+  readonly rows: ReadonlyMap<number, number>;
+  /** displacements of the output nodes after answer() or touch(), n x 3 [m] */
+  readonly field: Float64Array;
+
+  constructor(readonly model: Model) {
+    const { info } = model;
+    this.active = new Set(info.activeNodes);
+    this.rows = new Map([...info.outputNodes, ...info.fixedNodes].map((node, i) => [node, i]));
+    this.field = new Float64Array(3 * info.outputNodes.length);
+    this.tools = attempt(() => model.tools(mostTools));
+    this.contact_ = attempt(() => model.contact(1));
+  }
+  get hasContact(): boolean {
+    return this.contact_ !== null;
+  }
+  get hasCoupling(): boolean {
+    return this.tools !== null;
+  }
+  get levels(): readonly Level[] {
+    return this.model.levels;
+  }
+  /** @param level  index of levels; null: the full model */
+  setLevel(level: number | null): void {
+    const index = Math.min(level ?? this.levels.length - 1, this.levels.length - 1);
+    this.model.level = index;
+    if (this.tools) this.tools.level = index;
+  }
+  surface(levels: number): Surface {
+    if (this.surfaceLevels !== levels || !this.surface_) {
+      this.surface_?.dispose();
+      this.surface_ = this.model.surface(levels);
+      this.surfaceLevels = levels;
+    }
+    return this.surface_;
+  }
+  /** Undeformed [m]. */
+  point(node: number): V3 {
+    const { outputPoints, fixedPoints, outputNodes } = this.model.info, i = this.rows.get(node);
+    if (i === undefined) throw new RangeError(`node ${node} is not on the surface`);
+    return i < outputNodes.length ? row(outputPoints, i) : row(fixedPoints, i - outputNodes.length);
+  }
+  /** Present displacement of a node [m]. */
+  displacement(node: number): V3 {
+    const i = this.rows.get(node);
+    return i !== undefined && 3 * i < this.field.length ? row(this.field, i) : [0, 0, 0];
+  }
+
+  /** Forces and, in `field`, displacements under tools that hold their points. @throws PhynnessError */
+  answer(tools: readonly HeldTool[]): Answer {
+    const node = tools.length === 1 ? nodeOf(tools[0]!.place) : null;
+    if (node !== null) return this.atNode(node, tools[0]!.displacement);
+    if (tools.length === 0) this.field.fill(0);
+    if (tools.length === 0 || !this.tools) return { ...nothing, energy: this.model.info.hasEnergy ? 0 : null };
+    const { status, warnings, forces, energy, residual } = this.tools.set(tools.map(({ place, displacement }) => toolOf(place, displacement)));
+    this.tools.deform(this.field);
+    return {
+      ...nothing, status, warnings, residual, forces: tools.map((_, i) => row(forces, i)),
+      energy: this.model.info.hasEnergy ? energy : null,
+    };
+  }
+
+  private atNode(node: number, d: V3): Answer {
+    const energetic = this.model.info.hasEnergy;
+    const { status, warnings, force, energy, stiffness } = this.model.force(node, d, { energy: energetic, stiffness: energetic });
+    try {
+      this.model.deform(node, d, this.field);
+    } catch {
+      this.field.fill(0);  // models without deformations still have forces
+    }
+    return {
+      ...nothing, status, warnings, forces: [row(force, 0)], energy: energy ?? null, stiffness: stiffness ?? null,
+      trust: this.model.trust(node, d),
+    };
+  }
+
+  /** Forces and field under a sphere. */
+  touch(sphere: Sphere): Answer {
+    if (!this.contact_) return nothing;
+    const { status, warnings, energy, touches } = this.contact_.step([sphere]);
+    this.contact_.deform(this.field);
+    return {
+      ...nothing, status, warnings, touches, forces: touches.map(({ force }) => row(force, 0)),
+      energy: this.model.info.hasEnergy ? energy : null,
+    };
+  }
+  endContact(): void {
+    this.contact_?.reset();
+  }
+
+  /** Force alone, for curves and work. */
+  forceAt(node: number, d: V3): V3 {
+    return row(this.model.force(node, d).force, 0);
+  }
+  forceOf(tool: HeldTool, others: readonly HeldTool[]): (d: V3) => V3 {
+    const node = nodeOf(tool.place);
+    if (node !== null && others.length === 0) return (d) => this.forceAt(node, d);
+    return (d) => {
+      const all = [{ ...tool, displacement: d }, ...others].map(({ place, displacement }) => toolOf(place, displacement));
+      return this.tools ? row(this.tools.set(all).forces, 0) : [0, 0, 0];
+    };
+  }
+
+  /** Microseconds of one force and of one deformation, measured here in a few milliseconds. */
+  times(node: number): { force: number; deformation: number } {
+    const d: V3 = [0, 0, -0.5 * this.model.info.maxDisplacement];
+    return {
+      force: microseconds(() => this.model.force(node, d)),
+      deformation: microseconds(() => this.model.deform(node, d, new Float64Array(this.field.length))),
+    };
+  }
+
+  dispose(): void {
+    this.surface_?.dispose();
+    this.tools?.dispose();
+    this.contact_?.dispose();
+    this.model.dispose();
+  }
+}
+
+const nothing: Answer = {
+  status: 0, warnings: [], forces: [], energy: null, stiffness: null, trust: null, touches: [], residual: 0,
+};
+
+function attempt<T>(make: () => T): T | null {
+  try {
+    return make();
+  } catch {
+    return null;
+  }
+}
+
+/** Time of one call. Clocks of browsers are coarse, therefore calls are repeated for 4 ms; the least of 3 rounds. */
+function microseconds(call: () => void): number {
+  let least = Infinity;
+  try {
+    for (let round = 0; round < 3; ++round) {
+      const begin = performance.now();
+      let n = 0, now = begin;
+      do {
+        for (let i = 0; i < 20; ++i) call();
+        n += 20;
+        now = performance.now();
+      } while (now - begin < 4);
+      least = Math.min(least, (1e3 * (now - begin)) / n);
+    }
+  } catch {
+    return NaN;
+  }
+  return least;
+}

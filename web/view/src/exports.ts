@@ -1,0 +1,84 @@
+// Files that the page writes: the picture as PNG, the displaced surface as glTF.
+import { cssColour } from '../../shared/src/colour_maps.js';
+import { fileName, plain, roundedDown, shown, significant, ticks } from '../../shared/src/numbers.js';
+import type { Scale } from '../../shared/src/legend.js';
+import { norm } from '../../shared/src/vectors.js';
+import { glb, type Shape } from './gltf.js';
+import { sharedModes } from './modes.js';
+import { nameOf } from './places.js';
+import type { Session } from './session.js';
+
+/** Morph targets are written for this many shared modes at most. */
+const mostModes = 8;
+
+/** The displaced surface with its colours; targets: the undeformed shape, and shared modes of the model. */
+export function glbOf(session: Session, text: string, positions: Float32Array, colours: Float32Array): Uint8Array {
+  const { runtime, state, answer } = session, { info } = runtime.model, surface = runtime.surface(state.subdivision);
+  const rest = surface.points.map((x, i) => x - positions[i]!);
+  const modes = info.family === 'modal' ? sharedModes(text, info.outputNodes.length, mostModes) : [];
+  const shapes: Shape[] = [{ name: 'rest', offset: rest }, ...modes.map((mode, k) => {
+    const fine = surface.deform(mode), largest = fine.reduce((most, x) => Math.max(most, Math.abs(x)), 0) || 1;
+    return { name: `mode ${k + 1}`, offset: fine.map((x) => (x / largest) * info.maxDisplacement) };
+  })];
+  return glb({
+    title: plain(info.title), positions, triangles: surface.triangles, colors: colours, shapes,
+    facts: {
+      unit: 'm',
+      tools: state.mode === 'hold' ? state.tools.map(({ place, displacement }, i) => ({
+        nodes: place.nodes, weights: place.weights, displacement_m: displacement, force_N: answer.forces[i] ?? null,
+      })) : [],
+    },
+  });
+}
+
+/** The picture with its title, figures and legend. The canvas must have been drawn in the same task. */
+export function pngOf(canvas: HTMLCanvasElement, session: Session, legend: Scale | null, pixelSize: number): Promise<Blob | null> {
+  const page = getComputedStyle(document.documentElement), colour = (name: string) => page.getPropertyValue(name).trim();
+  const ratio = canvas.width / (canvas.clientWidth || 1), strip = Math.round(34 * ratio);
+  const out = document.createElement('canvas');
+  out.width = canvas.width;
+  out.height = canvas.height + strip;
+  const draw = out.getContext('2d')!;
+  draw.fillStyle = colour('--stage');
+  draw.fillRect(0, 0, out.width, out.height);
+  draw.drawImage(canvas, 0, strip);
+  draw.scale(ratio, ratio);
+  draw.fillStyle = colour('--ink');
+  draw.font = '14px system-ui, sans-serif';
+  draw.textBaseline = 'middle';
+  const width = out.width / ratio, height = out.height / ratio;
+  draw.fillText(captionOf(session), 12, 18, width - 24);
+  const bar = roundedDown(150 * pixelSize), pixels = pixelSize > 0 ? bar / pixelSize : 0;
+  if (bar > 0) {
+    draw.fillRect(width - pixels - 16, height - 16, pixels, 2);
+    draw.textAlign = 'right';
+    draw.fillText(`${significant(1e3 * bar, 2)} mm`, width - 16, height - 28);
+    draw.textAlign = 'left';
+  }
+  if (legend) drawLegend(draw, legend, height);
+  return new Promise((resolve) => out.toBlob(resolve, 'image/png'));
+}
+
+function drawLegend(draw: CanvasRenderingContext2D, scale: Scale, height: number): void {
+  const { unit, factor } = shown(scale.unit, scale.high), left = 16, top = height - 62, length = 240;
+  draw.fillText(`${scale.title} [${unit}]`, left, top);
+  const bar = draw.createLinearGradient(left, 0, left + length, 0), ink = draw.fillStyle;
+  for (let i = 0; i <= 16; ++i) bar.addColorStop(i / 16, cssColour(i / 16));
+  draw.fillStyle = bar;
+  draw.fillRect(left, top + 12, length, 12);
+  draw.fillStyle = ink;
+  draw.textAlign = 'center';
+  for (const value of ticks(scale.low * factor, scale.high * factor, 4))
+    draw.fillText(String(Number(value.toPrecision(3))), left + (length * (value / factor - scale.low)) / (scale.high - scale.low || 1), top + 36);
+  draw.textAlign = 'left';
+}
+
+function captionOf({ runtime, state, answer }: Session): string {
+  const forces = answer.forces.map((force) => `${significant(norm(force), 4)} N`);
+  const tools = state.mode === 'sphere' ? [`sphere ${forces[0] ?? ''}`] : state.tools.map(({ place, displacement }, i) =>
+    `${nameOf(place)}: ${significant(1e3 * norm(displacement), 3)} mm, ${forces[i]}`);
+  return [plain(runtime.model.info.title, 90), ...tools].join('   ');
+}
+
+export const pngName = (session: Session): string => fileName(session.runtime.model.info.title, 'png');
+export const glbName = (session: Session): string => fileName(session.runtime.model.info.title, 'glb');

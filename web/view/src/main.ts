@@ -1,0 +1,158 @@
+// Starts the page: loads the model that it contains, or one that is dropped on it.
+import { loader, PhynnessError, type Model } from '../../runtime/src/index.js';
+import { metresPerPixel, project } from '../../shared/src/camera.js';
+import { plain } from '../../shared/src/numbers.js';
+import { add, type V3 } from '../../shared/src/vectors.js';
+import wasm from 'phynness.wasm';
+import { Runtime } from './answers.js';
+import { byId, download, setText } from './dom.js';
+import { glbName, glbOf, pngName, pngOf } from './exports.js';
+import { pageDataOf, type PageData } from './page_data.js';
+import { heldAt, Recording } from './recording.js';
+import { Session } from './session.js';
+import { initialState, stateOf, type State } from './state.js';
+import { View } from './view.js';
+
+const modelFromText = loader(() => WebAssembly.compile(wasm));
+
+class Page {
+  private view: View | null = null;
+  private recording: Recording | null = null;
+  private text = '';
+  /** the data that belongs to the model in view */
+  private shown: PageData;
+
+  constructor(private readonly data: PageData) {
+    this.shown = data;
+    const file = byId('model-file', HTMLInputElement);
+    byId('open-model', HTMLButtonElement).addEventListener('click', () => file.click());
+    file.addEventListener('change', () => {
+      if (file.files?.[0]) void this.openFile(file.files[0]);
+      file.value = '';
+    });
+    this.listenToDrops();
+    byId('save-png', HTMLButtonElement).addEventListener('click', () => void this.savePng());
+    byId('save-glb', HTMLButtonElement).addEventListener('click', () => {
+      const bytes = this.glb();
+      if (bytes) download(bytes, 'model/gltf-binary', glbName(this.view!.session));
+    });
+  }
+
+  async start(): Promise<void> {
+    if (this.data.model === null) return this.refuse('This page contains no model. Drop a model.txt here, or open one.');
+    await this.open(this.data.model, this.data, stateOf(location.hash));
+    window.addEventListener('hashchange', () => void this.open(this.text, this.shown, stateOf(location.hash)));
+  }
+  private async open(text: string, data: PageData, state: State): Promise<void> {
+    let model: Model;
+    try {
+      model = await modelFromText(text);
+    } catch (error) {
+      if (!(error instanceof PhynnessError)) throw error;
+      const byte = error.wrongByte ? ` The first wrong byte is number ${error.wrongByte.toLocaleString('en')}.` : '';
+      return this.refuse(`This model.txt is refused (${error.statusName}): ${error.reason}.${byte}`);
+    }
+    if (model.info.triangles.length === 0) return this.refuse('This model has no triangles, and nothing can be drawn.');
+    const before = this.view?.session;
+    const session = new Session(new Runtime(model), data, state);
+    byId('problem', HTMLElement).hidden = true;
+    if (this.view) this.view.open(session);
+    else {
+      this.view = new View(session);
+      this.recording = new Recording(this.view);
+    }
+    if (before && text !== this.text) this.recording?.forget();
+    before?.runtime.dispose();
+    this.text = text;
+    this.shown = data;
+    const title = plain(model.info.title) || 'phynness';
+    setText(byId('title', HTMLElement), title);
+    setText(byId('about', HTMLElement), [data.sceneTitle, data.organ].filter((t) => t !== '' && t !== model.info.title).map((t) => plain(t)).join(' · '));
+    document.title = title;
+    this.view.draw();
+    this.expose(this.view);
+  }
+  private refuse(reason: string): void {
+    const problem = byId('problem', HTMLElement);
+    problem.hidden = false;
+    setText(problem, reason);
+  }
+
+  private listenToDrops(): void {
+    const veil = byId('drop', HTMLElement);
+    window.addEventListener('dragover', (event) => {
+      event.preventDefault();
+      veil.hidden = false;
+    });
+    window.addEventListener('dragleave', (event) => {
+      if (event.relatedTarget === null) veil.hidden = true;
+    });
+    window.addEventListener('drop', (event) => {
+      event.preventDefault();
+      veil.hidden = true;
+      const file = event.dataTransfer?.files[0];
+      if (file) void this.openFile(file);
+    });
+  }
+  private async openFile(file: File): Promise<void> {
+    const text = await file.text();
+    if (text.trimStart().startsWith('{')) this.recording?.open(text);
+    // Rays and errors in the page belong to its own model.
+    else await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, rays: [], validation: null, sceneTitle: '', organ: '' }, initialState());
+  }
+
+  private async savePng(): Promise<void> {
+    if (!this.view) return;
+    const { view } = this, { session, picture } = view;
+    view.draw();
+    const legend = session.maps.find(({ name }) => name === session.state.map)?.values(session.state.tools).scale ?? null;
+    const image = await pngOf(picture.canvas, session, legend, metresPerPixel(view.size, view.camera.distance));
+    if (image) download(image, 'image/png', pngName(session));
+  }
+  private glb(): Uint8Array<ArrayBuffer> | null {
+    if (!this.view) return null;
+    const { session, picture } = this.view;
+    return glbOf(session, this.text, picture.positions, picture.colours) as Uint8Array<ArrayBuffer>;
+  }
+
+  /** For scripts in the console of the browser, and for tests. */
+  private expose(view: View): void {
+    Object.assign(globalThis, {
+      phynness: {
+        get model() { return view.session.runtime.model; },
+        get state() { return view.session.state; },
+        get answer() { return view.session.answer; },
+        get work() { return view.session.work?.closed ?? null; },
+        /** Holds nodes: [{node, displacement}, ...] */
+        hold: (tools: { node: number; displacement: V3 }[]) => {
+          view.session.setTools(tools.map(({ node, displacement }) => heldAt(node, displacement)));
+          view.changed(true);
+          view.draw();
+        },
+        set: (settings: Partial<State>) => {
+          Object.assign(view.session.state, settings);
+          view.changed(true);
+          view.draw();
+        },
+        draw: () => view.draw(),
+        /** Pixel of a node as it is displaced, and as it is drawn at smoothness 0. */
+        project: (node: number) => {
+          const { runtime } = view.session;
+          return project(view.camera, view.size, add(runtime.point(node), runtime.displacement(node)));
+        },
+        projectPoint: (point: V3) => project(view.camera, view.size, point),
+        point: (node: number) => view.session.runtime.point(node),
+        positions: () => view.picture.positions,
+        camera: () => view.camera,
+        glb: () => this.glb(),
+      },
+    });
+  }
+}
+
+const page = new Page(pageDataOf(byId('phynness-data', HTMLScriptElement).textContent ?? '{}'));
+page.start().catch((error: unknown) => {
+  const problem = byId('problem', HTMLElement);
+  problem.hidden = false;
+  setText(problem, `The page cannot start: ${error instanceof Error ? error.message : String(error)}`);
+});

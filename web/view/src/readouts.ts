@@ -1,0 +1,124 @@
+// The figures of the panel.
+import { shown, significant } from '../../shared/src/numbers.js';
+import { norm, type V3 } from '../../shared/src/vectors.js';
+import { byId, setFacts, setText } from './dom.js';
+import { nearestRay } from './page_data.js';
+import { nameOf, nodeOf } from './places.js';
+import { DepthPlot, type PlotData } from './plot.js';
+import { principalOf } from './principal.js';
+import type { Session } from './session.js';
+import { verdictOf } from './trust.js';
+
+/** Times of the picture, measured while it moves. */
+export interface FrameTimes {
+  /** of computing and drawing one picture [ms] */
+  readonly work: number;
+  readonly perSecond: number;
+}
+
+const withUnit = (x: number, unitName: string, digits: number): string => {
+  const { unit, factor } = shown(unitName, x);
+  return `${significant(x * factor, digits)} ${unit}`;
+};
+const curvePoints = 40;
+
+export class Readouts {
+  private readonly newtons = byId('newtons', HTMLElement);
+  private readonly trust = byId('trust', HTMLElement);
+  private readonly reason = byId('trust-reason', HTMLElement);
+  private readonly table = byId('forces', HTMLTableElement);
+  private readonly quantities = byId('quantities', HTMLElement);
+  private readonly plotElement = byId('plot', HTMLElement);
+  private readonly plotNote = byId('plot-note', HTMLElement);
+  private readonly plot = new DepthPlot(this.plotElement);
+
+  show(session: Session): void {
+    const { answer, state } = session, { tools } = state, forces = answer.forces;
+    const touching = state.mode === 'hold' ? tools.length > 0 : (answer.touches[0]?.inContact ?? false);
+    const last = forces.at(-1);
+    setText(this.newtons, last ? significant(norm(last), 6) : '0');
+    const verdict = verdictOf(answer.warnings, answer.trust);
+    this.trust.dataset['kind'] = touching ? verdict.kind : 'unknown';
+    setText(this.trust, touching ? verdict.word : state.mode === 'sphere' ? 'no contact' : 'at rest');
+    setText(this.reason, touching ? this.reasonOf(session, verdict.reason) : 'Nothing touches the body.');
+    this.showTable(session, forces);
+    setFacts(this.quantities, this.facts(session));
+  }
+
+  private reasonOf({ answer, runtime, state }: Session, reason: string): string {
+    const level = runtime.levels[state.level ?? runtime.levels.length - 1];
+    const figure = answer.trust ? `Trust figure ${significant(answer.trust.relative, 2)} (0 at data, above 1 beyond): ` : '';
+    const bound = level && level.errorForce > 0 ? `; stated error of this level: ${withUnit(level.errorForce, 'fraction', 2)} of the largest force` : '';
+    return figure + (figure ? reason : reason.charAt(0).toUpperCase() + reason.slice(1)) + bound + '.';
+  }
+
+  private showTable({ state }: Session, forces: readonly V3[]): void {
+    const many = forces.length > 1;
+    this.table.hidden = !(state.components || many) || forces.length === 0;
+    if (this.table.hidden) return;
+    const names = state.mode === 'sphere' ? ['sphere'] : state.tools.map(({ place }) => nodeOf(place) !== null ? nameOf(place) : 'between nodes');
+    const rows = forces.map((force, i) => [names[i] ?? '', ...force.map((x) => significant(x, 4)), significant(norm(force), 6)]);
+    this.table.tBodies[0]!.replaceChildren(...rows.map((cells) => {
+      const row = document.createElement('tr');
+      row.append(...cells.map((text) => Object.assign(document.createElement('td'), { textContent: text })));
+      return row;
+    }));
+  }
+
+  private facts(session: Session): (readonly [string, string])[] {
+    const { answer, state, runtime, work } = session, tool = state.tools.at(-1), facts: [string, string][] = [];
+    if (state.mode === 'hold' && tool) {
+      facts.push(['Held', nameOf(tool.place)]);
+      facts.push(['Depth', withUnit(norm(tool.displacement), 'm', 4)]);
+      const { trainedDepth } = answer.trust ?? {};
+      if (trainedDepth !== undefined) facts.push(['Trained to', withUnit(trainedDepth, 'm', 3)]);
+    }
+    if (state.mode === 'sphere' && answer.touches[0]?.inContact && answer.touches[0].scale < 1)
+      facts.push(['Force scaled by', significant(answer.touches[0].scale, 3)]);
+    facts.push(['Stored energy', answer.energy === null ? 'not in this family' : withUnit(answer.energy, 'J', 4)]);
+    if (state.mode === 'hold') facts.push(['Work of the closed path', this.closedWork(session)]);
+    if (state.ellipsoid) {
+      const stiffness = answer.stiffness ? principalOf(answer.stiffness).values : null;
+      facts.push(['Principal stiffness', stiffness ? `${stiffness.map((k) => significant(k, 3)).join(', ')} N/m`
+        : runtime.model.info.hasEnergy ? 'one tool at a node only' : 'not in this family']);
+    }
+    if (answer.residual > 1e-9) facts.push(['Points follow within', withUnit(answer.residual, 'm', 2)]);
+    if (work === null && state.tools.length > 1) facts.push(['Distance of the tools', withUnit(distance(session), 'm', 4)]);
+    return facts;
+  }
+
+  private closedWork({ work }: Session): string {
+    if (!work) return 'one tool only';
+    const closed = work.closed;
+    // Differences of rounding and of the quadrature are not work.
+    return Math.abs(closed) <= 1e-6 * Math.abs(work.done) + 1e-12 ? '0 mJ' : withUnit(closed, 'J', 3);
+  }
+
+  /** Force along the present direction of the last tool. Costs up to a few milliseconds between nodes. */
+  showPlot(session: Session): void {
+    const { state, runtime, data, answer, limit } = session, tool = state.mode === 'hold' ? state.tools.at(-1) : undefined;
+    const force = answer.forces.at(-1);
+    if (!tool || !force || norm(tool.displacement) === 0) {
+      this.plot.show(null);
+      setText(this.plotNote, state.mode === 'sphere' ? 'For tools that hold the body.' : 'Pull or push the body to see the curve.');
+      this.plotElement.setAttribute('aria-label', 'No tool has moved');
+      return;
+    }
+    const depth = norm(tool.displacement), node = nodeOf(tool.place);
+    const most = Math.min(limit, Math.max(runtime.model.info.maxDisplacement, 1.1 * depth));
+    const others = state.tools.slice(0, -1), at = runtime.forceOf(tool, others);
+    const depths = Array.from({ length: curvePoints + 1 }, (_, i) => (i / curvePoints) * most);
+    const forces = depths.map((x) => norm(at(tool.displacement.map((c) => (c * x) / depth) as unknown as V3)));
+    const near = node !== null && others.length === 0 ? nearestRay(data.rays, node, tool.displacement) : null;
+    const stored = near ? { depths: near.ray.depths, forces: near.ray.forces.map(norm) } : null;
+    this.plot.show({ curve: { depths, forces }, stored, now: { depth, force: norm(force) } } satisfies PlotData);
+    const angle = near ? Math.round((near.angle * 180) / Math.PI) : 0;
+    setText(this.plotNote, `Line: model along this direction.${near ? ` Dots: finite elements, nearest trained direction (${angle}° away).` : ''}`);
+    this.plotElement.setAttribute('aria-label', `Force against depth along the present direction; now ${withUnit(norm(force), 'N', 4)} at ${withUnit(depth, 'm', 4)}`);
+  }
+}
+
+const distance = (session: Session): number => {
+  const [a, b] = session.state.tools.map((tool) => session.pointOf(tool));
+  return a && b ? norm([a[0] - b[0], a[1] - b[1], a[2] - b[2]]) : 0;
+};

@@ -1,0 +1,22 @@
+// The trust figure as a colour and a word.
+import type { Warning } from '../../runtime/src/index.js';
+import type { TrustFigure } from './answers.js';
+
+export interface Verdict {
+  /** class of the colour */
+  readonly kind: 'good' | 'fair' | 'beyond' | 'unknown';
+  readonly word: string;
+  readonly reason: string;
+}
+
+export function verdictOf(warnings: readonly Warning[], trust: TrustFigure | null): Verdict {
+  if (warnings.includes('unsettled'))
+    return { kind: 'beyond', word: 'unsettled', reason: 'the tools are too close together to hold all points' };
+  if (warnings.includes('outside')) return { kind: 'beyond', word: 'beyond data', reason: 'deeper than the training data' };
+  if (trust && trust.relative > 1) return { kind: 'beyond', word: 'beyond data', reason: 'far from the training data' };
+  if (warnings.includes('incomplete'))
+    return { kind: 'fair', word: 'incomplete', reason: 'some directions of this node were not trained to the full depth' };
+  if (!trust) return { kind: 'unknown', word: 'inside range', reason: 'no warning; the trust figure exists for one tool at a node' };
+  if (trust.relative > 0.5) return { kind: 'fair', word: 'between data', reason: 'inside the trained range, between training data' };
+  return { kind: 'good', word: 'close to data', reason: 'close to training data' };
+}
