@@ -1,5 +1,6 @@
-// Builds the npm package `phynness` of web/runtime.
-// Usage: node build.mjs --wasm phynness.wasm --out FOLDER     (writes FOLDER/phynness, ready for npm pack)
+// Builds the npm package `phynness` of web/runtime, and the pages.
+// Usage: node build.mjs --wasm phynness.wasm --out FOLDER
+// Writes FOLDER/phynness, ready for npm pack, and FOLDER/view.html.
 import { execFileSync } from 'node:child_process';
 import { copyFileSync, mkdirSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -7,6 +8,7 @@ import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import { build } from 'esbuild';
+import { buildView } from './view/build.mjs';
 
 const here = dirname(fileURLToPath(import.meta.url));
 const { values } = parseArgs({ options: { wasm: { type: 'string' }, out: { type: 'string' } } });
@@ -33,3 +35,5 @@ copyFileSync(resolve(values.wasm), join(out, 'phynness.wasm'));
 for (const file of ['package.json', 'README.md']) copyFileSync(join(here, 'runtime', file), join(out, file));
 copyFileSync(join(here, '../LICENSE'), join(out, 'LICENSE'));
 console.log(`${out}: the npm package phynness`);
+const page = join(resolve(values.out), 'view.html');
+console.log(`${page}: ${await buildView(values.wasm, page)} bytes`);

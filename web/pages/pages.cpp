@@ -1,0 +1,53 @@
+#include <phynness/formats/error.hpp>
+#include <phynness/pages/pages.hpp>
+
+#include "embedded.hpp"
+
+namespace phynness {
+
+std::optional<std::string> embedded_page(const std::string& name) {
+  for (const EmbeddedFile* file = embedded_files; file->name != nullptr; ++file) {
+    if (name != file->name) continue;
+    std::string text;
+    for (const char* const* chunk = file->chunks; *chunk != nullptr; ++chunk) text += *chunk;
+    return text;
+  }
+  return {};
+}
+
+std::string missing_pages_remedy() {
+  return "install Node, npm and clang for WebAssembly (tools/install-deps --pages), and build again; the first build "
+         "needs the npm registry";
+}
+
+std::string json_for_html(const std::string& json) {
+  std::string text;
+  text.reserve(json.size() + json.size() / 64);
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    // U+2028 and U+2029 in UTF-8: E2 80 A8 and E2 80 A9.
+    const bool separator =
+        json.compare(i, 2, "\xE2\x80") == 0 && i + 2 < json.size() && (json[i + 2] == '\xA8' || json[i + 2] == '\xA9');
+    if (separator) {
+      text += json[i + 2] == '\xA8' ? "\\u2028" : "\\u2029";
+      i += 2;
+    } else if (json[i] == '<') {
+      text += "\\u003c";
+    } else {
+      text += json[i];
+    }
+  }
+  return text;
+}
+
+std::string page_with_data(const std::string& page, const std::string& json) {
+  const std::string element = R"(<script type="application/json" id="phynness-data">)", empty = "{}</script>";
+  const auto at = page.find(element + empty);
+  if (at == std::string::npos)
+    throw failure("the embedded page has no place for its data", "web/view/page.html", "this is a defect; report it");
+  std::string text = page.substr(0, at + element.size());
+  text += json_for_html(json);
+  text += page.substr(at + element.size() + 2);
+  return text;
+}
+
+}  // namespace phynness
