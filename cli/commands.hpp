@@ -59,6 +59,9 @@ void add(CLI::App& app);
 namespace show_command {
 void add(CLI::App& app);
 }
+namespace view_command {
+void add(CLI::App& app);
+}
 namespace run_command {
 void add(CLI::App& app);
 }

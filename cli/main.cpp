@@ -32,6 +32,7 @@ void add_commands(CLI::App& app) {
   cli::export_command::add(app);
   cli::info_command::add(app);
   cli::show_command::add(app);
+  cli::view_command::add(app);
   cli::run_command::add(app);
 }
 

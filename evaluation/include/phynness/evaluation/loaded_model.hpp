@@ -32,6 +32,8 @@ class LoadedModel {
   /// The coefficients of the model, parsed from its text at the first call.
   const Model& model() const;
   const Mesh& mesh() const { return _mesh; }
+  /// The content of model.txt.
+  const std::string& text() const { return _text; }
   /// Bytes of model.txt, of mesh.txt, and of the model in the runtime's memory.
   std::size_t text_bytes() const { return _text.size(); }
   std::size_t mesh_text_bytes() const { return _mesh_text_bytes; }
