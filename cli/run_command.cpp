@@ -1,8 +1,9 @@
-// Runs mesh, precompute, train and validate. Each is a separate process, so that the parallel stages run under mpirun
-// and training uses threads.
+// Runs mesh, precompute, train, validate and view. Each is a separate process, so that the parallel stages run under
+// mpirun and training uses threads.
 #include <chrono>
 #include <fstream>
 #include <phynness/formats/error.hpp>
+#include <phynness/pages/pages.hpp>
 
 #include "child_process.hpp"
 #include "command_files.hpp"
@@ -46,6 +47,7 @@ void declare_files(const Options& options) {
     declare_output("--output", options.output / name);
   declare_output("--output", options.output / "database.h5", OutputKind::database);
   declare_output("--output", options.output / "model", OutputKind::model);
+  declare_output("--output", options.output / "organ.html");
   open_scene(options.scene);
 }
 
@@ -73,6 +75,11 @@ void run(const Options& options) {
                          {self, "train", scene, in("database.h5"), "-o", in("model"), "--json", in("train.json")}, 1));
   stages.push_back(stage("validate", in("validate.json"),
                          {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks));
+  if (embedded_page("view.html"))
+    stages.push_back(stage("page", in("organ.html"),
+                           {self, "view", in("model"), "--database", in("database.h5"), "-o", in("organ.html")}, 1));
+  else
+    message("note: no page of the model is written\n  remedy: {}\n", missing_pages_remedy());
   if (options.json_file) {
     json all;
     for (const char* name : {"mesh", "precompute", "train", "validate"}) {
@@ -91,7 +98,8 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("run", "Run the whole pipeline: mesh, precompute, train, validate -> OUT_DIR");
+  auto* command =
+      app.add_subcommand("run", "Run the whole pipeline: mesh, precompute, train, validate, view -> OUT_DIR");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
   add_path(*command, "-o,--output", options->output, OutputKind::folder, "folder for all output files")->required();
   command->add_option("--ranks", options->ranks, "number of processes for the finite element stages (mpirun)")

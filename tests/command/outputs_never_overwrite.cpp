@@ -47,6 +47,8 @@ class Overwriting : public CommandLine {
     node = std::to_string(json("fresh/info.json").at("active").at(0).get<int>());
     fs::remove(folder / "fresh/info.json");
     write_file(folder / "queries.csv", "node,ux_m,uy_m,uz_m\n" + node + ",0,0,-0.001\n");
+    write_file(folder / "errors.json",
+               "{\"by_node\": {\"nodes\": [" + node + "], \"force_error\": [0.1], \"displacement_error\": [0.1]}}\n");
     write_file(folder / "motion.json", "{\"format\": \"phynness motion 1\", \"tools\": [{\"node\": " + node +
                                            "}], \"time_s\": [0], \"displacement_m\": [[[0, 0, -0.001]]]}\n");
   }
@@ -87,6 +89,8 @@ class Overwriting : public CommandLine {
     if (option == "SCENE") return {{"scenes/scene.toml", scene}};
     if (option == "SCENE or database") return {{"scenes/scene.toml", scene}, {"d.h5", database}};
     if (option == "DATABASE") return {{"d.h5", database}};
+    if (option == "--database") return {{"--database d.h5", database}};
+    if (option == "--errors") return {{"--errors errors.json", {"errors.json"}}};
     if (option == "MODEL_DIR") return {{"model", model}};
     if (option == "SHARD") return {{"s.shard-0-of-2.h5 s.shard-1-of-2.h5", shards}};
     if (option == "--motion") return {{"--motion motion.json", {"motion.json"}}};

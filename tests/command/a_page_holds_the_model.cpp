@@ -1,0 +1,120 @@
+// Claims: the page of `phynness view` contains the text of the model, every converged increment of the database and the
+// errors of the nodes, whatever the texts in them are: no text ends the element that holds it. It refers to nothing
+// outside. Files of other models are refused with their reason, and a refused page is not written. Without pages in
+// the build the command says how to get them.
+#include <regex>
+
+#include "../pipeline/command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class Page : public CommandLine {
+ protected:
+  void SetUp() override {
+    CommandLine::SetUp();
+    auto text = small_scene();
+    const std::string title = R"(</script><script>alert(\"x\")</script> <!-- 'q' \u202E \u2028 ä)";
+    text.replace(text.find("small block"), 11, title);
+    write_file(folder / "scene.toml", text);
+    for (const char* line : {"precompute scene.toml -o d.h5", "train scene.toml d.h5 --family modal -o model",
+                             "info d.h5 --json info.json"})
+      ASSERT_EQ(phynness(line).exit_status, 0) << line;
+    node = json("info.json").at("active").at(0).get<int>();
+  }
+  void write_errors(const Json& by_node) const { write_file(folder / "e.json", Json{{"by_node", by_node}}.dump()); }
+  /// The content of the element with the data.
+  static std::string element(const std::string& page) {
+    const std::string start = R"(<script type="application/json" id="phynness-data">)";
+    const auto from = page.find(start);
+    EXPECT_NE(from, std::string::npos);
+    const auto at = from + start.size();
+    return page.substr(at, page.find("</script>", at) - at);
+  }
+  void expect_refused(const std::string& options, const std::vector<std::string>& parts) const {
+    const auto refused = phynness("view model " + options + " -o none.html");
+    EXPECT_EQ(refused.exit_status, 2) << options << "\n" << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "none.html"));
+    expect_error(refused.err, parts);
+  }
+  int node = -1;
+};
+
+#if PHYNNESS_HAS_PAGES
+
+TEST_F(Page, HoldsModelIncrementsAndErrors) {
+  write_errors({{"nodes", {node}}, {"force_error", {0.25}}, {"displacement_error", {0.5}}});
+  const auto written = phynness("view model --database d.h5 --errors e.json -o organ.html");
+  ASSERT_EQ(written.exit_status, 0) << written.err;
+  const auto page = read_file(folder / "organ.html");
+  const auto text = element(page);
+  EXPECT_EQ(text.find('<'), std::string::npos);
+  EXPECT_EQ(text.find("\xE2\x80\xA8"), std::string::npos) << "a line separator";
+  const auto data = Json::parse(text);
+  EXPECT_EQ(data.at("format"), "phynness view 1");
+  EXPECT_EQ(data.at("model").get<std::string>(), read_file(folder / "model/model.txt"));
+  EXPECT_EQ(data.at("validation").at("force_error"), Json({0.25}));
+  const auto& rays = data.at("rays");
+  EXPECT_EQ(rays.size(), 2u * 26u);
+  for (const auto& ray : rays) {
+    EXPECT_EQ(ray.at("depth_m"), Json({0.004, 0.008}));
+    EXPECT_EQ(ray.at("force_N").size(), 2u);
+  }
+  // The stored force of one ray, from the command that reads the database itself.
+  const auto& ray = rays.at(0);
+  const auto solved = phynness("solve d.h5 --node " + ray.at("node").dump() + " --displacement " +
+                               std::to_string(0.008 * ray.at("direction")[0].get<double>()) + "," +
+                               std::to_string(0.008 * ray.at("direction")[1].get<double>()) + "," +
+                               std::to_string(0.008 * ray.at("direction")[2].get<double>()) + " --json s.json");
+  ASSERT_EQ(solved.exit_status, 0) << solved.err;
+  const auto answer = json("s.json");
+  const auto& force = answer.at("tools").at(0).at("force");
+  for (std::size_t k = 0; k < 3; ++k)  // the displacement above has 1e-6 m of rounding in 8 mm, the page 6 digits
+    EXPECT_NEAR(ray.at("force_N")[1][k].get<double>(), force[k].get<double>(),
+                1e-3 * std::abs(force[2].get<double>()) + 1e-6);
+}
+
+TEST_F(Page, RefersToNothingOutside) {
+  ASSERT_EQ(phynness("view model -o organ.html").exit_status, 0);
+  const auto page = read_file(folder / "organ.html");
+  const std::regex outside(R"re(<(script|link|img|iframe)[^>]*(src|href)=|@import|url\((?!data:))re");
+  std::smatch found;
+  const auto head = page.substr(0, page.find("<script"));
+  EXPECT_FALSE(std::regex_search(head, found, outside)) << found.str();
+  EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+  EXPECT_LT(page.size(), 1000000 + std::filesystem::file_size(folder / "model/model.txt") * 5 / 4)
+      << "the page takes at most 1 MB beside the model; line ends of the model take two bytes in JSON";
+}
+
+TEST_F(Page, FilesOfOtherModelsAreRefused) {
+  auto other = small_scene();
+  other.replace(other.find("0.025"), 5, "0.030");
+  write_file(folder / "other.toml", other);
+  ASSERT_EQ(phynness("precompute other.toml -o other.h5").exit_status, 0);
+  expect_refused("--database other.h5", {"another mesh", "other.h5"});
+  for (const auto& [by_node, part] : std::vector<std::pair<Json, std::string>>{
+           {Json(3), "by_node"},
+           {{{"nodes", {node}}, {"force_error", {0.1}}}, "displacement_error"},
+           {{{"nodes", {node}}, {"force_error", {0.1, 0.2}}, {"displacement_error", {0.1}}}, "length"},
+           {{{"nodes", {1000000}}, {"force_error", {0.1}}, {"displacement_error", {0.1}}}, "1000000"},
+           {{{"nodes", {"x"}}, {"force_error", {0.1}}, {"displacement_error", {0.1}}}, "x"}}) {
+    write_errors(by_node);
+    expect_refused("--errors e.json", {"e.json", part});
+  }
+  for (const char* text : {"", "no JSON", "[1, 2]", "{\"by_node\": ", "\xFF\xFE"}) {
+    write_file(folder / "e.json", text);
+    expect_refused("--errors e.json", {"e.json"});
+  }
+  expect_refused("--errors none.json", {"none.json"});
+}
+
+#else
+
+TEST_F(Page, IsMissingWithARemedy) { expect_refused("", {"this build has no page", "Node"}); }
+
+#endif
+
+}  // namespace
+}  // namespace phynness::test
