@@ -1,0 +1,118 @@
+// A page in a real browser, and everything that it logs, requests or offers as a file.
+import { execFileSync } from 'node:child_process';
+import { existsSync, mkdtempSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { launch, type Browser, type Page } from 'puppeteer-core';
+
+function given(name: string): string {
+  const value = process.env[name];
+  if (!value) throw new Error(`${name} is not set; ctest -R web sets it`);
+  return value;
+}
+
+/** Paths from CMake. */
+export const built = { phynness: given('PHYNNESS'), model: given('PHYNNESS_SAMPLE_MODEL'), source: given('PHYNNESS_SOURCE') };
+export const browserName = given('PHYNNESS_BROWSER');
+export const folder = mkdtempSync(join(tmpdir(), 'phynness-browser-'));
+
+/** Runs the command. @returns its standard output */
+export const phynness = (...words: string[]): string => execFileSync(built.phynness, words, { encoding: 'utf8' });
+
+const programs: Record<string, string[]> = {
+  chromium: ['/usr/bin/chromium', '/usr/bin/google-chrome'],
+  firefox: ['/usr/bin/firefox-esr', '/usr/bin/firefox'],
+};
+
+/** Graphics are computed by the processor, because machines of tests have no graphics card. */
+export async function start(): Promise<Browser> {
+  const executablePath = programs[browserName]!.find((path) => existsSync(path));
+  if (!executablePath) throw new Error(`${browserName} is not installed; tools/install-deps --tests --devices installs it`);
+  if (browserName === 'firefox')
+    return launch({ browser: 'firefox', executablePath, headless: true, extraPrefsFirefox: { 'webgl.force-enabled': true, 'gfx.webrender.software': true } });
+  return launch({ executablePath, headless: true, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'] });
+}
+
+export interface Opened {
+  readonly page: Page;
+  /** messages of the console, errors and dialogs */
+  readonly logged: string[];
+  /** addresses of requests, without the page itself and what is inside of it */
+  readonly requested: string[];
+}
+
+export async function open(browser: Browser, file: string, { fragment = '', width = 1280, height = 800, scripts = true, ready = 'globalThis.phynness' } = {}): Promise<Opened> {
+  const page = await browser.newPage(), logged: string[] = [], requested: string[] = [];
+  page.on('console', (message) => logged.push(`${message.type()}: ${message.text()}`));
+  page.on('pageerror', (error) => logged.push(String(error)));
+  page.on('dialog', (dialog) => {
+    logged.push(`dialog: ${dialog.message()}`);
+    void dialog.dismiss();
+  });
+  const address = pathToFileURL(file).href;
+  page.on('request', (request) => {
+    const url = request.url();
+    if (!url.startsWith('data:') && !url.startsWith('blob:') && url.split('#')[0] !== address) requested.push(url);
+  });
+  if (!scripts) await page.setJavaScriptEnabled(false);
+  await page.setViewport({ width, height });
+  await page.goto(address + fragment);
+  if (scripts) await page.waitForFunction(ready, { timeout: 30_000 });
+  return { page, logged, requested };
+}
+
+/** Bytes of the file that `act` makes the page offer. */
+export async function offered(page: Page, act: () => Promise<void>): Promise<Buffer> {
+  await page.evaluate(() => {
+    // The policy of the page forbids reading the address that it gives to the file, so its content is taken before.
+    const original = URL.createObjectURL;
+    URL.createObjectURL = (blob: Blob) => {
+      URL.createObjectURL = original;
+      (globalThis as { offered?: Promise<string> }).offered = new Promise((resolve) => {
+        const reader = new FileReader();
+        reader.onload = () => resolve((reader.result as string).split(',')[1]!);
+        reader.readAsDataURL(blob);
+      });
+      return original(blob);
+    };
+    delete (globalThis as { offered?: unknown }).offered;
+  });
+  await act();
+  await page.waitForFunction('globalThis.offered');
+  return Buffer.from(await page.evaluate('globalThis.offered') as string, 'base64');
+}
+
+/** Colours of a picture of the page. */
+export interface Pixels {
+  /** red, green, blue 0 ... 255 */
+  at(x: number, y: number): [number, number, number];
+  readonly width: number;
+  readonly height: number;
+}
+
+export async function pixels(page: Page): Promise<Pixels> {
+  const base64 = await page.screenshot({ encoding: 'base64' });
+  const { width, height, data } = await page.evaluate(async (source) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${source}`;
+    await image.decode();
+    const canvas = document.createElement('canvas');
+    canvas.width = image.width;
+    canvas.height = image.height;
+    const context = canvas.getContext('2d')!;
+    context.drawImage(image, 0, 0);
+    const bytes = context.getImageData(0, 0, image.width, image.height).data;
+    let binary = '';
+    for (let i = 0; i < bytes.length; i += 0x8000) binary += String.fromCharCode(...bytes.subarray(i, i + 0x8000));
+    return { width: image.width, height: image.height, data: btoa(binary) };
+  }, base64);
+  const bytes = Buffer.from(data, 'base64');
+  return {
+    width, height,
+    at: (x, y) => {
+      const i = 4 * (Math.round(y) * width + Math.round(x));
+      return [bytes[i]!, bytes[i + 1]!, bytes[i + 2]!];
+    },
+  };
+}
