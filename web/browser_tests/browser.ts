@@ -30,7 +30,8 @@ export async function start(): Promise<Browser> {
   const executablePath = programs[browserName]!.find((path) => existsSync(path));
   if (!executablePath) throw new Error(`${browserName} is not installed; tools/install-deps --tests --devices installs it`);
   if (browserName === 'firefox')
-    return launch({ browser: 'firefox', executablePath, headless: true, extraPrefsFirefox: { 'webgl.force-enabled': true, 'gfx.webrender.software': true } });
+    // Without a screen Firefox finds no WebGL; run.sh gives it a virtual one.
+    return launch({ browser: 'firefox', executablePath, headless: false, extraPrefsFirefox: { 'webgl.force-enabled': true } });
   return launch({ executablePath, headless: true, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'] });
 }
 
@@ -91,7 +92,12 @@ export interface Pixels {
   readonly height: number;
 }
 
+/** Waits until what was changed before has been drawn. */
+export const drawn = (page: Page): Promise<void> =>
+  page.evaluate(() => new Promise<void>((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => resolve()))));
+
 export async function pixels(page: Page): Promise<Pixels> {
+  await drawn(page);
   const base64 = await page.screenshot({ encoding: 'base64' });
   const { width, height, data } = await page.evaluate(async (source) => {
     const image = new Image();

@@ -8,7 +8,7 @@ import axe from 'axe-core';
 import { validateBytes } from 'gltf-validator';
 import type { Browser, Page } from 'puppeteer-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
-import { browserName, built, folder, offered, open, phynness, pixels, start, type Opened } from './browser.js';
+import { browserName, built, drawn, folder, offered, open, phynness, pixels, start, type Opened } from './browser.js';
 
 type V3 = [number, number, number];
 interface Pixel { x: number; y: number }
@@ -74,7 +74,10 @@ async function drag(page: Page, node: number, dx: number, dy: number): Promise<P
   const from = await pixelOf(page, node);
   await page.mouse.move(from.x, from.y);
   await page.mouse.down();
-  for (let i = 1; i <= 4; ++i) await page.mouse.move(from.x + (dx * i) / 4, from.y + (dy * i) / 4);
+  for (let i = 1; i <= 4; ++i) {
+    await page.mouse.move(from.x + (dx * i) / 4, from.y + (dy * i) / 4);
+    await drawn(page); // browsers join movements between two pictures
+  }
   await page.mouse.up();
   return from;
 }
