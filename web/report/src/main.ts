@@ -1,4 +1,5 @@
 // Draws the charts and the body of a report. Its tables do not need it.
+import '../../shared/src/locale.js';
 import { Body } from './body.js';
 import { drawCharts } from './charts.js';
 import type { BodyData } from './data.js';
