@@ -61,8 +61,9 @@ TableCells table_cells(const ErrorsToRange& errors, const std::string& nodes) {
   for (const auto& [name, group] : {std::pair{"all", &errors.all}, std::pair{"unflagged", &errors.unflagged},
                                     std::pair{"flagged", &errors.flagged}}) {
     rows.push_back({name, &group->overall});
-    for (std::size_t third = 0; third < 3; ++third)
-      rows.push_back({fmt::format("  depth to {}/3 R", third + 1), &group->by_depth[third]});
+    if (group->overall.probes == 0) continue;
+    constexpr std::array thirds{"  0 to R/3", "  R/3 to 2R/3", "  2R/3 to R"};
+    for (std::size_t third = 0; third < 3; ++third) rows.push_back({thirds[third], &group->by_depth[third]});
     rows.push_back({"  worst tenth of the " + nodes, &group->worst_nodes});
   }
   if (errors.beyond.probes > 0) rows.push_back({"beyond R, to 1.43 R", &errors.beyond});
@@ -76,13 +77,18 @@ TableCells table_cells(const std::string& title, const ErrorsByWarning& errors) 
 std::vector<std::string> remarks(const ErrorsToRange& errors, const std::string& nodes) {
   std::vector<std::string> out;
   if (errors.all.overall.probes == 0) return out;
+  out.push_back(fmt::format("errors are divided by the largest finite element response to R of the {}; over 10 %: forces "
+                            "that are off by more than a tenth of their own size",
+                            nodes == "nodes" ? "node" : "point"));
   out.push_back(fmt::format("the runtime does not warn of {} % of the probes to R; at the tenth of the {} with the most "
                             "warnings, of {} %",
                             in_percent(errors.unflagged.overall.share), nodes, in_percent(errors.least_unflagged)));
   const std::string why = reasons(errors.unreached);
-  out.push_back(fmt::format("{} of {} probes to R are not reached by the finite elements{}{}; {} beyond R",
+  out.push_back(fmt::format("{} of {} probes to R are not reached by the finite elements{}{}{}",
                             errors.unreached.size(), errors.all.overall.probes, why.empty() ? "" : ": ", why,
-                            errors.unreached_beyond));
+                            errors.beyond.probes > 0
+                                ? fmt::format("; {} of {} beyond R", errors.unreached_beyond, errors.beyond.probes)
+                                : ""));
   constexpr std::size_t most_named = 10;
   for (std::size_t i = 0; i < std::min(most_named, errors.unreached.size()); ++i)
     out.push_back(sentence(errors.unreached[i], nodes == "nodes" ? "node" : "point"));

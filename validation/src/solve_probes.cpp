@@ -172,11 +172,12 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
     const auto s = waypoints(pair, increment_m);
     RayProbes probes(model, solver, pair, &pair == &entry.pairs.front(), found);
     const std::clock_t cpu_start = std::clock();
+    const std::size_t n_before = found.range.size();
     try {
       solver.follow({pair.direction}, s, false,
                     [&](std::size_t i, const Response& response) { return probes.take(s[i], response); });
     } catch (const Interrupted&) {
-      // Later entries of `range` belong to finished rays only.
+      found.range.resize(n_before);  // `range` has whole rays only, so that its depths stay uniform
       break;
     }
     found.cpu_s += static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
