@@ -24,7 +24,27 @@ std::string told(const std::optional<double>& correlation) {
   return correlation ? fmt::format("{:.2f}", *correlation) : "too few probes";
 }
 
+/// The first column to the left, the others to the right.
+void print_cells(const TableCells& rows) {
+  std::vector<std::size_t> widths(rows.front().size());
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  for (const auto& row : rows) {
+    std::string line = fmt::format("{:<{}}", row[0], widths[0]);
+    for (std::size_t i = 1; i < row.size(); ++i) line += fmt::format("  {:>{}}", row[i], widths[i]);
+    print_result("{}\n", line);
+  }
+}
+
+void print_range(const ErrorsToRange& errors, const std::string& nodes) {
+  if (errors.all.overall.probes == 0) return;
+  print_cells(table_cells(errors, nodes));
+  for (const auto& remark : remarks(errors, nodes)) print_result("{}\n", remark);
+}
+
 }  // namespace
+
+void print_to_range(const ErrorsToRange& errors) { print_range(errors, "nodes"); }
 
 void print_table(const ValidationReport& report, const std::vector<FieldModes>& fields) {
   using Member = std::function<const ErrorStatistics&(const GroupErrors&)>;
@@ -108,6 +128,7 @@ void print_points(const PointReport& report) {
   row("force, as eq. (17)", &PointErrors::force);
   row("displacement", &PointErrors::displacement);
   row("field, relative L2", &PointErrors::field_l2);
+  print_range(report.to_range, "points");
   print_worse(worse_than_linear(report));
   print_result("largest distance of a tool from its point in the field: {:.1e} m; {}\n", report.largest_residual_m,
                duration(report.seconds));
@@ -151,6 +172,9 @@ void print_pairs(const PairReport& report) {
   block("displacement, mean of all nodes, relative to the largest", &PairStatistics::displacement_all);
   block("displacement as in eq. (17), without touched nodes", &PairStatistics::displacement);
   block("field, relative L2", &PairStatistics::field_l2);
+  print_cells(table_cells("worse of two tools, in %", report.by_warning));
+  if (const auto why = reasons(report.by_warning.unreached); !why.empty())
+    print_result("not reached by the finite elements: {}\n", why);
   print_worse(worse_than_linear(report));
   const auto& alone = report.single_force;
   if (alone.n > 0)

@@ -9,6 +9,8 @@ namespace phynness::cli {
 
 /// Errors of the model, the linear predictor and the zero predictor, inside and outside of the trained range.
 void print_table(const ValidationReport& report, const std::vector<FieldModes>& fields);
+/// Errors of probes up to R by warnings, depth and nodes.
+void print_to_range(const ErrorsToRange& errors);
 /// Median errors, and the correlation of the error with the distance from the training data.
 void print_summary(const ValidationReport& report);
 /// One line for each mean error in which the model is worse than the linear predictor.

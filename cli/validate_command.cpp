@@ -152,6 +152,7 @@ void print(const Compared& compared, const Measured& m, int ranks) {
   const Model& model = compared.model.model();
   print_conditions(compared.scene, report);
   print_table(report, model.fields);
+  print_to_range(report.to_range);
   print_summary(report);
   print_worse(worse_than_linear(report));
   print_examples(report);
@@ -219,6 +220,10 @@ json as_json(const Compared& compared, const Measured& m) {
                                {"force_finite_elements", e.finite_elements_N},
                                {"force_model", e.model_N},
                                {"force_linear", e.linear_N}});
+  add_to_range(out, report.to_range, "nodes");
+  out["beyond"] = to_json(report.to_range.beyond);
+  out["unreached_beyond"] = report.to_range.unreached_beyond;
+  out["by_node"] = by_node(report.to_range.nodes);
   if (m.points.finished > 0) out["points"] = to_json(m.points);
   if (m.pairs.finished > 0) out["pairs"] = to_json(m.pairs);
   if (m.no_points) out["points"] = {{"not_done", m.no_points->what()}};

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/probe_plan.hpp>
 #include <phynness/validation/validation.hpp>
@@ -58,10 +59,25 @@ std::vector<NodePlan> choose_nodes(const LoadedModel& model, std::int64_t wanted
   return plan;
 }
 
+/// A ray in `direction` with probes at the fractions `in` of the depth, and `beyond` of what follows it.
+struct DrawnDepths {
+  double in = 0, beyond = 0;  ///< in (0, 1]; beyond: 0 if there is no such probe
+  double inside(double depth) const { return depth * in; }
+  double outside(double depth) const { return beyond > 0 ? depth * (1 + (outside_factor - 1) * beyond) : 0; }
+};
+
+/// @param depth  trained depth of the direction
+void set_range_probes(ProbePair& pair, const DrawnDepths& drawn, double depth, double range_m) {
+  // A model stores its depths as text; probes at the same depth must be the same state.
+  const bool whole = std::abs(depth - range_m) <= 1e-9 * range_m;
+  pair.to_range_m = whole ? pair.inside_m : drawn.inside(range_m);
+  pair.beyond_range_m = whole ? pair.outside_m : drawn.outside(range_m);
+}
+
 }  // namespace
 
 std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions directions, std::int64_t probes,
-                                  std::uint64_t seed, std::int64_t nodes) {
+                                  std::uint64_t seed, std::int64_t nodes, double range_m) {
   if (probes < 1)
     throw input_error("the number of probes must be at least 1", std::to_string(probes),
                       "use for example --probes 200");
@@ -73,21 +89,34 @@ std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions direction
   for (std::int64_t i = 0; i < n_inside; ++i) {
     auto& entry = plan[static_cast<std::size_t>(i) % plan.size()];
     ProbePair pair;
+    std::optional<Vec3> first;  // direction, whatever was trained
     double depth = 0;
     for (int attempt = 0; attempt < 1000 && depth <= 0; ++attempt) {
       pair.direction = on_sphere(random);
       const auto n = normals.row(entry.node);
       const double inward = -(n[0] * pair.direction[0] + n[1] * pair.direction[1] + n[2] * pair.direction[2]);
       if (directions == Directions::hemisphere && inward <= 0) continue;
+      if (!first) first = pair.direction;
       depth = model.trained_depth(entry.node, pair.direction);
     }
-    if (depth <= 0)
+    if (depth <= 0 && range_m <= 0)
       throw input_error("a node of the model has no trained direction", "node " + std::to_string(entry.node),
                         "all of its probes failed; precompute it again");
-    pair.inside_m = depth * (1 - uniform(random));
-    const double beyond = depth * (1 + (outside_factor - 1) * (1 - uniform(random)));
-    pair.outside_m = i < n_outside ? beyond : 0;
-    entry.pairs.push_back(pair);
+    DrawnDepths drawn;
+    drawn.in = 1 - uniform(random);
+    const double beyond = 1 - uniform(random);
+    drawn.beyond = i < n_outside ? beyond : 0;
+    if (depth > 0) {
+      pair.inside_m = drawn.inside(depth);
+      pair.outside_m = drawn.outside(depth);
+    }
+    const bool same_ray = depth > 0 && first == pair.direction;
+    if (range_m > 0 && same_ray) set_range_probes(pair, drawn, depth, range_m);
+    if (depth > 0) entry.pairs.push_back(pair);
+    if (range_m <= 0 || same_ray || !first) continue;
+    ProbePair untrained{*first};
+    set_range_probes(untrained, drawn, 0, range_m);
+    entry.pairs.push_back(untrained);
   }
   return plan;
 }

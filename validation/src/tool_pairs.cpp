@@ -29,9 +29,9 @@ namespace {
 
 constexpr std::size_t n_pair_predictors = pair_predictors.size();
 constexpr double none = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
-/// Index, two nodes, two displacements, distance, solved, status, residual, error of a tool alone; then the errors of
+/// Index, two nodes, two displacements, distance, end, status, residual, error of a tool alone; then the errors of
 /// each predictor.
-constexpr std::size_t pair_row_head = 14, n_errors = 5, pair_row_size = pair_row_head + n_errors * n_pair_predictors;
+constexpr std::size_t pair_row_head = 14, n_errors = 6, pair_row_size = pair_row_head + n_errors * n_pair_predictors;
 
 /// Whether a tool moves the node that another one touches.
 bool moves(const ActiveNodeModel& tool, std::int32_t other) {
@@ -79,6 +79,8 @@ PairErrors errors_of(const std::vector<std::optional<Vec3>>& force, const Points
     const double off = force[t] ? (to_eigen(*force[t]) - to_eigen(truth.force_N[t])).norm() : none;
     errors.force = force[t] && larger > 0 ? std::max(errors.force, off / larger) : none;
     errors.force_own = force[t] && sizes[t] > 0 ? std::max(errors.force_own, off / sizes[t]) : none;
+    errors.force_floored =
+        force[t] && larger > 0 ? std::max(errors.force_floored, off / std::max(sizes[t], force_floor * larger)) : none;
   }
   double largest = 0, sum = 0, error2 = 0, norm2 = 0, n = 0, largest_of_all = 0, sum_of_all = 0;
   for (Eigen::Index o = 0; o < u_FE.rows(); ++o) {
@@ -114,9 +116,15 @@ class PairComparison {
     try {
       _solver.touch(nodes);
     } catch (const Error&) {
+      pair.ended = Status::factorization;
       return;  // counts as not solved
     }
+    std::vector<phn_tool> tools;
+    for (std::size_t t = 0; t < 2; ++t) tools.push_back({{nodes[t], -1, -1}, {1, 0, 0}, {d[t][0], d[t][1], d[t][2]}});
+    const auto coupled = _model.couple(tools);
+    pair.status = coupled.status;
     const auto truth = _solver.solve(d, _increments);
+    pair.ended = truth.status;
     pair.solved = truth.status == Status::converged;
     if (!pair.solved) return;
     const auto& output = _model.model().output;
@@ -136,10 +144,6 @@ class PairComparison {
       pair.errors[static_cast<std::size_t>(p)] = errors_of(force, u, truth, u_FE, counts);
     };
 
-    std::vector<phn_tool> tools;
-    for (std::size_t t = 0; t < 2; ++t) tools.push_back({{nodes[t], -1, -1}, {1, 0, 0}, {d[t][0], d[t][1], d[t][2]}});
-    const auto coupled = _model.couple(tools);
-    pair.status = coupled.status;
     pair.residual_m = coupled.coupled.residual;
     judge(PairPredictor::coupled, coupled.force_N, coupled.displacement_m);
 
@@ -174,10 +178,10 @@ void append(std::vector<double>& rows, std::size_t index, const PairRecord& pair
   rows.insert(rows.end(),
               {static_cast<double>(index), static_cast<double>(pair.nodes[0]), static_cast<double>(pair.nodes[1])});
   for (const auto& d : pair.displacement_m) rows.insert(rows.end(), d.begin(), d.end());
-  rows.insert(rows.end(), {pair.distance_m, pair.solved ? 1.0 : 0.0, static_cast<double>(pair.status), pair.residual_m,
+  rows.insert(rows.end(), {pair.distance_m, static_cast<double>(pair.ended), static_cast<double>(pair.status), pair.residual_m,
                            pair.single_force});
   for (const auto& e : pair.errors)
-    rows.insert(rows.end(), {e.force, e.force_own, e.displacement, e.field_l2, e.displacement_all});
+    rows.insert(rows.end(), {e.force, e.force_own, e.displacement, e.field_l2, e.displacement_all, e.force_floored});
 }
 
 PairRecord read(const double* row) {
@@ -185,13 +189,14 @@ PairRecord read(const double* row) {
   pair.nodes = {static_cast<std::int32_t>(row[1]), static_cast<std::int32_t>(row[2])};
   pair.displacement_m = {Vec3{row[3], row[4], row[5]}, Vec3{row[6], row[7], row[8]}};
   pair.distance_m = row[9];
-  pair.solved = row[10] > 0;
+  pair.ended = static_cast<Status>(static_cast<int>(row[10]));
+  pair.solved = pair.ended == Status::converged;
   pair.status = static_cast<int>(row[11]);
   pair.residual_m = row[12];
   pair.single_force = row[13];
   for (std::size_t p = 0; p < n_pair_predictors; ++p) {
     const double* e = row + pair_row_head + n_errors * p;
-    pair.errors[p] = {e[0], e[1], e[2], e[3], e[4]};
+    pair.errors[p] = {e[0], e[1], e[2], e[3], e[4], e[5]};
   }
   return pair;
 }
@@ -211,6 +216,27 @@ PairGroup group_of(const std::vector<PairRecord>& records, const std::function<b
                        over(&PairErrors::field_l2), over(&PairErrors::displacement_all)};
   }
   return group;
+}
+
+ProbeErrors of_worse_tool(const PairErrors& errors) {
+  ProbeErrors out{errors.force, errors.force_floored, {}};
+  if (!std::isnan(errors.displacement)) out.displacement = {errors.displacement};
+  return out;
+}
+
+std::vector<JudgedProbe> judged_pairs(const std::vector<PairRecord>& records) {
+  std::vector<JudgedProbe> probes;
+  for (const auto& pair : records) {
+    JudgedProbe& made = probes.emplace_back();
+    made.node = static_cast<std::int32_t>(probes.size() - 1);
+    made.displacement_m = pair.displacement_m[0];
+    made.flagged = is_flagged(pair.status);
+    made.status = pair.ended;
+    made.reached_m = -1;
+    made.model = of_worse_tool(pair.of(PairPredictor::coupled));
+    made.linear = of_worse_tool(pair.of(PairPredictor::linear));
+  }
+  return probes;
 }
 
 }  // namespace
@@ -243,14 +269,15 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
   report.finished = static_cast<std::int64_t>(session.sum(static_cast<double>(finished)));
   for (const auto& pair : report.records) {
     report.failed += !pair.solved;
-    report.unsettled += (pair.status & PHN_WARNING_UNSETTLED) != 0;
-    report.outside += (pair.status & PHN_WARNING_OUTSIDE) != 0;
+    report.unsettled += pair.solved && (pair.status & PHN_WARNING_UNSETTLED) != 0;
+    report.outside += pair.solved && (pair.status & PHN_WARNING_OUTSIDE) != 0;
     report.largest_residual_m = std::max(report.largest_residual_m, pair.residual_m);
   }
   report.all = group_of(report.records, [](const PairRecord&) { return true; });
   report.near = group_of(report.records, [&](const PairRecord& p) { return p.distance_m <= report.far_m; });
   report.far = group_of(report.records, [&](const PairRecord& p) { return p.distance_m > report.far_m; });
   report.right = group_of(report.records, [](const PairRecord& p) { return p.single_force <= right_alone; });
+  report.by_warning = errors_by_warning(judged_pairs(report.records));
   std::vector<double> alone;
   for (const auto& pair : report.records) {
     if (pair.solved && std::isfinite(pair.single_force)) alone.push_back(pair.single_force);

@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/validation/probed_states.hpp>
 
 #include "probe_records.hpp"
-#include "shared_work.hpp"
+#include "range_records.hpp"
 
 namespace phynness {
 namespace {
@@ -49,19 +48,6 @@ Prediction by_zero(std::int32_t, const ProbedState& state) {
           Eigen::MatrixXd::Zero(state.fields_FE.rows(), state.fields_FE.cols())};
 }
 
-/// The fields of the model as the types of the solver.
-std::vector<Field> fields_of(const Model& model) {
-  std::vector<Field> fields;
-  for (const auto& of_model : model.fields) {
-    const auto field = field_named(of_model.name);
-    if (!field || (!fields.empty() && *field <= fields.back()))
-      throw input_error("the model has a field that this version cannot compute", of_model.name,
-                        "validate it with the version of phynness that trained it");
-    fields.push_back(*field);
-  }
-  return fields;
-}
-
 double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 double distance(const Vec3& a, const Vec3& b) { return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]}); }
 
@@ -70,33 +56,6 @@ void check_same_scene(const Scene& scene, const LoadedModel& model) {
     throw input_error("the model was trained for another scene",
                       "physics " + model.model().physics_hash + ", this scene's " + physics_hash(scene),
                       "validate with the scene of the model's database, or precompute and train again");
-}
-
-ProbedState state_of(const Model& model, const ProbeSolver& solver, const Vec3& d, const Response& response) {
-  const auto& output = model.output;
-  const auto n = static_cast<Eigen::Index>(output.size());
-  ProbedState state;
-  state.d = d;
-  state.force_FE = response.force_N[0];
-  const Eigen::Vector3d dd(d[0], d[1], d[2]);
-  const Eigen::Vector3d linear_force = solver.rest().stiffness_N_per_m * dd;
-  state.force_linear = {linear_force[0], linear_force[1], linear_force[2]};
-  state.u_FE.resize(n, 3);
-  state.u_linear.resize(n, 3);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto j = output[static_cast<std::size_t>(i)];
-    state.u_FE.row(i) = response.displacement_m.row(j);
-    state.u_linear.row(i) = (solver.rest().sensitivity.middleRows(3 * j, 3) * dd).transpose();
-  }
-  if (model.fields.empty()) return state;
-  const Eigen::MatrixXd linear = solver.linear_fields({d});
-  state.fields_FE.resize(n, response.fields.cols());
-  state.fields_linear.resize(n, response.fields.cols());
-  for (Eigen::Index i = 0; i < n; ++i) {
-    state.fields_FE.row(i) = response.fields.row(output[static_cast<std::size_t>(i)]);
-    state.fields_linear.row(i) = linear.row(output[static_cast<std::size_t>(i)]);
-  }
-  return state;
 }
 
 /// Examples are exchanged between ranks as rows of 13 numbers.
@@ -173,25 +132,6 @@ void collect(const Predict& predict, const NodeProbes& probes, Group group, Samp
   collect_fields(probes.states[group], fields_said, out);
 }
 
-/// Magnitudes at which a ray is solved: the trained increments up to the deepest probe, and the probes.
-std::vector<double> waypoints(const ProbePair& pair, double increment_m) {
-  std::vector<double> s;
-  const double deepest = std::max(pair.inside_m, pair.outside_m);
-  for (int i = 1; i * increment_m < deepest; ++i) s.push_back(i * increment_m);
-  if (pair.inside_m > 0) s.push_back(pair.inside_m);
-  if (pair.outside_m > 0) s.push_back(pair.outside_m);
-  std::sort(s.begin(), s.end());
-  // A waypoint next to a probe would only add a solve.
-  const auto is_probe = [&](double x) { return x == pair.inside_m || x == pair.outside_m; };
-  std::vector<double> kept;
-  for (std::size_t i = 0; i < s.size(); ++i) {
-    const bool crowded = (i + 1 < s.size() && s[i + 1] - s[i] < 0.25 * increment_m) ||
-                         (!kept.empty() && s[i] - kept.back() < 0.25 * increment_m);
-    if (is_probe(s[i]) || !crowded) kept.push_back(s[i]);
-  }
-  return kept;
-}
-
 PredictorErrors statistics(const Samples& samples) {
   const auto of = [](const GroupSamples& group) {
     GroupErrors errors;
@@ -207,95 +147,7 @@ PredictorErrors statistics(const Samples& samples) {
   return {of(samples[inside]), of(samples[outside])};
 }
 
-/// 1 for the output nodes that count in (17), which are those that the tool itself does not move.
-std::vector<char> counted_nodes(const ProbeSolver& solver, const std::vector<std::int32_t>& output) {
-  std::vector<char> counts(output.size(), 1);
-  for (const auto& [node, weight] : solver.prescribed()) {
-    const auto it = std::lower_bound(output.begin(), output.end(), node);
-    if (it != output.end() && *it == node) counts[static_cast<std::size_t>(it - output.begin())] = 0;
-  }
-  return counts;
-}
-
-/// Solves the probes of one node. `go_on` is called after every ray.
-NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& entry, double increment_m,
-                      const std::function<bool()>& go_on) {
-  NodeProbes found;
-  found.node = entry.node;
-  try {
-    solver.touch({entry.node});
-  } catch (const Error& error) {
-    if (error.kind() == Error::Kind::input) throw;
-    for (const auto& pair : entry.pairs) {  // none can be solved; those of other nodes can
-      found.failed += 1 + (pair.outside_m > 0);
-      if (!go_on()) break;
-    }
-    return found;
-  }
-  found.counts = counted_nodes(solver, model.output);
-  if (!entry.pairs.empty()) found.curve = {entry.node, entry.pairs.front().direction, {}, {}};
-  for (const auto& pair : entry.pairs) {
-    const auto s = waypoints(pair, increment_m);
-    std::array<bool, 2> got{false, false};
-    const std::clock_t cpu_start = std::clock();
-    const auto take = [&](std::size_t i, const Response& response) {
-      if (response.status != Status::converged) return false;
-      ++found.increments;
-      const Vec3 d{s[i] * pair.direction[0], s[i] * pair.direction[1], s[i] * pair.direction[2]};
-      if (&pair == &entry.pairs.front()) {
-        found.curve.depth_m.push_back(s[i]);
-        found.curve.force_N.push_back(response.force_N[0]);
-      }
-      for (const Group g : {inside, outside})
-        if (s[i] == (g == inside ? pair.inside_m : pair.outside_m)) {
-          found.states[g].push_back(state_of(model, solver, d, response));
-          got[g] = true;
-        }
-      return true;
-    };
-    try {
-      solver.follow({pair.direction}, s, false, take);
-    } catch (const Interrupted&) {
-      break;
-    }
-    found.cpu_s += static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
-    found.failed += !got[inside] + (pair.outside_m > 0 && !got[outside]);
-    if (!go_on()) break;
-  }
-  return found;
-}
-
 }  // namespace
-
-SolvedShare solve_probes(const SolverSession& session, const Scene& scene, const LoadedModel& model,
-                         const std::vector<NodePlan>& plan,
-                         const std::function<void(std::int64_t, std::int64_t)>& progress,
-                         const std::function<bool()>& stop,
-                         const std::function<void(std::size_t, NodeProbes&&)>& take) {
-  // The physics hash does not depend on stored fields, so that the fields of the model are solved for in place of the
-  // scene's.
-  Scene with_fields = scene;
-  with_fields.database.fields = fields_of(model.model());
-  ProbeSolver solver(with_fields, model.mesh(), {model.model().fixed, {}, model.model().output});
-  solver.set_stop(stop);
-  SolvedShare share;
-  std::int64_t rays = 0;
-  for (const auto& entry : plan) rays += static_cast<std::int64_t>(entry.pairs.size());
-  const auto go_on = [&] {
-    ++share.rays;
-    if (progress && session.rank() == 0) progress(std::min(rays, share.rays * session.size()), rays);
-    share.stopped = share.stopped || (stop && stop());
-    return !share.stopped;
-  };
-  share_out(
-      session, static_cast<std::int64_t>(plan.size()), {},
-      [&] { return share.stopped = share.stopped || (stop && stop()); },
-      [&](std::size_t e) {
-        take(e, probe_node(model.model(), solver, plan[e], scene.probe.max_displacement_m / scene.probe.increments,
-                           go_on));
-      });
-  return share;
-}
 
 namespace {
 
@@ -331,10 +183,11 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   std::vector<double> examples;
   std::array<std::vector<double>, 2> distances;  // by Group
   ProbeRecords records(model);
+  RangeRecords range(model);
   double failed = 0, solved[2] = {0, 0}, increments = 0, cpu_s = 0;
   session.together([&] {
     check_same_scene(scene, model);
-    plan = plan_probes(model, scene.probe.directions, probes, seed, nodes);
+    plan = plan_probes(model, scene.probe.directions, probes, seed, nodes, scene.probe.max_displacement_m);
     share = solve_probes(session, scene, model, plan, progress, stop, [&](std::size_t e, NodeProbes&& found) {
       for (const Group g : {inside, outside}) {
         for (std::size_t p = 0; p < n_predictors; ++p) collect(predict[p], found, g, samples[p]);
@@ -345,6 +198,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
         solved[g] += static_cast<double>(found.states[g].size());
       }
       records.add(found);
+      range.add(e, found);
       failed += static_cast<double>(found.failed);
       increments += static_cast<double>(found.increments);
       cpu_s += found.cpu_s;
@@ -376,6 +230,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
   }
   report.examples = read_examples(session.gather(examples));
   records.finish(session, report);
+  report.to_range = errors_to_range(range.gathered(session), scene.probe.max_displacement_m);
   if (session.rank() == 0) report.speed = measure_speed(model);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   report.solve_ms_per_increment = 1e3 * session.sum(cpu_s) / std::max(1.0, session.sum(increments));

@@ -7,6 +7,7 @@
 #include <phynness/validation/surface_points.hpp>
 #include <random>
 
+#include "range_records.hpp"
 #include "shared_work.hpp"
 
 namespace phynness {
@@ -50,10 +51,8 @@ std::vector<Place> choose_places(const Scene& scene, const LoadedModel& model, s
       const Vec3 e = on_sphere(random);
       if (scene.probe.directions == Directions::hemisphere && normal.dot(Eigen::Vector3d(e[0], e[1], e[2])) >= 0)
         continue;
-      double depth = model.trained_depth(place.nodes[0], e);
-      for (const auto node : place.nodes) depth = std::min(depth, model.trained_depth(node, e));
-      const double d = depth * (1 - uniform(random));
-      if (d > 0) place.displacements.push_back({d * e[0], d * e[1], d * e[2]});
+      const double d = scene.probe.max_displacement_m * (1 - uniform(random));
+      place.displacements.push_back({d * e[0], d * e[1], d * e[2]});
     }
   }
   return places;
@@ -112,10 +111,11 @@ class PointComparison {
   }
 
   /// A place that the solver refuses counts as not solved, with the reason of the first one.
-  void try_at(const Place& place, PointReport& report) {
+  void try_at(std::size_t point, const Place& place, PointReport& report) {
     try {
-      at(place, report);
+      at(point, place, report);
     } catch (const Error& refused) {
+      for (const auto& d : place.displacements) _rows.add(static_cast<std::int64_t>(point), probe(point, place, d));
       report.failed += std::ssize(place.displacements);
       ++_refused;
       if (!_first_refusal) _first_refusal = refused;
@@ -132,26 +132,43 @@ class PointComparison {
   }
 
  private:
-  void at(const Place& place, PointReport& report) {
+  ModelResponse couple(const Place& place, const Vec3& d) const {
+    phn_tool held{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      held.nodes[k] = place.nodes[k];
+      held.weights[k] = place.weights[k];
+      held.displacement[k] = d[k];
+    }
+    return _model.couple({held});
+  }
+
+  /// Without errors, not solved.
+  JudgedProbe probe(std::size_t point, const Place& place, const Vec3& d) const {
+    JudgedProbe made;
+    made.node = static_cast<std::int32_t>(point);
+    made.displacement_m = d;
+    made.flagged = is_flagged(couple(place, d).status);
+    made.reached_m = -1;
+    return made;
+  }
+
+  void at(std::size_t point, const Place& place, PointReport& report) {
     std::vector<Compared> coupled, linear, at_node;
+    std::vector<JudgedProbe> probes;
     for (const auto& d : place.displacements) {
       PointTool tool{{}, {}, d};
-      phn_tool held{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        tool.nodes.push_back(place.nodes[k]);
-        tool.weights.push_back(place.weights[k]);
-        held.nodes[k] = place.nodes[k];
-        held.weights[k] = place.weights[k];
-        held.displacement[k] = d[k];
-      }
+      tool.nodes.assign(place.nodes.begin(), place.nodes.end());
+      tool.weights.assign(place.weights.begin(), place.weights.end());
       const auto truth = hold_points(_solver, {tool}, _increments);
+      probes.push_back(probe(point, place, d));
+      probes.back().status = truth.response.status;
       if (truth.response.status != Status::converged) {
         ++report.failed;
         continue;
       }
       const auto& output = _model.model().output;
       const Points u = rows_of(truth.response.displacement_m, output);
-      const auto said = _model.couple({held});
+      const auto said = couple(place, d);
       report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
       report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
       coupled.push_back({*said.force_N[0], truth.response.force_N[0], said.displacement_m, u});
@@ -167,14 +184,35 @@ class PointComparison {
       at_node.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m,
                          rows_of(truth.displacement_m, _model.model().output)});
     }
+    judge(point, probes, coupled, linear);
     collect(coupled, -1, _coupled);
     collect(linear, -1, _linear);
     const auto& output = _model.model().output;
     collect(at_node, std::lower_bound(output.begin(), output.end(), corner) - output.begin(), _at_nodes);
   }
 
+  /// @param coupled, linear  of the solved probes
+  void judge(std::size_t point, std::vector<JudgedProbe>& probes, const std::vector<Compared>& coupled,
+             const std::vector<Compared>& linear) {
+    LargestResponse largest;
+    for (const auto& c : coupled) largest.take(c.force_FE, c.u_FE, {});
+    std::size_t at = 0;
+    for (auto& judged : probes) {
+      if (judged.solved()) {
+        const auto errors = [&](const Compared& c) {
+          return probe_errors(c.force, c.u, c.force_FE, c.u_FE, largest, {});
+        };
+        judged.model = errors(coupled[at]);
+        judged.linear = errors(linear[at]);
+        ++at;
+      }
+      _rows.add(static_cast<std::int64_t>(point), judged);
+    }
+  }
+
  public:
-  void finish(const SolverSession& session, PointReport& report) const {
+  void finish(const SolverSession& session, double range_m, PointReport& report) const {
+    report.to_range = errors_to_range(_rows.gathered(session), range_m);
     report.coupled = statistics(session, _coupled);
     report.linear = statistics(session, _linear);
     report.at_nodes = statistics(session, _at_nodes);
@@ -189,6 +227,7 @@ class PointComparison {
   int _increments;
   ProbeSolver _solver;
   PointSamples _coupled, _linear, _at_nodes;
+  JudgedRows _rows;
   std::int64_t _refused = 0;
   std::optional<Error> _first_refusal;
 };
@@ -208,10 +247,10 @@ PointReport validate_points(const SolverSession& session, const Scene& scene, co
     const auto places = choose_places(scene, model, points, displacements, seed);
     comparison.emplace(scene, model, stop);
     report.finished =
-        share_out(session, points, progress, stop, [&](std::size_t i) { comparison->try_at(places[i], report); });
+        share_out(session, points, progress, stop, [&](std::size_t i) { comparison->try_at(i, places[i], report); });
   });
   comparison->require_some(session, report.finished);
-  comparison->finish(session, report);
+  comparison->finish(session, scene.probe.max_displacement_m, report);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }

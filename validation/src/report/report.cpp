@@ -161,7 +161,8 @@ std::string errors(const ReportInput& in) {
         [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement_moving; });
     row("field, relative L2", [](const GroupErrors& e) -> const ErrorStatistics& { return e.field_l2; });
   }
-  std::string out = table(rows);
+  std::string out = table(rows) + table(table_cells(in.validation.to_range));
+  for (const auto& remark : remarks(in.validation.to_range)) out += "<p>" + escaped(remark) + ".</p>\n";
   for (const bool outside : {false, true}) {
     std::vector<double> force, force_linear, u, u_linear;
     for (const auto& r : in.validation.records) {

@@ -13,10 +13,11 @@ double uniform(std::mt19937_64& random);
 /// Uniform on the unit sphere.
 Vec3 on_sphere(std::mt19937_64& random);
 
-/// A ray that is solved for one probe inside the trained range and one outside; 0: no such probe.
+/// A ray with the depths of its probes; 0: no such probe.
 struct ProbePair {
   Vec3 direction{};
-  double inside_m = 0, outside_m = 0;
+  double inside_m = 0, outside_m = 0;      ///< inside and outside the trained range
+  double to_range_m = 0, beyond_range_m = 0;  ///< up to the scene's R and beyond it, whatever was trained
 };
 
 struct NodePlan {
@@ -26,11 +27,14 @@ struct NodePlan {
   std::vector<ProbePair> pairs;
 };
 
-/// `probes` in total, distributed evenly over inside and outside and over the nodes. Directions without a trained depth
-/// are drawn again.
+/// `probes` in total, distributed evenly over inside and outside and over the nodes. For these two, directions without a
+/// trained depth are drawn again; for probes to `range_m` the first direction counts and gets a ray of its own. One
+/// random number is the fraction of the trained depth and of `range_m`: probes inside and to `range_m` are the same
+/// where both depths are, and those inside do not depend on `range_m`.
 /// @param nodes  number of probed nodes; 0: a twentieth of the probes, at least ten
-/// @throws Error (input) if `probes` is less than 1
+/// @param range_m  R of the scene; 0: only probes inside and outside
+/// @throws Error (input) if `probes` is less than 1, or if `range_m` is 0 and no direction of a node was trained
 std::vector<NodePlan> plan_probes(const LoadedModel& model, Directions directions, std::int64_t probes,
-                                  std::uint64_t seed, std::int64_t nodes = 0);
+                                  std::uint64_t seed, std::int64_t nodes = 0, double range_m = 0);
 
 }  // namespace phynness

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <phynness/formats/database.hpp>
 #include <phynness/validation/probe_plan.hpp>
 #include <phynness/validation/validation.hpp>
 #include <vector>
@@ -16,11 +17,23 @@ struct ProbedState {
   Eigen::MatrixXd fields_FE, fields_linear;  ///< n_output x n_fields: the fields of the model
 };
 
+/// A probe up to the scene's R or beyond it, and whether the finite elements reach it.
+struct RangeProbe {
+  Vec3 d{};
+  bool beyond = false;
+  Status status = Status::not_solved;  ///< converged, or why the ray ended
+  double reached_m = 0;                ///< deepest solved state of the ray
+  std::size_t list = 0, at = 0;        ///< if converged: states[list][at], or further[at] if list is 2
+};
+
 struct NodeProbes {
   std::int32_t node = 0;
   std::vector<char> counts;                        ///< per output node: 0 if the tool itself moves it
   std::array<std::vector<ProbedState>, 2> states;  ///< inside and outside the trained range
-  ForceCurve curve;                                ///< of the first ray
+  std::vector<RangeProbe> range;                   ///< if the plan has probes up to R
+  std::vector<ProbedState> further;                ///< states of `range` that are not in `states`
+  const ProbedState& state(const RangeProbe& p) const { return p.list < 2 ? states[p.list][p.at] : further[p.at]; }
+  ForceCurve curve;  ///< of the first ray
   std::int64_t failed = 0, increments = 0;
   double cpu_s = 0;  ///< of the solves of the rays, without the preparation of the node
 };

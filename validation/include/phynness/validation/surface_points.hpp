@@ -22,13 +22,14 @@ struct PointReport {
   PointErrors coupled;   ///< the model at the points
   PointErrors linear;    ///< unit responses of the undeformed body at the points
   PointErrors at_nodes;  ///< the model at the corner nearest to each point, with the same displacements
+  ErrorsToRange to_range;  ///< the model at the points, by warnings of phn_couple; its nodes are points, by number
   double seconds = 0;
   bool interrupted() const { return finished < points; }
 };
 
 /// Random points are distributed uniformly in triangles whose corners are all active; each such triangle has the same
 /// probability. Directions are uniform on the sphere, or in scenes with hemispheres on the inward half of it.
-/// Magnitudes are uniform up to the depth to which all three corners are trained. Collective; the result is the same
+/// Magnitudes are uniform up to the scene's R, whatever was trained. Collective; the result is the same
 /// for any number of ranks and complete on rank 0. If `stop` returns true, the function returns the finished points.
 /// @throws Error (input) if no triangle has three active corners, or if the model has forces only
 /// For tools between nodes.

@@ -23,14 +23,16 @@ struct PairErrors {
   double displacement = 0;      ///< as (17): mean difference over the largest displacement, without touched nodes
   double field_l2 = 0;          ///< ratio of Euclidean norms over the same nodes
   double displacement_all = 0;  ///< mean difference over the largest displacement, with touched nodes
+  double force_floored = 0;     ///< force_own with a denominator of at least force_floor * the larger force
 };
 
 struct PairRecord {
   std::array<std::int32_t, 2> nodes{};
   std::array<Vec3, 2> displacement_m{};
   double distance_m = 0;  ///< between the nodes at rest
-  bool solved = false;    ///< by the finite elements; if false, the following members are 0
-  int status = 0;         ///< of phn_couple: warnings
+  bool solved = false;    ///< by the finite elements; if false, the members behind `status` are 0
+  Status ended = Status::not_solved;  ///< converged, or why it was not solved
+  int status = 0;                     ///< of phn_couple: warnings
   double residual_m = 0;
   /// Larger error of the model for each tool alone compared with a solve for this tool alone, over the finite element
   /// force; infinite if a tool alone was not solved. This part of the error of a pair is not caused by coupling.
@@ -60,6 +62,7 @@ struct PairReport {
   PairGroup all, near, far;
   PairGroup right;  ///< pairs for which single_force is at most `right_alone`
   ErrorStatistics single_force;
+  ErrorsByWarning by_warning;  ///< force of the worse tool, displacement as PairErrors::displacement
   std::vector<PairRecord> records;  ///< finished pairs, in the order of the seed
   double seconds = 0;
   bool interrupted() const { return finished < pairs; }

@@ -6,17 +6,11 @@
 #include <functional>
 #include <optional>
 #include <phynness/evaluation/runtime_speed.hpp>
+#include <phynness/validation/errors_to_range.hpp>
 #include <string>
 #include <vector>
 
 namespace phynness {
-
-/// Fractions. Without samples all members are 0.
-struct ErrorStatistics {
-  double mean = 0, median = 0, p95 = 0, max = 0;
-  std::int64_t n = 0;
-  static ErrorStatistics of(std::vector<double> samples);
-};
 
 /// Spearman's rank correlation: 1 if b increases with a, -1 if it decreases; equal values have the same rank. Empty for
 /// fewer than three pairs, or if a or b is constant.
@@ -83,11 +77,12 @@ struct ValidationReport {
   std::int64_t probes = 0;  ///< requested, inside and outside together
   std::int64_t failed = 0;  ///< probes that the finite elements did not solve
   std::int64_t solved_inside = 0, solved_outside = 0;
-  std::int64_t rays = 0, rays_finished = 0;  ///< planned, with at most two probes each; fewer if interrupted
+  std::int64_t rays = 0, rays_finished = 0;  ///< planned; fewer if interrupted
   std::vector<std::int32_t> nodes;           ///< probed active nodes
   std::vector<double> fixed_distance_m;      ///< of each of them, to the nearest fixed node
   double outside_factor = 0;                 ///< outside: R < |d| <= this * R
   std::array<PredictorErrors, 3> errors;     ///< by Predictor
+  ErrorsToRange to_range;                    ///< the same directions, depths up to the scene's R
   /// Spearman's rank correlation of the error of the force with the distance from the trained displacements, over the
   /// probes inside and outside of the trained range; empty for fewer than three probes.
   std::optional<double> distance_correlation_inside, distance_correlation_outside;
@@ -121,7 +116,9 @@ inline constexpr double outside_factor = 4.0 / 2.8;
 class SolverSession;
 
 /// Solves new probes on the mesh of the model. Directions are uniform on the sphere (in scenes with hemispheres on the
-/// inward half of it), magnitudes are uniform. Half of the probes are inside the trained range, half outside. At least
+/// inward half of it), magnitudes are uniform. Half of the probes are inside the trained range, half outside. As many
+/// are drawn up to the scene's R, and beyond it, for ErrorsToRange; where the trained range ends at R they are the same
+/// probes, and elsewhere they are further states of the same ray. At least
 /// ten active nodes are probed if the model has so many, two of ten beside the fixed nodes. Collective over the ranks
 /// of the session; the result is the same for any number of ranks and complete on rank 0. If `stop` returns true, the
 /// function returns the finished rays.

@@ -1,0 +1,75 @@
+// Claims about `phynness validate`: a model whose trained depths are shortened is judged by the same probes up to the
+// scene's R, which then carry a warning where it was shortened; in a whole model these are the probes inside the
+// trained range; probes that the finite elements do not reach are counted with reason and depth; the figures do not
+// depend on the number of ranks. Solves that differ in their intermediate steps agree to the tolerance of the solver,
+// 1e-8 of the force; errors are fractions of the largest force, so that 1e-6 is two orders above.
+#include <phynness/formats/model.hpp>
+
+#include "command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+class ShortenedRays : public CommandLine {
+ protected:
+  nlohmann::json validated(const std::string& options, const std::string& before = "") const {
+    const auto done = shell(before + "\"$PHYNNESS\" validate scene.toml " + options + " --json v.json");
+    EXPECT_EQ(done.exit_status, 0) << done.err;
+    return json("v.json");
+  }
+};
+
+TEST_F(ShortenedRays, AreJudgedToFullDepth) {
+  write_file(folder / "scene.toml", small_scene("P1", 3));
+  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+  ASSERT_EQ(phynness("train scene.toml d.h5 -o whole --family modal").exit_status, 0);
+  auto [model, mesh] = read_model_dir(folder / "whole");
+  for (auto& node : model.nodes)
+    for (std::size_t i = 0; i < node.trained_depth_m.size(); i += 2) node.trained_depth_m[i] *= 0.25;
+  write_model_dir(folder / "short", model, mesh);
+
+  const auto whole = validated("whole --probes 40"), cut = validated("short --probes 40 --pairs 6");
+  EXPECT_EQ(whole.at("all").at("force"), whole.at("inside").at("force"));
+  EXPECT_EQ(whole.at("all").at("displacement"), whole.at("inside").at("displacement"));
+  EXPECT_EQ(whole.at("beyond").at("probes"), 20);
+  EXPECT_EQ(whole.at("unflagged").at("share"), 1.0);
+  EXPECT_TRUE(whole.at("unreached").empty());
+
+  for (const char* what : {"force", "displacement"})
+    for (const char* of : {"mean", "median", "p95", "max"})
+      EXPECT_NEAR(cut.at("all").at(what).at(of).get<double>(), whole.at("all").at(what).at(of).get<double>(), 1e-6)
+          << what << " " << of;
+  const long flagged = cut.at("flagged").at("probes"), unflagged = cut.at("unflagged").at("probes");
+  EXPECT_EQ(flagged + unflagged, 20);
+  EXPECT_GT(flagged, 3);  // half of the directions lost three quarters of their depth
+  EXPECT_GT(unflagged, 3);
+  EXPECT_EQ(cut.at("by_node").at("nodes").size(), 2U);
+  EXPECT_GT(cut.at("pairs").at("by_warning").at("flagged").at("probes").get<int>(), 0);
+
+  auto two = validated("short --probes 40", "mpirun --oversubscribe -n 2 ");
+  for (const char* group : {"inside", "outside", "all", "unflagged", "flagged", "beyond", "by_node", "unreached"})
+    EXPECT_EQ(two.at(group), cut.at(group)) << group;
+}
+
+TEST_F(ShortenedRays, ThatNobodyReachesAreCounted) {
+  // St. Venant-Kirchhoff bodies fold under compression; 30 mm is more than half of this one.
+  auto scene = small_scene("P1", 4);
+  scene.replace(scene.find("neo-hookean"), 11, "st-venant-kirchhoff");
+  scene.replace(scene.find("0.008"), 5, "0.030");
+  write_file(folder / "scene.toml", scene);
+  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+  ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal").exit_status, 0);
+  const auto v = validated("m --probes 40");
+  const auto& unreached = v.at("unreached");
+  ASSERT_GT(unreached.size(), 0U);
+  EXPECT_EQ(v.at("all").at("probes"), 20);
+  EXPECT_EQ(v.at("all").at("solved").get<std::size_t>() + unreached.size(), 20U);
+  for (const auto& probe : unreached) {
+    EXPECT_LT(probe.at("reached_m").get<double>(), probe.at("depth_m").get<double>()) << probe;
+    EXPECT_LE(probe.at("depth_m").get<double>(), 0.030 * (1 + 1e-12)) << probe;
+    expect_names(read_file(folder / "stdout.txt"), {probe.at("reason").get<std::string>(), "finite elements end at"});
+  }
+}
+
+}  // namespace
+}  // namespace phynness::test

@@ -1,0 +1,114 @@
+// Errors over probes that are drawn up to the largest displacement R of the scene, whatever the model trained, split by
+// the warnings of the runtime.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <phynness/formats/database.hpp>
+#include <phynness/validation/error_statistics.hpp>
+#include <string>
+#include <vector>
+
+namespace phynness {
+
+/// A force is called wrong if it is off by more than this fraction of its own size.
+inline constexpr double wrong_fraction = 0.1;
+/// The size of a force is taken as at least this fraction of the largest one of the node.
+inline constexpr double force_floor = 0.01;
+
+/// Errors of one prediction. Not a number: not defined, because all finite element forces of the node are 0.
+struct ProbeErrors {
+  double force = 0;                  ///< |f - f_FE| / largest |f_FE| of the node
+  double force_own = 0;              ///< |f - f_FE| / max(|f_FE|, force_floor * largest |f_FE| of the node)
+  std::vector<double> displacement;  ///< per counted output node: |u - u_FE| / largest |u_FE| of the node
+};
+
+/// A drawn probe, solved or not.
+struct JudgedProbe {
+  std::int32_t node = 0;  ///< or the number of a point between nodes, or of a pair of tools
+  Vec3 displacement_m{};
+  bool beyond = false;   ///< deeper than R, to outside_factor R
+  bool flagged = false;  ///< the runtime warns of this state (is_flagged)
+  Status status = Status::not_solved;
+  double reached_m = 0;  ///< deepest converged depth of the ray if the probe was not solved; negative: not known
+  ProbeErrors model, linear;
+  bool solved() const { return status == Status::converged; }
+  double depth_m() const;
+};
+
+/// Whether a status of the runtime warns of a state. PHN_WARNING_INCOMPLETE alone does not: it is a property of a node,
+/// and is returned for all of its states.
+bool is_flagged(int status);
+
+struct PredictionErrors {
+  ErrorStatistics force, displacement;
+  double wrong = 0;  ///< share of the forces that are off by more than wrong_fraction of their own size
+};
+
+/// Statistics of some probes. Shares refer to drawn probes, errors to solved ones.
+struct JudgedErrors {
+  std::int64_t probes = 0, solved = 0;
+  double share = 0;  ///< of this group in all drawn probes of the same part (all, a third of the depth, some nodes)
+  PredictionErrors model, linear;
+};
+
+/// One group of probes (all, unflagged or flagged) and its parts.
+struct JudgedGroup {
+  JudgedErrors overall;
+  std::array<JudgedErrors, 3> by_depth;  ///< thirds of R
+  JudgedErrors worst_nodes;              ///< probes at ErrorsToRange::worst_nodes
+};
+
+/// Model errors of one node over its solved probes of group `all`.
+struct ErrorsOfNode {
+  std::int32_t node = 0;
+  std::int64_t probes = 0, solved = 0, flagged = 0;     ///< up to R
+  double force = 0, force_max = 0, displacement = 0;  ///< means and the maximum; undefined (nan) if nothing was solved
+};
+
+struct ErrorsToRange {
+  double range_m = 0;                ///< R of the scene
+  JudgedGroup all, unflagged, flagged;  ///< depth in (0, R]
+  JudgedErrors beyond;               ///< depth in (R, outside_factor R]
+  std::vector<ErrorsOfNode> nodes;   ///< ascending
+  /// The tenth of the nodes (at least one) with the largest mean error of the model's force in group `all`.
+  std::vector<std::int32_t> worst_nodes;
+  double least_unflagged = 0;          ///< unflagged share at the tenth of the nodes where it is smallest
+  std::vector<JudgedProbe> unreached;  ///< probes up to R that the finite elements do not reach, without errors
+  std::int64_t unreached_beyond = 0;
+};
+
+using Belongs = std::function<bool(const JudgedProbe&)>;
+/// Statistics of the probes of `part` that are in `group`.
+JudgedErrors judged(const std::vector<JudgedProbe>& probes, const Belongs& group, const Belongs& part);
+ErrorsToRange errors_to_range(const std::vector<JudgedProbe>& probes, double range_m);
+
+/// The same for tools that all have one depth.
+struct ErrorsByWarning {
+  JudgedErrors all, unflagged, flagged;
+  std::vector<JudgedProbe> unreached;
+};
+ErrorsByWarning errors_by_warning(const std::vector<JudgedProbe>& probes);
+
+/// Why the finite elements do not reach a probe, in one word. Only this function names reasons.
+const char* reason(const JudgedProbe& unreached);
+/// Unreached probes by reason, for a sentence; empty if there are none.
+std::string reasons(const std::vector<JudgedProbe>& unreached);
+/// One sentence without a full stop: where the finite elements end and why.
+/// @param node  what JudgedProbe::node counts: "node" or "point"
+std::string sentence(const JudgedProbe& unreached, const std::string& node = "node");
+
+/// TableCells of a table for text and HTML, the first row is the heading; in percent.
+using TableCells = std::vector<std::vector<std::string>>;
+struct NamedErrors {
+  std::string name;
+  const JudgedErrors* errors = nullptr;
+};
+TableCells table_cells(const std::string& title, const std::vector<NamedErrors>& rows);
+/// @param nodes  what JudgedProbe::node counts: "nodes" or "points"
+TableCells table_cells(const ErrorsToRange& errors, const std::string& nodes = "nodes");
+TableCells table_cells(const std::string& title, const ErrorsByWarning& errors);
+/// Sentences below the table: unreached probes by reason, nodes with the smallest unflagged share.
+std::vector<std::string> remarks(const ErrorsToRange& errors, const std::string& nodes = "nodes");
+
+}  // namespace phynness

@@ -1,0 +1,100 @@
+#include <fmt/core.h>
+
+#include <array>
+#include <map>
+#include <phynness/validation/errors_to_range.hpp>
+
+namespace phynness {
+namespace {
+
+std::string in_percent(double fraction) {
+  const double value = 100 * fraction;
+  return value > 0 && value < 0.005 ? fmt::format("{:.0e}", value) : fmt::format("{:.2f}", value);
+}
+
+constexpr std::size_t n_columns = 17;
+
+void append_errors(std::vector<std::string>& row, const PredictionErrors& errors) {
+  for (const auto* s : {&errors.force, &errors.displacement}) {
+    for (const double value : {s->mean, s->median, s->p95, s->max}) row.push_back(s->n > 0 ? in_percent(value) : "-");
+    if (s == &errors.force) row.push_back(s->n > 0 ? in_percent(errors.wrong) : "-");
+  }
+}
+
+}  // namespace
+
+std::string reasons(const std::vector<JudgedProbe>& unreached) {
+  std::map<std::string, std::array<std::int64_t, 2>> by_reason;
+  for (const auto& probe : unreached) ++by_reason[reason(probe)][probe.flagged];
+  std::string list;
+  for (const auto& [why, n] : by_reason)
+    list += fmt::format("{}{} {} ({} without a warning)", list.empty() ? "" : ", ", n[0] + n[1], why, n[0]);
+  return list;
+}
+
+std::string sentence(const JudgedProbe& p, const std::string& node) {
+  const double depth_mm = 1e3 * p.depth_m();
+  std::string where = fmt::format("the finite elements do not reach {:.3g} mm", depth_mm);
+  if (p.reached_m >= 0) where = fmt::format("finite elements end at {:.3g} mm of {:.3g} mm", 1e3 * p.reached_m, depth_mm);
+  return fmt::format("{} {}, direction ({:.2f} {:.2f} {:.2f}): {} ({}); the runtime {}", node, p.node,
+                     1e3 * p.displacement_m[0] / depth_mm, 1e3 * p.displacement_m[1] / depth_mm,
+                     1e3 * p.displacement_m[2] / depth_mm, where, reason(p), p.flagged ? "warns" : "does not warn");
+}
+
+TableCells table_cells(const std::string& title, const std::vector<NamedErrors>& rows) {
+  TableCells out{{title, "probes", "share", "force: mean", "median", "p95", "max", "over 10 %", "displ.: mean", "median",
+             "p95", "max", "linear, force: mean", "p95", "over 10 %", "displ.: mean", "p95"}};
+  for (const auto& [name, errors] : rows) {
+    std::vector<std::string> row{name, fmt::format("{} of {}", errors->solved, errors->probes), in_percent(errors->share)};
+    append_errors(row, errors->model);
+    std::vector<std::string> linear;
+    append_errors(linear, errors->linear);
+    for (const std::size_t column : {0, 2, 4, 5, 7}) row.push_back(linear[column]);
+    row.resize(n_columns);
+    out.push_back(std::move(row));
+  }
+  return out;
+}
+
+TableCells table_cells(const ErrorsToRange& errors, const std::string& nodes) {
+  std::vector<NamedErrors> rows;
+  for (const auto& [name, group] : {std::pair{"all", &errors.all}, std::pair{"unflagged", &errors.unflagged},
+                                    std::pair{"flagged", &errors.flagged}}) {
+    rows.push_back({name, &group->overall});
+    if (group->overall.probes == 0) continue;
+    constexpr std::array thirds{"  0 to R/3", "  R/3 to 2R/3", "  2R/3 to R"};
+    for (std::size_t third = 0; third < 3; ++third) rows.push_back({thirds[third], &group->by_depth[third]});
+    rows.push_back({"  worst tenth of the " + nodes, &group->worst_nodes});
+  }
+  if (errors.beyond.probes > 0) rows.push_back({"beyond R, to 1.43 R", &errors.beyond});
+  return table_cells(fmt::format("to R = {:.4g} mm, in %", 1e3 * errors.range_m), rows);
+}
+
+TableCells table_cells(const std::string& title, const ErrorsByWarning& errors) {
+  return table_cells(title, {{"all", &errors.all}, {"unflagged", &errors.unflagged}, {"flagged", &errors.flagged}});
+}
+
+std::vector<std::string> remarks(const ErrorsToRange& errors, const std::string& nodes) {
+  std::vector<std::string> out;
+  if (errors.all.overall.probes == 0) return out;
+  out.push_back(fmt::format("errors are divided by the largest finite element response to R of the {}; over 10 %: forces "
+                            "that are off by more than a tenth of their own size",
+                            nodes == "nodes" ? "node" : "point"));
+  out.push_back(fmt::format("the runtime does not warn of {} % of the probes to R; at the tenth of the {} with the most "
+                            "warnings, of {} %",
+                            in_percent(errors.unflagged.overall.share), nodes, in_percent(errors.least_unflagged)));
+  const std::string why = reasons(errors.unreached);
+  out.push_back(fmt::format("{} of {} probes to R are not reached by the finite elements{}{}{}",
+                            errors.unreached.size(), errors.all.overall.probes, why.empty() ? "" : ": ", why,
+                            errors.beyond.probes > 0
+                                ? fmt::format("; {} of {} beyond R", errors.unreached_beyond, errors.beyond.probes)
+                                : ""));
+  constexpr std::size_t most_named = 10;
+  for (std::size_t i = 0; i < std::min(most_named, errors.unreached.size()); ++i)
+    out.push_back(sentence(errors.unreached[i], nodes == "nodes" ? "node" : "point"));
+  if (errors.unreached.size() > most_named)
+    out.push_back(fmt::format("... and {} more, all of them in the JSON", errors.unreached.size() - most_named));
+  return out;
+}
+
+}  // namespace phynness
