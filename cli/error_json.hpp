@@ -105,16 +105,15 @@ inline nlohmann::ordered_json to_json(const PointErrors& e) {
 }
 
 inline nlohmann::ordered_json to_json(const PointReport& r) {
-  nlohmann::ordered_json out{
-      {"points", r.points},
-          {"finished", r.finished},
-          {"displacements", r.displacements},
-          {"failed", r.failed},
-          {"unsettled", r.unsettled},
-          {"largest_residual_m", r.largest_residual_m},
-          {"coupled", to_json(r.coupled)},
-          {"linear", to_json(r.linear)},
-          {"at_nodes", to_json(r.at_nodes)}};
+  nlohmann::ordered_json out{{"points", r.points},
+                             {"finished", r.finished},
+                             {"displacements", r.displacements},
+                             {"failed", r.failed},
+                             {"unsettled", r.unsettled},
+                             {"largest_residual_m", r.largest_residual_m},
+                             {"coupled", to_json(r.coupled)},
+                             {"linear", to_json(r.linear)},
+                             {"at_nodes", to_json(r.at_nodes)}};
   add_to_range(out, r.to_range, "points");
   return out;
 }

@@ -53,7 +53,7 @@ TEST(ErrorsToRange, AreThoseOfTheGroups) {
   EXPECT_NEAR(all.model.force.mean, 0.08, tolerance);
   EXPECT_NEAR(all.model.force.median, 0.03, tolerance);  // the lower one of the two in the middle
   EXPECT_NEAR(all.model.force.max, 0.20, tolerance);
-  EXPECT_NEAR(all.model.wrong, 0.5, tolerance);  // 0.11 and 0.20 of four
+  EXPECT_NEAR(all.model.wrong, 0.5, tolerance);    // 0.11 and 0.20 of four
   EXPECT_NEAR(all.linear.wrong, 0.75, tolerance);  // and 0.16; 0.10 is not more than a tenth
   EXPECT_EQ(all.model.displacement.n, 8);
   EXPECT_NEAR(all.model.displacement.mean, 0.005, tolerance);
@@ -93,8 +93,9 @@ TEST(ErrorsToRange, AreThoseOfDepthAndNodes) {
 TEST(ErrorsToRange, NameWhatTheFiniteElementsDoNotReach) {
   const auto e = errors_to_range(probes(), R);
   ASSERT_EQ(e.unreached.size(), 2U);
-  EXPECT_EQ(sentence(e.unreached[0]), "node 7, direction (0.00 0.00 -1.00): finite elements end at 11 mm of 28 mm "
-                                      "(inverted); the runtime does not warn");
+  EXPECT_EQ(sentence(e.unreached[0]),
+            "node 7, direction (0.00 0.00 -1.00): finite elements end at 11 mm of 28 mm "
+            "(inverted); the runtime does not warn");
   EXPECT_EQ(reasons(e.unreached), "1 diverged (0 without a warning), 1 inverted (1 without a warning)");
   const auto only_lost = errors_to_range({lost(1, 0.02, false, Status::diverged, 0)}, R);
   EXPECT_EQ(only_lost.all.overall.solved, 0);

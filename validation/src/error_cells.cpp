@@ -35,17 +35,19 @@ std::string reasons(const std::vector<JudgedProbe>& unreached) {
 std::string sentence(const JudgedProbe& p, const std::string& node) {
   const double depth_mm = 1e3 * p.depth_m();
   std::string where = fmt::format("the finite elements do not reach {:.3g} mm", depth_mm);
-  if (p.reached_m >= 0) where = fmt::format("finite elements end at {:.3g} mm of {:.3g} mm", 1e3 * p.reached_m, depth_mm);
+  if (p.reached_m >= 0)
+    where = fmt::format("finite elements end at {:.3g} mm of {:.3g} mm", 1e3 * p.reached_m, depth_mm);
   return fmt::format("{} {}, direction ({:.2f} {:.2f} {:.2f}): {} ({}); the runtime {}", node, p.node,
                      1e3 * p.displacement_m[0] / depth_mm, 1e3 * p.displacement_m[1] / depth_mm,
                      1e3 * p.displacement_m[2] / depth_mm, where, reason(p), p.flagged ? "warns" : "does not warn");
 }
 
 TableCells table_cells(const std::string& title, const std::vector<NamedErrors>& rows) {
-  TableCells out{{title, "probes", "share", "force: mean", "median", "p95", "max", "over 10 %", "displ.: mean", "median",
-             "p95", "max", "linear, force: mean", "p95", "over 10 %", "displ.: mean", "p95"}};
+  TableCells out{{title, "probes", "share", "force: mean", "median", "p95", "max", "over 10 %", "displ.: mean",
+                  "median", "p95", "max", "linear, force: mean", "p95", "over 10 %", "displ.: mean", "p95"}};
   for (const auto& [name, errors] : rows) {
-    std::vector<std::string> row{name, fmt::format("{} of {}", errors->solved, errors->probes), in_percent(errors->share)};
+    std::vector<std::string> row{name, fmt::format("{} of {}", errors->solved, errors->probes),
+                                 in_percent(errors->share)};
     append_errors(row, errors->model);
     std::vector<std::string> linear;
     append_errors(linear, errors->linear);
@@ -77,12 +79,14 @@ TableCells table_cells(const std::string& title, const ErrorsByWarning& errors) 
 std::vector<std::string> remarks(const ErrorsToRange& errors, const std::string& nodes) {
   std::vector<std::string> out;
   if (errors.all.overall.probes == 0) return out;
-  out.push_back(fmt::format("errors are divided by the largest finite element response to R of the {}; over 10 %: forces "
-                            "that are off by more than a tenth of their own size",
-                            nodes == "nodes" ? "node" : "point"));
-  out.push_back(fmt::format("the runtime does not warn of {} % of the probes to R; at the tenth of the {} with the most "
-                            "warnings, of {} %",
-                            in_percent(errors.unflagged.overall.share), nodes, in_percent(errors.least_unflagged)));
+  out.push_back(
+      fmt::format("errors are divided by the largest finite element response to R of the {}; over 10 %: forces "
+                  "that are off by more than a tenth of their own size",
+                  nodes == "nodes" ? "node" : "point"));
+  out.push_back(
+      fmt::format("the runtime does not warn of {} % of the probes to R; at the tenth of the {} with the most "
+                  "warnings, of {} %",
+                  in_percent(errors.unflagged.overall.share), nodes, in_percent(errors.least_unflagged)));
   const std::string why = reasons(errors.unreached);
   out.push_back(fmt::format("{} of {} probes to R are not reached by the finite elements{}{}{}",
                             errors.unreached.size(), errors.all.overall.probes, why.empty() ? "" : ": ", why,

@@ -137,8 +137,10 @@ ErrorsByWarning errors_by_warning(const std::vector<JudgedProbe>& probes) {
   const auto any = [](const JudgedProbe&) { return true; };
   ErrorsByWarning out;
   out.all = judged(probes, any, any);
-  out.unflagged = judged(probes, [](const JudgedProbe& p) { return !p.flagged; }, any);
-  out.flagged = judged(probes, [](const JudgedProbe& p) { return p.flagged; }, any);
+  out.unflagged = judged(
+      probes, [](const JudgedProbe& p) { return !p.flagged; }, any);
+  out.flagged = judged(
+      probes, [](const JudgedProbe& p) { return p.flagged; }, any);
   for (const auto& probe : probes)
     if (!probe.solved()) out.unreached.push_back(probe);
   return out;

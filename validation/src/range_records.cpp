@@ -36,10 +36,10 @@ JudgedProbe read_judged(const double* row) {
 void JudgedRows::add(std::int64_t order, const JudgedProbe& p) {
   const auto& d = p.displacement_m;
   const auto &u = p.model.displacement, &linear = p.linear.displacement;
-  _rows.insert(_rows.end(), {static_cast<double>(order), static_cast<double>(p.node), d[0], d[1], d[2],
-                             p.beyond ? 1.0 : 0.0, p.flagged ? 1.0 : 0.0, static_cast<double>(p.status), p.reached_m,
-                             p.model.force, p.model.force_own, p.linear.force, p.linear.force_own,
-                             static_cast<double>(u.size()), static_cast<double>(linear.size())});
+  _rows.insert(_rows.end(),
+               {static_cast<double>(order), static_cast<double>(p.node), d[0], d[1], d[2], p.beyond ? 1.0 : 0.0,
+                p.flagged ? 1.0 : 0.0, static_cast<double>(p.status), p.reached_m, p.model.force, p.model.force_own,
+                p.linear.force, p.linear.force_own, static_cast<double>(u.size()), static_cast<double>(linear.size())});
   _rows.insert(_rows.end(), u.begin(), u.end());
   _rows.insert(_rows.end(), linear.begin(), linear.end());
 }
@@ -66,7 +66,7 @@ void LargestResponse::take(const Vec3& force, const Points& u, const std::vector
 }
 
 ProbeErrors probe_errors(const Vec3& force, const Points& u, const Vec3& force_FE, const Points& u_FE,
-                      const LargestResponse& largest, const std::vector<char>& counts) {
+                         const LargestResponse& largest, const std::vector<char>& counts) {
   ProbeErrors errors;
   const double off = (to_eigen(force) - to_eigen(force_FE)).norm();
   errors.force = errors.force_own = std::numeric_limits<double>::quiet_NaN();
@@ -99,10 +99,10 @@ void RangeRecords::add(std::size_t entry, const NodeProbes& probes) {
     if (judged.solved()) {
       const auto& state = probes.state(probe);
       const auto& largest = probe.beyond ? all : to_R;
-      judged.model = probe_errors(*said.force_N[0], said.displacement_m, state.force_FE, state.u_FE, largest,
-                               probes.counts);
-      judged.linear = probe_errors(state.force_linear, state.u_linear, state.force_FE, state.u_FE, largest,
-                                probes.counts);
+      judged.model =
+          probe_errors(*said.force_N[0], said.displacement_m, state.force_FE, state.u_FE, largest, probes.counts);
+      judged.linear =
+          probe_errors(state.force_linear, state.u_linear, state.force_FE, state.u_FE, largest, probes.counts);
     }
     _rows.add(static_cast<std::int64_t>(entry), judged);
   }

@@ -26,7 +26,7 @@ struct LargestResponse {
 };
 /// @param u  prediction; without rows the errors have no displacements
 ProbeErrors probe_errors(const Vec3& force, const Points& u, const Vec3& force_FE, const Points& u_FE,
-                      const LargestResponse& largest, const std::vector<char>& counts);
+                         const LargestResponse& largest, const std::vector<char>& counts);
 
 class RangeRecords {
  public:

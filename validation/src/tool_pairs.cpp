@@ -178,8 +178,8 @@ void append(std::vector<double>& rows, std::size_t index, const PairRecord& pair
   rows.insert(rows.end(),
               {static_cast<double>(index), static_cast<double>(pair.nodes[0]), static_cast<double>(pair.nodes[1])});
   for (const auto& d : pair.displacement_m) rows.insert(rows.end(), d.begin(), d.end());
-  rows.insert(rows.end(), {pair.distance_m, static_cast<double>(pair.ended), static_cast<double>(pair.status), pair.residual_m,
-                           pair.single_force});
+  rows.insert(rows.end(), {pair.distance_m, static_cast<double>(pair.ended), static_cast<double>(pair.status),
+                           pair.residual_m, pair.single_force});
   for (const auto& e : pair.errors)
     rows.insert(rows.end(), {e.force, e.force_own, e.displacement, e.field_l2, e.displacement_all, e.force_floored});
 }

@@ -62,15 +62,15 @@ struct JudgedGroup {
 /// Model errors of one node over its solved probes of group `all`.
 struct ErrorsOfNode {
   std::int32_t node = 0;
-  std::int64_t probes = 0, solved = 0, flagged = 0;     ///< up to R
+  std::int64_t probes = 0, solved = 0, flagged = 0;   ///< up to R
   double force = 0, force_max = 0, displacement = 0;  ///< means and the maximum; undefined (nan) if nothing was solved
 };
 
 struct ErrorsToRange {
-  double range_m = 0;                ///< R of the scene
+  double range_m = 0;                   ///< R of the scene
   JudgedGroup all, unflagged, flagged;  ///< depth in (0, R]
-  JudgedErrors beyond;               ///< depth in (R, outside_factor R]
-  std::vector<ErrorsOfNode> nodes;   ///< ascending
+  JudgedErrors beyond;                  ///< depth in (R, outside_factor R]
+  std::vector<ErrorsOfNode> nodes;      ///< ascending
   /// The tenth of the nodes (at least one) with the largest mean error of the model's force in group `all`.
   std::vector<std::int32_t> worst_nodes;
   double least_unflagged = 0;          ///< unflagged share at the tenth of the nodes where it is smallest

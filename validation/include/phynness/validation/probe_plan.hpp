@@ -16,7 +16,7 @@ Vec3 on_sphere(std::mt19937_64& random);
 /// A ray with the depths of its probes; 0: no such probe.
 struct ProbePair {
   Vec3 direction{};
-  double inside_m = 0, outside_m = 0;      ///< inside and outside the trained range
+  double inside_m = 0, outside_m = 0;         ///< inside and outside the trained range
   double to_range_m = 0, beyond_range_m = 0;  ///< up to the scene's R and beyond it, whatever was trained
 };
 
@@ -27,8 +27,8 @@ struct NodePlan {
   std::vector<ProbePair> pairs;
 };
 
-/// `probes` in total, distributed evenly over inside and outside and over the nodes. For these two, directions without a
-/// trained depth are drawn again; for probes to `range_m` the first direction counts and gets a ray of its own. One
+/// `probes` in total, distributed evenly over inside and outside and over the nodes. For these two, directions without
+/// a trained depth are drawn again; for probes to `range_m` the first direction counts and gets a ray of its own. One
 /// random number is the fraction of the trained depth and of `range_m`: probes inside and to `range_m` are the same
 /// where both depths are, and those inside do not depend on `range_m`.
 /// @param nodes  number of probed nodes; 0: a twentieth of the probes, at least ten

@@ -19,9 +19,9 @@ struct PointReport {
   std::int64_t failed = 0;                     ///< displacements that the finite elements did not solve
   std::int64_t unsettled = 0;  ///< solved displacements for which the model returns PHN_WARNING_UNSETTLED
   double largest_residual_m = 0;
-  PointErrors coupled;   ///< the model at the points
-  PointErrors linear;    ///< unit responses of the undeformed body at the points
-  PointErrors at_nodes;  ///< the model at the corner nearest to each point, with the same displacements
+  PointErrors coupled;     ///< the model at the points
+  PointErrors linear;      ///< unit responses of the undeformed body at the points
+  PointErrors at_nodes;    ///< the model at the corner nearest to each point, with the same displacements
   ErrorsToRange to_range;  ///< the model at the points, by warnings of phn_couple; its nodes are points, by number
   double seconds = 0;
   bool interrupted() const { return finished < points; }

@@ -29,8 +29,8 @@ struct PairErrors {
 struct PairRecord {
   std::array<std::int32_t, 2> nodes{};
   std::array<Vec3, 2> displacement_m{};
-  double distance_m = 0;  ///< between the nodes at rest
-  bool solved = false;    ///< by the finite elements; if false, the members behind `status` are 0
+  double distance_m = 0;              ///< between the nodes at rest
+  bool solved = false;                ///< by the finite elements; if false, the members behind `status` are 0
   Status ended = Status::not_solved;  ///< converged, or why it was not solved
   int status = 0;                     ///< of phn_couple: warnings
   double residual_m = 0;
@@ -62,7 +62,7 @@ struct PairReport {
   PairGroup all, near, far;
   PairGroup right;  ///< pairs for which single_force is at most `right_alone`
   ErrorStatistics single_force;
-  ErrorsByWarning by_warning;  ///< force of the worse tool, displacement as PairErrors::displacement
+  ErrorsByWarning by_warning;       ///< force of the worse tool, displacement as PairErrors::displacement
   std::vector<PairRecord> records;  ///< finished pairs, in the order of the seed
   double seconds = 0;
   bool interrupted() const { return finished < pairs; }
