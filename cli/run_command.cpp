@@ -77,7 +77,9 @@ void run(const Options& options) {
                          {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks));
   if (embedded_page("view.html"))
     stages.push_back(stage("page", in("organ.html"),
-                           {self, "view", in("model"), "--database", in("database.h5"), "-o", in("organ.html")}, 1));
+                           {self, "view", in("model"), "--database", in("database.h5"), "--errors", in("validate.json"),
+                            "-o", in("organ.html")},
+                           1));
   else
     message("note: no page of the model is written\n  remedy: {}\n", missing_pages_remedy());
   if (options.json_file) {
