@@ -169,10 +169,11 @@ void run(const Options& options) {
     const auto known = field_named(field);
     result.fields.push_back({field, info.field_units[f], known ? column(*known) : field, response.fields.col(f)});
   }
-  report_tools(options.tool, places, displacements, model.mesh(), result, extra);
-  if (!options.surface) return;
-  const auto n = write_fine_surface(model, response.displacement_m, options.levels, *options.surface, info.title);
-  message("surface of {} vertices: {}\n", n, options.surface->string());
+  report_tools(options.tool, places, displacements, model.mesh(), result, extra, [&] {
+    if (!options.surface) return;
+    const auto n = write_fine_surface(model, response.displacement_m, options.levels, *options.surface, info.title);
+    message("surface of {} vertices: {}\n", n, options.surface->string());
+  });
 }
 
 }  // namespace
