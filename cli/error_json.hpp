@@ -44,6 +44,8 @@ inline nlohmann::ordered_json to_json(const PointReport& r) {
           {"finished", r.finished},
           {"displacements", r.displacements},
           {"failed", r.failed},
+          {"refused", r.refused},
+          {"first_refusal", r.refused > 0 ? nlohmann::ordered_json(r.first_refusal) : nlohmann::ordered_json(nullptr)},
           {"unsettled", r.unsettled},
           {"largest_residual_m", r.largest_residual_m},
           {"coupled", to_json(r.coupled)},
