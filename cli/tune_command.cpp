@@ -1,10 +1,13 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
 #include <map>
-#include <phynness/drawing/gnuplot.hpp>
+#include <phynness/drawing/html.hpp>
+#include <phynness/drawing/plots.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/text_file.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/training/families.hpp>
@@ -73,51 +76,40 @@ void print_table(const TuningReport& report, const std::optional<std::size_t>& c
                statistic_names.at(statistic));
 }
 
-/// Draws two panels with gnuplot: error against time and error against memory.
+/// A page with two charts: error against time and error against memory.
 void plot(const std::filesystem::path& file, const TuningReport& report, const std::string& title,
           const std::optional<std::size_t>& chosen, ErrorStatistic statistic) {
-  std::string families[3], front, best;
-  for (std::size_t i = 0; i < report.models.size(); ++i) {
-    const auto& m = report.models[i];
-    const auto row = fmt::format("{} {} {}\n", m.speed.deformation_us, m.memory_bytes / 1e6, 100 * m.error(statistic));
-    families[static_cast<std::size_t>(m.candidate.spec.family)] += row;
-    if (m.on_front) front += row;
-    if (chosen == i) best += row;
-  }
-  const bool png = file.extension() == ".png";
-  std::string script = fmt::format("set terminal {} size 1000,460 background '#ffffff' font 'sans,{}'\n",
-                                   png ? "pngcairo" : "svg", png ? 10 : 13);
-  script += fmt::format("set output {}\nset multiplot layout 1,2 title {} noenhanced\n", report::quoted(file.string()),
-                        report::quoted(title));
-  script += fmt::format(
-      "set logscale xy\nset grid\nset key top right\nset ylabel 'larger {} error of force and "
-      "displacement, %'\n",
-      statistic_names.at(statistic));
-  const auto block = [&](const char* label, const std::string& rows) {
-    script += fmt::format("${} << END\n{}END\n", label, rows);
+  using report::Curve;
+  using report::Mark;
+  const auto curves = [&](auto&& abscissa) {
+    std::vector<Curve> all;
+    for (const auto* each : every_family())
+      all.push_back({name(each->family), Mark::points, static_cast<int>(all.size()) + 3, {}});
+    Curve front{"on the front", Mark::joined_points, 2, {}}, best{"chosen", Mark::points, 1, {}};
+    for (std::size_t i = 0; i < report.models.size(); ++i) {
+      const auto& m = report.models[i];
+      const std::pair<double, double> at{abscissa(m), 100 * m.error(statistic)};
+      for (std::size_t f = 0; f < all.size(); ++f)
+        if (all[f].title == name(m.candidate.spec.family)) all[f].at.push_back(at);
+      if (m.on_front) front.at.push_back(at);
+      if (chosen == i) best.at.push_back(at);
+    }
+    all.push_back(front);
+    all.push_back(best);
+    for (auto& curve : all) std::sort(curve.at.begin(), curve.at.end());
+    return all;
   };
-  std::string series;
-  for (const auto* each : every_family()) {
-    const auto& rows = families[static_cast<std::size_t>(each->family)];
-    if (rows.empty()) continue;
-    const char* word = name(each->family);
-    block(word, rows);
-    series +=
-        fmt::format("{}${} using COLUMN:3 with points pt 7 ps 0.8 title '{}'", series.empty() ? "" : ", ", word, word);
-  }
-  block("front", front);
-  series += ", $front using COLUMN:3 with points pt 6 ps 1.5 lc 'black' title 'on the front'";
-  if (!best.empty()) {
-    block("best", best);
-    series += ", $best using COLUMN:3 with points pt 3 ps 1.5 lc 'red' title 'chosen'";
-  }
-  for (const auto& [column, label] : {std::pair{"1", "one deformation, us"}, std::pair{"2", "memory, MB"}}) {
-    auto panel = series;
-    for (auto at = panel.find("COLUMN"); at != std::string::npos; at = panel.find("COLUMN"))
-      panel.replace(at, 6, column);
-    script += fmt::format("set xlabel '{}'\nplot {}\n", label, panel);
-  }
-  report::gnuplot(script, file.string(), "leave --plot out");
+  const auto error = fmt::format("larger {} error of force and displacement, %", statistic_names.at(statistic));
+  std::string body = "<h1>" + report::escaped(title) + "</h1>\n<div class=\"plots\">\n";
+  body += "<figure>" +
+          report::plot({"Error against time", "one deformation, us", error, true,
+                        curves([](const auto& m) { return m.speed.deformation_us; }), true}) +
+          "</figure>\n";
+  body += "<figure>" +
+          report::plot({"Error against memory", "memory, MB", error, true,
+                        curves([](const auto& m) { return m.memory_bytes / 1e6; }), true}) +
+          "</figure>\n</div>\n";
+  write_text_file(file, report::page(title, body));
   print_result("plot: {}\n", file.string());
 }
 
@@ -138,9 +130,9 @@ TuningLimits limits_of(const Options& options) {
 }
 
 void check_plot_name(const Options& options) {
-  if (options.plot_file && options.plot_file->extension() != ".svg" && options.plot_file->extension() != ".png")
+  if (options.plot_file && options.plot_file->extension() != ".html")
     throw input_error("the format of the plot is unknown", options.plot_file->string(),
-                      "give --plot a name that ends in .svg or .png");
+                      "give --plot a name that ends in .html");
 }
 
 TuningReport tuned(const Options& options, const SolverSession& session, const Scene& scene, const Database& database) {
@@ -253,7 +245,7 @@ void add(CLI::App& app) {
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()))
       ->capture_default_str();
   add_path(*command, "--plot", options->plot_file, OutputKind::file,
-           "draw error against time and memory (.svg or .png; needs gnuplot)");
+           "HTML page with charts of error against time and memory");
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->callback([options] { run(*options); });
 }

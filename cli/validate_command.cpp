@@ -43,9 +43,6 @@ struct Compared {
 };
 
 Compared load(const Options& options, const SolverSession& session) {
-  session.together([&] {
-    if (options.report_file && session.rank() == 0) require_plots();
-  });
   Scene scene;
   std::optional<LoadedModel> loaded;
   session.together([&] {
@@ -292,7 +289,7 @@ void add(CLI::App& app) {
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()));
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   add_path(*command, "--report", options->report_file, OutputKind::file,
-           "write an HTML report with curves and pictures (needs gnuplot)");
+           "write an HTML report with curves and pictures");
   command->callback([options] { run(*options); });
 }
 

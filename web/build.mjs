@@ -1,6 +1,6 @@
 // Builds the npm package `phynness` of web/runtime, and the pages.
 // Usage: node build.mjs --wasm phynness.wasm --out FOLDER
-// Writes FOLDER/phynness, ready for npm pack, and FOLDER/view.html.
+// Writes FOLDER/phynness, ready for npm pack, FOLDER/view.html, and FOLDER/report.js and .css.
 import { execFileSync } from 'node:child_process';
 import { copyFileSync, mkdirSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -8,6 +8,7 @@ import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import { build } from 'esbuild';
+import { buildReport } from './report/build.mjs';
 import { buildView } from './view/build.mjs';
 
 const here = dirname(fileURLToPath(import.meta.url));
@@ -37,3 +38,4 @@ copyFileSync(join(here, '../LICENSE'), join(out, 'LICENSE'));
 console.log(`${out}: the npm package phynness`);
 const page = join(resolve(values.out), 'view.html');
 console.log(`${page}: ${await buildView(values.wasm, page)} bytes`);
+console.log(`${resolve(values.out)}/report.js and .css: ${await buildReport(resolve(values.out))} bytes`);

@@ -19,7 +19,7 @@ if [ ! -f "$work/node_modules/installed" ] || [ "$(cat "$work/node_modules/insta
   echo "$lock" > "$work/node_modules/installed"
 fi
 
-for folder in runtime wasm shared view report; do
+for folder in runtime wasm shared view report browser_tests; do
   rm -rf "${work:?}/$folder"
   [ ! -d "$source/$folder" ] || cp -r "$source/$folder" "$work"
 done

@@ -1,5 +1,5 @@
 // Time against numbers of neurons, centers and nodes with straight lines fitted to it, and a comparison with the limits
-// of the processor. Usage: phynness_cost_lines [--plot FILE.svg] [--json FILE]
+// of the processor. Usage: phynness_cost_lines [--plot FILE.html] [--json FILE]
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -8,7 +8,9 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <phynness/drawing/gnuplot.hpp>
+#include <phynness/drawing/html.hpp>
+#include <phynness/drawing/plots.hpp>
+#include <phynness/formats/text_file.hpp>
 #include <string>
 #include <vector>
 
@@ -169,30 +171,24 @@ nlohmann::json compare_with_limits() {
 }
 
 void plot(const std::string& file, const std::vector<Series>& all) {
-  std::string script = "set terminal svg size 1200,700 background '#ffffff' font 'sans,12'\nset output " +
-                       report::quoted(file) +
-                       "\nset multiplot layout 2,3\nset grid\nset key top left\nset xrange [0:*]\nset yrange [0:*]\n";
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Series& series = all[i];
+  std::string body = "<h1>Time of the runtime</h1>\n<div class=\"plots\">\n";
+  for (const Series& series : all) {
     const auto [constant, slope] = series.line();
-    const auto data = [&](const std::vector<double>& values) {
-      std::string rows;
-      for (std::size_t k = 0; k < values.size(); ++k)
-        rows += std::to_string(series.n[k]) + " " + std::to_string(values[k]) + "\n";
-      return rows;
-    };
-    const std::string label = "$series" + std::to_string(i);
-    script += label + " << END\n" + data(series.time) + "END\nset title '" + series.name + "'\nset xlabel '" +
-              series.axis + "'\nset ylabel '" + series.unit + "'\nplot " + label + " with points pt 7 notitle, " +
-              std::to_string(constant) + " + " + std::to_string(slope) + " * x with lines notitle\n";
+    report::Curve measured{"measured", report::Mark::points, 0, {}},
+        line{"line", report::Mark::line, 1, {{0, constant}}};
+    for (std::size_t k = 0; k < series.n.size(); ++k) {
+      measured.at.emplace_back(series.n[k], series.time[k]);
+      line.at.emplace_back(series.n[k], constant + slope * series.n[k]);
+    }
+    body += "<figure>" + report::plot({series.name, series.axis, series.unit, false, {line, measured}}) + "</figure>\n";
   }
-  report::gnuplot(script, file, "leave --plot out");
+  write_text_file(file, report::page("Time of the runtime", body + "</div>\n"));
 }
 
 int run(int argc, char** argv) {
   CLI::App app("Time of the runtime against neurons, centers and nodes, and the limits of this core");
   std::string plot_file, json_file;
-  app.add_option("--plot", plot_file, "draw the lines (SVG; needs gnuplot)");
+  app.add_option("--plot", plot_file, "draw the lines (HTML)");
   app.add_option("--json", json_file, "write the figures for machines");
   CLI11_PARSE(app, argc, argv);
   std::printf("one core, medians of processor time; arbitrary coefficients\n");

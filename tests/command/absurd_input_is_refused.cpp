@@ -189,19 +189,6 @@ TEST_F(AbsurdInput, TheCostOfAnIncrementIsThatOfTheIncrementsOfTheRun) {
   EXPECT_EQ(again.out.find("core-ms"), std::string::npos) << again.out;
 }
 
-TEST_F(AbsurdInput, WhatAPersonKeepsForGnuplotIsInNoReport) {
-  if (shell("gnuplot --version").exit_status != 0) GTEST_SKIP() << "no gnuplot";
-  fs::create_directory(folder / "home");
-  write_file(folder / "home/.gnuplot", "set label 'FROM_HOME' at screen 0.5, 0.5\n");
-  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
-  ASSERT_EQ(phynness("train scene.toml d.h5 -o model").exit_status, 0);
-  const auto validated = shell("HOME=$PWD/home \"$PHYNNESS\" validate scene.toml model --report report.html");
-  ASSERT_EQ(validated.exit_status, 0) << validated.err;
-  const auto page = read_file(folder / "report.html");
-  EXPECT_NE(page.find("<svg"), std::string::npos);
-  EXPECT_EQ(page.find("FROM_HOME"), std::string::npos);
-}
-
 TEST_F(AbsurdInput, AFullDiskLeavesNoHalfOfAModelOrAnExport) {
   ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
   ASSERT_EQ(phynness("train scene.toml d.h5 -o model").exit_status, 0);

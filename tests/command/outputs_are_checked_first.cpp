@@ -103,7 +103,7 @@ TEST_F(Outputs, ThatFailAtTheEndCostNoOthers) {
   EXPECT_TRUE(json("fresh/m.json").contains("nodes"));
   EXPECT_EQ(phynness("export model -o fresh/c --json /dev/full").exit_status, 1);
   EXPECT_TRUE(fs::exists(folder / "fresh/c/model.bin"));
-  if (shell("gnuplot --version").exit_status == 0) {
+  if (PHYNNESS_HAS_PAGES) {
     EXPECT_EQ(phynness("validate scene.toml model --probes 2 --json /dev/full --report fresh/r.html").exit_status, 1);
     EXPECT_TRUE(fs::exists(folder / "fresh/r.html"));
   }

@@ -49,7 +49,40 @@ void ProbeRecords::add_group(const NodeProbes& probes, std::size_t group) {
     const auto off = [&](const Vec3& f) { return scale * (to_eigen(f) - to_eigen(state.force_FE)).norm(); };
     _rows.insert(_rows.end(),
                  {off(force), off(state.force_linear), n > 0 ? error / n : 0, n > 0 ? error_linear / n : 0});
+    if (group == 0 && said.displacement_m.rows() > 0)
+      keep({probes.node, state.d, off(force), state.u_FE, said.displacement_m});
   }
+}
+
+void ProbeRecords::keep(ShownState&& state) {
+  const auto before = [](const ShownState& a, const ShownState& b) { return a.force_error > b.force_error; };
+  _shown.insert(std::upper_bound(_shown.begin(), _shown.end(), state, before), std::move(state));
+  if (_shown.size() > most_shown_states) _shown.pop_back();
+}
+
+std::vector<ShownState> ProbeRecords::gathered_states(const SolverSession& session) const {
+  const auto n = static_cast<Eigen::Index>(_error_sum.size());
+  std::vector<double> rows;
+  for (const auto& state : _shown) {
+    rows.push_back(state.node);
+    rows.insert(rows.end(), state.displacement_m.begin(), state.displacement_m.end());
+    rows.push_back(state.force_error);
+    for (const Points* u : {&state.finite_elements_m, &state.model_m})
+      rows.insert(rows.end(), u->data(), u->data() + 3 * n);
+  }
+  const auto all = session.gather(rows);
+  std::vector<ShownState> states;
+  for (auto at = all.data(); at + 5 + 6 * n <= all.data() + all.size(); at += 5 + 6 * n)
+    states.push_back({static_cast<std::int32_t>(at[0]),
+                      {at[1], at[2], at[3]},
+                      at[4],
+                      Eigen::Map<const Points>(at + 5, n, 3),
+                      Eigen::Map<const Points>(at + 5 + 3 * n, n, 3)});
+  std::stable_sort(states.begin(), states.end(), [](const auto& a, const auto& b) {
+    return std::pair(-a.force_error, a.node) < std::pair(-b.force_error, b.node);
+  });
+  states.resize(std::min(states.size(), most_shown_states));
+  return states;
 }
 
 void ProbeRecords::add_curve(const ForceCurve& curve) {
@@ -83,6 +116,7 @@ void ProbeRecords::finish(const SolverSession& session, ValidationReport& report
     report.curves.push_back(std::move(curve));
   }
   std::sort(report.curves.begin(), report.curves.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
+  report.shown = gathered_states(session);
   const std::size_t n_output = _error_sum.size();
   report.output_error.assign(n_output, 0);
   std::vector<double> total(n_output, 0);

@@ -14,23 +14,25 @@ function given(name: string): string {
 
 /** Paths from CMake. */
 export const built = { phynness: given('PHYNNESS'), model: given('PHYNNESS_SAMPLE_MODEL'), source: given('PHYNNESS_SOURCE') };
-export const browserName = given('PHYNNESS_BROWSER');
+export type BrowserName = 'chromium' | 'firefox';
+export const browserName = given('PHYNNESS_BROWSER') as BrowserName;
 export const folder = mkdtempSync(join(tmpdir(), 'phynness-browser-'));
 
 /** Runs the command. @returns its standard output */
 export const phynness = (...words: string[]): string => execFileSync(built.phynness, words, { encoding: 'utf8' });
 
-const programs: Record<string, string[]> = {
+const programs: Record<BrowserName, string[]> = {
   chromium: ['/usr/bin/chromium', '/usr/bin/google-chrome'],
   firefox: ['/usr/bin/firefox-esr', '/usr/bin/firefox'],
 };
 
 /** Graphics are computed by the processor, because machines of tests have no graphics card. */
-export async function start(): Promise<Browser> {
-  const executablePath = programs[browserName]!.find((path) => existsSync(path));
-  if (!executablePath) throw new Error(`${browserName} is not installed; tools/install-deps --tests --devices installs it`);
-  if (browserName === 'firefox')
-    return launch({ browser: 'firefox', executablePath, headless: true, extraPrefsFirefox: { 'webgl.force-enabled': true, 'gfx.webrender.software': true } });
+export async function start(name = browserName): Promise<Browser> {
+  const executablePath = programs[name].find((path) => existsSync(path));
+  if (!executablePath) throw new Error(`${name} is not installed; tools/install-deps --tests --devices installs it`);
+  if (name === 'firefox')
+    // Without a screen Firefox finds no WebGL; run.sh gives it a virtual one.
+    return launch({ browser: 'firefox', executablePath, headless: false, extraPrefsFirefox: { 'webgl.force-enabled': true } });
   return launch({ executablePath, headless: true, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'] });
 }
 
@@ -91,7 +93,12 @@ export interface Pixels {
   readonly height: number;
 }
 
+/** Waits until what was changed before has been drawn. */
+export const drawn = (page: Page): Promise<void> =>
+  page.evaluate(() => new Promise<void>((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => resolve()))));
+
 export async function pixels(page: Page): Promise<Pixels> {
+  await drawn(page);
   const base64 = await page.screenshot({ encoding: 'base64' });
   const { width, height, data } = await page.evaluate(async (source) => {
     const image = new Image();

@@ -14,4 +14,6 @@ if ! command -v "${programs[@]}" > /dev/null && [ -z "${CI:-}" ]; then
   exit 77
 fi
 cd "$build/work"
-exec node_modules/.bin/vitest run --config browser_tests/vitest.config.ts
+screen=()
+[ "$1" = chromium ] || screen=(env LIBGL_ALWAYS_SOFTWARE=1 xvfb-run --auto-servernum --server-args '-screen 0 1400x1000x24')
+exec "${screen[@]}" node_modules/.bin/vitest run --config browser_tests/vitest.config.ts

@@ -8,7 +8,7 @@ import axe from 'axe-core';
 import { validateBytes } from 'gltf-validator';
 import type { Browser, Page } from 'puppeteer-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
-import { browserName, built, folder, offered, open, phynness, pixels, start, type Opened } from './browser.js';
+import { browserName, built, drawn, folder, offered, open, phynness, pixels, start, type Opened } from './browser.js';
 
 type V3 = [number, number, number];
 interface Pixel { x: number; y: number }
@@ -74,7 +74,10 @@ async function drag(page: Page, node: number, dx: number, dy: number): Promise<P
   const from = await pixelOf(page, node);
   await page.mouse.move(from.x, from.y);
   await page.mouse.down();
-  for (let i = 1; i <= 4; ++i) await page.mouse.move(from.x + (dx * i) / 4, from.y + (dy * i) / 4);
+  for (let i = 1; i <= 4; ++i) {
+    await page.mouse.move(from.x + (dx * i) / 4, from.y + (dy * i) / 4);
+    await drawn(page); // browsers join movements between two pictures
+  }
   await page.mouse.up();
   return from;
 }
@@ -130,6 +133,22 @@ describe(`the page in ${browserName}`, () => {
       expect(nearest).toBeLessThan(1e-7);
     }
     console.log(table.join('\n'));
+  });
+
+  it('answers a hundred random queries as the native runtime', async () => {
+    const page = await view(), nodes = await ask<number[]>(page, '[...phynness.model.info.activeNodes]');
+    let seed = 1;
+    const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647; // Park and Miller, doi 10.1145/63039.63042
+    const queries = Array.from({ length: 100 }, () => ({ node: nodes[Math.floor(random() * nodes.length)]!, d: [0, 1, 2].map(() => 0.04 * (random() - 0.5)) }));
+    const file = join(folder, 'queries.csv');
+    writeFileSync(file, `node,ux_m,uy_m,uz_m\n${queries.map(({ node, d }) => [node, ...d].join(',')).join('\n')}\n`);
+    const [head, ...rows] = phynness('eval', built.model, '--queries', file).trim().split('\n').map((line) => line.split(','));
+    const first = head!.indexOf('fx_N');
+    const forces = await ask<number[][]>(page, `${JSON.stringify(queries)}.map(({ node, d }) => [...phynness.model.force(node, d).force])`);
+    const expected = rows.map((row) => [0, 1, 2].map((k) => Number(row[first + k])));
+    const largest = Math.max(...expected.map(size)), off = Math.max(...expected.map((f, i) => size(f.map((x, k) => x - forces[i]![k]!))));
+    expect(expected.length).toBe(100);
+    expect(off / largest).toBeLessThan(1e-12); // the order of additions is the same, the exponential function is another
   });
 
   it('holds two tools, and between nodes', async () => {

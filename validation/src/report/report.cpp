@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <phynness/drawing/gnuplot.hpp>
 #include <phynness/drawing/html.hpp>
 #include <phynness/drawing/plots.hpp>
 #include <phynness/formats/error.hpp>
@@ -11,8 +10,8 @@
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/report.hpp>
 
+#include "body_data.hpp"
 #include "conservation.hpp"
-#include "surface_picture.hpp"
 
 namespace phynness {
 namespace {
@@ -129,12 +128,22 @@ std::string solved(const ReportInput& in) {
   return section("Solved and failed probes", out);
 }
 
+/// How a row compares with the linear predictor and, for a force, with what a person may notice.
+std::string verdict(const ErrorStatistics& model, const ErrorStatistics& linear, bool of_force) {
+  std::string words = model.mean < linear.mean ? "better than linear" : "worse than linear";
+  if (!of_force) return words;
+  if (model.max <= noticeable) return words + "; all within what is noticed";
+  if (model.p95 <= noticeable) return words + "; 95 % within what is noticed";
+  return words +
+         (model.mean <= noticeable ? "; the mean within what is noticed, p95 beyond it" : "; beyond what is noticed");
+}
+
 std::string errors(const ReportInput& in) {
   std::vector<std::vector<std::string>> rows{
-      {"error in %", "model: mean", "median", "p95", "max", "linear: mean", "p95", "max", "zero: mean"}};
+      {"error in %", "model: mean", "median", "p95", "max", "linear: mean", "p95", "max", "zero: mean", "verdict"}};
   for (const bool outside : {false, true}) {
     using Member = const ErrorStatistics& (*)(const GroupErrors&);
-    const auto row = [&](const char* what, Member member) {
+    const auto row = [&](const char* what, Member member, bool of_force = false) {
       const auto of = [&](Predictor p) -> const ErrorStatistics& {
         const auto& e = in.validation.of(p);
         return member(outside ? e.outside : e.inside);
@@ -142,10 +151,11 @@ std::string errors(const ReportInput& in) {
       const auto &m = of(Predictor::model), &l = of(Predictor::linear), &z = of(Predictor::zero);
       if (m.n == 0) return;
       rows.push_back({std::string(what) + (outside ? ", outside" : ", inside"), percent(m.mean), percent(m.median),
-                      percent(m.p95), percent(m.max), percent(l.mean), percent(l.p95), percent(l.max),
-                      percent(z.mean)});
+                      percent(m.p95), percent(m.max), percent(l.mean), percent(l.p95), percent(l.max), percent(z.mean),
+                      "<span class=\"verdict\">" + verdict(m, l, of_force) + "</span>"});
     };
-    row("force (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.force; });
+    row(
+        "force (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.force; }, true);
     row("displacement (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement; });
     row("tenth with the largest displacements",
         [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement_moving; });
@@ -181,6 +191,16 @@ std::string errors(const ReportInput& in) {
   return section("Errors", out);
 }
 
+/// The node, with the number of the case that the page's script shows on the body.
+std::string case_link(const ReportInput& in, const ProbeRecord& record) {
+  const auto& shown = in.validation.shown;
+  const auto found = std::find_if(shown.begin(), shown.end(), [&](const auto& state) {
+    return state.node == record.node && state.displacement_m == record.displacement_m;
+  });
+  if (found == shown.end()) return std::to_string(record.node);
+  return fmt::format("<span data-case=\"{}\">{}</span>", found - shown.begin(), record.node);
+}
+
 std::string worst(const ReportInput& in) {
   std::vector<const ProbeRecord*> records;
   for (const auto& r : in.validation.records)
@@ -198,7 +218,7 @@ std::string worst(const ReportInput& in) {
     for (const auto fixed : in.model.model().fixed)
       nearest = std::min(nearest, (points.row(fixed) - points.row(r->node)).norm());
     rows.push_back(
-        {std::to_string(r->node), fmt::format("{:.0f}", 1e3 * nearest), vector(r->displacement_m),
+        {case_link(in, *r), fmt::format("{:.0f}", 1e3 * nearest), vector(r->displacement_m),
          vector(r->finite_elements_N, unit.per_N), vector(r->model_N, unit.per_N), percent(r->force_error),
          in.validation.of(Predictor::model).inside.displacement.n > 0 ? percent(r->displacement_error) : "-"});
   }
@@ -217,6 +237,8 @@ std::string curves(const ReportInput& in) {
       "<p>The component of the force along the first random ray of a node, against depth. Solid: the model; dots: "
       "finite elements; dashed: the straight line through the first dot.</p>\n<div class=\"plots\">\n";
   const ForceUnit newton = unit_of(in);
+  std::vector<std::vector<std::string>> rows{
+      {"node", "depth, mm", fmt::format("finite elements, {}", newton.name), fmt::format("model, {}", newton.name)}};
   for (const auto* curve : shown) {
     const auto along = [&](const Vec3& f) {
       return newton.per_N * (f[0] * curve->direction[0] + f[1] * curve->direction[1] + f[2] * curve->direction[2]);
@@ -230,8 +252,14 @@ std::string curves(const ReportInput& in) {
       const Vec3 d{s * curve->direction[0], s * curve->direction[1], s * curve->direction[2]};
       model.at.emplace_back(1e3 * s, along(in.model.force(curve->node, d)));
     }
-    for (std::size_t i = 0; i < curve->depth_m.size(); ++i)
-      solves.at.emplace_back(1e3 * curve->depth_m[i], along(curve->force_N[i]));
+    for (std::size_t i = 0; i < curve->depth_m.size(); ++i) {
+      const double s = curve->depth_m[i];
+      const Vec3 d{s * curve->direction[0], s * curve->direction[1], s * curve->direction[2]};
+      solves.at.emplace_back(1e3 * s, along(curve->force_N[i]));
+      rows.push_back({std::to_string(curve->node), fmt::format("{:.2f}", 1e3 * s),
+                      fmt::format("{:.4g}", along(curve->force_N[i])),
+                      fmt::format("{:.4g}", along(in.model.force(curve->node, d)))});
+    }
     const double slope = along(curve->force_N[0]) / curve->depth_m[0];
     straight.at = {{0, 0}, {1e3 * deepest, slope * deepest}};
     const Vec3 unit{curve->direction[0] * 1e-3, curve->direction[1] * 1e-3, curve->direction[2] * 1e-3};
@@ -244,19 +272,12 @@ std::string curves(const ReportInput& in) {
                        vector(unit, 1e3, "({:.2f} {:.2f} {:.2f})"),
                        1e3 * in.model.trained_depth(curve->node, curve->direction));
   }
-  return section("Force against depth", out + "</div>\n");
+  out += "</div>\n<details><summary>Figures of these curves</summary>" + table(rows) + "</details>\n";
+  return section("Force against depth", out);
 }
 
 std::string picture(const ReportInput& in) {
   if (in.validation.of(Predictor::model).inside.displacement.n == 0) return "";
-  std::vector<std::int32_t> marks;
-  const auto& output = in.model.model().output;
-  for (const auto node : in.validation.nodes) {
-    const auto at = std::lower_bound(output.begin(), output.end(), node);
-    if (at != output.end() && *at == node) marks.push_back(static_cast<std::int32_t>(at - output.begin()));
-  }
-  std::vector<double> value;
-  for (const double e : in.validation.output_error) value.push_back(100 * e);
   std::vector<std::vector<std::string>> rows{
       {"node", "probes", "error of force, mean %", "max %", "of displacement, mean %"}};
   std::map<std::int32_t, std::vector<const ProbeRecord*>> by_node;
@@ -271,11 +292,7 @@ std::string picture(const ReportInput& in) {
     }
     rows.push_back({std::to_string(node), std::to_string(records.size()), percent(force), percent(most), percent(u)});
   }
-  std::string out =
-      "<p>The mean error of the displacement at each point over all probes inside the trained range. Rings in "
-      "both pictures: touched nodes; grey: fixed. Errors above the end of the scale have the colour of its "
-      "end.</p>\n" +
-      surface_picture(in.model.model(), value, marks, "%");
+  std::string out = "<div id=\"body\"></div>\n<p>Means over all probes inside the trained range.</p>\n";
   if (rows.size() <= 41) out += table(rows);
   return section("Distribution of the error on the body", out);
 }
@@ -352,16 +369,12 @@ std::string origin(const ReportInput& in) {
 
 }  // namespace
 
-void require_plots() {
-  if (!gnuplot_is_there())
-    throw failure("a report needs gnuplot for its plots, which was not found", "gnuplot",
-                  "install gnuplot-nox, or omit --report");
-}
-
 std::string html_report(const ReportInput& in) {
   const std::string title = in.scene.title.empty() ? "Model compared with finite elements" : in.scene.title;
-  return page(title, "<h1>" + escaped(title) + "</h1>\n" + headline(in) + modelled(in) + solved(in) + errors(in) +
-                         worst(in) + curves(in) + picture(in) + trust(in) + cost(in) + origin(in));
+  return page(title,
+              "<h1>" + escaped(title) + "</h1>\n" + headline(in) + modelled(in) + solved(in) + errors(in) + worst(in) +
+                  curves(in) + picture(in) + trust(in) + cost(in) + origin(in),
+              body_data(in));
 }
 
 }  // namespace phynness

@@ -39,6 +39,8 @@ class Page {
   }
 
   async start(): Promise<void> {
+    if (document.createElement('canvas').getContext('webgl2') === null)
+      return this.refuse('This browser cannot draw the body: WebGL 2 is missing or turned off. Turn on hardware acceleration in its settings, or open the page in another browser.');
     if (this.data.model === null) return this.refuse('This page contains no model. Drop a model.txt here, or open one.');
     await this.open(this.data.model, this.data, stateOf(location.hash));
     window.addEventListener('hashchange', () => void this.open(this.text, this.shown, stateOf(location.hash)));

@@ -87,8 +87,8 @@ export class Readouts {
     return facts;
   }
 
-  private closedWork({ work }: Session): string {
-    if (!work) return 'one tool only';
+  private closedWork({ work, state }: Session): string {
+    if (!work) return state.tools.length === 0 ? '0 mJ' : 'one tool only';
     const closed = work.closed;
     // Differences of rounding and of the quadrature are not work.
     return Math.abs(closed) <= 1e-6 * Math.abs(work.done) + 1e-12 ? '0 mJ' : withUnit(closed, 'J', 3);

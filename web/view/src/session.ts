@@ -193,7 +193,9 @@ export class Session {
     const { sphere } = this.state, { center, radius } = this.bounds;
     this.runtime.endContact();
     if (!sphere.center) {
-      sphere.center = add(center, [0, 0, radius + sphere.radius]);
+      const { outputPoints, fixedPoints } = this.runtime.model.info;
+      const top = [...outputPoints, ...fixedPoints].reduce((most, x, i) => (i % 3 === 2 ? Math.max(most, x) : most), -Infinity);
+      sphere.center = [center[0], center[1], top + 1.2 * sphere.radius];
       return;
     }
     const to = sphere.center, normal = unit(sub(to, center));

@@ -18,7 +18,9 @@ std::string table(const std::vector<std::vector<std::string>>& rows, CellKind ki
 /// A section with a heading.
 std::string section(const std::string& title, const std::string& body);
 
-/// A complete page.
-std::string page(const std::string& title, const std::string& body);
+/// A complete page that loads nothing from elsewhere. Its script, which the build embeds if it has Node, draws the
+/// plots and, from `data`, the body; without it the page says how to get it.
+/// @param data  JSON (web/report/src/data.ts); empty: none
+std::string page(const std::string& title, const std::string& body, const std::string& data = "");
 
 }  // namespace phynness::report

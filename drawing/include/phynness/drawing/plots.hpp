@@ -1,4 +1,4 @@
-// Vector plots by gnuplot, as SVG elements with the colours of the page.
+// Plots with the colours of the page. The page's script (web/report) draws them; without it they are left out.
 #pragma once
 
 #include <string>
@@ -27,7 +27,7 @@ struct PlotSpec {
   double low = 0, high = 0;  ///< of the vertical axis; equal: chosen from the curves
 };
 
-/// @throws Error (failure) if gnuplot fails
+/// An HTML element that contains the curves, for the page's script.
 std::string plot(const PlotSpec& spec);
 
 /// Percentages of samples in each third of a decade, from the smallest to the largest sample. Samples below `least`

@@ -15,12 +15,8 @@ struct ReportInput {
   std::vector<std::string> not_done{};  ///< requested parts of the validation that were not done, and why
 };
 
-/// Plots are drawn by gnuplot. @throws Error (failure) if gnuplot is not installed
-void require_plots();
-
-/// Self-contained HTML in UTF-8 with its style and vector plots, without references to other files or servers. It has a
-/// light and a dark style and can be printed.
-/// @throws Error (failure) if gnuplot fails
+/// Self-contained HTML in UTF-8 with its style and script, without references to other files or servers. It has a light
+/// and a dark style and can be printed. Tables are complete without the script, which draws curves and the body.
 std::string html_report(const ReportInput& input);
 
 }  // namespace phynness

@@ -62,6 +62,15 @@ struct ProbeRecord {
   double displacement_error = 0, displacement_error_linear = 0;
 };
 
+/// A probe with a large error of the force, with the displacements of the output nodes (n_output x 3 [m]).
+struct ShownState {
+  std::int32_t node = 0;
+  Vec3 displacement_m{};
+  double force_error = 0;  ///< (17)
+  Points finite_elements_m, model_m;
+};
+inline constexpr std::size_t most_shown_states = 10;
+
 /// Finite element forces along one ray of a node.
 struct ForceCurve {
   std::int32_t node = 0;
@@ -85,6 +94,7 @@ struct ValidationReport {
   std::vector<ForceExample> examples;  ///< the first probe inside the range of a few nodes
   std::vector<ProbeRecord> records;    ///< by node; inside before outside
   std::vector<ForceCurve> curves;      ///< of the first ray of each node
+  std::vector<ShownState> shown;       ///< the largest errors of force inside; empty if the model has forces only
   std::vector<double> output_error;    ///< per output node: mean error (17) of its displacement, probes inside
   RuntimeSpeed speed;
   double seconds = 0;  ///< wall time

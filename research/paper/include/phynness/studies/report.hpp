@@ -73,7 +73,7 @@ struct PaperReport {
 /// Every table and figure for which a case was run.
 PaperReport paper_report(const PaperStudy& study);
 nlohmann::ordered_json to_json(const PaperStudy& study, const PaperReport& report);
-/// Self-contained HTML. @throws Error (failure) if gnuplot fails
+/// Self-contained HTML.
 std::string html_page(const PaperStudy& study, const PaperReport& report);
 
 }  // namespace phynness

@@ -1,0 +1,68 @@
+#include "body_data.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+namespace phynness::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Rounded to 1e-7 m, a thousandth of what a picture of a body of 10 cm can show.
+Json rounded(const Points& points) {
+  Json all = Json::array();
+  for (Eigen::Index i = 0; i < points.size(); ++i) all.push_back(std::round(1e7 * points.data()[i]) / 1e7);
+  return all;
+}
+
+/// Rows of the points: output nodes, then fixed nodes.
+std::map<std::int32_t, std::int32_t> rows_of(const Model& model) {
+  std::map<std::int32_t, std::int32_t> rows;
+  for (const auto* nodes : {&model.output, &model.fixed})
+    for (const auto node : *nodes) rows.emplace(node, static_cast<std::int32_t>(rows.size()));
+  return rows;
+}
+
+Json node_errors(const ValidationReport& validation, const std::map<std::int32_t, std::int32_t>& rows) {
+  std::map<std::int32_t, std::pair<double, int>> sums;
+  for (const auto& r : validation.records) {
+    if (r.outside) continue;
+    sums[r.node].first += r.force_error;
+    ++sums[r.node].second;
+  }
+  Json all = Json::array();
+  for (const auto& [node, sum] : sums)
+    if (const auto row = rows.find(node); row != rows.end())
+      all.push_back({{"node", node}, {"row", row->second}, {"force_error", sum.first / sum.second}});
+  return all;
+}
+
+}  // namespace
+
+std::string body_data(const ReportInput& in) {
+  const Model& model = in.model.model();
+  if (model.surface.rows() == 0 || in.validation.shown.empty()) return {};
+  const auto rows = rows_of(model);
+  Points points(model.output_points.rows() + model.fixed_points.rows(), 3);
+  points << model.output_points, model.fixed_points;
+  Json triangles = Json::array();
+  for (Eigen::Index t = 0; t < model.surface.rows(); ++t)
+    for (Eigen::Index k = 0; k < 3; ++k) triangles.push_back(rows.at(model.surface(t, k)));
+  Json cases = Json::array();
+  for (const auto& state : in.validation.shown)
+    cases.push_back({{"node", state.node},
+                     {"row", rows.at(state.node)},
+                     {"displacement_m", state.displacement_m},
+                     {"force_error", state.force_error},
+                     {"finite_elements_m", rounded(state.finite_elements_m)},
+                     {"model_m", rounded(state.model_m)}});
+  Json errors = Json::array();
+  for (const double e : in.validation.output_error) errors.push_back(std::round(1e6 * e) / 1e6);
+  return Json{{"points_m", rounded(points)},  {"n_output", model.output.size()},           {"triangles", triangles},
+              {"displacement_error", errors}, {"nodes", node_errors(in.validation, rows)}, {"cases", cases}}
+      .dump();
+}
+
+}  // namespace phynness::report

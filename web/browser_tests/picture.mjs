@@ -1,0 +1,22 @@
+// Saves a picture of a page, for the documentation.
+// Usage, in the build's folder web/work: node browser_tests/picture.mjs PAGE.html OUT.png [SCRIPT [WIDTHxHEIGHT [light|dark]]]
+import { resolve } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { launch } from 'puppeteer-core';
+
+const [file, out, script = '', size = '1280x800', scheme = 'light'] = process.argv.slice(2);
+const [width, height] = size.split('x').map(Number);
+const browser = await launch({
+  executablePath: '/usr/bin/chromium', headless: true,
+  args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
+});
+const page = await browser.newPage();
+page.on('console', (message) => console.error(message.text()));
+await page.setViewport({ width, height });
+await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
+await page.goto(pathToFileURL(resolve(file)).href);
+await page.waitForFunction('globalThis.phynness || globalThis.phynnessReport');
+if (script) await page.evaluate(script);
+await new Promise((done) => setTimeout(done, 600));
+await page.screenshot({ path: out });
+await browser.close();
