@@ -6,6 +6,7 @@
 
 #include "command_files.hpp"
 #include "commands.hpp"
+#include "output_places.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::bench_command {
@@ -69,10 +70,12 @@ void run(const Options& options) {
                    *options.budget_us, level);
     }
   }
-  write_json(options.json_file, out);
-  if (status != PHN_OK)
-    throw failure(status.message(), fmt::format("{:g} us", *options.budget_us),
-                  "increase --budget, train more levels, or train a smaller model");
+  write_each({[&] { write_json(options.json_file, out); },
+              [&] {
+                if (status != PHN_OK)
+                  throw failure(status.message(), fmt::format("{:g} us", *options.budget_us),
+                                "increase --budget, train more levels, or train a smaller model");
+              }});
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "error_json.hpp"
+#include "output_places.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::check_command {
@@ -181,8 +182,8 @@ void run(const Options& options) {
         [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested);
   }
   print(loaded.scene, report);
-  write_json(options.json_file, as_json(loaded.scene, report));
-  refuse_nothing(options, report);
+  write_each({[&] { write_json(options.json_file, as_json(loaded.scene, report)); },
+              [&] { refuse_nothing(options, report); }});
 }
 
 }  // namespace

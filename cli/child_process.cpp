@@ -28,7 +28,11 @@ ProcessResult execute(const std::vector<std::string>& arguments) {
   for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
   pid_t child = 0;
-  const int code = posix_spawnp(&child, argv[0], nullptr, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_t streams;
+  posix_spawn_file_actions_init(&streams);
+  if (results_are_on_stderr()) posix_spawn_file_actions_adddup2(&streams, STDERR_FILENO, STDOUT_FILENO);
+  const int code = posix_spawnp(&child, argv[0], &streams, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&streams);
   if (code != 0) return {};
   int status = 0;
   // Each signal is passed on. The first makes the child stop in an orderly way, the second kills it.

@@ -2,10 +2,14 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <map>
 #include <phynness/formats/error.hpp>
 #include <variant>
 #include <vector>
+
+#include "output_places.hpp"
+#include "streams.hpp"
 
 namespace phynness::cli {
 namespace {
@@ -166,21 +170,71 @@ void declare(CLI::Option& option, OutputKind kind) {
   declared_options()[&option] = kind;
 }
 
-void check_files(const CLI::App& app) {
+namespace {
+
+/// A path that the command line gives to a declared option.
+struct Given {
+  std::string option;
+  fs::path path;
+  Kind kind;
+};
+
+void collect(const CLI::App& app, std::vector<Given>& all) {
   for (const auto* option : app.get_options()) {
     const auto declared = declared_options().find(option);
     if (declared == declared_options().end()) continue;
-    for (const auto& path : option->results()) {
-      if (path.empty())
-        throw input_error("the name of a file is empty", option->get_name() + " ''",
-                          "give the name of a file, or omit the option");
-      if (const auto* input = std::get_if<InputKind>(&declared->second))
-        claim_input(option->get_name(), path, *input);
-      else
-        claim_output(option->get_name(), path, std::get<OutputKind>(declared->second));
-    }
+    for (const auto& path : option->results()) all.push_back({option->get_name(), path, declared->second});
   }
-  for (const auto* command : app.get_subcommands()) check_files(*command);
+  for (const auto* command : app.get_subcommands()) collect(*command, all);
+}
+
+/// @return false for --json -, which is no file. @throws Error (input)
+bool is_file(const Given& given) {
+  if (given.path.empty())
+    throw input_error("the name of a file is empty", given.option + " ''",
+                      given.option.starts_with('-') ? "give the name of a file, or omit the option"
+                                                    : "give the name of a file or a folder");
+  if (!std::holds_alternative<OutputKind>(given.kind) || !is_stdout(given.path)) return true;
+  if (given.option != "--json")
+    throw input_error("only --json can be written to stdout", given.option + " -",
+                      "give ./- for a file of this name, or another name");
+  print_results_on_stderr();
+  return false;
+}
+
+void check_place(const Given& given, const std::vector<fs::path>& made) {
+  const auto* output = std::get_if<OutputKind>(&given.kind);
+  if (!output) return;
+  switch (*output) {
+    case OutputKind::file:
+      return check_file_place(given.option, given.path, made);
+    case OutputKind::database:
+      return;  // DatabaseWriter and merge_shards() look at the folder first
+    case OutputKind::model:
+      for (const char* name : {"model.txt", "mesh.txt"}) check_file_place(given.option, given.path / name, made);
+      [[fallthrough]];
+    case OutputKind::folder:
+    case OutputKind::tree:
+      return check_folder_place(given.option, given.path);
+  }
+}
+
+}  // namespace
+
+void check_files(const CLI::App& app) {
+  std::vector<Given> all;
+  collect(app, all);
+  all.erase(std::remove_if(all.begin(), all.end(), [](const Given& given) { return !is_file(given); }), all.end());
+  std::vector<fs::path> made;
+  for (const auto& given : all)
+    if (const auto* input = std::get_if<InputKind>(&given.kind)) {
+      claim_input(given.option, given.path, *input);
+    } else {
+      const auto kind = std::get<OutputKind>(given.kind);
+      claim_output(given.option, given.path, kind);
+      if (kind != OutputKind::file && kind != OutputKind::database) made.push_back(given.path);
+    }
+  for (const auto& given : all) check_place(given, made);
 }
 
 void declare_input(const std::string& option, const std::filesystem::path& path) {

@@ -32,8 +32,10 @@ CLI::Option* add_path(CLI::App& command, const std::string& name, Value& value, 
 }
 
 /// Applies the rule to all declared options of the command line. Files are identified by their canonical paths, also if
-/// they or their folders do not exist yet, and by device and inode. Pipes and devices may be named more than once.
-/// @throws Error (input) if an output equals, contains or lies in an input or another output
+/// they or their folders do not exist yet, and by device and inode. Pipes and devices may be named more than once. Also
+/// looks at the places of all outputs, so that work of hours does not end at a folder that is not there. With --json -,
+/// texts for people go to stderr from here on.
+/// @throws Error (input) if an output equals, contains or lies in an input or another output, or cannot be written
 void check_files(const CLI::App& app);
 
 /// Applies the rule to a file that no option names.

@@ -92,6 +92,7 @@ void check_mesh(const Scene& scene, const std::string& mesh_hash, const std::str
 /// For options: a finite number from `low` to `high`; CLI11's own ranges let nan pass.
 CLI::Validator finite_range(double low, double high);
 
+/// Of an option --json; "-" is stdout.
 void write_json(const std::optional<std::filesystem::path>& file, const json& value);
 
 /// Much larger than any body that passes the mesh checks without a warning, and much smaller than numbers whose squares
@@ -131,7 +132,9 @@ struct ToolResult {
   };
   std::vector<Column> fields;
 };
+/// Prints the result and writes the files of `options`, and then what `write_more` writes.
 void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& places,
-                  const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result, json extra);
+                  const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result, json extra,
+                  const std::function<void()>& write_more = {});
 
 }  // namespace phynness::cli

@@ -10,6 +10,7 @@
 #include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "output_places.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli {
@@ -151,7 +152,9 @@ CLI::Validator finite_range(double low, double high) {
 }
 
 void write_json(const std::optional<std::filesystem::path>& file, const json& value) {
-  if (file) write_text_file(*file, value.dump(2) + "\n");
+  if (!file) return;
+  if (is_stdout(*file)) return write_stdout(value.dump(2) + "\n");
+  write_text_file(*file, value.dump(2) + "\n");
 }
 
 void ToolOptions::add_to(CLI::App& command) {
@@ -212,8 +215,29 @@ std::vector<SurfacePoint> ToolOptions::places(const Mesh& mesh) const {
   return found;
 }
 
+namespace {
+
+void write_deformation(const ToolOptions& options, const Mesh& mesh, const ToolResult& result) {
+  if (!options.deformation_csv) return;
+  std::string csv = "node,x,y,z,ux,uy,uz";
+  for (const auto& field : result.fields) csv += "," + field.heading;
+  csv += "\n";
+  for (std::size_t i = 0; i < result.nodes.size(); ++i) {
+    const auto x = mesh.nodes.row(result.nodes[i]);
+    const auto u = result.displacement_m.row(static_cast<Eigen::Index>(i));
+    csv += fmt::format("{},{},{},{},{},{},{}", result.nodes[i], x[0], x[1], x[2], u[0], u[1], u[2]);
+    for (const auto& field : result.fields) csv += fmt::format(",{}", field.values[static_cast<Eigen::Index>(i)]);
+    csv += "\n";
+  }
+  write_text_file(*options.deformation_csv, csv);
+  message("deformation of {} nodes: {}\n", result.nodes.size(), options.deformation_csv->string());
+}
+
+}  // namespace
+
 void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& places,
-                  const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result, json extra) {
+                  const std::vector<Vec3>& displacements, const Mesh& mesh, const ToolResult& result, json extra,
+                  const std::function<void()>& write_more) {
   const double largest = result.displacement_m.rows() > 0 ? result.displacement_m.rowwise().norm().maxCoeff() : 0.0;
   json tools = json::array();
   for (std::size_t t = 0; t < places.size(); ++t) {
@@ -259,21 +283,10 @@ void report_tools(const ToolOptions& options, const std::vector<SurfacePoint>& p
     out["fields"][field.name] = {{"max", most}, {"unit", field.unit}};
   }
 
-  if (options.deformation_csv) {
-    std::string csv = "node,x,y,z,ux,uy,uz";
-    for (const auto& field : result.fields) csv += "," + field.heading;
-    csv += "\n";
-    for (std::size_t i = 0; i < result.nodes.size(); ++i) {
-      const auto x = mesh.nodes.row(result.nodes[i]);
-      const auto u = result.displacement_m.row(static_cast<Eigen::Index>(i));
-      csv += fmt::format("{},{},{},{},{},{},{}", result.nodes[i], x[0], x[1], x[2], u[0], u[1], u[2]);
-      for (const auto& field : result.fields) csv += fmt::format(",{}", field.values[static_cast<Eigen::Index>(i)]);
-      csv += "\n";
-    }
-    write_text_file(*options.deformation_csv, csv);
-    message("deformation of {} nodes: {}\n", result.nodes.size(), options.deformation_csv->string());
-  }
-  write_json(options.json_file, out);
+  write_each({[&] { write_deformation(options, mesh, result); }, [&] { write_json(options.json_file, out); },
+              [&] {
+                if (write_more) write_more();
+              }});
 }
 
 }  // namespace phynness::cli

@@ -64,6 +64,9 @@ void install_stop_handler(bool second_signal_kills) {
   sigaction(SIGTERM, &action, nullptr);
   // mpirun passes SIGUSR1 on to its ranks without ending them itself, and batch systems send it before a time limit.
   sigaction(SIGUSR1, &action, nullptr);
+  // A terminal that is closed; nohup has it ignored.
+  struct sigaction hangup {};
+  if (sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
 }
 
 std::string duration(double seconds) {

@@ -24,7 +24,8 @@ class Progress {
   Clock::time_point _start = Clock::now(), _last{};
 };
 
-/// True after SIGINT, SIGTERM or SIGUSR1. A second SIGINT or SIGTERM kills the process.
+/// True after SIGINT, SIGTERM, SIGUSR1 or SIGHUP, unless SIGHUP was ignored from the start. A second one, other than
+/// SIGUSR1, kills the process.
 bool stop_requested();
 /// For commands that poll stop_requested(). In other commands a signal ends the process at once.
 /// @param second_signal_kills  false for a process that must outlive its children

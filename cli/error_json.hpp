@@ -105,10 +105,13 @@ inline nlohmann::ordered_json to_json(const PointErrors& e) {
 }
 
 inline nlohmann::ordered_json to_json(const PointReport& r) {
+  const auto first = r.refused > 0 ? nlohmann::ordered_json(r.first_refusal) : nlohmann::ordered_json(nullptr);
   nlohmann::ordered_json out{{"points", r.points},
                              {"finished", r.finished},
                              {"displacements", r.displacements},
                              {"failed", r.failed},
+                             {"refused", r.refused},
+                             {"first_refusal", first},
                              {"unsettled", r.unsettled},
                              {"largest_residual_m", r.largest_residual_m},
                              {"coupled", to_json(r.coupled)},

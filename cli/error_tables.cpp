@@ -112,6 +112,11 @@ void print_examples(const ValidationReport& report) {
 void print_points(const PointReport& report) {
   print_result("{} points of the surface, {} displacements each; {} not solved, {} unsettled in the model\n",
                report.finished, report.displacements, report.failed, report.unsettled);
+  if (report.refused > 0)
+    print_result("  {} of those not solved are refused, such as: {}\n", report.refused, report.first_refusal);
+  if (report.failed > report.refused)
+    print_result("  {} of those not solved did not converge; --increments of phynness solve helps to see why\n",
+                 report.failed - report.refused);
   print_result("{:<24} | {:^31} | {:^31} | {:^31}\n", "tools between nodes", "coupled model", "linear predictor",
                "model at the nearest nodes");
   print_result("{:<24}", "  error in %");

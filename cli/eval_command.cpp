@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "eval_motion.hpp"
 #include "eval_queries.hpp"
+#include "eval_refusals.hpp"
 #include "fine_surface.hpp"
 #include "streams.hpp"
 
@@ -46,20 +47,6 @@ std::vector<phn_tool> tools_at(const std::vector<SurfacePoint>& places, const st
     }
   }
   return tools;
-}
-
-/// What `solve` refuses is refused. @throws Error (input) if a patch moves what another one touches
-void refuse_overlap(const LoadedModel& loaded, const std::vector<SurfacePoint>& places) {
-  if (places.size() < 2) return;
-  const Model& model = loaded.model();
-  const bool patches = std::any_of(model.nodes.begin(), model.nodes.end(),
-                                   [](const ActiveNodeModel& node) { return node.prescribed.size() > 1; });
-  if (!patches) return;
-  require_apart(places, model.fixed, [&](std::int32_t node) {
-    const auto it = std::lower_bound(model.nodes.begin(), model.nodes.end(), node,
-                                     [](const ActiveNodeModel& active, std::int32_t n) { return active.node < n; });
-    return it != model.nodes.end() && it->node == node ? it->prescribed : std::vector<std::int32_t>{};
-  });
 }
 
 /// Of every tool that is displaced farther than a node below it was trained: both lengths. "": the status says no such
@@ -131,7 +118,7 @@ void run_motion(const Options& options) {
   const auto motion = read_motion(*options.motion);
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);
-  refuse_overlap(model, places_of(motion, name, model.mesh()));
+  refuse_as_solve(model, places_of(motion, name, model.mesh()));
   answer_motion(model, motion, name, tool.json_file);
 }
 
@@ -144,7 +131,7 @@ void run(const Options& options) {
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);
   const auto places = options.tool.places(model.mesh());
-  refuse_overlap(model, places);
+  refuse_as_solve(model, places);
   const bool coupled = options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty());
   const auto response =
       coupled ? model.couple(tools_at(places, displacements)) : model.respond(options.tool.nodes, displacements);
@@ -169,10 +156,11 @@ void run(const Options& options) {
     const auto known = field_named(field);
     result.fields.push_back({field, info.field_units[f], known ? column(*known) : field, response.fields.col(f)});
   }
-  report_tools(options.tool, places, displacements, model.mesh(), result, extra);
-  if (!options.surface) return;
-  const auto n = write_fine_surface(model, response.displacement_m, options.levels, *options.surface, info.title);
-  message("surface of {} vertices: {}\n", n, options.surface->string());
+  report_tools(options.tool, places, displacements, model.mesh(), result, extra, [&] {
+    if (!options.surface) return;
+    const auto n = write_fine_surface(model, response.displacement_m, options.levels, *options.surface, info.title);
+    message("surface of {} vertices: {}\n", n, options.surface->string());
+  });
 }
 
 }  // namespace

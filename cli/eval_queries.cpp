@@ -5,9 +5,10 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/input_file.hpp>
+#include <sstream>
 #include <string_view>
 
 #include "commands.hpp"
@@ -76,13 +77,13 @@ Query parse_row(std::string_view row, const Place& place) {
 }
 
 /// The next line without its end, which may be "\n" or "\r\n". @throws Error (input) if it is far longer than a query
-bool next_line(std::ifstream& in, std::string& line, Place& place) {
+bool next_line(std::istream& in, std::string& line, Place& place) {
   constexpr std::size_t most_bytes = 4096;
   line.clear();
   ++place.line;
   int c = in.get();
-  if (c == std::ifstream::traits_type::eof()) return false;
-  for (; c != std::ifstream::traits_type::eof() && c != '\n'; c = in.get()) {
+  if (c == std::istream::traits_type::eof()) return false;
+  for (; c != std::istream::traits_type::eof() && c != '\n'; c = in.get()) {
     if (line.size() == most_bytes)
       throw place.error("a line is too long", fmt::format("more than {} bytes", most_bytes),
                         fmt::format("give a CSV file whose first line is {}", queries_header));
@@ -93,10 +94,9 @@ bool next_line(std::ifstream& in, std::string& line, Place& place) {
 }
 
 std::vector<Query> read_queries(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file))
-    throw input_error("the file of queries cannot be read", file.string(),
-                      fmt::format("give a CSV file whose first line is {}", queries_header));
+  constexpr std::uint64_t most_bytes = 1 << 30;  // some twenty million queries
+  const auto remedy = fmt::format("give a CSV file whose first line is {}", queries_header);
+  std::istringstream in(read_input_file(file, {"the file of queries", remedy, most_bytes, true}));
   Place place{file};
   std::string line;
   const bool has_header = next_line(in, line, place);
@@ -109,9 +109,6 @@ std::vector<Query> read_queries(const std::filesystem::path& file) {
   }
   std::vector<Query> queries;
   while (next_line(in, line, place)) queries.push_back(parse_row(line, place));
-  if (in.bad())
-    throw input_error("reading the file of queries failed", file.string(),
-                      "check the disk and the permissions of the file");
   if (queries.empty())
     throw input_error("the file of queries has no rows", file.string(),
                       "write a row for each query below the first line");

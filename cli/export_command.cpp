@@ -11,6 +11,7 @@
 #include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "output_places.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::export_command {
@@ -67,12 +68,6 @@ void run(const Options& options) {
   check_name(options.name);
   for (const auto* suffix : {".h", ".c", ".bin", "_golden.h", "_golden.c"})
     declare_output("--output", options.output / (options.name + suffix));
-  if (options.json_file) {
-    const auto folder = std::filesystem::absolute(*options.json_file).parent_path();
-    if (!std::filesystem::is_directory(folder))
-      throw input_error("there is no such folder", folder.string(),
-                        "make the folder first, or give another file with --json");
-  }
   const LoadedModel loaded(options.model);
   const Model& model = loaded.model();
   const bool deforms = !options.force_only && operations(model.family).has_deformation(model);
@@ -95,7 +90,17 @@ void run(const Options& options) {
     write("_golden.h", golden.header);
     write("_golden.c", golden.source);
   }
-  write_text_files(files);
+  const json figures = {{"family", name(model.family)},
+                        {"name", options.name},
+                        {"real_bytes", image.real_bytes()},
+                        {"image_bytes", image.bytes.size()},
+                        {"ram_bytes", image.ram_bytes()},
+                        {"active", image.n_active},
+                        {"output", image.n_output},
+                        {"force_deviation", force_deviation},
+                        {"deformation_deviation", deformation_deviation},
+                        {"golden", golden_json(queries, options.golden)}};
+  write_each({[&] { write_text_files(files); }, [&] { write_json(options.json_file, figures); }});
   print_result("{}: family {}, {} active nodes, {}, {}\n", (options.output / options.name).string(), name(model.family),
                image.n_active, deforms ? fmt::format("{} output nodes", image.n_output) : std::string("forces only"),
                options.floats ? "float" : "double");
@@ -112,16 +117,6 @@ void run(const Options& options) {
         "warning: large terms of this model cancel each other: the image differs by {:.2g} of the largest response\n"
         "  remedy: {}train it with --family modal or a smaller --spread\n",
         deviation, options.floats ? "export it without --float, or " : "");
-  write_json(options.json_file, {{"family", name(model.family)},
-                                 {"name", options.name},
-                                 {"real_bytes", image.real_bytes()},
-                                 {"image_bytes", image.bytes.size()},
-                                 {"ram_bytes", image.ram_bytes()},
-                                 {"active", image.n_active},
-                                 {"output", image.n_output},
-                                 {"force_deviation", force_deviation},
-                                 {"deformation_deviation", deformation_deviation},
-                                 {"golden", golden_json(queries, options.golden)}});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "output_places.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::merge_command {
@@ -34,6 +35,13 @@ json figures(const Options& options, const MergeReport& report) {
           {"damage", damage}};
 }
 
+/// The name that precompute --shard was given: that of the first shard without .shard-i-of-n.
+std::filesystem::path shards_belong_to(const Options& options) {
+  for (const auto& file : options.shards)
+    if (const auto progress = database_progress(file); progress.shard) return database_of(file, *progress.shard);
+  return options.output;
+}
+
 /// The error that lists missing rays, one line per node, and the commands that solve them.
 Error rays_missing(const Options& options, const MergeReport& report) {
   std::map<std::int32_t, std::string> directions_of;
@@ -43,6 +51,7 @@ Error rays_missing(const Options& options, const MergeReport& report) {
     if (ray.owner) ++rays_of_shard[ray.owner->index];
   }
   constexpr std::size_t most_lines = 12;
+  const auto database = shards_belong_to(options);
   std::string value = fmt::format("{} of {}", report.missing.size(), report.rays_total);
   std::size_t line = 0;
   for (const auto& [node, directions] : directions_of) {
@@ -58,9 +67,8 @@ Error rays_missing(const Options& options, const MergeReport& report) {
   line = 0;
   for (const auto& [index, count] : rays_of_shard) {
     if (line++ == most_lines) break;
-    remedy +=
-        fmt::format("\n    phynness precompute SCENE -o {} --shard {}/{} --resume   ({} ray{})",
-                    options.output.string(), index, report.missing.front().owner->count, count, count == 1 ? "" : "s");
+    remedy += fmt::format("\n    phynness precompute SCENE -o {} --shard {}/{} --resume   ({} ray{})",
+                          database.string(), index, report.missing.front().owner->count, count, count == 1 ? "" : "s");
   }
   if (rays_of_shard.size() > most_lines)
     remedy += fmt::format("\n    and {} more shards (--json lists all)", rays_of_shard.size() - most_lines);
@@ -72,8 +80,10 @@ void run(const Options& options) {
   for (const auto& damage : report.damage)
     message("warning: {}: {}; {} are ignored\n", damage.log.string(), damage.reason,
             bytes(static_cast<double>(damage.dropped_bytes)));
-  write_json(options.json_file, figures(options, report));
-  if (!report.missing.empty()) throw rays_missing(options, report);
+  write_each({[&] { write_json(options.json_file, figures(options, report)); },
+              [&] {
+                if (!report.missing.empty()) throw rays_missing(options, report);
+              }});
   print_result("{} rays of {} shards, {} -> {}; the shards and their .log folders are no longer needed\n",
                report.rays_total, options.shards.size(),
                bytes(static_cast<double>(std::filesystem::file_size(options.output))), options.output.string());

@@ -2,6 +2,7 @@
 
 #include "command_files.hpp"
 #include "commands.hpp"
+#include "output_places.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::mesh_command {
@@ -14,12 +15,16 @@ struct Options {
 
 void run(const Options& options) {
   const auto loaded = load_scene(options.scene, false, [&](const LoadedScene& refused) {
+    if (std::filesystem::exists(options.output)) {
+      message("note: {} is left as it was; with a name of no file, -o writes the refused mesh to look at\n",
+              options.output.string());
+      return;
+    }
     write_msh(refused.mesh, &refused.sets, options.output);
     message("note: {} is written to look at, with the groups of the node sets selected so far\n",
             options.output.string());
   });
   const auto q = measure_quality(loaded.mesh);
-  write_msh(loaded.mesh, &loaded.sets, options.output);
   const auto& s = loaded.sets;
   const bool shell = loaded.mesh.cells.cols() == 3;
   if (shell)
@@ -34,20 +39,24 @@ void run(const Options& options) {
                1e3 * q.min_edge_m, 1e3 * q.max_edge_m, 1e3 * q.mean_edge_m, q.min_quality, q.worst_cell, q.n_slivers,
                sliver_quality);
   print_result("{} fixed nodes, {} active, {} output\n", s.fixed.size(), s.active.size(), s.output.size());
-  print_result("mesh {} -> {}\n", mesh_hash(loaded.mesh), options.output.string());
-  write_json(options.json_file, {{"mesh_hash", mesh_hash(loaded.mesh)},
-                                 {"nodes", q.n_nodes},
-                                 {"tetrahedra", shell ? 0 : q.n_cells},
-                                 {"shell_triangles", shell ? q.n_cells : 0},
-                                 {"surface_nodes", q.n_surface_nodes},
-                                 {"surface_triangles", q.n_surface_triangles},
-                                 {"volume_m3", shell ? q.area_m2 * loaded.scene.mesh.thickness_m : q.volume_m3},
-                                 {"min_quality", q.min_quality},
-                                 {"slivers", q.n_slivers},
-                                 {"mean_edge_m", q.mean_edge_m},
-                                 {"fixed", s.fixed.size()},
-                                 {"active", s.active.size()},
-                                 {"output", s.output.size()}});
+  const json figures = {{"mesh_hash", mesh_hash(loaded.mesh)},
+                        {"nodes", q.n_nodes},
+                        {"tetrahedra", shell ? 0 : q.n_cells},
+                        {"shell_triangles", shell ? q.n_cells : 0},
+                        {"surface_nodes", q.n_surface_nodes},
+                        {"surface_triangles", q.n_surface_triangles},
+                        {"volume_m3", shell ? q.area_m2 * loaded.scene.mesh.thickness_m : q.volume_m3},
+                        {"min_quality", q.min_quality},
+                        {"slivers", q.n_slivers},
+                        {"mean_edge_m", q.mean_edge_m},
+                        {"fixed", s.fixed.size()},
+                        {"active", s.active.size()},
+                        {"output", s.output.size()}};
+  write_each({[&] {
+                write_msh(loaded.mesh, &loaded.sets, options.output);
+                print_result("mesh {} -> {}\n", mesh_hash(loaded.mesh), options.output.string());
+              },
+              [&] { write_json(options.json_file, figures); }});
 }
 
 }  // namespace

@@ -127,7 +127,10 @@ void run(const Options& options) {
         session, loaded.scene, loaded.mesh, loaded.sets, target,
         [&](std::int64_t done, std::int64_t total) { progress.update(done, total); }, stop_requested,
         [&](const std::string& text) {
-          message("warning: {}{}\n", text, session.size() > 1 ? "\n  the other ranks finish their present nodes" : "");
+          // The error at the end repeats it, with its remedy; one rank has reached the end already.
+          if (session.size() > 1)
+            message("warning: {}\n  the other ranks finish their present nodes\n",
+                    text.substr(0, text.find("\n  remedy: ")));
         });
   }
   if (report.interrupted)

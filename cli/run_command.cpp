@@ -2,8 +2,10 @@
 // mpirun and training uses threads.
 #include <chrono>
 #include <fstream>
+#include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/pages/pages.hpp>
+#include <phynness/precompute/precompute.hpp>
 
 #include "child_process.hpp"
 #include "command_files.hpp"
@@ -51,8 +53,28 @@ void declare_files(const Options& options) {
   open_scene(options.scene);
 }
 
+/// A folder with the database of another scene is refused before its mesh is replaced. @throws Error (input)
+void refuse_other_database(const Options& options) {
+  const auto file = options.output / "database.h5";
+  if (!DatabaseWriter::refuse_begun(file, options.resume)) return;
+  const auto loaded = load_scene(options.scene, true);
+  DatabaseWriter::check(file, database_header(loaded.scene, loaded.mesh, loaded.sets), true);
+}
+
+/// The figures of all stages in one file.
+void write_figures(const Options& options) {
+  if (!options.json_file) return;
+  json all;
+  for (const char* name : {"mesh", "precompute", "train", "validate"}) {
+    std::ifstream file(options.output / (std::string(name) + ".json"));
+    all[name] = json::parse(file);
+  }
+  write_json(options.json_file, all);
+}
+
 void run(const Options& options) {
   declare_files(options);
+  refuse_other_database(options);
   install_stop_handler(false);
   std::error_code code;
   std::filesystem::create_directories(options.output, code);
@@ -82,18 +104,11 @@ void run(const Options& options) {
                            1));
   else
     message("note: no page of the model is written\n  remedy: {}\n", missing_pages_remedy());
-  if (options.json_file) {
-    json all;
-    for (const char* name : {"mesh", "precompute", "train", "validate"}) {
-      std::ifstream in_file(options.output / (std::string(name) + ".json"));
-      all[name] = json::parse(in_file);
-    }
-    write_json(options.json_file, all);
-  }
   print_result("\n{:<12} {:>12} {:>10}  written\n", "stage", "time", "size");
   for (const auto& s : stages)
     print_result("{:<12} {:>12} {:>10}  {}\n", s.title, duration(s.seconds), bytes(size_of(s.written)),
                  s.written.string());
+  write_figures(options);
 }
 
 }  // namespace

@@ -61,10 +61,12 @@ void write(const ShownResponse& shown, Kind kind, const std::filesystem::path& f
     times.push_back(shown.states[i].time);
     declare_output("--output", file.parent_path() / names.back());
   }
+  std::vector<std::pair<std::filesystem::path, std::string>> files;
   for (std::size_t i = 0; i < shown.states.size(); ++i)
-    write_text_file(file.parent_path() / names[i], vtu_text(shown.grid, shown.states[i]));
-  // Written last, so that it never refers to a missing file.
-  write_text_file(file, pvd_text(names, times));
+    files.emplace_back(file.parent_path() / names[i], vtu_text(shown.grid, shown.states[i]));
+  // The last to get its name, so that it never refers to a missing file.
+  files.emplace_back(file, pvd_text(names, times));
+  write_text_files(files);
 }
 
 void run(const Options& options) {

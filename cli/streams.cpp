@@ -19,6 +19,9 @@ constexpr const char* told_by_parent = "PHYNNESS_STDOUT_REPORTED_BY_PARENT";
 /// True in a child process whose parent reports failed writes to stdout.
 bool parent_reports = false;
 
+/// Where print_result() writes.
+int results = STDOUT_FILENO;
+
 /// errno of the first failed write to stdout; 0: none.
 int first_error = 0;
 
@@ -54,7 +57,17 @@ void prepare_streams() {
 void print_result_text(fmt::string_view format, fmt::format_args values) {
   fmt::memory_buffer text;
   fmt::vformat_to(std::back_inserter(text), format, values);
-  if (first_error == 0) first_error = write_all(STDOUT_FILENO, text);
+  const int error = write_all(results, text);
+  if (first_error == 0 && results == STDOUT_FILENO) first_error = error;
+}
+
+void print_results_on_stderr() { results = STDERR_FILENO; }
+bool results_are_on_stderr() { return results == STDERR_FILENO; }
+
+void write_stdout(std::string_view text) {
+  fmt::memory_buffer bytes;
+  bytes.append(text.data(), text.data() + text.size());
+  if (first_error == 0) first_error = write_all(STDOUT_FILENO, bytes);
 }
 
 void message_text(fmt::string_view format, fmt::format_args values) noexcept {

@@ -41,6 +41,12 @@ void message(fmt::format_string<T...> format, const T&... values) noexcept try {
 } catch (...) {  // no memory for a copy
 }
 
+/// From here on print_result() writes to stderr, so that stdout contains only what write_stdout() is given.
+void print_results_on_stderr();
+bool results_are_on_stderr();
+/// For data, not for texts. finish_streams() reports a failed write.
+void write_stdout(std::string_view text);
+
 /// Sets an environment variable by which child processes do not report failed writes to stdout. This process reports
 /// them at its end, so that the exit status of a child depends on its work only.
 void report_stdout_for_children();

@@ -17,6 +17,7 @@
 #include "commands.hpp"
 #include "console.hpp"
 #include "error_json.hpp"
+#include "output_places.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::tune_command {
@@ -128,15 +129,10 @@ TuningLimits limits_of(const Options& options) {
   return limits;
 }
 
-/// Checks outputs before tuning, which takes minutes.
-void check_outputs(const Options& options) {
+void check_plot_name(const Options& options) {
   if (options.plot_file && options.plot_file->extension() != ".html")
     throw input_error("the format of the plot is unknown", options.plot_file->string(),
                       "give --plot a name that ends in .html");
-  for (const auto& file : {options.json_file, options.plot_file, std::optional(options.output)})
-    if (const auto folder = file ? std::filesystem::absolute(*file).parent_path() : std::filesystem::path();
-        file && !std::filesystem::is_directory(folder))
-      throw input_error("there is no such folder", folder.string(), "make the folder first");
 }
 
 TuningReport tuned(const Options& options, const SolverSession& session, const Scene& scene, const Database& database) {
@@ -186,7 +182,7 @@ json as_json(const TuningReport& report, const TuningChoice& choice, const Tunin
 
 void run(const Options& options) {
   const TuningLimits limits = limits_of(options);
-  check_outputs(options);
+  check_plot_name(options);
   install_stop_handler();
   const SolverSession session;
   if (session.size() > 1)
@@ -205,17 +201,19 @@ void run(const Options& options) {
   mark_front(report.models, limits.statistic);
   const auto choice = choose_model(report.models, limits);
   print(scene, report, choice, limits);
-  // The model is written first, so that it is not lost if the plot cannot be drawn.
-  if (choice.chosen) {
+  const auto write_model = [&] {
+    if (!choice.chosen) return;
     write_model_dir(options.output, report.models[*choice.chosen].model, database.header().mesh);
     print_result("{} -> {}\n", report.models[*choice.chosen].candidate.name, options.output.string());
-  }
-  write_json(options.json_file, as_json(report, choice, limits));
-  if (options.plot_file)
+  };
+  const auto draw = [&] {
+    if (!options.plot_file) return;
     plot(*options.plot_file, report,
          fmt::format("{}: {}, K/mu = {:.4g}, {} probes, R = {:.4g} mm", scene.title, name(scene.solver.element),
                      scene.material.bulk_to_shear(), name(scene.probe.kind), 1e3 * scene.probe.max_displacement_m),
          choice.chosen, limits.statistic);
+  };
+  write_each({write_model, [&] { write_json(options.json_file, as_json(report, choice, limits)); }, draw});
   if (!choice.chosen)
     throw failure("no model meets the limits", choice.missed,
                   "relax the limits, or precompute more directions; no model was written");

@@ -16,6 +16,7 @@
 #include "console.hpp"
 #include "error_json.hpp"
 #include "error_tables.hpp"
+#include "output_places.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::validate_command {
@@ -34,12 +35,6 @@ struct Options {
   std::optional<std::int32_t> level;
   std::optional<std::filesystem::path> json_file, report_file;
 };
-
-void check_report_place(const std::filesystem::path& file) {
-  const auto folder = std::filesystem::absolute(file).parent_path();
-  if (!std::filesystem::is_directory(folder) || std::filesystem::is_directory(file))
-    throw input_error("the report cannot be written", file.string(), "give --report a file in an existing folder");
-}
 
 /// Scene and model, loaded on every rank and checked by the first.
 struct Compared {
@@ -241,21 +236,24 @@ void refuse_half(const Options& options, const Measured& m) {
                             options.report_file ? "; the report was not written" : ""));
 }
 
+void write_report(const Options& options, const Compared& compared, const Measured& m) {
+  write_text_file(*options.report_file,
+                  html_report({compared.scene, compared.model, m.report, m.seed, software_version(), not_done(m)}));
+  print_result("report: {}\n", options.report_file->string());
+}
+
 void run(const Options& options) {
-  if (options.report_file) check_report_place(*options.report_file);
   const SolverSession session;
   const Compared compared = load(options, session);
   install_stop_handler();
   const Measured measured = measure(options, session, compared);
   if (session.rank() != 0) return;
   print(compared, measured, session.size());
-  write_json(options.json_file, as_json(compared, measured));
+  write_each({[&] { write_json(options.json_file, as_json(compared, measured)); },
+              [&] {
+                if (options.report_file && !measured.interrupted) write_report(options, compared, measured);
+              }});
   if (measured.interrupted) refuse_half(options, measured);
-  if (options.report_file) {
-    write_text_file(*options.report_file, html_report({compared.scene, compared.model, measured.report, measured.seed,
-                                                       software_version(), not_done(measured)}));
-    print_result("report: {}\n", options.report_file->string());
-  }
   const auto& reason = measured.no_points ? measured.no_points : measured.no_pairs;
   if (!reason) return;
   const char* parts = !measured.no_pairs    ? "--points was"

@@ -66,7 +66,14 @@ MergeReport merge_shards(const std::vector<fs::path>& shards, const fs::path& ou
                         partition->count};
     report.missing.push_back(ray);
   }
-  if (report.missing.empty()) write_packed(output, header, index, records, mirrored);
+  if (!report.missing.empty()) return report;
+  try {
+    write_packed(output, header, index, records, mirrored);
+  } catch (const Error& error) {
+    if (error.kind() == Error::Kind::input) throw;
+    throw failure(error.what(), "",
+                  "check free space (df) and permissions, then merge again: the shards are as they were");
+  }
   return report;
 }
 

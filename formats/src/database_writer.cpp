@@ -27,32 +27,43 @@ DatabaseHeader with_hashes(DatabaseHeader header) {
 
 }  // namespace
 
-void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, bool resume) {
-  const DatabaseHeader header = with_hashes(given);
-  check_header(header, "the database");
-  check_folder_of(file);
+bool DatabaseWriter::refuse_begun(const fs::path& file, bool resume) {
   std::error_code code;
   const bool exists = fs::exists(file, code);
   if (exists && !resume)
     throw input_error("the database exists and is not overwritten", file.string(),
                       "continue it with --resume, choose another name, or delete the file");
-  if (exists) {
-    const auto on_disk = read_database_header(file);
-    refuse_other_work(on_disk, header, file);
-    if (on_disk.shard != header.shard)
-      throw input_error("the database " + file.string() + " belongs to another shard",
-                        (on_disk.shard ? on_disk.shard->str() : "no shard") + " in the file, " +
-                            (header.shard ? header.shard->str() : "no shard") + " now",
-                        "use the same --shard, or write to another file");
+  if (!exists && !resume && !dl::logs_of(file).empty())
+    throw input_error("there are logs of an earlier run without their database", dl::folder(file).string(),
+                      "continue with --resume, or delete the folder");
+  return exists;
+}
+
+void DatabaseWriter::check(const fs::path& file, const DatabaseHeader& given, bool resume) {
+  const DatabaseHeader header = with_hashes(given);
+  check_header(header, "the database");
+  check_folder_of(file);
+  if (!refuse_begun(file, resume)) return;
+  const auto on_disk = read_database_header(file);
+  refuse_other_work(on_disk, header, file);
+  if (on_disk.shard != header.shard)
+    throw input_error("the database " + file.string() + " belongs to another shard",
+                      (on_disk.shard ? on_disk.shard->str() : "no shard") + " in the file, " +
+                          (header.shard ? header.shard->str() : "no shard") + " now",
+                      "use the same --shard, or write to another file");
+}
+
+void DatabaseWriter::create(const fs::path& file, const DatabaseHeader& given, bool resume) {
+  check(file, given, resume);
+  const DatabaseHeader header = with_hashes(given);
+  std::error_code code;
+  if (fs::exists(file, code)) {
     if (Database::is_complete(file))
       remove_logs(file);  // remains if a process ended between packing and removing the logs
     else
       make_log_folder(file);
     return;
   }
-  if (!resume && !dl::logs_of(file).empty())
-    throw input_error("there are logs of an earlier run without their database", dl::folder(file).string(),
-                      "continue with --resume, or delete the folder");
   make_log_folder(file);
   const fs::path partial = file.string() + ".tmp";
   try {

@@ -29,7 +29,7 @@ double expected_force_ratio(const Scene& scene, double mean_edge_m) {
   const double probe = scene.material.law->linear ? shallow_probe : depth;
   const double K_mu = scene.material.bulk_to_shear();
   const auto log_of = [&](const ForceRatio& row) { return log_ratio(row, scene.probe.kind, probe); };
-  if (K_mu <= rows.front().bulk_to_shear) return std::exp(log_of(rows.front()));
+  if (K_mu < rows.front().bulk_to_shear) return 1;  // not measured; P1 at 0.29: 1.03
   std::size_t i = 1;
   while (i + 1 < rows.size() && rows[i].bulk_to_shear < K_mu) ++i;
   const auto &low = rows[i - 1], &high = rows[i];

@@ -53,12 +53,16 @@ std::string warn_of_edges(const Scene& scene, const Mesh& mesh, const NodeSets& 
   double mean = 0;
   for (const double edge : edges) mean += edge / static_cast<double>(edges.size());
   const double wanted_radius = fewest_edges_of_a_patch * long_edge;
+  // The middle of an equilateral triangle is 0.58 edges away from its corners.
+  const char* between = radius < 0.58 * mean ? "; between nodes such a patch may hold none of them: solve refuses it, "
+                                               "and so does eval where the model shows how large its patches are"
+                                             : "";
   return scene.probe.where.str() + ": the patch is not resolved at " + std::to_string(too_long) + " of " +
          std::to_string(edges.size()) + " active nodes: its radius, tool_radius_m = " + three_digits(radius) +
          ", is less than two edges of the surface there (edges are " + three_digits(mean) + " m in the mean, up to " +
          three_digits(edges.back()) +
          " m), so that the force depends on the mesh; tool_radius_m = " + three_digits(wanted_radius, Round::up) +
-         " is sufficient, or " + finer_mesh(scene.mesh, radius / wanted_radius, mean);
+         " is sufficient, or " + finer_mesh(scene.mesh, radius / wanted_radius, mean) + between;
 }
 
 std::string warn_of_slide(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {

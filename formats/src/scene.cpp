@@ -99,9 +99,9 @@ std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m) 
          << " at K/mu = " << m.bulk_to_shear();
     if (mean_edge_m > 0 && probe.kind == ProbeKind::patch)
       text << " and |d| = " << std::setprecision(2) << probe.max_displacement_m / mean_edge_m << " edges";
-    text << ", because " << name(scene.solver.element)
-         << " tetrahedra lock (measured against elements that do not; bodies differ by a factor of two): use p1-p1 or "
-            "taylor-hood, and see what phynness check measures in this scene";
+    text << ", because " << name(scene.solver.element) << " tetrahedra lock (mean of measured bodies; single ones had "
+         << lowest_of_bodies << " to " << highest_of_bodies
+         << " times as much): use p1-p1 or taylor-hood, and see what phynness check measures in this scene";
     warnings.push_back(text.str());
   }
   if (m.law->linear && (probe.directions != Directions::three || probe.increments != 1)) {

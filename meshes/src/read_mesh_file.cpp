@@ -80,8 +80,9 @@ RawMesh read_mesh_file(const std::filesystem::path& file) {
     throw input_error("mesh file of an unknown kind", file.string(), "give a file whose name ends in " + extensions());
   // Ten million tetrahedra, a hundred times the number that can be solved, take about 600 MB as text.
   constexpr std::uint64_t most_bytes = 1 << 30;
+  const bool is_text = extension == ".obj" || extension == ".inp";  // the others may be binary
   const std::string bytes =
-      read_input_file(file, {"the mesh file", "name a file that ends in " + extensions(), most_bytes, false});
+      read_input_file(file, {"the mesh file", "name a file that ends in " + extensions(), most_bytes, is_text});
   if (bytes.empty()) throw input_error("the mesh file is empty", file.string(), "export the file again");
   return reader(bytes, file.filename().string());
 }

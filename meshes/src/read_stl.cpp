@@ -35,6 +35,18 @@ class Welder {
   std::unordered_map<Key, std::int32_t, Hash> _nodes;
 };
 
+/// A surface has twice as many triangles as nodes. Far more, as in a file of zeros, are refused before they take
+/// memory.
+void refuse_repeated(const Scanner& scanner, const RawMesh& raw) {
+  constexpr std::size_t looked_at_every = 1 << 20, most_per_node = 16;
+  const std::size_t n = raw.triangles.size();
+  if (n % looked_at_every == 0 && n > most_per_node * raw.nodes.size())
+    scanner.fail(
+        "nearly all triangles have no area or are repeated",
+        std::to_string(raw.nodes.size()) + " different corners of the first " + std::to_string(n) + " triangles",
+        "export the surface again");
+}
+
 void read_binary(Scanner& scanner, RawMesh& raw) {
   Welder welder(raw);
   const bool swap = std::endian::native == std::endian::big;
@@ -51,6 +63,7 @@ void read_binary(Scanner& scanner, RawMesh& raw) {
     }
     scanner.skip(2, "a triangle's attribute");
     raw.triangles.push_back(triangle);
+    refuse_repeated(scanner, raw);
   }
   if (scanner.remaining() > 0)
     raw.notes.push_back("ignored " + std::to_string(scanner.remaining()) + " bytes after the last triangle");
@@ -88,6 +101,7 @@ void read_text(Scanner& scanner, RawMesh& raw) {
     expect(scanner, "endloop");
     expect(scanner, "endfacet");
     raw.triangles.push_back(triangle);
+    refuse_repeated(scanner, raw);
   }
 }
 

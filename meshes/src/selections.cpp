@@ -49,16 +49,21 @@ void resolve_selections(const Scene& scene, const Mesh& mesh, NodeSets& sets) {
   std::set_intersection(sets.fixed.begin(), sets.fixed.end(), sets.active.begin(), sets.active.end(),
                         std::back_inserter(both));
   if (!both.empty())
-    throw input_error(at(scene.active_where) + "active nodes that are also fixed cannot be displaced",
-                      std::to_string(both.size()) + " nodes: " + first_of(both),
-                      "remove them by active = { difference = [ SELECTION, \"fixed\" ] }, or use \"free-surface\"");
+    throw input_error(
+        at(scene.active_where) + "active nodes that are also fixed cannot be displaced",
+        std::to_string(both.size()) + " nodes: " + first_of(both),
+        both.size() == sets.active.size()
+            ? "they are all active nodes: select others, such as \"free-surface\", or fix fewer nodes"
+            : "remove them by active = { difference = [ SELECTION, \"fixed\" ] }, or use \"free-surface\"");
   Nodes inside;
   std::set_difference(sets.active.begin(), sets.active.end(), body.surface.begin(), body.surface.end(),
                       std::back_inserter(inside));
   if (!inside.empty())
     throw input_error(at(scene.active_where) + "active nodes inside the body cannot be touched",
                       std::to_string(inside.size()) + " nodes: " + first_of(inside),
-                      "add surface_only = true to the selector, or use \"free-surface\"");
+                      inside.size() == sets.active.size()
+                          ? "they are all active nodes: select nodes of the surface, such as \"free-surface\""
+                          : "add surface_only = true to the selector, or use \"free-surface\"");
   if (scene.mesh.symmetry) sets.mirror = meshes::find_mirror(scene, mesh, sets);
 }
 

@@ -172,6 +172,8 @@ std::vector<Number> VtkXml::numbers(pugi::xml_node array, std::size_t size) cons
     if (type == "Int64" || type == "UInt64") return binary_numbers<std::int64_t, Number>(array, size);
     if (type == "Int32") return binary_numbers<std::int32_t, Number>(array, size);
     if (type == "UInt32") return binary_numbers<std::uint32_t, Number>(array, size);
+    if (type == "Int16") return binary_numbers<std::int16_t, Number>(array, size);
+    if (type == "UInt16") return binary_numbers<std::uint16_t, Number>(array, size);
     if (type == "UInt8") return binary_numbers<std::uint8_t, Number>(array, size);
     if (type == "Int8") return binary_numbers<std::int8_t, Number>(array, size);
   }

@@ -76,6 +76,7 @@ TEST_F(AbsurdInput, NumbersOfOptionsThatAreNoneAreRefused) {
     expect_refused(std::string("bench model ") + option, {"nan"});
   expect_refused("validate scene.toml model --pair-depth nan", {"nan"});
   expect_refused("mesh scene.toml -o ''", {"--output"});
+  expect_refused("info ''", {"give the name of a file or a folder"});  // which cannot be omitted
 }
 
 TEST_F(AbsurdInput, ABodyThatIsFixedAllOverIsSaidToBe) {
@@ -88,6 +89,7 @@ TEST_F(AbsurdInput, PipesAreCalledPipes) {
   expect_refused("info p.toml", {"p.toml", "pipe"});
   expect_refused("info p.msh", {"p.msh", "pipe"});
   expect_refused("info p.h5", {"p.h5", "not a file"});
+  expect_refused("eval " PHYNNESS_SAMPLE_MODEL " --queries p.toml", {"p.toml", "pipe"});
   auto text = small_scene();
   const auto from = text.find("shape = "), to = text.find("[material]");
   text.replace(from, to - from, "file = \"p.msh\"\n");
@@ -201,6 +203,28 @@ TEST_F(AbsurdInput, AFullDiskLeavesNoHalfOfAModelOrAnExport) {
   EXPECT_EQ(shell("ulimit -f " + std::to_string(header / 512 + 1) + "; \"$PHYNNESS\" export model -o part").exit_status,
             1);
   EXPECT_TRUE(fs::is_empty(folder / "part"));
+}
+
+TEST_F(AbsurdInput, AFullDiskIsReportedOnceWithARemedyThatExists) {
+  const auto remedies = [](const std::string& text) {
+    int n = 0;
+    for (auto at = text.find("remedy: "); at != std::string::npos; at = text.find("remedy: ", at + 1)) ++n;
+    return n;
+  };
+  for (const char* shard : {"0/2", "1/2"})
+    ASSERT_EQ(phynness(std::string("precompute scene.toml -o s.h5 --shard ") + shard).exit_status, 0);
+  const auto merge = shell("ulimit -f 8; \"$PHYNNESS\" merge s.shard-0-of-2.h5 s.shard-1-of-2.h5 -o d.h5");
+  EXPECT_EQ(merge.exit_status, 1) << merge.err;
+  EXPECT_EQ(merge.err.find("--resume"), std::string::npos) << merge.err;
+  EXPECT_NE(merge.err.find("merge again"), std::string::npos) << merge.err;
+  EXPECT_EQ(remedies(merge.err), 1) << merge.err;
+  EXPECT_FALSE(fs::exists(folder / "d.h5"));
+  // The header fits, the log does not.
+  const auto header = fs::file_size(folder / "s.shard-0-of-2.h5") / 512 + 1;
+  const auto stopped = shell("ulimit -f " + std::to_string(header) + "; \"$PHYNNESS\" precompute scene.toml -o e.h5");
+  EXPECT_EQ(stopped.exit_status, 1) << stopped.err;
+  EXPECT_EQ(remedies(stopped.err), 1) << stopped.err;
+  EXPECT_EQ(stopped.err.find("rank 0 stops"), std::string::npos) << stopped.err;
 }
 
 }  // namespace

@@ -124,6 +124,16 @@ std::string changed_vtu(const std::string& from, const std::string& to) {
   return text;
 }
 
+TEST(FilesOfOtherPrograms, HoldIntegersOfAnyWidth) {
+  // The length in bytes, 8 as UInt32, and 0 1 2 3 in 16 bits each.
+  for (const char* type : {"Int16", "UInt16"}) {
+    const auto text =
+        changed_vtu("\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3<",
+                    std::string("\"") + type + "\" Name=\"connectivity\" format=\"binary\">CAAAAAAAAQACAAMA<");
+    EXPECT_EQ(mesh_hash(import_bytes(text, ".vtu").mesh), mesh_hash(import_bytes(changed_vtu("", ""), ".vtu").mesh));
+  }
+}
+
 TEST(FilesOfOtherPrograms, NameTheDefectOfAnXmlFile) {
   EXPECT_EQ(import_bytes(changed_vtu("", ""), ".vtu").mesh.n_cells(), 1);
   struct Case {

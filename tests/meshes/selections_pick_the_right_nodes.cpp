@@ -179,6 +179,12 @@ TEST(Selections, MistakesAreNamedWithTheirLine) {
   text = message(scene_with("\"all\"", "\"surface\""));
   EXPECT_TRUE(contains(text, "scene.toml:5: ") && contains(text, "active") && contains(text, "9 nodes: 0")) << text;
 
+  // Remedies that leave something to touch.
+  text = message(scene_with("\"all\"", "{ nodes = [0, 1] }"));
+  EXPECT_TRUE(contains(text, "2 nodes: 0") && !contains(text, "difference") && contains(text, "free-surface")) << text;
+  text = message(scene_with("\"all\"", "{ nodes = [13] }"));
+  EXPECT_TRUE(contains(text, "inside") && !contains(text, "surface_only") && contains(text, "free-surface")) << text;
+
   text = message(scene_with("{ group = \"hilum\" }"));
   EXPECT_TRUE(contains(text, "scene.toml:6: ") && contains(text, "hilum") && contains(text, "'corners'")) << text;
 

@@ -98,6 +98,36 @@ TEST_F(PointsOfPatches, ThatOverlapAreRefusedByEvalAndSolveAlike) {
   EXPECT_EQ(paper.exit_status, 2);
 }
 
+TEST_F(PointsOfPatches, ThatHoldNoNodeAreRefusedByEvalAndSolveAlike) {
+  auto scene = patch_scene();  // of 0.6 to 0.9 edges: some patches hold two nodes, and some middles of triangles none
+  scene.replace(scene.find("0.0375"), 6, "0.0152");
+  write_file(folder / "scene.toml", scene);
+  ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+  int refused = 0, answered = 0;
+  for (const char* point :
+       {"0.05,0.03,0.05", "0.047,0.043,0.05", "0.03,0.03,0.05", "0.06,0.05,0.05", "0.08,0.06,0.05"}) {
+    const auto rest = std::string(" --point ") + point + " --displacement 0,0,-0.003";
+    const auto solve = phynness("solve out/database.h5" + rest), eval = phynness("eval out/model" + rest);
+    EXPECT_EQ(solve.exit_status, eval.exit_status) << point << "\n" << solve.err << eval.err;
+    if (solve.exit_status == 0) {
+      ++answered;
+    } else {
+      ++refused;
+      expect_error(eval.err, {"holds no node of its triangle"});
+    }
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(answered, 0);
+  // validate says why it does not solve them.
+  const auto validated = phynness("validate scene.toml out/model --probes 4 --points 12 --json v.json");
+  EXPECT_EQ(validated.exit_status, 0) << validated.err;
+  const auto points = json("v.json").at("points");
+  ASSERT_GT(points.at("refused").get<int>(), 0);
+  EXPECT_LE(points.at("refused"), points.at("failed"));
+  EXPECT_NE(points.at("first_refusal").get<std::string>().find("holds no node"), std::string::npos);
+  EXPECT_NE(validated.out.find("holds no node of its triangle"), std::string::npos) << validated.out;
+}
+
 TEST_F(PointsOfPatches, APartThatCannotBeDoneCostsNoOther) {
   auto scene = patch_scene();  // two active nodes: no triangle has three, and both are in both patches
   const auto active = scene.find("active = {");

@@ -117,6 +117,7 @@ class PointComparison {
     } catch (const Error& refused) {
       for (const auto& d : place.displacements) _rows.add(static_cast<std::int64_t>(point), probe(point, place, d));
       report.failed += std::ssize(place.displacements);
+      report.refused += std::ssize(place.displacements);
       ++_refused;
       if (!_first_refusal) _first_refusal = refused;
       _solver.recover();
@@ -216,13 +217,28 @@ class PointComparison {
     report.coupled = statistics(session, _coupled);
     report.linear = statistics(session, _linear);
     report.at_nodes = statistics(session, _at_nodes);
-    for (auto* count : {&report.finished, &report.failed, &report.unsettled})
+    for (auto* count : {&report.finished, &report.failed, &report.refused, &report.unsettled})
       *count = static_cast<std::int64_t>(session.sum(static_cast<double>(*count)));
+    report.first_refusal = refusal_of_any_rank(session);
     for (const double r : session.gather({report.largest_residual_m}))
       report.largest_residual_m = std::max(report.largest_residual_m, r);
   }
 
  private:
+  /// The first that any rank has, without the remedy; on rank 0.
+  std::string refusal_of_any_rank(const SolverSession& session) const {
+    std::string own = _first_refusal ? std::string(_first_refusal->what()) : "";
+    own = own.substr(0, own.find("\n  remedy: "));
+    std::vector<double> characters(own.begin(), own.end());
+    if (!own.empty()) characters.push_back(0);  // the end of a rank's text
+    std::string first;
+    for (const double c : session.gather(characters)) {
+      if (c == 0) break;
+      first += static_cast<char>(c);
+    }
+    return first;
+  }
+
   const LoadedModel& _model;
   int _increments;
   ProbeSolver _solver;

@@ -139,6 +139,13 @@ class DatabaseWriter {
   /// finished file is left as it is. Must be called in one process only.
   /// @throws Error (input) if FILE exists and `resume` is false, or if the physics or mesh of an existing FILE differ
   static void create(const std::filesystem::path& file, const DatabaseHeader& header, bool resume);
+
+  /// What create() refuses is refused, and nothing is written.
+  static void check(const std::filesystem::path& file, const DatabaseHeader& header, bool resume);
+
+  /// The part of check() that needs no header. @return whether FILE exists
+  /// @throws Error (input) if FILE or its logs exist and `resume` is false
+  static bool refuse_begun(const std::filesystem::path& file, bool resume);
   /// Flags, n_active x n_directions, of the rays that are in the logs or are mirror images of such rays. Torn and
   /// corrupted records are ignored.
   static std::vector<char> logged(const std::filesystem::path& file, const DatabaseHeader& header);

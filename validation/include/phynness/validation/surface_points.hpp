@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <phynness/validation/validation.hpp>
+#include <string>
 
 namespace phynness {
 
@@ -17,6 +18,8 @@ struct PointReport {
   std::int64_t points = 0, displacements = 0;  ///< requested points, and displacements of each
   std::int64_t finished = 0;                   ///< finished points; fewer than `points` if it was interrupted
   std::int64_t failed = 0;                     ///< displacements that the finite elements did not solve
+  std::int64_t refused = 0;                    ///< of these, displacements of tools that they refuse
+  std::string first_refusal;                   ///< the reason of one of them
   std::int64_t unsettled = 0;  ///< solved displacements for which the model returns PHN_WARNING_UNSETTLED
   double largest_residual_m = 0;
   PointErrors coupled;     ///< the model at the points

@@ -1,0 +1,207 @@
+// Claims: a command whose output cannot be written says so before it works, and leaves all other files as they were. An
+// output that fails all the same costs no other output. --json - writes JSON alone to stdout, whatever the command.
+#include <algorithm>
+
+#include "../pipeline/command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Every command with --json. The word @ is replaced by outputs, NODE by an active node.
+const char* const lines[] = {"mesh scene.toml -o fresh/m.msh @",
+                             "plan scene.toml --rays 2 @",
+                             "check scene.toml --probes 1 @",
+                             "precompute scene.toml -o fresh/d.h5 @",
+                             "merge s.shard-0-of-2.h5 s.shard-1-of-2.h5 -o fresh/merged.h5 @",
+                             "train scene.toml d.h5 -o fresh/model @",
+                             "validate scene.toml model --probes 2 @",
+                             "tune scene.toml d.h5 -o fresh/tuned --probes 2 @",
+                             "eval model --node NODE --displacement 0,0,-0.001 @",
+                             "eval model --motion motion.json @",
+                             "bench model @",
+                             "solve scene.toml --node NODE --displacement 0,0,-0.001 @",
+                             "export model -o fresh/c @",
+                             "info d.h5 @",
+                             "run scene.toml -o fresh/out @"};
+
+class Outputs : public CommandLine {
+ protected:
+  void SetUp() override {
+    CommandLine::SetUp();
+    write_file(folder / "scene.toml", small_scene());
+    fs::create_directory(folder / "fresh");
+    for (const char* line :
+         {"precompute scene.toml -o d.h5", "train scene.toml d.h5 -o model", "info d.h5 --json info.json",
+          "precompute scene.toml -o s.h5 --shard 0/2", "precompute scene.toml -o s.h5 --shard 1/2"}) {
+      const auto made = phynness(line);
+      ASSERT_EQ(made.exit_status, 0) << line << "\n" << made.err;
+    }
+    node = std::to_string(json("info.json").at("active").at(0).get<int>());
+    write_file(folder / "motion.json", "{\"format\": \"phynness motion 1\", \"tools\": [{\"node\": " + node +
+                                           "}], \"time_s\": [0], \"displacement_m\": [[[0, 0, -0.001]]]}\n");
+  }
+  std::string with(std::string line, const std::string& outputs) const {
+    line.replace(line.find('@'), 1, outputs);
+    if (const auto at = line.find("NODE"); at != std::string::npos) line.replace(at, 4, node);
+    return line;
+  }
+  std::string eval() const { return "eval model --node " + node + " --displacement 0,0,-0.001 "; }
+  std::string node;
+};
+
+TEST_F(Outputs, PlacesThatCannotBeAreRefusedBeforeTheWork) {
+  fs::create_directory(folder / "a_folder");
+  write_file(folder / "a_file", "text");
+  for (const char* line : lines)
+    for (const char* place : {"nowhere/x.json", "a_folder", "a_file/x.json"}) {
+      const auto outcome = phynness(with(line, std::string("--json ") + place));
+      EXPECT_EQ(outcome.exit_status, 2) << line << place << outcome.err;
+      expect_error(outcome.err, {"an output cannot be written", "--json", place});
+      EXPECT_EQ(outcome.out, "") << line;
+      ASSERT_TRUE(fs::is_empty(folder / "fresh")) << line;
+    }
+  for (const char* line :
+       {"train scene.toml d.h5 -o a_file", "tune scene.toml d.h5 -o a_file/m", "export model -o a_file/c",
+        "mesh scene.toml -o a_folder", "run scene.toml -o a_file", "validate scene.toml model --report nowhere/r.html",
+        "merge s.shard-0-of-2.h5 s.shard-1-of-2.h5 -o nowhere/d.h5"}) {
+    const auto outcome = phynness(line);
+    EXPECT_EQ(outcome.exit_status, 2) << line << outcome.err;
+    EXPECT_NE(outcome.err.find("remedy: "), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out, "") << line;
+  }
+  EXPECT_EQ(read_file(folder / "a_file"), "text");
+  // Folders that the command makes itself.
+  EXPECT_EQ(phynness("train scene.toml d.h5 -o fresh/new/model --json fresh/new/model/train.json").exit_status, 0);
+}
+
+TEST_F(Outputs, OfAReadOnlyFolderAreRefused) {
+  fs::create_directory(folder / "closed");
+  ASSERT_EQ(shell("chmod 555 closed && chmod 777 fresh .").exit_status, 0);
+  const auto as_user = [&](const std::string& line) {
+    return shell((geteuid() == 0 ? "setpriv --reuid=65534 --clear-groups \"$PHYNNESS\" " : "\"$PHYNNESS\" ") + line);
+  };
+  if (as_user("--version").exit_status != 0) GTEST_SKIP() << "nobody may run the command";
+  const auto outcome = as_user(eval() + "--json closed/x.json --deformation fresh/ok.csv --surface fresh/ok.vtk");
+  EXPECT_EQ(outcome.exit_status, 2);
+  expect_error(outcome.err, {"--json", "closed/x.json", "not writable"});
+  EXPECT_TRUE(fs::is_empty(folder / "fresh"));
+}
+
+TEST_F(Outputs, ThatFailAtTheEndCostNoOthers) {
+  // /dev/full takes no byte, which shows only when something is written.
+  fs::create_symlink("/dev/full", folder / "full.vtk");
+  const auto written = phynness(eval() + "--deformation /dev/full --json fresh/ok.json --surface full.vtk");
+  EXPECT_EQ(written.exit_status, 1);
+  EXPECT_TRUE(json("fresh/ok.json").contains("tools"));
+  for (const char* part : {"/dev/full", "full.vtk"})
+    EXPECT_NE(written.err.find(std::string("writing failed: ") + part), std::string::npos) << written.err;
+  EXPECT_EQ(phynness("mesh scene.toml -o fresh/m.msh --json /dev/full").exit_status, 1);
+  EXPECT_TRUE(fs::exists(folder / "fresh/m.msh"));
+  EXPECT_EQ(phynness("mesh scene.toml -o /dev/full --json fresh/m.json").exit_status, 1);
+  EXPECT_TRUE(json("fresh/m.json").contains("nodes"));
+  EXPECT_EQ(phynness("export model -o fresh/c --json /dev/full").exit_status, 1);
+  EXPECT_TRUE(fs::exists(folder / "fresh/c/model.bin"));
+  if (PHYNNESS_HAS_PAGES) {
+    EXPECT_EQ(phynness("validate scene.toml model --probes 2 --json /dev/full --report fresh/r.html").exit_status, 1);
+    EXPECT_TRUE(fs::exists(folder / "fresh/r.html"));
+  }
+  // The reason of a failure is not lost behind that of its JSON.
+  const auto merge = phynness("merge s.shard-0-of-2.h5 -o fresh/merged.h5 --json /dev/full");
+  EXPECT_EQ(merge.exit_status, 1);
+  for (const char* part : {"/dev/full", "rays are missing", "precompute SCENE -o s.h5 --shard 1/2 --resume"})
+    EXPECT_NE(merge.err.find(part), std::string::npos) << merge.err;
+}
+
+TEST_F(Outputs, OfTheFormatJsonGoToStdout) {
+  for (const char* line : lines) {
+    const auto outcome = phynness(with(line, "--json -"));
+    ASSERT_EQ(outcome.exit_status, 0) << line << outcome.err;
+    EXPECT_TRUE(nlohmann::json::parse(outcome.out, nullptr, false).is_object()) << line << "\n" << outcome.out;
+  }
+  EXPECT_FALSE(fs::exists(folder / "-"));
+  const auto other = phynness("mesh scene.toml -o -");
+  EXPECT_EQ(other.exit_status, 2);
+  expect_error(other.err, {"--output -", "./-"});
+  // A disk that is full.
+  EXPECT_EQ(shell("\"$PHYNNESS\" info d.h5 --json - >/dev/full").exit_status, 1);
+}
+
+TEST_F(Outputs, OfARunOfAnotherSceneAreLeftAsTheyWere) {
+  ASSERT_EQ(phynness("run scene.toml -o fresh").exit_status, 0);
+  const auto bytes = [&] {
+    std::string all;
+    std::vector<fs::path> names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder / "fresh"))
+      if (entry.is_regular_file()) names.push_back(entry.path());
+    std::sort(names.begin(), names.end());
+    for (const auto& name : names) all += name.string() + "\n" + read_file(name);
+    return all;
+  };
+  const auto before = bytes();
+  auto text = small_scene();
+  text.replace(text.find("0.05]"), 5, "0.06]");
+  write_file(folder / "other.toml", text);
+  for (const char* line : {"run other.toml -o fresh", "run other.toml -o fresh --resume", "run scene.toml -o fresh"}) {
+    const auto outcome = phynness(line);
+    EXPECT_EQ(outcome.exit_status, 2) << line;
+    EXPECT_NE(outcome.err.find("fresh/database.h5"), std::string::npos) << outcome.err;
+    ASSERT_TRUE(bytes() == before) << line;
+  }
+}
+
+TEST_F(Outputs, OfAMeshThatIsRefusedAreLeftAsTheyWere) {
+  ASSERT_EQ(phynness("mesh scene.toml -o fresh/m.msh").exit_status, 0);
+  const auto before = read_file(folder / "fresh/m.msh");
+  auto text = small_scene();
+  text.insert(text.find("[probe]"), "output = { sphere = { center_m = [0, 0, 0.1], radius_m = 0.01 } }\n");
+  write_file(folder / "changed.toml", text);
+  const auto outcome = phynness("mesh changed.toml -o fresh/m.msh");
+  EXPECT_EQ(outcome.exit_status, 2);
+  EXPECT_NE(outcome.err.find("left as it was"), std::string::npos) << outcome.err;
+  EXPECT_EQ(read_file(folder / "fresh/m.msh"), before);
+}
+
+TEST_F(Outputs, PipesThatNobodyReadsAreRefused) {
+  ASSERT_EQ(shell("mkfifo pipe").exit_status, 0);
+  for (const auto& line : {std::string("mesh scene.toml -o pipe"), eval() + "--json pipe"}) {
+    const auto outcome = shell("timeout 60 \"$PHYNNESS\" " + line);
+    EXPECT_EQ(outcome.exit_status, 2) << line << outcome.err;
+    expect_error(outcome.err, {"nothing reads this pipe", "pipe"});
+  }
+  const auto read = shell("(timeout 60 cat pipe > read.json) & sleep 1; timeout 60 \"$PHYNNESS\" " + eval() +
+                          "--json pipe; status=$?; wait; exit $status");
+  EXPECT_EQ(read.exit_status, 0) << read.err;
+  EXPECT_TRUE(json("read.json").contains("tools"));
+}
+
+TEST_F(Outputs, OfAnExportToParaViewAreAllOrNone) {
+  ASSERT_EQ(phynness("show d.h5 --node " + node + " --direction 0 -o fresh/a.pvd").exit_status, 0);
+  // In blocks of 512 bytes: less than a .vtu file.
+  const auto size = fs::file_size(folder / "fresh/a-0001.vtu");
+  fs::create_directory(folder / "part");
+  ASSERT_GT(size, 1024u);
+  const auto outcome = shell("ulimit -f " + std::to_string(size / 512 - 1) + "; \"$PHYNNESS\" show d.h5 --node " +
+                             node + " --direction 0 -o part/a.pvd");
+  EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
+  EXPECT_TRUE(fs::is_empty(folder / "part"));
+}
+
+TEST_F(Outputs, OfARunEndWhenTheTerminalIsClosed) {
+  auto text = small_scene("P1", 40);
+  text.replace(text.find("target_size_m = 0.025"), 21, "target_size_m = 0.006");
+  write_file(folder / "long.toml", text);
+  // The run is ended once the database has begun; its child must not outlive it.
+  const auto outcome = shell(
+      "\"$PHYNNESS\" run long.toml -o out & pid=$!; "
+      "for i in $(seq 600); do [ -e out/database.h5 ] && break; sleep 0.1; done; "
+      "kill -HUP $pid; wait $pid; echo status $?; "
+      "pgrep -f \"^$PHYNNESS precompute long.toml\" >left.txt; true");
+  EXPECT_NE(outcome.out.find("status 1"), std::string::npos) << outcome.out << outcome.err;
+  EXPECT_NE(outcome.err.find("interrupted in stage precompute"), std::string::npos) << outcome.err;
+  EXPECT_EQ(read_file(folder / "left.txt"), "");
+}
+
+}  // namespace
+}  // namespace phynness::test
