@@ -62,7 +62,8 @@ double trained_depth(const phn_model& model, const ActiveNode& node, const doubl
   // Products of such numbers could be subnormal or infinite.
   const bool extreme = size > 0 && (size < 1e-290 || size > 1e290);
   const double e[3] = {extreme ? d[0] / size : d[0], extreme ? d[1] / size : d[1], extreme ? d[2] / size : d[2]};
-  return depth_along(model.directions, node.trained_depth, model.n_directions, e);
+  return depth_along(model.directions, node.trained_depth, model.n_directions, e, extreme ? 1 : size,
+                     model.max_displacement);
 }
 
 }  // namespace PHN_RUNTIME

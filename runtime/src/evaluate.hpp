@@ -50,7 +50,7 @@ void evaluate_deformation(const phn_model& model, phn_data& data, std::int32_t a
 /// Whether d is outside of the trained range. A linear model is exact at any depth up to the largest components.
 bool outside(const phn_model& model, const ActiveNode& node, const double* d);
 
-/// Trained depth [m] in the exploratory direction nearest to d; for d = 0 the smallest positive depth.
+/// Depth [m] of the trained range in the direction of d; for d = 0 the smallest positive trained depth.
 double trained_depth(const phn_model& model, const ActiveNode& node, const double* d);
 
 /// |d| without intermediate overflow or underflow; infinite only if |d| itself exceeds the largest double.

@@ -50,7 +50,7 @@ const image::ActiveNode<Real>* find_active(const ImageHeader<Real>& image, int32
 template <class Real>
 Real trained_depth(const ImageHeader<Real>& image, const image::ActiveNode<Real>& node, const Real* d) {
   return depth_along(at<Real>(image, image.directions), at<Real>(image, node.trained_depth),
-                     static_cast<int32_t>(node.trained_depth.n), d);
+                     static_cast<int32_t>(node.trained_depth.n), d, square_root(dot(d, d)), image.max_displacement);
 }
 
 /// d / max_displacement. @param d  clamped

@@ -38,17 +38,25 @@ inline int32_t find_sorted(const int32_t* list, int32_t n, int32_t node) {
   return n > 0 && *at == node ? static_cast<int32_t>(at - list) : -1;
 }
 
-/// Trained depth [m] in the direction nearest to d; at rest the smallest positive depth.
+/// How fast the trained range widens away from a shorter neighbor (formats/model.md, Range).
+template <class Real>
+inline constexpr Real widening = 2;
+
+/// Depth [m] of the trained range in the direction of d; at rest the smallest positive depth. In the middle between two
+/// exploratory directions it is the smaller of their depths, from there on it widens to that of the nearest direction.
 /// @param directions  n x 3 unit vectors
 /// @param depths      n
 /// @param d           3; its products with the directions must be normal numbers or 0
+/// @param size        |d|
+/// @param largest     max_displacement
 template <class Real>
-Real depth_along(const Real* directions, const Real* depths, int32_t n, const Real* d) {
+Real depth_along(const Real* directions, const Real* depths, int32_t n, const Real* d, Real size, Real largest) {
   const bool moves = d[0] != 0 || d[1] != 0 || d[2] != 0;
   Real depth = 0, best = 0;
-  for (int32_t i = 0; i < n; ++i, directions += 3) {
+  const Real* e = directions;
+  for (int32_t i = 0; i < n; ++i, e += 3) {
     if (moves) {
-      const Real along = dot(d, directions);
+      const Real along = dot(d, e);
       if (i == 0 || along > best) {
         best = along;
         depth = depths[i];
@@ -56,6 +64,15 @@ Real depth_along(const Real* directions, const Real* depths, int32_t n, const Re
     } else if (depths[i] > 0 && (depth == 0 || depths[i] < depth)) {
       depth = depths[i];
     }
+  }
+  if (!moves) return depth;
+  const Real longest = size > best ? size : best;
+  for (int32_t i = 0; i < n; ++i) {
+    if (!(depths[i] < depth)) continue;
+    const Real along = dot(d, directions + 3 * static_cast<size_t>(i));
+    const Real reach = depths[i] + widening<Real> * largest * ((best - along) / (longest - along));
+    // Both are 0 where the directions are parallel. The comparison then is with NaN, and the depth is the smaller one.
+    if (!(reach >= depth)) depth = depths[i] < reach ? reach : depths[i];
   }
   return depth;
 }

@@ -43,16 +43,14 @@ double fill_distance(const phn_model& model, const double* depths) {
   }
   double largest = 0;
   for (int i = 0; i < 6 * side * side; ++i) {
-    double e[3], nearest = -2, depth = 0, cosine[most_increments];
+    double e[3], cosine[most_increments];
     cube_direction(i, e);
+    const double unit = 1, R = model.max_displacement;
+    const double depth = depth_along(model.directions, depths, model.n_directions, e, unit, R) / R;
     for (std::int32_t j = 0; j < n; ++j) cosine[j] = -2;
     for (std::int32_t k = 0; k < model.n_directions; ++k) {
       const double along = dot(e, model.directions + 3 * static_cast<std::size_t>(k));
       const double reach = depth_slack<double> * depths[k] / model.max_displacement;
-      if (along > nearest) {
-        nearest = along;
-        depth = depths[k] / model.max_displacement;
-      }
       for (std::int32_t j = 0; j < n && length_of[j] <= reach; ++j) cosine[j] = std::fmax(cosine[j], along);
     }
     for (const double part : parts) {

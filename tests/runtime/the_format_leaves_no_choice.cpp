@@ -1,6 +1,6 @@
 // Claims of formats/model.md where two rules could meet: w d at prescribed nodes wins over the modes of near nodes,
-// also where such a node is fixed; of equally near directions the first one counts; a direction that was not requested
-// has no trained range.
+// also where such a node is fixed; of equally near directions the shorter one counts; a direction that was not
+// requested has no trained range.
 #include <gtest/gtest.h>
 
 #include <phynness/phynness.h>
@@ -34,7 +34,7 @@ TEST(Format, PrescribedNodesWinOverNearAndFixedOnes) {
   }
 }
 
-TEST(Format, TheFirstOfEquallyNearDirectionsCounts) {
+TEST(Format, TheSmallerOfEquallyNearDirectionsCounts) {
   Model model = small_modal_model();
   model.nodes[0].trained_depth_m = {0.004, 0.007, 0, 0.009};
   const LoadedModel loaded(write_model_text(model));
@@ -45,8 +45,8 @@ TEST(Format, TheFirstOfEquallyNearDirectionsCounts) {
     return trusted.trained_depth;
   };
   EXPECT_EQ(depth(0.001, 0.001, 0), 0.004);
-  EXPECT_EQ(depth(0.001, 0.0010001, 0), 0.007);
-  EXPECT_EQ(depth(0, 0.001, 0.001), 0.007);
+  EXPECT_EQ(depth(0.001, 0.002, 0), 0.007);
+  EXPECT_EQ(depth(0, 0.001, 0.001), 0);
   EXPECT_EQ(depth(0, 0, 0.001), 0);
   const double d[3] = {0, 0, 1e-6};
   double force[3];

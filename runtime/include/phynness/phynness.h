@@ -166,7 +166,7 @@ PHN_API int phn_nearest(const phn_model* model, const double x[3], phn_tool* too
 /* Position of d relative to the training data of a node: it tells interpolation from extrapolation. It is not an
  * estimate of the error. A d longer than trained_depth gives PHN_WARNING_OUTSIDE in phn_force. */
 typedef struct phn_trusted {
-  double trained_depth; /* [m] in the exploratory direction nearest to d; at rest the smallest of all directions */
+  double trained_depth; /* [m] of the trained range in the direction of d; at rest the smallest of all directions */
   double distance;      /* [m] from d to the nearest displacement that the node was trained on; 0 in family linear */
   double relative;      /* distance / largest distance inside the trained range; 0 at data, > 1: extrapolation */
   double reserved[5];   /* 0 */

@@ -46,7 +46,7 @@ export interface Response {
 }
 
 export interface Trust {
-  /** in the exploratory direction nearest to d [m] */
+  /** of the trained range in the direction of d [m] */
   readonly trainedDepth: number;
   /** to the nearest displacement of the training data [m] */
   readonly distance: number;

@@ -50,7 +50,7 @@ class LoadedModel {
   Vec3 force(std::int32_t node, const Vec3& displacement_m) const;
   /// Distance to the nearest trained displacement over the fill distance of the trained displacements.
   double trained_distance(std::int32_t node, const Vec3& displacement_m) const;
-  /// Trained depth [m] in the exploratory direction nearest to `displacement_m`.
+  /// Depth [m] of the trained range in the direction of `displacement_m` (formats/model.md, Range).
   double trained_depth(std::int32_t node, const Vec3& displacement_m) const;
   /// Response to coupled tools anywhere on the surface.
   /// @throws Error (input) if a node of a tool is neither active nor fixed, or if the model has forces only
