@@ -154,7 +154,6 @@ void list(Case c) {
   fmt::print(
       "| latency | damping, Ns/m | coupling, N/m | Colgate | delivered at most, mJ | to the hand at most, mJ | "
       "controller active, % | trip |\n|---|---|---|---|---|---|---|---|\n");
-  c.cycles = 100'000;
   for (const int latency : {0, 1, 2}) {
     for (const double damping : {0.5, 2.0}) {
       for (const double coupling : {100.0, 200.0, 400.0, 700.0, 1000.0, 1500.0, 2000.0}) {
@@ -177,7 +176,6 @@ void still(Case c) {
   fmt::print(
       "| positions in steps of, mm | latency | coupling, N/m | delivered at most, mJ | to the hand at most, mJ | "
       "observer differs by, mJ | trip |\n|---|---|---|---|---|---|---|\n");
-  c.cycles = 100'000;
   c.depth = 0.75 * c.reach;
   c.reach = 0;
   for (const double resolution : {0.0, 1e-5, 2e-5, 5e-5}) {
@@ -235,6 +233,7 @@ int main(int argc, char** argv) {
   app.add_option("--reach", c.reach, "of the hand's motion [m]")->default_val(0.02);
   app.add_flag("--contact", c.contact, "a sphere of 4 mm that touches, instead of a held node");
   app.add_option("--friction", c.friction, "of that sphere");
+  app.add_option("--cycles", c.cycles, "of each point of list and still")->default_val(100'000);
   app.add_option("--harder", c.harder, "factor of the forces of the body");
   app.add_option("--csv", csv, "of the map");
   CLI11_PARSE(app, argc, argv);
