@@ -27,6 +27,8 @@ void check(const HaplyInverseSettings& s) {
   require(s.timeout_s > 0 && s.timeout_s <= 60, "timeout_s", s.timeout_s, "more than 0 and at most 60");
   require(s.hold_timeout_s > 0 && s.hold_timeout_s <= 1, "hold_timeout_s", s.hold_timeout_s,
           "more than 0 and at most 1");
+  require(s.answer_timeout_s > 0 && s.answer_timeout_s <= 1, "answer_timeout_s", s.answer_timeout_s,
+          "more than 0 and at most 1");
   require(s.largest_force_N > 0 && s.largest_force_N <= 20, "largest_force_N", s.largest_force_N,
           "more than 0 and at most 20");
   require(s.position_age_s >= 0 && s.position_age_s <= 0.1, "position_age_s", s.position_age_s,
@@ -86,19 +88,33 @@ void HaplyInverse::hold(const double force[3]) {
   const double share = !std::isfinite(size)               ? 0
                        : size > _settings.largest_force_N ? _settings.largest_force_N / size
                                                           : 1;
-  for (int i = 0; i < 3; ++i) _held[i] = share > 0 ? share * force[i] : 0;
+  double(&newest)[3] = _recent[_n_holds++ % n_recent];
+  for (int i = 0; i < 3; ++i) newest[i] = _held[i] = share > 0 ? share * force[i] : 0;
   if (_is_open && !_link->is_lost()) _link->hold({_held[0], _held[1], _held[2]});
 }
 
 bool HaplyInverse::held(double force[3]) {
   for (int i = 0; i < 3; ++i) force[i] = _held[i];
+  double reported[3];
+  if (_is_open && reported_force(reported) && !was_commanded(reported))
+    for (int i = 0; i < 3; ++i) force[i] = reported[i];
   return _is_open && !_link->is_lost();
+}
+
+/// A report is some messages late, so that it is compared with all recent forces.
+bool HaplyInverse::was_commanded(const double (&reported)[3]) const {
+  const double size = std::hypot(reported[0], reported[1], reported[2]);
+  for (const auto& f : _recent)
+    if (std::hypot(reported[0] - f[0], reported[1] - f[1], reported[2] - f[2]) <= 1e-3 + 0.01 * size) return true;
+  return size == 0;
 }
 
 void HaplyInverse::close() noexcept {
   _is_open = false;
   if (_link) _link->stop();
   for (double& f : _held) f = 0;
+  for (auto& force : _recent)
+    for (double& f : force) f = 0;
 }
 
 std::string HaplyInverse::lost() const { return _link ? _link->lost() : ""; }

@@ -1,5 +1,6 @@
 #include "haply_link.hpp"
 
+#include <algorithm>
 #include <boost/asio/connect.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/beast/core/buffers_to_string.hpp>
@@ -16,7 +17,9 @@ namespace websocket = boost::beast::websocket;
 
 constexpr int most_unanswered = 4;
 constexpr std::size_t longest_message = 1 << 20;
-constexpr auto tick_period = std::chrono::milliseconds(5);
+constexpr auto tick_period = std::chrono::milliseconds(2);
+/// How long a connection that failed is kept for the zero force to be sent and the service to close it [s].
+constexpr double farewell_s = 0.2;
 
 const char* const is_it_running =
     "check in Haply Hub that the Inverse service runs, and that host and port are its own";
@@ -69,12 +72,18 @@ std::string HaplyInverse::Link::lost() const {
 }
 
 void HaplyInverse::Link::run() {
-  try {
+  asio::post(_io, [this] {
     connect();
     tick();
-    _io.run();
-  } catch (const std::exception& error) {
-    fail(error.what(), is_it_running);
+  });
+  while (true) {
+    try {
+      _io.run();
+      return;
+    } catch (const std::exception& error) {
+      fail(error.what(), is_it_running);
+      end();
+    }
   }
 }
 
@@ -101,6 +110,10 @@ void HaplyInverse::Link::upgrade() {
     if (_phase == Phase::ended) return;
     if (error) return fail(address() + " is not a WebSocket: " + error.message(), is_it_running);
     _socket.text(true);
+    // A read ends only when the service closes the connection below the WebSocket, too, which may be never.
+    _socket.control_callback([this](websocket::frame_type kind, beast::string_view) {
+      if (kind == websocket::frame_type::close) asio::post(_io, [this] { closed_by_service(); });
+    });
     enter(Phase::inventory);
     listen();
   });
@@ -111,15 +124,20 @@ void HaplyInverse::Link::listen() {
     const double arrived = now();
     if (_phase == Phase::ended) return;
     if (error && _phase == Phase::closing) return end();
-    if (error == websocket::error::closed)
-      return fail("the service closed the connection: code " + std::to_string(_socket.reason().code),
-                  "restart the service and open the device again");
+    if (error == websocket::error::closed) return closed_by_service();
     if (error) return fail("the connection is lost: " + error.message(), is_it_running);
     const std::string message = beast::buffers_to_string(_incoming.data());
     _incoming.consume(_incoming.size());
     on_message(message, arrived);
     if (_phase != Phase::ended) listen();
   });
+}
+
+void HaplyInverse::Link::closed_by_service() {
+  if (_phase == Phase::closing) return;
+  _is_closing = true;  // the close frame was answered, and nothing can be sent any more
+  fail("the service closed the connection: code " + std::to_string(_socket.reason().code),
+       "restart the service and open the device again");
 }
 
 void HaplyInverse::Link::on_message(const std::string& message, double arrived) {
@@ -154,6 +172,7 @@ void HaplyInverse::Link::on_state(const std::string& message, double arrived) {
     _samples.write(sample);
     _reported.write({state.has_force, state.force_N});
     ++_answers;
+    _valid_at = arrived;
     _malformed_since = -1;
     if (_phase == Phase::first_update) {
       enter(Phase::running);
@@ -172,6 +191,7 @@ void HaplyInverse::Link::send(const haply::Force& force, const std::string& prof
   _is_writing = true;
   _at_device = force;
   if (_unanswered++ == 0) _asked_at = now();
+  if (_unanswered == 1 && _malformed_since < 0) _valid_at = _asked_at;
   ++_sent;
   _socket.async_write(asio::buffer(_outgoing), [this](Error error, std::size_t) {
     _is_writing = false;
@@ -189,13 +209,28 @@ void HaplyInverse::Link::pump() {
     if (!_zero_is_sent) {
       _zero_is_sent = true;
       send({});
-    } else if (_unanswered == 0) {
+    } else if (_unanswered == 0 || _is_lost) {
       begin_close();
     }
-  } else if (_phase == Phase::running && _is_new && _unanswered < most_unanswered) {
+    return;
+  }
+  if (_phase != Phase::running || !_is_new) return;
+  const bool is_zero = _force == haply::Force{};
+  if (answers_stopped() && !is_zero) {
+    if (_unanswered == 0) silence();  // asks for an answer
+  } else if (_unanswered < most_unanswered || (is_zero && _at_device != _force)) {
     _is_new = false;
     send(_force);
   }
+}
+
+void HaplyInverse::Link::silence() {
+  if (_at_device != haply::Force{}) ++_silenced;
+  send({});
+}
+
+bool HaplyInverse::Link::answers_stopped() const {
+  return (_unanswered > 0 || _malformed_since >= 0) && now() > _valid_at + _settings.answer_timeout_s;
 }
 
 void HaplyInverse::Link::begin_close() {
@@ -207,16 +242,16 @@ void HaplyInverse::Link::begin_close() {
 /// Looks every few milliseconds for what did not happen in time.
 void HaplyInverse::Link::tick() {
   const double time = now(), limit = _settings.timeout_s;
-  if (_phase == Phase::closing && time > _entered + limit) return end();
+  if (_phase == Phase::closing && time > _entered + (_is_lost ? std::min(limit, farewell_s) : limit)) return end();
+  if (_phase == Phase::closing && _zero_is_sent && !_is_writing && answers_stopped()) begin_close();
   if (_phase < Phase::running && time > _entered + limit)
     return fail(address() + " does not answer" + within(), is_it_running);
   if (_phase == Phase::running && _unanswered > 0 && time > _asked_at + limit)
     return fail("the service does not answer" + within(), is_it_running);
   const bool is_silent = time > _held_at + _settings.hold_timeout_s;
-  if (_phase == Phase::running && is_silent && _at_device != haply::Force{} && !_is_writing) {
-    ++_silenced;
-    _is_new = false;
-    send({});
+  if (_phase == Phase::running && (is_silent || answers_stopped()) && _at_device != haply::Force{} && !_is_writing) {
+    if (is_silent) _is_new = false;
+    silence();
   }
   _tick.expires_after(tick_period);
   _tick.async_wait([this](Error) {
@@ -237,16 +272,22 @@ void HaplyInverse::Link::enter(Phase phase) {
 
 void HaplyInverse::Link::fail(const std::string& what, const std::string& remedy) {
   if (_phase == Phase::ended) return;
+  if (_is_lost) return;
   const bool opening = _phase < Phase::running;
   const std::string prefix = "Haply Inverse service: ";
-  const std::string reason =
-      (what.compare(0, prefix.size(), prefix) == 0 ? what : prefix + what) + (remedy.empty() ? "" : "; " + remedy);
+  const std::string reason = haply::printable((what.compare(0, prefix.size(), prefix) == 0 ? what : prefix + what) +
+                                              (remedy.empty() ? "" : "; " + remedy));
   {
     const std::lock_guard<std::mutex> lock(_reason_mutex);
     _reason = reason;
   }
   _is_lost.store(true, std::memory_order_release);
-  end();
+  if (_phase == Phase::running && _at_device != haply::Force{} && !_is_closing && _socket.is_open()) {
+    enter(Phase::closing);
+    pump();
+  } else if (_phase != Phase::closing || _is_closing) {
+    end();
+  }
   if (opening) _started.set_exception(std::make_exception_ptr(std::runtime_error(reason)));
 }
 

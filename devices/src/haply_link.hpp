@@ -55,6 +55,9 @@ class HaplyInverse::Link {
   void on_state(const std::string& message, double arrived);
   void send(const haply::Force& force, const std::string& profile = "");
   void pump();
+  void silence();
+  bool answers_stopped() const;
+  void closed_by_service();
   void begin_close();
   void tick();
   void enter(Phase phase);
@@ -88,6 +91,7 @@ class HaplyInverse::Link {
   bool _is_new = false, _is_writing = false, _zero_is_sent = false, _is_closing = false;
   int _unanswered = 0;
   double _entered = 0, _held_at = 0, _asked_at = 0;  ///< times of now()
+  double _valid_at = 0;                              ///< of the last valid answer, or of the first message after it
   double _malformed_since = -1;                      ///< < 0: the newest answer was valid
 
   std::thread _thread;

@@ -14,10 +14,33 @@ const char* const check_version =
     "check that the port is that of the simulation channel (10001) and that the service has version 3.1 or later";
 
 [[noreturn]] void refuse(const std::string& what, const std::string& value, const std::string& remedy) {
-  throw std::runtime_error("Haply Inverse service: " + what + (value.empty() ? "" : ": " + value) + "; " + remedy);
+  throw std::runtime_error(
+      printable("Haply Inverse service: " + what + (value.empty() ? "" : ": " + value) + "; " + remedy));
+}
+
+/// Whether brackets outside of strings are nested deeper than any documented message: functions of the JSON library
+/// call themselves for each level.
+bool is_nested_deeply(const std::string& message) {
+  constexpr int deepest = 32;
+  int depth = 0;
+  bool in_string = false, escaped = false;
+  for (const char c : message) {
+    if (in_string) {
+      in_string = escaped || c != '"';
+      escaped = !escaped && c == '\\';
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > deepest) return true;
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return false;
 }
 
 json parsed(const std::string& message) {
+  if (is_nested_deeply(message)) refuse("a message is nested too deeply", beginning_of(message), check_version);
   json result = json::parse(message, nullptr, false);
   if (!result.is_object()) refuse("a message is not a JSON object", beginning_of(message), check_version);
   return result;
@@ -30,6 +53,9 @@ const json& entry(const json& object, const char* name) {
   const auto found = object.find(name);
   return found == object.end() ? none : *found;
 }
+
+/// Text that is not UTF-8 is allowed.
+std::string dumped(const json& value) { return value.dump(-1, ' ', true, json::error_handler_t::replace); }
 
 std::string id_of(const json& device) {
   const json& id = entry(device, "device_id");
@@ -54,10 +80,10 @@ void refuse_scale(const json& transform, const char* what) {
   std::array<double, 3> s{};
   if (scale.is_null()) return;
   if (!read_vector(scale, s))
-    refuse(std::string("the scale of ") + what + " is not a vector", scale.dump(), check_version);
+    refuse(std::string("the scale of ") + what + " is not a vector", beginning_of(dumped(scale)), check_version);
   for (const double number : s)
     if (std::fabs(number - 1) > 1e-6)
-      refuse(std::string("the scale of ") + what + " is not 1", scale.dump(),
+      refuse(std::string("the scale of ") + what + " is not 1", beginning_of(dumped(scale)),
              "remove it in Haply Hub, and set motion_scale of the loop instead");
 }
 
@@ -72,11 +98,16 @@ std::string why_not_ready(const json& status) {
 
 }  // namespace
 
+std::string printable(const std::string& text) {
+  std::string result = text;
+  for (char& c : result)
+    if (c < ' ' || c > '~') c = '?';
+  return result;
+}
+
 std::string beginning_of(const std::string& message) {
   constexpr std::size_t longest = 80;
-  std::string text;
-  for (const char c : message.substr(0, longest)) text += c >= ' ' && c <= '~' ? c : '?';
-  return "\"" + text + (message.size() > longest ? "...\"" : "\"");
+  return "\"" + printable(message.substr(0, longest)) + (message.size() > longest ? "...\"" : "\"");
 }
 
 std::string select_device(const std::string& message, const std::string& wanted_id) {
@@ -88,7 +119,7 @@ std::string select_device(const std::string& message, const std::string& wanted_
   const json* selected = nullptr;
   for (const json& device : devices) {
     const std::string id = id_of(device);
-    if (id.empty()) refuse("a device has no \"device_id\"", beginning_of(device.dump()), check_version);
+    if (id.empty()) refuse("a device has no \"device_id\"", beginning_of(dumped(device)), check_version);
     ids += (ids.empty() ? "" : ", ") + id;
     if (wanted_id.empty() || id == wanted_id) selected = &device;
   }
@@ -114,8 +145,8 @@ State read_state(const std::string& message, const std::string& device_id) {
       State state;
       const json& values = entry(device, "state");
       if (!read_vector(entry(values, "cursor_position"), state.position_m))
-        refuse("\"cursor_position\" is not three finite numbers", beginning_of(entry(values, "cursor_position").dump()),
-               check_version);
+        refuse("\"cursor_position\" is not three finite numbers",
+               beginning_of(dumped(entry(values, "cursor_position"))), check_version);
       state.has_force = read_vector(entry(values, "current_cursor_force"), state.force_N);
       state.not_ready = why_not_ready(entry(device, "status"));
       refuse_scale(entry(values, "transform"), "the workspace");
@@ -131,7 +162,7 @@ std::string force_command(const std::string& device_id, const std::string& force
   json device = {{"device_id", device_id}};
   device["commands"]["set_cursor_force"][force_name] = {{"x", force[0]}, {"y", force[1]}, {"z", force[2]}};
   command["inverse3"] = json::array({device});
-  return command.dump(-1, ' ', true, json::error_handler_t::replace);
+  return dumped(command);
 }
 
 }  // namespace phynness::devices::haply

@@ -29,4 +29,7 @@ std::string force_command(const std::string& device_id, const std::string& force
 /// The beginning of a message in one line, for messages to the user.
 std::string beginning_of(const std::string& message);
 
+/// Text with a question mark for each character that cannot be printed.
+std::string printable(const std::string& text);
+
 }  // namespace phynness::devices::haply

@@ -43,6 +43,7 @@ HandMotion HandMotion::recorded(const std::string& file) {
 }
 
 Vector3 HandMotion::at(double time_s) const {
+  if (_function) return _function(time_s);
   if (!_positions.empty()) {
     const double ms = std::floor(1e3 * time_s + 1e-6), share = 1e3 * time_s - ms;
     const auto n = _positions.size(), i = static_cast<std::size_t>(ms) % n;
@@ -62,7 +63,7 @@ Vector3 HandMotion::at(double time_s) const {
 
 SimulatedDevice::SimulatedDevice(const SimulatedDeviceSettings& settings, HandMotion motion)
     : _settings(settings), _motion(std::move(motion)), _random(settings.seed) {
-  _arrivals.push_back({0, {{0, 0, 0}, 0}});
+  _arrivals.push_back({0, {{0, 0, 0}, -_settings.latency_samples * _settings.period_s}});  // rests since long
 }
 
 Traits SimulatedDevice::traits() const {

@@ -19,7 +19,8 @@ const char* const help =
     "  --cycles N       milliseconds (10000)       --reach M       of the hand (half of the trained displacement)\n"
     "  --coupling K     in N/m (400)               --damping B     of the simulated device, in Ns/m (0.5)\n"
     "  --latency N      of positions, samples (1)  --motion FILE   replays positions instead: x y z, t x y z,\n"
-    "                                                or a motion of node J (formats/motion.md)\n";
+    "                                                or a motion of node J (formats/motion.md)\n"
+    "Exit status: 0; 1: an error; 2: wrong options; 3: the loop tripped (the last line says why)\n";
 
 struct Options {
   std::string folder, motion;
@@ -27,26 +28,38 @@ struct Options {
          latency = 1;
 };
 
+std::string short_text(double number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", number);
+  return text;
+}
+
 Options parse(int argc, char** argv) {
   Options o;
-  const struct {
+  const struct Row {
     const char* name;
     double* value;
-  } table[] = {{"--node", &o.node},         {"--contact", &o.contact}, {"--radius", &o.radius},
-               {"--friction", &o.friction}, {"--cycles", &o.cycles},   {"--reach", &o.reach},
-               {"--coupling", &o.coupling}, {"--damping", &o.damping}, {"--latency", &o.latency}};
+    double largest;
+    bool is_whole;
+  } table[] = {{"--node", &o.node, 1e9, true},          {"--contact", &o.contact, 1, true},
+               {"--radius", &o.radius, 0.1, false},     {"--friction", &o.friction, 2, false},
+               {"--cycles", &o.cycles, 1e9, true},      {"--reach", &o.reach, 0.2, false},
+               {"--coupling", &o.coupling, 1e5, false}, {"--damping", &o.damping, 100, false},
+               {"--latency", &o.latency, 100, true}};
   for (int i = 1; i < argc; ++i) {
     const std::string name = argv[i], text = i + 1 < argc ? argv[i + 1] : "";
-    double* value = nullptr;
-    for (const auto& row : table) value = name == row.name ? row.value : value;
+    const Row* found = nullptr;
+    for (const auto& row : table) found = name == row.name ? &row : found;
     if (name == "--help") std::exit(std::fputs(help, stdout) < 0);
-    if (value != nullptr || name == "--motion") ++i;
+    if (found != nullptr || name == "--motion") ++i;
     char* end = nullptr;
     const double number = std::strtod(text.c_str(), &end);
-    if (value != nullptr && (text.empty() || *end != 0 || !(number >= 0 && number <= 1e9)))
-      throw std::invalid_argument(name + " needs a number from 0 to 1e9, not \"" + text + "\"");
-    if (value != nullptr)
-      *value = number;
+    if (found != nullptr && (text.empty() || *end != 0 || !(number >= 0 && number <= found->largest) ||
+                             (found->is_whole && number != std::floor(number))))
+      throw std::invalid_argument(name + " needs a " + (found->is_whole ? "whole " : "") + "number from 0 to " +
+                                  short_text(found->largest) + ", not \"" + text + "\"");
+    if (found != nullptr)
+      *found->value = number;
     else if (name == "--motion" && !text.empty())
       o.motion = text;
     else if (name[0] != '-' && o.folder.empty())
@@ -62,7 +75,8 @@ void check(int status, const std::string& what) {
   if (status < 0) throw std::runtime_error(what + ": " + phn_status_message(status));
 }
 
-void run(const Options& o) {
+/// @return the reason for which the loop tripped
+int run(const Options& o) {
   // All memory is allocated before the loop.
   const rt::Model model = rt::Model::read((o.folder + "/model.txt").c_str());
   check(model.status(), o.folder + "/model.txt (MODEL_DIR is the output of `phynness train`)");
@@ -119,12 +133,13 @@ void run(const Options& o) {
     std::printf("true energy taken %.4g mJ, most delivered %.3g mJ; most given to the hand %.3g mJ\n",
                 -1e3 * hand.energy().delivered, 1e3 * hand.energy().most_delivered, 1e3 * hand.energy().most_to_hand);
   std::printf("%s\n", phn_loop_trip_message(r.trip));
+  return r.trip;
 }
 
 int main(int argc, char** argv) {
   try {
-    run(parse(argc, argv));
-    return std::fflush(stdout) == 0 ? 0 : 1;
+    const int trip = run(parse(argc, argv));
+    return std::fflush(stdout) != 0 ? 1 : trip != PHN_TRIP_NONE ? 3 : 0;
   } catch (const std::invalid_argument& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 2;

@@ -31,9 +31,17 @@ struct Case {
   int node = 0;
   bool contact = false, controller = true;
   double reach = 0, coupling = 400, friction = 0;
+  double harder = 1;  ///< factor of the forces: those of a material that is so much stiffer
+  double depth = 0;   ///< of the resting position inside the body [m]
   long cycles = 0;
   SimulatedDeviceSettings device;
 };
+
+void scale(phn_loop_response& r, double by) {
+  for (double& f : r.force) f *= by;
+  for (double& k : r.stiffness) k *= by;
+  if (r.energy > 0) r.energy *= by;
+}
 
 Result run(const Case& c) {
   const rt::Model model = rt::Model::read((c.folder + "/model.txt").c_str());
@@ -47,6 +55,7 @@ Result run(const Case& c) {
   settings.passivity_controller = c.controller ? 1 : 0;
   settings.reach_m = model.info().max_displacement_m;
   if (!c.controller) settings.trip_energy_J = settings.trip_force_N = settings.trip_speed_m_per_s = 0;
+  settings.origin_m[2] = -c.depth;
   if (c.contact) {
     contact = rt::Contact(model, 1);
     rt::place_above(model, c.node, 0.004 + 0.2 * c.reach, settings).ignore();
@@ -64,7 +73,8 @@ Result run(const Case& c) {
     const bool arrived = device.read(sample);
     const auto start = std::chrono::steady_clock::now();
     loop.read(arrived ? &sample : nullptr, device.now(), tool).ignore();
-    const phn_loop_response response = c.contact ? sphere.at(tool) : held.at(tool);
+    phn_loop_response response = c.contact ? sphere.at(tool) : held.at(tool);
+    scale(response, c.harder);
     loop.hold(response, device.now(), force).ignore();
     computing += std::chrono::steady_clock::now() - start;
     const phn_loop_report report = loop.report();
@@ -144,7 +154,6 @@ void list(Case c) {
   fmt::print(
       "| latency | damping, Ns/m | coupling, N/m | Colgate | delivered at most, mJ | to the hand at most, mJ | "
       "controller active, % | trip |\n|---|---|---|---|---|---|---|---|\n");
-  c.cycles = 100'000;
   for (const int latency : {0, 1, 2}) {
     for (const double damping : {0.5, 2.0}) {
       for (const double coupling : {100.0, 200.0, 400.0, 700.0, 1000.0, 1500.0, 2000.0}) {
@@ -156,6 +165,28 @@ void list(Case c) {
                    colgate(coupling, damping, latency, 0.2) ? "yes" : "no", 1e3 * r.most_delivered,
                    1e3 * r.most_to_hand, 100.0 * static_cast<double>(r.limited) / static_cast<double>(c.cycles),
                    r.trip);
+      }
+    }
+  }
+  fmt::print("\n");
+}
+
+/// A hand that does not move, inside the body from the beginning: what the loop delivers, and what its observer misses.
+void still(Case c) {
+  fmt::print(
+      "| positions in steps of, mm | latency | coupling, N/m | delivered at most, mJ | to the hand at most, mJ | "
+      "observer differs by, mJ | trip |\n|---|---|---|---|---|---|---|\n");
+  c.depth = 0.75 * c.reach;
+  c.reach = 0;
+  for (const double resolution : {0.0, 1e-5, 2e-5, 5e-5}) {
+    for (const int latency : {0, 1, 2}) {
+      for (const double coupling : {400.0, 2000.0}) {
+        c.coupling = coupling;
+        c.device.resolution_m = resolution;
+        c.device.latency_samples = latency;
+        const Result r = run(c);
+        fmt::print("| {} | {} | {} | {:.3f} | {:.3f} | {:.3f} | {} |\n", 1e3 * resolution, latency, coupling,
+                   1e3 * r.most_delivered, 1e3 * r.most_to_hand, 1e3 * r.difference, r.trip);
       }
     }
   }
@@ -197,16 +228,19 @@ int main(int argc, char** argv) {
   std::string section = "list", csv = "passivity_map.csv";
   app.add_option("MODEL_DIR", c.folder)->required();
   app.add_option("--node", c.node)->required();
-  app.add_option("--section", section, "observer, list, map or long")
-      ->check(CLI::IsMember({"observer", "list", "map", "long"}));
+  app.add_option("--section", section, "observer, list, still, map or long")
+      ->check(CLI::IsMember({"observer", "list", "still", "map", "long"}));
   app.add_option("--reach", c.reach, "of the hand's motion [m]")->default_val(0.02);
   app.add_flag("--contact", c.contact, "a sphere of 4 mm that touches, instead of a held node");
   app.add_option("--friction", c.friction, "of that sphere");
+  app.add_option("--cycles", c.cycles, "of each point of list and still")->default_val(100'000);
+  app.add_option("--harder", c.harder, "factor of the forces of the body");
   app.add_option("--csv", csv, "of the map");
   CLI11_PARSE(app, argc, argv);
   try {
     if (section == "observer") observer(c);
     if (section == "list") list(c);
+    if (section == "still") still(c);
     if (section == "map") map(c, csv);
     if (section == "long") {
       c.cycles = 10'000'000;

@@ -6,7 +6,8 @@ state update, as Haply documents, unless --answers names something else for the 
 client and ends with status 3 if one is not as documented.
 
 The device is a mass with friction that a spring holds. Each message simulates one millisecond with the force of this
-message, so that no result depends on the time that anything takes.
+message, so that no result depends on the time that anything takes. After an answer that was left out ("silent"), the last
+force acts for as long as it really does; the log tells how long a force that is not zero stayed, and what work it did.
 """
 import argparse
 import asyncio
@@ -16,14 +17,16 @@ import json
 import math
 import struct
 import sys
+import time
 
 MASS_KG, FRICTION_NS_PER_M, HAND_N_PER_M, STEP_S, N_STEPS = 0.08, 0.5, 250.0, 1e-3, 20
 CENTER_M = (0.0, -0.12, 0.15)
 GUID = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 ACTIONS = ["ok", "not-json", "list", "no-position", "text-position", "infinite", "no-device", "unpowered", "huge", "scaled",
-           "late", "twice", "unasked", "ping", "fragments", "silent", "close", "vanish"]
+           "late", "twice", "unasked", "ping", "fragments", "silent", "close", "close-half", "vanish", "deep", "deep-scale"]
 GREETINGS = ["ok", "not-json", "list", "none", "two", "no-id", "no-position", "uncalibrated", "scaled", "silent", "close",
-             "not-websocket"]
+             "not-websocket", "control-characters", "deep", "deep-scale"]
+DEEP = "[" * 100000 + "]" * 100000
 
 
 class Body:
@@ -63,6 +66,7 @@ class Service:
         self.answers = options.answers.split(",") if options.answers else []
         self.force, self.n, self.violations = [0.0] * 3, 0, 0
         self.clients_left, self.finished = options.clients, asyncio.Event()
+        self.silent_since, self.left_s, self.left_J = None, 0.0, 0.0
 
     def log(self, text):
         print(text, file=self.log_file, flush=True)
@@ -73,7 +77,7 @@ class Service:
 
     def device(self, with_config):
         state = {"cursor_position": vector(self.body.position()), "cursor_velocity": vector(self.body.v),
-                 "current_cursor_force": vector(self.force), "control_mode": "idle",
+                 "current_cursor_force": vector(self.reported()), "control_mode": "idle",
                  "transform": {"position": vector([0, 0, 0]), "scale": vector([1, 1, 1])}}
         status = {"calibrated": True, "in_use": False, "power_supply": True, "ready": True, "started": True}
         device = {"device_id": "049D", "state": state, "status": status}
@@ -81,6 +85,9 @@ class Service:
             device["config"] = {"type": "inverse3", "handedness": "right", "basis": {"permutation": "XYZ"},
                                 "mount": {"position": vector([0, 0, 0]), "scale": vector([1, 1, 1])}}
         return device
+
+    def reported(self):
+        return self.force if self.options.reports == "commanded" else [0.0, 0.0, float(self.options.reports)]
 
     def greeting(self):
         kind, device = self.options.greeting, self.device(True)
@@ -97,6 +104,13 @@ class Service:
             device["status"]["calibrated"] = False
         if kind == "scaled":
             device["config"]["mount"]["scale"] = vector([1000, 1000, 1000])
+        if kind == "control-characters":
+            device["device_id"] = "04\n9D\x1b[31m"
+            return json.dumps({"inverse3": [device, device]})
+        if kind == "deep":
+            return '{"inverse3": [{"device_id": "049D", "state": {"cursor_position": ' + DEEP + "}}]}"
+        if kind == "deep-scale":
+            return '{"inverse3": [{"device_id": "049D", "config": {"mount": {"scale": ' + DEEP + "}}}]}"
         return json.dumps({"session_id": 7, "inverse3": devices})
 
     def update(self, kind):
@@ -115,6 +129,10 @@ class Service:
             device["state"]["transform"]["scale"] = vector([2, 2, 2])
         if kind == "unpowered":
             device["status"]["power_supply"] = False
+        if kind == "deep":
+            return '{"inverse3": [{"device_id": "049D", "state": {"cursor_position": ' + DEEP + "}}]}"
+        if kind == "deep-scale":
+            return json.dumps({"inverse3": [device]}).replace('"scale": {', '"scale": ' + DEEP + ', "was": {')
         text = json.dumps({"inverse3": [device]})
         if kind == "infinite":
             text = text.replace('"cursor_position": {"x": ', '"cursor_position": {"x": 1e999, "was": ')
@@ -142,21 +160,41 @@ class Service:
         size = math.hypot(*force)
         if not size <= self.options.largest_force + 1e-9:
             self.violation(f"a force of {size} N")
+        self.pass_silence()
         self.force = force
         self.body.step(force)
         self.log("message {}: force {:.6g} {:.6g} {:.6g}{}".format(
             self.n, *force, " with profile" if "session" in message else ""))
         return None
 
+    def pass_silence(self):
+        """The time in which the last force acted without an answer, in real milliseconds."""
+        if self.silent_since is None:
+            return
+        now, before = time.monotonic(), self.body.work_J
+        if any(self.force):
+            for _ in range(min(10000, round((now - self.silent_since) / STEP_S))):
+                self.body.step(self.force)
+            self.left_s += now - self.silent_since
+            self.left_J += self.body.work_J - before
+        self.silent_since = now
+
     async def answer(self, wire):
         kind = self.answers[self.n - 1] if self.n <= len(self.answers) else self.options.then
         if kind != "ok":
             self.log(f"answer {self.n}: {kind}")
+        if kind == "silent" and self.silent_since is None:
+            self.silent_since = time.monotonic()
         if kind == "silent" or self.is_closing:
             return True
         if kind == "close":
             await self.close(wire)
             return True
+        if kind == "close-half":  # the connection below stays open
+            await self.close(wire)
+            await wire.receive()
+            await asyncio.wait_for(wire.reader.read(), 60)
+            return False
         if kind == "vanish":
             wire.writer.transport.abort()
             return False
@@ -188,6 +226,9 @@ class Service:
             await self.talk(Wire(reader, writer, self))
         except (asyncio.IncompleteReadError, ConnectionError) as error:
             self.log(f"the connection ended without a close frame: {type(error).__name__}")
+        self.pass_silence()
+        if self.silent_since is not None:
+            self.log(f"without answers a force stayed for {self.left_s:.4f} s and did {1e3 * self.left_J:.4f} mJ of work")
         self.log("work on the device {:.9g} J, gross {:.9g} J, last force {:.6g} {:.6g} {:.6g}".format(
             self.body.work_J, self.body.gross_J, *self.force))
         writer.close()
@@ -267,6 +308,7 @@ async def main():
     parser.add_argument("--device-id", default="049D", help="that the client must name")
     parser.add_argument("--force-name", default="vector", help="that the client must use")
     parser.add_argument("--ignores-forces", action="store_true", help="of other names, as the real one does")
+    parser.add_argument("--reports", default="commanded", help="the force in state updates: the commanded one, or newtons along z")
     parser.add_argument("--clients", type=int, default=1, help="number of clients, one after the other")
     parser.add_argument("--largest-force", type=float, default=2.0)
     options = parser.parse_args()

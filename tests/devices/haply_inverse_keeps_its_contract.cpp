@@ -95,6 +95,89 @@ TEST(HaplyInverse, ForceIsZeroWhenTheControllerIsSilent) {
   EXPECT_TRUE(service.logs("message 4: force 0 0 0.25\n")) << service.log();
 }
 
+// The time limit of the connection is far away, and more messages have no answer than are sent otherwise: the zero
+// comes from the limit of answers alone.
+TEST(HaplyInverse, ForceIsZeroWhenAnswersStop) {
+  for (const char* kind : {"silent", "no-position"}) {
+    InverseService service(std::string("--answers ok,ok --then ") + kind);
+    service.settings.answer_timeout_s = 0.01;
+    HaplyInverse device(service.settings);
+    device.open();
+    phn_loop_sample sample{};
+    ASSERT_TRUE(exchange(device, {0, 0, 1}, sample));
+    const double force[] = {0, 0, 1};
+    ASSERT_TRUE(waited_for([&] {
+      device.hold(force);
+      return device.counts().silenced > 0;
+    }));
+    EXPECT_TRUE(service.logs("force 0 0 0\n")) << service.log();
+    EXPECT_EQ(device.lost(), "") << kind;
+    for (int i = 0; i < 20; ++i) {
+      device.hold(force);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    const std::string log = service.log();
+    EXPECT_EQ(log.find("force 0 0 1\n", log.find("force 0 0 0\n", log.find("force 0 0 1\n"))), std::string::npos)
+        << "no force before there is a valid answer: " << log;
+    device.close();
+    EXPECT_EQ(service.finish(), 0) << service.log();
+    // How long this took is measured and not judged: the machine may be busy.
+    double seconds = 0, work_mJ = 0;
+    const std::string all = service.log();
+    const std::size_t at = all.find("a force stayed");
+    if (kind == std::string("silent")) {
+      ASSERT_NE(at, std::string::npos) << all;
+      ASSERT_EQ(std::sscanf(all.c_str() + at, "a force stayed for %lf s and did %lf mJ", &seconds, &work_mJ), 2);
+      std::printf("1 N stayed for %.4f s without an answer and did %.4f mJ of work\n", seconds, work_mJ);
+    }
+  }
+}
+
+TEST(HaplyInverse, ForceIsZeroAfterAMissingAnswerUntilTheNextOne) {
+  InverseService service("--answers ok,ok,late,ok");
+  service.settings.answer_timeout_s = 0.01;
+  HaplyInverse device(service.settings);
+  device.open();
+  phn_loop_sample sample{};
+  const double force[] = {0, 0, 1};
+  ASSERT_TRUE(exchange(device, {0, 0, 1}, sample));
+  device.hold(force);  // its answer comes with that to the zero force
+  ASSERT_TRUE(service.logs("answer 3: late"));
+  ASSERT_TRUE(waited_for([&] { return device.counts().answers == 4; }));
+  EXPECT_NE(service.log().find("force 0 0 0\n"), std::string::npos);
+  EXPECT_TRUE(exchange(device, {0, 0, 0.25}, sample)) << device.lost();
+  EXPECT_TRUE(service.logs("force 0 0 0.25\n"));
+}
+
+TEST(HaplyInverse, ForceIsZeroBeforeAConnectionIsGivenUp) {
+  for (const char* options : {"--answers ok,ok,unpowered", "--answers ok,ok --then no-position"}) {
+    InverseService service(options);
+    service.settings.timeout_s = 0.2;
+    HaplyInverse device(service.settings);
+    device.open();
+    const double force[] = {0, 0, 1};
+    while (device.wait()) device.hold(force);
+    device.close();
+    EXPECT_EQ(service.finish(), 0) << service.log();
+    EXPECT_NE(service.log().find("last force 0 0 0"), std::string::npos) << service.log();
+  }
+}
+
+TEST(HaplyInverse, AForceThatTheServiceReportsIsTheOneThatIsHeld) {
+  for (const char* reports : {"commanded", "0", "0.3"}) {
+    InverseService service(std::string("--reports ") + reports);
+    HaplyInverse device(service.settings);
+    device.open();
+    phn_loop_sample sample{};
+    for (int i = 1; i <= 20; ++i) ASSERT_TRUE(exchange(device, {0, 0, 1 + 0.01 * i}, sample));
+    const double next[] = {0, 0, 1.21};
+    device.hold(next);
+    double held[3];
+    ASSERT_TRUE(device.held(held));
+    EXPECT_DOUBLE_EQ(held[2], reports == std::string("0.3") ? 0.3 : 1.21) << reports;
+  }
+}
+
 TEST(HaplyInverse, ForcesAreShortenedAndFinite) {
   InverseService service("--largest-force 2");
   HaplyInverse device(service.settings);
@@ -117,7 +200,8 @@ TEST(HaplyInverse, ForcesAreShortenedAndFinite) {
 }
 
 TEST(HaplyInverse, MalformedAnswersAreCountedAndNotUsed) {
-  for (const char* kind : {"not-json", "list", "no-device", "no-position", "text-position", "infinite", "scaled"}) {
+  for (const char* kind :
+       {"not-json", "list", "no-device", "no-position", "text-position", "infinite", "scaled", "deep", "deep-scale"}) {
     InverseService service(std::string("--answers ok,ok,") + kind + ",ok");
     HaplyInverse device(service.settings);
     device.open();
@@ -198,7 +282,8 @@ TEST(HaplyInverse, ForcesDoNotQueueBehindASlowService) {
 TEST(HaplyInverse, ALostConnectionEndsTheLoopAndSaysWhy) {
   const struct {
     const char *kind, *reason;
-  } cases[] = {{"close", "1001"}, {"vanish", "lost"}, {"huge", "lost"}, {"unpowered", "power"}, {"silent", "answer"}};
+  } cases[] = {{"close", "1001"}, {"close-half", "1001"}, {"vanish", "lost"},
+               {"huge", "lost"},  {"unpowered", "power"}, {"silent", "answer"}};
   for (const auto& c : cases) {
     InverseService service(std::string("--answers ok,ok,") + c.kind + " --then silent");
     if (c.kind == std::string("silent")) service.settings.timeout_s = 0.3;
@@ -230,6 +315,9 @@ TEST(HaplyInverse, OpenRefusesWhatCannotWork) {
                {"scaled", "1000"},
                {"close", "1001"},
                {"not-websocket", "WebSocket"},
+               {"control-characters", "04?9D?[31m"},
+               {"deep", "nested too deeply"},
+               {"deep-scale", "config"},
                {"silent", "0.2 s"}};
   std::set<std::string> messages;
   for (const auto& c : cases) {
@@ -289,8 +377,9 @@ TEST(HaplyInverse, SettingsOutOfRangeAreRefusedBeforeAnyConnection) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (double HaplyInverseSettings::*setting :
        {&HaplyInverseSettings::period_s, &HaplyInverseSettings::timeout_s, &HaplyInverseSettings::hold_timeout_s,
-        &HaplyInverseSettings::largest_force_N, &HaplyInverseSettings::position_age_s,
-        &HaplyInverseSettings::force_delay_s, &HaplyInverseSettings::position_resolution_m})
+        &HaplyInverseSettings::answer_timeout_s, &HaplyInverseSettings::largest_force_N,
+        &HaplyInverseSettings::position_age_s, &HaplyInverseSettings::force_delay_s,
+        &HaplyInverseSettings::position_resolution_m})
     for (const double wrong : {-1.0, 1e6, nan}) {
       HaplyInverseSettings settings;
       settings.*setting = wrong;

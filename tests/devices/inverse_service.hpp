@@ -42,7 +42,7 @@ class InverseService {
     settings.host = "127.0.0.1";
     settings.port = static_cast<std::uint16_t>(port);
     settings.timeout_s = 30;
-    settings.hold_timeout_s = 1;
+    settings.hold_timeout_s = settings.answer_timeout_s = 1;
   }
   ~InverseService() {
     if (_pipe != nullptr) finish();

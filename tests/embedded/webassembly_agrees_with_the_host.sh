@@ -37,5 +37,5 @@ limit() {
 }
 if command -v wasm-opt > /dev/null; then limit phynness.wasm 96000; else echo "size not checked: no wasm-opt"; fi
 limit force.wasm 8192
-limit loop.wasm 16384
+limit loop.wasm 20480
 exit "$failed"

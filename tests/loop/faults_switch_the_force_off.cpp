@@ -18,6 +18,11 @@ constexpr int before = 700;  ///< cycles without the fault: the hand is pressing
 
 bool on(Vector3 f) { return f.x != 0 || f.y != 0 || f.z != 0; }
 
+void freeze(Rig& rig) {
+  const Vector3 here = rig.device.position();
+  rig.device.position_fault = [here](Vector3) { return here; };
+}
+
 struct Fault {
   const char* name;
   std::function<void(Rig&)> begin;
@@ -107,8 +112,8 @@ TEST(Faults, OfPositionsTrip) {
       {"no positions", [](Rig& rig) { rig.device.stall(1'000); }, PHN_TRIP_STALE},
       {"frozen",
        [](Rig& rig) {
-         const Vector3 here = rig.device.position();
-         rig.device.position_fault = [here](Vector3) { return here; };
+         while (rig.loop.report().speed_m_per_s < 0.03) rig.cycle();
+         freeze(rig);
        },
        PHN_TRIP_FROZEN},
       {"NaN", [nan](Rig& rig) { rig.device.position_fault = [nan](Vector3 p) {
@@ -124,6 +129,48 @@ TEST(Faults, OfPositionsTrip) {
     Body body(spring(150), 3);
     Rig rig(body, {}, 0.015);
     expect_tripped(rig, fault);
+  }
+}
+
+// Claim: whenever the positions freeze, the force is zero after 0.15 s, and less than 2 mJ more have gone into the hand
+// than it gave. Where the force was above 1 N, the loop trips.
+TEST(Faults, OfPositionsThatFreezeEndTheForce) {
+  double most = 0;
+  int tripped = 0, frozen = 0;
+  for (const double stiffness : {9.0, 150.0, 460.0}) {
+    Body body(spring(stiffness), 3);
+    for (int start = 700; start < 3'200; start += 49) {
+      Rig rig(body, {}, 0.02, [](phn_loop_settings& s) { s.reach_m = 0; });
+      rig.run(start);
+      freeze(rig);
+      rig.run(150 + 10);  // and the time of the last samples that were right
+      const Vector3 force = rig.cycle();
+      const double size = std::hypot(force.x, force.y, force.z);
+      EXPECT_LE(size, 0.1) << stiffness << ' ' << start;  // what is not felt
+      EXPECT_LT(rig.device.energy().most_to_hand, most_into_hand_J) << stiffness << ' ' << start;
+      most = std::max(most, rig.device.energy().most_to_hand);
+      tripped += rig.loop.report().trip == PHN_TRIP_FROZEN;
+      EXPECT_TRUE(rig.loop.report().trip == PHN_TRIP_FROZEN || rig.loop.report().trip == PHN_TRIP_NONE);
+      ++frozen;
+    }
+  }
+  EXPECT_GT(tripped, frozen / 2);
+  std::printf("frozen at %d moments: %d trips, at most %.2f mJ to the hand\n", frozen, tripped, 1e3 * most);
+}
+
+// Claim: a hand that holds a device still against a force does not look like that: the force stays, although positions
+// change by single steps only.
+TEST(Faults, OfPositionsAreNotSeenInAHandAtRest) {
+  Body body(spring(460), 3);
+  for (const double resolution : {1e-5, 5e-5}) {
+    SimulatedDeviceSettings device;
+    device.resolution_m = resolution;
+    device.mass_kg = 0.3;
+    Rig rig(body, device, [](double t) { return Vector3{0, 0, -0.015 * std::min(1.0, t)}; });
+    EXPECT_EQ(rig.run_until_trip(20'000), -1) << phn_loop_trip_message(rig.loop.report().trip);
+    double least = 10;
+    for (int i = 0; i < 2'000; ++i) least = std::min(least, std::fabs(rig.cycle().z));
+    EXPECT_GT(least, 0.8 * rig.largest) << resolution;
   }
 }
 
@@ -183,15 +230,25 @@ TEST(Faults, OfMotorsFromTheBeginningTripDuringTheTestPulses) {
       },
       [](Vector3 f, Vector3, Vector3) {
         return on(f) ? Vector3{8, 0, 0} : f;
+      },
+      [](Vector3 f, Vector3, Vector3 v) {
+        return on(f) ? Vector3{f.x + 5 * v.x, f.y + 5 * v.y, f.z + 5 * v.z} : f;
       }};
   for (const auto& fault : wrong) {
+    const bool is_weak = &fault == &wrong[2];
+    SimulatedDeviceSettings device;
+    if (is_weak) device.hand_damping_Ns_per_m = 1;
     Body body(spring(150), 3);
-    Rig rig(body, {}, 0.015, checked);
+    Rig rig(body, device, 0.015, checked);
     rig.device.force_fault = fault;
     ASSERT_GE(rig.run_until_trip(1'000), 0);
-    EXPECT_EQ(rig.loop.report().trip, PHN_TRIP_CHECK);
+    // The weak one may be found by what it says or by its energy.
+    const int trip = rig.loop.report().trip;
+    EXPECT_TRUE(trip == PHN_TRIP_CHECK || (is_weak && trip == PHN_TRIP_ENERGY)) << phn_loop_trip_message(trip);
     rig.run(200);
     EXPECT_LT(rig.device.energy().most_to_hand, most_into_hand_J);
+    std::printf("motors, fault %d: %.2f mJ to the hand\n", static_cast<int>(&fault - wrong),
+                1e3 * rig.device.energy().most_to_hand);
   }
   SimulatedDeviceSettings alone;
   alone.hand_stiffness_N_per_m = alone.hand_damping_Ns_per_m = 0;
@@ -201,20 +258,30 @@ TEST(Faults, OfMotorsFromTheBeginningTripDuringTheTestPulses) {
   EXPECT_EQ(rig.loop.report().state, PHN_LOOP_ON);
 }
 
-// Claim: the test pulses do not depend on the period.
-TEST(Faults, OfNoneAreFoundAtShorterPeriods) {
-  for (const double period : {2.5e-4, 5e-4}) {
-    SimulatedDeviceSettings device;
-    device.period_s = period;
-    Body body(spring(150), 3);
-    Rig rig(body, device, 0.01, [](phn_loop_settings& s) { s.check_force_N = 0.4; });
-    EXPECT_EQ(rig.run_until_trip(20'000), -1) << period << phn_loop_trip_message(rig.loop.report().trip);
-    EXPECT_EQ(rig.loop.report().state, PHN_LOOP_ON);
-  }
+// Claim: the test pulses pass devices of 5 g to 1 kg in a loose and in a firm hand, or in none, at periods of 0.1 to 4
+// ms. own-device.md has the table.
+TEST(Faults, OfNoneAreFoundInRightDevices) {
+  struct Hand {
+    double stiffness, damping;
+  };
+  Body body(spring(0), 3);
+  for (const double period : {1e-4, 1e-3, 2e-3, 4e-3})
+    for (const double mass : {0.005, 0.02, 0.08, 0.5, 1.0})
+      for (const Hand hand : {Hand{0, 0}, Hand{100, 1}, Hand{250, 4}, Hand{500, 10}}) {
+        SimulatedDeviceSettings device;
+        device.period_s = period;
+        device.mass_kg = mass;
+        device.hand_stiffness_N_per_m = hand.stiffness;
+        device.hand_damping_Ns_per_m = hand.damping;
+        Rig rig(body, device, hand.stiffness > 0 ? 0.01 : 0, [](phn_loop_settings& s) { s.check_force_N = 0.4; });
+        while (rig.loop.report().state == PHN_LOOP_CHECKING) rig.cycle();
+        EXPECT_NE(rig.loop.report().state, PHN_LOOP_TRIPPED)
+            << period << ' ' << mass << ' ' << hand.stiffness << phn_loop_trip_message(rig.loop.report().trip);
+      }
 }
 
-// Claim: a clock that is set back or stands still, a position from the future and a force that no device has end the
-// force at once; no force is ever NaN.
+// Claim: a clock that is set back or stands still, a position that is younger than it can be (a clock of the device
+// that is a tenth of a period ahead) and a force that no device has end the force at once; no force is ever NaN.
 TEST(Faults, OfClocksEndTheForceAtOnce) {
   enum Kind { set_back, stands, future, report };
   for (const Kind kind : {set_back, stands, future, report}) {
@@ -228,7 +295,8 @@ TEST(Faults, OfClocksEndTheForceAtOnce) {
     for (; cycles < 200 && rig.loop.report().state != PHN_LOOP_TRIPPED; ++cycles) {
       const double now = kind == set_back ? begin - 3 + 1e-3 * cycles : kind == stands ? begin : begin + 1e-3 * cycles;
       const Vector3 at = rig.device.position();
-      const phn_loop_sample sample = {{at.x, at.y, at.z}, kind == future ? now + 0.02 : now};
+      // The least age of a position is a millisecond.
+      const phn_loop_sample sample = {{at.x, at.y, at.z}, kind == future ? now - 0.0009 : now - 0.001};
       rig.loop.read(&sample, now, tool).ignore();
       rig.loop.hold(body.at(tool), now, force).ignore();
       for (const double f : force) EXPECT_TRUE(std::isfinite(f));
@@ -255,7 +323,7 @@ TEST(Faults, OfLimitsAndTimeTrip) {
   for (const double step : {0.05, -0.01}) {
     Rig rig(body, {}, 0.01);
     rig.run(500);
-    const phn_loop_sample sample = {{0, 0, 0}, rig.device.now() + std::max(step, 0.0)};
+    const phn_loop_sample sample = {{0, 0, 0}, rig.device.now() + std::max(step, 0.0) - rig.settings.latency_s};
     double tool[3], force[3];
     const phn_loop_response none = {};
     const int status = rig.loop.read(&sample, rig.device.now() + step, tool);

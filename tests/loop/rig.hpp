@@ -66,7 +66,13 @@ class Rig {
   /// @param change  of the settings that follow from the traits of the device
   Rig(Body& of_body, const SimulatedDeviceSettings& simulated, double reach_m,
       const std::function<void(phn_loop_settings&)>& change = {})
-      : device(simulated, HandMotion(reach_m)), body(of_body), settings(devices::settings_for(device.traits())) {
+      : Rig(of_body, simulated, HandMotion(reach_m), change) {}
+  Rig(Body& of_body, const SimulatedDeviceSettings& simulated, const std::function<Vector3(double)>& motion,
+      const std::function<void(phn_loop_settings&)>& change = {})
+      : Rig(of_body, simulated, HandMotion(motion), change) {}
+  Rig(Body& of_body, const SimulatedDeviceSettings& simulated, const HandMotion& motion,
+      const std::function<void(phn_loop_settings&)>& change)
+      : device(simulated, motion), body(of_body), settings(devices::settings_for(device.traits())) {
     settings.check_force_N = 0;
     if (body.sphere_radius > 0) rt::place_above(body.loaded, body.node, body.sphere_radius + 0.002, settings).ignore();
     if (change) change(settings);

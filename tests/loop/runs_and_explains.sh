@@ -23,6 +23,12 @@ echo "$motion"'"displacement_m": [[[0, 0, 0]], [[0, 0, -0.001]], [[0.001, 0, -0.
 out=$("$loop" modal --node 3 --motion motion.json)
 echo "$out"
 echo "$out" | grep -q '21 cycles'
+# A trip is an exit status.
+printf '0 0 0\n0 0 0\n0 0 0.05\n0 0 0.05\n' > jump.txt
+status=0
+out=$("$loop" modal --node 3 --motion jump.txt 2>&1) || status=$?
+echo "$out"
+[ $status -eq 3 ] && echo "$out" | grep -q 'jumped by more than'
 refused() {
   expected=$1; words=$2; shift 2
   status=0
@@ -31,7 +37,10 @@ refused() {
   [ $status -eq "$expected" ] && echo "$said" | grep -q -e "$words" || { echo "expected $expected: $words"; exit 1; }
 }
 refused 2 'model directory' --node 3
-refused 2 '--cycles needs a number' modal --node 3 --cycles -1
+refused 2 '--cycles needs a whole number' modal --node 3 --cycles -1
+refused 2 '--node needs a whole number' modal --node 3.7
+refused 2 '--damping needs a number from 0 to 100' modal --node 3 --damping 1e9
+refused 2 '--latency needs a whole number from 0 to 100' modal --node 3 --latency 101
 refused 2 'unknown option --radios' modal --node 3 --radios 1
 refused 1 'phynness train' nowhere --node 3
 refused 1 'node 1' modal --node 1

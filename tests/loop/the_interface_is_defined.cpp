@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <random>
 #include <thread>
 
 #include <phynness/devices/latest.hpp>
@@ -318,6 +319,50 @@ TEST(Latest, IsWholeAndNeverGoesBack) {
   writer.join();
   EXPECT_EQ(torn, 0);
   EXPECT_EQ(back, 0);
+}
+
+// Claim: whatever device, body and caller give, tool, force and report are finite, and the force is within its limit.
+TEST(Limits, KeepEveryOutputFinite) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const double absurd[] = {0,     -0.0,    5e-324,   1e-300, 1e-9,     1e3,      1e12,
+                           1e300, 1.7e308, -1.7e308, nan,    infinity, -infinity};
+  std::mt19937 random(7);
+  const auto any = [&] {
+    return random() % 4 != 0 ? std::uniform_real_distribution<double>(-0.02, 0.02)(random)
+                             : absurd[random() % std::size(absurd)];
+  };
+  for (int run = 0; run < 2'000; ++run) {
+    phn_loop_settings s = rt::loop_defaults();
+    s.has_times = static_cast<std::int32_t>(random() % 2);
+    if (random() % 2 != 0) s.check_force_N = 0;
+    if (random() % 3 == 0) s.motion_scale = random() % 2 != 0 ? 1e9 : 1.1e-9;
+    if (random() % 3 == 0) s.position_resolution_m = 1e-5;
+    rt::Loop loop(s);
+    loop.engage().ignore();
+    double now = 0;
+    for (int i = 0; i < 100; ++i) {
+      now += random() % 10 != 0 ? 1e-3 : any();
+      const bool is_plain = i < 50;  // so that there is a force
+      const phn_loop_sample sample = {{is_plain ? 1e-4 * i : any(), is_plain ? 0 : any(), 0},
+                                      random() % 10 != 0 ? now : any()};
+      double tool[3], force[3];
+      loop.read(&sample, now, tool).ignore();
+      phn_loop_response r = {0, 1, 1, {}, {}, {}, -1};
+      for (int k = 0; k < 3; ++k) {
+        r.force[k] = is_plain ? 200 * tool[k] : any();
+        r.stiffness[4 * k] = is_plain ? 200 : any();
+        r.displacement[k] = is_plain ? tool[k] : any();
+      }
+      loop.hold(r, now, force).ignore();
+      const double held[3] = {any(), any(), any()};
+      if (random() % 10 == 0) loop.held(held).ignore();
+      const phn_loop_report p = loop.report();
+      for (const double v : {tool[0], tool[1], tool[2], force[0], force[1], force[2], p.work_J, p.most_delivered_J,
+                             p.gross_J, p.unsure_J, p.dissipated_J, p.speed_m_per_s, p.latency_s})
+        ASSERT_TRUE(std::isfinite(v)) << "run " << run << " cycle " << i;
+      ASSERT_LE(std::hypot(force[0], force[1], force[2]), s.largest_force_N * (1 + 1e-12));
+    }
+  }
 }
 
 }  // namespace

@@ -77,6 +77,38 @@ TEST(Passivity, HoldsForASphereThatTouches) {
   }
 }
 
+// Claim: so it is if the loop is engaged deep inside a body and the hand does not move, where the motion stays within
+// some steps of the positions, and if the hand presses and then rests. No trip, and the observer is right within the
+// energy of the largest force and a step, which it cannot know. (0.1 mJ is a third of trip_energy_J.)
+TEST(Passivity, HoldsForAHandAtRest) {
+  for (const double stiffness : {9.0, 460.0, 2000.0}) {
+    Body body(spring(stiffness), 3);
+    for (const double coupling : {400.0, 2000.0}) {
+      for (const int latency : {0, 1, 2}) {
+        for (const double resolution : {0.0, 1e-5, 2e-5}) {
+          for (const bool presses : {false, true}) {
+            SimulatedDeviceSettings device;
+            device.latency_samples = latency;
+            device.resolution_m = resolution;
+            const auto motion = [presses](double t) { return Vector3{0, 0, presses ? -0.015 * std::min(1.0, t) : 0}; };
+            Rig rig(body, device, motion, [&](phn_loop_settings& s) {
+              s.coupling_N_per_m = coupling;
+              s.origin_m[2] = presses ? 0 : -0.015;
+            });
+            rig.run(10'000);
+            const auto where = std::to_string(stiffness) + " coupling " + std::to_string(coupling) + " latency " +
+                               std::to_string(latency) + " resolution " + std::to_string(1e6 * resolution) +
+                               (presses ? " um, presses" : " um, rests");
+            EXPECT_LE(rig.device.energy().most_delivered, most_J) << where;
+            EXPECT_EQ(rig.loop.report().trip, PHN_TRIP_NONE) << where;
+            EXPECT_LE(rig.largest_difference, 1e-4 + 0.01 * rig.device.energy().gross) << where;
+          }
+        }
+      }
+    }
+  }
+}
+
 // Claim: in the air nothing is felt, to the last bit.
 TEST(Passivity, NothingIsFeltInTheAir) {
   Body body(ball_of(12), 4, 0.004);

@@ -5,7 +5,7 @@ import { load } from './module.mjs';
 
 const { f, take, view, bytes } = load(process.argv[2]);
 // Offsets of phynness_loop.h: four doubles, two numbers, and then doubles.
-const hasTimes = 32, controller = 36, coupling = 40 + 8 * (9 + 3 + 2), checkForce = coupling + 8 * 11;
+const hasTimes = 32, controller = 36, coupling = 40 + 8 * (9 + 3 + 2), checkForce = coupling + 8 * 11, tripFrozen = coupling + 8 * 20;
 const settings = take(512), size = take(4), handle = take(4);
 const status = (code, what) => {
   if (code < 0) throw new Error(`${what}: status ${code}`);
@@ -16,6 +16,7 @@ if (view(Float64Array, settings + coupling, 1)[0] !== 400 || view(Float64Array, 
 view(Int32Array, settings + hasTimes, 1)[0] = 1;
 view(Int32Array, settings + controller, 1)[0] = 0;
 view(Float64Array, settings + checkForce, 1)[0] = 0;
+view(Float64Array, settings + tripFrozen, 1)[0] = 0;  // this device does not move while it is held
 status(f.phn_loop_size(size), 'phn_loop_size');
 const n = view(Uint32Array, size, 1)[0];
 status(f.phn_loop_init(take(n), n, settings, handle), 'phn_loop_init');

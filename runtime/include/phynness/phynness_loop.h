@@ -19,7 +19,8 @@
  * The passivity observer adds up -force . displacement for the forces that the device held between the times of two
  * position samples. It therefore knows the energy up to the time of the newest sample. It is exact up to the resolution
  * of the positions if forces change at the times of samples, and otherwise exact for a constant velocity between two
- * samples. Methods: passivity observer and controller, Hannaford & Ryu 2002 (doi 10.1109/70.988969); passivity of a
+ * samples. A position in steps stands still for it between two values at which it changes back and forth.
+ * Methods: passivity observer and controller, Hannaford & Ryu 2002 (doi 10.1109/70.988969); passivity of a
  * sampled spring and damper, Colgate & Schenkel 1997. Equations: docs/howto/haptic-loop.md. */
 #ifndef PHYNNESS_LOOP_H
 #define PHYNNESS_LOOP_H
@@ -35,7 +36,7 @@ typedef struct phn_loop phn_loop;
 /* [Values of phn_loop_defaults]. A limit of 0 is not checked. */
 typedef struct phn_loop_settings {
   double period_s;              /* of a cycle [1e-3] */
-  double latency_s;             /* age of a position when it is read, if samples have no times [0] */
+  double latency_s;             /* age of a position when it is read; if samples have times, the least age [0] */
   double force_delay_s;         /* from phn_loop_hold until the device applies the force [0] */
   double position_resolution_m; /* step of the measured positions [0] */
   int32_t has_times;            /* 1: phn_loop_sample.time_s is valid [0] */
@@ -64,14 +65,18 @@ typedef struct phn_loop_settings {
   double release_s;     /* ramp after phn_loop_release and phn_loop_clutch [0.1] */
   double trip_ramp_s;   /* ramp after a trip; _ENERGY, _CHECK and _CLOCK end the force at once [0.005] */
 
-  double trip_energy_J;      /* delivered by the loop beyond what it took and device_damping dissipated [3e-4] */
+  double trip_energy_J;      /* delivered by the loop beyond what it took and device_damping dissipated; during the test
+                                pulses, by forces of phn_loop_held beyond the pulses [3e-4] */
   double trip_force_N;       /* of the coupling before all limits [40] */
   double trip_speed_m_per_s; /* of the device, over 4 samples [2] */
   double trip_jump_m;        /* between two samples one period apart [0.01] */
   double trip_stale_s;       /* age of the newest position in addition to latency_s [0.01] */
-  double trip_frozen_s;      /* a position that stops suddenly and then does not change by one bit [0.05] */
+  double trip_frozen_s;      /* a position that does not change by one bit, see below [0.05] */
   double trip_overrun_s;     /* between two calls of phn_loop_hold [0.02] */
 } phn_loop_settings;
+/* trip_frozen_s: no change for so long after a motion of more than 20 mm/s trips. While a force above 0.1 N is held,
+ * the force fades to zero within twice this time, sooner if the device had been fast, until a position changes; a fade
+ * from more than 1 N to zero trips. Positions that can still be measured change when the force falls, long before. */
 PHN_API int phn_loop_defaults(phn_loop_settings* settings);
 
 enum { /* phn_loop_report.state */
@@ -93,8 +98,8 @@ enum { /* phn_loop_report.trip */
        PHN_TRIP_FROZEN = 6,
        PHN_TRIP_OVERRUN = 7,
        PHN_TRIP_NOT_FINITE = 8, /* a position beyond 1000 m, or one or a response of the body is NaN or infinite */
-       PHN_TRIP_CLOCK = 9,      /* now_s runs backwards or stands still, or a sample is from the future */
-       PHN_TRIP_CHECK = 10,     /* the device does not move along the test pulses: wrong axis, sign or unit */
+       PHN_TRIP_CLOCK = 9,      /* now_s runs backwards or stands still, or a sample is younger than latency_s */
+       PHN_TRIP_CHECK = 10,     /* the device does not move along the test pulses: wrong axis, sign, unit; firm grip */
        PHN_TRIP_BODY = 11       /* the response of the body was refused: status < 0 in phn_loop_response */
 };
 /* The reason of a trip in one sentence; never null. */
@@ -149,7 +154,7 @@ typedef struct phn_loop_report {
   double work_J;           /* taken from the device since phn_loop_engage, up to the time of the newest sample */
   double most_delivered_J; /* largest value of -work_J so far */
   double gross_J;          /* sum of |force . displacement| */
-  double unsure_J;         /* bound of the error of work_J that lost samples cause */
+  double unsure_J;         /* bound of the error of work_J by lost samples and by steps of the positions at rest */
   double dissipated_J;     /* lower bound of what device_damping_Ns_per_m dissipated */
   double speed_m_per_s;    /* of the device */
   double latency_s;        /* age of the newest sample at the last phn_loop_read */

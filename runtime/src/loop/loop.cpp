@@ -10,61 +10,10 @@ using namespace phynness::loop;
 
 namespace {
 
-bool proper_rotation(const double* R) {
-  constexpr double rounding = 1e-9;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const double product = R[3 * i] * R[3 * j] + R[3 * i + 1] * R[3 * j + 1] + R[3 * i + 2] * R[3 * j + 2];
-      if (!(std::fabs(product - (i == j)) <= rounding)) return false;
-    }
-  const double determinant =
-      R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) + R[2] * (R[3] * R[7] - R[4] * R[6]);
-  return determinant > 0;
-}
-
-int refuse(const phn_loop_settings& s) {
-  const double positive[] = {s.period_s, s.motion_scale, s.force_scale, s.coupling_N_per_m, s.largest_force_N};
-  const double at_least_0[] = {s.latency_s,
-                               s.force_delay_s,
-                               s.position_resolution_m,
-                               s.coupling_damping_Ns_per_m,
-                               s.device_damping_Ns_per_m,
-                               s.reach_m,
-                               s.largest_damping_Ns_per_m,
-                               s.least_mass_kg,
-                               s.allowance_J,
-                               s.largest_reserve_J,
-                               s.largest_slew_N_per_s,
-                               s.force_resolution_N,
-                               s.check_force_N,
-                               s.engage_s,
-                               s.release_s,
-                               s.trip_ramp_s,
-                               s.trip_energy_J,
-                               s.trip_force_N,
-                               s.trip_speed_m_per_s,
-                               s.trip_jump_m,
-                               s.trip_stale_s,
-                               s.trip_frozen_s,
-                               s.trip_overrun_s};
-  constexpr double largest = 1e9;  // products of the settings stay finite
-  for (const double v : positive) {
-    if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
-    if (!(v > 1 / largest) || v > largest) return PHN_ERROR_ARGUMENT;
-  }
-  for (const double v : at_least_0) {
-    if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
-    if (v < 0 || v > largest) return PHN_ERROR_ARGUMENT;
-  }
-  if (s.latency_s + s.force_delay_s > Observer(s.period_s, 0, 0).memory_s()) return PHN_ERROR_ARGUMENT;
-  if (!finite(load(s.origin_m))) return PHN_ERROR_NOT_FINITE;
-  for (const double v : s.rotation)
-    if (!std::isfinite(v)) return PHN_ERROR_NOT_FINITE;
-  return proper_rotation(s.rotation) ? PHN_OK : PHN_ERROR_ARGUMENT;
-}
-
 /// Calls of phn_loop_hold at the same time, after which the clock has stopped.
 constexpr int most_still = 50;
+/// Periods by which a position may seem younger than it can be, for rounding.
+constexpr double largest_lead = 0.02;
 /// Force that a device can report [N].
 constexpr double largest_report = 1e6;
 
@@ -75,6 +24,9 @@ bool plausible(const phn_loop_sample& sample) {
   for (const double x : sample.position_m) all &= std::fabs(x) <= largest;
   return all;
 }
+
+/// A time that a clock can have [s]; others are treated like NaN.
+bool usable(double time) { return std::fabs(time) <= 1e12; }
 
 bool is_on(const phn_loop& loop) { return loop.state != PHN_LOOP_OFF && loop.state != PHN_LOOP_TRIPPED; }
 
@@ -132,7 +84,7 @@ Vector next_force(phn_loop& loop, const phn_loop_response& response, double now)
     return {};
   }
   if (s.trip_force_N > 0 && length(force) > s.trip_force_N) trip(loop, PHN_TRIP_FORCE, now);
-  force = shortened(advance_ramp(loop, now) * force, s.largest_force_N);
+  force = frozen_share(loop, now) * shortened(advance_ramp(loop, now) * force, s.largest_force_N);
   if (s.largest_slew_N_per_s > 0)
     force = loop.force + shortened(force - loop.force, s.largest_slew_N_per_s * std::fmax(0.0, now - loop.last_hold));
   return rounded(shortened(kept_passive(loop, force, stored, now), s.largest_force_N), s.force_resolution_N);
@@ -177,17 +129,17 @@ void take_sample(phn_loop& loop, const phn_loop_sample* sample) {
   }
   const phn_loop_settings& s = loop.settings;
   double time = s.has_times != 0 ? sample->time_s : loop.now - s.latency_s;
-  if (!plausible(*sample) || !std::isfinite(time)) {
+  if (!plausible(*sample) || !usable(time)) {
     trip(loop, PHN_TRIP_NOT_FINITE, loop.now);
     return;
   }
-  // No position comes from the future. The clock of a device that runs a little fast is set back to that of the caller.
-  if (time > loop.now + s.period_s) {
+  // No position comes from the future, or arrives sooner than it can.
+  if (time > loop.now - s.latency_s + largest_lead * s.period_s) {
     trip(loop, PHN_TRIP_CLOCK, loop.now);
     return;
   }
   time = std::fmin(time, loop.now);
-  if (loop.observer.started() && !(time > loop.observer.time())) {
+  if (loop.observer.started() && !loop.observer.is_newer(time)) {
     ++(time < loop.observer.time() ? loop.reordered : loop.repeated);
     return;
   }
@@ -200,35 +152,6 @@ void take_sample(phn_loop& loop, const phn_loop_sample* sample) {
 
 extern "C" {
 
-int phn_loop_defaults(phn_loop_settings* settings) {
-  if (settings == nullptr) return PHN_ERROR_ARGUMENT;
-  phn_loop_settings s = {};
-  s.period_s = 1e-3;
-  s.passivity_controller = 1;
-  s.rotation[0] = s.rotation[4] = s.rotation[8] = 1;
-  s.motion_scale = s.force_scale = 1;
-  s.coupling_N_per_m = 400;
-  s.coupling_damping_Ns_per_m = 0.2;
-  s.largest_damping_Ns_per_m = 2;
-  s.least_mass_kg = 0.05;
-  s.allowance_J = 2e-5;
-  s.largest_reserve_J = 5e-4;
-  s.largest_force_N = 8;
-  s.largest_slew_N_per_s = 4000;
-  s.check_force_N = 0.4;
-  s.engage_s = s.release_s = 0.1;
-  s.trip_ramp_s = 0.005;
-  s.trip_energy_J = 3e-4;
-  s.trip_force_N = 40;
-  s.trip_speed_m_per_s = 2;
-  s.trip_jump_m = 0.01;
-  s.trip_stale_s = 0.01;
-  s.trip_frozen_s = 0.05;
-  s.trip_overrun_s = 0.02;
-  *settings = s;
-  return PHN_OK;
-}
-
 int phn_loop_size(size_t* bytes) {
   if (bytes == nullptr) return PHN_ERROR_ARGUMENT;
   *bytes = sizeof(phn_loop) + alignof(phn_loop) - 1;
@@ -240,7 +163,7 @@ int phn_loop_init(void* memory, size_t bytes, const phn_loop_settings* settings,
   *loop = nullptr;
   if (memory == nullptr || settings == nullptr) return PHN_ERROR_ARGUMENT;
   const phn_loop_settings copied = *settings;
-  const int refused = refuse(copied);
+  const int refused = status_of(copied);
   if (refused != PHN_OK) return refused;
   const std::size_t off = reinterpret_cast<std::uintptr_t>(memory) % alignof(phn_loop);
   const std::size_t skipped = off == 0 ? 0 : alignof(phn_loop) - off;
@@ -308,9 +231,9 @@ int phn_loop_read(phn_loop* loop, const phn_loop_sample* sample, double now, dou
   if (tool != nullptr && loop == nullptr) store({}, tool);
   if (loop == nullptr || tool == nullptr) return PHN_ERROR_ARGUMENT;
   int status = PHN_OK;
-  if (!std::isfinite(now) || (loop->has_time && now < loop->now)) {
+  if (!usable(now) || (loop->has_time && now < loop->now)) {
     trip(*loop, PHN_TRIP_CLOCK, loop->now);
-    status = std::isfinite(now) ? PHN_ERROR_CLOCK : PHN_ERROR_NOT_FINITE;
+    status = usable(now) ? PHN_ERROR_CLOCK : PHN_ERROR_NOT_FINITE;
   } else {
     loop->now = now;
     loop->has_time = true;
@@ -333,9 +256,9 @@ int phn_loop_hold(phn_loop* loop, const phn_loop_response* response, double now,
   if (force != nullptr && (loop == nullptr || response == nullptr)) store({}, force);
   if (loop == nullptr || response == nullptr || force == nullptr) return PHN_ERROR_ARGUMENT;
   int status = PHN_OK;
-  if (!std::isfinite(now) || now < loop->now) {
+  if (!usable(now) || now < loop->now) {
     trip(*loop, PHN_TRIP_CLOCK, loop->now);
-    status = std::isfinite(now) ? PHN_ERROR_CLOCK : PHN_ERROR_NOT_FINITE;
+    status = usable(now) ? PHN_ERROR_CLOCK : PHN_ERROR_NOT_FINITE;
     now = loop->now;
   }
   loop->now = now;

@@ -1,4 +1,5 @@
-// The state of a loop and the steps of a cycle: coupling.cpp, controller.cpp, trips.cpp; loop.cpp is the C interface.
+// The state of a loop and the steps of a cycle: settings.cpp, coupling.cpp, controller.cpp,
+// trips.cpp; loop.cpp is the C interface.
 #pragma once
 
 #include <phynness/phynness_loop.h>
@@ -48,6 +49,11 @@ struct phn_loop {
   double latency = 0;       ///< age of the newest sample at the last phn_loop_read
   double stopped = 0;       ///< time since which the position is the same, bit for bit
   double stopped_from = 0;  ///< speed before [m/s]
+  double felt = 0;          ///< time of the last sample without a force that can be felt
+  double unfrozen = 1;      ///< factor of the force, which fades while the position is the same
+  double before_fade = 0;   ///< size of the force before it faded [N]
+  double patience = 0;      ///< time without a change of the position until the force fades [s]
+  double recent_speed = 0;  ///< largest speed of the last tenth of a second [m/s]
 
   Vector tool;          ///< body frame
   bool placed = false;  ///< `tool` has been set
@@ -55,12 +61,16 @@ struct phn_loop {
   phynness::loop::ToolPath path;
   Vector force;          ///< for the device, as held
   double share = 1;      ///< factor of the passivity controller
+  Vector change;         ///< of the force by the passivity controller in the last cycle
   double forgotten = 0;  ///< observed energy that must not be returned [J]
 
   std::int64_t cycles = 0, limited = 0, missing = 0, repeated = 0, reordered = 0;
 };
 
 namespace phynness::loop {
+
+/// PHN_OK, or why these settings are refused.
+int status_of(const phn_loop_settings& settings);
 
 // Frames.
 Vector to_body(const phn_loop& loop, Vector device);         ///< positions
@@ -82,5 +92,8 @@ double budget(const phn_loop& loop);
 void trip(phn_loop& loop, int reason, double now);
 void check_sample(phn_loop& loop, const phn_loop_sample& sample, double time);
 void check_cycle(phn_loop& loop, double now);
+/// Factor of the force: it fades while a force is held and no position changes. A position that can still be measured
+/// changes when the force does, long before it is zero.
+double frozen_share(phn_loop& loop, double now);
 
 }  // namespace phynness::loop

@@ -2,31 +2,58 @@
 
 namespace phynness::loop {
 
+double Steps::next(double time, double period, double measured) {
+  const double step = measured - _measured;
+  if (!_started || !(_resolution > 0) || std::fabs(step) > 1.5 * _resolution) {
+    _direction = _started && step < 0 ? -1 : 1;
+    _edge = measured - 0.5 * _resolution * _direction;
+    _takes = 0;
+    _changed = time;
+  } else if (step != 0) {
+    const double direction = step > 0 ? 1 : -1;
+    _takes = direction == _direction ? time - _changed : -1;
+    _edge = measured - 0.5 * step;
+    _direction = direction;
+    _changed = time;
+  }
+  _started = true;
+  _measured = measured;
+  if (_takes < 0) return _edge;
+  // The step began within the last period.
+  const double since = time - _changed + 0.5 * period;
+  const double part = !(_takes > 0) ? 0.5 : since < _takes ? since / _takes : 1;
+  return _edge + part * _resolution * _direction;
+}
+
 void Observer::hold(double from, Vector force) {
   if (_n_held == 0 || from > _held[_newest].from) {
     _newest = (_newest + 1) % n_kept;
     if (_n_held < n_kept) ++_n_held;
   }
-  _held[_newest] = {from, force};
+  _held[_newest] = {from, force, {}};
 }
 
-bool Observer::sample(double time, Vector position) {
-  if (started() && !(time > _samples[0].time)) return false;
+bool Observer::sample(double time, Vector measured) {
+  if (started() && !is_newer(time)) return false;
+  _measured = measured;
+  const Vector position = {_steps[0].next(time, _period, measured.x), _steps[1].next(time, _period, measured.y),
+                           _steps[2].next(time, _period, measured.z)};
   if (started()) {
     const double duration = time - _samples[0].time;
     const Vector moved = position - _samples[0].position, velocity = (1 / duration) * moved;
     Vector impulse;
-    each_force(_samples[0].time, time, [&](Vector force, double seconds) {
-      impulse = impulse + seconds * force;
-      gross += std::fabs(dot(force, velocity)) * seconds;
+    each_force(_samples[0].time, time, [&](const Held& held, double seconds) {
+      impulse = impulse + seconds * held.force;
+      gross += std::fabs(dot(held.force, velocity)) * seconds;
+      excess += seconds * dot(held.excess, velocity);
     });
     work -= dot(impulse, velocity);
     most_delivered = std::fmax(most_delivered, -work);
     if (duration > 1.5 * _period) {
       // How the motion is spread over the forces of a gap is not known: all of it may belong to one of them.
       double largest = 0;
-      each_force(_samples[0].time, time, [&](Vector force, double) {
-        largest = std::fmax(largest, std::fabs(dot(force - (1 / duration) * impulse, moved)));
+      each_force(_samples[0].time, time, [&](const Held& held, double) {
+        largest = std::fmax(largest, std::fabs(dot(held.force - (1 / duration) * impulse, moved)));
       });
       unsure += largest;
     }
@@ -47,7 +74,7 @@ bool Observer::sample(double time, Vector position) {
 }
 
 void Observer::restart() {
-  work = most_delivered = gross = unsure = dissipated = 0;
+  work = most_delivered = gross = excess = unsure = dissipated = 0;
   _window = _samples[0];
 }
 
@@ -60,7 +87,8 @@ Vector Observer::velocity(int n) const {
 double Observer::pending(Vector velocity, double until) const {
   double energy = 0;
   if (!started()) return 0;
-  each_force(_samples[0].time, until, [&](Vector force, double seconds) { energy += seconds * dot(force, velocity); });
+  each_force(_samples[0].time, until,
+             [&](const Held& held, double seconds) { energy += seconds * dot(held.force, velocity); });
   return energy;
 }
 

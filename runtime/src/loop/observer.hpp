@@ -6,25 +6,51 @@
 
 namespace phynness::loop {
 
+/// A position that is known in steps. While it changes back and forth between two neighbouring values, the estimate
+/// stands still where they meet. Otherwise it begins there at each change and moves on as fast as before, up to the
+/// next value. So it has no jumps that would look like work, and a hand at rest has no changing force.
+class Steps {
+ public:
+  explicit Steps(double resolution) : _resolution(resolution) {}
+  /// @return the estimate at the time of the sample
+  double next(double time, double period, double measured);
+
+ private:
+  double _resolution;
+  double _measured = 0, _edge = 0;   ///< last value, and where it began
+  double _direction = 0;             ///< of the last change
+  double _changed = 0, _takes = -1;  ///< time of the last change; time for a step, < 0: not known
+  bool _started = false;
+};
+
 class Observer {
  public:
   /// @param device_damping  certain damping of the device [Ns/m]
   /// @param resolution      step of the positions [m]
   Observer(double period, double device_damping, double resolution)
-      : _period(period), _damping(device_damping), _resolution(resolution) {}
+      : _period(period),
+        _damping(device_damping),
+        _resolution(resolution),
+        _steps{Steps(resolution), Steps(resolution), Steps(resolution)} {}
 
   /// The device holds `force` from time `from` on.
   void hold(double from, Vector force);
   /// The force of the last hold() was another one.
-  void correct(Vector force) { _held[_newest].force = force; }
+  void correct(Vector force) {
+    _held[_newest].excess = _held[_newest].excess + force - _held[_newest].force;
+    _held[_newest].force = force;
+  }
+  /// Whether a sample of this time is later than the last one by more than rounding. @pre started()
+  bool is_newer(double time) const { return time - _samples[0].time > 1e-6 * _period; }
   /// @return whether the sample is newer than the last one; others are ignored
-  bool sample(double time, Vector position);
+  bool sample(double time, Vector measured);
   /// Sets the sums to zero.
   void restart();
 
   bool started() const { return _n_samples > 0; }
   double time() const { return _samples[0].time; }
-  Vector position() const { return _samples[0].position; }
+  Vector position() const { return _samples[0].position; }  ///< estimate
+  Vector measured() const { return _measured; }
   /// Mean of up to the last `n` (1 ... 4) intervals between samples [m/s].
   Vector velocity(int n) const;
   /// Energy that the loop will deliver from the time of the newest sample until `until` at a constant velocity [J].
@@ -36,8 +62,10 @@ class Observer {
   double work = 0;            ///< taken from the device [J]
   double most_delivered = 0;  ///< largest -work [J]
   double gross = 0;           ///< sum of |force . displacement| [J]
-  double unsure = 0;          ///< bound of the error of `work` that lost samples cause [J]
-  double dissipated = 0;      ///< by the damping of the device, at least [J]
+  double excess = 0;  ///< delivered by the difference of the forces that were held and those that were to be held [J]
+  /// Bound of the error of `work` by lost samples and by forces that change while the position seems to stand [J].
+  double unsure = 0;
+  double dissipated = 0;  ///< by the damping of the device, at least [J]
 
  private:
   struct Sample {
@@ -46,11 +74,11 @@ class Observer {
   };
   struct Held {
     double from = 0;
-    Vector force;
+    Vector force, excess;
   };
   static constexpr int n_kept = 128;
 
-  /// Calls part(force, seconds) for every force that acted between two times.
+  /// Calls part(held, seconds) for every force that acted between two times.
   template <class Part>
   void each_force(double from, double to, Part part) const {
     for (int i = 0; i < _n_held && to > from; ++i) {
@@ -58,12 +86,14 @@ class Observer {
       const bool oldest = i + 1 == _n_held;
       if (held.from >= to && !oldest) continue;
       const double begin = held.from > from && !oldest ? held.from : from;
-      part(held.force, to - begin);
+      part(held, to - begin);
       to = begin;
     }
   }
 
   double _period, _damping, _resolution;
+  Steps _steps[3];
+  Vector _measured;
   Held _held[n_kept];
   int _newest = 0, _n_held = 0;
   Sample _samples[5];  ///< the newest first

@@ -29,7 +29,9 @@ struct HaplyInverseSettings {
   double period_s = 1e-3;
   double timeout_s = 1;          ///< for the connection, each answer, and the end of the connection
   double hold_timeout_s = 0.05;  ///< without hold() for so long, the force becomes zero
-  double largest_force_N = 2;    ///< a longer force is shortened
+  /// Without a valid answer to a message for so long, the force becomes zero, and stays zero until one arrives.
+  double answer_timeout_s = 0.01;
+  double largest_force_N = 2;  ///< a longer force is shortened
   /// Messages have no times. The time of a sample is that of its arrival minus this.
   double position_age_s = 0;
   double force_delay_s = 0;          ///< as Traits
@@ -42,7 +44,7 @@ struct HaplyInverseCounts {
   long answers = 0;    ///< state updates with a position
   long malformed = 0;  ///< answers that were not used
   long unasked = 0;    ///< messages of the service that no message of ours asked for; not used
-  long silenced = 0;   ///< times that the force became zero because hold() was not called
+  long silenced = 0;   ///< times that the force became zero because hold() was not called or answers did not come
 };
 
 /// A thread of its own reads and writes the socket. Positions get their time when they arrive there. All functions
@@ -65,12 +67,12 @@ class HaplyInverse : public Device {
   bool wait() override;
   bool read(phn_loop_sample& sample) override;
   /// Sends the force. Does not wait for the service. While several messages have no answer, the newest force waits for
-  /// one. A force that is not finite is sent as zero.
+  /// one, but zero is sent at once. A force that is not finite is sent as zero.
   void hold(const double force[3]) override;
-  /// The force of the last hold(), shortened to the largest force. The service may change it further; what it reports
-  /// is reported_force().
+  /// The force of the last hold(), shortened to the largest force, or what the service reports if that is none of the
+  /// last sixteen forces (within 1 mN and 1 %) and not exactly zero, which a service reports that does not know it.
   bool held(double force[3]) override;
-  /// Sends zero force and closes the connection, within timeout_s.
+  /// Sends zero force, whether or not the service answers, and closes the connection, within timeout_s.
   void close() noexcept override;
 
   /// Why the connection was lost, with value and remedy; empty: it was not.
@@ -81,11 +83,15 @@ class HaplyInverse : public Device {
 
  private:
   class Link;
+  bool was_commanded(const double (&reported)[3]) const;
   HaplyInverseSettings _settings;
   std::unique_ptr<Link> _link;
   bool _is_open = false;
   double _next = 0;
+  static constexpr int n_recent = 16;
   double _held[3] = {};
+  double _recent[n_recent][3] = {};  ///< the last forces of hold()
+  long _n_holds = 0;
 };
 
 }  // namespace phynness::devices

@@ -8,6 +8,7 @@
 #include <deque>
 #include <functional>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace phynness::devices {
@@ -23,6 +24,8 @@ class HandMotion {
   HandMotion() = default;
   /// Endless presses, circles and tremor, with three taps every ten seconds, within `reach_m` of 0.
   explicit HandMotion(double reach_m) : _reach_m(reach_m) {}
+  /// The position as a function of the time [s].
+  explicit HandMotion(std::function<Vector3(double)> at) : _function(std::move(at)) {}
   /// Recorded positions x y z [m], one line per millisecond, repeated endlessly.
   /// @throws std::runtime_error  with file and line
   static HandMotion recorded(const std::string& file);
@@ -30,6 +33,7 @@ class HandMotion {
 
  private:
   double _reach_m = 0;
+  std::function<Vector3(double)> _function;
   std::vector<Vector3> _positions;
 };
 
