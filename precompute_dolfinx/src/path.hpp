@@ -15,6 +15,7 @@ struct PathPoint {
   Eigen::VectorXd force;      ///< n_parameters
   Eigen::MatrixXd tangent;    ///< n_parameters^2; empty unless all tangents are computed
   double energy = 0, min_jacobian = 1;
+  double stiffness = 0;  ///< d^2 energy / ds^2: the change of force * direction along the path
   int negative_pivots = 0;
   bool met_instability = false;  ///< at this or an earlier point
   bool jumped = false;           ///< the body has buckled, so that the state is not near the points before it
