@@ -8,13 +8,14 @@
 #include <cmath>
 
 #include "ray_solver.hpp"
+#include "solver_log.hpp"
 
 namespace phynness {
 namespace {
 
-/// A step loses energy if work and change of energy differ by more than this share of the work. On the paper's liver
-/// half of all increments differ by less than 4e-6, and 98 % by less than 3e-3 (docs/decisions/ends-of-rays.md).
-constexpr double share_of_work = 0.02;
+/// A step loses energy if work and change of energy differ by more than this share of the stored energy, so that the
+/// answer does not depend on the length of the step. How it was chosen: docs/decisions/ends-of-rays.md.
+constexpr double share_of_energy = 0.01;
 /// Rounding of a dimensionless energy: a sum over the cells of the body, whose volume and modulus are about 1, of
 /// differences of numbers of order 1.
 constexpr double rounding = 1e-12;
@@ -36,9 +37,14 @@ double energy_lost(const PathPoint& a, const PathPoint& b, const Eigen::VectorXd
   return work(a, b, direction) - (b.energy - a.energy);
 }
 
-bool loses_energy(const PathPoint& a, const PathPoint& b, const Eigen::VectorXd& direction) {
-  const double size = std::max(std::abs(work(a, b, direction)), std::abs(b.energy - a.energy));
-  return std::abs(energy_lost(a, b, direction)) > share_of_work * size + rounding;
+bool differs(const PathPoint& a, const PathPoint& b, const Eigen::VectorXd& direction) {
+  const double stored = std::max(std::abs(a.energy), std::abs(b.energy));
+  return std::abs(energy_lost(a, b, direction)) > share_of_energy * stored + rounding;
+}
+
+bool is_resolved(const PathPoint& a, const PathPoint& b, double resolution) {
+  const double middle = a.s + (b.s - a.s) / 2;
+  return b.s - a.s <= resolution * (1 + 1e-9) || !(a.s < middle && middle < b.s);
 }
 
 /// Largest force of one tool, which has three parameters.
@@ -58,6 +64,32 @@ double depth_of(double limit, const PathPoint& a, const PathPoint& b) {
 
 }  // namespace
 
+void RaySolver::make_stiffness_exact(const Eigen::VectorXd& direction, PathPoint& point) {
+  if (point.exact_stiffness) return;
+  point.exact_stiffness = true;  // otherwise the estimate is as good as it gets
+  try {
+    if (!_equilibrium.is_usable()) _equilibrium.recover();
+    const auto linear = _equilibrium.linearize(point.state, direction);
+    if (linear.status == Status::converged) point.stiffness = direction.dot(linear.tangent.col(0));
+    return;
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::exception& error) {
+    SolverLog::instance().write(error.what());
+  }
+  _equilibrium.recover();
+}
+
+bool RaySolver::loses_energy(PathPoint& from, PathPoint& to, const Eigen::VectorXd& direction, double resolution) {
+  if (!differs(from, to, direction)) return false;
+  // Beyond a fold the velocity is a poor guess, and the stiffness that it estimates is far too large: a sign of a fold
+  // even where the errors of a long step hide the loss.
+  if (!is_resolved(from, to, resolution)) return true;
+  make_stiffness_exact(direction, from);
+  make_stiffness_exact(direction, to);
+  return differs(from, to, direction);
+}
+
 bool RaySolver::is_crushed(const PathPoint& from, const PathPoint& to, const RayLimits& limits, RayEnd& end) const {
   if (!_body.forms().checks_jacobian || !(to.min_jacobian < limits.min_jacobian)) return false;
   end.reason = EndReason::crushed;
@@ -68,23 +100,27 @@ bool RaySolver::is_crushed(const PathPoint& from, const PathPoint& to, const Ray
 RaySolver::Search RaySolver::search_fold(const Eigen::VectorXd& direction, bool all_tangents, const RayLimits& limits,
                                          Path& path, PathPoint& to, RayEnd& end, int& iterations) {
   Path fine = path;
+  make_stiffness_exact(direction, fine.last());
   PathPoint next = to;
+  bool solved = true;  // false: there is no state `next` at the last target
   std::vector<double> targets{to.s};
   double lost = 0, beyond = to.s;
-  const auto fold = [&] {
-    end.depth_m = fine.last().s;
-    end.fold_depth_m = beyond;
-    end.energy_lost_J = lost;
-    return Search::fold;
-  };
   for (;;) {
-    const PathPoint& from = fine.last();
-    if (loses_energy(from, next, direction)) {
+    PathPoint& from = fine.last();
+    const bool loses = solved && loses_energy(from, next, direction, limits.resolution);
+    if (loses) {
       lost = energy_lost(from, next, direction);
       beyond = next.s;
-      const double middle = from.s + (next.s - from.s) / 2;
-      if (next.s - from.s <= limits.resolution * (1 + 1e-9) || !(from.s < middle && middle < next.s)) return fold();
-      targets.push_back(middle);
+    }
+    if (loses || !solved) {
+      next.s = targets.back();
+      if (is_resolved(from, next, limits.resolution)) {
+        end.depth_m = from.s;
+        end.fold_depth_m = beyond;
+        end.energy_lost_J = lost;
+        return Search::fold;
+      }
+      targets.push_back(from.s + (next.s - from.s) / 2);
     } else {
       if (is_crushed(from, next, limits, end)) return Search::crushed;
       targets.pop_back();
@@ -92,14 +128,9 @@ RaySolver::Search RaySolver::search_fold(const Eigen::VectorXd& direction, bool 
       fine.append(std::move(next));
     }
     next = {};
-    const bool last = targets.size() == 1;
-    const auto step = attempt(fine, direction, targets.back(), all_tangents && last, next);
+    const auto step = attempt(fine, direction, targets.back(), all_tangents && targets.size() == 1, next);
     iterations += step.iterations;
-    // The path ends here, although a longer step has found a state beyond it.
-    if (step.status != Status::converged) {
-      beyond = std::max(beyond, targets.back());
-      return fold();
-    }
+    solved = step.status == Status::converged;
   }
   // The longer step was right, or it went to another branch, from which shorter steps lead back.
   if (std::abs(next.energy - to.energy) > same_branch * std::abs(to.energy)) {
@@ -114,7 +145,7 @@ bool RaySolver::accept(PathPoint to, const Eigen::VectorXd& direction, bool all_
   const RayLimits& ray = limits.ray;
   // Where J has no meaning the law is linear, and its paths are straight.
   const bool searches = ray.find_folds && _body.forms().checks_jacobian && end.fold_depth_m == 0;
-  if (searches && loses_energy(path.last(), to, direction)) {
+  if (searches && differs(path.last(), to, direction)) {
     const auto found = search_fold(direction, all_tangents, ray, path, to, end, iterations);
     if (found == Search::crushed) return false;
     if (found == Search::fold && ray.stop_at_fold) {

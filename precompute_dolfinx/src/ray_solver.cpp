@@ -64,6 +64,7 @@ Status RaySolver::linearize(const Eigen::VectorXd& direction, const Prediction& 
         _equilibrium.velocity(to.state, direction, predicted.velocity + predicted.growth * (state - predicted.state));
     to.velocity = std::move(velocity.rate);
     to.stiffness = velocity.stiffness;
+    to.exact_stiffness = false;
     to.tangent.resize(0, 0);
     const auto pivots = to.velocity.allFinite() ? _equilibrium.negative_pivots(to.state) : std::nullopt;
     if (!pivots) return Status::factorization;

@@ -59,6 +59,10 @@ class RaySolver {
   /// the points before it.
   Search search_fold(const Eigen::VectorXd& direction, bool all_tangents, const RayLimits& limits, Path& path,
                      PathPoint& to, RayEnd& end, int& iterations);
+  /// True if the step loses energy, or if it may do so and is longer than `resolution`. The stiffness at the ends of a
+  /// shorter step is computed exactly before the answer.
+  bool loses_energy(PathPoint& from, PathPoint& to, const Eigen::VectorXd& direction, double resolution);
+  void make_stiffness_exact(const Eigen::VectorXd& direction, PathPoint& point);
   /// Sets the end of the ray if the smallest J in `to` is below the limit.
   bool is_crushed(const PathPoint& from, const PathPoint& to, const RayLimits& limits, RayEnd& end) const;
   /// Predicts the state at s. `to` receives the prediction with the prescribed displacements.
