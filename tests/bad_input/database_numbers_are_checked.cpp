@@ -154,8 +154,8 @@ TEST_F(WrongNumbers, are_none_in_files_that_do_not_record_ends) {
     RayEnd expected;
     expected.reason = failed ? EndReason::solver : EndReason::not_recorded;
     expected.depth_m = header.magnitudes_m[failed ? 1 : 2];
-    expect_same(ends[i], expected);
-    expect_same(database.rays(rays[i].active)[static_cast<std::size_t>(rays[i].direction)].end, expected);
+    expect_same_end(ends[i], expected);
+    expect_same_end(database.rays(rays[i].active)[static_cast<std::size_t>(rays[i].direction)].end, expected);
   }
   EXPECT_FALSE(summarize_ends(database).is_recorded);
 }

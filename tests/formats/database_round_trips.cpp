@@ -21,7 +21,7 @@ void expect_same(const Ray& found, const Ray& expected, bool float64) {
   EXPECT_EQ(found.cutbacks, expected.cutbacks);
   EXPECT_EQ(found.min_jacobian, expected.min_jacobian);
   EXPECT_EQ(found.seconds, expected.seconds);
-  expect_same(found.end, expected.end);
+  expect_same_end(found.end, expected.end);
   ASSERT_EQ(found.displacement.size(), expected.displacement.size());
   for (std::size_t i = 0; i < expected.displacement.size(); ++i) {
     const double u = expected.displacement[i];
@@ -171,7 +171,7 @@ TEST_F(RoundTrip, ends_of_rays_are_summed_up_by_reason_and_node) {
   std::vector<std::int32_t> requested(3, 0), early(3, 0);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const RayEnd& end = rays[i].end;
-    expect_same(ends[i], end);
+    expect_same_end(ends[i], end);
     if (end.reason == EndReason::not_requested) continue;
     const std::size_t node = i / header.directions.size();
     const double share = end.is_early() ? std::pow(end.depth_m / 0.02, 3) : 1;

@@ -67,7 +67,7 @@ inline RayEnd random_end(std::mt19937_64& random) {
   return end;
 }
 
-inline void expect_same(const RayEnd& found, const RayEnd& expected) {
+inline void expect_same_end(const RayEnd& found, const RayEnd& expected) {
   EXPECT_EQ(found.reason, expected.reason);
   EXPECT_EQ(found.depth_m, expected.depth_m);
   EXPECT_EQ(found.fold_depth_m, expected.fold_depth_m);
