@@ -12,6 +12,7 @@
 #include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "ray_ends.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::info_command {
@@ -153,6 +154,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
     states[name(status)] = count;
   }
   const json failed_rays = tell_short_rays(database, failed);
+  const json ends = tell_ends(h, summarize_ends(database));
   print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n", summary.unstable_states,
                summary.min_jacobian);
   print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations, duration(summary.seconds));
@@ -166,6 +168,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
           {"rays_mirrored", n_mirrored},
           {"states", states},
           {"failed_rays", failed_rays},
+          {"ends", ends},
           {"newton_iterations", summary.newton_iterations},
           {"unstable_states", summary.unstable_states}};
 }

@@ -38,6 +38,8 @@ struct PlanBasis {
   std::map<Status, std::int64_t> states;  ///< measured increments by outcome
   double start_s = 0, node_setup_s = 0;
   std::optional<double> memory_bytes;  ///< of one rank
+  DatabaseHeader header;
+  EndSummary ends;  ///< of the measured rays
   PackingTrial packing;
   ModelSize model;
 };

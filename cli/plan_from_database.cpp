@@ -47,6 +47,8 @@ PlanBasis basis_of_database(const PlanOptions& options) {
   }
   if (tried.empty())
     throw input_error("no ray of the database was solved", options.source.string(), "plan from its scene file");
+  basis.header = header;
+  basis.ends = summarize_ends(database);
   basis.rays_measured = basis.rays_requested;
   basis.nodes_measured = static_cast<std::int64_t>(n_solving);
   basis.packing = try_packing(header, tried, std::filesystem::temp_directory_path());

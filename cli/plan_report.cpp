@@ -10,6 +10,7 @@
 
 #include "console.hpp"
 #include "plan.hpp"
+#include "ray_ends.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli {
@@ -145,7 +146,7 @@ void warn_of_states(const PlanBasis& basis) {
   std::string reasons;
   for (const auto& [status, count] : basis.states) {
     all += count;
-    if (status == Status::converged) continue;
+    if (static_cast<int>(status) >= 0) continue;  // converged, or beyond the end of its ray
     failed += count;
     reasons += fmt::format("{}{} {} ({})", reasons.empty() ? "" : ", ", count, name(status), meaning(status));
   }
@@ -223,7 +224,7 @@ json measured_json(const PlanBasis& basis, const Prediction& p) {
           {"record_bytes", basis.packing.record_bytes}};
 }
 
-json as_json(const PlanBasis& basis, const Prediction& p) {
+json as_json(const PlanBasis& basis, const Prediction& p, const json& ends) {
   json curve = json::array();
   for (const auto& at : p.curve)
     curve.push_back({{"ranks", at.ranks},
@@ -236,6 +237,7 @@ json as_json(const PlanBasis& basis, const Prediction& p) {
           {"rays_mirrored", basis.rays_mirrored},
           {"increments", basis.increments},
           {"measured", measured_json(basis, p)},
+          {"ends", ends},
           {"assumed",
            {{"launch_seconds", p.machine.launch_s},
             {"bandwidth_bytes_per_second", p.machine.bandwidth_B_per_s},
@@ -266,9 +268,10 @@ json report_plan(const PlanOptions& options, const PlanBasis& basis) {
   const Prediction p = predict(options, basis);
   warn_of_states(basis);
   print_answer(basis, p);
+  const json ends = tell_ends(basis.header, basis.ends);
   print_notes(basis, p);
   if (options.table) print_table(basis, p);
-  return as_json(basis, p);
+  return as_json(basis, p, ends);
 }
 
 }  // namespace phynness::cli

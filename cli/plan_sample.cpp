@@ -90,6 +90,12 @@ PlanBasis basis_of_scene(const PlanOptions& options) {
     sample.seconds.push_back(seconds_of(ray));
     for (const auto status : ray.status) ++basis.states[status];
   }
+  std::vector<RayEnd> ends(requested.size(), RayEnd{EndReason::not_requested});
+  for (const auto& ray : solved.rays)
+    ends[static_cast<std::size_t>(ray.active) * header.directions.size() + static_cast<std::size_t>(ray.direction)] =
+        ray.end;
+  basis.header = header;
+  basis.ends = summarize_ends(header, ends);
   const auto rays = rays_left(header, std::vector<char>(requested.size(), 0));
   basis.work = work_like(sample, rays, requested, header.directions.size(), static_cast<std::uint64_t>(options.seed));
   basis.increments = static_cast<int>(header.magnitudes_m.size());

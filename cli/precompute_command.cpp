@@ -74,21 +74,14 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
                      {"idle_seconds", rank.idle_seconds},
                      {"core_seconds", rank.core_seconds},
                      {"peak_memory_bytes", rank.peak_memory_bytes}});
-  json out{{"active_nodes", loaded.sets.active.size()},
-           {"rays", report.rays + report.rays_resumed},
-           {"rays_resumed", report.rays_resumed},
-           {"increments", report.increments},
-           {"increments_of_run", report.increments_of_run},
-           {"failed", report.failed},
-           {"rays_with_library_errors", report.library_errors},
-           {"newton_iterations", report.iterations},
-           {"ranks", report.ranks.size()},
-           {"wall_seconds", report.wall_seconds},
-           {"setup_seconds", report.setup_seconds},
-           {"solve_seconds", report.solve_seconds},
-           {"pack_seconds", report.pack_seconds},
-           {"core_seconds", report.core_seconds},
-           {"per_rank", ranks}};
+  json out{{"active_nodes", loaded.sets.active.size()},     {"rays", report.rays + report.rays_resumed},
+           {"rays_resumed", report.rays_resumed},           {"increments", report.increments},
+           {"increments_of_run", report.increments_of_run}, {"failed", report.failed},
+           {"increments_after_end", report.after_end},      {"rays_with_library_errors", report.library_errors},
+           {"newton_iterations", report.iterations},        {"ranks", report.ranks.size()},
+           {"wall_seconds", report.wall_seconds},           {"setup_seconds", report.setup_seconds},
+           {"solve_seconds", report.solve_seconds},         {"pack_seconds", report.pack_seconds},
+           {"core_seconds", report.core_seconds},           {"per_rank", ranks}};
   out["rays_mirrored"] = report.rays_mirrored;
   if (target.shard)
     out["shard"] = target.shard->str();
@@ -144,6 +137,9 @@ void run(const Options& options) {
       loaded.sets.active.size(), report.rays + report.rays_resumed, report.rays_resumed, report.increments,
       report.failed, 100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
       static_cast<double>(report.iterations) / static_cast<double>(solved));
+  if (report.after_end > 0)
+    print_result("{} increments are beyond the ends of their rays and were not solved; phynness info tells where\n",
+                 report.after_end);
   if (report.rays_mirrored > 0)
     print_result("{} rays ({:.0f} %) are mirror images; their increments are included\n", report.rays_mirrored,
                  100.0 * static_cast<double>(report.rays_mirrored) /

@@ -11,6 +11,7 @@
 #include "database_scan.hpp"
 #include "hdf5_damaged.hpp"
 #include "ray_checks.hpp"
+#include "ray_ends.hpp"
 
 namespace phynness {
 namespace layout = database_layout;
@@ -24,6 +25,8 @@ const char* name(Status status) {
       return "not_requested";
     case Status::not_solved:
       return "not_solved";
+    case Status::after_end:
+      return "after_end";
     case Status::inverted:
       return "inverted";
     case Status::diverged:
@@ -48,6 +51,8 @@ const char* meaning(Status status) {
       return "direction outside the hemisphere";
     case Status::not_solved:
       return "no result yet";
+    case Status::after_end:
+      return "not solved: the ray ends before, at a fold, a crushed cell or the force limit";
     case Status::inverted:
       return "a cell was inverted, even with the smallest steps";
     case Status::diverged:
@@ -68,6 +73,7 @@ struct Database::Impl {
   hdf5::File file;
   DatabaseHeader header;
   double farthest_m = largest_displacement(header.mesh);
+  bool records_ends = layout::records_ends(file);
 
   std::size_t states_per_node() const { return header.directions.size() * header.magnitudes_m.size(); }
   template <class T>
@@ -84,6 +90,8 @@ struct Database::Impl {
   void check_mirror() const;
   /// Figures of all increments, [active][direction][increment] flattened. @throws Error (input) if a status is unknown
   StateFigures figures() const;
+  /// Ends of the rays of `count` active nodes, as stored. @pre records_ends
+  std::vector<RayEnd> stored_ends(std::int32_t first, std::size_t count) const;
   /// @throws Error (input) unless `defect` is empty
   void refuse_damaged(const std::string& defect, const std::string& whose) const;
 };
@@ -100,6 +108,9 @@ void Database::Impl::check_shapes() const {
     check(name, {});
   check(path::force, {3});
   if (header.tangents) check(path::tangent, {3, 3});
+  if (records_ends)
+    for (const char* name : {path::end_reason, path::end_depth, path::fold_depth, path::energy_lost})
+      file.require_shape(name, {header.sets.active.size(), header.directions.size()});
   check(path::displacement, {header.sets.output.size(), 3});
   for (const auto field : header.fields) check(layout::path_of(field), {header.sets.output.size()});
 }
@@ -123,6 +134,20 @@ void Database::Impl::refuse_damaged(const std::string& defect, const std::string
   if (!defect.empty())
     throw input_error("the database " + file.path().string() + " has an impossible number in " + whose, defect,
                       hdf5::damaged);
+}
+
+std::vector<RayEnd> Database::Impl::stored_ends(std::int32_t first, std::size_t count) const {
+  std::vector<RayEnd> ends(count * header.directions.size());
+  std::vector<std::int8_t> reasons(ends.size());
+  std::vector<double> depths(ends.size()), folds(ends.size()), losses(ends.size());
+  file.read_slab(path::end_reason, static_cast<hsize_t>(first), count, reasons.data());
+  file.read_slab(path::end_depth, static_cast<hsize_t>(first), count, depths.data());
+  file.read_slab(path::fold_depth, static_cast<hsize_t>(first), count, folds.data());
+  file.read_slab(path::energy_lost, static_cast<hsize_t>(first), count, losses.data());
+  for (std::size_t i = 0; i < ends.size(); ++i)
+    ends[i] = {static_cast<EndReason>(reasons[i]), depths[i], folds[i], losses[i]};
+  refuse_damaged(ends_defect(ends), "the list of the ends of rays");
+  return ends;
 }
 
 StateFigures Database::Impl::figures() const {
@@ -192,6 +217,8 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
   for (const auto field : header.fields)
     fields.push_back(_impl->of_node<double>(layout::path_of(field).c_str(), active, header.sets.output.size()));
 
+  const auto ends = _impl->records_ends ? _impl->stored_ends(active, 1) : std::vector<RayEnd>{};
+
   const std::size_t n = header.magnitudes_m.size();
   std::vector<Ray> rays(header.directions.size());
   for (std::size_t d = 0; d < rays.size(); ++d) {
@@ -213,6 +240,7 @@ std::vector<Ray> Database::rays(std::int32_t active) const {
     ray.seconds = part(seconds, 1);
     ray.displacement = part(displacement, output);
     for (const auto& values : fields) ray.fields.push_back(part(values, header.sets.output.size()));
+    ray.end = ends.empty() ? end_of(ray.status, header.magnitudes_m) : ends[d];
     _impl->refuse_damaged(ray_defect(ray, header.fields, _impl->farthest_m),
                           "node " + std::to_string(header.sets.active[static_cast<std::size_t>(active)]) +
                               ", direction " + std::to_string(d));
@@ -245,6 +273,17 @@ DatabaseSummary summarize(const Database& database) {
   }
   if (summary.states.count(Status::converged)) summary.min_jacobian = smallest;
   return summary;
+}
+
+std::vector<RayEnd> Database::ends() const {
+  const auto& header = _impl->header;
+  if (_impl->records_ends) return _impl->stored_ends(0, header.sets.active.size());
+  const auto all = statuses();
+  const auto n = static_cast<std::ptrdiff_t>(header.magnitudes_m.size());
+  std::vector<RayEnd> ends;
+  for (auto ray = all.begin(); ray != all.end(); ray += n)
+    ends.push_back(end_of(std::vector<Status>(ray, ray + n), header.magnitudes_m));
+  return ends;
 }
 
 DatabaseHeader read_database_header(const std::filesystem::path& file) {

@@ -95,6 +95,35 @@ std::vector<Field> fields_of(const std::string& text) {
   return fields;
 }
 
+/// Attributes that name the values of an enumeration.
+template <class Enum, std::size_t n>
+void write_flags(hdf5::File& file, const char* dataset, const Enum (&all)[n]) {
+  std::vector<std::int8_t> values;
+  std::string meanings;
+  for (const auto value : all) {
+    values.push_back(static_cast<std::int8_t>(value));
+    if (!meanings.empty()) meanings += ' ';
+    meanings += phynness::name(value);
+  }
+  file.write_attribute(dataset, "flag_values", values);
+  file.write_attribute(dataset, "flag_meanings", meanings);
+}
+
+/// The datasets with one value for each ray.
+void create_ends(hdf5::File& file, const DatabaseHeader& header, hsize_t nodes_per_chunk) {
+  const hdf5::Shape shape{header.sets.active.size(), header.directions.size()};
+  const hdf5::Shape chunk{nodes_per_chunk, header.directions.size()};
+  const auto f64 = hdf5::Type<double>::stored();
+  file.create_dataset(path::end_reason, hdf5::Type<std::int8_t>::stored(), shape, chunk, "1",
+                      "why each ray ends where it ends; see flag_values and flag_meanings");
+  file.create_dataset(path::end_depth, f64, shape, chunk, "m", "depth up to which each ray is followed");
+  file.create_dataset(path::fold_depth, f64, shape, chunk, "m",
+                      "smallest depth at which a state beyond the first fold was found; 0 without a fold");
+  file.create_dataset(path::energy_lost, f64, shape, chunk, "J",
+                      "work of the force minus change of the stored energy at the first fold; 0 without a fold");
+  write_flags(file, path::end_reason, every_end);
+}
+
 }  // namespace
 
 std::string path_of(Field field) { return std::string(path::fields) + "/" + name(field); }
@@ -102,6 +131,7 @@ std::string path_of(Field field) { return std::string(path::fields) + "/" + name
 void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete) {
   file.write_attribute("/", "format", std::string(format_name));
   file.write_attribute("/", "format_version", format_version);
+  file.write_attribute("/", "format_minor", format_minor);
   file.write_attribute("/", "software_version", header.software_version);
   file.write_attribute("/", "complete", std::int32_t{complete});
   file.write_attribute("/", "physics_hash", header.physics_hash);
@@ -167,6 +197,15 @@ bool read_complete(const hdf5::File& file) {
         std::to_string(version) + " instead of " + std::to_string(format_version),
         version > format_version ? "use a newer phynness" : "compute the database again with this phynness");
   return read_flag(file, "/", "complete");
+}
+
+bool records_ends(const hdf5::File& file) {
+  if (!file.has_attribute("/", "format_minor")) return false;
+  const auto minor = file.read_int_attribute("/", "format_minor");
+  if (minor < 1)
+    throw input_error("cannot read the database " + file.path().string() + ": attribute format_minor is less than 1",
+                      std::to_string(minor), hdf5::damaged);
+  return true;
 }
 
 DatabaseHeader read_header(const hdf5::File& file) {
@@ -257,6 +296,7 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
   add(path::cutbacks, i32, {}, "1", "times the step was halved");
   add(path::min_jacobian, f64, {}, "1", "smallest J over all quadrature points");
   add(path::seconds, f64, {}, "s", "CPU time");
+  create_ends(file, header, nodes);
   if (header.sets.mirror) {
     const MirroredRays mirrored(header);
     std::vector<std::int32_t> solved_as;
@@ -269,15 +309,7 @@ void create_responses(hdf5::File& file, const DatabaseHeader& header) {
                 "active * D + direction of the ray that was solved, of which this one is the mirror image or itself");
   }
 
-  std::vector<std::int8_t> values;
-  std::string meanings;
-  for (auto status : every_status) {
-    values.push_back(static_cast<std::int8_t>(status));
-    if (!meanings.empty()) meanings += ' ';
-    meanings += phynness::name(status);
-  }
-  file.write_attribute(path::status, "flag_values", values);
-  file.write_attribute(path::status, "flag_meanings", meanings);
+  write_flags(file, path::status, every_status);
 
   // A chunk has one active node and as many directions as fit into a megabyte.
   constexpr hsize_t chunk_bytes = 1024 * 1024;

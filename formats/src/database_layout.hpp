@@ -10,6 +10,8 @@
 namespace phynness::database_layout {
 
 inline constexpr std::int32_t format_version = 1;
+/// What was added to the version without a change of the rest. 1: ends of rays. Absent: 0.
+inline constexpr std::int32_t format_minor = 1;
 
 namespace path {
 inline constexpr const char* nodes = "/mesh/nodes";
@@ -37,6 +39,10 @@ inline constexpr const char* min_jacobian = "/responses/min_jacobian";
 inline constexpr const char* seconds = "/responses/seconds";
 inline constexpr const char* solved_as = "/responses/solved_as";
 inline constexpr const char* fields = "/responses/fields";
+inline constexpr const char* end_reason = "/responses/end_reason";
+inline constexpr const char* end_depth = "/responses/end_depth";
+inline constexpr const char* fold_depth = "/responses/fold_depth";
+inline constexpr const char* energy_lost = "/responses/energy_lost";
 }  // namespace path
 
 /// Path of a field's dataset.
@@ -47,6 +53,8 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
 /// @throws Error (input) if the file is not a database, of another version, or damaged
 DatabaseHeader read_header(const hdf5::File& file);
 bool read_complete(const hdf5::File& file);
+/// True if the file tells where its rays end.
+bool records_ends(const hdf5::File& file);
 
 /// Creates the datasets under /responses and chooses the number of active nodes in a chunk of the small ones.
 void create_responses(hdf5::File& file, const DatabaseHeader& header);

@@ -63,7 +63,8 @@ std::size_t Layout::payload_bytes() const {
       sizeof(std::int8_t) + (3 + 1 + (tangents ? 9 : 0) + 2) * sizeof(double) + 3 * sizeof(std::int32_t) +
       3 * static_cast<std::size_t>(n_output) * (float64 ? sizeof(double) : sizeof(float)) +
       fields.size() * static_cast<std::size_t>(n_output) * sizeof(float);
-  return 2 * sizeof(std::int32_t) + static_cast<std::size_t>(n_increments) * per_increment;
+  const std::size_t end = sizeof(std::int8_t) + 3 * sizeof(double);
+  return 2 * sizeof(std::int32_t) + end + static_cast<std::size_t>(n_increments) * per_increment;
 }
 
 std::uint64_t record_checksum(const std::vector<unsigned char>& opening, const unsigned char* bytes, std::size_t n) {
@@ -113,6 +114,8 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout, const st
   bytes.put(static_cast<std::uint32_t>(layout.payload_bytes()));
   bytes.put(ray.active);
   bytes.put(ray.direction);
+  bytes.put(ray.end.reason);
+  for (const double value : {ray.end.depth_m, ray.end.fold_depth_m, ray.end.energy_lost_J}) bytes.put(value);
   bytes.put(ray.status.data(), n);
   for (const auto* values : {&ray.force, &ray.energy, &ray.tangent}) bytes.put(values->data(), values->size());
   for (const auto* values : {&ray.negative_pivots, &ray.iterations, &ray.cutbacks}) bytes.put(values->data(), n);
@@ -136,6 +139,9 @@ Ray decode(const unsigned char* payload, const Layout& layout) {
   Ray ray;
   ray.active = take<std::int32_t>(payload, 1)[0];
   ray.direction = take<std::int32_t>(payload, 1)[0];
+  ray.end.reason = take<EndReason>(payload, 1)[0];
+  for (double* value : {&ray.end.depth_m, &ray.end.fold_depth_m, &ray.end.energy_lost_J})
+    *value = take<double>(payload, 1)[0];
   ray.status = take<Status>(payload, n);
   ray.force = take<double>(payload, 3 * n);
   ray.energy = take<double>(payload, n);

@@ -12,7 +12,7 @@
 
 namespace phynness::database_log {
 
-inline constexpr std::array<char, 8> log_magic{'P', 'H', 'Y', 'N', 'L', 'O', 'G', '2'};
+inline constexpr std::array<char, 8> log_magic{'P', 'H', 'Y', 'N', 'L', 'O', 'G', '3'};
 inline constexpr std::array<char, 4> record_magic{'P', 'R', 'A', 'Y'};
 /// Bytes of magic and length before a payload; the checksum follows the payload.
 inline constexpr std::size_t prefix_bytes = record_magic.size() + sizeof(std::uint32_t);

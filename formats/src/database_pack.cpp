@@ -16,6 +16,8 @@ struct SmallArrays {
   std::vector<std::int8_t> status;
   std::vector<double> force, energy, tangent, min_jacobian, seconds;
   std::vector<std::int32_t> negative_pivots, iterations, cutbacks;
+  std::vector<std::int8_t> end_reason;
+  std::vector<double> end_depth, fold_depth, energy_lost;
 
   void add(const Ray& ray) {
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
@@ -28,6 +30,10 @@ struct SmallArrays {
     append(cutbacks, ray.cutbacks);
     append(min_jacobian, ray.min_jacobian);
     append(seconds, ray.seconds);
+    end_reason.push_back(static_cast<std::int8_t>(ray.end.reason));
+    end_depth.push_back(ray.end.depth_m);
+    fold_depth.push_back(ray.end.fold_depth_m);
+    energy_lost.push_back(ray.end.energy_lost_J);
   }
   void write(hdf5::File& file, hsize_t first, hsize_t count) const {
     file.write_slab(path::status, first, count, status.data());
@@ -39,6 +45,10 @@ struct SmallArrays {
     file.write_slab(path::cutbacks, first, count, cutbacks.data());
     file.write_slab(path::min_jacobian, first, count, min_jacobian.data());
     file.write_slab(path::seconds, first, count, seconds.data());
+    file.write_slab(path::end_reason, first, count, end_reason.data());
+    file.write_slab(path::end_depth, first, count, end_depth.data());
+    file.write_slab(path::fold_depth, first, count, fold_depth.data());
+    file.write_slab(path::energy_lost, first, count, energy_lost.data());
   }
 };
 

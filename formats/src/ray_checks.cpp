@@ -18,9 +18,9 @@ bool is_status(std::int8_t code) {
 }
 
 template <class Value>
-std::string tell(const std::string& dataset, std::size_t increment, Value value) {
+std::string tell(const std::string& dataset, std::size_t index, Value value, const char* of = "increment") {
   char buffer[32];
-  return dataset + ", increment " + std::to_string(increment) + ", is " +
+  return dataset + ", " + of + " " + std::to_string(index) + ", is " +
          std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
 }
 
@@ -61,10 +61,24 @@ std::string figures_defect(const StateFigures& figures) {
       [&](std::size_t i) { return figures.status[i] == static_cast<std::int8_t>(Status::converged); }, finite);
 }
 
+std::string ends_defect(const std::vector<RayEnd>& ends) {
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    const RayEnd& end = ends[i];
+    if (std::find(std::begin(every_end), std::end(every_end), end.reason) == std::end(every_end))
+      return tell(path::end_reason, i, static_cast<int>(end.reason), "ray");
+    if (!(end.depth_m >= 0) || end.depth_m > finite) return tell(path::end_depth, i, end.depth_m, "ray");
+    if (!(end.fold_depth_m >= 0) || end.fold_depth_m > finite)
+      return tell(path::fold_depth, i, end.fold_depth_m, "ray");
+    if (!(std::abs(end.energy_lost_J) <= finite)) return tell(path::energy_lost, i, end.energy_lost_J, "ray");
+  }
+  return "";
+}
+
 std::string ray_defect(const Ray& ray, const std::vector<Field>& fields, double farthest_m) {
   StateFigures figures{{}, ray.negative_pivots, ray.iterations, ray.cutbacks, ray.min_jacobian, ray.seconds};
   for (const auto status : ray.status) figures.status.push_back(static_cast<std::int8_t>(status));
   if (auto defect = figures_defect(figures); !defect.empty()) return defect;
+  if (auto defect = ends_defect({ray.end}); !defect.empty()) return defect;
   const auto check = [&](const std::string& dataset, const std::vector<double>& values, double most) {
     return first_beyond(
         dataset, values, ray.status.size(), [&](std::size_t i) { return ray.status[i] == Status::converged; }, most);

@@ -19,6 +19,10 @@ struct StateFigures {
 /// @return for example "/responses/seconds, increment 17, is nan"; empty if all are possible
 std::string figures_defect(const StateFigures& figures);
 
+/// The first impossible number among ends of rays: an unknown reason, a depth that is negative or not finite, or an
+/// energy that is not finite. Empty if all are possible.
+std::string ends_defect(const std::vector<RayEnd>& ends);
+
 /// The same for a complete ray. In addition forces, energies, tangents, displacements and fields of converged
 /// increments must be finite, and displacements must not exceed `farthest_m` (database_checks.hpp).
 /// @pre the arrays have the sizes described in Ray

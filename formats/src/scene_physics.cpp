@@ -60,6 +60,11 @@ std::string physics_summary(const Scene& scene) {
   add("probe.directions", name(scene.probe.directions));
   add("probe.increments", std::to_string(scene.probe.increments));
   add("probe.max_displacement_m", shortest(scene.probe.max_displacement_m));
+  // Only if they differ from the default, so that scenes keep the hash that they had before these keys existed.
+  const ProbeSpec standard;
+  if (scene.probe.max_force_N > 0) add("probe.max_force_N", shortest(scene.probe.max_force_N));
+  if (scene.probe.min_jacobian != standard.min_jacobian) add("probe.min_jacobian", shortest(scene.probe.min_jacobian));
+  if (!scene.probe.stop_at_fold) add("probe.stop_at_fold", "false");
   return lines;
 }
 

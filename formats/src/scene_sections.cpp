@@ -180,6 +180,9 @@ ProbeSpec parse_probe(const SceneTable& table) {
   const auto depth = table.number("max_displacement_m", {0, 10, true, false});
   if (!depth) table.missing("max_displacement_m", "", "add max_displacement_m in metres, such as 0.028 for 28 mm");
   spec.max_displacement_m = *depth;
+  spec.max_force_N = table.number_or("max_force_N", spec.max_force_N, {0, 1e9, true, false});
+  spec.min_jacobian = table.number_or("min_jacobian", spec.min_jacobian, {0, 0.9});
+  spec.stop_at_fold = table.flag_or("stop_at_fold", spec.stop_at_fold);
   return spec;
 }
 

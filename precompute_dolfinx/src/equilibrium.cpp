@@ -189,8 +189,8 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   return out;
 }
 
-Eigen::VectorXd Equilibrium::velocity(std::span<const double> state, const Eigen::VectorXd& direction,
-                                      Eigen::VectorXd guess) {
+Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const Eigen::VectorXd& direction,
+                                            Eigen::VectorXd guess) {
   auto& s = *_impl;
   const Eigen::VectorXd prescribed = s.constraint.G * direction;
   for (std::size_t i = 0; i < s.constraint.dofs.size(); ++i)
@@ -212,8 +212,11 @@ Eigen::VectorXd Equilibrium::velocity(std::span<const double> state, const Eigen
     values[i] = s.is_free[dof] ? (forward[dof] - s.residual[dof]) / (2 * epsilon) : 0.0;
   }
   PHYNNESS_PETSC(VecRestoreArray(s.r, &values));
+  double stiffness = 0;
+  for (Eigen::Index dof = 0; dof < guess.size(); ++dof)
+    stiffness += guess[dof] * (forward[dof] - s.residual[dof]) / (2 * epsilon);
   ++s.counts.substitutions;
-  if (!s.linear->solve(s.r, s.x)) return Eigen::VectorXd::Constant(guess.size(), std::nan(""));
+  if (!s.linear->solve(s.r, s.x)) return {Eigen::VectorXd::Constant(guess.size(), std::nan("")), stiffness};
   s.quasi_newton.apply(s.x);
   const PetscScalar* correction = nullptr;
   PHYNNESS_PETSC(VecGetArrayRead(s.x, &correction));
@@ -222,7 +225,7 @@ Eigen::VectorXd Equilibrium::velocity(std::span<const double> state, const Eigen
     if (s.is_free[dof]) guess[dof] -= correction[i];
   }
   PHYNNESS_PETSC(VecRestoreArrayRead(s.x, &correction));
-  return guess;
+  return {std::move(guess), stiffness};
 }
 
 std::optional<int> Equilibrium::negative_pivots(std::span<const double> state) {

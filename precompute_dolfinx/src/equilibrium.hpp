@@ -64,8 +64,14 @@ class Equilibrium {
 
   /// dx/dq times `direction` at the converged state of the last solve(), for predictors. It is computed by one
   /// quasi-Newton correction of `guess` with the present factors, at a fifth of the cost of linearize().
+  struct Velocity {
+    Eigen::VectorXd rate;  ///< dx/ds, n_dofs
+    /// d^2 energy / ds^2, from the residuals that the correction needs anyway. Its error is of second order in the
+    /// error of the guess, because the true rate makes this number stationary.
+    double stiffness = 0;
+  };
   /// @param guess  n_dofs; its prescribed dofs are overwritten
-  Eigen::VectorXd velocity(std::span<const double> state, const Eigen::VectorXd& direction, Eigen::VectorXd guess);
+  Velocity velocity(std::span<const double> state, const Eigen::VectorXd& direction, Eigen::VectorXd guess);
 
   /// Number of negative pivots beyond those of the pressure block, from the last tangent that solve() factorized. If
   /// that tangent was made convex, the true tangent at the converged state is factorized. Empty if it has no factors.

@@ -15,6 +15,8 @@ struct PathPoint {
   Eigen::VectorXd force;      ///< n_parameters
   Eigen::MatrixXd tangent;    ///< n_parameters^2; empty unless all tangents are computed
   double energy = 0, min_jacobian = 1;
+  double stiffness = 0;         ///< d^2 energy / ds^2: the change of force * direction along the path
+  bool exact_stiffness = true;  ///< false: as good as the velocity from which it is estimated
   int negative_pivots = 0;
   bool met_instability = false;  ///< at this or an earlier point
   bool jumped = false;           ///< the body has buckled, so that the state is not near the points before it
@@ -33,6 +35,7 @@ class Path {
   void clear() { _points.clear(); }
   void append(PathPoint point);
   const PathPoint& last() const { return _points.back(); }
+  PathPoint& last() { return _points.back(); }
   /// Number of latest points that a prediction to s may use; it is limited by the length of the step to s.
   int n_points(double s) const;
   /// Hermite extrapolation from the latest k points, of degree 2 k - 1, by divided differences with double points.

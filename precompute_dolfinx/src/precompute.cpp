@@ -49,7 +49,7 @@ struct Share {
   void count(const Ray& ray) {
     ++rays;
     for (std::size_t i = 0; i < ray.status.size(); ++i) {
-      if (ray.status[i] != Status::not_requested) ++increments;
+      if (ray.status[i] != Status::not_requested && ray.status[i] != Status::after_end) ++increments;
       if (static_cast<int>(ray.status[i]) < 0) ++failed;
       if (ray.status[i] == Status::library_error) ++library_errors;
       iterations += ray.iterations[i];
@@ -203,7 +203,8 @@ void count_finished(const std::filesystem::path& file, const DatabaseHeader& hea
   const auto summary = summarize(database);
   report.increments = report.increments_solved = report.failed = 0;
   for (const auto& [status, count] : summary.states) {
-    if (status != Status::not_requested) report.increments += count;
+    if (status != Status::not_requested && status != Status::after_end) report.increments += count;
+    if (status == Status::after_end) report.after_end += count;
     if (static_cast<int>(status) < 0) report.failed += count;
   }
   report.iterations = summary.newton_iterations;
@@ -212,7 +213,8 @@ void count_finished(const std::filesystem::path& file, const DatabaseHeader& hea
   const auto n_directions = static_cast<std::int64_t>(header.directions.size());
   for (std::int64_t i = 0; i < static_cast<std::int64_t>(statuses.size()); ++i) {
     const auto ray = i / n_increments;
-    report.increments_solved += statuses[static_cast<std::size_t>(i)] != Status::not_requested &&
+    const Status status = statuses[static_cast<std::size_t>(i)];
+    report.increments_solved += status != Status::not_requested && status != Status::after_end &&
                                 mirrored.is_solved(static_cast<std::int32_t>(ray / n_directions),
                                                    static_cast<std::int32_t>(ray % n_directions));
   }

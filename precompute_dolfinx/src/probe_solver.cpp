@@ -169,39 +169,50 @@ std::vector<std::pair<std::int32_t, double>> ProbeSolver::prescribed(std::size_t
   return nodes;
 }
 
-void ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values, bool tangents,
-                         const std::function<bool(std::size_t, const Response&)>& take) {
+RayEnd ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values, bool tangents,
+                           const std::function<bool(std::size_t, const Response&)>& take, const RayLimits& limits) {
   auto& s = *_impl;
   const std::size_t n_tools = s.weights.size();
   if (displacement_m.size() != n_tools) throw std::logic_error("follow: one displacement per touched tool");
   const Eigen::VectorXd direction = s.parameters(displacement_m);
 
-  s.rays.follow(s.rest, direction, s_values, tangents,
-                [&](std::size_t i, const PathStep& step, const PathPoint& point) {
-                  Response response;
-                  response.status = step.status;
-                  response.iterations = step.iterations;
-                  response.cutbacks = step.cutbacks;
-                  response.force_N.assign(n_tools, Vec3{});
-                  if (step.status == Status::converged) {
-                    response.fields = s.fields_of(point.state);
-                    if (!response.fields.allFinite()) response.status = Status::not_finite;
-                  }
-                  if (response.status != Status::converged) {
-                    response.displacement_m = Points::Zero(s.body.n_nodes(), 3);
-                    response.fields.setZero(s.body.n_nodes(), s.n_fields());
-                    return take(i, response);
-                  }
-                  for (std::size_t t = 0; t < n_tools; ++t)
-                    for (int k = 0; k < 3; ++k)
-                      response.force_N[t][k] = point.force[static_cast<Eigen::Index>(3 * t) + k] * s.scaling.force_N();
-                  response.energy_J = point.energy * s.scaling.energy_J();
-                  response.tangent_N_per_m = point.tangent * s.scaling.stiffness_N_per_m();
-                  response.negative_pivots = point.negative_pivots;
-                  response.min_jacobian = point.min_jacobian;
-                  response.displacement_m = s.displacement(point.state);
-                  return take(i, response);
-                });
+  PathLimits path_limits{limits, limits.max_force_N / s.scaling.force_N()};
+  auto end = s.rays.follow(
+      s.rest, direction, s_values, tangents,
+      [&](std::size_t i, const PathStep& step, const PathPoint& point) {
+        Response response;
+        response.status = step.status;
+        response.iterations = step.iterations;
+        response.cutbacks = step.cutbacks;
+        response.force_N.assign(n_tools, Vec3{});
+        if (step.status == Status::converged) {
+          response.fields = s.fields_of(point.state);
+          if (!response.fields.allFinite()) response.status = Status::not_finite;
+        }
+        if (response.status != Status::converged) {
+          response.displacement_m = Points::Zero(s.body.n_nodes(), 3);
+          response.fields.setZero(s.body.n_nodes(), s.n_fields());
+          return take(i, response);
+        }
+        for (std::size_t t = 0; t < n_tools; ++t)
+          for (int k = 0; k < 3; ++k)
+            response.force_N[t][k] = point.force[static_cast<Eigen::Index>(3 * t) + k] * s.scaling.force_N();
+        response.energy_J = point.energy * s.scaling.energy_J();
+        response.tangent_N_per_m = point.tangent * s.scaling.stiffness_N_per_m();
+        response.negative_pivots = point.negative_pivots;
+        response.min_jacobian = point.min_jacobian;
+        response.displacement_m = s.displacement(point.state);
+        return take(i, response);
+      },
+      path_limits);
+  end.energy_lost_J *= s.scaling.energy_J();
+  return end;
+}
+
+RayLimits ProbeSolver::limits_of_rays() const {
+  constexpr double parts = 64;  // of the full depth: as far as a fold is located
+  const ProbeSpec& probe = _impl->scene.probe;
+  return {true, probe.stop_at_fold, probe.max_displacement_m / parts, probe.min_jacobian, probe.max_force_N};
 }
 
 Response ProbeSolver::solve(const std::vector<Vec3>& displacement_m, int increments, bool tangents) {

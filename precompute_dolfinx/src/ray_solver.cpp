@@ -55,12 +55,16 @@ Status RaySolver::linearize(const Eigen::VectorXd& direction, const Prediction& 
     const auto linear = _equilibrium.linearize(to.state, Eigen::MatrixXd::Identity(n_parameters, n_parameters));
     if (linear.status != Status::converged || !linear.sensitivity.allFinite()) return Status::factorization;
     to.velocity = linear.sensitivity * direction;
+    to.stiffness = direction.dot(linear.tangent * direction);
     to.tangent = linear.tangent;
     to.negative_pivots = linear.negative_pivots;
   } else {
     const Eigen::Map<const Eigen::VectorXd> state(to.state.data(), predicted.state.size());
-    to.velocity =
+    auto velocity =
         _equilibrium.velocity(to.state, direction, predicted.velocity + predicted.growth * (state - predicted.state));
+    to.velocity = std::move(velocity.rate);
+    to.stiffness = velocity.stiffness;
+    to.exact_stiffness = false;
     to.tangent.resize(0, 0);
     const auto pivots = to.velocity.allFinite() ? _equilibrium.negative_pivots(to.state) : std::nullopt;
     if (!pivots) return Status::factorization;
@@ -116,43 +120,73 @@ PathStep RaySolver::attempt(const Path& path, const Eigen::VectorXd& direction, 
   return step;
 }
 
-void RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, const std::vector<double>& s_values,
-                       bool all_tangents,
-                       const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take) {
+PathStep RaySolver::advance_to(double s, const Eigen::VectorXd& direction, bool all_tangents, const PathLimits& limits,
+                               Path& path, RayEnd& end) {
+  PathStep total;
+  const double increment = s - path.last().s;
+  const double shortest = increment * std::ldexp(1.0, -_options.max_cutbacks) * (1 - 1e-9);
+  double h = increment;
+  while (path.last().s < s) {
+    h = std::min(h, s - path.last().s);
+    const bool last = path.last().s + h * (1 + 1e-9) >= s;
+    PathPoint to;
+    const auto step = attempt(path, direction, last ? s : path.last().s + h, all_tangents && last, to);
+    total.iterations += step.iterations;
+    if (step.status == Status::converged) {
+      if (!accept(std::move(to), direction, all_tangents && last, limits, path, end, total.iterations)) {
+        total.status = Status::after_end;
+        return total;
+      }
+      h *= 2;
+    } else {
+      ++total.cutbacks;
+      h /= 2;
+      // A step that rounding loses would be repeated without end.
+      if (h < shortest || !(path.last().s + h > path.last().s)) {
+        total.status = step.status;
+        return total;
+      }
+    }
+  }
+  return total;
+}
+
+RayEnd RaySolver::follow(const Rest& rest, const Eigen::VectorXd& direction, const std::vector<double>& s_values,
+                         bool all_tangents,
+                         const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take,
+                         const PathLimits& limits) {
   Path path;
   PathPoint start;
   start.state.assign(_body.n_dofs(), 0.0);
   start.velocity = rest.sensitivity * direction;
+  start.stiffness = direction.dot(rest.tangent * direction);
   path.append(std::move(start));
-  bool failed = false;
+  RayEnd end;
+  end.reason = EndReason::full_depth;
+  Status left = Status::converged;  // of the increments that are left
 
   for (std::size_t i = 0; i < s_values.size(); ++i) {
-    PathStep total;
-    const double increment = s_values[i] - path.last().s;
-    const double shortest = increment * std::ldexp(1.0, -_options.max_cutbacks) * (1 - 1e-9);
-    double h = increment;
-    while (!failed && path.last().s < s_values[i]) {
-      h = std::min(h, s_values[i] - path.last().s);
-      const bool last = path.last().s + h * (1 + 1e-9) >= s_values[i];
-      PathPoint to;
-      const auto step = attempt(path, direction, last ? s_values[i] : path.last().s + h, all_tangents && last, to);
-      total.iterations += step.iterations;
+    PathStep step;
+    step.status = left;
+    if (left == Status::converged) {
+      step = advance_to(s_values[i], direction, all_tangents, limits, path, end);
       if (step.status == Status::converged) {
-        path.append(std::move(to));
-        h *= 2;
+        end.depth_m = s_values[i];
+        if (end.reason == EndReason::force_limit && i + 1 < s_values.size())
+          left = Status::after_end;
+        else
+          end.reason = EndReason::full_depth;
+      } else if (step.status == Status::after_end) {
+        left = Status::after_end;
       } else {
-        ++total.cutbacks;
-        h /= 2;
-        // A step that rounding loses would be repeated without end.
-        if (h < shortest || !(path.last().s + h > path.last().s)) {
-          failed = true;
-          total.status = step.status;
-        }
+        left = Status::after_failure;
+        end.reason = EndReason::solver;
+        end.depth_m = path.last().s;
       }
     }
-    if (failed && total.status == Status::converged) total.status = Status::after_failure;
-    if (!take(i, total, path.last())) return;
+    if (!take(i, step, path.last())) return end;
   }
+  return end;
 }
 
 }  // namespace phynness

@@ -16,6 +16,12 @@ struct PathStep {
   int cutbacks = 0;
 };
 
+/// RayLimits of dimensionless paths.
+struct PathLimits {
+  RayLimits ray;
+  double max_force = 0;  ///< of one tool; 0: no limit
+};
+
 class RaySolver {
  public:
   RaySolver(Discretization& body, Equilibrium& equilibrium, const SolverSpec& options)
@@ -33,10 +39,32 @@ class RaySolver {
   /// Follows q = s * direction through the ascending values `s_values`, starting at rest. Calls `take` for each value
   /// in order, until it returns false. After a failure the remaining values have Status::after_failure.
   /// @param all_tangents  compute the complete tangent at every value, not only its product with the direction
-  void follow(const Rest& rest, const Eigen::VectorXd& direction, const std::vector<double>& s_values,
-              bool all_tangents, const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take);
+  /// @return end of the ray, with dimensionless energy; its depths are values of s
+  RayEnd follow(const Rest& rest, const Eigen::VectorXd& direction, const std::vector<double>& s_values,
+                bool all_tangents, const std::function<bool(std::size_t, const PathStep&, const PathPoint&)>& take,
+                const PathLimits& limits = {});
 
  private:
+  enum class Search { smooth, fold, crushed };
+
+  /// Goes from the last point of `path` to s in steps that are halved after failures.
+  /// @return Status::after_end if the ray ends before s
+  PathStep advance_to(double s, const Eigen::VectorXd& direction, bool all_tangents, const PathLimits& limits,
+                      Path& path, RayEnd& end);
+  /// Appends a converged point unless the ray ends before it. @return false if it ends
+  bool accept(PathPoint to, const Eigen::VectorXd& direction, bool all_tangents, const PathLimits& limits, Path& path,
+              RayEnd& end, int& iterations);
+  /// Halves the step from the last point of `path` to `to` until no part of it loses energy, or the part that does is
+  /// as short as the resolution. If shorter steps lead to another state, `to` becomes that state and `path` receives
+  /// the points before it.
+  Search search_fold(const Eigen::VectorXd& direction, bool all_tangents, const RayLimits& limits, Path& path,
+                     PathPoint& to, RayEnd& end, int& iterations);
+  /// True if the step loses energy, or if it may do so and is longer than `resolution`. The stiffness at the ends of a
+  /// shorter step is computed exactly before the answer.
+  bool loses_energy(PathPoint& from, PathPoint& to, const Eigen::VectorXd& direction, double resolution);
+  void make_stiffness_exact(const Eigen::VectorXd& direction, PathPoint& point);
+  /// Sets the end of the ray if the smallest J in `to` is below the limit.
+  bool is_crushed(const PathPoint& from, const PathPoint& to, const RayLimits& limits, RayEnd& end) const;
   /// Predicts the state at s. `to` receives the prediction with the prescribed displacements.
   Prediction predict(const Path& path, const Eigen::VectorXd& direction, double s, PathPoint& to);
   /// Computes velocity and stability of the equilibrium in `to`.

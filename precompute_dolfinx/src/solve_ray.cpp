@@ -31,20 +31,24 @@ void store(const Response& response, std::size_t i, const DatabaseHeader& header
 }
 
 /// @param n_stored  number of increments with a result, which is kept if this function throws
-void follow_ray(ProbeSolver& solver, const DatabaseHeader& header, Ray& ray, std::size_t& n_stored) {
+void follow_ray(ProbeSolver& solver, const DatabaseHeader& header, const RayLimits& limits, Ray& ray,
+                std::size_t& n_stored) {
   double before = cpu_seconds();
-  solver.follow({header.directions[static_cast<std::size_t>(ray.direction)]}, header.magnitudes_m, header.tangents,
-                [&](std::size_t i, const Response& response) {
-                  const double now = cpu_seconds();
-                  store(response, i, header, now - before, ray);
-                  before = now;
-                  n_stored = i + 1;
-                  return true;
-                });
+  ray.end = solver.follow(
+      {header.directions[static_cast<std::size_t>(ray.direction)]}, header.magnitudes_m, header.tangents,
+      [&](std::size_t i, const Response& response) {
+        const double now = cpu_seconds();
+        store(response, i, header, now - before, ray);
+        before = now;
+        n_stored = i + 1;
+        return true;
+      },
+      limits);
 }
 
 /// Marks the increments from `first` on as not solved.
-void end_ray(Ray& ray, std::size_t first) {
+void end_ray(const DatabaseHeader& header, Ray& ray, std::size_t first) {
+  ray.end = {EndReason::solver, first > 0 ? header.magnitudes_m[first - 1] : 0.0, 0, 0};
   for (std::size_t i = first; i < ray.status.size(); ++i)
     ray.status[i] = i == first ? Status::library_error : Status::after_failure;
 }
@@ -63,6 +67,7 @@ Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t di
   ray.active = active;
   ray.direction = direction;
   ray.status.assign(n, Status::not_requested);
+  ray.end.reason = EndReason::not_requested;
   ray.force.assign(3 * n, 0.0);
   ray.energy.assign(n, 0.0);
   if (header.tangents) ray.tangent.assign(9 * n, 0.0);
@@ -86,7 +91,7 @@ void recover(ProbeSolver& solver) {
 
 Ray failed_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction) {
   Ray ray = empty_ray(header, active, direction);
-  end_ray(ray, 0);
+  end_ray(header, ray, 0);
   return ray;
 }
 
@@ -94,12 +99,12 @@ Ray solve_ray(ProbeSolver& solver, const DatabaseHeader& header, std::int32_t ac
   Ray ray = empty_ray(header, active, direction);
   std::size_t n_stored = 0;
   try {
-    follow_ray(solver, header, ray, n_stored);
+    follow_ray(solver, header, solver.limits_of_rays(), ray, n_stored);
   } catch (const Interrupted&) {
     throw;
   } catch (const std::exception& error) {
     SolverLog::instance().write(error.what());
-    end_ray(ray, n_stored);
+    end_ray(header, ray, n_stored);
     recover(solver);
   }
   return ray;

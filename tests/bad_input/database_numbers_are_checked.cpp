@@ -110,12 +110,54 @@ TEST_F(WrongNumbers, responses_that_cannot_be) {
   expect_named("/responses/displacement", "1e+300");
   set("/responses/seconds", 3, -1.0);
   expect_named("/responses/seconds", "-1");
-  set("/responses/status", 0, std::int32_t{3});
-  expect_named("/responses/status", "3");
+  set("/responses/status", 0, std::int32_t{4});
+  expect_named("/responses/status", "4");
   for (const char* name : {"/responses/iterations", "/responses/negative_pivots", "/responses/cutbacks"}) {
     set(name, 0, std::int32_t{-1});
     expect_named(name, "-1");
   }
+}
+
+TEST_F(WrongNumbers, ends_that_cannot_be) {
+  const auto expect_named = [&](const char* name, const char* value) {
+    expect_contains(rays_error(), {name, value, "damaged"});
+    EXPECT_THROW(Database::open(file).ends(), Error);
+    write_packed_again();
+  };
+  set("/responses/end_reason", 0, std::int32_t{5});
+  expect_named("/responses/end_reason", "5");
+  for (const char* name : {"/responses/end_depth", "/responses/fold_depth"}) {
+    set(name, 0, -1.0);
+    expect_named(name, "-1");
+  }
+  for (const char* name : {"/responses/end_depth", "/responses/fold_depth", "/responses/energy_lost"}) {
+    set(name, 0, nan);
+    expect_named(name, "nan");
+  }
+  set_attribute("format_minor", 0);
+  expect_contains(open_error(), {"format_minor", "0"});
+}
+
+TEST_F(WrongNumbers, are_none_in_files_that_do_not_record_ends) {
+  tamper([](hid_t id) {
+    H5Adelete(id, "format_minor");
+    for (const char* name : {"end_reason", "end_depth", "fold_depth", "energy_lost"})
+      H5Ldelete(id, (std::string("/responses/") + name).c_str(), H5P_DEFAULT);
+  });
+  const Database database = Database::open(file);
+  const auto header = database.header();
+  const auto ends = database.ends();
+  const auto rays = all_rays(header);
+  ASSERT_EQ(ends.size(), rays.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const bool failed = rays[i].status.back() != Status::converged;
+    RayEnd expected;
+    expected.reason = failed ? EndReason::solver : EndReason::not_recorded;
+    expected.depth_m = header.magnitudes_m[failed ? 1 : 2];
+    expect_same_end(ends[i], expected);
+    expect_same_end(database.rays(rays[i].active)[static_cast<std::size_t>(rays[i].direction)].end, expected);
+  }
+  EXPECT_FALSE(summarize_ends(database).is_recorded);
 }
 
 TEST_F(WrongNumbers, mirror_images_of_rays_that_were_not_solved) {

@@ -38,7 +38,13 @@ with tempfile.TemporaryDirectory() as folder:
             "negative_pivots": ("int32", "1", ()), "iterations": ("int32", "1", ()), "cutbacks": ("int32", "1", ()),
             "min_jacobian": ("float64", "1", ()), "seconds": ("float64", "s", ()),
         }
-        assert set(f["responses"]) == set(expected)
+        ends = {"end_reason": ("int8", "1"), "end_depth": ("float64", "m"), "fold_depth": ("float64", "m"),
+                "energy_lost": ("float64", "J")}
+        assert attributes["format_minor"] == 1
+        assert set(f["responses"]) == set(expected) | set(ends)
+        for name, (dtype, unit) in ends.items():
+            data = f["responses"][name]
+            assert data.shape == (A, D) and data.dtype == dtype and data.attrs["unit"] == unit, name
         for name, (dtype, unit, tail) in expected.items():
             data = f["responses"][name]
             assert data.shape == (A, D, I) + tail, name
@@ -59,6 +65,9 @@ with tempfile.TemporaryDirectory() as folder:
         meaning = dict(zip(f["responses/status"].attrs["flag_values"],
                            f["responses/status"].attrs["flag_meanings"].split()))
         for value, name in meaning.items():
+            assert f"| {value} | `{name}` |" in document, (value, name)
+        ends = f["responses/end_reason"].attrs
+        for value, name in zip(ends["flag_values"], ends["flag_meanings"].split()):
             assert f"| {value} | `{name}` |" in document, (value, name)
         # The writer fails every third ray at its last increment.
         status = f["responses/status"][...]

@@ -21,6 +21,7 @@ void expect_same(const Ray& found, const Ray& expected, bool float64) {
   EXPECT_EQ(found.cutbacks, expected.cutbacks);
   EXPECT_EQ(found.min_jacobian, expected.min_jacobian);
   EXPECT_EQ(found.seconds, expected.seconds);
+  expect_same_end(found.end, expected.end);
   ASSERT_EQ(found.displacement.size(), expected.displacement.size());
   for (std::size_t i = 0; i < expected.displacement.size(); ++i) {
     const double u = expected.displacement[i];
@@ -156,7 +157,49 @@ TEST_F(RoundTrip, statuses_and_summary_count_what_is_there) {
   EXPECT_EQ(summary.min_jacobian, expected.min_jacobian);
 }
 
+TEST_F(RoundTrip, ends_of_rays_are_summed_up_by_reason_and_node) {
+  const auto header = small_header(true);
+  write_logs(header);
+  DatabaseWriter::pack(file, header);
+  const Database database = Database::open(file);
+  const auto rays = all_rays(header);
+  const auto ends = database.ends();
+  ASSERT_EQ(ends.size(), rays.size());
+  EndSummary expected;
+  double beyond = 0;
+  std::vector<double> reached(3, 0.0);
+  std::vector<std::int32_t> requested(3, 0), early(3, 0);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const RayEnd& end = rays[i].end;
+    expect_same_end(ends[i], end);
+    if (end.reason == EndReason::not_requested) continue;
+    const std::size_t node = i / header.directions.size();
+    const double share = end.is_early() ? std::pow(end.depth_m / 0.02, 3) : 1;
+    ++expected.rays;
+    ++expected.reasons[end.reason];
+    ++requested[node];
+    early[node] += end.is_early();
+    reached[node] += share;
+    beyond += 1 - share;
+    expected.folds += end.fold_depth_m > 0;
+  }
+  const auto summary = summarize_ends(database);
+  EXPECT_EQ(summary.rays, expected.rays);
+  EXPECT_EQ(summary.reasons, expected.reasons);
+  EXPECT_EQ(summary.folds, expected.folds);
+  EXPECT_EQ(summary.early, early);
+  // Sums in another order: some roundings of numbers of about 1.
+  EXPECT_NEAR(summary.share_of_volume(), beyond / static_cast<double>(expected.rays), 1e-14);
+  for (std::size_t node = 0; node < 3; ++node)
+    EXPECT_NEAR(summary.reached[node], reached[node] / requested[node], 1e-14);
+  EXPECT_FALSE(summary.is_recorded);  // some of these rays say so
+}
+
 TEST_F(RoundTrip, knows_every_status_by_name) {
+  for (const auto status : every_status) EXPECT_STRNE(name(status), "unknown");
+  for (const auto status : every_status) EXPECT_STRNE(meaning(status), "unknown");
+  for (const auto end : every_end) EXPECT_STRNE(name(end), "unknown");
+  for (const auto end : every_end) EXPECT_STRNE(meaning(end), "unknown");
   for (int code : {0, 1, 2, -1, -2, -3, -4, -5}) EXPECT_STRNE(name(static_cast<Status>(code)), "unknown");
 }
 

@@ -57,6 +57,23 @@ inline DatabaseHeader small_header(bool float64, const std::string& scene = data
   return h;
 }
 
+inline RayEnd random_end(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  RayEnd end;
+  end.reason = every_end[random() % std::size(every_end)];
+  end.depth_m = 0.02 * static_cast<double>(random() % 65) / 64;
+  end.fold_depth_m = end.reason == EndReason::fold ? end.depth_m + 0.0003 : 0;
+  end.energy_lost_J = end.reason == EndReason::fold ? normal(random) : 0;
+  return end;
+}
+
+inline void expect_same_end(const RayEnd& found, const RayEnd& expected) {
+  EXPECT_EQ(found.reason, expected.reason);
+  EXPECT_EQ(found.depth_m, expected.depth_m);
+  EXPECT_EQ(found.fold_depth_m, expected.fold_depth_m);
+  EXPECT_EQ(found.energy_lost_J, expected.energy_lost_J);
+}
+
 /// Random but reproducible; every third ray fails at its last increment.
 inline Ray random_ray(const DatabaseHeader& h, int active, int direction) {
   std::mt19937_64 random(static_cast<std::uint64_t>(1000 * active + direction + 1));
@@ -83,6 +100,7 @@ inline Ray random_ray(const DatabaseHeader& h, int active, int direction) {
   for (double& s : r.seconds) s = std::abs(s);
   r.displacement = numbers(3 * n * h.sets.output.size());
   for (std::size_t f = 0; f < h.fields.size(); ++f) r.fields.push_back(numbers(n * h.sets.output.size()));
+  r.end = random_end(random);
   return r;
 }
 

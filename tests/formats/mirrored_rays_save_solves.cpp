@@ -67,6 +67,7 @@ TEST(MirroredRays, AreReflectedExactly) {
   EXPECT_EQ(image.status, solved.status);
   EXPECT_EQ(image.energy, solved.energy);
   EXPECT_EQ(image.min_jacobian, solved.min_jacobian);
+  expect_same_end(image.end, solved.end);
   EXPECT_EQ(image.negative_pivots, solved.negative_pivots);
   EXPECT_EQ(image.iterations, std::vector<std::int32_t>(3, 0));
   EXPECT_EQ(image.seconds, std::vector<double>(3, 0.0));

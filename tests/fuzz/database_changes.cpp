@@ -30,12 +30,17 @@ constexpr const char* datasets[] = {"/scene",
                                     "/responses/cutbacks",
                                     "/responses/min_jacobian",
                                     "/responses/seconds",
+                                    "/responses/end_reason",
+                                    "/responses/end_depth",
+                                    "/responses/fold_depth",
+                                    "/responses/energy_lost",
                                     "/responses/solved_as",
                                     "/responses/fields/von-mises-stress"};
 constexpr const char* groups[] = {"/mesh", "/mesh/groups", "/sets", "/symmetry", "/responses"};
 constexpr const char* attributes[] = {
-    "format", "format_version",         "software_version", "complete",     "physics_hash", "mesh_hash",   "tangents",
-    "fields", "displacement_precision", "scene_name",       "scene_folder", "shard_index",  "shard_count", "odd",
+    "format",       "format_minor", "format_version", "software_version", "complete",
+    "physics_hash", "mesh_hash",    "tangents",       "fields",           "displacement_precision",
+    "scene_name",   "scene_folder", "shard_index",    "shard_count",      "odd",
     "name"};
 constexpr std::int64_t integers[] = {0,    1,          2,          -1,          7,     8,         100, 127,
                                      -128, 2147483647, 2147483648, -2147483648, 65536, 1LL << 40, 255, -5};

@@ -24,7 +24,9 @@ inline void expect_same_results(const std::filesystem::path& one, const std::fil
       const bool same = x[d].status == y[d].status && x[d].force == y[d].force && x[d].energy == y[d].energy &&
                         x[d].tangent == y[d].tangent && x[d].negative_pivots == y[d].negative_pivots &&
                         x[d].iterations == y[d].iterations && x[d].cutbacks == y[d].cutbacks &&
-                        x[d].min_jacobian == y[d].min_jacobian && x[d].displacement == y[d].displacement;
+                        x[d].min_jacobian == y[d].min_jacobian && x[d].end.reason == y[d].end.reason &&
+                        x[d].end.depth_m == y[d].end.depth_m && x[d].end.fold_depth_m == y[d].end.fold_depth_m &&
+                        x[d].end.energy_lost_J == y[d].end.energy_lost_J && x[d].displacement == y[d].displacement;
       EXPECT_TRUE(same) << other << " differs at active node " << i << ", direction " << d;
     }
   }

@@ -89,7 +89,7 @@ class Training {
       for (const Ray& ray : read_node.rays) {
         for (const Status status : ray.status) {
           outcome.used += status == Status::converged;
-          outcome.failed += status != Status::converged && status != Status::not_requested;
+          outcome.failed += static_cast<int>(status) < 0;
         }
       }
       // Errors are estimated at nodes that are distributed evenly over the active nodes.

@@ -172,7 +172,7 @@ CaseResult read_case(const StudyRun& run, const PaperCase& of) {
   f.corners = header.mesh.cells.cols();
   f.rays = summed.rays;
   for (const auto& [status, n] : summed.states) {
-    if (status == Status::not_requested) continue;
+    if (status == Status::not_requested || status == Status::after_end) continue;
     f.increments += n;
     if (status != Status::converged) f.failed += n;
   }

@@ -19,6 +19,7 @@ enum class Status : std::int8_t {
   converged = 0,
   not_requested = 1,   ///< direction outside the hemisphere
   not_solved = 2,      ///< no result yet (an unfinished database)
+  after_end = 3,       ///< the ray ends before: a fold, a crushed cell or the force limit of the scene
   inverted = -1,       ///< J <= 0 at a quadrature point
   diverged = -2,       ///< line search or iteration limit, or an equilibrium that the continuous body does not have
   factorization = -3,  ///< singular or failed factorization
@@ -26,12 +27,41 @@ enum class Status : std::int8_t {
   after_failure = -5,  ///< an earlier increment of the ray failed
   library_error = -6,  ///< a library call failed or memory ran out; the solver's log has the message
 };
-inline constexpr Status every_status[] = {Status::converged,  Status::not_requested, Status::not_solved,
-                                          Status::inverted,   Status::diverged,      Status::factorization,
-                                          Status::not_finite, Status::after_failure, Status::library_error};
+inline constexpr Status every_status[] = {
+    Status::converged, Status::not_requested, Status::not_solved, Status::after_end,     Status::inverted,
+    Status::diverged,  Status::factorization, Status::not_finite, Status::after_failure, Status::library_error};
 const char* name(Status);
 /// What it means, in a few words for people.
 const char* meaning(Status);
+
+/// Why a ray ends where it ends. Values are stored; never renumber.
+enum class EndReason : std::int8_t {
+  full_depth = 0,     ///< all increments are solved
+  fold = 1,           ///< the body loses energy at once: it snaps, or the mesh folds
+  crushed = 2,        ///< the smallest J falls below [probe] min_jacobian
+  force_limit = 3,    ///< the force exceeds [probe] max_force_N
+  not_requested = 4,  ///< direction outside the hemisphere
+  solver = -1,        ///< an increment could not be solved; its status tells why
+  not_recorded = -2,  ///< the ray was solved by a version that does not record it, and did not fail
+};
+inline constexpr EndReason every_end[] = {EndReason::full_depth,  EndReason::fold,          EndReason::crushed,
+                                          EndReason::force_limit, EndReason::not_requested, EndReason::solver,
+                                          EndReason::not_recorded};
+const char* name(EndReason);
+/// What it means, in a few words for people.
+const char* meaning(EndReason);
+
+/// The end of a ray.
+struct RayEnd {
+  EndReason reason = EndReason::not_recorded;
+  double depth_m = 0;        ///< up to which the ray is followed; of a fold, of a crushed cell: where it happens
+  double fold_depth_m = 0;   ///< of the first fold, also if the ray goes on; 0 without a fold
+  double energy_lost_J = 0;  ///< there: work of the force minus change of the stored energy
+  /// True if something known ended the ray before its full depth.
+  bool is_early() const {
+    return reason != EndReason::full_depth && reason != EndReason::not_requested && reason != EndReason::not_recorded;
+  }
+};
 
 /// One ray: an active node displaced along one direction in n_increments steps. All SI.
 /// Arrays have n_increments entries (x ...). Entries of increments that did not converge are zero.
@@ -49,6 +79,7 @@ struct Ray {
   std::vector<double> seconds;              ///< CPU time spent
   std::vector<double> displacement;         ///< x n_output x 3 [m]
   std::vector<std::vector<double>> fields;  ///< of DatabaseHeader::fields: x n_output, in the field's unit
+  RayEnd end;
 };
 
 /// Contents of a database except the rays. Empty `mesh_hash` and `physics_hash` are computed when a database is
@@ -82,6 +113,20 @@ struct DatabaseSummary {
   double min_jacobian = 0;           ///< smallest J over all converged states; 0 if there is none
 };
 
+/// Where the rays of a database end. Shares of the probe volume weigh each ray by the cube of its depth.
+struct EndSummary {
+  std::int64_t rays = 0;                      ///< requested rays
+  std::map<EndReason, std::int64_t> reasons;  ///< rays per reason; reasons that do not occur are absent
+  std::map<EndReason, double> volume;         ///< share of the probe volume beyond the ends, per reason
+  std::int64_t folds = 0;                     ///< rays with a fold, of those that go on, too
+  double largest_loss_J = 0;                  ///< largest energy lost at a fold
+  std::vector<double> reached;                ///< per active node: share of its probe volume before the ends
+  std::vector<std::int32_t> early;            ///< per active node: rays that end early
+  bool is_recorded = true;                    ///< false in files of versions that do not record ends
+  double share_of_rays() const;               ///< that end early
+  double share_of_volume() const;             ///< beyond the ends
+};
+
 /// A finished database, read by active node in any order. h5py reads the same arrays.
 class Database {
  public:
@@ -100,6 +145,10 @@ class Database {
   /// Status of every increment, [active][direction][increment] flattened.
   std::vector<Status> statuses() const;
 
+  /// End of every ray, [active][direction] flattened. In files of versions that do not record them, the reason is
+  /// solver if an increment failed, else not_recorded, and the depth is that of the last converged increment.
+  std::vector<RayEnd> ends() const;
+
   friend DatabaseSummary summarize(const Database& database);
 
  private:
@@ -110,6 +159,10 @@ class Database {
 
 /// Reads all datasets except the displacements.
 DatabaseSummary summarize(const Database& database);
+
+/// @param ends  of all rays, [active][direction] flattened
+EndSummary summarize_ends(const DatabaseHeader& header, const std::vector<RayEnd>& ends);
+EndSummary summarize_ends(const Database& database);
 
 /// A part of a log without a complete record. It is ignored, and its rays are solved again with --resume.
 struct LogDamage {

@@ -74,6 +74,10 @@ struct ProbeSpec {
   Directions directions = Directions::twenty_six;
   int increments = 6;
   double max_displacement_m = 0;
+  double max_force_N = 0;  ///< rays end at a larger force; 0: no limit
+  /// Rays end at a smaller J. The default is reasoned in docs/decisions/ends-of-rays.md.
+  double min_jacobian = 0.03;
+  bool stop_at_fold = true;
   SourceLocation where;
 };
 

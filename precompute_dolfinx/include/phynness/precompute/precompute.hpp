@@ -33,10 +33,11 @@ struct PrecomputeReport {
   std::int64_t rays_mirrored = 0;           ///< mirror images of other rays; 0 in a shard
   /// Of the whole database or, for a shard or an interrupted run, of this run. `failed` includes after_failure.
   std::int64_t increments = 0, failed = 0, iterations = 0;
-  std::int64_t library_errors = 0;            ///< rays of this run that ended with Status::library_error
-  std::int64_t increments_solved = 0;         ///< increments without mirror images
-  std::int64_t increments_of_run = 0;         ///< increments that this run solved
-  double wall_seconds = 0, core_seconds = 0;  ///< of this run; core_seconds summed over ranks
+  std::int64_t after_end = 0;       ///< of the whole database: increments beyond the ends of their rays; 0 in a shard
+  std::int64_t library_errors = 0;  ///< rays of this run that ended with Status::library_error
+  std::int64_t increments_solved = 0;                             ///< increments without mirror images
+  std::int64_t increments_of_run = 0;                             ///< increments that this run solved
+  double wall_seconds = 0, core_seconds = 0;                      ///< of this run; core_seconds summed over ranks
   double setup_seconds = 0, solve_seconds = 0, pack_seconds = 0;  ///< parts of wall_seconds
   std::vector<RankFigures> ranks;                                 ///< on rank 0; empty elsewhere
   bool interrupted = false;                                       ///< finished rays are kept; --resume continues

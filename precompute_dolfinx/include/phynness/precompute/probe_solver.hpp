@@ -44,6 +44,15 @@ struct RestResponse {
   Eigen::MatrixXd sensitivity;        ///< (3 n_nodes) x (3 n_tools): du/dd, row 3 i + k is component k at node i
 };
 
+/// Where ProbeSolver::follow() ends a ray. Without limits it goes on to the last value of s.
+struct RayLimits {
+  bool find_folds = false;   ///< compare the work of the force with the change of the stored energy
+  bool stop_at_fold = true;  ///< false: the first fold is recorded, and the ray goes on
+  double resolution = 0;     ///< interval of s to which a fold is located
+  double min_jacobian = 0;   ///< a smaller J ends the ray; laws in which J has no meaning have no such end
+  double max_force_N = 0;    ///< the first value of s with a larger force is the last one; 0: no limit
+};
+
 class Team;
 
 /// What touch(), follow() and solve() throw if the user wants an end (ProbeSolver::set_stop). The solver can be
@@ -83,9 +92,14 @@ class ProbeSolver {
   std::vector<std::pair<std::int32_t, double>> prescribed(std::size_t tool = 0) const;
 
   /// Moves tool t along displacement_m[t] * s for the ascending values of s, starting at rest. Calls `take` with the
-  /// response for every value in order, until it returns false.
-  void follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values, bool tangents,
-              const std::function<bool(std::size_t, const Response&)>& take);
+  /// response for every value in order, until it returns false. Values beyond the end of the ray are not solved and
+  /// have Status::after_end.
+  /// @return end of the ray; its depths are values of s
+  RayEnd follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values, bool tangents,
+                const std::function<bool(std::size_t, const Response&)>& take, const RayLimits& limits = {});
+
+  /// The limits of the scene's [probe], for values of s in metres.
+  RayLimits limits_of_rays() const;
 
   /// Solves for one displacement in `increments` equal steps.
   Response solve(const std::vector<Vec3>& displacement_m, int increments, bool tangents = false);
