@@ -20,7 +20,10 @@ noscript .key { margin-top: 2rem; } .plots { display: flex; flex-wrap: wrap; gap
 .words { font-size: .87rem; } .words td, .words th { white-space: normal; vertical-align: top; padding: .15rem .45rem; }
 .words th:first-child, .words td:first-child { min-width: 7rem; } .one-line { white-space: nowrap; } .verdict { display: inline-block; white-space: normal; min-width: 10rem; text-align: left; } .wide { overflow-x: auto; } .key { opacity: .75; }
 .warning { border-left: 4px solid var(--linear); padding: .3rem .8rem; background: var(--soft); }
-@media print { body { margin: 0; max-width: none; } h2 { break-after: avoid; } figure, tr { break-inside: avoid; } }
+html { background: Canvas; color: CanvasText; }
+@media print { body { margin: 0; max-width: none; } h2 { break-after: avoid; } figure, tr { break-inside: avoid; }
+  .wide { overflow: visible; } table { font-size: .72rem; } td, th { white-space: normal; padding: .1rem .3rem; }
+  .verdict { min-width: 6rem; } .warning { print-color-adjust: exact; } }
 )";
 
 }  // namespace

@@ -40,15 +40,29 @@ ForceUnit unit_of(const ReportInput& in) {
   return force_unit(largest);
 }
 
+struct Noticed {
+  std::size_t n = 0, of = 0;
+  std::string share() const { return fmt::format("{} of {}", n, of); }
+};
+/// Probes whose force is off by more than a person may notice, which is a fraction of the present force (Weber's law).
+/// Forces below 1 % of the node's largest count as that: they are hardly felt.
+Noticed noticed(const ReportInput& in, bool outside) {
+  std::map<std::int32_t, double> largest;
+  for (const auto& r : in.validation.records)
+    if (r.outside == outside) largest[r.node] = std::max(largest[r.node], to_eigen(r.finite_elements_N).norm());
+  Noticed found;
+  for (const auto& r : in.validation.records) {
+    if (r.outside != outside) continue;
+    const double size = std::max(to_eigen(r.finite_elements_N).norm(), 0.01 * largest[r.node]);
+    ++found.of;
+    found.n += (to_eigen(r.model_N) - to_eigen(r.finite_elements_N)).norm() > noticeable * size;
+  }
+  return found;
+}
+
 std::string headline(const ReportInput& in) {
   const auto& errors = in.validation.of(Predictor::model).inside;
   const auto& linear = in.validation.of(Predictor::linear).inside;
-  std::size_t felt = 0, n = 0;
-  for (const auto& r : in.validation.records) {
-    if (r.outside) continue;
-    ++n;
-    felt += r.force_error > noticeable;
-  }
   std::string moved;
   if (errors.displacement.n > 0)
     moved = fmt::format("; of displacements {} % (linear: {} %)", percent(errors.displacement.mean),
@@ -59,11 +73,13 @@ std::string headline(const ReportInput& in) {
   return warnings +
          fmt::format(
              "<p>Inside the trained range the error of the model's force is {} % in the mean ({} % in the median, {} % "
-             "at most). The error of the linear predictor, which uses three unit responses, is {} %{}. For {} of {} "
-             "probes the error of the force exceeds {:.0f} %, the smallest difference that a person may notice. All "
-             "figures are error (17): the difference over the largest finite element response of the node.</p>\n",
+             "at most). The error of the linear predictor, which uses three unit responses, is {} %{}. All these "
+             "figures "
+             "are error (17): the difference over the largest finite element response of the node. For {} probes the "
+             "force is off by more than {:.0f} % of its own size, the smallest difference that a person may "
+             "notice.</p>\n",
              percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max),
-             percent(linear.force.mean), moved, felt, n, 100 * noticeable);
+             percent(linear.force.mean), moved, noticed(in, false).share(), 100 * noticeable);
 }
 
 std::string modelled(const ReportInput& in) {
@@ -129,13 +145,10 @@ std::string solved(const ReportInput& in) {
 }
 
 /// How a row compares with the linear predictor and, for a force, with what a person may notice.
-std::string verdict(const ErrorStatistics& model, const ErrorStatistics& linear, bool of_force) {
-  std::string words = model.mean < linear.mean ? "better than linear" : "worse than linear";
-  if (!of_force) return words;
-  if (model.max <= noticeable) return words + "; all within what is noticed";
-  if (model.p95 <= noticeable) return words + "; 95 % within what is noticed";
-  return words +
-         (model.mean <= noticeable ? "; the mean within what is noticed, p95 beyond it" : "; beyond what is noticed");
+std::string verdict(const ErrorStatistics& model, const ErrorStatistics& linear, const std::optional<Noticed>& force) {
+  const std::string words = model.mean < linear.mean ? "better than linear" : "worse than linear";
+  if (!force) return words;
+  return words + (force->n == 0 ? "; none is noticed" : fmt::format("; {} may be noticed", force->share()));
 }
 
 std::string errors(const ReportInput& in) {
@@ -152,7 +165,8 @@ std::string errors(const ReportInput& in) {
       if (m.n == 0) return;
       rows.push_back({std::string(what) + (outside ? ", outside" : ", inside"), percent(m.mean), percent(m.median),
                       percent(m.p95), percent(m.max), percent(l.mean), percent(l.p95), percent(l.max), percent(z.mean),
-                      "<span class=\"verdict\">" + verdict(m, l, of_force) + "</span>"});
+                      "<span class=\"verdict\">" +
+                          verdict(m, l, of_force ? std::optional(noticed(in, outside)) : std::nullopt) + "</span>"});
     };
     row(
         "force (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.force; }, true);

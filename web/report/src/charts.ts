@@ -59,9 +59,13 @@ export function drawCharts(): void {
     element.setAttribute('aria-label', `${chart.title}: ${chart.y} against ${chart.x}; ${chart.curves.map(({ title }) => title).join(', ')}`);
     let plot = made(element, chart);
     new ResizeObserver(() => plot.setSize({ width: Math.max(240, element.clientWidth), height: 280 })).observe(element);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    const again = () => {
       plot.destroy();
       plot = made(element, chart);
-    });
+    };
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', again);
+    // Paper is white, and two charts stand side by side on it.
+    addEventListener('beforeprint', again);
+    addEventListener('afterprint', again);
   }
 }

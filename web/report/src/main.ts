@@ -4,6 +4,12 @@ import { Body } from './body.js';
 import { drawCharts } from './charts.js';
 import type { BodyData } from './data.js';
 
+// Before the charts, whose listeners read the colours and the width of paper.
+for (const [event, printing] of [['beforeprint', true], ['afterprint', false]] as const)
+  addEventListener(event, () => {
+    document.documentElement.classList.toggle('printing', printing);
+    for (const details of document.querySelectorAll('details')) details.open = printing;
+  });
 drawCharts();
 const place = document.getElementById('body'), data = document.getElementById('phynness-data');
 if (place && data) {
