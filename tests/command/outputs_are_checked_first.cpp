@@ -103,10 +103,8 @@ TEST_F(Outputs, ThatFailAtTheEndCostNoOthers) {
   EXPECT_TRUE(json("fresh/m.json").contains("nodes"));
   EXPECT_EQ(phynness("export model -o fresh/c --json /dev/full").exit_status, 1);
   EXPECT_TRUE(fs::exists(folder / "fresh/c/model.bin"));
-  if (PHYNNESS_HAS_PAGES) {
-    EXPECT_EQ(phynness("validate scene.toml model --probes 2 --json /dev/full --report fresh/r.html").exit_status, 1);
-    EXPECT_TRUE(fs::exists(folder / "fresh/r.html"));
-  }
+  EXPECT_EQ(phynness("validate scene.toml model --probes 2 --json /dev/full --report fresh/r.html").exit_status, 1);
+  EXPECT_TRUE(fs::exists(folder / "fresh/r.html"));
   // The reason of a failure is not lost behind that of its JSON.
   const auto merge = phynness("merge s.shard-0-of-2.h5 -o fresh/merged.h5 --json /dev/full");
   EXPECT_EQ(merge.exit_status, 1);

@@ -23,6 +23,32 @@ class PointsOfPatches : public CommandLine {
     return scene;
   }
 
+  /// A mesh of msh 4.1 with x^2 / 0.1 m in place of x.
+  static std::string stretched(const std::string& msh) {
+    std::istringstream in(msh);
+    std::ostringstream out;
+    out.precision(17);
+    std::string line;
+    std::size_t n = 0, to_skip = 0, to_change = 0;
+    while (std::getline(in, line)) {
+      double x = 0, y = 0, z = 0;
+      if (to_skip == 0 && to_change > 0 && std::sscanf(line.c_str(), "%lf %lf %lf", &x, &y, &z) == 3) {
+        --to_change;
+        out << x * x / 0.1 << ' ' << y << ' ' << z << '\n';
+        continue;
+      }
+      if (to_skip > 0) --to_skip;
+      out << line << '\n';
+      if (line != "$Nodes") continue;
+      std::getline(in, line);  // one block: its number of nodes, below it their tags
+      out << line << '\n';
+      EXPECT_EQ(std::sscanf(line.c_str(), "1 %zu", &n), 1) << line;
+      to_skip = n + 1;
+      to_change = n;
+    }
+    return out.str();
+  }
+
   /// Force, and displacement of the point by the weights of its triangle's corners.
   struct Answer {
     std::vector<double> force, moved;
@@ -99,13 +125,19 @@ TEST_F(PointsOfPatches, ThatOverlapAreRefusedByEvalAndSolveAlike) {
 }
 
 TEST_F(PointsOfPatches, ThatHoldNoNodeAreRefusedByEvalAndSolveAlike) {
-  auto scene = patch_scene();  // of 0.6 to 0.9 edges: some patches hold two nodes, and some middles of triangles none
-  scene.replace(scene.find("0.0375"), 6, "0.0152");
+  // Cells that are short at one end and long at the other: some patches hold two nodes, so that the model shows their
+  // radius, and others hold none between nodes.
+  write_file(folder / "even.toml", patch_scene());
+  ASSERT_EQ(phynness("mesh even.toml -o even.msh").exit_status, 0);
+  write_file(folder / "uneven.msh", stretched(read_file(folder / "even.msh")));
+  auto scene = patch_scene();
+  const auto shape = scene.find("shape = ");
+  scene.replace(shape, scene.find("[material]") - shape, "file = \"uneven.msh\"\n");
+  scene.replace(scene.find("0.0375"), 6, "0.01");
   write_file(folder / "scene.toml", scene);
   ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
   int refused = 0, answered = 0;
-  for (const char* point :
-       {"0.05,0.03,0.05", "0.047,0.043,0.05", "0.03,0.03,0.05", "0.06,0.05,0.05", "0.08,0.06,0.05"}) {
+  for (const char* point : {"0.085,0.03,0.05", "0.015,0.05,0.05", "0.01,0.05,0.05", "0.08,0.06,0.05"}) {
     const auto rest = std::string(" --point ") + point + " --displacement 0,0,-0.003";
     const auto solve = phynness("solve out/database.h5" + rest), eval = phynness("eval out/model" + rest);
     EXPECT_EQ(solve.exit_status, eval.exit_status) << point << "\n" << solve.err << eval.err;
