@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <phynness/drawing/html.hpp>
 #include <phynness/pages/pages.hpp>
 
@@ -26,11 +28,28 @@ html { background: Canvas; color: CanvasText; }
   .verdict { min-width: 6rem; } .warning { print-color-adjust: exact; } }
 )";
 
+/// A character of three bytes that changes the direction of writing (U+200E, U+200F, U+202A to U+202E, U+2066 to
+/// U+2069), as a visible code; empty if there is none at `at`. Such characters could show a text in another order.
+std::string direction_mark(const std::string& text, std::size_t at) {
+  if (text.compare(at, 1, "\xE2") != 0 || at + 2 >= text.size()) return {};
+  const unsigned code = 0x2000U | (static_cast<unsigned char>(text[at + 1]) & 0x3FU) << 6 |
+                        (static_cast<unsigned char>(text[at + 2]) & 0x3FU);
+  const bool turns =
+      code == 0x200E || code == 0x200F || (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+  return turns ? fmt::format("\\u{:04x}", code) : std::string();
+}
+
 }  // namespace
 
 std::string escaped(const std::string& text) {
   std::string out;
-  for (const char c : text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (const auto mark = direction_mark(text, i); !mark.empty()) {
+      out += mark;
+      i += 2;
+      continue;
+    }
+    const char c = text[i];
     switch (c) {
       case '&':
         out += "&amp;";

@@ -59,12 +59,14 @@ std::vector<std::pair<double, double>> histogram(const std::vector<double>& samp
   for (const double sample : samples) ++bins[static_cast<int>(std::floor(3 * std::log10(std::max(sample, least))))];
   std::vector<std::pair<double, double>> steps;
   if (bins.empty()) return steps;
+  steps.emplace_back(std::pow(10, bins.begin()->first / 3.0), 0);
   for (int bin = bins.begin()->first; bin <= bins.rbegin()->first; ++bin) {
     const auto found = bins.find(bin);
     const double share = found == bins.end() ? 0 : 100.0 * found->second / static_cast<double>(samples.size());
     steps.emplace_back(std::pow(10, bin / 3.0), share);
     steps.emplace_back(std::pow(10, (bin + 1) / 3.0), share);
   }
+  steps.emplace_back(steps.back().first, 0);
   return steps;
 }
 

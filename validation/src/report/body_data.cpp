@@ -1,5 +1,7 @@
 #include "body_data.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -10,10 +12,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Rounded to 1e-7 m, a thousandth of what a picture of a body of 10 cm can show.
-Json rounded(const Points& points) {
+/// Rounded to a millionth of the body's size, which is a thousandth of what a picture can show.
+Json rounded(const Points& points, double size_m) {
+  const double unit = std::pow(10, std::floor(std::log10(size_m)) - 6);
   Json all = Json::array();
-  for (Eigen::Index i = 0; i < points.size(); ++i) all.push_back(std::round(1e7 * points.data()[i]) / 1e7);
+  for (Eigen::Index i = 0; i < points.size(); ++i)
+    all.push_back(std::stod(fmt::format("{:.9g}", std::round(points.data()[i] / unit) * unit)));
   return all;
 }
 
@@ -47,6 +51,7 @@ std::string body_data(const ReportInput& in) {
   const auto rows = rows_of(model);
   Points points(model.output_points.rows() + model.fixed_points.rows(), 3);
   points << model.output_points, model.fixed_points;
+  const double size_m = (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
   Json triangles = Json::array();
   for (Eigen::Index t = 0; t < model.surface.rows(); ++t)
     for (Eigen::Index k = 0; k < 3; ++k) triangles.push_back(rows.at(model.surface(t, k)));
@@ -56,12 +61,13 @@ std::string body_data(const ReportInput& in) {
                      {"row", rows.at(state.node)},
                      {"displacement_m", state.displacement_m},
                      {"force_error", state.force_error},
-                     {"finite_elements_m", rounded(state.finite_elements_m)},
-                     {"model_m", rounded(state.model_m)}});
+                     {"finite_elements_m", rounded(state.finite_elements_m, size_m)},
+                     {"model_m", rounded(state.model_m, size_m)}});
   Json errors = Json::array();
   for (const double e : in.validation.output_error) errors.push_back(std::round(1e6 * e) / 1e6);
-  return Json{{"points_m", rounded(points)},  {"n_output", model.output.size()},           {"triangles", triangles},
-              {"displacement_error", errors}, {"nodes", node_errors(in.validation, rows)}, {"cases", cases}}
+  return Json{
+      {"points_m", rounded(points, size_m)}, {"n_output", model.output.size()},           {"triangles", triangles},
+      {"displacement_error", errors},        {"nodes", node_errors(in.validation, rows)}, {"cases", cases}}
       .dump();
 }
 

@@ -77,7 +77,7 @@ std::string headline(const ReportInput& in) {
              "figures "
              "are error (17): the difference over the largest finite element response of the node. For {} probes the "
              "force is off by more than {:.0f} % of its own size, the smallest difference that a person may "
-             "notice.</p>\n",
+             "notice (Allin et al. 2002).</p>\n",
              percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max),
              percent(linear.force.mean), moved, noticed(in, false).share(), 100 * noticeable);
 }
