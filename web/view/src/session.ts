@@ -35,7 +35,7 @@ export class Session {
     this.limit = 2 * maxDisplacement;
     this.cursor = activeNodes[0] ?? 0;
     if (state.palpationDepth === 0) state.palpationDepth = usualPalpationDepth(runtime);
-    if (state.sphere.radius === 0) state.sphere.radius = Math.round(80 * this.bounds.radius) / 1000;
+    if (state.sphere.radius === 0) state.sphere.radius = Number((0.08 * this.bounds.radius).toPrecision(1));
     state.tools = state.tools.filter(({ place }) => this.canHold(place));
     state.tools.forEach((tool) => {
       tool.displacement = shortened(tool.displacement, this.limit);
