@@ -154,7 +154,7 @@ export class Controls {
       ['Family', info.family],
       ['Surface nodes, that can be held', `${info.outputNodes.length + info.fixedNodes.length}, ${info.activeNodes.length}`],
       ['Trained to at most', `${significant(1e3 * info.maxDisplacement, 3)} mm`],
-      ['Force; deformation here', this.times],
+      ['Time of a force; a deformation', this.times],
       ['Vertices drawn', drawn.nVertices.toLocaleString('en')],
       ['Picture', frames ? `${significant(frames.work, 2)} ms, ${Math.round(frames.perSecond)} per second` : 'still'],
     ]);

@@ -28,7 +28,7 @@ class Page {
     const file = byId('model-file', HTMLInputElement);
     byId('open-model', HTMLButtonElement).addEventListener('click', () => file.click());
     file.addEventListener('change', () => {
-      if (file.files?.[0]) void this.openFile(file.files[0]);
+      if (file.files?.[0]) this.take(file.files[0]);
       file.value = '';
     });
     this.listenToDrops();
@@ -46,10 +46,11 @@ class Page {
     await this.open(this.data.model, this.data, stateOf(location.hash));
     window.addEventListener('hashchange', () => void this.open(this.text, this.shown, stateOf(location.hash)));
   }
-  private async open(text: string, data: PageData, state: State): Promise<void> {
+  /** @param bytes  of the file, if they are no valid text; errors name a byte of them */
+  private async open(text: string, data: PageData, state: State, bytes?: Uint8Array): Promise<void> {
     let model: Model;
     try {
-      model = await modelFromText(text);
+      model = await modelFromText(bytes ?? text);
     } catch (error) {
       if (!(error instanceof PhynnessError)) throw error;
       const byte = error.wrongByte ? ` The first wrong byte is number ${error.wrongByte.toLocaleString('en')}.` : '';
@@ -94,21 +95,25 @@ class Page {
       event.preventDefault();
       veil.hidden = true;
       const file = event.dataTransfer?.files[0];
-      if (file) void this.openFile(file);
+      if (file) this.take(file);
     });
   }
+  private take(file: File): void {
+    this.openFile(file).catch((error: unknown) =>
+      this.refuse(`${plain(file.name, 60)} cannot be read: ${error instanceof Error ? error.message : String(error)}. Give a file model.txt or a motion.`));
+  }
   private async openFile(file: File): Promise<void> {
-    const text = await file.text();
+    const bytes = new Uint8Array(await file.arrayBuffer()), text = new TextDecoder().decode(bytes);
     if (text.trimStart().startsWith('{')) this.recording?.open(text);
     // Rays and errors in the page belong to its own model.
-    else await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, rays: [], validation: null, sceneTitle: '', organ: '' }, initialState());
+    else await this.open(text, text === this.data.model ? this.data : { ...this.data, model: null, rays: [], validation: null, sceneTitle: '', organ: '' }, initialState(), bytes);
   }
 
   private async savePng(): Promise<void> {
     if (!this.view) return;
     const { view } = this, { session, picture } = view;
     view.draw();
-    const legend = session.maps.find(({ name }) => name === session.state.map)?.values(session.state.tools).scale ?? null;
+    const legend = session.maps.find(({ name }) => name === session.state.map)?.values(session.mapTools).scale ?? null;
     const image = await pngOf(picture.canvas, session, legend, metresPerPixel(view.size, view.camera.distance));
     if (image) download(image, 'image/png', pngName(session));
   }

@@ -20,7 +20,8 @@ export interface MapKind {
   readonly title: string;
   /** the values change with the tools */
   readonly live: boolean;
-  values(tools: readonly HeldTool[]): MapValues;
+  /** @param tools  what holds the body; null: something else touches it, for which fields are not known */
+  values(tools: readonly HeldTool[] | null): MapValues;
 }
 
 /** Outward unit normals of the output nodes, n x 3. */
@@ -65,7 +66,7 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null, palpationDep
     },
   });
   /** A map of the present deformation; its scale only grows, so that colours can be compared while dragging. */
-  const live = (name: string, title: string, unitName: string, initial: number, fill: (tools: readonly HeldTool[], out: Float64Array) => boolean,
+  const live = (name: string, title: string, unitName: string, initial: number, fill: (tools: readonly HeldTool[] | null, out: Float64Array) => boolean,
     note: string): MapKind => {
     let high = initial;
     return {
@@ -78,14 +79,14 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null, palpationDep
     };
   };
 
-  const grey = 'Grey: not trained';
+  const grey = 'Grey: not trained', unprobed = 'Mean of the probes of a node. Grey: none';
   return [
     atNodes('palpation', 'Stiffness under a finger', 'N/m', activeNodes,
       (node) => palpationStiffness(runtime, node, row(normals, runtime.rows.get(node)!), palpationDepth()), grey),
     ...(errors ? [
-      atNodes('force-error', 'Error of the force', 'fraction', errors.nodes, (_, i) => errors.force[i]!, 'Grey: not validated'),
+      atNodes('force-error', 'Error of the force', 'fraction', errors.nodes, (_, i) => errors.force[i]!, unprobed),
       ...(errors.displacement.length > 0 ? [
-        atNodes('displacement-error', 'Error of the displacement', 'fraction', errors.nodes, (_, i) => errors.displacement[i]!, 'Grey: not validated'),
+        atNodes('displacement-error', 'Error of the displacement', 'fraction', errors.nodes, (_, i) => errors.displacement[i]!, unprobed),
       ] : []),
     ] : []),
     atNodes('trained-depth', 'Depth trained in all directions', 'm', activeNodes, (node) => runtime.model.trust(node, [0, 0, 0]).trainedDepth, grey),
@@ -94,9 +95,9 @@ export function mapsOf(runtime: Runtime, errors: NodeErrors | null, palpationDep
       return true;
     }, ''),
     ...fields.map((field, index) => live(`field:${field.name}`, titleOf(field.name), field.unit, 0, (tools, out) => {
-      const node = tools.length === 1 ? nodeOf(tools[0]!.place) : null;
-      if (tools.length === 0) return true;
-      if (node === null) return false;
+      if (tools?.length === 0) return true;
+      const node = tools?.length === 1 ? nodeOf(tools[0]!.place) : null;
+      if (!tools || node === null) return false;
       runtime.model.field(node, tools[0]!.displacement, index, out);
       return true;
     }, 'Grey: known for one tool at a node only')),

@@ -1,6 +1,6 @@
 // The figures of the panel.
 import { shown, significant } from '../../shared/src/numbers.js';
-import { norm, type V3 } from '../../shared/src/vectors.js';
+import { dot, norm, vector, type V3 } from '../../shared/src/vectors.js';
 import { byId, setFacts, setText } from './dom.js';
 import { nearestRay } from './page_data.js';
 import { nameOf, nodeOf } from './places.js';
@@ -73,8 +73,13 @@ export class Readouts {
       const { trainedDepth } = answer.trust ?? {};
       if (trainedDepth !== undefined) facts.push(['Trained to', withUnit(trainedDepth, 'm', 3)]);
     }
-    if (state.mode === 'sphere' && answer.touches[0]?.inContact && answer.touches[0].scale < 1)
-      facts.push(['Force scaled by', significant(answer.touches[0].scale, 3)]);
+    const [touch] = answer.touches;
+    if (state.mode === 'sphere' && touch?.inContact) {
+      const force = vector(touch.force), pressing = -dot(force, vector(touch.normal));
+      facts.push(['Pressing, along the surface', `${significant(pressing, 3)}, ${significant(Math.sqrt(Math.max(0, dot(force, force) - pressing ** 2)), 3)} N`]);
+      if (touch.held) facts.push(['Surface pressed by', withUnit(norm(vector(touch.held.displacement)), 'm', 3)]);
+      if (touch.scale < 1) facts.push(['Force scaled by', significant(touch.scale, 3)]);
+    }
     facts.push(['Stored energy', answer.energy === null ? 'not in this family' : withUnit(answer.energy, 'J', 4)]);
     if (state.mode === 'hold') facts.push(['Work of the closed path', this.closedWork(session)]);
     if (state.ellipsoid) {

@@ -72,13 +72,13 @@ export class Recording {
     if (!this.recorder || mode !== 'hold' || session.problem !== null) return;
     const held = tools.map(({ place, displacement }, i) => ({ place, displacement, force: session.answer.forces[i]! }));
     if (held.length > 0 || this.recorder.length > 0)
-      if (!this.recorder.add(performance.now() / 1e3, held)) this.stop();
+      if (!this.recorder.add(performance.now() / 1e3, held)) this.stop(' The recording is full.');
   }
-  private stop(): void {
+  private stop(why = ''): void {
     const motion = this.recorder?.motion(this.view.session.runtime.model.info.meshHash) ?? null;
     this.recorder = null;
     if (motion) this.motion = motion;
-    setText(this.note, motion ? `${motion.steps.length} steps, ${significant(motion.steps.at(-1)!.time, 3)} s` : 'Nothing was held.');
+    setText(this.note, motion ? `${motion.steps.length} steps, ${significant(motion.steps.at(-1)!.time, 3)} s.${why}` : 'Nothing was held.');
     this.show();
   }
 
@@ -114,9 +114,11 @@ export class Recording {
     const largest = Math.max(0, ...answers.flatMap((step) => step.forces.map((force) => (force ? norm(force) : 0))));
     const verdict = known ? `Largest difference from the recorded forces: ${significant(difference, 2)} N of ${significant(largest, 3)} N.` : '';
     const begin = performance.now(), first = motion.steps[0]!.time;
+    let next = 0;
     const frame = () => {
       const time = first + (performance.now() - begin) / 1e3, at = stepAt(motion.steps, time);
-      view.session.setTools(toolsOf(motion, motion.steps[at]!).tools);
+      // Through all steps since the last picture: work belongs to the path.
+      for (; next <= at; ++next) view.session.setTools(toolsOf(motion, motion.steps[next]!).tools);
       view.changed(true);
       if (at === motion.steps.length - 1) this.halt(`Replayed ${motion.steps.length} steps. ${verdict}`);
       else this.playing = requestAnimationFrame(frame);

@@ -35,7 +35,7 @@ export class Session {
     this.limit = 2 * maxDisplacement;
     this.cursor = activeNodes[0] ?? 0;
     if (state.palpationDepth === 0) state.palpationDepth = usualPalpationDepth(runtime);
-    if (state.sphere.radius === 0) state.sphere.radius = Math.round(80 * this.bounds.radius) / 1000;
+    if (state.sphere.radius === 0) state.sphere.radius = Number((0.08 * this.bounds.radius).toPrecision(1));
     state.tools = state.tools.filter(({ place }) => this.canHold(place));
     state.tools.forEach((tool) => {
       tool.displacement = shortened(tool.displacement, this.limit);
@@ -105,6 +105,11 @@ export class Session {
   normalAt({ nodes, weights }: Place): V3 {
     return unit(nodes.reduce<V3>((sum, node, i) => add(sum, scale(weights[i]!, row(this.normals, this.runtime.rows.get(node)!))), zero));
   }
+  /** The tools to which maps belong; null: a sphere touches the body, whose fields are not known. */
+  get mapTools(): readonly HeldTool[] | null {
+    if (this.state.mode === 'hold') return this.state.tools;
+    return this.answer.touches.some(({ inContact }) => inContact) ? null : [];
+  }
   pointOf(tool: HeldTool): V3 {
     return add(this.restPoint(tool.place), tool.displacement);
   }
@@ -158,6 +163,13 @@ export class Session {
   }
   /** Replaces all tools, for example by those of a recorded step. */
   setTools(tools: readonly HeldTool[]): void {
+    const held = this.state.tools;
+    // Tools that stay where they hold the body continue their path.
+    if (tools.length === held.length && tools.every(({ place }, i) => samePlace(place, held[i]!.place))) {
+      tools.forEach(({ displacement }, i) => this.move(this.numbers[i]!, displacement));
+      if (held.length === 1) this.work?.moveTo(held[0]!.displacement);
+      return;
+    }
     while (this.numbers.length > 0) this.remove(0);
     this.state.most = Math.max(this.state.most, tools.length);
     for (const { place, displacement } of tools) this.move(this.hold(place), displacement);

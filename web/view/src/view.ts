@@ -41,6 +41,8 @@ export class View implements Sight, ControlActions {
   private frames: number[] = [];
   private frameWork = 0;
   private slow = 0;
+  private addressTimer = 0;
+  private address = '';
   camera!: Camera;
   /** called after each step of physics */
   onStep: (() => void) | null = null;
@@ -139,8 +141,16 @@ export class View implements Sight, ControlActions {
   }
   private settle(): void {
     this.readouts.showPlot(this.session);
+    window.clearTimeout(this.addressTimer);
+    // Browsers allow 100 to 200 addresses in 10 to 30 s.
+    this.addressTimer = window.setTimeout(() => this.writeAddress(), 340);
+  }
+  private writeAddress(): void {
     this.session.state.camera = this.camera;
-    history.replaceState(null, '', fragmentOf(this.session.state));
+    const address = fragmentOf(this.session.state);
+    if (address === this.address) return;
+    this.address = address;
+    history.replaceState(null, '', address);
   }
 
   private drawSurface(): void {
@@ -175,7 +185,7 @@ export class View implements Sight, ControlActions {
   private colour(surface: { deform(field: Float64Array): Float32Array }): void {
     const { session, picture } = this, kind = session.maps.find(({ name }) => name === session.state.map);
     const { outputNodes } = session.runtime.model.info;
-    const map: MapValues = kind ? kind.values(session.state.mode === 'hold' ? session.state.tools : []) : {
+    const map: MapValues = kind ? kind.values(session.mapTools) : {
       // Without a map: what is fixed is dark.
       scale: { title: '', unit: '', low: 0, high: 1 },
       values: new Float64Array(outputNodes.length), known: new Float64Array(outputNodes.length).fill(1),
@@ -240,7 +250,7 @@ export class View implements Sight, ControlActions {
       const length = Math.hypot(head.x - foot.x, head.y - foot.y) || 1;
       const tip = { x: head.x + (34 * (head.x - foot.x)) / length, y: head.y + (18 * (head.y - foot.y)) / length };
       (label as HTMLElement).style.left = `${Math.min(this.size.width - 40, Math.max(40, tip.x)).toFixed(0)}px`;
-      (label as HTMLElement).style.top = `${Math.min(this.size.height - 20, Math.max(14, tip.y)).toFixed(0)}px`;
+      (label as HTMLElement).style.top = `${Math.min(this.size.height - 20, Math.max(62, tip.y)).toFixed(0)}px`;
       setText(label, `${significant(norm(force), 3)} N`);
     });
   }

@@ -1,0 +1,136 @@
+// What the page computes without a page: tools, their work, maps, motions and the state in the address.
+import { join } from 'node:path';
+import { describe, expect, test } from 'vitest';
+import type { Model } from '../../runtime/src/index.js';
+import { built, load, sample } from '../../runtime/test/setup.js';
+import { add, norm, scale, type V3 } from '../../shared/src/vectors.js';
+import { Runtime } from '../src/answers.js';
+import { mapsOf, onSurface } from '../src/maps.js';
+import { MotionError, motionOf, Recorder, stepAt, textOf } from '../src/motion.js';
+import { nearestRay, pageDataOf } from '../src/page_data.js';
+import { placeAt } from '../src/places.js';
+import { joined } from '../src/plot.js';
+import { Session, sphereTool } from '../src/session.js';
+import { fragmentOf, initialState, stateOf } from '../src/state.js';
+import { PathWork } from '../src/work.js';
+
+const empty = pageDataOf('{}');
+const session = async (folder = sample) => new Session(new Runtime(await load(folder)), empty, initialState());
+const tool = (node: number, displacement: V3) => ({ place: placeAt(node), displacement });
+
+describe('work', () => {
+  const loop = (path: PathWork) => {
+    for (const d of [[1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 0]] as V3[]) path.moveTo(d);
+    return path.closed;
+  };
+  test('of a gradient is 0 on a closed path', () => {
+    const force = ([x, y, z]: V3): V3 => [2 * x * y + 1, x * x + 3 * y * y, 5 * z];
+    expect(Math.abs(loop(new PathWork(force, 0.1)))).toBeLessThan(1e-14); // the rule is exact for cubic forces
+  });
+  test('of a rotation is twice the area', () => {
+    expect(loop(new PathWork(([x, y]) => [-y, x, 0], 0.1))).toBeCloseTo(2, 12);
+  });
+});
+
+describe('session', () => {
+  test('tools that are set again at their places continue their path', async () => {
+    const s = await session(), node = s.runtime.model.info.activeNodes[0]!;
+    s.setTools([tool(node, [0.002, 0, 0])]);
+    s.update();
+    const { work } = s, number = s.numberOf(0);
+    s.setTools([tool(node, [0.002, 0.003, 0])]);
+    s.update();
+    expect(s.work).toBe(work);
+    expect(s.numberOf(0)).toBe(number);
+    expect(s.state.tools[0]!.displacement).toEqual([0.002, 0.003, 0]);
+    const straight = await session();
+    straight.setTools([tool(node, [0.002, 0.003, 0])]);
+    straight.update();
+    // The forces of family modal have an energy: the way does not matter. The rule's error is far below 1e-6.
+    expect(Math.abs(s.work!.done / straight.work!.done - 1)).toBeLessThan(1e-6);
+  });
+  test('displacements stay within twice the trained depth', async () => {
+    const s = await session(), node = s.runtime.model.info.activeNodes[0]!;
+    s.setTools([tool(node, [1, 0, 0])]);
+    expect(norm(s.state.tools[0]!.displacement)).toBeCloseTo(s.limit, 12);
+  });
+  test('fields are unknown under a sphere that touches, and 0 under one that does not', async () => {
+    const s = await session();
+    s.setMode('sphere');
+    s.update();
+    expect(s.mapTools).toEqual([]);
+    // The first one lies at the border of the trained part, where a sphere does not touch.
+    const place = placeAt(s.runtime.model.info.activeNodes[1]!), normal = s.normalAt(place), { radius } = s.state.sphere;
+    s.putSphere(s.restPoint(place), normal);
+    expect(s.mapTools).toEqual([]);
+    s.move(sphereTool, add(s.restPoint(place), scale(0.9 * radius, normal)));
+    s.update();
+    expect(s.answer.touches[0]?.inContact).toBe(true);
+    expect(s.mapTools).toBeNull();
+    // No model of the tests has fields: one is added to its description.
+    const { model } = s.runtime, info = { ...model.info, fields: [{ name: 'von-mises', unit: 'Pa' }] };
+    const fielded = Object.create(s.runtime, { model: { value: Object.create(model, { info: { value: info } }) as Model } }) as Runtime;
+    const map = mapsOf(fielded, null, () => 0.001).find(({ name }) => name === 'field:von-mises')!;
+    expect(Math.max(...map.values(s.mapTools).known)).toBe(0);
+    expect(Math.min(...map.values([]).known)).toBe(1);
+  });
+  test('maps keep the values of nodes on the surface', async () => {
+    const s = await session(), map = s.maps.find(({ name }) => name === 'palpation')!.values([]);
+    expect(Math.max(...map.values)).toBeLessThanOrEqual(map.scale.high);
+    const drawn = onSurface(s.runtime.surface(0), map);
+    map.values.forEach((value, i) => {
+      if (map.known[i] === 1) expect(Math.abs(drawn.values[i]! - value)).toBeLessThan(1e-6 * map.scale.high); // single precision
+    });
+  });
+});
+
+describe('motions', () => {
+  test('are read as they were written', () => {
+    const recorder = new Recorder();
+    recorder.add(5, [{ place: placeAt(3), displacement: [0.1, 0, 1 / 3], force: [1, 2, 3] }]);
+    recorder.add(6, []);
+    const motion = recorder.motion('hash')!, again = motionOf(textOf(motion));
+    expect(again).toEqual({ ...motion, steps: motion.steps });
+    expect(again.steps[0]!.displacements[0]![2]).toBe(1 / 3);
+    expect(stepAt(again.steps, 0.5)).toBe(0);
+    expect(stepAt(again.steps, 1)).toBe(1);
+  });
+  test.each(['', '[]', '{"format":"phynness motion 2"}', '{"format":"phynness motion 1","tools":[],"time_s":[]}',
+    '{"format":"phynness motion 1","tools":[{"node":1}],"time_s":[1,0],"displacement_m":[[null],[null]]}',
+    '{"format":"phynness motion 1","tools":[{"node":1}],"time_s":[0],"displacement_m":[[[0,0]]]}'])('%s is refused', (text) => {
+    expect(() => motionOf(text)).toThrow(MotionError);
+  });
+});
+
+describe('the state in the address', () => {
+  test('is read as it was written', () => {
+    const state = { ...initialState(), map: 'palpation', tools: [tool(7, [0.001, -0.002, 0])], most: 2, level: 1,
+      camera: { target: [0, 0.1, 0] as V3, distance: 0.5, azimuth: 1, elevation: 0.2 } };
+    expect(stateOf(fragmentOf(state))).toEqual(state);
+  });
+  test.each(['', '#state=', '#state=%%', `#state=${btoa('null')}`, `#state=${btoa('{"most":9,"subdivision":1.5,"tools":[{}],"sphere":{"radius":-1}}')}`])(
+    '%s gives the first state', (fragment) => expect(stateOf(fragment)).toEqual(initialState()));
+});
+
+test('curves share their depths, and have no value where they were not asked', () => {
+  expect(joined([{ x: [0, 2], y: [5, 6] }, { x: [1], y: [7] }])).toEqual([[0, 1, 2], [5, null, 6], [null, 7, null]]);
+});
+
+test('malformed data of the page is left out', () => {
+  const data = pageDataOf('{"model":5,"rays":[{"node":1},{"node":2,"direction":[0,0,1],"depth_m":[0.01],"force_N":[[0,0,1]]}],"validation":{"nodes":[1],"force_error":[]}}');
+  expect(data.model).toBeNull();
+  expect(data.validation).toBeNull();
+  expect(data.rays.length).toBe(1);
+  expect(nearestRay(data.rays, 2, [0, 1, 1])!.angle).toBeCloseTo(Math.PI / 4, 12);
+  expect(nearestRay(data.rays, 1, [0, 1, 1])).toBeNull();
+  expect(pageDataOf('{').model).toBeNull();
+});
+
+test('work of a closed path is seen where forces have no energy', async () => {
+  const s = await session(join(built.models, 'rbfn')), node = s.runtime.model.info.activeNodes[0]!, a = 0.5 * s.runtime.model.info.maxDisplacement;
+  for (const d of [[a, 0, 0], [a, a, 0], [0, a, a]] as V3[]) {
+    s.setTools([tool(node, d)]);
+    s.update();
+  }
+  expect(Math.abs(s.work!.closed)).toBeGreaterThan(1e-6 * Math.abs(s.work!.done));
+});
