@@ -49,7 +49,7 @@ json tell_ends(const DatabaseHeader& header, const EndSummary& ends) {
   }
   const auto nodes = nodes_with_ends(ends);
   if (n_early > 0) {
-    print_result("ends      {} of {} rays ({:.2g} %) end early, {:.2g} % of the probe volume is beyond\n", n_early,
+    print_result("ends      {} of {} rays ({:.1f} %) end early, {:.1f} % of the probe volume is beyond\n", n_early,
                  ends.rays, 100 * ends.share_of_rays(), 100 * ends.share_of_volume());
     for (const auto& [reason, count] : ends.reasons)
       if (RayEnd{reason}.is_early()) print_result("  {:<16} {:<9} {}\n", name(reason), count, meaning(reason));
