@@ -64,8 +64,7 @@ std::string lengths_outside(const LoadedModel& model, int status, const std::vec
       if (places[t].weights[k] == 0 || std::find(active.begin(), active.end(), node) == active.end()) continue;
       const double trained_m = model.trained_depth(node, d);
       if (length_m > trained_m)
-        text += fmt::format("\n  {:.4g} m at node {}, trained to {:.4g} m in its direction", length_m, node,
-                            trained_m);
+        text += fmt::format("\n  {:.4g} m at node {}, trained to {:.4g} m in its direction", length_m, node, trained_m);
     }
   }
   return text;

@@ -185,9 +185,10 @@ void Study::expect_page() const {
     std::printf("no chromium: the page was not opened in a browser\n");
     return;
   }
-  const auto seen =
-      shell("timeout 60 chromium --headless --no-sandbox --disable-gpu --enable-logging=stderr --virtual-time-budget=5000 --dump-dom file://" +
-            (folder / "out/paper.html").string() + " 2> log.txt > dom.html");
+  const auto seen = shell(
+      "timeout 60 chromium --headless --no-sandbox --disable-gpu --enable-logging=stderr --virtual-time-budget=5000 "
+      "--dump-dom file://" +
+      (folder / "out/paper.html").string() + " 2> log.txt > dom.html");
   ASSERT_EQ(seen.exit_status, 0);
   EXPECT_EQ(read_file(folder / "log.txt").find("CONSOLE"), std::string::npos) << read_file(folder / "log.txt");
   EXPECT_NE(read_file(folder / "dom.html").find("<canvas"), std::string::npos);
