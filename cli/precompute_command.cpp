@@ -90,6 +90,31 @@ json figures(const LoadedScene& loaded, const PrecomputeTarget& target, const Pr
   return out;
 }
 
+/// What was solved, and at which cost.
+void print_work(const SolverSession& session, const LoadedScene& loaded, const PrecomputeReport& report) {
+  const auto solved = std::max<std::int64_t>(1, report.increments_solved);
+  print_result(
+      "{} active nodes, {} rays ({} resumed), {} increments, {} failed ({:.2f} %), {:.2f} Newton iterations "
+      "each\n",
+      loaded.sets.active.size(), report.rays + report.rays_resumed, report.rays_resumed, report.increments,
+      report.failed, 100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
+      static_cast<double>(report.iterations) / static_cast<double>(solved));
+  if (report.after_end > 0)
+    print_result("{} increments are beyond the ends of their rays and were not solved; phynness info tells where\n",
+                 report.after_end);
+  if (report.rays_mirrored > 0)
+    print_result("{} rays ({:.0f} %) are mirror images; their increments are included\n", report.rays_mirrored,
+                 100.0 * static_cast<double>(report.rays_mirrored) /
+                     static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
+  print_result("{} on {} rank{}", duration(report.wall_seconds), session.size(), session.size() == 1 ? "" : "s");
+  if (report.increments_of_run > 0)
+    print_result(", {:.1f} core-ms per increment{}",
+                 1e3 * report.core_seconds / static_cast<double>(report.increments_of_run),
+                 report.rays_resumed > 0 ? fmt::format(" of the {} of this run", report.increments_of_run) : "");
+  print_result("\n");
+  print_ranks(report);
+}
+
 void run(const Options& options) {
   PrecomputeTarget target{options.output, options.resume, {}};
   if (!options.shard.empty()) {
@@ -130,27 +155,7 @@ void run(const Options& options) {
     throw failure("interrupted", fmt::format("{} rays are finished and kept", report.rays + report.rays_resumed),
                   "run the command again with --resume to continue");
   if (!first) return;
-  const auto solved = std::max<std::int64_t>(1, report.increments_solved);
-  print_result(
-      "{} active nodes, {} rays ({} resumed), {} increments, {} failed ({:.2f} %), {:.2f} Newton iterations "
-      "each\n",
-      loaded.sets.active.size(), report.rays + report.rays_resumed, report.rays_resumed, report.increments,
-      report.failed, 100.0 * static_cast<double>(report.failed) / std::max(1.0, static_cast<double>(report.increments)),
-      static_cast<double>(report.iterations) / static_cast<double>(solved));
-  if (report.after_end > 0)
-    print_result("{} increments are beyond the ends of their rays and were not solved; phynness info tells where\n",
-                 report.after_end);
-  if (report.rays_mirrored > 0)
-    print_result("{} rays ({:.0f} %) are mirror images; their increments are included\n", report.rays_mirrored,
-                 100.0 * static_cast<double>(report.rays_mirrored) /
-                     static_cast<double>(report.rays + report.rays_resumed + report.rays_mirrored));
-  print_result("{} on {} rank{}", duration(report.wall_seconds), session.size(), session.size() == 1 ? "" : "s");
-  if (report.increments_of_run > 0)
-    print_result(", {:.1f} core-ms per increment{}",
-                 1e3 * report.core_seconds / static_cast<double>(report.increments_of_run),
-                 report.rays_resumed > 0 ? fmt::format(" of the {} of this run", report.increments_of_run) : "");
-  print_result("\n");
-  print_ranks(report);
+  print_work(session, loaded, report);
   if (report.library_errors > 0)
     message("warning: {} rays ended because a library call failed; its messages are in {}\n", report.library_errors,
             target.file.string() + ".solver.log");
