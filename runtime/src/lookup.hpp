@@ -67,9 +67,10 @@ Real depth_along(const Real* directions, const Real* depths, int32_t n, const Re
   }
   if (!moves) return depth;
   const Real longest = size > best ? size : best;
-  for (int32_t i = 0; i < n; ++i) {
+  e = directions;
+  for (int32_t i = 0; i < n; ++i, e += 3) {
     if (!(depths[i] < depth)) continue;
-    const Real along = dot(d, directions + 3 * static_cast<size_t>(i));
+    const Real along = dot(d, e);
     const Real reach = depths[i] + widening<Real> * largest * ((best - along) / (longest - along));
     // Both are 0 where the directions are parallel. The comparison then is with NaN, and the depth is the smaller one.
     if (!(reach >= depth)) depth = depths[i] < reach ? reach : depths[i];

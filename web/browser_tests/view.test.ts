@@ -42,7 +42,10 @@ async function view(options: Parameters<typeof open>[2] = {}, file = organ): Pro
 const ask = <T>(page: Page, expression: string): Promise<T> => page.evaluate(expression) as Promise<T>;
 const pixelOf = (page: Page, node: number): Promise<Pixel> => ask(page,
   `(() => { const p = phynness.project(${node}), box = document.getElementById('canvas').getBoundingClientRect(); return { x: p.x + box.left, y: p.y + box.top }; })()`);
-const textAt = (page: Page, selector: string): Promise<string> => ask(page, `document.querySelector('${selector}').textContent`);
+const textAt = async (page: Page, selector: string): Promise<string> => {
+  await drawn(page); // texts change with the picture
+  return ask(page, `document.querySelector('${selector}').textContent`);
+};
 const tools = (page: Page): Promise<{ place: { nodes: number[] }; displacement: V3 }[]> => ask(page, 'phynness.state.tools');
 
 interface Answer { tools: { force: V3 }[] }
