@@ -14,7 +14,6 @@
 namespace phynness {
 namespace fs = std::filesystem;
 namespace layout = database_layout;
-namespace path = database_layout::path;
 namespace dl = database_log;
 
 namespace {

@@ -145,7 +145,7 @@ TEST_F(WrongNumbers, are_none_in_files_that_do_not_record_ends) {
       H5Ldelete(id, (std::string("/responses/") + name).c_str(), H5P_DEFAULT);
   });
   const Database database = Database::open(file);
-  const auto header = database.header();
+  const auto& header = database.header();
   const auto ends = database.ends();
   const auto rays = all_rays(header);
   ASSERT_EQ(ends.size(), rays.size());

@@ -14,7 +14,10 @@ constexpr std::int32_t center = 13;
 Mesh grid() {
   Mesh mesh;
   mesh.nodes.resize(27, 3);
-  for (int i = 0; i < 27; ++i) mesh.nodes.row(i) << i % 3, i / 3 % 3, i / 9;
+  for (int i = 0; i < 27; ++i) {
+    const int x = i % 3, y = i / 3 % 3, z = i / 9;
+    mesh.nodes.row(i) << x, y, z;
+  }
   const int paths[6][2] = {{1, 3}, {1, 9}, {3, 1}, {3, 9}, {9, 1}, {9, 3}};  // Kuhn's six tetrahedra of a cube
   std::vector<std::array<int, 4>> cells;
   for (int c = 0; c < 8; ++c)

@@ -20,7 +20,8 @@ Model uneven_model() {
   Model model = small_modal_model();
   model.directions.clear();
   for (int i = 0; i < 27; ++i) {
-    const double x = i / 9 - 1, y = i / 3 % 3 - 1, z = i % 3 - 1, size = std::sqrt(x * x + y * y + z * z);
+    const int a = i / 9 - 1, b = i / 3 % 3 - 1, c = i % 3 - 1;
+    const double x = a, y = b, z = c, size = std::sqrt(x * x + y * y + z * z);
     if (size > 0) model.directions.push_back({x / size, y / size, z / size});
   }
   model.displacements.resize(52, 3);
