@@ -32,6 +32,9 @@ void add(CLI::App& app);
 namespace train_command {
 void add(CLI::App& app);
 }
+namespace calibrate_command {
+void add(CLI::App& app);
+}
 namespace validate_command {
 void add(CLI::App& app);
 }

@@ -121,6 +121,19 @@ void run_motion(const Options& options) {
   answer_motion(model, motion, name, tool.json_file);
 }
 
+/// The bound of the force's error, of a model that has bounds.
+void add_bound(const LoadedModel& model, std::int32_t node, const Vec3& d, json& extra) {
+  double bound = 0;
+  if (model.runtime().bound(node, d, bound) == PHN_ERROR_UNDEFINED) return;
+  const auto known = model.error_bound(node, d);
+  extra["bound_N"] = known ? json(*known) : json(nullptr);
+  if (known)
+    print_result("error of the force: at most {:.3g} N for {:g} % of random displacements\n", *known,
+                 100 * model.model().bounds.at(0).coverage);
+  else
+    print_result("error of the force: unknown outside of the trained range\n");
+}
+
 void run(const Options& options) {
   check_surface_options(options);
   const auto displacements = options.tool.parsed_displacements();
@@ -142,6 +155,7 @@ void run(const Options& options) {
     message("warning: {}{}\n", phn_status_message(response.status),
             lengths_outside(model, response.status, places, displacements));
   json extra{{"status", response.status}, {"family", model.runtime().info().family}, {"level", model.data().level()}};
+  if (!coupled && places.size() == 1) add_bound(model, options.tool.nodes.front(), displacements.front(), extra);
   if (!coupled && places.size() == 1)
     extra["trained_distance"] = model.trained_distance(options.tool.nodes.front(), displacements.front());
   if (coupled) {

@@ -130,8 +130,10 @@ void answer_queries(const LoadedModel& model, const std::filesystem::path& file)
   const auto queries = read_queries(file);
   check_nodes(model, queries, file);
   const bool has_energy = model.runtime().info().has_energy != 0;
-  std::string csv =
-      fmt::format("{},fx_N,fy_N,fz_N{},status,trained_depth_m\n", queries_header, has_energy ? ",energy_J" : "");
+  double bound = 0;
+  const bool has_bounds = model.runtime().bound(queries[0].node, {0, 0, 0}, bound) != PHN_ERROR_UNDEFINED;
+  std::string csv = fmt::format("{},fx_N,fy_N,fz_N{},status,trained_depth_m{}\n", queries_header,
+                                has_energy ? ",energy_J" : "", has_bounds ? ",bound_N" : "");
   const auto out = std::back_inserter(csv);
   const auto start = std::chrono::steady_clock::now();
   Progress progress("eval", "queries");
@@ -144,7 +146,11 @@ void answer_queries(const LoadedModel& model, const std::filesystem::path& file)
       throw Place{file, line}.error(status.message(), fmt::format("node {}", node), "give a smaller displacement");
     fmt::format_to(out, "{},{},{},{},{},{},{},", node, d[0], d[1], d[2], f[0], f[1], f[2]);
     if (has_energy) fmt::format_to(out, "{},", energy);
-    fmt::format_to(out, "{},{}\n", int{status}, model.trained_depth(node, d));
+    fmt::format_to(out, "{},{}", int{status}, model.trained_depth(node, d));
+    const auto known = has_bounds ? model.error_bound(node, d) : std::nullopt;
+    if (has_bounds) csv += ',';
+    if (known) fmt::format_to(out, "{}", *known);
+    csv += '\n';
     // No progress line for files that take less than two seconds.
     if (std::chrono::steady_clock::now() - start > std::chrono::seconds(2))
       progress.update(static_cast<std::int64_t>(i + 1), static_cast<std::int64_t>(queries.size()));

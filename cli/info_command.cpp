@@ -212,6 +212,12 @@ json about_model(const std::filesystem::path& dir) {
         l, info.force_centers, info.deformation_centers, modes_text, 100 * info.error_force,
         100 * info.error_displacement);
   }
+  json bounds = json::array();
+  for (const auto& bound : m.bounds) {
+    print_result("bounds    of the force's error, for {:g} % of random displacements; from {} rays at {} nodes\n",
+                 100 * bound.coverage, bound.n_rays, bound.n_nodes);
+    bounds.push_back({{"coverage", bound.coverage}, {"rays", bound.n_rays}, {"nodes", bound.n_nodes}});
+  }
   print_result("size      model.txt {}, mesh.txt {}, {} in the runtime's memory\n",
                bytes(static_cast<double>(model.text_bytes())), bytes(static_cast<double>(model.mesh_text_bytes())),
                bytes(static_cast<double>(model.memory_bytes())));
@@ -226,6 +232,7 @@ json about_model(const std::filesystem::path& dir) {
           {"modes", modes},
           {"levels", levels},
           {"fields", fields},
+          {"bounds", bounds},
           {"model_text_bytes", model.text_bytes()},
           {"memory_bytes", model.memory_bytes()}};
 }

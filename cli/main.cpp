@@ -24,6 +24,7 @@ void add_commands(CLI::App& app) {
   cli::precompute_command::add(app);
   cli::merge_command::add(app);
   cli::train_command::add(app);
+  cli::calibrate_command::add(app);
   cli::validate_command::add(app);
   cli::tune_command::add(app);
   cli::eval_command::add(app);

@@ -20,6 +20,7 @@ void add_refusal(CLI::App& app, const std::string& name) {
 }  // namespace
 
 void precompute_command::add(CLI::App& app) { add_refusal(app, "precompute"); }
+void calibrate_command::add(CLI::App& app) { add_refusal(app, "calibrate"); }
 void validate_command::add(CLI::App& app) { add_refusal(app, "validate"); }
 void tune_command::add(CLI::App& app) { add_refusal(app, "tune"); }
 void check_command::add(CLI::App& app) { add_refusal(app, "check"); }

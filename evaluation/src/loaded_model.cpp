@@ -93,6 +93,15 @@ double LoadedModel::trained_depth(std::int32_t node, const Vec3& displacement_m)
   return trusted.trained_depth;
 }
 
+std::optional<double> LoadedModel::error_bound(std::int32_t node, const Vec3& displacement_m) const {
+  double bound = 0;
+  const int status = _runtime.bound(node, displacement_m, bound);
+  if (status == PHN_ERROR_UNDEFINED) return std::nullopt;
+  check(status, node);
+  if (bound >= PHN_NO_BOUND) return std::nullopt;
+  return bound;
+}
+
 ModelResponse LoadedModel::respond(const std::vector<std::int32_t>& nodes,
                                    const std::vector<Vec3>& displacement_m) const {
   const std::size_t n_tools = nodes.size();

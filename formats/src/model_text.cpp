@@ -50,6 +50,7 @@ void require_consistent(const Model& model) {
     if (!condition) ModelWriter::refuse(what);
   };
   require(model.levels.empty() || schema::traits(model.family).has_levels, "levels in a family that has none");
+  require(model.bounds.empty() || !schema::traits(model.family).proportional, "bounds in a family that is exact");
   require(model.fields.empty() || schema::traits(model.family).has_modes, "fields in a family that has none");
   const auto symmetric = [&](const Eigen::Matrix3d& k) {
     require(k.hasNaN() || k == k.transpose(), "stiffness is not symmetric");

@@ -90,6 +90,7 @@ struct PlannedNode {
   PlannedModes modal;
   std::vector<PlannedModes> fields;
   std::vector<PlannedNodeLevel> levels;
+  std::vector<PlannedTable> bounds;
 };
 
 /// The properties of a model that the database determines, and the sizes of the rest.

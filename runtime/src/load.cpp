@@ -303,6 +303,10 @@ void ModelLoader::done(NodeStore& node) {
   made.least_depth = nodes.known.least;
   made.fill_distance = nodes.known.fill_distance;
   made.incomplete = node.n_incomplete > 0;
+  if (node.bounds.n > 0 && node.bounds.part[0].scale.at != nullptr) {
+    made.bound = node.bounds.part[0].entries.at;
+    made.bound_scale = node.bounds.part[0].scale.at[0];
+  }
   for (auto& level : smaller) level = made;
   schema::with_grammar(_store.family, [&](auto family) { respond(family, node, made, smaller); });
   if (!_load.has_memory()) return;

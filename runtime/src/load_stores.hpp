@@ -305,6 +305,11 @@ struct Parts {
   T& item(std::int64_t i) { return part[i]; }
 };
 
+struct BoundStore {
+  double coverage = 0;
+  std::int32_t n_rays = 0, n_nodes = 0;
+};
+
 struct LevelStore {
   double error_force = 0, error_displacement = 0;
   AmplitudeCenters centers;
@@ -330,6 +335,7 @@ struct NodeStore {
   ModesStore modal;
   Parts<ModesStore, largest_field_count> fields;
   Parts<NodeLevelStore, largest_level_count - 1> levels;
+  Parts<ScaledTable, schema::largest_bound_count> bounds;
 
   explicit NodeStore(Depths::Known& known) {
     prescribed_weight.of = &prescribed;
@@ -370,6 +376,7 @@ struct ModelStore {
   SharedStore shared;
   Parts<FieldStore, largest_field_count> fields;
   Parts<LevelStore, largest_level_count> levels;
+  Parts<BoundStore, schema::largest_bound_count> bounds;
   Nodes nodes;
 };
 

@@ -130,6 +130,8 @@ struct ActiveNode {
   const double* trained_depth;  ///< n_directions [m]
   double least_depth;           ///< smallest trained depth
   double fill_distance;         ///< of the training data (trained.hpp), in max_displacement
+  const std::int16_t* bound;    ///< of the force's error, a row for each displacement; null: the model has none
+  double bound_scale;           ///< [N]
   bool incomplete;
   // One of these is set, depending on the model's family; the others are null.
   const Networks* networks;

@@ -304,4 +304,21 @@ int phn_trust(const phn_model* model, int32_t node, const double d[3], phn_trust
   return status;
 }
 
+int phn_bound(const phn_model* model, int32_t node, const double d[3], double* bound) {
+  if (bound == nullptr) return PHN_ERROR_ARGUMENT;
+  double found = 0;
+  int status = PHN_ERROR_ARGUMENT;
+  if (model != nullptr && d != nullptr) {
+    const std::int32_t at = find_active(*model, node);
+    status = at < 0 ? PHN_ERROR_NOT_ACTIVE : finite(d) ? PHN_OK : PHN_ERROR_NOT_FINITE;
+    if (status == PHN_OK && model->active[at].bound == nullptr) status = PHN_ERROR_UNDEFINED;
+    if (status == PHN_OK) {
+      status = warnings(*model, model->active[at], d);
+      found = (status & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : error_bound(*model, model->active[at], d);
+    }
+  }
+  *bound = found;
+  return status;
+}
+
 }  // extern "C"

@@ -65,6 +65,33 @@ double fill_distance(const phn_model& model, const double* depths) {
   return largest > 0 && std::isfinite(largest) ? std::sqrt(largest) : 1;
 }
 
+double error_bound(const phn_model& model, const ActiveNode& node, const double* d) {
+  double x[3];
+  cut(d, model.max_displacement, largest_component, x);
+  const double s = std::sqrt(dot(x, x));
+  std::int32_t nearest = 0;
+  double best = -1;
+  for (std::int32_t k = 0; k < model.n_directions; ++k) {
+    const double along = dot(x, model.directions + 3 * static_cast<std::size_t>(k));
+    if (k == 0 || along > best) {
+      best = along;
+      nearest = k;
+    }
+  }
+  const std::int32_t n_increments = model.n_displacements / model.n_directions;
+  double before = 0, bound_before = 0, bound = 0;
+  for (std::int32_t j = 0; j < n_increments; ++j) {
+    double at[3];
+    row_of(model, nearest * n_increments + j, at);
+    const double length = std::sqrt(dot(at, at)), entry = node.bound[nearest * n_increments + j];
+    bound = entry > 0 ? node.bound_scale * entry : 0;
+    if (s < length) return bound_before + (bound - bound_before) * ((s - before) / (length - before));
+    before = length;
+    bound_before = bound;
+  }
+  return bound;
+}
+
 double trained_distance(const phn_model& model, const ActiveNode& node, const double* d) {
   const std::int32_t n_increments = model.n_displacements / model.n_directions;
   double x[3];

@@ -10,6 +10,10 @@ namespace PHN_RUNTIME {
 /// @param depths  n_directions [m]. @pre directions and displacements are loaded
 double fill_distance(const phn_model& model, const double* depths);
 
+/// Bound [N] of the error of the force (formats/model.md, Bounds): in the direction nearest to d, linear between its
+/// displacements. @pre node.bound is set; d is inside the trained range
+double error_bound(const phn_model& model, const ActiveNode& node, const double* d);
+
 /// Distance from d to the nearest trained displacement, over max_displacement; finite for every finite d.
 double trained_distance(const phn_model& model, const ActiveNode& node, const double* d);
 

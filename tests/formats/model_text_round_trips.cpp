@@ -121,7 +121,26 @@ TEST(ModelText, FieldsRoundTripBitForBit) {
   EXPECT_EQ(write_model_text(small_modal_model()).find("field"), std::string::npos);
 }
 
-// Claim: a scaled table holds every number to 1 / 65534 of its column's largest, and zeros as zeros.
+// Claim: so does one with bounds, with and without levels; without them the text has no trace of any.
+TEST(ModelText, BoundsRoundTripBitForBit) {
+  for (const Model& plain : {small_modal_model(), with_levels(small_model())}) {
+    const Model model = with_bounds(plain);
+    const std::string text = write_model_text(model);
+    const Model again = read_model_text(text, "text");
+    EXPECT_EQ(write_model_text(again), text);
+    ASSERT_EQ(again.bounds.size(), 1u);
+    EXPECT_EQ(again.bounds[0].coverage, 0.95);
+    EXPECT_EQ(again.bounds[0].n_rays, 1000);
+    EXPECT_EQ(again.bounds[0].n_nodes, 50);
+    for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+      ASSERT_EQ(again.nodes[i].bounds.size(), 1u);
+      EXPECT_EQ(again.nodes[i].bounds[0].scale, model.nodes[i].bounds[0].scale);
+      EXPECT_EQ(again.nodes[i].bounds[0].entries, model.nodes[i].bounds[0].entries);
+    }
+    EXPECT_EQ(write_model_text(plain).find("bound"), std::string::npos);
+  }
+}
+
 // Claim: levels come back bit for bit, of networks and of modes with fields.
 TEST(ModelText, LevelsRoundTripBitForBit) {
   for (const Model& model : {with_levels(small_model()), with_levels(small_field_model(), 2)}) {
@@ -146,6 +165,7 @@ TEST(ModelText, LevelsRoundTripBitForBit) {
   }
 }
 
+// Claim: a scaled table holds every number to 1 / 65534 of its column's largest, and zeros as zeros.
 TEST(ModelText, TablesRoundToTheirColumns) {
   Numbers numbers;
   Eigen::MatrixXd values(50, 4);

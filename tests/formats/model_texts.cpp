@@ -47,7 +47,9 @@ void write_all(const std::filesystem::path& folder) {
   write("rbfn-empty", small_model(0, 0));
   write("rbfn-eight-levels", with_levels(small_model(), 8));
   write("modal-empty", small_modal_model(0, 0, 0, 0));
-  write("modal-large", with_levels(small_field_model(), 8));
+  write("modal-bounds", with_bounds(modes));
+  write("rbfn-levels-bounds", with_bounds(with_levels(networks)));
+  write("modal-large", with_bounds(with_levels(small_field_model(), 8)));
   Model untouched = small_linear_model();
   untouched.nodes.clear();
   untouched.title = "";

@@ -179,6 +179,10 @@ def read_model(data, wanted=None):
         model["displacements"] = [[v / largest for v in row] for row in displacements]
         read_shared(reader, model)
     read_levels(reader, model)
+    model["bounds"] = reader.next_is("bounds")
+    if model["bounds"]:
+        for key in ("bounds", "coverage", "rays", "nodes"):
+            reader.fields(key)
     for _ in range(reader.count("active")):
         node = {}
         number = reader.count("node")
@@ -196,6 +200,8 @@ def read_model(data, wanted=None):
             node["force"] = read_network(reader, "force", [displacements])
             node["deformation"] = read_network(reader, "deformation", [displacements, points])
         levels = [read_level(reader, model, node, centers) for centers in model["levels"]]
+        if model["bounds"]:
+            read_table(reader, "bound", len(displacements))
         model["nodes"][number] = (levels + [node])[-1 if wanted is None else wanted]
     if wanted is not None and wanted < len(model["levels"]) and family == "modal":
         model["centers"] = model["levels"][wanted]

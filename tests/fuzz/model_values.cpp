@@ -79,6 +79,7 @@ std::size_t for_each_group(Model& model, Change change_group) {
     matrix(node.conservative.coefficients);
     modes(node.modal);
     for (ModalDeformation& field : node.fields) modes(field);
+    for (ScaledTable& bound : node.bounds) matrix(bound.scale);
     for (LevelResponse& level : node.levels) {
       for (FirstNeurons* first : {&level.force, &level.deformation}) {
         matrix(first->weights);

@@ -31,7 +31,8 @@ static_assert(std::is_nothrow_move_constructible_v<rt::Model> && sizeof(rt::Stat
 
 class Wrapper : public ::testing::TestWithParam<Family> {
  protected:
-  std::string text = write_model_text(small_model_of(GetParam()));
+  std::string text =
+      write_model_text(GetParam() == Family::linear ? small_linear_model() : with_bounds(small_model_of(GetParam())));
   LoadedModel c{text};
 };
 INSTANTIATE_TEST_SUITE_P(Families, Wrapper, ::testing::Values(Family::rbfn, Family::linear, Family::modal),
@@ -75,6 +76,9 @@ TEST_P(Wrapper, GivesTheSameBits) {
       phn_trusted trusted;
       EXPECT_EQ(model.trust(node, at, trusted), expected_trust.status);
       EXPECT_EQ(std::memcmp(&trusted, &expected_trust, sizeof trusted), 0);
+      double bound = -1, expected_bound = -2;
+      EXPECT_EQ(model.bound(node, at, bound), phn_bound(c.model, node, d, &expected_bound));
+      EXPECT_EQ(bound, expected_bound);
       EXPECT_EQ(data.prepare(node), phn_prepare(c.model, c.data, node));
       std::vector<double> field(36, 1), expected_field(36, 2);
       EXPECT_EQ(data.deform(node, at, field), phn_deform(c.model, c.data, node, d, expected_field.data()));

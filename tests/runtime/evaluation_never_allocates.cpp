@@ -105,7 +105,7 @@ TEST_P(Memory, NothingIsAllocated) {
 
 TEST(Memory, LevelsAllocateNothing) {
   for (const Family family : {Family::rbfn, Family::modal}) {
-    const std::string text = write_model_text(with_levels(small_model_of(family)));
+    const std::string text = write_model_text(with_bounds(with_levels(small_model_of(family))));
     std::vector<char> model_memory(1 << 20), data_memory(1 << 20);
     std::size_t bytes = 0;
     const phn_model* model = nullptr;
@@ -133,6 +133,7 @@ TEST(Memory, LevelsAllocateNothing) {
     worst = std::min(worst, phn_calibrate(model, data, clock, &now, times));
     worst = std::min(worst, phn_budget(model, times, 1, 1, 1000, &best));
     worst = std::min(worst, phn_trust(model, node, d, &trusted));
+    worst = std::min(worst, phn_bound(model, node, d, &now));
     worst = std::min(worst, phn_model_info(model, &of_model));
     const long after = n_allocations;
     EXPECT_EQ(worst, 0);

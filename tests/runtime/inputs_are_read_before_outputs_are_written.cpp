@@ -30,7 +30,7 @@ class Table {
  public:
   explicit Table(Family family)
       : text(write_model_text(family == Family::linear  ? small_linear_model()
-                              : family == Family::modal ? with_levels(small_field_model())
+                              : family == Family::modal ? with_bounds(with_levels(small_field_model()))
                                                         : with_levels(small_model()))),
         loaded(text) {
     std::size_t bytes = 0;
@@ -110,6 +110,7 @@ class Table {
     rows.push_back({"phn_trust", {input("d", d), output<phn_trusted>("trusted")}, [=](const Places& at) {
                       return phn_trust(model, 8, as<double>(at[0]), as<phn_trusted>(at[1]));
                     }});
+    row("phn_bound", "bound", 1, [=](double* x, double* out) { return phn_bound(model, 8, x, out); });
     std::vector<phn_level_time> times;
     for (std::int32_t l = 0; l < info_of(model).n_levels; ++l) times.push_back({1.0 + l, 10.0 + l});
     rows.push_back({"phn_budget", {input("times", times), output<std::int32_t>("level")}, [=](const Places& at) {

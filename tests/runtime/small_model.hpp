@@ -241,6 +241,19 @@ inline Model with_levels(Model model, int n_levels = 3) {
   return model;
 }
 
+/// Bounds of the force's error that grow along each direction; some entries are negative, which counts as 0.
+inline Model with_bounds(Model model) {
+  Numbers numbers;
+  model.bounds = {{0.95, 1000, 50}};
+  for (ActiveNodeModel& node : model.nodes) {
+    Eigen::MatrixXd values(model.displacements.rows(), 1);
+    for (Eigen::Index i = 0; i < values.rows(); ++i)
+      values(i, 0) = model.displacements.row(i).norm() * (1 + 1.1 * numbers.next());
+    node.bounds = {scaled_table(values)};
+  }
+  return model;
+}
+
 /// What a level is, as a model of its own.
 inline Model level_alone(const Model& model, std::size_t l) {
   Model alone = model;

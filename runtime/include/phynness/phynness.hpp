@@ -248,6 +248,9 @@ class Model : public detail::Built<const phn_model, detail::ModelContent> {
   Status trust(std::int32_t node, In3 d, phn_trusted& trusted) const noexcept {
     return phn_trust(get(), node, d.data(), &trusted);
   }
+  Status bound(std::int32_t node, In3 d, double& bound) const noexcept {
+    return phn_bound(get(), node, d.data(), &bound);
+  }
   Status nearest(In3 x, phn_tool& tool) const noexcept { return phn_nearest(get(), x.data(), &tool, nullptr); }
   Status nearest(In3 x, phn_tool& tool, Out3 point) const noexcept {
     return phn_nearest(get(), x.data(), &tool, point.data());

@@ -19,6 +19,7 @@
 #endif
 
 #define phn_blend_paper phnf_blend_paper
+#define phn_bound phnf_bound
 #define phn_budget phnf_budget
 #define phn_calibrate phnf_calibrate
 #define phn_contact phnf_contact

@@ -111,6 +111,12 @@ struct ModelLevel {
 };
 using schema::largest_level_count;
 
+/// How the bounds of the force's error were calibrated (formats/model.md, Bounds).
+struct ModelBound {
+  double coverage = 0;  ///< share of random displacements inside the range whose error is below the bound
+  std::int32_t n_rays = 0, n_nodes = 0;  ///< of the calibration
+};
+
 using schema::largest_coordinate;
 using schema::largest_field_count;
 using schema::largest_linear_entry;
@@ -132,6 +138,8 @@ struct ActiveNodeModel {
   ModalDeformation modal;                ///< modal: d [m] -> u [m]; without modes the model has forces only
   std::vector<ModalDeformation> fields;  ///< one for each of Model::fields
   std::vector<LevelResponse> levels;     ///< of the smaller levels, in the order of Model::levels
+  /// One for each of Model::bounds [N]: one column, rows as Model::displacements.
+  std::vector<ScaledTable> bounds;
 };
 
 struct Model {
@@ -149,6 +157,7 @@ struct Model {
   SharedModes shared;                       ///< modal
   std::vector<FieldModes> fields;           ///< modal; empty unless the database has fields
   std::vector<ModelLevel> levels;      ///< empty, or 2 to largest_level_count; the last is the full model; not linear
+  std::vector<ModelBound> bounds;      ///< empty, or one: of the force; not linear
   std::vector<ActiveNodeModel> nodes;  ///< ascending by node
 };
 

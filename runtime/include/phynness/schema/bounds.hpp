@@ -20,6 +20,7 @@ inline constexpr int32_t largest_table_entry = 32767;
 /// Largest magnitude of a value of a table of scaled integers.
 inline constexpr double largest_table_value = 1e6;
 inline constexpr int32_t largest_mode_count = 1024, largest_field_count = 8, largest_level_count = 8;
+inline constexpr int32_t largest_bound_count = 1;
 /// Characters of the name or unit of a field.
 inline constexpr int32_t longest_word = 40;
 /// Terms of an amplitude beside its kernels: x, y and z; for a field also the six products of two of them.
@@ -39,6 +40,7 @@ inline constexpr Bound probe_weight{-1, 1, "is beyond 1"};
 inline constexpr Bound width{1 / largest_width, largest_width, "is out of range 1e-6 ... 1e6"};
 inline constexpr Bound field_scale{DBL_TRUE_MIN, largest_linear_entry, "is not positive or beyond 1e100"};
 inline constexpr Bound level_error{0, largest_linear_entry, "is negative or beyond 1e100"};
+inline constexpr Bound probability{0, 1, "is not between 0 and 1"};
 inline constexpr Bound table_scale{0, largest_table_value / largest_table_entry, "is negative or too large"};
 
 }  // namespace phynness::schema

@@ -86,6 +86,20 @@ void levels(IO& io, Model& model) {
   }
 }
 
+/// Bounds of errors. A family that is exact needs none.
+template <class IO, class Model>
+void bounds(IO& io, Model& model) {
+  if (traits(model.family).proportional || !io.optional("bounds", io.rows(model.bounds) > 0)) return;
+  const int32_t n = size_line(io, "bounds", io.rows(model.bounds), 1, largest_bound_count);
+  io.shape("bounds", model.bounds, n, 1);
+  for (int32_t b = 0; b < n && io.good(); ++b) {
+    auto& bound = io.item(model.bounds, b);
+    real_line(io, "coverage", bound.coverage, probability);
+    integer_line(io, "rays", bound.n_rays, 1, largest_integer);
+    integer_line(io, "nodes", bound.n_nodes, 1, largest_integer);
+  }
+}
+
 /// The first lines of an active node, the same for every family.
 template <class IO, class Model, class Node>
 void node_lines(IO& io, Model& model, Node& node, int32_t& previous) {
@@ -124,6 +138,10 @@ void active_node(IO& io, Model& model, Node& node, int32_t& previous) {
     Grammar::level_response(io, model, node, io.item(model.levels, l), level);
     io.done(level);
   }
+  const int64_t n_bounds = io.rows(model.bounds);
+  io.shape("bounds", node.bounds, n_bounds, 1);
+  for (int64_t b = 0; b < n_bounds && io.good(); ++b)
+    table(io, "bound", io.item(node.bounds, b), io.rows(model.displacements), 1);
   io.done(node);
 }
 
@@ -157,6 +175,7 @@ void model(IO& io, Model& model) {
     using Grammar = decltype(grammar);
     Grammar::shared(io, model);
     levels<Grammar>(io, model);
+    bounds(io, model);
     const int32_t n_active = count_line(io, "active", io.rows(model.nodes));
     io.shape("active", model.nodes, n_active, 1);
     int32_t previous = -1;

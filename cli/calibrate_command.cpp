@@ -1,0 +1,100 @@
+#include <fmt/core.h>
+
+#include <phynness/formats/error.hpp>
+#include <phynness/validation/calibrate.hpp>
+
+#include "command_files.hpp"
+#include "commands.hpp"
+#include "console.hpp"
+#include "streams.hpp"
+
+namespace phynness::cli::calibrate_command {
+namespace {
+
+struct Options {
+  std::filesystem::path model, database, output;
+  std::optional<std::filesystem::path> json_file;
+  std::int64_t rays = 1000, seed = 1;
+};
+
+void print(const BoundReport& report, const Options& options) {
+  const auto& c = report.left_out;
+  print_result("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}\n", report.rays,
+               report.nodes, report.states, report.failed_rays, duration(report.seconds));
+  print_result("median bound of the force's error: {:.3g} N\n", report.median_bound_N);
+  print_result(
+      "nodes left out of the calibration: {:.1f} % of the errors are below their bound; by thirds of the depth {:.1f}, "
+      "{:.1f}, {:.1f} %; mean bound {:.2f} of the best constant one\n",
+      100 * c.all, 100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2], c.width);
+  print_result("model with bounds -> {}\n", options.output.string());
+}
+
+json to_json(const BoundReport& report, const Model& model) {
+  const auto& c = report.left_out;
+  return {{"coverage", model.bounds.at(0).coverage},
+          {"rays", report.rays},
+          {"failed_rays", report.failed_rays},
+          {"nodes", report.nodes},
+          {"states", report.states},
+          {"median_bound_N", report.median_bound_N},
+          {"left_out",
+           {{"coverage", c.all},
+            {"thirds_of_depth", c.thirds},
+            {"quarters_of_nodes", c.quarters},
+            {"width_over_constant", c.width}}},
+          {"seconds", report.seconds}};
+}
+
+void run(const Options& options) {
+  install_stop_handler();
+  const SolverSession session;
+  std::optional<LoadedModel> model;
+  std::optional<Database> database;
+  session.together([&] {
+    model.emplace(options.model);
+    database.emplace(Database::open(options.database));
+    if (schema::traits(model->model().family).proportional)
+      throw input_error("a linear model is exact and needs no bounds", options.model.string(),
+                        "omit phynness calibrate");
+  });
+  BoundReport report;
+  BoundSpec spec;
+  spec.rays = options.rays;
+  spec.seed = static_cast<std::uint64_t>(options.seed);
+  Model bounded;
+  {
+    Progress progress("calibrate", "nodes");
+    bounded = calibrate(
+        session, *database, *model, spec, [&](std::int64_t done, std::int64_t total) { progress.update(done, total); },
+        stop_requested, report);
+  }
+  session.together([&] {
+    if (session.rank() != 0) return;
+    write_model_dir(options.output, bounded, model->mesh());
+    print(report, options);
+    write_json(options.json_file, to_json(report, bounded));
+  });
+}
+
+}  // namespace
+
+void add(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  auto* command = app.add_subcommand("calibrate", "Add bounds of the force's error to a model: solves random rays");
+  add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
+      ->required();
+  add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 on which the model was trained")
+      ->required();
+  add_path(*command, "-o,--output", options->output, OutputKind::model, "model directory to write (formats/model.md)")
+      ->required();
+  command->add_option("--rays", options->rays, "random rays, ten at each of a tenth as many nodes")
+      ->check(CLI::Range(std::int64_t{100}, std::int64_t{1'000'000}))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "of the random numbers")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 53))
+      ->capture_default_str();
+  add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace phynness::cli::calibrate_command

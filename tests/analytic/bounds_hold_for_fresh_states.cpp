@@ -1,0 +1,133 @@
+// Claims: bounds that were calibrated on random states hold for the promised share of other states, at each third of
+// the depth for at least nine tenths, and are narrower than a constant bound; they do not depend on the order of the
+// states; too few states are refused. The errors are made up: they grow with crushed cells and with the depth, and
+// their logarithms scatter.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <phynness/formats/error.hpp>
+#include <phynness/validation/error_bounds.hpp>
+#include <random>
+
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+
+double uniform_in(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
+/// Of mean 0 and variance 1: the sum of twelve uniform numbers.
+double scatter(std::mt19937_64& random) {
+  double sum = -6;
+  for (int i = 0; i < 12; ++i) sum += uniform_in(random);
+  return sum;
+}
+
+/// 60 nodes, 26 directions of 4 increments.
+Model many_nodes() {
+  Model model = test::small_modal_model();
+  model.directions.clear();
+  for (int i = 0; i < 27; ++i) {
+    const double x = i / 9 - 1, y = i / 3 % 3 - 1, z = i % 3 - 1, size = std::sqrt(x * x + y * y + z * z);
+    if (size > 0) model.directions.push_back({x / size, y / size, z / size});
+  }
+  model.displacements.resize(104, 3);
+  for (int i = 0; i < 104; ++i)
+    for (int k = 0; k < 3; ++k)
+      model.displacements(i, k) = 0.0025 * (i % 4 + 1) * model.directions[static_cast<std::size_t>(i / 4)][k];
+  const ActiveNodeModel first = model.nodes[0];
+  model.n_mesh_nodes = 80;
+  model.nodes.clear();
+  for (std::int32_t i = 0; i < 60; ++i) {
+    auto& node = model.nodes.emplace_back(first);
+    node.node = 20 + i;
+    node.prescribed = {node.node};
+    node.prescribed_weight = {1};
+    node.trained_depth_m.assign(26, 0.01);
+  }
+  return model;
+}
+
+/// Every node and direction is crushed differently, J = exp(-rate depth / R).
+struct Body {
+  std::vector<double> size, rate;
+
+  explicit Body(std::mt19937_64& random) {
+    for (int i = 0; i < 60; ++i) size.push_back(std::exp(scatter(random)));
+    for (int i = 0; i < 60 * 26; ++i) rate.push_back(std::exp(scatter(random) - 1));
+  }
+  BoundPredictors predictors() const {
+    BoundPredictors made;
+    made.largest_N = size;
+    for (std::size_t n = 0; n < 60; ++n) {
+      auto& crush = made.crush.emplace_back();
+      for (std::size_t k = 0; k < 26; ++k)
+        for (int i = 1; i <= 4; ++i) crush.push_back(std::log(rate[26 * n + k] * 0.25 * i));
+    }
+    return made;
+  }
+  std::vector<BoundState> states(const Model& model, std::mt19937_64& random, int n, int parity) const {
+    std::vector<BoundState> made;
+    for (int i = 0; i < n; ++i) {
+      BoundState state;
+      state.node = static_cast<std::int32_t>(2 * (random() % 30)) + parity;
+      const auto k = static_cast<std::size_t>(random() % 26);
+      state.direction = model.directions[k];
+      const double part = 1 - uniform_in(random);
+      state.depth_m = part * model.max_displacement_m;
+      const auto node = static_cast<std::size_t>(state.node);
+      state.error_N = 0.01 * size[node] * rate[26 * node + k] * part * part * std::exp(scatter(random));
+      made.push_back(state);
+    }
+    return made;
+  }
+};
+
+TEST(ErrorBounds, HoldForStatesOfOtherNodes) {
+  std::mt19937_64 random(7);
+  const Model model = many_nodes();
+  const Body body(random);
+  const auto predictors = body.predictors();
+  const auto seen = body.states(model, random, 3000, 0), fresh = body.states(model, random, 6000, 1);
+  const Model bounded = add_bounds(model, predictors, seen, 1000, 0.95);
+  ASSERT_EQ(bounded.bounds.size(), 1u);
+  EXPECT_EQ(bounded.bounds[0].n_nodes, 30);
+  const LoadedModel loaded(bounded, Mesh{}, "model");
+  const auto coverage = coverage_of(loaded, predictors, fresh);
+  // The level is 0.95 (1 + 1/30). Quantiles of 3000 states scatter by 0.004, shares of 6000 by 0.003.
+  EXPECT_GT(coverage.all, 0.95);
+  EXPECT_LT(coverage.all, 0.995);
+  for (const double third : coverage.thirds) EXPECT_GT(third, 0.9);
+  for (const double quarter : coverage.quarters) EXPECT_GT(quarter, 0.9);
+  EXPECT_LT(coverage.width, 0.7);
+
+  auto reversed = seen;
+  std::reverse(reversed.begin(), reversed.end());
+  const Model again = add_bounds(model, predictors, reversed, 1000, 0.95);
+  for (std::size_t i = 0; i < 60; ++i)
+    EXPECT_TRUE(again.nodes[i].bounds[0].values().isApprox(bounded.nodes[i].bounds[0].values(), 1e-6));
+}
+
+TEST(ErrorBounds, TooFewStatesAreRefused) {
+  std::mt19937_64 random(7);
+  const Model model = many_nodes();
+  const Body body(random);
+  EXPECT_THROW(add_bounds(model, body.predictors(), body.states(model, random, 100, 0), 40, 0.95), Error);
+}
+
+// Claim: bodies whose cells keep their volume, and one node, have bounds as well: the fit has columns without
+// information.
+TEST(ErrorBounds, NeedNoInformation) {
+  std::mt19937_64 random(7);
+  const Model model = many_nodes();
+  BoundPredictors predictors;
+  predictors.largest_N.assign(60, 1);
+  predictors.crush.assign(60, std::vector<double>(104, -9.2));
+  auto states = Body(random).states(model, random, 1000, 0);
+  for (auto& state : states) state.error_N = 0;
+  const Model bounded = add_bounds(model, predictors, states, 300, 0.95);
+  for (const auto& node : bounded.nodes) EXPECT_TRUE(node.bounds[0].scale.allFinite());
+}
+
+}  // namespace

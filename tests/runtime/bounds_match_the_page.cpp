@@ -1,0 +1,109 @@
+// Claim: the bound of the force's error is that of formats/model.md: linear between the displacements of the nearest
+// direction, 0 at rest, none outside of the trained range; a model without bounds says that it has none.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "loaded_model.hpp"
+#include "small_model.hpp"
+
+namespace {
+
+using namespace phynness;
+using namespace phynness::test;
+
+/// The page, with no regard to speed.
+double bound_of(const Model& model, const ActiveNodeModel& node, const Eigen::Vector3d& d) {
+  Eigen::Index nearest = 0;
+  double best = -2;
+  for (std::size_t k = 0; k < model.directions.size(); ++k) {
+    const auto& e = model.directions[k];
+    const double along = d.dot(Eigen::Vector3d(e[0], e[1], e[2])) / d.norm();
+    if (along > best) {
+      best = along;
+      nearest = static_cast<Eigen::Index>(k);
+    }
+  }
+  const Eigen::Index n = model.displacements.rows() / static_cast<Eigen::Index>(model.directions.size());
+  const Eigen::MatrixXd values = node.bounds[0].values().cwiseMax(0);
+  double before = 0, value = 0;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const double length = model.displacements.row(nearest * n + j).norm(), next = values(nearest * n + j, 0);
+    if (d.norm() <= length) return value + (next - value) * (d.norm() - before) / (length - before);
+    before = length;
+    value = next;
+  }
+  return value;
+}
+
+class Bounds : public testing::TestWithParam<Family> {};
+INSTANTIATE_TEST_SUITE_P(Families, Bounds, testing::Values(Family::rbfn, Family::modal),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+TEST_P(Bounds, AreThoseOfThePage) {
+  for (const bool leveled : {false, true}) {
+    const Model plain = small_model_of(GetParam()), model = with_bounds(leveled ? with_levels(plain) : plain);
+    const LoadedModel loaded(write_model_text(model));
+    Numbers numbers;
+    int inside = 0, positive = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Eigen::Vector3d d = 0.009 * numbers.vector();
+      for (const auto& node : model.nodes) {
+        double bound = -1;
+        const int status = phn_bound(loaded.model, node.node, d.data(), &bound);
+        Eigen::Vector3d force;
+        EXPECT_EQ(status, phn_force(loaded.model, loaded.data, node.node, d.data(), force.data(), nullptr, nullptr));
+        if ((status & PHN_WARNING_OUTSIDE) != 0) {
+          EXPECT_EQ(bound, PHN_NO_BOUND);
+          continue;
+        }
+        ++inside;
+        positive += bound > 0 ? 1 : 0;
+        // 1e-14 of the largest bound, 0.02: rounding.
+        EXPECT_NEAR(bound, bound_of(model, node, d), 2e-16);
+      }
+    }
+    EXPECT_GT(inside, 1000);
+    EXPECT_GT(positive, 500);
+  }
+}
+
+TEST_P(Bounds, AreZeroAtRestAndKnownOnlyWhereTheyAreStored) {
+  const double rest[] = {0, 0, 0}, far[] = {1, 0, 0}, nan = std::numeric_limits<double>::quiet_NaN(),
+               no[] = {nan, 0, 0};
+  const LoadedModel loaded(write_model_text(with_bounds(small_model_of(GetParam()))));
+  const LoadedModel without(write_model_text(small_model_of(GetParam())));
+  double bound = -1;
+  EXPECT_EQ(phn_bound(loaded.model, 3, rest, &bound), PHN_OK);
+  EXPECT_EQ(bound, 0);
+  EXPECT_EQ(phn_bound(loaded.model, 3, far, &bound), PHN_WARNING_OUTSIDE);
+  EXPECT_EQ(bound, PHN_NO_BOUND);
+  const auto refused = [&](int status, int expected) {
+    EXPECT_EQ(status, expected);
+    EXPECT_EQ(bound, 0);
+    bound = -1;
+  };
+  refused(phn_bound(without.model, 3, rest, &bound), PHN_ERROR_UNDEFINED);
+  refused(phn_bound(loaded.model, 4, rest, &bound), PHN_ERROR_NOT_ACTIVE);
+  refused(phn_bound(loaded.model, 3, no, &bound), PHN_ERROR_NOT_FINITE);
+  refused(phn_bound(nullptr, 3, rest, &bound), PHN_ERROR_ARGUMENT);
+  refused(phn_bound(loaded.model, 3, nullptr, &bound), PHN_ERROR_ARGUMENT);
+  EXPECT_EQ(phn_bound(loaded.model, 3, rest, nullptr), PHN_ERROR_ARGUMENT);
+}
+
+// Claim: nothing else that the runtime computes changes when bounds are added.
+TEST_P(Bounds, ChangeNothingElse) {
+  const LoadedModel with(write_model_text(with_bounds(small_model_of(GetParam())))),
+      without(write_model_text(small_model_of(GetParam())));
+  Numbers numbers;
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d d = 0.012 * numbers.vector();
+    Eigen::Vector3d a, b;
+    EXPECT_EQ(phn_force(with.model, with.data, 5, d.data(), a.data(), nullptr, nullptr),
+              phn_force(without.model, without.data, 5, d.data(), b.data(), nullptr, nullptr));
+    EXPECT_EQ(a, b);
+  }
+}
+
+}  // namespace

@@ -1,0 +1,29 @@
+// Calibration of the bounds of the force's error on random rays.
+#pragma once
+
+#include <functional>
+#include <phynness/precompute/probe_solver.hpp>
+#include <phynness/validation/error_bounds.hpp>
+
+namespace phynness {
+
+struct BoundSpec {
+  std::int64_t rays = 1000;
+  std::uint64_t seed = 1;
+  double coverage = 0.95;
+};
+
+struct BoundReport {
+  std::int64_t rays = 0, failed_rays = 0, states = 0, nodes = 0;
+  BoundCoverage left_out;     ///< each fifth of the nodes with the bounds that the others give
+  double median_bound_N = 0;  ///< of the states
+  double seconds = 0;
+};
+
+/// Solves random rays of the body and calibrates bounds. Collective; only rank 0 gets a result.
+/// @param stop  asked between solves. @throws Error (failure) if it ended the calibration
+Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
+                const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop,
+                BoundReport& report);
+
+}  // namespace phynness

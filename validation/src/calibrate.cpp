@@ -1,0 +1,165 @@
+// Solves the random rays on which bounds are calibrated.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <phynness/formats/error.hpp>
+#include <phynness/validation/calibrate.hpp>
+#include <phynness/validation/probe_plan.hpp>
+
+#include "shared_work.hpp"
+
+namespace phynness {
+namespace {
+
+constexpr std::size_t states_per_ray = 3, rays_per_node = 10, fewest_nodes = 10;
+/// A state is exchanged between ranks as this many numbers.
+constexpr std::size_t state_size = 7;
+
+/// A direction in which the node has a trained range. Of a node that has none in half of the sphere, every second one.
+Vec3 trained_direction(const LoadedModel& model, std::int32_t node, std::mt19937_64& random) {
+  Vec3 e{};
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    e = on_sphere(random);
+    if (model.trained_depth(node, e) > 0) break;
+  }
+  return e;
+}
+
+struct NodeRays {
+  std::vector<double> states;  ///< state_size numbers each
+  std::int64_t failed = 0;
+};
+
+void solve_ray(ProbeSolver& solver, const LoadedModel& model, std::size_t index, std::mt19937_64& random,
+               NodeRays& out) {
+  const std::int32_t node = model.model().nodes[index].node;
+  const double largest = model.model().max_displacement_m;
+  const Vec3 e = trained_direction(model, node, random);
+  std::vector<double> depths;
+  for (std::size_t i = 0; i < states_per_ray; ++i) {
+    const double depth = (1 - uniform(random)) * largest;
+    const Vec3 d{depth * e[0], depth * e[1], depth * e[2]};
+    if (depth <= model.trained_depth(node, d)) depths.push_back(depth);
+  }
+  std::sort(depths.begin(), depths.end());
+  if (depths.empty()) return;
+  try {
+    solver.follow({e}, depths, false, [&](std::size_t i, const Response& response) {
+      if (response.status != Status::converged) {
+        ++out.failed;
+        return false;
+      }
+      const Vec3 said = model.force(node, {depths[i] * e[0], depths[i] * e[1], depths[i] * e[2]});
+      const Vec3& truth = response.force_N.at(0);
+      const double error = std::hypot(said[0] - truth[0], said[1] - truth[1], said[2] - truth[2]);
+      const double size = std::hypot(truth[0], truth[1], truth[2]);
+      for (const double x : {static_cast<double>(index), e[0], e[1], e[2], depths[i], error, size})
+        out.states.push_back(x);
+      return true;
+    });
+  } catch (const Error&) {
+    ++out.failed;
+    solver.recover();
+  }
+}
+
+std::vector<BoundState> states_of(const std::vector<double>& numbers) {
+  std::vector<BoundState> states;
+  for (std::size_t at = 0; at + state_size <= numbers.size(); at += state_size) {
+    const double* x = &numbers[at];
+    states.push_back({static_cast<std::int32_t>(x[0]), {x[1], x[2], x[3]}, x[4], x[5], x[6]});
+  }
+  std::stable_sort(states.begin(), states.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
+  return states;
+}
+
+/// Every fifth node with the bounds that the other nodes give.
+BoundCoverage left_out(const LoadedModel& model, const BoundPredictors& predictors,
+                       const std::vector<BoundState>& states, std::int64_t n_rays, double coverage) {
+  constexpr std::size_t n_parts = 5;
+  std::map<std::int32_t, std::size_t> part;
+  for (const auto& state : states) part.emplace(state.node, part.size() % n_parts);
+  BoundCoverage sum;
+  double n = 0;
+  for (std::size_t p = 0; p < std::min(n_parts, part.size()) && part.size() > 1; ++p) {
+    std::vector<BoundState> kept, out;
+    for (const auto& state : states) (part[state.node] == p ? out : kept).push_back(state);
+    const auto share = static_cast<std::int64_t>(n_rays * static_cast<std::int64_t>(kept.size()) /
+                                                 static_cast<std::int64_t>(states.size()));
+    const LoadedModel other(add_bounds(model.model(), predictors, kept, std::max<std::int64_t>(1, share), coverage),
+                            model.mesh(), "model");
+    const auto now = coverage_of(other, predictors, out);
+    const auto w = static_cast<double>(out.size());
+    sum.all += w * now.all;
+    sum.width += w * now.width;
+    for (std::size_t i = 0; i < 3; ++i) sum.thirds[i] += w * now.thirds[i];
+    for (std::size_t i = 0; i < 4; ++i) sum.quarters[i] += w * now.quarters[i];
+    n += w;
+  }
+  n = std::max(n, 1.0);
+  sum.all /= n;
+  sum.width /= n;
+  for (double& x : sum.thirds) x /= n;
+  for (double& x : sum.quarters) x /= n;
+  return sum;
+}
+
+}  // namespace
+
+Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
+                const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop,
+                BoundReport& report) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto& header = database.header();
+  BoundPredictors predictors;
+  session.together([&] { predictors = bound_predictors(model.model(), database); });
+  const std::size_t n_active = model.model().nodes.size();
+  const auto wanted = std::max(fewest_nodes, static_cast<std::size_t>(spec.rays) / rays_per_node);
+  const std::size_t n_nodes = std::min(n_active, wanted);
+  std::mt19937_64 random(spec.seed);
+  const double offset = uniform(random);
+  std::optional<ProbeSolver> solver;
+  session.together([&] {
+    solver.emplace(stored_scene(header), header.mesh, header.sets);
+    solver->set_stop(stop);
+  });
+  NodeRays solved;
+  const auto finished = share_out(session, static_cast<std::int64_t>(n_nodes), progress, stop, [&](std::size_t i) {
+    const auto index = static_cast<std::size_t>((static_cast<double>(i) + offset) * static_cast<double>(n_active) /
+                                                static_cast<double>(n_nodes));
+    // The rays of a node do not depend on the number of ranks.
+    std::mt19937_64 of_node(spec.seed * 1000003 + index);
+    solver->touch({model.model().nodes[index].node});
+    const std::size_t n_rays =
+        static_cast<std::size_t>(spec.rays) * (i + 1) / n_nodes - static_cast<std::size_t>(spec.rays) * i / n_nodes;
+    for (std::size_t ray = 0; ray < n_rays; ++ray) solve_ray(*solver, model, index, of_node, solved);
+  });
+  const auto all_finished = static_cast<std::int64_t>(session.sum(static_cast<double>(finished)));
+  report.failed_rays = static_cast<std::int64_t>(session.sum(static_cast<double>(solved.failed)));
+  const auto states = states_of(session.gather(solved.states));
+  Model bounded = model.model();
+  session.together([&] {
+    if (all_finished < static_cast<std::int64_t>(n_nodes))
+      throw failure("the calibration was interrupted", "", "run it again; it takes about as long as validate");
+    if (session.rank() != 0) return;
+    bounded = add_bounds(model.model(), predictors, states, spec.rays, spec.coverage);
+    report.rays = spec.rays;
+    report.states = static_cast<std::int64_t>(states.size());
+    report.nodes = static_cast<std::int64_t>(n_nodes);
+    report.left_out = left_out(model, predictors, states, spec.rays, spec.coverage);
+    const LoadedModel loaded(bounded, model.mesh(), "model");
+    std::vector<double> bounds;
+    for (const auto& s : states) {
+      const Vec3 d{s.depth_m * s.direction[0], s.depth_m * s.direction[1], s.depth_m * s.direction[2]};
+      bounds.push_back(loaded.error_bound(bounded.nodes[static_cast<std::size_t>(s.node)].node, d).value_or(0));
+    }
+    std::nth_element(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(bounds.size() / 2), bounds.end());
+    report.median_bound_N = bounds[bounds.size() / 2];
+  });
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return bounded;
+}
+
+}  // namespace phynness

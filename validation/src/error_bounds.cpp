@@ -1,0 +1,209 @@
+// The statistics of the bounds: what a trained state says about errors near it, and the factor that makes the bounds
+// hold.
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <phynness/formats/error.hpp>
+#include <phynness/validation/error_bounds.hpp>
+
+namespace phynness {
+namespace {
+
+/// Exponent of the predicted error in a bound, and power of the depth beyond the fitted one: docs/decisions/
+/// error-bounds.md. Errors spread more where they are larger, and more at depth.
+constexpr double shrinkage = 0.8, added_depth_power = 0.5;
+/// Errors below this part of a node's largest force count as this in the fit of their logarithms.
+constexpr double smallest_error = 1e-5;
+/// A calibration on fewer states says nothing about the twentieth that a bound leaves out.
+constexpr std::size_t fewest_states = 200;
+
+constexpr int n_terms = 4;
+using Terms = Eigen::Matrix<double, 1, n_terms>;
+
+Terms terms_of(double largest_N, double crush, double depth) {
+  return {1, std::log(largest_N), crush, std::log(depth)};
+}
+
+double crush_of(double min_jacobian) { return std::log(-std::log(std::clamp(min_jacobian, 1e-4, 1 - 1e-4))); }
+
+/// Values of the rows of displacements at a state: in the nearest direction, linear between the lengths. As the runtime
+/// does it, but constant below the first length instead of falling to 0.
+double at_state(const Model& model, const std::vector<double>& rows, const BoundState& state) {
+  const auto n = static_cast<std::size_t>(model.displacements.rows()) / model.directions.size();
+  std::size_t nearest = 0;
+  double best = -2;
+  for (std::size_t k = 0; k < model.directions.size(); ++k) {
+    const auto& e = model.directions[k];
+    const double along = e[0] * state.direction[0] + e[1] * state.direction[1] + e[2] * state.direction[2];
+    if (along > best) {
+      best = along;
+      nearest = k;
+    }
+  }
+  double before = 0, value = rows[nearest * n];
+  for (std::size_t j = 0; j < n; ++j) {
+    const double length = model.displacements.row(static_cast<Eigen::Index>(nearest * n + j)).norm();
+    const double next = rows[nearest * n + j];
+    if (state.depth_m < length) return value + (next - value) * (state.depth_m - before) / (length - before);
+    before = length;
+    value = next;
+  }
+  return value;
+}
+
+Eigen::Vector4d fit(const Model& model, const BoundPredictors& predictors, const std::vector<BoundState>& states) {
+  Eigen::MatrixXd terms(static_cast<Eigen::Index>(states.size()), n_terms);
+  Eigen::VectorXd errors(static_cast<Eigen::Index>(states.size()));
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const auto& state = states[i];
+    const auto node = static_cast<std::size_t>(state.node);
+    const auto row = static_cast<Eigen::Index>(i);
+    const double largest = predictors.largest_N[node];
+    terms.row(row) =
+        terms_of(largest, at_state(model, predictors.crush[node], state), state.depth_m / model.max_displacement_m);
+    errors[row] = std::log(state.error_N + smallest_error * largest);
+  }
+  // Columns may be constant: bodies without a J, models of one node.
+  return terms.completeOrthogonalDecomposition().solve(errors);
+}
+
+/// Entries of a node's table, rounded up. @param factor  of all bounds
+ScaledTable table_of(const Model& model, std::size_t node, const BoundPredictors& predictors,
+                     const Eigen::Vector4d& coefficients, double factor) {
+  const auto n = model.displacements.rows();
+  Eigen::MatrixXd values(n, 1);
+  Eigen::Vector4d c = shrinkage * coefficients;
+  c[3] += shrinkage * added_depth_power;
+  for (Eigen::Index row = 0; row < n; ++row) {
+    const double depth = model.displacements.row(row).norm() / model.max_displacement_m;
+    const double value =
+        factor * std::exp(terms_of(predictors.largest_N[node], predictors.crush[node][static_cast<std::size_t>(row)],
+                                   std::max(depth, 1e-12)) *
+                          c);
+    values(row, 0) = std::isfinite(value) ? std::min(value, schema::largest_table_value) : schema::largest_table_value;
+  }
+  ScaledTable table = scaled_table(values);
+  for (Eigen::Index row = 0; row < n && table.scale[0] > 0; ++row)
+    table.entries(row, 0) = static_cast<std::int16_t>(
+        std::min<double>(schema::largest_table_entry, std::ceil(values(row, 0) / table.scale[0])));
+  return table;
+}
+
+/// The value at position ceil(share n) in ascending order, or the largest.
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+  return values[std::min(std::max<std::size_t>(at, 1), values.size()) - 1];
+}
+
+std::size_t distinct_nodes(const std::vector<BoundState>& states) {
+  std::vector<std::int32_t> nodes;
+  for (const auto& state : states) nodes.push_back(state.node);
+  std::sort(nodes.begin(), nodes.end());
+  return static_cast<std::size_t>(std::unique(nodes.begin(), nodes.end()) - nodes.begin());
+}
+
+}  // namespace
+
+BoundPredictors bound_predictors(const Model& model, const Database& database) {
+  const auto& header = database.header();
+  if (model.mesh_hash != header.mesh_hash || model.physics_hash != header.physics_hash)
+    throw input_error("the model was not trained on this database",
+                      "physics " + model.physics_hash + ", of the database " + header.physics_hash,
+                      "give the database on which the model was trained");
+  BoundPredictors predictors;
+  const auto n_rows = static_cast<std::size_t>(model.displacements.rows());
+  for (const auto& node : model.nodes) {
+    const auto& active = header.sets.active;
+    const auto found = std::lower_bound(active.begin(), active.end(), node.node);
+    if (found == active.end() || *found != node.node)
+      throw input_error("the database has no rays of a node of the model", "node " + std::to_string(node.node),
+                        "give the database on which the model was trained");
+    auto& crush = predictors.crush.emplace_back(n_rows, crush_of(0));
+    double largest = 0;
+    std::size_t row = 0;
+    for (const auto& ray : database.rays(static_cast<std::int32_t>(found - active.begin())))
+      for (std::size_t i = 0; i < ray.status.size() && row < n_rows; ++i, ++row) {
+        if (ray.status[i] != Status::converged) continue;
+        crush[row] = crush_of(ray.min_jacobian[i]);
+        largest = std::max(largest, std::hypot(ray.force[3 * i], ray.force[3 * i + 1], ray.force[3 * i + 2]));
+      }
+    predictors.largest_N.push_back(largest > 0 ? largest : 1);
+  }
+  return predictors;
+}
+
+Model add_bounds(Model model, const BoundPredictors& predictors, const std::vector<BoundState>& states,
+                 std::int64_t n_rays, double coverage) {
+  if (states.size() < fewest_states)
+    throw input_error("there are too few states inside the trained range to calibrate bounds",
+                      std::to_string(states.size()) + " states", "use more --rays; 1000 rays give about 3000 states");
+  const auto n_nodes = distinct_nodes(states);
+  const Eigen::Vector4d coefficients = fit(model, predictors, states);
+  std::vector<std::vector<double>> values(model.nodes.size());
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    const Eigen::VectorXd column = table_of(model, i, predictors, coefficients, 1).values().col(0);
+    values[i].assign(column.begin(), column.end());
+  }
+  std::vector<double> scores;
+  for (const auto& state : states) {
+    // Below the first displacement the bound falls to 0 linearly.
+    const auto& rows = values[static_cast<std::size_t>(state.node)];
+    const double first = model.displacements.row(0).norm();
+    const double bound = at_state(model, rows, state) * std::min(1.0, state.depth_m / first);
+    scores.push_back(state.error_N / std::max(bound, 1e-300));
+  }
+  // A sample of nodes is a sample of clusters: the next node adds one to their number.
+  const auto n = static_cast<double>(n_nodes < model.nodes.size() ? n_nodes : static_cast<std::size_t>(n_rays));
+  const double factor = quantile(scores, coverage * (1 + 1 / n));
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    model.nodes[i].bounds = {table_of(model, i, predictors, coefficients, factor)};
+  model.bounds = {{coverage, static_cast<std::int32_t>(n_rays), static_cast<std::int32_t>(n_nodes)}};
+  return model;
+}
+
+BoundCoverage coverage_of(const LoadedModel& bounded, const BoundPredictors& predictors,
+                          const std::vector<BoundState>& states) {
+  BoundCoverage coverage;
+  std::vector<double> errors, bounds;
+  std::map<std::int32_t, std::pair<double, double>> of_node;  // sum of bounds over the largest force; number
+  const Model& model = bounded.model();
+  for (const auto& state : states) {
+    Vec3 d;
+    for (std::size_t k = 0; k < 3; ++k) d[k] = state.depth_m * state.direction[k];
+    const auto node = static_cast<std::size_t>(state.node);
+    const auto bound = bounded.error_bound(model.nodes[node].node, d);
+    errors.push_back(state.error_N);
+    bounds.push_back(bound.value_or(0));
+    of_node[state.node].first += bounds.back() / predictors.largest_N[node];
+    of_node[state.node].second += 1;
+  }
+  std::vector<std::pair<double, std::int32_t>> order;
+  for (const auto& [node, sum] : of_node) order.emplace_back(sum.first / sum.second, node);
+  std::sort(order.begin(), order.end());
+  std::map<std::int32_t, std::size_t> quarter;
+  for (std::size_t i = 0; i < order.size(); ++i) quarter[order[i].second] = 4 * i / order.size();
+  std::array<double, 3> n_third{};
+  std::array<double, 4> n_quarter{};
+  double sum = 0, below = 0;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const double holds = errors[i] <= bounds[i] ? 1 : 0;
+    const auto third =
+        std::min<std::size_t>(2, static_cast<std::size_t>(3 * states[i].depth_m / model.max_displacement_m));
+    coverage.thirds[third] += holds;
+    n_third[third] += 1;
+    coverage.quarters[quarter[states[i].node]] += holds;
+    n_quarter[quarter[states[i].node]] += 1;
+    below += holds;
+    sum += bounds[i];
+  }
+  const auto n = static_cast<double>(std::max<std::size_t>(1, states.size()));
+  for (std::size_t i = 0; i < 3; ++i) coverage.thirds[i] /= std::max(1.0, n_third[i]);
+  for (std::size_t i = 0; i < 4; ++i) coverage.quarters[i] /= std::max(1.0, n_quarter[i]);
+  coverage.all = below / n;
+  if (!errors.empty()) coverage.width = sum / n / std::max(quantile(errors, coverage.all), 1e-300);
+  return coverage;
+}
+
+}  // namespace phynness
