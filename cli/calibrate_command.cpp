@@ -23,9 +23,11 @@ void print(const BoundReport& report, const Options& options) {
                report.nodes, report.states, report.failed_rays, duration(report.seconds));
   print_result("median bound of the force's error: {:.3g} N\n", report.median_bound_N);
   print_result(
-      "nodes left out of the calibration: {:.1f} % of the errors are below their bound; by thirds of the depth {:.1f}, "
-      "{:.1f}, {:.1f} %; mean bound {:.2f} of the best constant one\n",
-      100 * c.all, 100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2], c.width);
+      "{} left out of the calibration, a fifth at a time: {:.1f} % of the errors are below their bound; by thirds of "
+      "the "
+      "depth {:.1f}, {:.1f} and {:.1f} %; mean bound {:.2f} of the best constant one\n",
+      report.all_nodes ? "rays" : "nodes", 100 * c.all, 100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2],
+      c.width);
   print_result("model with bounds -> {}\n", options.output.string());
 }
 

@@ -88,6 +88,29 @@ inline nlohmann::ordered_json by_node(const std::vector<ErrorsOfNode>& nodes) {
   return out;
 }
 
+/// How the bounds of a model hold.
+inline nlohmann::ordered_json to_json(const ErrorsAndBounds& e) {
+  const auto number = [](double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nullptr; };
+  const auto numbers = [&](const auto& values) {
+    auto out = nlohmann::ordered_json::array();
+    for (const double value : values) out.push_back(number(value));
+    return out;
+  };
+  const auto& c = e.coverage;
+  nlohmann::ordered_json out{{"states", c.states},
+                             {"coverage", c.all},
+                             {"thirds_of_depth", numbers(c.thirds)},
+                             {"quarters_of_nodes", numbers(c.quarters)},
+                             {"width_over_constant", number(c.width)}};
+  out["at_most"] = nlohmann::ordered_json::array();
+  for (const auto& bound : e.at_most) {
+    auto group = to_json(bound.errors);
+    group["fraction"] = bound.fraction;
+    out["at_most"].push_back(std::move(group));
+  }
+  return out;
+}
+
 /// Adds the groups of probes up to R.
 /// @param nodes  "nodes" or "points"
 inline void add_to_range(nlohmann::ordered_json& out, const ErrorsToRange& e, const std::string& nodes) {
@@ -98,6 +121,7 @@ inline void add_to_range(nlohmann::ordered_json& out, const ErrorsToRange& e, co
   out[worst] = e.worst_nodes;
   out["least_unflagged"] = e.least_unflagged;
   out["unreached"] = to_json(e.unreached);
+  if (e.bounds) out["bounds"] = to_json(*e.bounds);
 }
 
 inline nlohmann::ordered_json to_json(const PointErrors& e) {

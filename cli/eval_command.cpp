@@ -123,8 +123,7 @@ void run_motion(const Options& options) {
 
 /// The bound of the force's error, of a model that has bounds.
 void add_bound(const LoadedModel& model, std::int32_t node, const Vec3& d, json& extra) {
-  double bound = 0;
-  if (model.runtime().bound(node, d, bound) == PHN_ERROR_UNDEFINED) return;
+  if (!model.has_bounds()) return;
   const auto known = model.error_bound(node, d);
   extra["bound_N"] = known ? json(*known) : json(nullptr);
   if (known)

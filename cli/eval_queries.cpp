@@ -130,8 +130,7 @@ void answer_queries(const LoadedModel& model, const std::filesystem::path& file)
   const auto queries = read_queries(file);
   check_nodes(model, queries, file);
   const bool has_energy = model.runtime().info().has_energy != 0;
-  double bound = 0;
-  const bool has_bounds = model.runtime().bound(queries[0].node, {0, 0, 0}, bound) != PHN_ERROR_UNDEFINED;
+  const bool has_bounds = model.has_bounds();
   std::string csv = fmt::format("{},fx_N,fy_N,fz_N{},status,trained_depth_m{}\n", queries_header,
                                 has_energy ? ",energy_J" : "", has_bounds ? ",bound_N" : "");
   const auto out = std::back_inserter(csv);

@@ -93,6 +93,11 @@ double LoadedModel::trained_depth(std::int32_t node, const Vec3& displacement_m)
   return trusted.trained_depth;
 }
 
+bool LoadedModel::has_bounds() const {
+  double bound = 0;
+  return _runtime.bound(_runtime.info().active_nodes[0], Vec3{}, bound) != PHN_ERROR_UNDEFINED;
+}
+
 std::optional<double> LoadedModel::error_bound(std::int32_t node, const Vec3& displacement_m) const {
   double bound = 0;
   const int status = _runtime.bound(node, displacement_m, bound);

@@ -7,6 +7,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/calibrate.hpp>
 #include <phynness/validation/probe_plan.hpp>
+#include <set>
 
 #include "shared_work.hpp"
 
@@ -75,35 +76,35 @@ std::vector<BoundState> states_of(const std::vector<double>& numbers) {
   return states;
 }
 
-/// Every fifth node with the bounds that the other nodes give.
-BoundCoverage left_out(const LoadedModel& model, const BoundPredictors& predictors,
-                       const std::vector<BoundState>& states, std::int64_t n_rays, double coverage) {
+/// Every fifth node with the bounds that the other nodes give; every fifth ray if no node of the model is without rays.
+std::vector<BoundedError> left_out(const LoadedModel& model, const BoundPredictors& predictors,
+                                   const std::vector<BoundState>& states, std::int64_t n_rays, double coverage) {
   constexpr std::size_t n_parts = 5;
-  std::map<std::int32_t, std::size_t> part;
-  for (const auto& state : states) part.emplace(state.node, part.size() % n_parts);
-  BoundCoverage sum;
-  double n = 0;
+  std::set<std::int32_t> nodes;
+  for (const auto& state : states) nodes.insert(state.node);
+  const bool all_nodes = nodes.size() == model.model().nodes.size();
+  const auto key = [&](const BoundState& s) { return std::pair{s.node, all_nodes ? s.direction : Vec3{}}; };
+  std::map<std::pair<std::int32_t, Vec3>, std::size_t> part;
+  for (const auto& state : states) part.emplace(key(state), part.size() % n_parts);
+  std::vector<BoundedError> errors;
   for (std::size_t p = 0; p < std::min(n_parts, part.size()) && part.size() > 1; ++p) {
     std::vector<BoundState> kept, out;
-    for (const auto& state : states) (part[state.node] == p ? out : kept).push_back(state);
+    for (const auto& state : states) (part[key(state)] == p ? out : kept).push_back(state);
     const auto share = static_cast<std::int64_t>(n_rays * static_cast<std::int64_t>(kept.size()) /
                                                  static_cast<std::int64_t>(states.size()));
     const LoadedModel other(add_bounds(model.model(), predictors, kept, std::max<std::int64_t>(1, share), coverage),
                             model.mesh(), "model");
-    const auto now = coverage_of(other, predictors, out);
-    const auto w = static_cast<double>(out.size());
-    sum.all += w * now.all;
-    sum.width += w * now.width;
-    for (std::size_t i = 0; i < 3; ++i) sum.thirds[i] += w * now.thirds[i];
-    for (std::size_t i = 0; i < 4; ++i) sum.quarters[i] += w * now.quarters[i];
-    n += w;
+    const auto now = bounded_errors(other, predictors, out);
+    errors.insert(errors.end(), now.begin(), now.end());
   }
-  n = std::max(n, 1.0);
-  sum.all /= n;
-  sum.width /= n;
-  for (double& x : sum.thirds) x /= n;
-  for (double& x : sum.quarters) x /= n;
-  return sum;
+  return errors;
+}
+
+double median_bound(std::vector<BoundedError> errors) {
+  const auto middle = errors.begin() + std::ssize(errors) / 2;
+  std::nth_element(errors.begin(), middle, errors.end(),
+                   [](const auto& a, const auto& b) { return a.bound_N < b.bound_N; });
+  return middle->bound_N;
 }
 
 }  // namespace
@@ -148,15 +149,11 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
     report.rays = spec.rays;
     report.states = static_cast<std::int64_t>(states.size());
     report.nodes = static_cast<std::int64_t>(n_nodes);
-    report.left_out = left_out(model, predictors, states, spec.rays, spec.coverage);
-    const LoadedModel loaded(bounded, model.mesh(), "model");
-    std::vector<double> bounds;
-    for (const auto& s : states) {
-      const Vec3 d{s.depth_m * s.direction[0], s.depth_m * s.direction[1], s.depth_m * s.direction[2]};
-      bounds.push_back(loaded.error_bound(bounded.nodes[static_cast<std::size_t>(s.node)].node, d).value_or(0));
-    }
-    std::nth_element(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(bounds.size() / 2), bounds.end());
-    report.median_bound_N = bounds[bounds.size() / 2];
+    report.all_nodes = n_nodes == n_active;
+    const double range_m = bounded.max_displacement_m;
+    report.left_out = coverage_of(left_out(model, predictors, states, spec.rays, spec.coverage), range_m);
+    report.median_bound_N =
+        median_bound(bounded_errors(LoadedModel(bounded, model.mesh(), "model"), predictors, states));
   });
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return bounded;

@@ -3,7 +3,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/error_bounds.hpp>
 
@@ -163,47 +162,18 @@ Model add_bounds(Model model, const BoundPredictors& predictors, const std::vect
   return model;
 }
 
-BoundCoverage coverage_of(const LoadedModel& bounded, const BoundPredictors& predictors,
-                          const std::vector<BoundState>& states) {
-  BoundCoverage coverage;
-  std::vector<double> errors, bounds;
-  std::map<std::int32_t, std::pair<double, double>> of_node;  // sum of bounds over the largest force; number
+std::vector<BoundedError> bounded_errors(const LoadedModel& bounded, const BoundPredictors& predictors,
+                                         const std::vector<BoundState>& states) {
+  std::vector<BoundedError> out;
   const Model& model = bounded.model();
   for (const auto& state : states) {
     Vec3 d;
     for (std::size_t k = 0; k < 3; ++k) d[k] = state.depth_m * state.direction[k];
     const auto node = static_cast<std::size_t>(state.node);
     const auto bound = bounded.error_bound(model.nodes[node].node, d);
-    errors.push_back(state.error_N);
-    bounds.push_back(bound.value_or(0));
-    of_node[state.node].first += bounds.back() / predictors.largest_N[node];
-    of_node[state.node].second += 1;
+    out.push_back({state.node, state.depth_m, state.error_N, bound.value_or(0), predictors.largest_N[node]});
   }
-  std::vector<std::pair<double, std::int32_t>> order;
-  for (const auto& [node, sum] : of_node) order.emplace_back(sum.first / sum.second, node);
-  std::sort(order.begin(), order.end());
-  std::map<std::int32_t, std::size_t> quarter;
-  for (std::size_t i = 0; i < order.size(); ++i) quarter[order[i].second] = 4 * i / order.size();
-  std::array<double, 3> n_third{};
-  std::array<double, 4> n_quarter{};
-  double sum = 0, below = 0;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    const double holds = errors[i] <= bounds[i] ? 1 : 0;
-    const auto third =
-        std::min<std::size_t>(2, static_cast<std::size_t>(3 * states[i].depth_m / model.max_displacement_m));
-    coverage.thirds[third] += holds;
-    n_third[third] += 1;
-    coverage.quarters[quarter[states[i].node]] += holds;
-    n_quarter[quarter[states[i].node]] += 1;
-    below += holds;
-    sum += bounds[i];
-  }
-  const auto n = static_cast<double>(std::max<std::size_t>(1, states.size()));
-  for (std::size_t i = 0; i < 3; ++i) coverage.thirds[i] /= std::max(1.0, n_third[i]);
-  for (std::size_t i = 0; i < 4; ++i) coverage.quarters[i] /= std::max(1.0, n_quarter[i]);
-  coverage.all = below / n;
-  if (!errors.empty()) coverage.width = sum / n / std::max(quantile(errors, coverage.all), 1e-300);
-  return coverage;
+  return out;
 }
 
 }  // namespace phynness

@@ -1,8 +1,10 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <cmath>
 #include <map>
 #include <phynness/validation/errors_to_range.hpp>
+#include <span>
 
 namespace phynness {
 namespace {
@@ -42,6 +44,30 @@ std::string sentence(const JudgedProbe& p, const std::string& node) {
                      1e3 * p.displacement_m[2] / depth_mm, where, reason(p), p.flagged ? "warns" : "does not warn");
 }
 
+namespace {
+
+std::string percentages(std::span<const double> shares) {
+  std::string list;
+  for (std::size_t i = 0; i < shares.size(); ++i)
+    list += (i == 0                   ? ""
+             : i + 1 == shares.size() ? " and "
+                                      : ", ") +
+            (std::isnan(shares[i]) ? "-" : fmt::format("{:.1f}", 100 * shares[i]));
+  return list + " %";
+}
+
+std::string sentence(const ErrorsAndBounds& bounds) {
+  const auto& c = bounds.coverage;
+  return fmt::format(
+      "{:.1f} % of {} errors of the force are below the model's bound; in the thirds of the depth {}; in quarters of "
+      "the "
+      "nodes, from the smallest bounds to the largest, {}; the mean bound is {:.2f} of the best constant one; bound to "
+      "10 %: the bound is at most 10 % of the node's largest force",
+      100 * c.all, c.states, percentages(c.thirds), percentages(c.quarters), c.width);
+}
+
+}  // namespace
+
 TableCells table_cells(const std::string& title, const std::vector<NamedErrors>& rows) {
   TableCells out{{title, "probes", "share", "force: mean", "median", "p95", "max", "over 10 %", "displ.: mean",
                   "median", "p95", "max", "linear, force: mean", "p95", "over 10 %", "displ.: mean", "p95"}};
@@ -69,6 +95,11 @@ TableCells table_cells(const ErrorsToRange& errors, const std::string& nodes) {
     rows.push_back({"  worst tenth of the " + nodes, &group->worst_nodes});
   }
   if (errors.beyond.probes > 0) rows.push_back({"beyond R, to 1.43 R", &errors.beyond});
+  std::vector<std::string> names;
+  if (errors.bounds)
+    for (const auto& bound : errors.bounds->at_most)
+      names.push_back(fmt::format("bound to {:.0f} %", 100 * bound.fraction));
+  for (std::size_t i = 0; i < names.size(); ++i) rows.push_back({names[i], &errors.bounds->at_most[i].errors});
   return table_cells(fmt::format("to R = {:.4g} mm, in %", 1e3 * errors.range_m), rows);
 }
 
@@ -87,6 +118,7 @@ std::vector<std::string> remarks(const ErrorsToRange& errors, const std::string&
       fmt::format("the runtime does not warn of {} % of the probes to R; at the tenth of the {} with the most "
                   "warnings, of {} %",
                   in_percent(errors.unflagged.overall.share), nodes, in_percent(errors.least_unflagged)));
+  if (errors.bounds) out.push_back(sentence(*errors.bounds));
   const std::string why = reasons(errors.unreached);
   out.push_back(fmt::format("{} of {} probes to R are not reached by the finite elements{}{}{}",
                             errors.unreached.size(), errors.all.overall.probes, why.empty() ? "" : ": ", why,

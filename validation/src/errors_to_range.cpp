@@ -79,6 +79,27 @@ double least_unflagged(const std::vector<ErrorsOfNode>& nodes) {
   return probes > 0 ? 1 - flagged / probes : 0;
 }
 
+constexpr std::array bound_fractions{0.1, 0.05, 0.02};
+
+ErrorsAndBounds errors_and_bounds(const std::vector<JudgedProbe>& probes, double range_m) {
+  ErrorsAndBounds out;
+  for (const auto& p : probes)
+    if (!p.beyond && p.solved() && p.bound_N < std::numeric_limits<double>::infinity())
+      out.samples.push_back({p.node, p.depth_m(), p.error_N, p.bound_N, p.largest_N});
+  out.coverage = coverage_of(out.samples, range_m);
+  // Probes that the finite elements do not reach have no force to compare with.
+  std::map<std::int32_t, double> largest;
+  for (const auto& p : probes)
+    if (!p.beyond) largest[p.node] = std::max(largest[p.node], p.largest_N);
+  for (const double fraction : bound_fractions)
+    out.at_most.push_back(
+        {fraction,
+         judged(
+             probes, [&](const JudgedProbe& p) { return !p.flagged && p.bound_N <= fraction * largest.at(p.node); },
+             [](const JudgedProbe& p) { return !p.beyond; })});
+  return out;
+}
+
 }  // namespace
 
 JudgedErrors judged(const std::vector<JudgedProbe>& probes, const Belongs& group, const Belongs& part) {
@@ -130,6 +151,8 @@ ErrorsToRange errors_to_range(const std::vector<JudgedProbe>& probes, double ran
   fill(out.unflagged, [](const JudgedProbe& p) { return !p.flagged; });
   fill(out.flagged, [](const JudgedProbe& p) { return p.flagged; });
   out.beyond = judged(probes, any, [](const JudgedProbe& p) { return p.beyond; });
+  if (std::any_of(probes.begin(), probes.end(), [](const auto& p) { return !std::isnan(p.bound_N); }))
+    out.bounds = errors_and_bounds(probes, range_m);
   return out;
 }
 

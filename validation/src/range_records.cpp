@@ -7,8 +7,9 @@
 namespace phynness {
 namespace {
 
-/// Order, node, displacement, beyond, flagged, status, reached depth, four errors of force, two counts.
-constexpr std::size_t judged_head = 15;
+/// Order, node, displacement, beyond, flagged, status, reached depth, four errors of force, error, largest force,
+/// bound, two counts.
+constexpr std::size_t judged_head = 18;
 
 double length_of(const Vec3& v) { return to_eigen(v).norm(); }
 
@@ -24,10 +25,13 @@ JudgedProbe read_judged(const double* row) {
   p.flagged = row[6] > 0;
   p.status = static_cast<Status>(static_cast<int>(row[7]));
   p.reached_m = row[8];
-  const auto n_model = static_cast<std::ptrdiff_t>(row[13]), n_linear = static_cast<std::ptrdiff_t>(row[14]);
+  const auto n_model = static_cast<std::ptrdiff_t>(row[16]), n_linear = static_cast<std::ptrdiff_t>(row[17]);
   const double* u = row + judged_head;
   p.model = {row[9], row[10], {u, u + n_model}};
   p.linear = {row[11], row[12], {u + n_model, u + n_model + n_linear}};
+  p.error_N = row[13];
+  p.largest_N = row[14];
+  p.bound_N = row[15];
   return p;
 }
 
@@ -39,7 +43,8 @@ void JudgedRows::add(std::int64_t order, const JudgedProbe& p) {
   _rows.insert(_rows.end(),
                {static_cast<double>(order), static_cast<double>(p.node), d[0], d[1], d[2], p.beyond ? 1.0 : 0.0,
                 p.flagged ? 1.0 : 0.0, static_cast<double>(p.status), p.reached_m, p.model.force, p.model.force_own,
-                p.linear.force, p.linear.force_own, static_cast<double>(u.size()), static_cast<double>(linear.size())});
+                p.linear.force, p.linear.force_own, p.error_N, p.largest_N, p.bound_N, static_cast<double>(u.size()),
+                static_cast<double>(linear.size())});
   _rows.insert(_rows.end(), u.begin(), u.end());
   _rows.insert(_rows.end(), linear.begin(), linear.end());
 }
@@ -50,7 +55,7 @@ std::vector<JudgedProbe> JudgedRows::gathered(const SolverSession& session) cons
   for (std::size_t at = 0; at + judged_head <= rows.size();) {
     const double* row = rows.data() + at;
     ordered.emplace_back(row[0], read_judged(row));
-    at += judged_head + static_cast<std::size_t>(row[13]) + static_cast<std::size_t>(row[14]);
+    at += judged_head + static_cast<std::size_t>(row[16]) + static_cast<std::size_t>(row[17]);
   }
   std::stable_sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<JudgedProbe> probes;
@@ -96,11 +101,15 @@ void RangeRecords::add(std::size_t entry, const NodeProbes& probes) {
     judged.reached_m = probe.reached_m;
     const auto said = _model.respond({probes.node}, {probe.d});
     judged.flagged = is_flagged(said.status);
+    if (_model.has_bounds())
+      judged.bound_N = _model.error_bound(probes.node, probe.d).value_or(std::numeric_limits<double>::infinity());
+    judged.largest_N = to_R.force_N;
     if (judged.solved()) {
       const auto& state = probes.state(probe);
       const auto& largest = probe.beyond ? all : to_R;
       judged.model =
           probe_errors(*said.force_N[0], said.displacement_m, state.force_FE, state.u_FE, largest, probes.counts);
+      judged.error_N = (to_eigen(*said.force_N[0]) - to_eigen(state.force_FE)).norm();
       judged.linear =
           probe_errors(state.force_linear, state.u_linear, state.force_FE, state.u_FE, largest, probes.counts);
     }

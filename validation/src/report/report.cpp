@@ -151,6 +151,50 @@ std::string verdict(const ErrorStatistics& model, const ErrorStatistics& linear,
   return words + (force->n == 0 ? "; none is noticed" : fmt::format("; {} may be noticed", force->share()));
 }
 
+/// Errors beside their bounds, and the share of errors below their bound by tenths of the depth.
+std::string bound_plots(const ReportInput& in) {
+  const auto& errors = in.validation.to_range;
+  const auto& samples = errors.bounds->samples;
+  const double coverage = 100 * in.model.model().bounds.at(0).coverage;
+  constexpr std::size_t n_parts = 10;
+  std::vector<std::pair<double, double>> points, diagonal, share;
+  std::array<double, n_parts> held{}, drawn{};
+  double largest = 0;
+  for (const auto& s : samples) {
+    if (s.bound_N <= 0 || s.error_N <= 0) continue;
+    points.emplace_back(s.bound_N, s.error_N);
+    largest = std::max(largest, s.bound_N);
+    const double part = std::floor(static_cast<double>(n_parts) * s.depth_m / errors.range_m);
+    const auto at = std::min(n_parts - 1, static_cast<std::size_t>(part));
+    drawn[at] += 1;
+    held[at] += s.error_N <= s.bound_N ? 1 : 0;
+  }
+  if (points.empty()) return "";
+  const double least = std::min_element(points.begin(), points.end())->first;
+  diagonal = {{least, least}, {largest, largest}};
+  for (std::size_t i = 0; i < n_parts; ++i)
+    if (drawn[i] > 0)
+      share.emplace_back(1e3 * errors.range_m * (static_cast<double>(i) + 0.5) / n_parts, 100 * held[i] / drawn[i]);
+  const std::vector<std::pair<double, double>> wanted{{0, coverage}, {1e3 * errors.range_m, coverage}};
+  return "<div class=\"plots\">\n<figure>" +
+         plot({"Errors below the line are below their bound",
+               "bound of the error, N",
+               "error of the force, N",
+               true,
+               {{"probes to R", Mark::points, 0, points}, {"error = bound", Mark::line, 2, diagonal}},
+               true}) +
+         "</figure>\n<figure>" +
+         plot({"Share of errors below their bound",
+               "depth, mm",
+               "probes, %",
+               false,
+               {{"calibrated for", Mark::dashes, 2, wanted}, {"probes to R", Mark::joined_points, 0, share}},
+               false,
+               50,
+               100}) +
+         "</figure>\n</div>\n";
+}
+
 std::string errors(const ReportInput& in) {
   std::vector<std::vector<std::string>> rows{
       {"error in %", "model: mean", "median", "p95", "max", "linear: mean", "p95", "max", "zero: mean", "verdict"}};
@@ -203,6 +247,7 @@ std::string errors(const ReportInput& in) {
     if (in.validation.of(Predictor::model).inside.displacement.n > 0) out += both("Displacement", u, u_linear);
     out += "</div>\n";
   }
+  if (in.validation.to_range.bounds) out += bound_plots(in);
   return section("Errors", out);
 }
 

@@ -15,7 +15,9 @@ struct BoundSpec {
 
 struct BoundReport {
   std::int64_t rays = 0, failed_rays = 0, states = 0, nodes = 0;
-  BoundCoverage left_out;     ///< each fifth of the nodes with the bounds that the others give
+  bool all_nodes = false;  ///< of the model have rays
+  /// Each fifth of the nodes with the bounds that the others give; of the rays if all nodes have rays.
+  BoundCoverage left_out;
   double median_bound_N = 0;  ///< of the states
   double seconds = 0;
 };

@@ -4,7 +4,10 @@
 
 #include <array>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <phynness/formats/database.hpp>
+#include <phynness/validation/bound_coverage.hpp>
 #include <phynness/validation/error_statistics.hpp>
 #include <string>
 #include <vector>
@@ -31,6 +34,9 @@ struct JudgedProbe {
   bool flagged = false;  ///< the runtime warns of this state (is_flagged)
   Status status = Status::not_solved;
   double reached_m = 0;  ///< deepest converged depth of the ray if the probe was not solved; negative: not known
+  double error_N = 0, largest_N = 0;  ///< |f - f_FE|, and largest |f_FE| of the node; of solved probes
+  /// Bound of error_N; infinite outside of the trained range. Not a number: the model has no bounds.
+  double bound_N = std::numeric_limits<double>::quiet_NaN();
   ProbeErrors model, linear;
   bool solved() const { return status == Status::converged; }
   double depth_m() const;
@@ -66,6 +72,19 @@ struct ErrorsOfNode {
   double force = 0, force_max = 0, displacement = 0;  ///< means and the maximum; undefined (nan) if nothing was solved
 };
 
+/// Probes whose bound is at most a fraction of the largest force of their node.
+struct ErrorsToBound {
+  double fraction = 0;
+  JudgedErrors errors;  ///< share: of all probes up to R
+};
+
+/// The bounds of a model over its probes up to R.
+struct ErrorsAndBounds {
+  BoundCoverage coverage;
+  std::vector<ErrorsToBound> at_most;  ///< descending fractions
+  std::vector<BoundedError> samples;
+};
+
 struct ErrorsToRange {
   double range_m = 0;                   ///< R of the scene
   JudgedGroup all, unflagged, flagged;  ///< depth in (0, R]
@@ -76,6 +95,7 @@ struct ErrorsToRange {
   double least_unflagged = 0;          ///< unflagged share at the tenth of the nodes where it is smallest
   std::vector<JudgedProbe> unreached;  ///< probes up to R that the finite elements do not reach, without errors
   std::int64_t unreached_beyond = 0;
+  std::optional<ErrorsAndBounds> bounds;  ///< of a model that has bounds
 };
 
 using Belongs = std::function<bool(const JudgedProbe&)>;

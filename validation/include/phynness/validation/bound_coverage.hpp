@@ -1,0 +1,29 @@
+// How bounds of the force's error hold for solved displacements.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace phynness {
+
+/// A solved displacement inside the trained range.
+struct BoundedError {
+  std::int32_t node = 0;
+  double depth_m = 0, error_N = 0, bound_N = 0;
+  double largest_N = 0;  ///< force of the node to which its bounds are compared
+};
+
+/// Shares of the displacements whose error is at most the bound.
+struct BoundCoverage {
+  std::int64_t states = 0;
+  double all = 0;
+  std::array<double, 3> thirds{};    ///< of the depth; nan without states
+  std::array<double, 4> quarters{};  ///< of the nodes, by the mean of bound over largest force; nan without states
+  double width = 0;                  ///< mean bound over the best constant bound of the same coverage
+};
+
+/// @param range_m  length of which thirds are taken
+BoundCoverage coverage_of(const std::vector<BoundedError>& errors, double range_m);
+
+}  // namespace phynness
