@@ -37,6 +37,7 @@ json to_json(const BoundReport& report, const Model& model) {
           {"rays", report.rays},
           {"failed_rays", report.failed_rays},
           {"nodes", report.nodes},
+          {"all_nodes", report.all_nodes},
           {"states", report.states},
           {"median_bound_N", report.median_bound_N},
           {"left_out",

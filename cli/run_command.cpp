@@ -1,5 +1,5 @@
-// Runs mesh, precompute, train, validate and view. Each is a separate process, so that the parallel stages run under
-// mpirun and training uses threads.
+// Runs mesh, precompute, train, calibrate, validate and view. Each is a separate process, so that the parallel stages
+// run under mpirun and training uses threads.
 #include <chrono>
 #include <fstream>
 #include <phynness/formats/database.hpp>
@@ -45,12 +45,11 @@ double size_of(const std::filesystem::path& what) {
 }
 
 void declare_files(const Options& options) {
-  for (const char* name : {"mesh.msh", "mesh.json", "precompute.json", "train.json", "validate.json"})
+  for (const char* name : {"mesh.msh", "mesh.json", "precompute.json", "train.json", "calibrate.json", "validate.json"})
     declare_output("--output", options.output / name);
   declare_output("--output", options.output / "database.h5", OutputKind::database);
   declare_output("--output", options.output / "model", OutputKind::model);
   declare_output("--output", options.output / "organ.html");
-  open_scene(options.scene);
 }
 
 /// A folder with the database of another scene is refused before its mesh is replaced. @throws Error (input)
@@ -62,18 +61,19 @@ void refuse_other_database(const Options& options) {
 }
 
 /// The figures of all stages in one file.
-void write_figures(const Options& options) {
+void write_figures(const Options& options, const std::vector<Stage>& stages) {
   if (!options.json_file) return;
   json all;
-  for (const char* name : {"mesh", "precompute", "train", "validate"}) {
-    std::ifstream file(options.output / (std::string(name) + ".json"));
-    all[name] = json::parse(file);
+  for (const auto& stage : stages) {
+    std::ifstream file(options.output / (std::string(stage.title) + ".json"));
+    if (file) all[stage.title] = json::parse(file);
   }
   write_json(options.json_file, all);
 }
 
 void run(const Options& options) {
   declare_files(options);
+  const Family family = open_scene(options.scene).training.family;
   refuse_other_database(options);
   install_stop_handler(false);
   std::error_code code;
@@ -95,6 +95,16 @@ void run(const Options& options) {
   stages.push_back(stage("precompute", in("database.h5"), precompute, options.ranks));
   stages.push_back(stage("train", in("model"),
                          {self, "train", scene, in("database.h5"), "-o", in("model"), "--json", in("train.json")}, 1));
+  if (!schema::traits(family).proportional) {
+    const std::vector<std::string> calibrate{self, "calibrate", in("model"), in("database.h5"),
+                                             "-o", in("model"), "--json",    in("calibrate.json")};
+    try {
+      stages.push_back(stage("calibrate", in("model"), calibrate, options.ranks));
+    } catch (const Error&) {
+      if (stop_requested()) throw;
+      message("warning: the model has no error bounds; the reason is above\n");
+    }
+  }
   stages.push_back(stage("validate", in("validate.json"),
                          {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks));
   if (embedded_page("view.html"))
@@ -108,15 +118,15 @@ void run(const Options& options) {
   for (const auto& s : stages)
     print_result("{:<12} {:>12} {:>10}  {}\n", s.title, duration(s.seconds), bytes(size_of(s.written)),
                  s.written.string());
-  write_figures(options);
+  write_figures(options, stages);
 }
 
 }  // namespace
 
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command =
-      app.add_subcommand("run", "Run the whole pipeline: mesh, precompute, train, validate, view -> OUT_DIR");
+  auto* command = app.add_subcommand(
+      "run", "Run the whole pipeline: mesh, precompute, train, calibrate, validate, view -> OUT_DIR");
   add_path(*command, "SCENE", options->scene, InputKind::whole, "scene file (formats/scene.md)")->required();
   add_path(*command, "-o,--output", options->output, OutputKind::folder, "folder for all output files")->required();
   command->add_option("--ranks", options->ranks, "number of processes for the finite element stages (mpirun)")

@@ -10,6 +10,7 @@
 #include <phynness/validation/report.hpp>
 #include <phynness/validation/surface_points.hpp>
 #include <phynness/validation/tool_pairs.hpp>
+#include <phynness/validation/trained_share.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -148,6 +149,7 @@ void print(const Compared& compared, const Measured& m, int ranks) {
   print_conditions(compared.scene, report);
   print_table(report, model.fields);
   print_to_range(report.to_range);
+  print_result("{}\n", sentence(trained_share(model), model));
   print_summary(report);
   print_worse(worse_than_linear(report));
   print_examples(report);

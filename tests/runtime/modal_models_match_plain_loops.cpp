@@ -52,7 +52,7 @@ Response plain(const Model& model, const ActiveNodeModel& node, const Vector3d& 
     r.energy_terms += 4 * R * size * size * b.norm();
     r.stiffness_terms += 8 / R * b.norm();
   }
-  const SharedModes& shared = model.shared;
+  const phynness::SharedModes& shared = model.shared;
   Eigen::VectorXd basis(static_cast<Eigen::Index>(shared.centers.size()) + 3);
   for (std::size_t i = 0; i < shared.centers.size(); ++i) {
     const Vector3d c = center(shared.centers[i]);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <phynness/validation/trained_share.hpp>
 
 namespace phynness::report {
 namespace {
@@ -43,6 +44,16 @@ Json node_errors(const ValidationReport& validation, const std::map<std::int32_t
   return all;
 }
 
+/// Share of the probe volume of each active node that the model has not trained.
+Json not_trained(const Model& model, const std::map<std::int32_t, std::int32_t>& rows) {
+  const auto share = trained_share(model);
+  Json all = Json::array();
+  for (std::size_t i = 0; i < model.nodes.size(); ++i)
+    if (const auto row = rows.find(model.nodes[i].node); row != rows.end())
+      all.push_back({row->second, std::round(1e4 * (1 - share.of_node[i])) / 1e4});
+  return all;
+}
+
 }  // namespace
 
 std::string body_data(const ReportInput& in) {
@@ -65,9 +76,13 @@ std::string body_data(const ReportInput& in) {
                      {"model_m", rounded(state.model_m, size_m)}});
   Json errors = Json::array();
   for (const double e : in.validation.output_error) errors.push_back(std::round(1e6 * e) / 1e6);
-  return Json{
-      {"points_m", rounded(points, size_m)}, {"n_output", model.output.size()},           {"triangles", triangles},
-      {"displacement_error", errors},        {"nodes", node_errors(in.validation, rows)}, {"cases", cases}}
+  return Json{{"points_m", rounded(points, size_m)},
+              {"n_output", model.output.size()},
+              {"triangles", triangles},
+              {"displacement_error", errors},
+              {"nodes", node_errors(in.validation, rows)},
+              {"not_trained", not_trained(model, rows)},
+              {"cases", cases}}
       .dump();
 }
 

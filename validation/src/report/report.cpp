@@ -9,6 +9,7 @@
 #include <phynness/formats/locking.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/report.hpp>
+#include <phynness/validation/trained_share.hpp>
 
 #include "body_data.hpp"
 #include "conservation.hpp"
@@ -219,7 +220,9 @@ std::string errors(const ReportInput& in) {
         [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement_moving; });
     row("field, relative L2", [](const GroupErrors& e) -> const ErrorStatistics& { return e.field_l2; });
   }
+  const Model& model = in.model.model();
   std::string out = table(rows) + table(table_cells(in.validation.to_range));
+  out += "<p>" + escaped(sentence(trained_share(model), model)) + ".</p>\n";
   for (const auto& remark : remarks(in.validation.to_range)) out += "<p>" + escaped(remark) + ".</p>\n";
   for (const bool outside : {false, true}) {
     std::vector<double> force, force_linear, u, u_linear;

@@ -76,6 +76,9 @@ export class Body {
     this.maps = [
       { name: 'Mean error of the displacement', shown: map('Mean error of the displacement', data.displacement_error.map((e, i) => [i, e] as const), '') },
       { name: 'Mean error of the force at the probed nodes', shown: map('Mean error of the force', data.nodes.map(({ row, force_error }) => [row, force_error] as const), 'Grey: not probed') },
+      ...(data.not_trained.some(([, share]) => share > 0)
+        ? [{ name: 'Where the trained range ends early', shown: map('Share of the probe volume beyond the trained range', data.not_trained, 'Grey: no active node') }]
+        : []),
     ];
     const label = document.createElement('label');
     label.textContent = 'Show ';

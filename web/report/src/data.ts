@@ -17,6 +17,8 @@ export interface BodyData {
   readonly triangles: readonly number[];
   /** mean by output node, fractions */
   readonly displacement_error: readonly number[];
+  /** row of an active node and share of its probe volume that the model has not trained */
+  readonly not_trained: readonly (readonly [number, number])[];
   readonly nodes: readonly { readonly node: number; readonly row: number; readonly force_error: number }[];
   readonly cases: readonly BodyCase[];
 }

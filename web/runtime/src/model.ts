@@ -1,7 +1,7 @@
 // A trained model and its working memory.
 import { Contact } from './contact.js';
 import { bytesOf, Engine, integer, Owner } from './engine.js';
-import { warningsOf, type Warning } from './status.js';
+import { undefinedHere, warningsOf, type Warning } from './status.js';
 import { Surface } from './surface.js';
 import { putVector, toolFrom, type Tool, type Vector } from './tool.js';
 import { Tools } from './tools.js';
@@ -133,6 +133,16 @@ export class Model extends Owner {
       distance: engine.real(args + at.out + bytesOf('phn_trusted.distance')),
       relative: engine.real(args + at.out + bytesOf('phn_trusted.relative')),
     };
+  }
+
+  /** Bound [N] of the error of a force; null where the model has none: outside of the trained range, or without `phynness calibrate`. */
+  bound(node: number, d: Vector): number | null {
+    const { engine, args } = this;
+    this.put(d);
+    const status = engine.f['phn_bound']!(this.model, integer(node), args + at.d, args + at.out);
+    if (status === undefinedHere || warningsOf(status).includes('outside')) return null;
+    if (status < 0) throw engine.error(status, 'phn_bound');
+    return engine.real(args + at.out);
   }
 
   /** The tool at the point of the undeformed surface that is nearest to x [m]. */

@@ -3,6 +3,9 @@
 export const warnings = { outside: 1, incomplete: 2, unsettled: 4 } as const;
 export type Warning = keyof typeof warnings;
 
+/** Status of what a model does not define. */
+export const undefinedHere = -7;
+
 const errorNames: Readonly<Record<number, string>> = {
   [-1]: 'PHN_ERROR_ARGUMENT',
   [-2]: 'PHN_ERROR_NOT_ACTIVE',

@@ -20,6 +20,8 @@ export interface Answer {
   readonly stiffness: Float64Array | null;
   /** of a tool at a node */
   readonly trust: TrustFigure | null;
+  /** of the error of the force [N], of a tool at a node inside the trained range; null also for models without bounds */
+  readonly bound: number | null;
   /** of the spheres; empty for tools */
   readonly touches: readonly Touch[];
   /** largest distance of a tool from its point [m] */
@@ -55,6 +57,10 @@ export class Runtime {
   }
   get levels(): readonly Level[] {
     return this.model.levels;
+  }
+  /** Bounds are those of the full model. */
+  private get atFullLevel(): boolean {
+    return this.model.level === this.levels.length - 1;
   }
   /** @param level  index of levels; null: the full model */
   setLevel(level: number | null): void {
@@ -106,7 +112,7 @@ export class Runtime {
     }
     return {
       ...nothing, status, warnings, forces: [row(force, 0)], energy: energy ?? null, stiffness: stiffness ?? null,
-      trust: this.model.trust(node, d),
+      trust: this.model.trust(node, d), bound: this.atFullLevel ? this.model.bound(node, d) : null,
     };
   }
 
@@ -155,7 +161,7 @@ export class Runtime {
 }
 
 const nothing: Answer = {
-  status: 0, warnings: [], forces: [], energy: null, stiffness: null, trust: null, touches: [], residual: 0,
+  status: 0, warnings: [], forces: [], energy: null, stiffness: null, trust: null, bound: null, touches: [], residual: 0,
 };
 
 function attempt<T>(make: () => T): T | null {

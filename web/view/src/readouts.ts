@@ -37,7 +37,7 @@ export class Readouts {
     const touching = state.mode === 'hold' ? tools.length > 0 : (answer.touches[0]?.inContact ?? false);
     const last = forces.at(-1);
     setText(this.newtons, last ? significant(norm(last), 6) : '0');
-    const verdict = verdictOf(answer.warnings, answer.trust);
+    const verdict = verdictOf(answer.warnings, answer.trust, last && answer.bound !== null ? answer.bound / norm(last) : null);
     this.trust.dataset['kind'] = touching ? verdict.kind : 'unknown';
     setText(this.trust, touching ? verdict.word : state.mode === 'sphere' ? 'no contact' : 'at rest');
     setText(this.reason, touching ? this.reasonOf(session, verdict.reason) : 'Nothing touches the body.');
@@ -72,6 +72,7 @@ export class Readouts {
       facts.push(['Depth', withUnit(norm(tool.displacement), 'm', 4)]);
       const { trainedDepth } = answer.trust ?? {};
       if (trainedDepth !== undefined) facts.push(['Trained to', withUnit(trainedDepth, 'm', 3)]);
+      if (answer.bound !== null) facts.push(['Error of the force', `at most ${withUnit(answer.bound, 'N', 2)}, for 95 % of random displacements`]);
     }
     const [touch] = answer.touches;
     if (state.mode === 'sphere' && touch?.inContact) {
