@@ -121,13 +121,9 @@ void run_motion(const Options& options) {
   answer_motion(model, motion, name, tool.json_file);
 }
 
-/// The bound of the force's error, of a model that has bounds.
-void add_bound(const LoadedModel& model, std::int32_t node, const Vec3& d, json& extra) {
-  if (!model.has_bounds()) return;
-  const auto known = model.error_bound(node, d);
-  extra["bound_N"] = known ? json(*known) : json(nullptr);
-  if (known)
-    print_result("error of the force: at most {:.3g} N for {:g} % of random displacements\n", *known,
+void print_bound(const LoadedModel& model, const std::optional<double>& bound_N) {
+  if (bound_N)
+    print_result("error of the force: at most {:.3g} N for {:g} % of random displacements\n", *bound_N,
                  100 * model.model().bounds.at(0).coverage);
   else
     print_result("error of the force: unknown outside of the trained range\n");
@@ -154,9 +150,14 @@ void run(const Options& options) {
     message("warning: {}{}\n", phn_status_message(response.status),
             lengths_outside(model, response.status, places, displacements));
   json extra{{"status", response.status}, {"family", model.runtime().info().family}, {"level", model.data().level()}};
-  if (!coupled && places.size() == 1) add_bound(model, options.tool.nodes.front(), displacements.front(), extra);
-  if (!coupled && places.size() == 1)
-    extra["trained_distance"] = model.trained_distance(options.tool.nodes.front(), displacements.front());
+  const bool single = !coupled && places.size() == 1, bounded = single && model.has_bounds();
+  std::optional<double> bound_N;
+  if (single) {
+    const auto node = options.tool.nodes.front();
+    extra["trained_distance"] = model.trained_distance(node, displacements.front());
+    if (bounded) bound_N = model.error_bound(node, displacements.front());
+  }
+  if (bounded) extra["bound_N"] = bound_N ? json(*bound_N) : json(nullptr);
   if (coupled) {
     extra["residual"] = response.coupled.residual;
   }
@@ -173,6 +174,7 @@ void run(const Options& options) {
     const auto n = write_fine_surface(model, response.displacement_m, options.levels, *options.surface, info.title);
     message("surface of {} vertices: {}\n", n, options.surface->string());
   });
+  if (bounded) print_bound(model, bound_N);
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ void declare_files(const Options& options) {
     declare_output("--output", options.output / name);
   declare_output("--output", options.output / "database.h5", OutputKind::database);
   declare_output("--output", options.output / "model", OutputKind::model);
+  declare_output("--output", options.output / "model-with-bounds", OutputKind::model);
   declare_output("--output", options.output / "organ.html");
 }
 
@@ -69,6 +70,24 @@ void write_figures(const Options& options, const std::vector<Stage>& stages) {
     if (file) all[stage.title] = json::parse(file);
   }
   write_json(options.json_file, all);
+}
+
+/// Replaces the model by the same with error bounds. Without them it can be used as well.
+void calibrate(const Options& options, const std::string& self, std::vector<Stage>& stages) {
+  const auto model = options.output / "model", bounded = options.output / "model-with-bounds";
+  const auto figures = options.output / "calibrate.json", database = options.output / "database.h5";
+  try {
+    stages.push_back(stage(
+        "calibrate", model / "model.txt",
+        {self, "calibrate", model.string(), database.string(), "-o", bounded.string(), "--json", figures.string()},
+        options.ranks));
+  } catch (const Error&) {
+    if (stop_requested()) throw;
+    message("warning: the model has no error bounds; the reason is above\n");
+    return;
+  }
+  std::filesystem::rename(bounded / "model.txt", model / "model.txt");
+  std::filesystem::remove_all(bounded);
 }
 
 void run(const Options& options) {
@@ -95,16 +114,7 @@ void run(const Options& options) {
   stages.push_back(stage("precompute", in("database.h5"), precompute, options.ranks));
   stages.push_back(stage("train", in("model"),
                          {self, "train", scene, in("database.h5"), "-o", in("model"), "--json", in("train.json")}, 1));
-  if (!schema::traits(family).proportional) {
-    const std::vector<std::string> calibrate{self, "calibrate", in("model"), in("database.h5"),
-                                             "-o", in("model"), "--json",    in("calibrate.json")};
-    try {
-      stages.push_back(stage("calibrate", in("model"), calibrate, options.ranks));
-    } catch (const Error&) {
-      if (stop_requested()) throw;
-      message("warning: the model has no error bounds; the reason is above\n");
-    }
-  }
+  if (!schema::traits(family).proportional) calibrate(options, self, stages);
   stages.push_back(stage("validate", in("validate.json"),
                          {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks));
   if (embedded_page("view.html"))

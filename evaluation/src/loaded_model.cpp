@@ -95,7 +95,8 @@ double LoadedModel::trained_depth(std::int32_t node, const Vec3& displacement_m)
 
 bool LoadedModel::has_bounds() const {
   double bound = 0;
-  return _runtime.bound(_runtime.info().active_nodes[0], Vec3{}, bound) != PHN_ERROR_UNDEFINED;
+  return _data.level() + 1 == _runtime.n_levels() &&
+         _runtime.bound(_runtime.info().active_nodes[0], Vec3{}, bound) != PHN_ERROR_UNDEFINED;
 }
 
 std::optional<double> LoadedModel::error_bound(std::int32_t node, const Vec3& displacement_m) const {

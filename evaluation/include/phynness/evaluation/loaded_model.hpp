@@ -52,7 +52,7 @@ class LoadedModel {
   double trained_distance(std::int32_t node, const Vec3& displacement_m) const;
   /// Depth [m] of the trained range in the direction of `displacement_m` (formats/model.md, Range).
   double trained_depth(std::int32_t node, const Vec3& displacement_m) const;
-  /// Whether `phynness calibrate` has added bounds to the model.
+  /// Whether `phynness calibrate` has added bounds to the model, and the full level is set, of which they are.
   bool has_bounds() const;
   /// Bound [N] of the error of the force; none outside of the trained range or if the model has no bounds.
   std::optional<double> error_bound(std::int32_t node, const Vec3& displacement_m) const;
