@@ -132,5 +132,54 @@ TEST(ErrorsToRange, AWarningOfTheNodeIsNotOneOfTheState) {
   EXPECT_TRUE(is_flagged(PHN_WARNING_UNSETTLED));
 }
 
+// Claim: the shares of errors below their bound, by thirds of the depth and quarters of the nodes, and the width of the
+// bounds are those of this table. The best constant bound for 5 of 6 errors is the fifth smallest, 0.5.
+TEST(BoundCoverage, IsThatOfASheetOfPaper) {
+  const std::vector<BoundedError> errors{
+      {7, 0.1, 0.1, 0.2, 1}, {7, 0.5, 0.2, 0.2, 1},   // bounds 0.2 of the largest force
+      {3, 0.2, 0.3, 0.2, 2}, {3, 0.9, 0.1, 0.4, 2},   // 0.15, one error above its bound
+      {5, 1.0, 0.5, 0.9, 1}, {5, 0.6, 0.8, 0.8, 1}};  // 0.85
+  const auto c = coverage_of(errors, 1.0);
+  EXPECT_EQ(c.states, 6);
+  EXPECT_DOUBLE_EQ(c.all, 5.0 / 6);
+  EXPECT_DOUBLE_EQ(c.thirds[0], 0.5);
+  EXPECT_DOUBLE_EQ(c.thirds[1], 1);
+  EXPECT_DOUBLE_EQ(c.thirds[2], 1);
+  EXPECT_DOUBLE_EQ(c.quarters[0], 0.5);  // node 3
+  EXPECT_DOUBLE_EQ(c.quarters[1], 1);    // node 7
+  EXPECT_DOUBLE_EQ(c.quarters[2], 1);    // node 5
+  EXPECT_TRUE(std::isnan(c.quarters[3]));
+  EXPECT_DOUBLE_EQ(c.width, 2.7 / 6 / 0.5);
+  EXPECT_EQ(coverage_of({}, 1.0).states, 0);
+}
+
+// Claim: probes whose bound is at most a fraction of the largest force form a group with a share of all probes up to R;
+// probes outside of the trained range and beyond R are in none.
+TEST(BoundCoverage, GroupsProbesByTheirBound) {
+  std::vector<JudgedProbe> probes(4);
+  for (auto& p : probes) {
+    p.node = 1;
+    p.displacement_m = {0.5, 0, 0};
+    p.status = Status::converged;
+    p.largest_N = 2;
+    p.error_N = 0.01;
+    p.bound_N = 0.03;
+  }
+  probes[1].bound_N = 0.15;
+  probes[2].bound_N = std::numeric_limits<double>::infinity();
+  probes[2].flagged = true;
+  probes[3].beyond = true;
+  const auto e = errors_to_range(probes, 1);
+  ASSERT_TRUE(e.bounds);
+  EXPECT_EQ(e.bounds->coverage.states, 2);
+  ASSERT_EQ(e.bounds->at_most.size(), 3U);
+  EXPECT_EQ(e.bounds->at_most[0].errors.probes, 2);  // 0.1: to 0.2 N
+  EXPECT_EQ(e.bounds->at_most[1].errors.probes, 1);  // 0.05: to 0.1 N
+  EXPECT_EQ(e.bounds->at_most[2].errors.probes, 1);
+  EXPECT_DOUBLE_EQ(e.bounds->at_most[2].errors.share, 1.0 / 3);
+  for (auto& p : probes) p.bound_N = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(errors_to_range(probes, 1).bounds);
+}
+
 }  // namespace
 }  // namespace phynness

@@ -1,0 +1,96 @@
+// Claims about `phynness calibrate`: everything in the model but the bounds stays the same; about 95 % of the errors
+// that `validate` measures at other displacements are below the bound; the result depends on the seed but not on the
+// number of ranks; eval, info and validate show the bounds; a database of another scene, a linear model and too few
+// rays are refused, and an interrupted calibration writes nothing.
+#include <phynness/formats/model.hpp>
+
+#include "command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+class Calibrate : public CommandLine {
+ protected:
+  void SetUp() override {
+    CommandLine::SetUp();
+    write_file(folder / "scene.toml", small_scene("P1", 3));
+    ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+    ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal --force-centers 8").exit_status, 0);
+  }
+};
+
+TEST_F(Calibrate, BoundsHoldAndNothingElseChanges) {
+  const auto done = phynness("calibrate m d.h5 -o b --rays 200 --json c.json");
+  ASSERT_EQ(done.exit_status, 0) << done.err;
+  expect_names(done.out, {"200 random rays at 2 nodes", "rays left out", "model with bounds -> b"});
+  const auto c = json("c.json");
+  EXPECT_EQ(c.at("coverage"), 0.95);
+  EXPECT_EQ(c.at("all_nodes"), true);
+  // A share of 600 states of 200 rays with three states each scatters by 0.015.
+  EXPECT_NEAR(c.at("left_out").at("coverage").get<double>(), 0.95, 0.045);
+  EXPECT_GT(c.at("median_bound_N").get<double>(), 0);
+
+  auto [plain, mesh] = read_model_dir(folder / "m");
+  auto [bounded, same_mesh] = read_model_dir(folder / "b");
+  EXPECT_EQ(bounded.bounds.at(0).n_rays, 200);
+  EXPECT_EQ(bounded.bounds.at(0).n_nodes, 2);
+  bounded.bounds.clear();
+  for (auto& node : bounded.nodes) node.bounds.clear();
+  EXPECT_EQ(write_model_text(bounded), write_model_text(plain));
+
+  ASSERT_EQ(phynness("validate scene.toml b --probes 200 --json v.json --report r.html").exit_status, 0);
+  const auto bounds = json("v.json").at("bounds");
+  EXPECT_EQ(bounds.at("states"), 100);
+  EXPECT_NEAR(bounds.at("coverage").get<double>(), 0.95,
+              0.09);  // 100 states scatter by 0.022, the calibration by 0.015
+  EXPECT_GE(bounds.at("at_most").at(0).at("share"), bounds.at("at_most").at(2).at("share"));
+  EXPECT_NE(read_file(folder / "r.html").find("Share of errors below their bound"), std::string::npos);
+
+  const auto node = std::to_string(plain.nodes[0].node);
+  expect_names(phynness("info b").out, {"bounds    of the force's error, for 95 % of random displacements"});
+  expect_names(phynness("eval b --node " + node + " --displacement 0,0,-0.004 --json e.json").out,
+               {"error of the force: at most", "for 95 % of random displacements"});
+  EXPECT_GT(json("e.json").at("bound_N").get<double>(), 0);
+  expect_names(phynness("eval b --node " + node + " --displacement 0,0,-0.5 --json e.json").out,
+               {"error of the force: unknown outside"});
+  EXPECT_TRUE(json("e.json").at("bound_N").is_null());
+  ASSERT_EQ(phynness("eval m --node " + node + " --displacement 0,0,-0.004 --json e.json").exit_status, 0);
+  EXPECT_FALSE(json("e.json").contains("bound_N"));
+}
+
+TEST_F(Calibrate, RanksDoNotMatterButTheSeedDoes) {
+  ASSERT_EQ(phynness("calibrate m d.h5 -o one --rays 100").exit_status, 0);
+  ASSERT_EQ(shell("mpirun --oversubscribe -n 2 \"$PHYNNESS\" calibrate m d.h5 -o two --rays 100").exit_status, 0);
+  ASSERT_EQ(phynness("calibrate m d.h5 -o other --rays 100 --seed 2").exit_status, 0);
+  const auto one = read_file(folder / "one" / "model.txt");
+  EXPECT_EQ(read_file(folder / "two" / "model.txt"), one);
+  EXPECT_NE(read_file(folder / "other" / "model.txt"), one);
+}
+
+TEST_F(Calibrate, RefusesWhatCannotBeCalibrated) {
+  auto scene = small_scene("P1", 3);
+  scene.replace(scene.find("0.008"), 5, "0.007");
+  write_file(folder / "other.toml", scene);
+  ASSERT_EQ(phynness("precompute other.toml -o other.h5").exit_status, 0);
+  const auto other = phynness("calibrate m other.h5 -o b");
+  EXPECT_EQ(other.exit_status, 2);
+  expect_names(other.err, {"the model was not trained on this database"});
+
+  scene = small_scene("P1", 3);
+  scene.replace(scene.find("neo-hookean"), 11, "linear");
+  write_file(folder / "linear.toml", scene);
+  ASSERT_EQ(phynness("precompute linear.toml -o linear.h5").exit_status, 0);
+  ASSERT_EQ(phynness("train linear.toml linear.h5 -o linear --family linear").exit_status, 0);
+  const auto linear = phynness("calibrate linear linear.h5 -o b");
+  EXPECT_EQ(linear.exit_status, 2);
+  expect_names(linear.err, {"a linear model is exact and needs no bounds"});
+
+  EXPECT_EQ(phynness("calibrate m d.h5 -o b --rays 10").exit_status, 2);
+  EXPECT_EQ(phynness("calibrate m d.h5 -o m").exit_status, 2);
+  const auto stopped = shell("timeout -s INT 0.4 \"$PHYNNESS\" calibrate m d.h5 -o b --rays 100000");
+  EXPECT_NE(stopped.exit_status, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "b"));
+}
+
+}  // namespace
+}  // namespace phynness::test
