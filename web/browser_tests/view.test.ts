@@ -128,6 +128,7 @@ describe(`the page in ${browserName}`, () => {
       const [force] = evaluated([{ node: front, displacement: tool!.displacement }]);
       const shown = await textAt(page, '#newtons');
       expect(shown).toBe(six(size(force!)));
+      expect(await textAt(page, '#quantities')).toMatch(/Error of the force\s*at most [0-9.]+ m?N, for 95 %/);
       table.push(`node ${front}, ${dx} and ${dy} pixels, ${(1e3 * size(tool!.displacement)).toFixed(2)} mm: page ${shown} N, eval ${six(size(force!))} N`);
       // The vertex itself, in single precision.
       const point = await ask<V3>(page, `phynness.point(${front})`);
@@ -151,6 +152,10 @@ describe(`the page in ${browserName}`, () => {
     const expected = rows.map((row) => [0, 1, 2].map((k) => Number(row[first + k])));
     const largest = Math.max(...expected.map(size)), off = Math.max(...expected.map((f, i) => size(f.map((x, k) => x - forces[i]![k]!))));
     expect(expected.length).toBe(100);
+    const bounds = await ask<(number | null)[]>(page, `${JSON.stringify(queries)}.map(({ node, d }) => phynness.model.bound(node, d))`);
+    const last = rows.map((row) => row[head!.indexOf('bound_N')]!);
+    expect(bounds.map((bound) => bound === null)).toEqual(last.map((text) => text === ''));
+    bounds.forEach((bound, i) => bound !== null && expect(Math.abs(bound - Number(last[i]))).toBeLessThanOrEqual(1e-12 * bound));
     expect(off / largest).toBeLessThan(1e-12); // the order of additions is the same, the exponential function is another
   });
 

@@ -77,6 +77,23 @@ describe('the sample model', () => {
     expect(model.force(node, [0, 0, -0.1 * maxDisplacement]).warnings).not.toContain('outside');
   });
 
+  it('states a bound of its error inside the trained range', async () => {
+    const model = await load(sample), node = model.info.activeNodes[0]!, { maxDisplacement: range } = model.info;
+    expect(model.bound(node, [0, 0, 0])).toBe(0);
+    expect(model.bound(node, [0, 0, -0.9 * range])).toBeGreaterThan(model.bound(node, [0, 0, -0.3 * range])!);
+    expect(model.bound(node, [0, 0, -1.1 * range])).toBeNull();
+    expect(() => model.bound(-1, [0, 0, 0])).toThrow(/phn_bound/);
+    const without = await load(join(built.models, 'linear'));
+    expect(without.bound(without.info.activeNodes[0]!, [0, 0, -1e-3])).toBeNull();
+  });
+  it('has the bound of the native runtime', async () => {
+    const model = await load(sample), node = model.info.activeNodes[0]!, d = [0.001, -0.002, -0.004];
+    const json = join(mkdtempSync(join(tmpdir(), 'phynness-web-')), 'eval.json');
+    execFileSync(built.phynness, ['eval', sample, '--node', String(node), '--displacement', d.join(','), '--json', json]);
+    const { bound_N: bound } = JSON.parse(readFileSync(json, 'utf8')) as { bound_N: number };
+    expect(Math.abs(model.bound(node, d)! - bound)).toBeLessThan(1e-12 * bound);
+  });
+
   it('finds the nearest point, and subdivides', async () => {
     const model = await load(sample), { outputPoints, outputNodes } = model.info;
     const { tool, point } = model.nearest(outputPoints.subarray(0, 3));
