@@ -30,6 +30,28 @@ void row_of(const phn_model& model, std::int32_t row, double* x) {
   for (int k = 0; k < 3; ++k) x[k] = model.displacements[3 * static_cast<std::size_t>(row) + k] / unit;
 }
 
+/// Even and odd directions are compared independently, which a processor does at the same time.
+std::int32_t nearest_direction(const phn_model& model, const double* d) {
+  const double *e = model.directions, *end = e + 3 * static_cast<std::size_t>(model.n_directions), *even = e, *odd = e;
+  double best_even = dot(d, e), best_odd = best_even;
+  for (e += 3; e + 3 < end; e += 6) {
+    const double a = dot(d, e), b = dot(d, e + 3);
+    if (a > best_odd) {
+      best_odd = a;
+      odd = e;
+    }
+    if (b > best_even) {
+      best_even = b;
+      even = e + 3;
+    }
+  }
+  if (e < end && dot(d, e) > best_odd) {
+    best_odd = dot(d, e);
+    odd = e;
+  }
+  return static_cast<std::int32_t>(((best_odd > best_even ? odd : even) - model.directions) / 3);
+}
+
 }  // namespace
 
 double fill_distance(const phn_model& model, const double* depths) {
@@ -66,30 +88,28 @@ double fill_distance(const phn_model& model, const double* depths) {
 }
 
 double error_bound(const phn_model& model, const ActiveNode& node, const double* d) {
-  double x[3];
-  cut(d, model.max_displacement, largest_component, x);
-  const double s = std::sqrt(dot(x, x));
-  std::int32_t nearest = 0;
-  double best = -1;
-  for (std::int32_t k = 0; k < model.n_directions; ++k) {
-    const double along = dot(x, model.directions + 3 * static_cast<std::size_t>(k));
-    if (k == 0 || along > best) {
-      best = along;
-      nearest = k;
-    }
-  }
   const std::int32_t n_increments = model.n_displacements / model.n_directions;
-  double before = 0, bound_before = 0, bound = 0;
-  for (std::int32_t j = 0; j < n_increments; ++j) {
-    double at[3];
-    row_of(model, nearest * n_increments + j, at);
-    const double length = std::sqrt(dot(at, at)), entry = node.bound[nearest * n_increments + j];
-    bound = entry > 0 ? node.bound_scale * entry : 0;
-    if (s < length) return bound_before + (bound - bound_before) * ((s - before) / (length - before));
-    before = length;
-    bound_before = bound;
+  const std::int32_t first = nearest_direction(model, d) * n_increments;
+  // Rows are in units of max_displacement in a family with modes, in m in the others.
+  const double unit = schema::traits(model.family).has_modes ? model.max_displacement : 1;
+  const double square = dot(d, d) / (unit * unit);
+  const double* at = model.displacements + 3 * static_cast<std::size_t>(first);
+  std::int32_t j = 0;
+  double next = dot(at, at), before = 0;
+  while (square >= next && j + 1 < n_increments) {
+    at += 3;
+    before = next;
+    next = dot(at, at);
+    ++j;
   }
-  return bound;
+  const auto value = [&](std::int32_t row) {
+    const double entry = row < first ? 0 : node.bound[row];
+    return entry > 0 ? node.bound_scale * entry : 0;
+  };
+  const double deeper = value(first + j);
+  if (square >= next) return deeper;
+  const double shallower = value(first + j - 1), from = std::sqrt(before);
+  return shallower + (deeper - shallower) * ((std::sqrt(square) - from) / (std::sqrt(next) - from));
 }
 
 double trained_distance(const phn_model& model, const ActiveNode& node, const double* d) {

@@ -173,7 +173,7 @@ typedef struct phn_trusted {
 } phn_trusted;
 PHN_API int phn_trust(const phn_model* model, int32_t node, const double d[3], phn_trusted* trusted);
 
-/* A bound [N] of the error of phn_force, |force - finite element force|, of the full level; 0.4 of the time of a
+/* A bound [N] of the error of phn_force, |force - finite element force|, of the full level; half of the time of a
  * force. `phynness calibrate` adds the bounds to a model. For random displacements inside the trained range, of random
  * nodes, the error is below the bound with the probability that formats/model.md calls coverage (0.95). A single node,
  * or a hand that chooses its path, may do worse: the bound is a statistical one and no guarantee. Outside of the
