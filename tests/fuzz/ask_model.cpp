@@ -303,6 +303,13 @@ class Asker {
     });
     right(status, node, d, false);
     require(_out[0] >= 0 && _out[1] >= 0 && _out[2] >= 0, "a depth and distances");
+    const int warned = status;
+    const int bounded = answer(1, _out, PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE,
+                               [&](phn_data*, double* out) { return phn_bound(_model, node, d, out); });
+    if (!right(bounded, node, d, true)) return;
+    require((bounded & PHN_WARNING_OUTSIDE) == (warned & PHN_WARNING_OUTSIDE), "the same range");
+    require((_out[0] == PHN_NO_BOUND) == ((bounded & PHN_WARNING_OUTSIDE) != 0), "a bound inside of the range only");
+    require(_out[0] >= 0 && (!zero(d, 3) || _out[0] == 0), "a bound, 0 at rest");
   }
   void surface() {
     const std::int32_t levels = _script.below(16) < 14 ? _script.below(4) - 1 : _script.below(8);

@@ -128,7 +128,7 @@ describe(`the page in ${browserName}`, () => {
       const [force] = evaluated([{ node: front, displacement: tool!.displacement }]);
       const shown = await textAt(page, '#newtons');
       expect(shown).toBe(six(size(force!)));
-      expect(await textAt(page, '#quantities')).toMatch(/Error of the force\s*at most [0-9.]+ m?N, for 95 %/);
+      expect(await textAt(page, '#quantities')).toMatch(/Error of the force \(95 %\)\s*below [0-9.]+ m?N/);
       table.push(`node ${front}, ${dx} and ${dy} pixels, ${(1e3 * size(tool!.displacement)).toFixed(2)} mm: page ${shown} N, eval ${six(size(force!))} N`);
       // The vertex itself, in single precision.
       const point = await ask<V3>(page, `phynness.point(${front})`);

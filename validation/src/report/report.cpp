@@ -158,31 +158,31 @@ std::string bound_plots(const ReportInput& in) {
   const auto& samples = errors.bounds->samples;
   const double coverage = 100 * in.model.model().bounds.at(0).coverage;
   constexpr std::size_t n_parts = 10;
-  std::vector<std::pair<double, double>> points, diagonal, share;
+  constexpr double least = 1e-3;  // %; smaller values are shown as this
+  std::vector<std::pair<double, double>> points, share;
   std::array<double, n_parts> held{}, drawn{};
-  double largest = 0;
+  double largest = least;
   for (const auto& s : samples) {
-    if (s.bound_N <= 0 || s.error_N <= 0) continue;
-    points.emplace_back(s.bound_N, s.error_N);
-    largest = std::max(largest, s.bound_N);
+    if (s.largest_N <= 0) continue;
+    const double bound = std::max(least, 100 * s.bound_N / s.largest_N);
+    points.emplace_back(bound, std::max(least, 100 * s.error_N / s.largest_N));
+    largest = std::max(largest, bound);
     const double part = std::floor(static_cast<double>(n_parts) * s.depth_m / errors.range_m);
     const auto at = std::min(n_parts - 1, static_cast<std::size_t>(part));
     drawn[at] += 1;
     held[at] += s.error_N <= s.bound_N ? 1 : 0;
   }
   if (points.empty()) return "";
-  const double least = std::min_element(points.begin(), points.end())->first;
-  diagonal = {{least, least}, {largest, largest}};
   for (std::size_t i = 0; i < n_parts; ++i)
     if (drawn[i] > 0)
       share.emplace_back(1e3 * errors.range_m * (static_cast<double>(i) + 0.5) / n_parts, 100 * held[i] / drawn[i]);
   const std::vector<std::pair<double, double>> wanted{{0, coverage}, {1e3 * errors.range_m, coverage}};
   return "<div class=\"plots\">\n<figure>" +
          plot({"Errors below the line are below their bound",
-               "bound of the error, N",
-               "error of the force, N",
+               "bound, % of the node's largest force",
+               "error, %",
                true,
-               {{"probes to R", Mark::points, 0, points}, {"error = bound", Mark::line, 2, diagonal}},
+               {{"probes to R", Mark::points, 0, points}, {"error = bound", Mark::line, 2, {{least, least}, {largest, largest}}}},
                true}) +
          "</figure>\n<figure>" +
          plot({"Share of errors below their bound",

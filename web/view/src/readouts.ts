@@ -72,7 +72,7 @@ export class Readouts {
       facts.push(['Depth', withUnit(norm(tool.displacement), 'm', 4)]);
       const { trainedDepth } = answer.trust ?? {};
       if (trainedDepth !== undefined) facts.push(['Trained to', withUnit(trainedDepth, 'm', 3)]);
-      if (answer.bound !== null) facts.push(['Error of the force', `at most ${withUnit(answer.bound, 'N', 2)}, for 95 % of random displacements`]);
+      if (answer.bound !== null) facts.push(['Error of the force (95 %)', `below ${withUnit(answer.bound, 'N', 2)}`]);
     }
     const [touch] = answer.touches;
     if (state.mode === 'sphere' && touch?.inContact) {
