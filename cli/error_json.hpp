@@ -108,6 +108,7 @@ inline nlohmann::ordered_json to_json(const ErrorsAndBounds& e) {
     group["fraction"] = bound.fraction;
     out["at_most"].push_back(std::move(group));
   }
+  out["right"] = to_json(e.right);
   return out;
 }
 

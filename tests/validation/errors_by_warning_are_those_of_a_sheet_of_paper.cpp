@@ -150,6 +150,12 @@ TEST(BoundCoverage, IsThatOfASheetOfPaper) {
   EXPECT_DOUBLE_EQ(c.quarters[2], 1);    // node 5
   EXPECT_TRUE(std::isnan(c.quarters[3]));
   EXPECT_DOUBLE_EQ(c.width, 2.7 / 6 / 0.5);
+  auto weighted = errors;
+  for (auto& e : weighted) e.weight = e.node == 3 ? 3 : 1;  // node 3 stands for three: 7 of 10 errors hold
+  const auto w = coverage_of(weighted, 1.0);
+  EXPECT_DOUBLE_EQ(w.all, 0.7);
+  EXPECT_DOUBLE_EQ(w.thirds[0], 0.25);
+  EXPECT_DOUBLE_EQ(w.width, (0.4 + 3 * 0.6 + 1.7) / 10 / 0.3);  // errors up to 0.3 have the weight 8
   EXPECT_EQ(coverage_of({}, 1.0).states, 0);
 }
 
@@ -164,6 +170,7 @@ TEST(BoundCoverage, GroupsProbesByTheirBound) {
     p.largest_N = 2;
     p.error_N = 0.01;
     p.bound_N = 0.03;
+    p.force_N = 1.4;
   }
   probes[1].bound_N = 0.15;
   probes[2].bound_N = std::numeric_limits<double>::infinity();
@@ -177,6 +184,7 @@ TEST(BoundCoverage, GroupsProbesByTheirBound) {
   EXPECT_EQ(e.bounds->at_most[1].errors.probes, 1);  // 0.05: to 0.1 N
   EXPECT_EQ(e.bounds->at_most[2].errors.probes, 1);
   EXPECT_DOUBLE_EQ(e.bounds->at_most[2].errors.share, 1.0 / 3);
+  EXPECT_EQ(e.bounds->right.probes, 1);  // to 0.14 N
   for (auto& p : probes) p.bound_N = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(errors_to_range(probes, 1).bounds);
 }

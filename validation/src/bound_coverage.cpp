@@ -12,9 +12,9 @@ template <std::size_t n>
 struct Shares {
   std::array<double, n> held{}, drawn{};
 
-  void add(std::size_t group, bool holds) {
-    held[group] += holds ? 1 : 0;
-    drawn[group] += 1;
+  void add(std::size_t group, double weight, bool holds) {
+    held[group] += holds ? weight : 0;
+    drawn[group] += weight;
   }
   std::array<double, n> values() const {
     std::array<double, n> out{};
@@ -39,12 +39,17 @@ std::map<std::int32_t, std::size_t> quarters_of(const std::vector<BoundedError>&
   return quarter;
 }
 
-/// The smallest number that is at least the share `coverage` of the errors.
-double constant_bound(const std::vector<BoundedError>& errors, std::int64_t held) {
-  std::vector<double> sizes;
-  for (const auto& e : errors) sizes.push_back(e.error_N);
-  std::sort(sizes.begin(), sizes.end());
-  return sizes[static_cast<std::size_t>(std::max<std::int64_t>(held, 1) - 1)];
+/// The smallest number that is at least errors of the weight `held`.
+double constant_bound(const std::vector<BoundedError>& errors, double held) {
+  std::vector<std::pair<double, double>> order;  // error, weight
+  for (const auto& e : errors) order.emplace_back(e.error_N, e.weight);
+  std::sort(order.begin(), order.end());
+  double below = 0;
+  for (const auto& [error, weight] : order) {
+    below += weight;
+    if (below >= held * (1 - 1e-12)) return error;  // sums in another order differ by rounding
+  }
+  return order.back().first;
 }
 
 }  // namespace
@@ -55,22 +60,21 @@ BoundCoverage coverage_of(const std::vector<BoundedError>& errors, double range_
   const auto quarter = quarters_of(errors);
   Shares<3> thirds;
   Shares<4> quarters;
-  std::int64_t held = 0;
-  double sum = 0;
+  double all = 0, held = 0, sum = 0;
   for (const auto& e : errors) {
     const bool holds = e.error_N <= e.bound_N;
-    held += holds ? 1 : 0;
-    sum += e.bound_N;
-    thirds.add(std::min<std::size_t>(2, static_cast<std::size_t>(3 * e.depth_m / range_m)), holds);
-    quarters.add(quarter.at(e.node), holds);
+    all += e.weight;
+    held += holds ? e.weight : 0;
+    sum += e.weight * e.bound_N;
+    thirds.add(std::min<std::size_t>(2, static_cast<std::size_t>(3 * e.depth_m / range_m)), e.weight, holds);
+    quarters.add(quarter.at(e.node), e.weight, holds);
   }
   out.thirds = thirds.values();
   out.quarters = quarters.values();
   if (errors.empty()) return out;
-  const auto n = static_cast<double>(errors.size());
-  out.all = static_cast<double>(held) / n;
+  out.all = held / all;
   const double constant = constant_bound(errors, held);
-  out.width = constant > 0 ? sum / n / constant : std::numeric_limits<double>::quiet_NaN();
+  out.width = constant > 0 ? sum / all / constant : std::numeric_limits<double>::quiet_NaN();
   return out;
 }
 

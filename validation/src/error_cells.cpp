@@ -59,10 +59,11 @@ std::string percentages(std::span<const double> shares) {
 std::string sentence(const ErrorsAndBounds& bounds) {
   const auto& c = bounds.coverage;
   return fmt::format(
-      "{:.1f} % of {} errors of the force are below the model's bound; in the thirds of the depth {}; in quarters of "
-      "the "
-      "nodes, from the smallest bounds to the largest, {}; the mean bound is {:.2f} of the best constant one; bound to "
-      "10 %: the bound is at most 10 % of the node's largest force",
+      "{:.1f} % of the errors of the force are below the model's bound ({} probes, weighted as random nodes would be); "
+      "in "
+      "the thirds of the depth {}; in quarters of the nodes, from the smallest bounds to the largest, {}; the mean "
+      "bound "
+      "is {:.2f} of the best constant one",
       100 * c.all, c.states, percentages(c.thirds), percentages(c.quarters), c.width);
 }
 
@@ -118,7 +119,10 @@ std::vector<std::string> remarks(const ErrorsToRange& errors, const std::string&
       fmt::format("the runtime does not warn of {} % of the probes to R; at the tenth of the {} with the most "
                   "warnings, of {} %",
                   in_percent(errors.unflagged.overall.share), nodes, in_percent(errors.least_unflagged)));
-  if (errors.bounds) out.push_back(sentence(*errors.bounds));
+  if (errors.bounds) {
+    out.push_back("bound to 10 %: probes whose bound is at most 10 % of the largest force of the node");
+    out.push_back(sentence(*errors.bounds));
+  }
   const std::string why = reasons(errors.unreached);
   out.push_back(fmt::format("{} of {} probes to R are not reached by the finite elements{}{}{}",
                             errors.unreached.size(), errors.all.overall.probes, why.empty() ? "" : ": ", why,

@@ -85,18 +85,21 @@ ErrorsAndBounds errors_and_bounds(const std::vector<JudgedProbe>& probes, double
   ErrorsAndBounds out;
   for (const auto& p : probes)
     if (!p.beyond && p.solved() && p.bound_N < std::numeric_limits<double>::infinity())
-      out.samples.push_back({p.node, p.depth_m(), p.error_N, p.bound_N, p.largest_N});
+      out.samples.push_back({p.node, p.depth_m(), p.error_N, p.bound_N, p.largest_N, p.weight});
   out.coverage = coverage_of(out.samples, range_m);
   // Probes that the finite elements do not reach have no force to compare with.
   std::map<std::int32_t, double> largest;
   for (const auto& p : probes)
     if (!p.beyond) largest[p.node] = std::max(largest[p.node], p.largest_N);
-  for (const double fraction : bound_fractions)
-    out.at_most.push_back(
-        {fraction,
-         judged(
-             probes, [&](const JudgedProbe& p) { return !p.flagged && p.bound_N <= fraction * largest.at(p.node); },
-             [](const JudgedProbe& p) { return !p.beyond; })});
+  const auto to_R = [](const JudgedProbe& p) { return !p.beyond; };
+  const auto bounded = [&](double fraction, const auto& of) {
+    return judged(
+        probes, [&](const JudgedProbe& p) { return !p.flagged && p.bound_N <= fraction * of(p); }, to_R);
+  };
+  const auto of_node = [&](const JudgedProbe& p) { return largest.at(p.node); };
+  for (const double fraction : bound_fractions) out.at_most.push_back({fraction, bounded(fraction, of_node)});
+  out.right =
+      bounded(wrong_fraction, [&](const JudgedProbe& p) { return std::max(p.force_N, force_floor * of_node(p)); });
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <phynness/validation/probe_plan.hpp>
 #include <phynness/validation/validation.hpp>
 #include <random>
+#include <set>
 
 namespace phynness {
 
@@ -45,16 +46,26 @@ std::vector<NodePlan> choose_nodes(const LoadedModel& model, std::int64_t wanted
   std::vector<std::int32_t> beside;
   for (std::size_t i = 0; i < std::max(n_beside, active.size() / 20) && i < by_distance.size(); ++i)
     beside.push_back(by_distance[i].second);
+  const std::set<std::int32_t> nearest(beside.begin(), beside.end());
   shuffle(beside, random);
   beside.resize(std::min(beside.size(), n_beside));
+  // Probabilities that a node is chosen; a node beside fixed ones has two chances.
+  const auto share = [](auto part, auto all) {
+    return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 1;
+  };
+  const double first = share(beside.size(), nearest.size()),
+               second = share(static_cast<std::size_t>(wanted) - beside.size(), active.size() - beside.size());
+  const auto weight = [&](std::int32_t node) {
+    return 1 / (nearest.contains(node) ? first + (1 - first) * second : second);
+  };
 
   std::vector<NodePlan> plan;
-  for (const auto node : beside) plan.push_back({node, true, distance_to_fixed(model, node), {}});
+  for (const auto node : beside) plan.push_back({node, true, distance_to_fixed(model, node), weight(node), {}});
   shuffle(active, random);
   for (const auto node : active) {
     if (static_cast<std::int64_t>(plan.size()) >= wanted) break;
     if (std::find(beside.begin(), beside.end(), node) == beside.end())
-      plan.push_back({node, false, distance_to_fixed(model, node), {}});
+      plan.push_back({node, false, distance_to_fixed(model, node), weight(node), {}});
   }
   return plan;
 }

@@ -8,8 +8,8 @@ namespace phynness {
 namespace {
 
 /// Order, node, displacement, beyond, flagged, status, reached depth, four errors of force, error, largest force,
-/// bound, two counts.
-constexpr std::size_t judged_head = 18;
+/// force, weight, bound, two counts.
+constexpr std::size_t judged_head = 20;
 
 double length_of(const Vec3& v) { return to_eigen(v).norm(); }
 
@@ -25,13 +25,15 @@ JudgedProbe read_judged(const double* row) {
   p.flagged = row[6] > 0;
   p.status = static_cast<Status>(static_cast<int>(row[7]));
   p.reached_m = row[8];
-  const auto n_model = static_cast<std::ptrdiff_t>(row[16]), n_linear = static_cast<std::ptrdiff_t>(row[17]);
+  const auto n_model = static_cast<std::ptrdiff_t>(row[18]), n_linear = static_cast<std::ptrdiff_t>(row[19]);
   const double* u = row + judged_head;
   p.model = {row[9], row[10], {u, u + n_model}};
   p.linear = {row[11], row[12], {u + n_model, u + n_model + n_linear}};
   p.error_N = row[13];
   p.largest_N = row[14];
-  p.bound_N = row[15];
+  p.force_N = row[15];
+  p.weight = row[16];
+  p.bound_N = row[17];
   return p;
 }
 
@@ -40,11 +42,26 @@ JudgedProbe read_judged(const double* row) {
 void JudgedRows::add(std::int64_t order, const JudgedProbe& p) {
   const auto& d = p.displacement_m;
   const auto &u = p.model.displacement, &linear = p.linear.displacement;
-  _rows.insert(_rows.end(),
-               {static_cast<double>(order), static_cast<double>(p.node), d[0], d[1], d[2], p.beyond ? 1.0 : 0.0,
-                p.flagged ? 1.0 : 0.0, static_cast<double>(p.status), p.reached_m, p.model.force, p.model.force_own,
-                p.linear.force, p.linear.force_own, p.error_N, p.largest_N, p.bound_N, static_cast<double>(u.size()),
-                static_cast<double>(linear.size())});
+  _rows.insert(_rows.end(), {static_cast<double>(order),
+                             static_cast<double>(p.node),
+                             d[0],
+                             d[1],
+                             d[2],
+                             p.beyond ? 1.0 : 0.0,
+                             p.flagged ? 1.0 : 0.0,
+                             static_cast<double>(p.status),
+                             p.reached_m,
+                             p.model.force,
+                             p.model.force_own,
+                             p.linear.force,
+                             p.linear.force_own,
+                             p.error_N,
+                             p.largest_N,
+                             p.force_N,
+                             p.weight,
+                             p.bound_N,
+                             static_cast<double>(u.size()),
+                             static_cast<double>(linear.size())});
   _rows.insert(_rows.end(), u.begin(), u.end());
   _rows.insert(_rows.end(), linear.begin(), linear.end());
 }
@@ -55,7 +72,7 @@ std::vector<JudgedProbe> JudgedRows::gathered(const SolverSession& session) cons
   for (std::size_t at = 0; at + judged_head <= rows.size();) {
     const double* row = rows.data() + at;
     ordered.emplace_back(row[0], read_judged(row));
-    at += judged_head + static_cast<std::size_t>(row[16]) + static_cast<std::size_t>(row[17]);
+    at += judged_head + static_cast<std::size_t>(row[18]) + static_cast<std::size_t>(row[19]);
   }
   std::stable_sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<JudgedProbe> probes;
@@ -84,7 +101,7 @@ ProbeErrors probe_errors(const Vec3& force, const Points& u, const Vec3& force_F
   return errors;
 }
 
-void RangeRecords::add(std::size_t entry, const NodeProbes& probes) {
+void RangeRecords::add(std::size_t entry, double weight, const NodeProbes& probes) {
   LargestResponse to_R, all;
   for (const auto& probe : probes.range) {
     if (probe.status != Status::converged) continue;
@@ -95,6 +112,7 @@ void RangeRecords::add(std::size_t entry, const NodeProbes& probes) {
   for (const auto& probe : probes.range) {
     JudgedProbe judged;
     judged.node = probes.node;
+    judged.weight = weight;
     judged.displacement_m = probe.d;
     judged.beyond = probe.beyond;
     judged.status = probe.status;
@@ -104,6 +122,7 @@ void RangeRecords::add(std::size_t entry, const NodeProbes& probes) {
     if (_model.has_bounds())
       judged.bound_N = _model.error_bound(probes.node, probe.d).value_or(std::numeric_limits<double>::infinity());
     judged.largest_N = to_R.force_N;
+    judged.force_N = length_of(*said.force_N[0]);
     if (judged.solved()) {
       const auto& state = probes.state(probe);
       const auto& largest = probe.beyond ? all : to_R;

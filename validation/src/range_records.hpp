@@ -31,8 +31,8 @@ ProbeErrors probe_errors(const Vec3& force, const Points& u, const Vec3& force_F
 class RangeRecords {
  public:
   explicit RangeRecords(const LoadedModel& model) : _model(model) {}
-  /// @param entry  position in the plan
-  void add(std::size_t entry, const NodeProbes& probes);
+  /// @param entry  position in the plan. @param weight  of the node
+  void add(std::size_t entry, double weight, const NodeProbes& probes);
   std::vector<JudgedProbe> gathered(const SolverSession& session) const { return _rows.gathered(session); }
 
  private:

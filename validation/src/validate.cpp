@@ -198,7 +198,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
         solved[g] += static_cast<double>(found.states[g].size());
       }
       records.add(found);
-      range.add(e, found);
+      range.add(e, plan[e].weight, found);
       failed += static_cast<double>(found.failed);
       increments += static_cast<double>(found.increments);
       cpu_s += found.cpu_s;

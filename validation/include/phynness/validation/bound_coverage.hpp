@@ -12,9 +12,10 @@ struct BoundedError {
   std::int32_t node = 0;
   double depth_m = 0, error_N = 0, bound_N = 0;
   double largest_N = 0;  ///< force of the node to which its bounds are compared
+  double weight = 1;     ///< number of nodes for which the node stands
 };
 
-/// Shares of the displacements whose error is at most the bound.
+/// Shares of the displacements whose error is at most the bound, by weight.
 struct BoundCoverage {
   std::int64_t states = 0;
   double all = 0;

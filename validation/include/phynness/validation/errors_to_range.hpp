@@ -35,6 +35,7 @@ struct JudgedProbe {
   Status status = Status::not_solved;
   double reached_m = 0;  ///< deepest converged depth of the ray if the probe was not solved; negative: not known
   double error_N = 0, largest_N = 0;  ///< |f - f_FE|, and largest |f_FE| of the node; of solved probes
+  double force_N = 0;                 ///< |f| of the model
   /// Bound of error_N; infinite outside of the trained range. Not a number: the model has no bounds.
   double bound_N = std::numeric_limits<double>::quiet_NaN();
   ProbeErrors model, linear;
@@ -82,6 +83,8 @@ struct ErrorsToBound {
 struct ErrorsAndBounds {
   BoundCoverage coverage;
   std::vector<ErrorsToBound> at_most;  ///< descending fractions
+  /// The bound is at most wrong_fraction of the model's force, of at least force_floor of the node's largest one.
+  JudgedErrors right;
   std::vector<BoundedError> samples;
 };
 

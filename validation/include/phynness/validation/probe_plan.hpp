@@ -24,6 +24,8 @@ struct NodePlan {
   std::int32_t node = 0;
   bool beside_fixed = false;    ///< chosen among the active nodes that are nearest to the fixed ones, however far
   double fixed_distance_m = 0;  ///< to the nearest fixed node
+  double weight =
+      1;  ///< number of active nodes for which the node stands: those beside fixed nodes are probed more often
   std::vector<ProbePair> pairs;
 };
 
