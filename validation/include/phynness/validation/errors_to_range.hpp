@@ -36,6 +36,7 @@ struct JudgedProbe {
   double reached_m = 0;  ///< deepest converged depth of the ray if the probe was not solved; negative: not known
   double error_N = 0, largest_N = 0;  ///< |f - f_FE|, and largest |f_FE| of the node; of solved probes
   double force_N = 0;                 ///< |f| of the model
+  double weight = 1;                  ///< NodePlan::weight, for the shares of errors below their bound
   /// Bound of error_N; infinite outside of the trained range. Not a number: the model has no bounds.
   double bound_N = std::numeric_limits<double>::quiet_NaN();
   ProbeErrors model, linear;
