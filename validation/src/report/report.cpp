@@ -182,7 +182,8 @@ std::string bound_plots(const ReportInput& in) {
                "bound, % of the node's largest force",
                "error, %",
                true,
-               {{"probes to R", Mark::points, 0, points}, {"error = bound", Mark::line, 2, {{least, least}, {largest, largest}}}},
+               {{"probes to R", Mark::points, 0, points},
+                {"error = bound", Mark::line, 2, {{least, least}, {largest, largest}}}},
                true}) +
          "</figure>\n<figure>" +
          plot({"Share of errors below their bound",
