@@ -29,7 +29,8 @@ Model many_nodes() {
   Model model = test::small_modal_model();
   model.directions.clear();
   for (int i = 0; i < 27; ++i) {
-    const double x = i / 9 - 1, y = i / 3 % 3 - 1, z = i % 3 - 1, size = std::sqrt(x * x + y * y + z * z);
+    const int column = i / 9 - 1, row = i / 3 % 3 - 1, layer = i % 3 - 1;
+    const double x = column, y = row, z = layer, size = std::sqrt(x * x + y * y + z * z);
     if (size > 0) model.directions.push_back({x / size, y / size, z / size});
   }
   model.displacements.resize(104, 3);
