@@ -166,8 +166,8 @@ TEST_P(Wrapper, MovesAndUsesMemoryOfItsUser) {
   ASSERT_TRUE(data);
   const rt::Model moved = std::move(model);
   rt::Data moved_data = std::move(data);
-  EXPECT_FALSE(model);
-  EXPECT_FALSE(data);
+  EXPECT_FALSE(model);  // NOLINT(bugprone-use-after-move): what a move leaves is the claim
+  EXPECT_FALSE(data);   // NOLINT(bugprone-use-after-move)
   const double d[3] = {0.001, 0, 0};
   double force[3];
   EXPECT_GE(moved_data.force(3, d, force), 0);
