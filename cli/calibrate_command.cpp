@@ -37,6 +37,7 @@ json to_json(const BoundReport& report, const Model& model) {
           {"rays", report.rays},
           {"failed_rays", report.failed_rays},
           {"nodes", report.nodes},
+          {"planned_nodes", report.planned_nodes},
           {"all_nodes", report.all_nodes},
           {"states", report.states},
           {"median_bound_N", report.median_bound_N},
@@ -76,6 +77,10 @@ void run(const Options& options) {
     write_model_dir(options.output, bounded, model->mesh());
     print(report, options);
     write_json(options.json_file, to_json(report, bounded));
+    if (report.interrupted())
+      throw failure(
+          "calibrate was interrupted; the bounds are those of the finished nodes, and hold, but are less exact",
+          fmt::format("{} of {} nodes", report.nodes, report.planned_nodes), "run it again for all of them");
   });
 }
 
@@ -90,7 +95,7 @@ void add(CLI::App& app) {
       ->required();
   add_path(*command, "-o,--output", options->output, OutputKind::model, "model directory to write (formats/model.md)")
       ->required();
-  command->add_option("--rays", options->rays, "random rays, ten at each of a tenth as many nodes")
+  command->add_option("--rays", options->rays, "random rays, ten at each of a tenth as many nodes, but at least 20")
       ->check(CLI::Range(std::int64_t{100}, std::int64_t{1'000'000}))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "of the random numbers")

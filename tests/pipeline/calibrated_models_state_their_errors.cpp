@@ -1,7 +1,8 @@
 // Claims about `phynness calibrate`: everything in the model but the bounds stays the same; about 95 % of the errors
 // that `validate` measures at other displacements are below the bound; the result depends on the seed but not on the
 // number of ranks; eval, info and validate show the bounds; a database of another scene, a linear model and too few
-// rays are refused, and an interrupted calibration writes nothing.
+// rays are refused. A calibration that is interrupted writes bounds from the finished nodes if these are at least 20,
+// says so, and fails; with fewer nodes it writes nothing.
 #include <phynness/formats/model.hpp>
 
 #include "command_line.hpp"
@@ -90,6 +91,34 @@ TEST_F(Calibrate, RefusesWhatCannotBeCalibrated) {
   const auto stopped = shell("timeout -s INT 0.4 \"$PHYNNESS\" calibrate m d.h5 -o b --rays 100000");
   EXPECT_NE(stopped.exit_status, 0);
   EXPECT_FALSE(std::filesystem::exists(folder / "b"));
+}
+
+TEST_F(Calibrate, InterruptedCalibrationKeepsTheFinishedNodes) {
+  auto scene = small_scene("P1", 2);
+  const auto active = scene.find("active = [");
+  scene.replace(active, scene.find("[probe]") - active, "active = \"free-surface\"\n");
+  write_file(folder / "scene.toml", scene);
+  ASSERT_EQ(phynness("precompute scene.toml -o many.h5").exit_status, 0);
+  ASSERT_EQ(phynness("train scene.toml many.h5 -o many --family modal --force-centers 8").exit_status, 0);
+  const auto [plain, mesh] = read_model_dir(folder / "many");
+  ASSERT_GT(plain.nodes.size(), 30U);
+  // SIGINT when the progress has counted 20 nodes; the others take as long again.
+  const auto stopped = shell(
+      "PHYNNESS_PROGRESS=1 \"$PHYNNESS\" calibrate many many.h5 -o b --rays 2000 --json c.json 2>progress.txt & "
+      "pid=$!; "
+      "for i in $(seq 6000); do grep -qE '2[0-9]/[0-9]+ nodes' progress.txt && break; sleep 0.01; done; "
+      "kill -INT $pid; wait $pid; status=$?; cat progress.txt >&2; exit $status");
+  EXPECT_EQ(stopped.exit_status, 1);
+  expect_names(stopped.err, {"calibrate was interrupted; the bounds are those of the finished nodes",
+                             "of " + std::to_string(plain.nodes.size()) + " nodes"});
+  const auto c = json("c.json");
+  EXPECT_GE(c.at("nodes"), 20);
+  EXPECT_LT(c.at("nodes"), c.at("planned_nodes"));
+  EXPECT_EQ(c.at("all_nodes"), false);
+  const auto [bounded, same_mesh] = read_model_dir(folder / "b");
+  EXPECT_EQ(bounded.bounds.at(0).n_nodes, c.at("nodes"));
+  EXPECT_EQ(bounded.bounds.at(0).n_rays, c.at("rays"));
+  EXPECT_LT(c.at("rays"), 2000);
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 // Solves the random rays on which bounds are calibrated.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,7 +16,9 @@
 namespace phynness {
 namespace {
 
-constexpr std::size_t states_per_ray = 3, rays_per_node = 10, fewest_nodes = 10;
+constexpr std::size_t states_per_ray = 3, rays_per_node = 10;
+/// The nodes are a sample of clusters: with fewer, 0.95 (1 + 1 / n) is above 1 and nothing is known of the next node.
+constexpr std::size_t fewest_nodes = 20;
 /// A state is exchanged between ranks as this many numbers.
 constexpr std::size_t state_size = 7;
 
@@ -30,8 +34,20 @@ Vec3 trained_direction(const LoadedModel& model, std::int32_t node, std::mt19937
 
 struct NodeRays {
   std::vector<double> states;  ///< state_size numbers each
-  std::int64_t failed = 0;
+  std::int64_t rays = 0, failed = 0;
 };
+
+/// Indices of nodes of a model, even over the model and in random order, so that those finished before an early end are
+/// an even sample as well.
+std::vector<std::size_t> sampled_nodes(std::size_t n_nodes, std::size_t n_active, std::mt19937_64& random) {
+  const double offset = uniform(random), step = static_cast<double>(n_active) / static_cast<double>(n_nodes);
+  std::vector<std::size_t> sample;
+  for (std::size_t i = 0; i < n_nodes; ++i)
+    sample.push_back(static_cast<std::size_t>((static_cast<double>(i) + offset) * step));
+  for (std::size_t left = n_nodes; left > 1; --left)
+    std::swap(sample[left - 1], sample[static_cast<std::size_t>(uniform(random) * static_cast<double>(left))]);
+  return sample;
+}
 
 void solve_ray(ProbeSolver& solver, const LoadedModel& model, std::size_t index, std::mt19937_64& random,
                NodeRays& out) {
@@ -117,10 +133,10 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   BoundPredictors predictors;
   session.together([&] { predictors = bound_predictors(model.model(), database); });
   const std::size_t n_active = model.model().nodes.size();
-  const auto wanted = std::max(fewest_nodes, static_cast<std::size_t>(spec.rays) / rays_per_node);
-  const std::size_t n_nodes = std::min(n_active, wanted);
+  const auto n_rays = static_cast<std::size_t>(spec.rays);
+  const std::size_t n_nodes = std::min(n_active, std::max(fewest_nodes, n_rays / rays_per_node));
   std::mt19937_64 random(spec.seed);
-  const double offset = uniform(random);
+  const auto sample = sampled_nodes(n_nodes, n_active, random);
   std::optional<ProbeSolver> solver;
   session.together([&] {
     solver.emplace(stored_scene(header), header.mesh, header.sets);
@@ -128,30 +144,35 @@ Model calibrate(const SolverSession& session, const Database& database, const Lo
   });
   NodeRays solved;
   const auto finished = share_out(session, static_cast<std::int64_t>(n_nodes), progress, stop, [&](std::size_t i) {
-    const auto index = static_cast<std::size_t>((static_cast<double>(i) + offset) * static_cast<double>(n_active) /
-                                                static_cast<double>(n_nodes));
     // The rays of a node do not depend on the number of ranks.
-    std::mt19937_64 of_node(spec.seed * 1000003 + index);
-    solver->touch({model.model().nodes[index].node});
-    const std::size_t n_rays =
-        static_cast<std::size_t>(spec.rays) * (i + 1) / n_nodes - static_cast<std::size_t>(spec.rays) * i / n_nodes;
-    for (std::size_t ray = 0; ray < n_rays; ++ray) solve_ray(*solver, model, index, of_node, solved);
+    std::mt19937_64 of_node(spec.seed * 1000003 + sample[i]);
+    solver->touch({model.model().nodes[sample[i]].node});
+    NodeRays of_this;
+    of_this.rays = static_cast<std::int64_t>(n_rays * (i + 1) / n_nodes - n_rays * i / n_nodes);
+    for (std::int64_t ray = 0; ray < of_this.rays; ++ray) solve_ray(*solver, model, sample[i], of_node, of_this);
+    solved.states.insert(solved.states.end(), of_this.states.begin(), of_this.states.end());
+    solved.rays += of_this.rays;
+    solved.failed += of_this.failed;
   });
-  const auto all_finished = static_cast<std::int64_t>(session.sum(static_cast<double>(finished)));
-  report.failed_rays = static_cast<std::int64_t>(session.sum(static_cast<double>(solved.failed)));
+  const auto total = [&](std::int64_t of_rank) {
+    return static_cast<std::int64_t>(session.sum(static_cast<double>(of_rank)));
+  };
+  report.nodes = total(finished);
+  report.planned_nodes = static_cast<std::int64_t>(n_nodes);
+  report.rays = total(solved.rays);
+  report.failed_rays = total(solved.failed);
   const auto states = states_of(session.gather(solved.states));
   Model bounded = model.model();
   session.together([&] {
-    if (all_finished < static_cast<std::int64_t>(n_nodes))
-      throw failure("the calibration was interrupted", "", "run it again; it takes about as long as validate");
+    if (report.nodes < static_cast<std::int64_t>(std::min(n_nodes, fewest_nodes)))
+      throw failure("the calibration was interrupted before it had enough nodes for bounds",
+                    fmt::format("{} of {} nodes", report.nodes, n_nodes), "run it again; nothing was written");
     if (session.rank() != 0) return;
-    bounded = add_bounds(model.model(), predictors, states, spec.rays, spec.coverage);
-    report.rays = spec.rays;
+    bounded = add_bounds(model.model(), predictors, states, report.rays, spec.coverage);
     report.states = static_cast<std::int64_t>(states.size());
-    report.nodes = static_cast<std::int64_t>(n_nodes);
-    report.all_nodes = n_nodes == n_active;
+    report.all_nodes = static_cast<std::size_t>(report.nodes) == n_active;
     const double range_m = bounded.max_displacement_m;
-    report.left_out = coverage_of(left_out(model, predictors, states, spec.rays, spec.coverage), range_m);
+    report.left_out = coverage_of(left_out(model, predictors, states, report.rays, spec.coverage), range_m);
     report.median_bound_N =
         median_bound(bounded_errors(LoadedModel(bounded, model.mesh(), "model"), predictors, states));
   });

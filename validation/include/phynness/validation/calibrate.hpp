@@ -14,16 +14,20 @@ struct BoundSpec {
 };
 
 struct BoundReport {
-  std::int64_t rays = 0, failed_rays = 0, states = 0, nodes = 0;
-  bool all_nodes = false;  ///< of the model have rays
+  std::int64_t rays = 0, failed_rays = 0, states = 0;
+  std::int64_t nodes = 0, planned_nodes = 0;  ///< with rays; fewer than planned if it was interrupted
+  bool all_nodes = false;                     ///< of the model have rays
   /// Each fifth of the nodes with the bounds that the others give; of the rays if all nodes have rays.
   BoundCoverage left_out;
   double median_bound_N = 0;  ///< of the states
   double seconds = 0;
+
+  bool interrupted() const { return nodes < planned_nodes; }
 };
 
 /// Solves random rays of the body and calibrates bounds. Collective; only rank 0 gets a result.
-/// @param stop  asked between solves. @throws Error (failure) if it ended the calibration
+/// @param stop  asked between solves; ends the calibration, and the bounds are those of the finished nodes
+/// @throws Error (failure) if it ended with fewer than 20 nodes
 Model calibrate(const SolverSession& session, const Database& database, const LoadedModel& model, const BoundSpec& spec,
                 const std::function<void(std::int64_t, std::int64_t)>& progress, const std::function<bool()>& stop,
                 BoundReport& report);
