@@ -1,3 +1,4 @@
+#include <Eigen/LU>
 #include <algorithm>
 #include <limits>
 #include <phynness/meshes/meshes.hpp>
