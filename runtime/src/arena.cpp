@@ -8,7 +8,7 @@ void* Arena::take(std::size_t n, std::size_t per, std::size_t size, std::size_t 
   const std::size_t bytes = told ? n * per * size : 0;
   if (bytes >= smallest_aligned) align = alignment;
   const std::size_t at = (_used + align - 1) / align * align;
-  if (!told || bytes > largest - _used || (_base != nullptr && at + bytes > _bytes)) {
+  if (!told || at > largest || bytes > largest - at || (_base != nullptr && at + bytes > _bytes)) {
     _overflow = true;
     return nullptr;
   }

@@ -1,5 +1,6 @@
 // The checks of phn_image_open: identity, size and checksum, that every table lies inside of the image and every index
-// inside of its table, and that every number is within bounds for which sums are finite.
+// inside of its table, that every number is within bounds for which sums are finite, and that the working memory is
+// what the responses need.
 #pragma once
 
 #include "image.hpp"
@@ -13,13 +14,20 @@ class ImageCheck {
 
   int status() {
     header();
+    if (!_good) return PHN_ERROR_RANGE;
     const auto* node = at<image::ActiveNode<Real>>(_image, _image.active);
     for (uint32_t i = 0; i < _image.active.n && _good; ++i) active(node[i]);
+    // Not more either: its size in bytes would wrap around where size_t has 32 bits.
+    require(_image.n_scratch == _n_scratch);
     return _good ? PHN_OK : PHN_ERROR_RANGE;
   }
 
  private:
   void require(bool condition) { _good = _good && condition; }
+  /// Notes the working memory of a deformation. @param n  Reals; bounded by the largest counts
+  void needs(uint32_t n) {
+    if (_n_scratch < n) _n_scratch = n;
+  }
 
   /// Whether n values of T lie inside of the image.
   template <class T>
@@ -99,7 +107,8 @@ class ImageCheck {
     within(net.constant, 3, image::Bounds<Real>::value);
     if (n_inputs == 3) return;
     indices(net.output, n_outputs);
-    require(net.output.n == net.displacement.n && net.displacement.n <= _image.n_scratch);
+    require(net.output.n == net.displacement.n);
+    needs(net.displacement.n);
   }
 
   void response(const image::RbfnResponse<Real>& rbfn) {
@@ -125,8 +134,7 @@ class ImageCheck {
     scaled(modal.mixing, n_shared, m);
     indices(modal.near, _image.output_nodes.n);
     scaled(modal.near_modes, 3 * modal.near.n, m);
-    require(m == 0 ||
-            static_cast<uint64_t>(n_centers) + 3 + n_shared + 2 * static_cast<uint64_t>(m) <= _image.n_scratch);
+    if (m > 0) needs(n_centers + 3 + n_shared + 2 * m);
   }
   template <class Response>
   void response_of(const Response* type, uint32_t offset) {
@@ -138,11 +146,14 @@ class ImageCheck {
     indices(node.prescribed, _image.output_nodes.n);
     reals(node.prescribed_weight, node.prescribed.n);
     reals(node.trained_depth, _image.directions.n / 3);
+    if (!_good) return;
+    const Real* depth = at<Real>(_image, node.trained_depth);
+    for (uint32_t i = 0; i < node.trained_depth.n; ++i) require(depth[i] >= 0);
     with_response_type<Real>(_image.family, [&](const auto* type) { response_of(type, node.response); });
   }
 
   const ImageHeader<Real>& _image;
-  uint32_t _n_displacements = 0;
+  uint32_t _n_displacements = 0, _n_scratch = 0;
   bool _good = true;
 };
 

@@ -85,6 +85,9 @@ TEST_P(Damaged, TablesThatDoNotFitAreRefused) {
   refused([](auto& h) { h.displacements.n = 3; }, GetParam() == Family::linear ? PHN_OK : PHN_ERROR_RANGE);
   refused([](auto& h) { h.directions.n -= 3; }, PHN_ERROR_RANGE);
   if (GetParam() != Family::linear) refused([](auto& h) { h.n_scratch -= 1; }, PHN_ERROR_RANGE);
+  // The last two are 4 and 8 bytes where size_t has 32 bits.
+  for (const std::uint32_t more : {1U, 0xffffffffU, 0x40000001U, 0x20000001U})
+    refused([=](auto& h) { h.n_scratch = more == 1 ? h.n_scratch + 1 : more; }, PHN_ERROR_RANGE);
   if (GetParam() == Family::modal) refused([](auto& h) { --h.modes.scale.n; }, PHN_ERROR_RANGE);
 }
 
@@ -103,7 +106,7 @@ void words_never_harm(const Model& model) {
       word[4] = image::checksum(word + image::n_unchecked_words, made.bytes.size() / 4 - image::n_unchecked_words);
       const typename Image<Real>::Type* image = nullptr;
       if (Image<Real>::open(words.data(), made.bytes.size(), &image) != PHN_OK) continue;
-      std::vector<Real> scratch(Image<Real>::scratch(image) < 100000 ? Image<Real>::scratch(image) : 0);
+      std::vector<Real> scratch(Image<Real>::scratch(image));
       std::vector<Real> field(3 * static_cast<std::size_t>(Image<Real>::n_output(image)));
       for (const Real size : {Real(0), Real(0.003), largest}) {
         const Real d[3] = {size, -size / 2, -size};
@@ -113,7 +116,6 @@ void words_never_harm(const Model& model) {
         Image<Real>::stiffness(image, 3, d, out + 4);
         Image<Real>::trained_depth(image, 3, d, out + 13);
         for (const Real x : out) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
-        if (scratch.size() != Image<Real>::scratch(image)) continue;
         Image<Real>::deform(image, scratch.data(), 3, d, field.data());
         for (const Real x : field) ASSERT_TRUE(std::isfinite(x)) << "word " << w << " = " << value;
       }
@@ -146,6 +148,13 @@ TEST_P(Damaged, NumbersOutOfBoundsAreRefused) {
   refused(header.displacements, modal ? 1e6F : 1e12F);
   refused(header.modes.scale, 31);
   refused(header.amplitude_at_rest, 1e7F);
+  const auto& node = *reinterpret_cast<const image::ActiveNode<float>*>(bytes.data() + header.active.at);
+  refused(node.trained_depth, 1e12F);
+  for (const float depth : {-1e-30F, -0.01F, -0.0F}) {
+    Bytes copy = bytes;
+    std::memcpy(copy.data() + node.trained_depth.at, &depth, 4);
+    EXPECT_EQ(copy.open_sealed(), depth < 0 ? PHN_ERROR_RANGE : PHN_OK) << depth;
+  }
   for (const float R : {nan, inf, 0.0F, -1.0F, 0.9e-6F, 1.1e6F}) {
     Bytes copy = bytes;
     copy.header().max_displacement = R;

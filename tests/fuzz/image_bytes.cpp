@@ -2,11 +2,9 @@
 // set the right checksum and size, bit 1: floats), 8 bytes that determine the queries, 7 unused bytes, the image.
 #include <phynness/phynness_image.h>
 
-#include <phynness/embedding/embedding.hpp>
 #include <phynness/image_layout.hpp>
 
-#include "../embedded/opened_image.hpp"
-#include "../runtime/small_model.hpp"
+#include "../embedded/image_functions.hpp"
 #include "fuzz_target.hpp"
 
 namespace phynness::fuzz {
@@ -15,6 +13,7 @@ namespace {
 constexpr std::size_t prologue = 16;
 /// Of magic, version, kind of number, bytes and checksum in an image.
 constexpr std::size_t bytes_at = 12, checksum_at = 16;
+constexpr std::size_t n_header_words = sizeof(image::Header<float>) / 4;
 
 void seal(std::vector<std::uint64_t>& words, std::size_t bytes) {
   if (bytes < sizeof(image::Header<float>)) return;
@@ -44,7 +43,7 @@ void open_and_ask(const std::vector<std::uint64_t>& words, std::size_t bytes, Sc
     return;
   }
   const std::size_t n_field = 3 * static_cast<std::size_t>(Image<Real>::n_output(image));
-  if (n_field > 1000000 || Image<Real>::scratch(image) > 1000000) return;
+  require(Image<Real>::scratch(image) <= bytes, "no more working memory than the image describes");
   std::vector<Real> scratch(Image<Real>::scratch(image)), out;
   const auto check = [&](int told, const std::vector<Real>& values) {
     require(told <= 3 && (told >= 0 || (told <= PHN_ERROR_ARGUMENT && told >= PHN_ERROR_UNDEFINED)),
@@ -75,31 +74,13 @@ void open_and_ask(const std::vector<std::uint64_t>& words, std::size_t bytes, Sc
 
 }  // namespace
 
-std::vector<Input> seeds() {
-  using namespace phynness::test;
-  std::vector<Input> all;
-  for (const bool floats : {false, true}) {
-    for (const bool force_only : {false, true}) {
-      for (const Model& model : {small_model(3, 2), small_linear_model(), small_modal_model(2, 2, 3, 2)}) {
-        const ModelImage made = model_image(model, {force_only, floats});
-        Input& input = all.emplace_back();
-        append(input, static_cast<std::uint8_t>(1 + 2 * floats), static_cast<std::uint64_t>(all.size()));
-        input.resize(prologue);
-        append_text(input, {reinterpret_cast<const char*>(made.bytes.data()), made.bytes.size()});
-      }
-    }
-  }
-  all.push_back(all.front());
-  all.back()[0] = 0;
-  return all;
-}
-
 }  // namespace phynness::fuzz
 
 using namespace phynness;
 using namespace phynness::fuzz;
 
-/// Words of 32 bits are what an image consists of.
+/// Words of 32 bits are what an image consists of; every second change is in the header. The last two constants are 8
+/// and 4 bytes as a size in bytes of 32 bits.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
                                                unsigned seed) {
   Random random(seed);
@@ -107,10 +88,11 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
   constexpr std::uint32_t words[] = {0,          1,          2,          3,          0x7fffffff, 0x80000000,
                                      0xffffffff, 0x7f800000, 0xff800000, 0x7fc00000, 0x7f7fffff, 0x7ff00000,
                                      0x7ff80000, 0x7fefffff, 0x3f800000, 0x3ff00000, 0x00800000, 0x5368d4a5,
-                                     0x54b249ad, 0x00010000, 0x7fff7fff, 0x80018001};
+                                     0x54b249ad, 0x00010000, 0x7fff7fff, 0x80018001, 0x20000001, 0x40000001};
   const std::size_t n_words = (size - prologue) / 4;
   for (std::size_t n = random.below(3) + 1; n > 0; --n) {
-    std::uint8_t* at = data + prologue + 4 * random.below(n_words);
+    const std::size_t n_near = random.below(2) == 0 ? std::min(n_words, n_header_words) : n_words;
+    std::uint8_t* at = data + prologue + 4 * random.below(n_near);
     std::uint32_t word;
     std::memcpy(&word, at, 4);
     switch (random.below(4)) {

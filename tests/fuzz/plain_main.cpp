@@ -1,5 +1,7 @@
 // Runs a fuzz target without libFuzzer: its seeds, then the requested number of changed seeds, which are the same in
-// every run. Usage: regress_TARGET [RUNS | FILE ...]. An input that ends the program is kept in crash-TARGET.
+// every run. Usage: regress_TARGET [RUNS] [FILE ...]. Files are the seeds; without RUNS they are not changed. An input
+// that ends the program is kept in crash-TARGET.
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -34,6 +36,9 @@ void run(const Input& input) {
 }
 
 }  // namespace
+
+/// For a target whose seeds are files.
+__attribute__((weak)) std::vector<Input> phynness::fuzz::seeds() { return {}; }
 
 extern "C" {
 __attribute__((weak)) std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
@@ -77,24 +82,28 @@ int main(int argc, char** argv) {
   std::signal(SIGFPE, keep_input);
   Random& random = random_numbers;
   char* end = nullptr;
-  const long runs = argc > 1 ? std::strtol(argv[1], &end, 10) : 2000;
-  if (argc > 1 && *end != '\0') {
-    for (int i = 1; i < argc; ++i) {
-      std::ifstream file(argv[i], std::ios::binary);
-      if (!file) {
-        std::fprintf(stderr, "cannot read %s\n", argv[i]);
-        return 2;
-      }
-      run(Input(std::istreambuf_iterator<char>(file), {}));
+  const long number = argc > 1 ? std::strtol(argv[1], &end, 10) : 2000;
+  const bool counted = argc < 2 || *end == '\0';
+  const long runs = counted ? number : 0;
+  std::vector<Input> from;
+  for (int i = counted ? 2 : 1; i < argc; ++i) {
+    std::ifstream file(argv[i], std::ios::binary);
+    if (!file) {
+      std::fprintf(stderr, "cannot read %s\n", argv[i]);
+      return 2;
     }
-    return 0;
+    from.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
   }
-  const std::vector<Input> from = seeds();
+  if (from.empty()) from = seeds();
+  if (from.empty()) {
+    std::fputs("this target needs files as seeds\n", stderr);
+    return 2;
+  }
   for (const auto& seed : from) run(seed);
-  constexpr std::size_t max_size = 1 << 16;
   for (long i = 0; i < runs; ++i) {
     Input input = from[static_cast<std::size_t>(i) % from.size()];
     std::size_t size = input.size();
+    const std::size_t max_size = std::max<std::size_t>(1 << 16, size);
     input.resize(max_size);
     for (std::size_t n = random.below(4) + 1; n > 0; --n)
       size = LLVMFuzzerCustomMutator(input.data(), size, max_size, static_cast<unsigned>(random.next()));

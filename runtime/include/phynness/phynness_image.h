@@ -28,7 +28,8 @@ typedef struct phn_imagef phn_imagef;
  * may follow. Every byte is read once, which takes about ten instructions for four bytes. The memory must not change
  * while the image is used. PHN_ERROR_NOT_A_MODEL: not an image, or one of the other byte order. PHN_ERROR_VERSION:
  * another version, or the other kind of number. PHN_ERROR_TRUNCATED, PHN_ERROR_CHECKSUM: the image is damaged.
- * PHN_ERROR_FAMILY, PHN_ERROR_RANGE: sizes or indices are inconsistent, or a number is NaN, infinite or too large.
+ * PHN_ERROR_FAMILY, PHN_ERROR_RANGE: sizes or indices are inconsistent, or a number is NaN, infinite, too large or a
+ * negative depth.
  * PHN_ERROR_ARGUMENT: a null pointer, or wrong alignment. PHN_ERROR_OVERLAP: `image` itself lies in the bytes. On
  * failure *image is null. */
 PHN_API int phn_image_open(const void* memory, size_t bytes, const phn_image** image);
