@@ -310,6 +310,11 @@ void ModelLoader::done(NodeStore& node) {
   for (auto& level : smaller) level = made;
   schema::with_grammar(_store.family, [&](auto family) { respond(family, node, made, smaller); });
   if (!_load.has_memory()) return;
+  const double rest[3] = {0, 0, 0};
+  double force[3];
+  evaluate_force(_model, made, rest, force);
+  // Rounded up, so that no other order of this sum is larger; a bound, however large.
+  made.bound_at_rest = std::fmin(length(force) * (1 + 4 * DBL_EPSILON), 0.99 * PHN_NO_BOUND);
   nodes.numbers[nodes.in_work] = node.node;
   nodes.active[nodes.in_work] = made;
   for (std::int64_t l = 0; l < n_smaller(); ++l) nodes.at_level[l][nodes.in_work] = smaller[l];

@@ -132,6 +132,7 @@ struct ActiveNode {
   double fill_distance;         ///< of the training data (trained.hpp), in max_displacement
   const std::int16_t* bound;    ///< of the force's error, a row for each displacement; null: the model has none
   double bound_scale;           ///< [N]
+  double bound_at_rest;         ///< size of the force at d = 0 [N], which is an error; 0 in families with an energy
   bool incomplete;
   // One of these is set, depending on the model's family; the others are null.
   const Networks* networks;

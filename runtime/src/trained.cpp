@@ -103,8 +103,9 @@ double error_bound(const phn_model& model, const ActiveNode& node, const double*
     ++j;
   }
   const auto value = [&](std::int32_t row) {
-    const double entry = row < first ? 0 : node.bound[row];
-    return entry > 0 ? node.bound_scale * entry : 0;
+    if (row < first) return node.bound_at_rest;
+    const double entry = node.bound[row];
+    return entry > 0 ? node.bound_scale * entry : 0.0;
   };
   const double deeper = value(first + j);
   if (square >= next) return deeper;

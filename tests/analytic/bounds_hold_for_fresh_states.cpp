@@ -117,6 +117,34 @@ TEST(ErrorBounds, TooFewStatesAreRefused) {
   EXPECT_THROW(add_bounds(model, body.predictors(), body.states(model, random, 100, 0), 40, 0.95), Error);
 }
 
+// Claim: the force of networks at rest is part of their bounds, and does not widen them at depth: the errors are that
+// force at rest, fall to the first displacement and are small from there on.
+TEST(ErrorBounds, HoldForTheForceOfNetworksAtRest) {
+  std::mt19937_64 random(7);
+  const Model model = test::small_model();
+  const LoadedModel plain(model, Mesh{}, "model");
+  const double first = model.displacements.row(0).norm(), small_N = 1e-4;
+  const BoundPredictors predictors{{1, 1, 1, 1}, std::vector<std::vector<double>>(4, std::vector<double>(8, -1))};
+  std::vector<BoundState> states;
+  for (int i = 0; i < 1000; ++i) {
+    BoundState& state = states.emplace_back();
+    state.node = i % 4;
+    state.direction = model.directions[static_cast<std::size_t>(i / 4 % 4)];
+    // Node 5 is trained to the first displacement in one direction.
+    state.depth_m = uniform_in(random) * (state.node == 1 ? first : model.max_displacement_m);
+    const Vec3 rest = plain.force(model.nodes[static_cast<std::size_t>(state.node)].node, {0, 0, 0});
+    const double part = std::min(1.0, state.depth_m / first);
+    state.error_N = (1 - part) * std::hypot(rest[0], rest[1], rest[2]) + part * small_N * uniform_in(random);
+  }
+  const Model bounded = add_bounds(model, predictors, states, 250, 0.95);
+  int held = 0;
+  for (const auto& b : bounded_errors(LoadedModel(bounded, Mesh{}, "model"), predictors, states))
+    held += b.error_N <= b.bound_N ? 1 : 0;
+  EXPECT_GE(held, 950);
+  // The fit of the logarithms of all errors gives the shape, which need not be flat: a factor of 3.
+  for (const auto& node : bounded.nodes) EXPECT_LT(node.bounds[0].values().maxCoeff(), 3 * small_N);
+}
+
 // Claim: bodies whose cells keep their volume, and one node, have bounds as well: the fit has columns without
 // information.
 TEST(ErrorBounds, NeedNoInformation) {

@@ -309,7 +309,7 @@ class Asker {
     if (!right(bounded, node, d, true)) return;
     require((bounded & PHN_WARNING_OUTSIDE) == (warned & PHN_WARNING_OUTSIDE), "the same range");
     require((_out[0] == PHN_NO_BOUND) == ((bounded & PHN_WARNING_OUTSIDE) != 0), "a bound inside of the range only");
-    require(_out[0] >= 0 && (!zero(d, 3) || _out[0] == 0), "a bound, 0 at rest");
+    require(_out[0] >= 0, "a bound");
   }
   void surface() {
     const std::int32_t levels = _script.below(16) < 14 ? _script.below(4) - 1 : _script.below(8);

@@ -1,5 +1,6 @@
 // Claim: the bound of the force's error is that of formats/model.md: linear between the displacements of the nearest
-// direction, 0 at rest, none outside of the trained range; a model without bounds says that it has none.
+// direction, at rest the size of the force there, none outside of the trained range; a model without bounds says that
+// it has none. The error of the force at rest is within its bound in every family.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +15,7 @@ using namespace phynness;
 using namespace phynness::test;
 
 /// The page, with no regard to speed.
-double bound_of(const Model& model, const ActiveNodeModel& node, const Eigen::Vector3d& d) {
+double bound_of(const Model& model, const ActiveNodeModel& node, const Eigen::Vector3d& d, double at_rest) {
   Eigen::Index nearest = 0;
   double best = -2;
   for (std::size_t k = 0; k < model.directions.size(); ++k) {
@@ -27,7 +28,7 @@ double bound_of(const Model& model, const ActiveNodeModel& node, const Eigen::Ve
   }
   const Eigen::Index n = model.displacements.rows() / static_cast<Eigen::Index>(model.directions.size());
   const Eigen::MatrixXd values = node.bounds[0].values().cwiseMax(0);
-  double before = 0, value = 0;
+  double before = 0, value = at_rest;
   for (Eigen::Index j = 0; j < n; ++j) {
     const double length = model.displacements.row(nearest * n + j).norm(), next = values(nearest * n + j, 0);
     if (d.norm() <= length) return value + (next - value) * (d.norm() - before) / (length - before);
@@ -35,6 +36,13 @@ double bound_of(const Model& model, const ActiveNodeModel& node, const Eigen::Ve
     value = next;
   }
   return value;
+}
+
+double size_at_rest(const LoadedModel& loaded, std::int32_t node) {
+  const Eigen::Vector3d rest(0, 0, 0);
+  Eigen::Vector3d force;
+  EXPECT_EQ(phn_force(loaded.model, loaded.data, node, rest.data(), force.data(), nullptr, nullptr) < 0, false);
+  return force.norm();
 }
 
 class Bounds : public testing::TestWithParam<Family> {};
@@ -60,8 +68,9 @@ TEST_P(Bounds, AreThoseOfThePage) {
         }
         ++inside;
         positive += bound > 0 ? 1 : 0;
-        // 1e-14 of the largest bound, 0.02: rounding.
-        EXPECT_NEAR(bound, bound_of(model, node, d), 2e-16);
+        // 1e-14 of the largest bound, 0.02, or of the largest force at rest: rounding.
+        const double at_rest = size_at_rest(loaded, node.node);
+        EXPECT_NEAR(bound, bound_of(model, node, d, at_rest), 2e-16 + 1e-14 * at_rest);
       }
     }
     EXPECT_GT(inside, 1000);
@@ -69,14 +78,33 @@ TEST_P(Bounds, AreThoseOfThePage) {
   }
 }
 
-TEST_P(Bounds, AreZeroAtRestAndKnownOnlyWhereTheyAreStored) {
+class Rest : public testing::TestWithParam<Family> {};
+INSTANTIATE_TEST_SUITE_P(Families, Rest, testing::Values(Family::rbfn, Family::linear, Family::modal),
+                         [](const auto& info) { return std::string(name(info.param)); });
+
+TEST_P(Rest, IsWithinTheBound) {
+  const double rest[] = {0, 0, 0};
+  const bool linear = GetParam() == Family::linear;
+  const Model model = linear ? small_model_of(GetParam()) : with_bounds(small_model_of(GetParam()));
+  const LoadedModel loaded(write_model_text(model));
+  for (const auto& node : model.nodes) {
+    const double error = size_at_rest(loaded, node.node);
+    double bound = -1;
+    // A family that is exact at any depth has no bounds.
+    EXPECT_EQ(phn_bound(loaded.model, node.node, rest, &bound) < 0, linear);
+    EXPECT_LE(error, bound);
+    // 1e-14: the bound is rounded up.
+    EXPECT_LE(bound, error * (1 + 1e-14));
+    EXPECT_EQ(error > 0, GetParam() == Family::rbfn);
+  }
+}
+
+TEST_P(Bounds, AreKnownOnlyWhereTheyAreStored) {
   const double rest[] = {0, 0, 0}, far[] = {1, 0, 0}, nan = std::numeric_limits<double>::quiet_NaN(),
                no[] = {nan, 0, 0};
   const LoadedModel loaded(write_model_text(with_bounds(small_model_of(GetParam()))));
   const LoadedModel without(write_model_text(small_model_of(GetParam())));
   double bound = -1;
-  EXPECT_EQ(phn_bound(loaded.model, 3, rest, &bound), PHN_OK);
-  EXPECT_EQ(bound, 0);
   EXPECT_EQ(phn_bound(loaded.model, 3, far, &bound), PHN_WARNING_OUTSIDE);
   EXPECT_EQ(bound, PHN_NO_BOUND);
   const auto refused = [&](int status, int expected) {

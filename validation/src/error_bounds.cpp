@@ -27,7 +27,7 @@ Terms terms_of(double largest_N, double crush, double depth) {
 double crush_of(double min_jacobian) { return std::log(-std::log(std::clamp(min_jacobian, 1e-4, 1 - 1e-4))); }
 
 /// Values of the rows of displacements at a state: in the nearest direction, linear between the lengths. As the runtime
-/// does it, but constant below the first length instead of falling to 0.
+/// does it, but constant below the first length.
 double at_state(const Model& model, const std::vector<double>& rows, const BoundState& state) {
   const auto n = static_cast<std::size_t>(model.displacements.rows()) / model.directions.size();
   std::size_t nearest = 0;
@@ -89,6 +89,18 @@ ScaledTable table_of(const Model& model, std::size_t node, const BoundPredictors
   return table;
 }
 
+/// Sizes of the forces of all nodes at rest, where the true force is 0; 0 in a family with an energy.
+std::vector<double> forces_at_rest(const Model& model) {
+  std::vector<double> sizes(model.nodes.size(), 0.0);
+  if (schema::traits(model.family).has_energy) return sizes;
+  const LoadedModel loaded(model, Mesh{}, "the model");
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const Vec3 force = loaded.force(model.nodes[i].node, {0, 0, 0});
+    sizes[i] = std::hypot(force[0], force[1], force[2]);
+  }
+  return sizes;
+}
+
 /// The value at position ceil(share n) in ascending order, or the largest.
 double quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
@@ -145,13 +157,14 @@ Model add_bounds(Model model, const BoundPredictors& predictors, const std::vect
     const Eigen::VectorXd column = table_of(model, i, predictors, coefficients, 1).values().col(0);
     values[i].assign(column.begin(), column.end());
   }
+  const auto at_rest = forces_at_rest(model);
   std::vector<double> scores;
   for (const auto& state : states) {
-    // Below the first displacement the bound falls to 0 linearly.
-    const auto& rows = values[static_cast<std::size_t>(state.node)];
-    const double first = model.displacements.row(0).norm();
-    const double bound = at_state(model, rows, state) * std::min(1.0, state.depth_m / first);
-    scores.push_back(state.error_N / std::max(bound, 1e-300));
+    // Below the first displacement the bound is linear from the force at rest on, which has no factor.
+    const auto node = static_cast<std::size_t>(state.node);
+    const double part = std::min(1.0, state.depth_m / model.displacements.row(0).norm());
+    const double free = state.error_N - (1 - part) * at_rest[node];
+    scores.push_back(std::max(free, 0.0) / std::max(part * at_state(model, values[node], state), 1e-300));
   }
   // A sample of nodes is a sample of clusters: the next node adds one to their number.
   const auto n = static_cast<double>(n_nodes < model.nodes.size() ? n_nodes : static_cast<std::size_t>(n_rays));

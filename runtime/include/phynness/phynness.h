@@ -178,7 +178,8 @@ PHN_API int phn_trust(const phn_model* model, int32_t node, const double d[3], p
  * nodes, the error is below the bound with the probability that formats/model.md calls coverage (0.95). A single node,
  * or a hand that chooses its path, may do worse: the bound is a statistical one and no guarantee. Outside of the
  * trained range (PHN_WARNING_OUTSIDE) nothing is known, and the bound is PHN_NO_BOUND. PHN_ERROR_UNDEFINED: the model
- * has no bounds. At rest the bound is 0, as the force is exact there. */
+ * has no bounds. At rest the bound is the size of phn_force there: 0 in family modal, whose force is exact at rest; in
+ * family rbfn the networks have a small force. */
 #define PHN_NO_BOUND 1e300
 PHN_API int phn_bound(const phn_model* model, int32_t node, const double d[3], double* bound);
 
