@@ -211,7 +211,11 @@ void check_place(const Given& given, const std::vector<fs::path>& made) {
     case OutputKind::database:
       return;  // DatabaseWriter and merge_shards() look at the folder first
     case OutputKind::model:
-      for (const char* name : {"model.txt", "mesh.txt"}) check_file_place(given.option, given.path / name, made);
+      for (const auto& [name, begin] :
+           {std::pair{"model.txt", "phynness-model "}, std::pair{"mesh.txt", "phynness-mesh "}}) {
+        check_file_place(given.option, given.path / name, made);
+        check_own_text(given.option, given.path / name, begin);
+      }
       [[fallthrough]];
     case OutputKind::folder:
     case OutputKind::tree:

@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <exception>
+#include <fstream>
 #include <optional>
 #include <phynness/formats/error.hpp>
 #include <system_error>
@@ -76,6 +77,16 @@ void check_file_place(const std::string& option, const fs::path& file, const std
   if (there != folder && fs::is_directory(there, code))
     throw cannot_write(option, file, "there is no folder " + folder.string(), "make the folder, or give another file");
   check_folder(option, file, folder);
+}
+
+void check_own_text(const std::string& option, const fs::path& file, std::string_view begin) {
+  std::error_code code;
+  if (!fs::is_regular_file(file, code)) return;
+  std::string text(begin.size(), '\0');
+  std::ifstream(file, std::ios::binary).read(text.data(), std::ssize(text));
+  if (text != begin)
+    throw cannot_write(option, file, "a file that this program has not written has this name",
+                       "give another folder, or move the file");
 }
 
 void write_each(const std::vector<std::function<void()>>& outputs) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace phynness::cli {
@@ -18,6 +19,10 @@ bool is_stdout(const std::filesystem::path& path);
 /// nobody reads
 void check_file_place(const std::string& option, const std::filesystem::path& file,
                       const std::vector<std::filesystem::path>& made);
+
+/// @param begin  of every text that this program writes under this name
+/// @throws Error (input) if there is a file with another beginning, which would be lost
+void check_own_text(const std::string& option, const std::filesystem::path& file, std::string_view begin);
 
 /// @throws Error (input) if the folder neither is there and writable nor can be made
 void check_folder_place(const std::string& option, const std::filesystem::path& folder);

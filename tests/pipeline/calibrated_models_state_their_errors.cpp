@@ -78,6 +78,14 @@ TEST_F(Calibrate, RefusesWhatCannotBeCalibrated) {
   expect_names(other.err, {"the model was not trained on this database"});
 
   scene = small_scene("P1", 3);
+  scene.replace(scene.find("target_size_m = 0.025"), 21, "target_size_m = 0.021");
+  write_file(folder / "mesh.toml", scene);
+  ASSERT_EQ(phynness("precompute mesh.toml -o mesh.h5").exit_status, 0);
+  const auto mesh = phynness("calibrate m mesh.h5 -o b");
+  EXPECT_EQ(mesh.exit_status, 2);
+  expect_names(mesh.err, {"mesh hash " + read_model_dir(folder / "m").model.mesh_hash + ", of the database "});
+
+  scene = small_scene("P1", 3);
   scene.replace(scene.find("neo-hookean"), 11, "linear");
   write_file(folder / "linear.toml", scene);
   ASSERT_EQ(phynness("precompute linear.toml -o linear.h5").exit_status, 0);

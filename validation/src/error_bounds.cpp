@@ -5,6 +5,7 @@
 #include <cmath>
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/error_bounds.hpp>
+#include <tuple>
 
 namespace phynness {
 namespace {
@@ -119,10 +120,12 @@ std::size_t distinct_nodes(const std::vector<BoundState>& states) {
 
 BoundPredictors bound_predictors(const Model& model, const Database& database) {
   const auto& header = database.header();
-  if (model.mesh_hash != header.mesh_hash || model.physics_hash != header.physics_hash)
-    throw input_error("the model was not trained on this database",
-                      "physics " + model.physics_hash + ", of the database " + header.physics_hash,
-                      "give the database on which the model was trained");
+  for (const auto& [what, own, other] : {std::tuple{"mesh", model.mesh_hash, header.mesh_hash},
+                                         std::tuple{"physics", model.physics_hash, header.physics_hash}})
+    if (own != other)
+      throw input_error("the model was not trained on this database",
+                        std::string(what) + " hash " + own + ", of the database " + other,
+                        "give the database on which the model was trained");
   BoundPredictors predictors;
   const auto n_rows = static_cast<std::size_t>(model.displacements.rows());
   for (const auto& node : model.nodes) {

@@ -124,9 +124,9 @@ std::string solved(const ReportInput& in) {
   std::string out = fmt::format(
       "<p>{} new probes at {} active nodes ({}), {:.3g} to {:.3g} mm from the nearest fixed node. Directions are "
       "uniform on the sphere. Half of the depths are inside the trained range, half are outside, up to {:.2f} times "
-      "the range. {} probes were solved inside, {} outside. {} probes have no equilibrium and do not count.</p>\n",
+      "the range. {} probes were solved inside, {} outside.</p>\n",
       v.probes, v.nodes.size(), nodes.empty() ? "" : nodes.substr(1), 1e3 * nearest, 1e3 * farthest, v.outside_factor,
-      v.solved_inside, v.solved_outside, v.failed);
+      v.solved_inside, v.solved_outside);
   std::size_t short_rays = 0, rays = 0, incomplete = 0;
   for (const auto& node : in.model.model().nodes) {
     std::size_t here = 0;
