@@ -2,6 +2,7 @@
 
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/calibrate.hpp>
+#include <phynness/validation/force_unit.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -15,20 +16,23 @@ struct Options {
   std::filesystem::path model, database, output;
   std::optional<std::filesystem::path> json_file;
   std::int64_t rays = 1000, seed = 1;
+  bool details = false;
 };
 
 void print(const BoundReport& report, const Options& options) {
   const auto& c = report.left_out;
-  print_result("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}\n", report.rays,
-               report.nodes, report.states, report.failed_rays, duration(report.seconds));
-  print_result("median bound of the force's error: {:.3g} N\n", report.median_bound_N);
-  print_result(
-      "{} left out of the calibration, a fifth at a time: {:.1f} % of the errors are below their bound; by thirds of "
-      "the "
-      "depth {:.1f}, {:.1f} and {:.1f} %; mean bound {:.2f} of the best constant one\n",
-      report.all_nodes ? "rays" : "nodes", 100 * c.all, 100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2],
-      c.width);
-  print_result("model with bounds -> {}\n", options.output.string());
+  const ForceUnit unit = force_unit(report.median_bound_N);
+  print_sentence(
+      fmt::format("median bound of the force's error: {:.3g} {}; {:.1f} % of the errors of {} left out of the "
+                  "calibration are below their bound",
+                  unit.per_N * report.median_bound_N, unit.name, 100 * c.all, report.all_nodes ? "rays" : "nodes"));
+  print_sentence(fmt::format("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}",
+                             report.rays, report.nodes, report.states, report.failed_rays, duration(report.seconds)));
+  if (options.details)
+    print_sentence(fmt::format(
+        "by thirds of the depth {:.1f}, {:.1f} and {:.1f} % are below; mean bound {:.2f} of the best constant one",
+        100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2], c.width));
+  print_sentence(fmt::format("model with bounds -> {}", options.output.string()));
 }
 
 json to_json(const BoundReport& report, const Model& model) {
@@ -102,6 +106,7 @@ void add(CLI::App& app) {
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 53))
       ->capture_default_str();
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
+  command->add_flag("--details", options->details, "print shares by depth and the width of the bounds");
   command->callback([options] { run(*options); });
 }
 

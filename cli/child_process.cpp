@@ -1,5 +1,6 @@
 #include "child_process.hpp"
 
+#include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -23,14 +24,17 @@ struct ProcessResult {
   int exit_status = 1;
 };
 
-ProcessResult execute(const std::vector<std::string>& arguments) {
+ProcessResult execute(const std::vector<std::string>& arguments, bool quiet) {
   std::vector<char*> argv;
   for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
   pid_t child = 0;
   posix_spawn_file_actions_t streams;
   posix_spawn_file_actions_init(&streams);
-  if (results_are_on_stderr()) posix_spawn_file_actions_adddup2(&streams, STDERR_FILENO, STDOUT_FILENO);
+  if (quiet)
+    posix_spawn_file_actions_addopen(&streams, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  else if (results_are_on_stderr())
+    posix_spawn_file_actions_adddup2(&streams, STDERR_FILENO, STDOUT_FILENO);
   const int code = posix_spawnp(&child, argv[0], &streams, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&streams);
   if (code != 0) return {};
@@ -56,13 +60,13 @@ void prepare_environment(int ranks) {
   }
 }
 
-void run_child(const std::string& title, std::vector<std::string> arguments, int ranks) {
+void run_child(const std::string& title, std::vector<std::string> arguments, int ranks, bool quiet) {
   if (ranks > 1) {
     std::vector<std::string> launcher{"mpirun", "-n", std::to_string(ranks)};
     if (ranks > static_cast<int>(std::thread::hardware_concurrency())) launcher.push_back("--oversubscribe");
     arguments.insert(arguments.begin(), launcher.begin(), launcher.end());
   }
-  const auto result = execute(arguments);
+  const auto result = execute(arguments, quiet);
   if (!result.started)
     throw failure("the program cannot be started", arguments[0], ranks > 1 ? "install Open MPI, or use --ranks 1" : "");
   if (result.exit_status != 0 && stop_requested())

@@ -24,18 +24,6 @@ std::string told(const std::optional<double>& correlation) {
   return correlation ? fmt::format("{:.2f}", *correlation) : "too few probes";
 }
 
-/// The first column to the left, the others to the right.
-void print_cells(const TableCells& rows) {
-  std::vector<std::size_t> widths(rows.front().size());
-  for (const auto& row : rows)
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  for (const auto& row : rows) {
-    std::string line = fmt::format("{:<{}}", row[0], widths[0]);
-    for (std::size_t i = 1; i < row.size(); ++i) line += fmt::format("  {:>{}}", row[i], widths[i]);
-    print_result("{}\n", line);
-  }
-}
-
 void print_range(const ErrorsToRange& errors, const std::string& nodes) {
   if (errors.all.overall.probes == 0) return;
   print_cells(table_cells(errors, nodes));
@@ -43,6 +31,22 @@ void print_range(const ErrorsToRange& errors, const std::string& nodes) {
 }
 
 }  // namespace
+
+void print_verdict(const Validated& validated) {
+  for (const auto& line : verdict(validated)) print_sentence(line.title + ": " + line.sentence + ".");
+}
+
+void print_cells(const TableCells& rows) {
+  std::vector<std::size_t> widths(rows.front().size());
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  for (const auto& row : rows) {
+    std::string line = fmt::format("{:<{}}", row[0], widths[0]);
+    for (std::size_t i = 1; i < row.size(); ++i) line += fmt::format("  {:>{}}", row[i], widths[i]);
+    line.erase(line.find_last_not_of(' ') + 1);
+    print_result("{}\n", line);
+  }
+}
 
 void print_to_range(const ErrorsToRange& errors) { print_range(errors, "nodes"); }
 
@@ -87,7 +91,7 @@ void print_summary(const ValidationReport& report) {
 }
 
 void print_worse(const std::vector<WorseThanLinear>& all) {
-  for (const auto& worse : all) print_result("warning: {}\n", worse.sentence());
+  for (const auto& worse : all) print_sentence("warning: " + worse.sentence());
 }
 
 void print_examples(const ValidationReport& report) {
@@ -134,7 +138,6 @@ void print_points(const PointReport& report) {
   row("displacement", &PointErrors::displacement);
   row("field, relative L2", &PointErrors::field_l2);
   print_range(report.to_range, "points");
-  print_worse(worse_than_linear(report));
   print_result("largest distance of a tool from its point in the field: {:.1e} m; {}\n", report.largest_residual_m,
                duration(report.seconds));
 }
@@ -180,7 +183,6 @@ void print_pairs(const PairReport& report) {
   print_cells(table_cells("worse of two tools, in %", report.by_warning));
   if (const auto why = reasons(report.by_warning.unreached); !why.empty())
     print_result("not reached by the finite elements: {}\n", why);
-  print_worse(worse_than_linear(report));
   const auto& alone = report.single_force;
   if (alone.n > 0)
     print_result(

@@ -3,10 +3,15 @@
 
 #include <phynness/validation/surface_points.hpp>
 #include <phynness/validation/tool_pairs.hpp>
+#include <phynness/validation/verdict.hpp>
 #include <vector>
 
 namespace phynness::cli {
 
+/// One sentence for each line of the verdict.
+void print_verdict(const Validated& validated);
+/// The first column to the left, the others to the right.
+void print_cells(const TableCells& rows);
 /// Errors of the model, the linear predictor and the zero predictor, inside and outside of the trained range.
 void print_table(const ValidationReport& report, const std::vector<FieldModes>& fields);
 /// Errors of probes up to R by warnings, depth and nodes.

@@ -20,7 +20,7 @@ struct Options {
   std::filesystem::path scene, output;
   std::optional<std::filesystem::path> json_file;
   int ranks = 1;
-  bool resume = false;
+  bool resume = false, details = false;
 };
 
 /// Time and output of a stage, for the table at the end.
@@ -30,10 +30,17 @@ struct Stage {
   std::filesystem::path written;
 };
 
-Stage stage(const char* title, const std::filesystem::path& written, std::vector<std::string> arguments, int ranks) {
+Stage stage(const Options& options, const char* title, const std::filesystem::path& written,
+            std::vector<std::string> arguments, int ranks) {
   const auto start = std::chrono::steady_clock::now();
-  print_result("\n== {}\n", title);
-  run_child(title, std::move(arguments), ranks);
+  const bool validates = title == std::string_view("validate");
+  if (options.details) {
+    print_result("\n== {}\n", title);
+    if (validates || title == std::string_view("calibrate")) arguments.push_back("--details");
+  } else {
+    message("== {}\n", title);
+  }
+  run_child(title, std::move(arguments), ranks, !options.details && !validates);
   return {title, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), written};
 }
 
@@ -78,7 +85,7 @@ void calibrate(const Options& options, const std::string& self, std::vector<Stag
   const auto figures = options.output / "calibrate.json", database = options.output / "database.h5";
   try {
     stages.push_back(stage(
-        "calibrate", model / "model.txt",
+        options, "calibrate", model / "model.txt",
         {self, "calibrate", model.string(), database.string(), "-o", bounded.string(), "--json", figures.string()},
         options.ranks));
   } catch (const Error&) {
@@ -106,19 +113,19 @@ void run(const Options& options) {
   prepare_environment(options.ranks);
 
   std::vector<Stage> stages;
-  stages.push_back(
-      stage("mesh", in("mesh.msh"), {self, "mesh", scene, "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1));
+  stages.push_back(stage(options, "mesh", in("mesh.msh"),
+                         {self, "mesh", scene, "-o", in("mesh.msh"), "--json", in("mesh.json")}, 1));
   std::vector<std::string> precompute{self,     "precompute",         scene, "-o", in("database.h5"),
                                       "--json", in("precompute.json")};
   if (options.resume) precompute.push_back("--resume");
-  stages.push_back(stage("precompute", in("database.h5"), precompute, options.ranks));
-  stages.push_back(stage("train", in("model"),
+  stages.push_back(stage(options, "precompute", in("database.h5"), precompute, options.ranks));
+  stages.push_back(stage(options, "train", in("model"),
                          {self, "train", scene, in("database.h5"), "-o", in("model"), "--json", in("train.json")}, 1));
   if (!schema::traits(family).proportional) calibrate(options, self, stages);
-  stages.push_back(stage("validate", in("validate.json"),
+  stages.push_back(stage(options, "validate", in("validate.json"),
                          {self, "validate", scene, in("model"), "--json", in("validate.json")}, options.ranks));
   if (embedded_page("view.html"))
-    stages.push_back(stage("page", in("organ.html"),
+    stages.push_back(stage(options, "page", in("organ.html"),
                            {self, "view", in("model"), "--database", in("database.h5"), "--errors", in("validate.json"),
                             "-o", in("organ.html")},
                            1));
@@ -143,6 +150,7 @@ void add(CLI::App& app) {
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   command->add_flag("--resume", options->resume, "continue an unfinished database in OUT_DIR");
+  command->add_flag("--details", options->details, "print what each stage prints, and all tables of validate");
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures of all stages as JSON");
   command->callback([options] { run(*options); });
 }

@@ -61,6 +61,19 @@ void print_result_text(fmt::string_view format, fmt::format_args values) {
   if (first_error == 0 && results == STDOUT_FILENO) first_error = error;
 }
 
+void print_sentence(std::string text) {
+  constexpr std::size_t width = 100;
+  text = printable(text);
+  for (std::size_t begin = 0; text.size() - begin > width;) {
+    auto space = text.rfind(' ', begin + width);
+    if (space == std::string::npos || space < begin + 2) space = text.find(' ', begin + width);
+    if (space == std::string::npos) break;
+    text.replace(space, 1, "\n  ");
+    begin = space + 1;
+  }
+  print_result_text("{}\n", fmt::make_format_args(text));
+}
+
 void print_results_on_stderr() { results = STDERR_FILENO; }
 bool results_are_on_stderr() { return results == STDERR_FILENO; }
 

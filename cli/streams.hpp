@@ -33,6 +33,10 @@ void print_result(fmt::format_string<T...> format, const T&... values) {
   const auto print = [&](const auto&... safe) { print_result_text(format, fmt::make_format_args(safe...)); };
   print(shown(values)...);
 }
+/// Writes a sentence to stdout in lines of at most 100 bytes, broken at spaces; the lines after the first are indented.
+/// A word that is longer, such as a path, has a line of its own.
+void print_sentence(std::string text);
+
 /// Writes to stderr. A failed write is ignored, because there is no other stream to report it.
 template <class... T>
 void message(fmt::format_string<T...> format, const T&... values) noexcept try {

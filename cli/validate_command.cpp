@@ -11,6 +11,7 @@
 #include <phynness/validation/surface_points.hpp>
 #include <phynness/validation/tool_pairs.hpp>
 #include <phynness/validation/trained_share.hpp>
+#include <phynness/validation/verdict.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -35,6 +36,7 @@ struct Options {
   std::optional<double> pair_depth_m;
   std::optional<std::int32_t> level;
   std::optional<std::filesystem::path> json_file, report_file;
+  bool details = false;
 };
 
 /// Scene and model, loaded on every rank and checked by the first.
@@ -143,7 +145,17 @@ void print_conditions(const Scene& scene, const ValidationReport& report) {
                report.nodes.size(), nodes, 1e3 * nearest, 1e3 * farthest);
 }
 
-void print(const Compared& compared, const Measured& m, int ranks) {
+Validated validated(const Compared& c, const Measured& m) { return {c.scene, c.model, m.report, m.points, m.pairs}; }
+
+void print(const Compared& compared, const Measured& m) {
+  print_verdict(validated(compared, m));
+  for (const auto& part : {worse_than_linear(m.report), worse_than_linear(m.points), worse_than_linear(m.pairs)})
+    print_worse(part);
+  for (const auto& part : not_done(m)) print_sentence(part);
+  print_cells(summary_cells(validated(compared, m)));
+}
+
+void print_details(const Compared& compared, const Measured& m, int ranks) {
   const auto& report = m.report;
   const Model& model = compared.model.model();
   print_conditions(compared.scene, report);
@@ -151,11 +163,9 @@ void print(const Compared& compared, const Measured& m, int ranks) {
   print_to_range(report.to_range);
   print_result("{}\n", sentence(trained_share(model), model));
   print_summary(report);
-  print_worse(worse_than_linear(report));
   print_examples(report);
   if (m.points.finished > 0) print_points(m.points);
   if (m.pairs.finished > 0) print_pairs(m.pairs);
-  for (const auto& part : not_done(m)) print_result("{}\n", part);
   print_result("runtime on this machine, one core: force {:.2f} us", report.speed.force_us);
   if (report.of(Predictor::model).inside.displacement.n > 0)
     print_result(", deformation of {} nodes {:.1f} us", model.output.size(), report.speed.deformation_us);
@@ -206,6 +216,9 @@ json as_json(const Compared& compared, const Measured& m) {
            {"field_us", report.speed.field_us},
            {"seconds", report.seconds},
            {"solve_ms_per_increment", report.solve_ms_per_increment}};
+  for (const auto& line : verdict(validated(compared, m)))
+    for (const auto& [key, value] : line.figures)
+      out["verdict"][line.key][key] = std::isfinite(value) ? json(value) : json(nullptr);
   out["worse_than_linear"] = json::array();
   for (const auto& part : {worse_than_linear(report), worse_than_linear(m.points), worse_than_linear(m.pairs)})
     for (const auto& worse : part)
@@ -239,8 +252,7 @@ void refuse_half(const Options& options, const Measured& m) {
 }
 
 void write_report(const Options& options, const Compared& compared, const Measured& m) {
-  write_text_file(*options.report_file,
-                  html_report({compared.scene, compared.model, m.report, m.seed, software_version(), not_done(m)}));
+  write_text_file(*options.report_file, html_report({validated(compared, m), m.seed, software_version(), not_done(m)}));
   print_result("report: {}\n", options.report_file->string());
 }
 
@@ -250,7 +262,8 @@ void run(const Options& options) {
   install_stop_handler();
   const Measured measured = measure(options, session, compared);
   if (session.rank() != 0) return;
-  print(compared, measured, session.size());
+  print(compared, measured);
+  if (options.details) print_details(compared, measured, session.size());
   write_each({[&] { write_json(options.json_file, as_json(compared, measured)); },
               [&] {
                 if (options.report_file && !measured.interrupted) write_report(options, compared, measured);
@@ -297,6 +310,7 @@ void add(CLI::App& app) {
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   add_path(*command, "--report", options->report_file, OutputKind::file,
            "write an HTML report with curves and pictures");
+  command->add_flag("--details", options.details, "print all tables, groups and conditions");
   command->callback([options] { run(*options); });
 }
 

@@ -30,8 +30,8 @@ class Report : public CommandLine {
 TEST_F(Report, HoldsWhatItPromises) {
   // Scene, probes, errors, worst cases, curves, pictures, conservation, times, origin.
   EXPECT_EQ(count("<h2>"), 9U);
-  // Scene, errors, errors to R, worst cases, curves, nodes, levels, origin.
-  EXPECT_EQ(count("<table"), 8U);
+  // Verdict, scene, errors, errors to R, worst cases, curves, nodes, levels, origin.
+  EXPECT_EQ(count("<table"), 9U);
   // Four histograms, a curve for each of some nodes.
   EXPECT_GE(count("class=\"chart\""), 6U);
   EXPECT_EQ(count("<figure>"), count("</figure>"));

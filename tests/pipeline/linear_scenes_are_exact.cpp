@@ -30,7 +30,7 @@ TEST_F(LinearScenes, ModelRepeatsTheFiniteElements) {
   for (const char* element : {"P1", "P2", "p1-p1"}) {
     write_file(folder / "scene.toml", linear_scene(element));
     std::filesystem::remove_all(folder / "out");
-    const auto run = phynness("run scene.toml -o out");
+    const auto run = phynness("run scene.toml -o out --details");
     ASSERT_EQ(run.exit_status, 0) << run.err << run.out;
     EXPECT_NE(run.out.find("three unit responses"), std::string::npos) << run.out;
     EXPECT_EQ(json("out/train.json").at("family"), "linear");

@@ -151,7 +151,7 @@ TEST_F(PointsOfPatches, ThatHoldNoNodeAreRefusedByEvalAndSolveAlike) {
   EXPECT_GT(refused, 0);
   EXPECT_GT(answered, 0);
   // validate says why it does not solve them.
-  const auto validated = phynness("validate scene.toml out/model --probes 4 --points 12 --json v.json");
+  const auto validated = phynness("validate scene.toml out/model --probes 4 --points 12 --details --json v.json");
   EXPECT_EQ(validated.exit_status, 0) << validated.err;
   const auto points = json("v.json").at("points");
   ASSERT_GT(points.at("refused").get<int>(), 0);

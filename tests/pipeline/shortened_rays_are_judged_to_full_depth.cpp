@@ -59,7 +59,7 @@ TEST_F(ShortenedRays, ThatNobodyReachesAreCounted) {
   write_file(folder / "scene.toml", scene);
   ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
   ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal").exit_status, 0);
-  const auto v = validated("m --probes 40");
+  const auto v = validated("m --probes 40 --details");
   const auto& unreached = v.at("unreached");
   ASSERT_GT(unreached.size(), 0U);
   EXPECT_EQ(v.at("all").at("probes"), 20);

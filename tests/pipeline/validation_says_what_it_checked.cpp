@@ -18,7 +18,7 @@ class ValidationWords : public CommandLine {
 
 TEST_F(ValidationWords, AreDistances) {
   ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal").exit_status, 0);
-  const auto validated = phynness("validate scene.toml m --probes 8 --json v.json");
+  const auto validated = phynness("validate scene.toml m --probes 8 --details --json v.json");
   ASSERT_EQ(validated.exit_status, 0) << validated.err;
   const auto conditions = json("v.json").at("conditions");
   ASSERT_EQ(conditions.at("fixed_distances_m").size(), conditions.at("nodes").size());

@@ -72,7 +72,8 @@ std::string sentence(const ErrorsAndBounds& bounds) {
 TableCells table_cells(const std::string& title, const std::vector<NamedErrors>& rows) {
   TableCells out{{title, "probes", "share", "force: mean", "median", "p95", "max", "over 10 %", "displ.: mean",
                   "median", "p95", "max", "linear, force: mean", "p95", "over 10 %", "displ.: mean", "p95"}};
-  for (const auto& [name, errors] : rows) {
+  for (const auto& [name, errors, part_of] : rows) {
+    if (part_of != nullptr && (errors->probes == 0 || errors->probes == part_of->probes)) continue;
     std::vector<std::string> row{name, fmt::format("{} of {}", errors->solved, errors->probes),
                                  in_percent(errors->share)};
     append_errors(row, errors->model);
@@ -87,25 +88,31 @@ TableCells table_cells(const std::string& title, const std::vector<NamedErrors>&
 
 TableCells table_cells(const ErrorsToRange& errors, const std::string& nodes) {
   std::vector<NamedErrors> rows;
+  const JudgedErrors& all = errors.all.overall;
   for (const auto& [name, group] : {std::pair{"all", &errors.all}, std::pair{"unflagged", &errors.unflagged},
                                     std::pair{"flagged", &errors.flagged}}) {
+    if (group != &errors.all && (group->overall.probes == 0 || group->overall.probes == all.probes)) continue;
     rows.push_back({name, &group->overall});
-    if (group->overall.probes == 0) continue;
     constexpr std::array thirds{"  0 to R/3", "  R/3 to 2R/3", "  2R/3 to R"};
-    for (std::size_t third = 0; third < 3; ++third) rows.push_back({thirds[third], &group->by_depth[third]});
-    rows.push_back({"  worst tenth of the " + nodes, &group->worst_nodes});
+    for (std::size_t third = 0; third < 3; ++third)
+      rows.push_back({thirds[third], &group->by_depth[third], &group->overall});
+    rows.push_back({"  worst tenth of the " + nodes, &group->worst_nodes, &group->overall});
   }
   if (errors.beyond.probes > 0) rows.push_back({"beyond R, to 1.43 R", &errors.beyond});
   std::vector<std::string> names;
   if (errors.bounds)
     for (const auto& bound : errors.bounds->at_most)
       names.push_back(fmt::format("bound to {:.0f} %", 100 * bound.fraction));
-  for (std::size_t i = 0; i < names.size(); ++i) rows.push_back({names[i], &errors.bounds->at_most[i].errors});
+  for (std::size_t i = 0; i < names.size(); ++i)
+    rows.push_back(
+        {names[i], &errors.bounds->at_most[i].errors, i == 0 ? &all : &errors.bounds->at_most[i - 1].errors});
   return table_cells(fmt::format("to R = {:.4g} mm, in %", 1e3 * errors.range_m), rows);
 }
 
 TableCells table_cells(const std::string& title, const ErrorsByWarning& errors) {
-  return table_cells(title, {{"all", &errors.all}, {"unflagged", &errors.unflagged}, {"flagged", &errors.flagged}});
+  return table_cells(
+      title,
+      {{"all", &errors.all}, {"unflagged", &errors.unflagged, &errors.all}, {"flagged", &errors.flagged, &errors.all}});
 }
 
 std::vector<std::string> remarks(const ErrorsToRange& errors, const std::string& nodes) {

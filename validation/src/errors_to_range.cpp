@@ -79,6 +79,18 @@ double least_unflagged(const std::vector<ErrorsOfNode>& nodes) {
   return probes > 0 ? 1 - flagged / probes : 0;
 }
 
+std::optional<WorstNode> worst_node(const std::vector<JudgedProbe>& probes, bool flagged) {
+  const JudgedProbe* worst = nullptr;
+  const auto counts = [&](const JudgedProbe& p) { return p.solved() && !p.beyond && p.flagged == flagged; };
+  for (const auto& p : probes)
+    if (counts(p) && (worst == nullptr || p.error_N > worst->error_N)) worst = &p;
+  if (worst == nullptr) return std::nullopt;
+  std::vector<double> errors;
+  for (const auto& p : probes)
+    if (counts(p) && p.node == worst->node) errors.push_back(p.error_N);
+  return WorstNode{worst->node, worst->error_N, mean_or_nan(errors), worst->largest_N, flagged};
+}
+
 constexpr std::array bound_fractions{0.1, 0.05, 0.02};
 
 ErrorsAndBounds errors_and_bounds(const std::vector<JudgedProbe>& probes, double range_m) {
@@ -135,6 +147,8 @@ ErrorsToRange errors_to_range(const std::vector<JudgedProbe>& probes, double ran
   for (const auto& [node, of_node] : by_node) out.nodes.push_back(errors_of_node(node, of_node));
   out.worst_nodes = worst_of(out.nodes);
   out.least_unflagged = least_unflagged(out.nodes);
+  out.worst = worst_node(probes, false);
+  if (!out.worst) out.worst = worst_node(probes, true);
   const auto any = [](const JudgedProbe&) { return true; };
   const auto fill = [&](JudgedGroup& group, const Belongs& in_group) {
     const auto over = [&](const Belongs& part) {

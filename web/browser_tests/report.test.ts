@@ -56,7 +56,7 @@ describe(`the report in ${browserName}`, () => {
     const page = await view({ scripts: false });
     const text = await page.$eval('body', (body) => (body as HTMLElement).innerText).catch(() => '');
     // Some browsers evaluate nothing in a page without scripts.
-    if (text !== '') expect(text).toMatch(/force \(17\), inside/);
+    if (text !== '') expect(text).toMatch(/Worst node: the force is off by/);
     expect(readFileSync(report, 'utf8')).toMatch(/<td>force \(17\), inside<\/td>/);
   });
   it('shows hostile texts as texts, and can be used by everybody', async () => {

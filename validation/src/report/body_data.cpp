@@ -58,7 +58,7 @@ Json not_trained(const Model& model, const std::map<std::int32_t, std::int32_t>&
 
 std::string body_data(const ReportInput& in) {
   const Model& model = in.model.model();
-  if (model.surface.rows() == 0 || in.validation.shown.empty()) return {};
+  if (model.surface.rows() == 0 || in.report.shown.empty()) return {};
   const auto rows = rows_of(model);
   Points points(model.output_points.rows() + model.fixed_points.rows(), 3);
   points << model.output_points, model.fixed_points;
@@ -67,7 +67,7 @@ std::string body_data(const ReportInput& in) {
   for (Eigen::Index t = 0; t < model.surface.rows(); ++t)
     for (Eigen::Index k = 0; k < 3; ++k) triangles.push_back(rows.at(model.surface(t, k)));
   Json cases = Json::array();
-  for (const auto& state : in.validation.shown)
+  for (const auto& state : in.report.shown)
     cases.push_back({{"node", state.node},
                      {"row", rows.at(state.node)},
                      {"displacement_m", state.displacement_m},
@@ -75,12 +75,12 @@ std::string body_data(const ReportInput& in) {
                      {"finite_elements_m", rounded(state.finite_elements_m, size_m)},
                      {"model_m", rounded(state.model_m, size_m)}});
   Json errors = Json::array();
-  for (const double e : in.validation.output_error) errors.push_back(std::round(1e6 * e) / 1e6);
+  for (const double e : in.report.output_error) errors.push_back(std::round(1e6 * e) / 1e6);
   return Json{{"points_m", rounded(points, size_m)},
               {"n_output", model.output.size()},
               {"triangles", triangles},
               {"displacement_error", errors},
-              {"nodes", node_errors(in.validation, rows)},
+              {"nodes", node_errors(in.report, rows)},
               {"not_trained", not_trained(model, rows)},
               {"cases", cases}}
       .dump();

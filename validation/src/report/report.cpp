@@ -36,7 +36,7 @@ std::string vector(const Vec3& v, double scale = 1e3, const char* format = "{:.2
 }
 ForceUnit unit_of(const ReportInput& in) {
   double largest = 0;
-  for (const auto& r : in.validation.records)
+  for (const auto& r : in.report.records)
     for (const double x : r.finite_elements_N) largest = std::max(largest, std::abs(x));
   return force_unit(largest);
 }
@@ -49,10 +49,10 @@ struct Noticed {
 /// Forces below 1 % of the node's largest count as that: they are hardly felt.
 Noticed noticed(const ReportInput& in, bool outside) {
   std::map<std::int32_t, double> largest;
-  for (const auto& r : in.validation.records)
+  for (const auto& r : in.report.records)
     if (r.outside == outside) largest[r.node] = std::max(largest[r.node], to_eigen(r.finite_elements_N).norm());
   Noticed found;
-  for (const auto& r : in.validation.records) {
+  for (const auto& r : in.report.records) {
     if (r.outside != outside) continue;
     const double size = std::max(to_eigen(r.finite_elements_N).norm(), 0.01 * largest[r.node]);
     ++found.of;
@@ -61,26 +61,41 @@ Noticed noticed(const ReportInput& in, bool outside) {
   return found;
 }
 
+/// The verdict, warnings, and the table of the text output with its two heading rows in one.
+std::string verdict_first(const ReportInput& in) {
+  std::string out = "<ul>\n";
+  for (const auto& line : verdict(in))
+    out += "<li><strong>" + escaped(line.title) + "</strong>: " + escaped(line.sentence) + ".</li>\n";
+  out += "</ul>\n";
+  for (const auto& part : {worse_than_linear(in.report), worse_than_linear(in.points), worse_than_linear(in.pairs)})
+    for (const auto& worse : part) out += "<p class=\"warning\">" + escaped(worse.sentence()) + ".</p>\n";
+  auto cells = summary_cells(in);
+  for (std::size_t i = 0; i < cells[0].size(); ++i)
+    cells[1][i] = cells[0][i].empty() ? cells[1][i] : cells[0][i] + " " + cells[1][i];
+  cells.erase(cells.begin());
+  return out + table(cells);
+}
+
+std::string folded(const std::string& title, const std::string& body) {
+  return "<details><summary>" + title + "</summary>\n" + body + "</details>\n";
+}
+
 std::string headline(const ReportInput& in) {
-  const auto& errors = in.validation.of(Predictor::model).inside;
-  const auto& linear = in.validation.of(Predictor::linear).inside;
+  const auto& errors = in.report.of(Predictor::model).inside;
+  const auto& linear = in.report.of(Predictor::linear).inside;
   std::string moved;
   if (errors.displacement.n > 0)
     moved = fmt::format("; of displacements {} % (linear: {} %)", percent(errors.displacement.mean),
                         percent(linear.displacement.mean));
-  std::string warnings;
-  for (const auto& worse : worse_than_linear(in.validation))
-    warnings += "<p class=\"warning\">" + escaped(worse.sentence()) + ".</p>\n";
-  return warnings +
-         fmt::format(
-             "<p>Inside the trained range the error of the model's force is {} % in the mean ({} % in the median, {} % "
-             "at most). The error of the linear predictor, which uses three unit responses, is {} %{}. All these "
-             "figures "
-             "are error (17): the difference over the largest finite element response of the node. For {} probes the "
-             "force is off by more than {:.0f} % of its own size, the smallest difference that a person may "
-             "notice (Allin et al. 2002).</p>\n",
-             percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max),
-             percent(linear.force.mean), moved, noticed(in, false).share(), 100 * noticeable);
+  return fmt::format(
+      "<p>Inside the trained range the error of the model's force is {} % in the mean ({} % in the median, {} % "
+      "at most). The error of the linear predictor, which uses three unit responses, is {} %{}. All these "
+      "figures "
+      "are error (17): the difference over the largest finite element response of the node. For {} probes the "
+      "force is off by more than {:.0f} % of its own size, the smallest difference that a person may "
+      "notice (Allin et al. 2002).</p>\n",
+      percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max), percent(linear.force.mean),
+      moved, noticed(in, false).share(), 100 * noticeable);
 }
 
 std::string modelled(const ReportInput& in) {
@@ -116,7 +131,7 @@ std::string modelled(const ReportInput& in) {
 }
 
 std::string solved(const ReportInput& in) {
-  const auto& v = in.validation;
+  const auto& v = in.report;
   std::string nodes;
   for (std::size_t i = 0; i < std::min<std::size_t>(20, v.nodes.size()); ++i) nodes += fmt::format(" {}", v.nodes[i]);
   if (v.nodes.size() > 20) nodes += " ...";
@@ -154,7 +169,7 @@ std::string verdict(const ErrorStatistics& model, const ErrorStatistics& linear,
 
 /// Errors beside their bounds, and the share of errors below their bound by tenths of the depth.
 std::string bound_plots(const ReportInput& in) {
-  const auto& errors = in.validation.to_range;
+  const auto& errors = in.report.to_range;
   const auto& samples = errors.bounds->samples;
   const double coverage = 100 * in.model.model().bounds.at(0).coverage;
   constexpr std::size_t n_parts = 10;
@@ -204,7 +219,7 @@ std::string errors(const ReportInput& in) {
     using Member = const ErrorStatistics& (*)(const GroupErrors&);
     const auto row = [&](const char* what, Member member, bool of_force = false) {
       const auto of = [&](Predictor p) -> const ErrorStatistics& {
-        const auto& e = in.validation.of(p);
+        const auto& e = in.report.of(p);
         return member(outside ? e.outside : e.inside);
       };
       const auto &m = of(Predictor::model), &l = of(Predictor::linear), &z = of(Predictor::zero);
@@ -222,12 +237,13 @@ std::string errors(const ReportInput& in) {
     row("field, relative L2", [](const GroupErrors& e) -> const ErrorStatistics& { return e.field_l2; });
   }
   const Model& model = in.model.model();
-  std::string out = table(rows) + table(table_cells(in.validation.to_range));
+  std::string out = folded("Errors inside and outside the trained range", table(rows)) +
+                    folded("Errors to R by warnings, depth and bounds", table(table_cells(in.report.to_range)));
   out += "<p>" + escaped(sentence(trained_share(model), model)) + ".</p>\n";
-  for (const auto& remark : remarks(in.validation.to_range)) out += "<p>" + escaped(remark) + ".</p>\n";
+  for (const auto& remark : remarks(in.report.to_range)) out += "<p>" + escaped(remark) + ".</p>\n";
   for (const bool outside : {false, true}) {
     std::vector<double> force, force_linear, u, u_linear;
-    for (const auto& r : in.validation.records) {
+    for (const auto& r : in.report.records) {
       if (r.outside != outside) continue;
       force.push_back(100 * r.force_error);
       force_linear.push_back(100 * r.force_error_linear);
@@ -248,16 +264,16 @@ std::string errors(const ReportInput& in) {
              "</figure>\n";
     };
     out += "<div class=\"plots\">\n" + both("Force", force, force_linear);
-    if (in.validation.of(Predictor::model).inside.displacement.n > 0) out += both("Displacement", u, u_linear);
+    if (in.report.of(Predictor::model).inside.displacement.n > 0) out += both("Displacement", u, u_linear);
     out += "</div>\n";
   }
-  if (in.validation.to_range.bounds) out += bound_plots(in);
+  if (in.report.to_range.bounds) out += bound_plots(in);
   return section("Errors", out);
 }
 
 /// The node, with the number of the case that the page's script shows on the body.
 std::string case_link(const ReportInput& in, const ProbeRecord& record) {
-  const auto& shown = in.validation.shown;
+  const auto& shown = in.report.shown;
   const auto found = std::find_if(shown.begin(), shown.end(), [&](const auto& state) {
     return state.node == record.node && state.displacement_m == record.displacement_m;
   });
@@ -267,7 +283,7 @@ std::string case_link(const ReportInput& in, const ProbeRecord& record) {
 
 std::string worst(const ReportInput& in) {
   std::vector<const ProbeRecord*> records;
-  for (const auto& r : in.validation.records)
+  for (const auto& r : in.report.records)
     if (!r.outside) records.push_back(&r);
   std::stable_sort(records.begin(), records.end(),
                    [](const auto* a, const auto* b) { return a->force_error > b->force_error; });
@@ -281,17 +297,16 @@ std::string worst(const ReportInput& in) {
     double nearest = 1e300;
     for (const auto fixed : in.model.model().fixed)
       nearest = std::min(nearest, (points.row(fixed) - points.row(r->node)).norm());
-    rows.push_back(
-        {case_link(in, *r), fmt::format("{:.0f}", 1e3 * nearest), vector(r->displacement_m),
-         vector(r->finite_elements_N, unit.per_N), vector(r->model_N, unit.per_N), percent(r->force_error),
-         in.validation.of(Predictor::model).inside.displacement.n > 0 ? percent(r->displacement_error) : "-"});
+    rows.push_back({case_link(in, *r), fmt::format("{:.0f}", 1e3 * nearest), vector(r->displacement_m),
+                    vector(r->finite_elements_N, unit.per_N), vector(r->model_N, unit.per_N), percent(r->force_error),
+                    in.report.of(Predictor::model).inside.displacement.n > 0 ? percent(r->displacement_error) : "-"});
   }
   return section("Largest errors of force inside the trained range", table(rows));
 }
 
 std::string curves(const ReportInput& in) {
   std::vector<const ForceCurve*> chosen;
-  for (const auto& curve : in.validation.curves)
+  for (const auto& curve : in.report.curves)
     if (curve.depth_m.size() > 2) chosen.push_back(&curve);
   // Curves are distributed evenly over the nodes and not selected by their error.
   std::vector<const ForceCurve*> shown;
@@ -341,11 +356,11 @@ std::string curves(const ReportInput& in) {
 }
 
 std::string picture(const ReportInput& in) {
-  if (in.validation.of(Predictor::model).inside.displacement.n == 0) return "";
+  if (in.report.of(Predictor::model).inside.displacement.n == 0) return "";
   std::vector<std::vector<std::string>> rows{
       {"node", "probes", "error of force, mean %", "max %", "of displacement, mean %"}};
   std::map<std::int32_t, std::vector<const ProbeRecord*>> by_node;
-  for (const auto& r : in.validation.records)
+  for (const auto& r : in.report.records)
     if (!r.outside) by_node[r.node].push_back(&r);
   for (const auto& [node, records] : by_node) {
     double force = 0, most = 0, u = 0;
@@ -378,21 +393,21 @@ std::string trust(const ReportInput& in) {
   out += fmt::format(
       "<p>The rank correlation of the distance to the nearest trained displacement (phn_trust) with the error of "
       "the force is {} inside and {} outside the trained range.</p>\n",
-      correlation(in.validation.distance_correlation_inside), correlation(in.validation.distance_correlation_outside));
+      correlation(in.report.distance_correlation_inside), correlation(in.report.distance_correlation_outside));
   return section("Conservation of energy and indicator of trust", out);
 }
 
 std::string cost(const ReportInput& in) {
-  const auto& speed = in.validation.speed;
+  const auto& speed = in.report.speed;
   std::string deformation;
-  if (in.validation.of(Predictor::model).inside.displacement.n > 0)
+  if (in.report.of(Predictor::model).inside.displacement.n > 0)
     deformation =
         fmt::format(", a deformation of {} nodes in {:.1f} us", in.model.model().output.size(), speed.deformation_us);
   std::string out = fmt::format(
       "<p>On one core of the machine that wrote this report: a force in {:.2f} us{}. An increment of the finite "
       "elements took {:.1f} ms of one core, including all other work of this validation. The model has {} in the "
       "runtime's memory and {} as text.</p>\n",
-      speed.force_us, deformation, in.validation.solve_ms_per_increment, bytes(in.model.memory_bytes()),
+      speed.force_us, deformation, in.report.solve_ms_per_increment, bytes(in.model.memory_bytes()),
       bytes(in.model.text_bytes()));
   const std::int32_t n_levels = in.model.runtime().n_levels();
   if (n_levels > 1) {
@@ -421,14 +436,13 @@ std::string cost(const ReportInput& in) {
 }
 
 std::string origin(const ReportInput& in) {
-  return section("Origin of this report",
-                 table({{"", "value"},
-                        {"software", escaped(in.software)},
-                        {"scene", escaped(in.scene.source_name)},
-                        {"physics of the scene", in.model.model().physics_hash},
-                        {"mesh", in.model.model().mesh_hash},
-                        {"seed of the probes", std::to_string(in.seed)},
-                        {"time of the solves", fmt::format("{:.0f} s", in.validation.seconds)}}));
+  return section("Origin of this report", table({{"", "value"},
+                                                 {"software", escaped(in.software)},
+                                                 {"scene", escaped(in.scene.source_name)},
+                                                 {"physics of the scene", in.model.model().physics_hash},
+                                                 {"mesh", in.model.model().mesh_hash},
+                                                 {"seed of the probes", std::to_string(in.seed)},
+                                                 {"time of the solves", fmt::format("{:.0f} s", in.report.seconds)}}));
 }
 
 }  // namespace
@@ -436,8 +450,8 @@ std::string origin(const ReportInput& in) {
 std::string html_report(const ReportInput& in) {
   const std::string title = in.scene.title.empty() ? "Model compared with finite elements" : in.scene.title;
   return page(title,
-              "<h1>" + escaped(title) + "</h1>\n" + headline(in) + modelled(in) + solved(in) + errors(in) + worst(in) +
-                  curves(in) + picture(in) + trust(in) + cost(in) + origin(in),
+              "<h1>" + escaped(title) + "</h1>\n" + verdict_first(in) + headline(in) + modelled(in) + solved(in) +
+                  errors(in) + worst(in) + curves(in) + picture(in) + trust(in) + cost(in) + origin(in),
               body_data(in));
 }
 

@@ -89,6 +89,14 @@ struct ErrorsAndBounds {
   std::vector<BoundedError> samples;
 };
 
+/// The node with the largest error of the force among solved probes to R without a warning, or, if there are none, with
+/// one.
+struct WorstNode {
+  std::int32_t node = 0;
+  double error_N = 0, mean_error_N = 0, largest_N = 0;
+  bool flagged = false;
+};
+
 struct ErrorsToRange {
   double range_m = 0;                   ///< R of the scene
   JudgedGroup all, unflagged, flagged;  ///< depth in (0, R]
@@ -97,6 +105,7 @@ struct ErrorsToRange {
   /// The tenth of the nodes (at least one) with the largest mean error of the model's force in group `all`.
   std::vector<std::int32_t> worst_nodes;
   double least_unflagged = 0;          ///< unflagged share at the tenth of the nodes where it is smallest
+  std::optional<WorstNode> worst;      ///< empty if nothing was solved
   std::vector<JudgedProbe> unreached;  ///< probes up to R that the finite elements do not reach, without errors
   std::int64_t unreached_beyond = 0;
   std::optional<ErrorsAndBounds> bounds;  ///< of a model that has bounds
@@ -127,6 +136,7 @@ using TableCells = std::vector<std::vector<std::string>>;
 struct NamedErrors {
   std::string name;
   const JudgedErrors* errors = nullptr;
+  const JudgedErrors* part_of = nullptr;  ///< a row with as many probes would repeat it and is left out
 };
 TableCells table_cells(const std::string& title, const std::vector<NamedErrors>& rows);
 /// @param nodes  what JudgedProbe::node counts: "nodes" or "points"

@@ -2,14 +2,11 @@
 // body, conservation of energy, size and time.
 #pragma once
 
-#include <phynness/validation/validation.hpp>
+#include <phynness/validation/verdict.hpp>
 
 namespace phynness {
 
-struct ReportInput {
-  const Scene& scene;
-  const LoadedModel& model;
-  const ValidationReport& validation;
+struct ReportInput : Validated {
   std::uint64_t seed = 0;
   std::string software;                 ///< versions of the software that computed it
   std::vector<std::string> not_done{};  ///< requested parts of the validation that were not done, and why

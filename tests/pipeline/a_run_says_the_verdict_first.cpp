@@ -1,0 +1,114 @@
+// Claims about what `run`, `validate` and `calibrate` print: first the verdict, then one table of at most 12 lines, no
+// line wider than 100 characters; no row repeats another; the rest with --details, in the JSON and in the report. The
+// JSON holds the figures of the verdict, and the node named there is the worst of the drawn probes. A model of patches
+// says how far two tools are off.
+#include <cmath>
+
+#include "command_line.hpp"
+
+namespace phynness::test {
+namespace {
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+void expect_narrow(const std::string& text) {
+  for (const auto& line : lines_of(text)) EXPECT_LE(line.size(), 100U) << line;
+}
+
+/// From its headings to its last row, whose second cell is a number.
+std::vector<std::string> table_of(const std::vector<std::string>& lines) {
+  std::size_t begin = 0;
+  while (begin < lines.size() && lines[begin].find("force") == std::string::npos) ++begin;
+  while (begin + 1 < lines.size() && lines[begin + 1].rfind("to ", 0) != 0) ++begin;
+  std::vector<std::string> table;
+  for (std::size_t i = begin; i < lines.size() && !lines[i].empty(); ++i) table.push_back(lines[i]);
+  return table;
+}
+
+bool has_line(const std::vector<std::string>& lines, const std::string& begin) {
+  return std::any_of(lines.begin(), lines.end(), [&](const auto& line) { return line.rfind(begin, 0) == 0; });
+}
+
+using Verdict = CommandLine;
+
+TEST_F(Verdict, IsFirstAndNarrow) {
+  auto scene = small_scene("P1", 3);
+  const auto family = scene.find("family = \"rbfn\"");
+  scene.replace(family, scene.find("[validation]") - family, "family = \"modal\"\n");
+  write_file(folder / "scene.toml", scene);
+  const auto run = phynness("run scene.toml -o out --json all.json");
+  ASSERT_EQ(run.exit_status, 0) << run.err;
+  expect_narrow(run.out);
+  const auto lines = lines_of(run.out);
+  ASSERT_FALSE(lines.empty());
+  EXPECT_EQ(lines.front().rfind("Worst node: the force is off by up to ", 0), 0U) << lines.front();
+  for (const char* begin : {"Off by more than a tenth", "Out of reach: ", "Left out: ", "Mesh and element: "})
+    EXPECT_TRUE(has_line(lines, begin)) << begin << "\n" << run.out;
+  expect_names(run.out, {"phynness check SCENE"});
+  const auto table = table_of(lines);
+  EXPECT_GE(table.size(), 7U) << run.out;
+  EXPECT_LE(table.size(), 12U) << run.out;
+  // Nothing is flagged, and every row of unflagged probes would repeat one of all.
+  EXPECT_FALSE(has_line(lines, "without a warning")) << run.out;
+  EXPECT_FALSE(has_line(lines, "unflagged")) << run.out;
+  expect_names(run.err, {"== mesh", "== validate"});
+
+  const auto v = json("all.json").at("validate");
+  const auto& worst = v.at("verdict").at("worst_node");
+  const auto& nodes = v.at("conditions").at("nodes");
+  EXPECT_NE(std::find(nodes.begin(), nodes.end(), worst.at("node").get<int>()), nodes.end());
+  // The block is 50 mm high and touched on top.
+  EXPECT_NEAR(worst.at("z_m").get<double>(), 0.05, 1e-6);
+  EXPECT_GE(worst.at("error_N"), worst.at("mean_error_N"));
+  EXPECT_EQ(v.at("verdict").at("off_by_a_tenth").at("share"), v.at("all").at("wrong"));
+
+  const auto brief = phynness("validate scene.toml out/model --report r.html");
+  ASSERT_EQ(brief.exit_status, 0) << brief.err;
+  expect_narrow(brief.out);
+  EXPECT_LE(lines_of(brief.out).size(), 24U) << brief.out;  // verdict of at most 11 lines, table, file
+  const auto page = read_file(folder / "r.html");
+  EXPECT_LT(page.find("<strong>Worst node</strong>"), page.find("<table"));
+  EXPECT_LT(page.find("<table"), page.find("<h2>"));
+  EXPECT_EQ(page.find("<td>unflagged</td>"), std::string::npos);
+
+  const auto details = phynness("validate scene.toml out/model --details");
+  ASSERT_EQ(details.exit_status, 0) << details.err;
+  EXPECT_GT(lines_of(details.out).size(), lines_of(brief.out).size());
+  expect_names(details.out, {"zero predictor", "force by finite elements", "runtime on this machine"});
+  EXPECT_FALSE(has_line(lines_of(details.out), "unflagged")) << details.out;
+
+  const auto calibrated = phynness("calibrate out/model out/database.h5 -o bounded --rays 200");
+  ASSERT_EQ(calibrated.exit_status, 0) << calibrated.err;
+  expect_narrow(calibrated.out);
+  EXPECT_EQ(calibrated.out.rfind("median bound of the force's error: ", 0), 0U) << calibrated.out;
+}
+
+TEST_F(Verdict, SaysHowFarTwoRoundToolsAreOff) {
+  auto scene = small_scene("P1", 2);
+  const auto family = scene.find("family = \"rbfn\"");
+  scene.replace(family, scene.find("[validation]") - family, "family = \"modal\"\n");
+  scene.replace(scene.find("active = ["), scene.find("[probe]") - scene.find("active = ["),
+                "active = [{ nearest = { point_fraction = [0.1, 0.4, 1.0] }, surface_only = true },\n"
+                "          { nearest = { point_fraction = [0.9, 0.6, 1.0] }, surface_only = true }]\n");
+  scene.insert(scene.find("directions = 26"), "kind = \"patch\"\ntool_radius_m = 0.03\n");
+  write_file(folder / "scene.toml", scene);
+  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+  ASSERT_EQ(phynness("train scene.toml d.h5 -o m").exit_status, 0);
+  const auto pairs = phynness("validate scene.toml m --probes 4 --pairs 3 --json v.json");
+  ASSERT_EQ(pairs.exit_status, 0) << pairs.err;
+  expect_narrow(pairs.out);
+  EXPECT_TRUE(has_line(lines_of(pairs.out), "Two round tools: ")) << pairs.out;
+  const auto v = json("v.json");
+  EXPECT_EQ(v.at("verdict").at("two_round_tools").at("force"),
+            v.at("pairs").at("all").at("coupled").at("force").at("mean"));
+  const auto without = phynness("validate scene.toml m --probes 4");
+  EXPECT_FALSE(has_line(lines_of(without.out), "Two round tools: ")) << without.out;
+}
+
+}  // namespace
+}  // namespace phynness::test

@@ -1,0 +1,152 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <phynness/formats/locking.hpp>
+#include <phynness/validation/force_unit.hpp>
+#include <phynness/validation/trained_share.hpp>
+#include <phynness/validation/verdict.hpp>
+
+namespace phynness {
+namespace {
+
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+
+/// At most five characters.
+std::string in_percent(double fraction) {
+  const double value = 100 * fraction;
+  if ((value > 0 && value < 0.005) || value >= 99999.5) return fmt::format("{:.0e}", value);
+  return value < 9.995   ? fmt::format("{:.2f}", value)
+         : value < 99.95 ? fmt::format("{:.1f}", value)
+                         : fmt::format("{:.0f}", value);
+}
+
+VerdictLine worst_node(const Validated& v) {
+  VerdictLine line{"worst_node", "Worst node", "no probe was solved", {}};
+  const auto& worst = v.report.to_range.worst;
+  if (!worst) return line;
+  const auto at = v.model.mesh().nodes.row(worst->node);
+  const ForceUnit unit = force_unit(worst->largest_N);
+  line.sentence = fmt::format(
+      "the force is off by up to {:.3g} {} at node {} ({:.1f}, {:.1f}, {:.1f}) mm, by {:.3g} {} in the mean; the "
+      "largest force there is {:.3g} {}{}",
+      unit.per_N * worst->error_N, unit.name, worst->node, 1e3 * at[0], 1e3 * at[1], 1e3 * at[2],
+      unit.per_N * worst->mean_error_N, unit.name, unit.per_N * worst->largest_N, unit.name,
+      worst->flagged ? " (the runtime warns of all probes)" : "");
+  line.figures = {{"node", worst->node},
+                  {"x_m", at[0]},
+                  {"y_m", at[1]},
+                  {"z_m", at[2]},
+                  {"error_N", worst->error_N},
+                  {"mean_error_N", worst->mean_error_N},
+                  {"largest_force_N", worst->largest_N}};
+  return line;
+}
+
+VerdictLine off_by_a_tenth(const Validated& v) {
+  const auto& e = v.report.to_range;
+  const auto wrong = [](const JudgedErrors& group) { return group.model.force.n > 0 ? group.model.wrong : undefined; };
+  const double all = wrong(e.all.overall), quiet = wrong(e.unflagged.overall), warned = wrong(e.flagged.overall);
+  std::string text = std::isnan(all) ? "no force was compared" : in_percent(all) + " % of the forces";
+  if (!std::isnan(warned))
+    text +=
+        fmt::format(" ({}{} % of those with one)",
+                    std::isnan(quiet) ? "" : in_percent(quiet) + " % of those without a warning, ", in_percent(warned));
+  if (const auto& linear = e.all.overall.linear; linear.force.n > 0)
+    text += fmt::format("; of the linear predictor {} %", in_percent(linear.wrong));
+  return {"off_by_a_tenth",
+          "Off by more than a tenth of their size",
+          text,
+          {{"share", all}, {"share_without_warning", quiet}, {"share_with_warning", warned}}};
+}
+
+VerdictLine out_of_reach(const Validated& v) {
+  const auto share = trained_share(v.model.model());
+  const auto& e = v.report.to_range;
+  std::string most;
+  const auto least = std::min_element(share.of_node.begin(), share.of_node.end());
+  if (least != share.of_node.end() && *least < 1)
+    most = fmt::format(", and {} % at node {}", in_percent(1 - *least),
+                       v.model.model().nodes[static_cast<std::size_t>(least - share.of_node.begin())].node);
+  const double beyond = std::max(0.0, 1 - share.all);
+  return {"out_of_reach",
+          "Out of reach",
+          fmt::format("{} % of the probe volume to {:.4g} mm is not trained{}; {} of {} probes have no finite element "
+                      "solution, {} of them without a warning",
+                      in_percent(beyond), 1e3 * e.range_m, most, e.unreached.size(), e.all.overall.probes,
+                      std::ranges::count_if(e.unreached, [](const auto& p) { return !p.flagged; })),
+          {{"share_of_volume", beyond}, {"probes", static_cast<double>(e.unreached.size())}}};
+}
+
+VerdictLine left_out(const Validated& v) {
+  const std::size_t active = v.model.model().nodes.size(), probed = v.report.nodes.size();
+  std::string text = fmt::format("{} of {} active nodes were not probed (--nodes)", active - probed, active);
+  if (v.points.failed > 0) text += fmt::format("; {} displacements of points were not solved", v.points.failed);
+  if (v.pairs.failed > 0) text += fmt::format("; {} pairs were not solved", v.pairs.failed);
+  if (v.points.finished == 0) text += "; tools between nodes (--points)";
+  if (v.pairs.finished == 0) text += "; two tools at a time (--pairs)";
+  return {"left_out",
+          "Left out",
+          text,
+          {{"nodes", static_cast<double>(active - probed)}, {"active_nodes", static_cast<double>(active)}}};
+}
+
+VerdictLine mesh_and_element(const Validated& v) {
+  const double ratio = expected_force_ratio(v.scene);
+  std::string text = "their errors are not in these figures; phynness check SCENE measures them";
+  if (ratio > warned_force_ratio)
+    text = fmt::format("{} locks at K/mu = {:.3g}: forces are about {}; phynness check SCENE measures it",
+                       name(v.scene.solver.element), v.scene.material.bulk_to_shear(), ratio_in_words(ratio));
+  return {"mesh_and_element", "Mesh and element", text, {{"expected_ratio", ratio}}};
+}
+
+/// A rigid patch holds its whole ball, so that the responses of single patches cannot be superposed.
+VerdictLine two_tools(const Validated& v) {
+  const auto &coupled = v.pairs.all.of(PairPredictor::coupled), &linear = v.pairs.all.of(PairPredictor::linear);
+  return {"two_round_tools",
+          "Two round tools",
+          fmt::format("coupled patches are not exact; here the force is off by {} % and the field by {} % in the mean "
+                      "(linear predictor: {} and {} %), and the runtime warns of {} % of the pairs",
+                      in_percent(coupled.force.mean), in_percent(coupled.field_l2.mean), in_percent(linear.force.mean),
+                      in_percent(linear.field_l2.mean), in_percent(v.pairs.by_warning.flagged.share)),
+          {{"force", coupled.force.mean}, {"field", coupled.field_l2.mean}}};
+}
+
+}  // namespace
+
+std::vector<VerdictLine> verdict(const Validated& v) {
+  std::vector<VerdictLine> lines{worst_node(v), off_by_a_tenth(v), out_of_reach(v), left_out(v), mesh_and_element(v)};
+  if (v.scene.probe.kind == ProbeKind::patch && v.pairs.all.pairs > 0) lines.push_back(two_tools(v));
+  return lines;
+}
+
+TableCells summary_cells(const Validated& v) {
+  const auto& e = v.report.to_range;
+  TableCells cells{{"", "", "force", "", "", "over", "displ.", "", "", "linear", "linear"},
+                   {fmt::format("to {:.4g} mm, in %", 1e3 * e.range_m), "probes", "mean", "p95", "max", "10 %", "mean",
+                    "p95", "max", "force", "displ."}};
+  const auto shown = [](const ErrorStatistics& s, double value) { return s.n > 0 ? in_percent(value) : "-"; };
+  const auto add = [&](const std::string& title, const JudgedErrors& errors, std::int64_t of_group = -1) {
+    if (errors.probes == 0 || errors.probes == of_group) return;
+    const auto &f = errors.model.force, &u = errors.model.displacement;
+    const auto &lf = errors.linear.force, &lu = errors.linear.displacement;
+    cells.push_back({title, std::to_string(errors.solved), shown(f, f.mean), shown(f, f.p95), shown(f, f.max),
+                     shown(f, errors.model.wrong), shown(u, u.mean), shown(u, u.p95), shown(u, u.max),
+                     shown(lf, lf.mean), shown(lu, lu.mean)});
+  };
+  const auto& all = e.all.overall;
+  add("all", all);
+  add("  0 to R/3", e.all.by_depth[0], all.probes);
+  add("  R/3 to 2R/3", e.all.by_depth[1], all.probes);
+  add("  2R/3 to R", e.all.by_depth[2], all.probes);
+  add("  worst tenth of nodes", e.all.worst_nodes, all.probes);
+  add("without a warning", e.unflagged.overall, all.probes);
+  add("with a warning", e.flagged.overall, all.probes);
+  add("beyond R, to 1.43 R", e.beyond);
+  if (v.points.finished > 0) add("tools between nodes", v.points.to_range.all.overall);
+  if (v.pairs.finished > 0) add("two tools", v.pairs.by_warning.all);
+  return cells;
+}
+
+}  // namespace phynness
