@@ -1,7 +1,15 @@
 // The command `phynness`. Messages go to stderr. Exit status: 0 success, 1 failure, 2 wrong usage or input.
+#include <fmt/core.h>
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdlib>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/version.hpp>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <thread>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -37,6 +45,36 @@ void add_commands(CLI::App& app) {
   cli::run_command::add(app);
 }
 
+/// The commands whose work is divided among the ranks of mpirun. Every rank would do all the work of the others, and
+/// write the same files.
+constexpr std::array<std::string_view, 3> commands_on_ranks{"precompute", "calibrate", "validate"};
+
+/// Value of the first variable that a launcher of MPI has set; 0: none. Only the launchers know the number of ranks
+/// before MPI is initialized, which a build without the solver never does.
+int of_launcher(std::initializer_list<const char*> variables) {
+  for (const char* variable : variables)
+    if (const char* text = std::getenv(variable)) return std::atoi(text);
+  return 0;
+}
+
+/// @throws Error (input) if several ranks run a command that works alone; only the first rank's error has a text
+void refuse_ranks(const CLI::App& app) {
+  const int ranks = of_launcher({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"});
+  if (ranks <= 1) return;
+  for (const auto* command : app.get_subcommands()) {
+    const std::string name = command->get_name();
+    if (std::find(commands_on_ranks.begin(), commands_on_ranks.end(), name) != commands_on_ranks.end()) continue;
+    if (of_launcher({"OMPI_COMM_WORLD_RANK", "PMI_RANK"}) != 0) {
+      // The first rank that ends with an error ends the others, perhaps before they have said why.
+      std::this_thread::sleep_for(std::chrono::seconds(1));
+      throw input_error("", "", "");
+    }
+    throw input_error(name + " must run as one process", fmt::format("{} ranks", ranks),
+                      name == "run" || name == "plan" ? "start it without mpirun, with --ranks " + std::to_string(ranks)
+                                                      : "start it without mpirun");
+  }
+}
+
 /// Prints help or the version, which CLI11 throws like errors.
 void print_help(const CLI::App& app, const CLI::ParseError& call) {
   std::ostringstream results, messages;
@@ -60,7 +98,10 @@ int run_command_line(int argc, char** argv) {
   app.require_subcommand(1);
   add_commands(app);
   // Called after the whole line has been parsed and before the subcommand is executed.
-  app.parse_complete_callback([&app] { cli::check_files(app); });
+  app.parse_complete_callback([&app] {
+    refuse_ranks(app);
+    cli::check_files(app);
+  });
   try {
     if (argc > 1 && argv[1][0] != '-' && !is_subcommand(app, argv[1]))
       throw input_error("there is no such subcommand", argv[1], "phynness --help lists the subcommands");

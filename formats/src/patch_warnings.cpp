@@ -16,8 +16,9 @@ std::string three_digits(double value, Round round = Round::nearest) {
   return {text, std::to_chars(text, text + sizeof text, rounded * unit, std::chars_format::general, 3).ptr};
 }
 
-/// Mean length of the surface edges at each of `nodes`.
-std::vector<double> edges_at(const std::vector<std::int32_t>& nodes, const Mesh& mesh) {
+}  // namespace
+
+std::vector<double> surface_edges_at(const std::vector<std::int32_t>& nodes, const Mesh& mesh) {
   std::vector<double> sum(static_cast<std::size_t>(mesh.n_nodes()), 0), n(sum);
   for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t)
     for (int k = 0; k < 3; ++k) {
@@ -31,6 +32,8 @@ std::vector<double> edges_at(const std::vector<std::int32_t>& nodes, const Mesh&
   return means;
 }
 
+namespace {
+
 /// The key that reduces the edge length by this factor. Meshers meet a size within a tenth.
 std::string finer_mesh(const MeshSpec& mesh, double exact_factor, double mean_edge_m) {
   const double factor = 0.9 * exact_factor;
@@ -42,7 +45,7 @@ std::string finer_mesh(const MeshSpec& mesh, double exact_factor, double mean_ed
 
 std::string warn_of_edges(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   const double radius = scene.probe.tool_radius_m;
-  auto edges = edges_at(sets.active, mesh);
+  auto edges = surface_edges_at(sets.active, mesh);
   if (edges.empty()) return "";
   std::sort(edges.begin(), edges.end());
   const auto n_short = std::upper_bound(edges.begin(), edges.end(), radius / fewest_edges_of_a_patch) - edges.begin();

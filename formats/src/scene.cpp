@@ -95,8 +95,8 @@ std::vector<std::string> scene_warnings(const Scene& scene, double mean_edge_m) 
   if (const double ratio = expected_force_ratio(scene, mean_edge_m); ratio > warned_force_ratio) {
     std::ostringstream text;
     text.imbue(std::locale::classic());
-    text << std::setprecision(4) << m.where.str() << ": the forces of a tool are about " << ratio_in_words(ratio)
-         << " at K/mu = " << m.bulk_to_shear();
+    text << std::setprecision(4) << m.where.str() << ": the forces of a tool are estimated to be "
+         << ratio_in_words(ratio) << " at K/mu = " << m.bulk_to_shear();
     if (mean_edge_m > 0 && probe.kind == ProbeKind::patch)
       text << " and |d| = " << std::setprecision(2) << probe.max_displacement_m / mean_edge_m << " edges";
     text << ", because " << name(scene.solver.element) << " tetrahedra lock (mean of measured bodies; single ones had "

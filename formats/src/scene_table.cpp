@@ -155,9 +155,10 @@ double SceneTable::checked_number(std::string_view key, const toml::node& node, 
     refuse(where(node), label(key) + " must be a finite number", shown(node), "write a number " + range_text(range));
   const bool too_low = range.low_open ? value <= range.low : value < range.low;
   const bool too_high = range.high_open ? value >= range.high : value > range.high;
+  const bool is_length = key.ends_with("_m") && key != "j_m";  // J_m of Gent's law has no unit
   if (too_low || too_high)
     refuse(where(node), label(key) + " must be " + range_text(range), shown(node),
-           key.ends_with("_m")    ? "correct the value; it is in metres, not in mm"
+           is_length              ? "correct the value; it is in metres, not in mm"
            : key.ends_with("_Pa") ? "correct the value; it is in Pa, not in kPa"
                                   : "correct the value");
   return value;

@@ -8,6 +8,10 @@ namespace {
 
 using Groups = std::map<std::string, std::vector<std::int32_t>>;
 
+/// Physical groups of all triangles and of all tetrahedra. meshio reads a file only if every block has a physical tag
+/// or none has one.
+constexpr const char *surface_group = "phynness_surface", *body_group = "phynness_body";
+
 template <class Number>
 void append(std::string& text, Number value) {
   char buffer[40];
@@ -24,20 +28,21 @@ void line(std::string& text, Numbers... numbers) {
   text += '\n';
 }
 
-void append_names(std::string& text, const Groups& groups) {
-  if (groups.empty()) return;
+bool is_solid(const Mesh& mesh) { return mesh.cells.cols() == 4; }
+
+void append_names(std::string& text, const Mesh& mesh, const Groups& groups) {
   text += "$PhysicalNames\n";
-  line(text, groups.size());
+  line(text, groups.size() + (is_solid(mesh) ? 2 : 1));
   int tag = 0;
   for (const auto& [name, nodes] : groups) {
     if (name.find_first_of("\"\r\n") != std::string::npos)
       throw input_error("a physical group's name holds a quote or a line break", name, "rename the group");
     text += "0 " + std::to_string(++tag) + " \"" + name + "\"\n";
   }
+  text += "2 " + std::to_string(++tag) + " \"" + surface_group + "\"\n";
+  if (is_solid(mesh)) text += "3 " + std::to_string(++tag) + " \"" + body_group + "\"\n";
   text += "$EndPhysicalNames\n";
 }
-
-bool is_solid(const Mesh& mesh) { return mesh.cells.cols() == 4; }
 
 /// One point entity for each group, one surface, and the volume of a solid.
 void append_entities(std::string& text, const Mesh& mesh, const Groups& groups) {
@@ -50,8 +55,8 @@ void append_entities(std::string& text, const Mesh& mesh, const Groups& groups) 
     ++tag;
     line(text, tag, x(0), x(1), x(2), 1, tag);
   }
-  line(text, 1, low(0), low(1), low(2), high(0), high(1), high(2), 0, 0);
-  if (is_solid(mesh)) line(text, 1, low(0), low(1), low(2), high(0), high(1), high(2), 0, 1, 1);
+  line(text, 1, low(0), low(1), low(2), high(0), high(1), high(2), 1, ++tag, 0);
+  if (is_solid(mesh)) line(text, 1, low(0), low(1), low(2), high(0), high(1), high(2), 1, ++tag, 1, 1);
   text += "$EndEntities\n";
 }
 
@@ -98,9 +103,11 @@ void write_msh(const Mesh& mesh, const NodeSets* sets, const std::filesystem::pa
     groups["phynness_active"] = sets->active;
     groups["phynness_output"] = sets->output;
   }
-  std::erase_if(groups, [](const auto& group) { return group.second.empty(); });
+  std::erase_if(groups, [](const auto& group) {
+    return group.second.empty() || group.first == surface_group || group.first == body_group;
+  });
   std::string text = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
-  append_names(text, groups);
+  append_names(text, mesh, groups);
   append_entities(text, mesh, groups);
   append_nodes(text, mesh);
   append_elements(text, mesh, groups);

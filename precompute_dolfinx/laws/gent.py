@@ -9,7 +9,7 @@ from law import BULK, Quantity, det, exp, ln, modulus, tr
 name = "gent"
 parameters = (
     modulus("mu", "shear_modulus_Pa", "mu"),
-    Quantity("j_m", "j_m", "J_m", high=1e6, low_open=True, meaning="> 0; J_m, the limit of I1bar - 3, no unit"),
+    Quantity("j_m", "j_m", "J_m", high=1e6, low_open=True, meaning="> 0, at most 1e6; J_m, the limit of I1bar - 3, no unit"),
     BULK,
 )
 kappa = "K"

@@ -1,5 +1,9 @@
 // Claim: what write_msh writes comes back through make_mesh with the same node numbers, cells, groups and
 // hash.
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
 #include "mesh_under_test.hpp"
 
 namespace phynness::test {
@@ -35,6 +39,33 @@ TEST(WriteMsh, RoundTripsAGeneratedMesh) {
   const TemporaryFile file("", ".msh");
   write_msh(mesh, nullptr, file.path);
   EXPECT_EQ(mesh_hash(import_file(file.path).mesh), mesh_hash(mesh));
+}
+
+// meshio is how most people open a mesh in Python. Its counts must be ours, and its physical groups the node sets.
+TEST(WriteMsh, IsReadByMeshio) {
+  SKIP_WITHOUT_GMSH();
+  const char* script =
+      "import sys, meshio; m = meshio.read(sys.argv[1]); "
+      "print(len(m.points), *sorted((c.type, len(c.data)) for c in m.cells if c.type != 'vertex'), "
+      "m.field_data['phynness_surface'][1])";
+  if (std::system("/usr/bin/python3 -c 'import meshio' 2>/dev/null") != 0) GTEST_SKIP() << "python3-meshio is missing";
+  for (const bool with_sets : {false, true})
+    for (const Shape kind : {Shape::block, Shape::drain}) {
+      const Mesh mesh = shape(kind, 200).mesh;
+      NodeSets sets;
+      sets.fixed = {0, 1}, sets.active = {2}, sets.output = {2, 3};
+      const TemporaryFile file("", ".msh"), said("", ".txt");
+      write_msh(mesh, with_sets ? &sets : nullptr, file.path);
+      const std::string call = std::string("/usr/bin/python3 -c \"") + script + "\" " + file.path.string() + " > " +
+                               said.path.string() + " 2>&1";
+      EXPECT_EQ(std::system(call.c_str()), 0);
+      std::ostringstream expected, found;
+      expected << mesh.n_nodes();
+      if (mesh.cells.cols() == 4) expected << " ('tetra', " << mesh.cells.rows() << ')';
+      expected << " ('triangle', " << mesh.surface.rows() << ") 2\n";
+      found << std::ifstream(said.path).rdbuf();
+      EXPECT_EQ(found.str(), expected.str());
+    }
 }
 
 TEST(WriteMsh, SaysWhichFileItCannotWrite) {

@@ -81,15 +81,11 @@ std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const Dat
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /// More increments do not change the comparison.
 constexpr int most_increments = 6;
 /// Without measurements the CPU time of a solve is assumed to grow with this power of the unknowns; measured powers are
 /// between 1.6 (p1-p1, 736 to 4,298 nodes) and 2.1 (p1-p1 and Taylor-Hood).
 constexpr double cost_exponent = 2;
-/// A solve is ended if it takes more than the remaining time times this factor.
-constexpr double patience = 1.5;
 
 /// A body for solves, whose expensive parts are made when they are needed.
 struct Body {
@@ -120,24 +116,24 @@ class Check {
  private:
   void set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
   void prepare(Variant v);
-  bool affordable(Variant v);
-  bool comparable() const {
-    return _report.cost(Variant::taylor_hood).left_out.empty() || _report.cost(Variant::half_size).left_out.empty();
-  }
-  void solve(Variant v, std::pair<std::int32_t, std::int32_t> ray, CheckedProbe& probe);
-  double elapsed() const { return std::chrono::duration<double>(Clock::now() - _start).count(); }
+  bool affordable(Variant v, double end);
+  void compare(Variant reference, double end);
+  void solve(Variant v, std::size_t ray, double end);
+  double elapsed() const { return _options.clock() - _start; }
+  bool interrupted() { return _report.interrupted = _report.interrupted || (_stop && _stop()); }
   VariantCost& cost(Variant v) { return _report.costs[static_cast<std::size_t>(v)]; }
   Body& body(Variant v) { return _bodies[static_cast<std::size_t>(v)]; }
 
   const DiscretizationOptions& _options;
   const std::function<void(std::int64_t, std::int64_t)>& _progress;
   const std::function<bool()>& _stop;
-  Clock::time_point _start = Clock::now();
+  double _start = _options.clock();
+  std::int64_t _done = 0;
   std::vector<std::array<std::int32_t, 2>> _edges;
   DiscretizationReport _report;
   std::array<Body, 3> _bodies;
   std::vector<std::pair<std::int32_t, std::int32_t>> _rays;
-  std::array<double, 3> _measured{};  ///< wall time of the longest ray; 0: none yet
+  std::array<double, 3> _measured{};  ///< time of the longest ray; 0: none yet
 };
 
 void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
@@ -152,6 +148,9 @@ void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
     common.probe.tool_radius_m = patch_radius_for_node(_report.mean_edge_m, scene.probe.max_displacement_m);
   }
   _report.tool_radius_m = common.probe.tool_radius_m;
+  const auto edges = surface_edges_at(sets.active, mesh);
+  _report.tool_edges =
+      _report.tool_radius_m * static_cast<double>(edges.size()) / std::accumulate(edges.begin(), edges.end(), 0.0);
 
   // The symmetry of the scene excludes mirror images; a refined mesh has no list of them.
   _rays = choose_checked_rays(database_header(common, mesh, sets),
@@ -197,68 +196,76 @@ void Check::prepare(Variant v) {
   b.solver = std::make_unique<ProbeSolver>(b.scene, b.mesh, b.sets);
 }
 
-/// Whether the next ray of a variant is predicted to end within the time. If not, the variant is omitted from here on.
-bool Check::affordable(Variant v) {
+/// Whether the next ray of a variant is predicted to end in time. If not, the variant is omitted from here on.
+bool Check::affordable(Variant v, double end) {
   if (!cost(v).left_out.empty()) return false;
   const auto own = _measured[static_cast<std::size_t>(v)], scene = _measured[0];
   if (own == 0 && scene == 0) return true;  // there is no measurement before the first ray
   const double predicted =
       own > 0 ? own : scene * std::pow(body(v).unknowns / body(Variant::scene).unknowns, cost_exponent);
-  if (elapsed() + predicted <= _options.seconds) return true;
+  if (elapsed() + predicted <= end) return true;
   cost(v).predicted_s = predicted;
   cost(v).left_out = "time";
   return false;
 }
 
-void Check::solve(Variant v, std::pair<std::int32_t, std::int32_t> ray, CheckedProbe& probe) {
+/// Solves one ray; a solve that goes on beyond `end` is given up.
+void Check::solve(Variant v, std::size_t ray, double end) {
   const auto before = elapsed();
   prepare(v);
   bool asked = false;
-  const double latest = before + patience * std::max(1.0, _options.seconds - before);
-  const auto solved = solve_rays(*body(v).solver, *body(v).header, {ray}, {}, [&] {
+  const auto solved = solve_rays(*body(v).solver, *body(v).header, {_rays[ray]}, {}, [&] {
     asked = asked || (_stop && _stop());
-    return asked || elapsed() > latest;
+    return asked || elapsed() > end;
   });
   const double seconds = elapsed() - before;
   cost(v).seconds += seconds;
   _measured[static_cast<std::size_t>(v)] = std::max(_measured[static_cast<std::size_t>(v)], seconds);
+  if (_progress) _progress(++_done, static_cast<std::int64_t>(_rays.size() * variants.size()));
   if (solved.interrupted || solved.rays.empty()) {
     _report.interrupted = _report.interrupted || asked;
     cost(v).predicted_s = seconds;
     if (!asked) cost(v).left_out = "time";
     return;
   }
-  auto& forces = probe.forces[static_cast<std::size_t>(v)];
+  auto& forces = _report.probes[ray].forces[static_cast<std::size_t>(v)];
   const Ray& result = solved.rays.front();
   forces.status = result.status;
   for (std::size_t i = 0; i < result.status.size(); ++i)
     forces.force_N.push_back(std::hypot(result.force[3 * i], result.force[3 * i + 1], result.force[3 * i + 2]));
 }
 
+/// Compares all probes with one reference until `end`, and solves those probes of the scene that are not yet solved.
+void Check::compare(Variant reference, double end) {
+  for (std::size_t ray = 0; ray < _rays.size() && !interrupted(); ++ray) {
+    auto& own = _report.probes[ray].of(Variant::scene).status;
+    if (!affordable(reference, end)) return;
+    if (own.empty() && affordable(Variant::scene, _options.seconds)) solve(Variant::scene, ray, _options.seconds);
+    // A force without its counterpart in the other variant is not useful.
+    if (own.empty() || _report.interrupted || !affordable(reference, end)) return;
+    solve(reference, ray, end);
+  }
+}
+
 DiscretizationReport Check::run() {
-  const auto total = static_cast<std::int64_t>(_rays.size() * variants.size());
-  std::int64_t done = 0;
   const auto& mesh = body(Variant::scene).mesh;
   const Points normals = node_normals(mesh);
   const auto directions = exploratory_directions(body(Variant::scene).scene.probe.directions);
   for (const auto& ray : _rays) {
-    if (_report.interrupted || (_stop && _stop())) {
-      _report.interrupted = true;
-      break;
-    }
-    CheckedProbe probe;
+    CheckedProbe& probe = _report.probes.emplace_back();
     probe.node = body(Variant::scene).sets.active[static_cast<std::size_t>(ray.first)];
     probe.direction = directions[static_cast<std::size_t>(ray.second)];
     probe.inward = -normals.row(probe.node).dot(to_eigen(probe.direction).transpose());
-    for (const auto v : variants) {
-      // A force without its counterpart in the other variant is not useful.
-      const bool wanted = v == Variant::scene ? comparable() : !probe.of(Variant::scene).status.empty();
-      if (wanted && !_report.interrupted && affordable(v)) solve(v, ray, probe);
-      if (_progress) _progress(++done, total);
-    }
-    if (!probe.of(Variant::scene).status.empty()) _report.probes.push_back(std::move(probe));
-    if (!cost(Variant::scene).left_out.empty() || !comparable()) break;
   }
+  // The cheaper comparison comes first and may take half of the time; what it leaves belongs to the other one.
+  std::vector<Variant> references;
+  for (const auto v : {Variant::taylor_hood, Variant::half_size})
+    if (cost(v).possible) references.push_back(v);
+  std::sort(references.begin(), references.end(),
+            [&](Variant a, Variant b) { return body(a).unknowns < body(b).unknowns; });
+  auto left = static_cast<double>(references.size());
+  for (const auto v : references) compare(v, elapsed() + (_options.seconds - elapsed()) / left--);
+  std::erase_if(_report.probes, [](const CheckedProbe& probe) { return probe.of(Variant::scene).status.empty(); });
   if (body(Variant::scene).header) _report.depth_m = body(Variant::scene).header->magnitudes_m;
   _report.seconds = elapsed();
   return std::move(_report);

@@ -32,6 +32,10 @@ inline double patch_weight(double s2) { return s2 < 1 - 1e-9 ? (1 - s2) * (1 - s
 TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
                            std::int32_t node, double tool_radius);
 
+/// Mean length of the surface edges at each of `nodes` that is on the surface: the edges in which the radius of a tool
+/// is counted.
+std::vector<double> surface_edges_at(const std::vector<std::int32_t>& nodes, const Mesh& mesh);
+
 /// A patch with a smaller radius than this, in mean edges of the surface around its node, is not resolved.
 inline constexpr double fewest_edges_of_a_patch = 2;
 /// A patch that is displaced farther sideways than this, in radii, folds over itself: its weight falls by up to 1.54

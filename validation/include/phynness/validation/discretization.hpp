@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -52,7 +53,8 @@ struct VariantCost {
 struct DiscretizationReport {
   double tool_radius_m = 0;
   bool patch_for_node = false;  ///< the scene displaces nodes, and patches of tool_radius_m were solved instead
-  double mean_edge_m = 0;
+  double mean_edge_m = 0;       ///< of all edges of the mesh
+  double tool_edges = 0;        ///< tool_radius_m in mean surface edges at the active nodes (surface_edges_at)
   std::vector<double> depth_m;  ///< ascending; the last one is the largest displacement of the scene
   std::vector<CheckedProbe> probes;
   std::array<VariantCost, 3> costs;
@@ -65,7 +67,13 @@ struct DiscretizationReport {
 
 struct DiscretizationOptions {
   int probes = 6;
-  double seconds = 60;  ///< no solve is started whose predicted end is later
+  /// No solve is started whose predicted end is later. The cheaper of two comparisons may use half of this time, so
+  /// that it never leaves nothing to the other one.
+  double seconds = 60;
+  /// Time in seconds, from any origin.
+  std::function<double()> clock = [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  };
 };
 
 /// Radius of the patch that replaces a node in a check. The force at a node depends on the element even without
@@ -78,8 +86,9 @@ double patch_radius_for_node(double mean_edge_m, double max_displacement_m);
 std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const DatabaseHeader& header,
                                                                        const std::vector<char>& requested, int wanted);
 
-/// Solves the probes, each with all variants before the next probe, until the time is over. Must run as one process.
-/// @param progress  finished rays and their total number
+/// Solves all probes with the scene and the cheaper reference, then with the other reference, until the time is over. A
+/// solve that is still at work at the end of its time is given up. Must run as one process.
+/// @param progress  finished rays and their largest possible number
 /// @throws Error if the scene cannot be solved
 DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
                                           const DiscretizationOptions& options,
