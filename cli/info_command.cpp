@@ -223,6 +223,7 @@ json about_model(const std::filesystem::path& dir) {
                bytes(static_cast<double>(model.memory_bytes())));
   return {{"kind", "model"},
           {"family", name(m.family)},
+          {"model_hash", model.hash()},
           {"mesh_hash", m.mesh_hash},
           {"physics_hash", m.physics_hash},
           {"active", active},

@@ -206,6 +206,8 @@ json as_json(const Compared& compared, const Measured& m) {
            {"outside", to_json(of_model.outside, fields)},
            {"linear", both(report.of(Predictor::linear))},
            {"zero", both(report.of(Predictor::zero))},
+           {"model_hash", compared.model.hash()},
+           {"mesh_hash", compared.model.model().mesh_hash},
            {"conditions", conditions(compared, m)},
            {"distance_correlation",
             {{"inside", or_null(report.distance_correlation_inside)},

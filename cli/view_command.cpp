@@ -1,12 +1,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/pages/pages.hpp>
+#include <tuple>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -61,6 +63,19 @@ bool is_active(const Model& model, std::int64_t node) {
   return std::any_of(model.nodes.begin(), model.nodes.end(), [&](const auto& one) { return one.node == node; });
 }
 
+/// @throws Error (input) unless the file holds the hashes of this model and its mesh
+void require_same_model(const std::filesystem::path& file, const json& whole, const LoadedModel& loaded) {
+  const auto given = [&](const char* key) {
+    const auto found = whole.find(key);
+    return found != whole.end() && found->is_string() ? found->get<std::string>() : std::string("none");
+  };
+  for (const auto& [key, name, own] :
+       {std::tuple{"mesh_hash", "mesh", loaded.model().mesh_hash}, {"model_hash", "model", loaded.hash()}})
+    if (given(key) != own)
+      throw wrong_errors(
+          file, fmt::format("it belongs to another {}, {} = {}, of this model {}", name, key, given(key), own));
+}
+
 /// The mean errors by node from a file of `validate --json`.
 json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
   const InputFile about{"the file of errors", "give the file that phynness validate --json wrote", 1ULL << 30};
@@ -68,6 +83,11 @@ json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
   if (!whole.is_object()) throw wrong_errors(file, "it contains no JSON object");
   const auto by_node = whole.find("by_node");
   if (by_node == whole.end() || !by_node->is_object()) throw wrong_errors(file, "it has no by_node");
+  require_same_model(file, whole, loaded);
+  const auto check_error = [&](const json& node, const json& error) {
+    if (!(error.is_number() && std::isfinite(error.get<double>()) && error.get<double>() >= 0))
+      throw wrong_errors(file, "the error " + error.dump() + " of node " + node.dump() + " is no number from 0 on");
+  };
   json known{{"nodes", json::array()},
              {"force_error", json::array()},
              {"displacement_error", json::array()},
@@ -84,7 +104,12 @@ json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (!nodes[i].is_number_integer() || !is_active(loaded.model(), nodes[i].get<std::int64_t>()))
       throw wrong_errors(file, "node " + nodes[i].dump() + " is no active node of the model");
-    if (!force[i].is_number() || !displacement[i].is_number()) continue;  // nothing was solved there
+    if (std::find(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(i), nodes[i]) !=
+        nodes.begin() + static_cast<std::ptrdiff_t>(i))
+      throw wrong_errors(file, "node " + nodes[i].dump() + " is given twice");
+    if (force[i].is_null() || displacement[i].is_null()) continue;  // nothing was solved there
+    check_error(nodes[i], force[i]);
+    check_error(nodes[i], displacement[i]);
     known["nodes"].push_back(nodes[i]);
     known["force_error"].push_back(force[i]);
     known["displacement_error"].push_back(displacement[i]);

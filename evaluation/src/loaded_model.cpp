@@ -2,6 +2,7 @@
 #include <cmath>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/hash.hpp>
 
 namespace phynness {
 namespace {
@@ -28,6 +29,12 @@ LoadedModel::LoadedModel(Model model, Mesh mesh, const std::string& name, std::i
       _mesh(std::move(mesh)),
       _max_tools(max_tools) {
   load();
+}
+
+std::string LoadedModel::hash() const {
+  Fnv1a64 hash;
+  hash.add(_text);
+  return hash.hex();
 }
 
 void LoadedModel::load() {

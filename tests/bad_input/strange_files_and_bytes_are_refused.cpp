@@ -79,5 +79,14 @@ TEST(ControlCharacters, and_long_values_leave_room_for_the_remedy) {
   EXPECT_EQ(shortened("\xC3\xA9\xC3\xA9", 3), "\xC3\xA9 ... (4 bytes)");
 }
 
+// A mark of direction in a name would show "gpj.exe" as "exe.jpg".
+TEST_F(StrangeFile, marks_of_direction_are_shown_by_their_bytes) {
+  EXPECT_EQ(printable("a\u202Eb"), "a\\xe2\\x80\\xaeb");
+  EXPECT_EQ(printable("\u061C\u200E\u2066"), "\\xd8\\x9c\\xe2\\x80\\x8e\\xe2\\x81\\xa6");
+  const std::string kept = "\u00e4 \u2013 \u20ac \u2030 \u05d0 \u2065";
+  EXPECT_EQ(printable(kept), kept);
+  EXPECT_EQ(printable("\xE2\x80"), "\xE2\x80");
+}
+
 }  // namespace
 }  // namespace phynness::test

@@ -24,7 +24,14 @@ class Page : public CommandLine {
       ASSERT_EQ(phynness(line).exit_status, 0) << line;
     node = json("info.json").at("active").at(0).get<int>();
   }
-  void write_errors(const Json& by_node) const { write_file(folder / "e.json", Json{{"by_node", by_node}}.dump()); }
+  /// Errors with the hashes of the model, by which `view` knows whose they are.
+  void write_errors(const Json& by_node, const char* changed = "") const {
+    phynness("info model --json info.json");
+    Json all{{"by_node", by_node}};
+    for (const char* key : {"model_hash", "mesh_hash"})
+      all[key] = std::string(changed) == key ? Json("0123456789abcdef") : json("info.json").at(key);
+    write_file(folder / "e.json", all.dump());
+  }
   /// The content of the element with the data.
   static std::string element(const std::string& page) {
     const std::string start = R"(<script type="application/json" id="phynness-data">)";
@@ -103,6 +110,22 @@ TEST_F(Page, FilesOfOtherModelsAreRefused) {
     write_errors(by_node);
     expect_refused("--errors e.json", {"e.json", part});
   }
+  const Json good{{"nodes", {node}}, {"force_error", {0.1}}, {"displacement_error", {0.1}}};
+  for (const char* key : {"model_hash", "mesh_hash"}) {
+    write_errors(good, key);
+    expect_refused("--errors e.json", {key, "0123456789abcdef", "validate"});
+  }
+  write_file(folder / "e.json", Json{{"by_node", good}}.dump());
+  expect_refused("--errors e.json", {"hash = none", "validate"});
+  write_errors({{"nodes", {node, node}}, {"force_error", {0.1, 0.1}}, {"displacement_error", {0.1, 0.1}}});
+  expect_refused("--errors e.json", {std::to_string(node) + " is given twice"});
+  write_errors({{"nodes", {node}}, {"force_error", {-0.1}}, {"displacement_error", {0.1}}});
+  expect_refused("--errors e.json", {"-0.1", "node " + std::to_string(node)});
+  write_errors(good);
+  auto huge = read_file(folder / "e.json");
+  huge.replace(huge.find("0.1"), 3, "1e999");
+  write_file(folder / "e.json", huge);
+  expect_refused("--errors e.json", {"e.json"});
   for (const char* text : {"", "no JSON", "[1, 2]", "{\"by_node\": ", "\xFF\xFE"}) {
     write_file(folder / "e.json", text);
     expect_refused("--errors e.json", {"e.json"});

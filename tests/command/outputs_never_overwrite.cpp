@@ -45,10 +45,14 @@ class Overwriting : public CommandLine {
       ASSERT_EQ(made.exit_status, 0) << line << "\n" << made.err;
     }
     node = std::to_string(json("fresh/info.json").at("active").at(0).get<int>());
+    ASSERT_EQ(phynness("info model --json fresh/info.json").exit_status, 0);
+    const auto of_model = json("fresh/info.json");
     fs::remove(folder / "fresh/info.json");
     write_file(folder / "queries.csv", "node,ux_m,uy_m,uz_m\n" + node + ",0,0,-0.001\n");
-    write_file(folder / "errors.json",
-               "{\"by_node\": {\"nodes\": [" + node + "], \"force_error\": [0.1], \"displacement_error\": [0.1]}}\n");
+    write_file(folder / "errors.json", "{\"by_node\": {\"nodes\": [" + node +
+                                           "], \"force_error\": [0.1], \"displacement_error\": [0.1]}, " +
+                                           "\"model_hash\": " + of_model.at("model_hash").dump() +
+                                           ", \"mesh_hash\": " + of_model.at("mesh_hash").dump() + "}\n");
     write_file(folder / "motion.json", "{\"format\": \"phynness motion 1\", \"tools\": [{\"node\": " + node +
                                            "}], \"time_s\": [0], \"displacement_m\": [[[0, 0, -0.001]]]}\n");
   }

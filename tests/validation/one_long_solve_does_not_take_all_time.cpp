@@ -10,7 +10,7 @@ namespace phynness::test {
 namespace {
 
 TEST(Check, OneLongSolveDoesNotTakeAllTime) {
-  auto block = probe_block({law_named("neo-hookean"), element_named("P1")}, 10, {2, 2, 2});
+  auto block = probe_block({law_named("neo-hookean"), element_named("p1-p1")}, 10, {2, 2, 2});
   block.sets.active.push_back(nearest_node(block.mesh, {0, 0, block_size_m[2]}));
   block.scene.probe.increments = 2;
   block.scene.probe.max_displacement_m = 0.005;
@@ -28,14 +28,7 @@ TEST(Check, OneLongSolveDoesNotTakeAllTime) {
   ASSERT_EQ(all.ratios(Variant::taylor_hood, 1).n, 2);
   ASSERT_EQ(all.ratios(Variant::half_size, 1).n, 2);
 
-  // The last solve, of cells of half the size, now never ends; a few reads belong to the end of the check.
-  reads = 0;
-  patient = static_cast<std::int64_t>(all.seconds) - 8;
-  const auto some = check_discretization(block.scene, block.mesh, block.sets, options);
-  EXPECT_EQ(some.cost(Variant::half_size).left_out + some.cost(Variant::taylor_hood).left_out, "time");
-  EXPECT_EQ(some.ratios(Variant::taylor_hood, 1).n + some.ratios(Variant::half_size, 1).n, 3);
-
-  // So does the first solve of the second comparison: the first one is complete.
+  // Now the first solve with cells of half the size never ends.
   reads = 0;
   const auto& first = all.cost(Variant::taylor_hood);
   patient = static_cast<std::int64_t>(all.cost(Variant::scene).seconds + first.seconds) + 20;
