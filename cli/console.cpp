@@ -7,6 +7,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <string_view>
 
 #include "streams.hpp"
@@ -44,21 +45,24 @@ void Progress::update(std::int64_t done, std::int64_t total) {
 namespace {
 std::atomic<bool> stop{false};
 std::atomic<bool> second_kills{true};
+const char* last_words = nullptr;
+bool clears_line = false;  // of a progress bar
+extern "C" void end_now(int /*signal*/) {
+  for (const char* text : {clears_line ? "\r\033[K" : "", "error: ", last_words})
+    if (write(STDERR_FILENO, text, std::strlen(text)) < 0) break;
+  _exit(1);
+}
 extern "C" void on_signal(int signal) {
   if (stop.exchange(true) && second_kills && signal != SIGUSR1) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
 }
-}  // namespace
 
-bool stop_requested() { return stop.load(std::memory_order_relaxed); }
-
-void install_stop_handler(bool second_signal_kills) {
-  second_kills = second_signal_kills;
+void handle_signals(void (*handler)(int)) {
   // Without SA_RESTART, so that a signal ends the wait for a child process.
   struct sigaction action {};
-  action.sa_handler = on_signal;
+  action.sa_handler = handler;
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
@@ -67,6 +71,20 @@ void install_stop_handler(bool second_signal_kills) {
   // A terminal that is closed; nohup has it ignored.
   struct sigaction hangup {};
   if (sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+}
+}  // namespace
+
+bool stop_requested() { return stop.load(std::memory_order_relaxed); }
+
+void install_stop_handler(bool second_signal_kills) {
+  second_kills = second_signal_kills;
+  handle_signals(on_signal);
+}
+
+void end_at_signals(const char* words) {
+  last_words = words;
+  clears_line = isatty(STDERR_FILENO) != 0;
+  handle_signals(end_now);
 }
 
 std::string duration(double seconds) {

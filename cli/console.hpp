@@ -31,6 +31,10 @@ bool stop_requested();
 /// @param second_signal_kills  false for a process that must outlive its children
 void install_stop_handler(bool second_signal_kills = true);
 
+/// For work that writes nothing before its end: a signal prints "error: " and `words` and ends the process with status
+/// 1, also inside of a long computation. @param words  stays valid
+void end_at_signals(const char* words);
+
 /// "3 min 12 s", "48 s", "2 h 05 min"
 std::string duration(double seconds);
 /// "12.3 MB"

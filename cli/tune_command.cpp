@@ -143,7 +143,7 @@ TuningReport tuned(const Options& options, const SolverSession& session, const S
               [&](const std::string& what, std::int64_t done, std::int64_t total) {
                 if (what != doing) progress.emplace(doing = what, what == "solve probes" ? "rays" : "nodes");
                 progress->update(done, total);
-                return !stop_requested();
+                return true;
               });
 }
 
@@ -183,7 +183,6 @@ json as_json(const TuningReport& report, const TuningChoice& choice, const Tunin
 void run(const Options& options) {
   const TuningLimits limits = limits_of(options);
   check_plot_name(options);
-  install_stop_handler();
   const SolverSession session;
   if (session.size() > 1)
     throw input_error("tune must run as one process", fmt::format("{} ranks", session.size()),
@@ -197,7 +196,9 @@ void run(const Options& options) {
                       "again");
   check_mesh(scene, database.header().mesh_hash, options.database.string());
 
+  end_at_signals("tuning was interrupted\n  remedy: run the same command again; nothing was written\n");
   TuningReport report = tuned(options, session, scene, database);
+  install_stop_handler();  // the outputs are written
   mark_front(report.models, limits.statistic);
   const auto choice = choose_model(report.models, limits);
   print(scene, report, choice, limits);

@@ -186,6 +186,46 @@ TEST_F(Outputs, OfAnExportToParaViewAreAllOrNone) {
   EXPECT_TRUE(fs::is_empty(folder / "part"));
 }
 
+TEST_F(Outputs, OfAModelNeverReplaceAnotherProgramsFiles) {
+  fs::create_directory(folder / "foreign");
+  for (const char* name : {"model.txt", "mesh.txt"}) {
+    const auto file = folder / "foreign" / name;
+    write_file(file, "notes of somebody");
+    for (const char* line : {"train scene.toml d.h5 -o foreign", "calibrate model d.h5 -o foreign --rays 100",
+                             "tune scene.toml d.h5 -o foreign --probes 2"}) {
+      const auto outcome = phynness(line);
+      EXPECT_EQ(outcome.exit_status, 2) << line << outcome.err;
+      expect_error(outcome.err, {"a file that this program has not written", name, "give another folder"});
+    }
+    EXPECT_EQ(read_file(file), "notes of somebody");
+    fs::remove(file);
+  }
+  EXPECT_EQ(phynness("train scene.toml d.h5 -o foreign").exit_status, 0);
+  EXPECT_EQ(phynness("train scene.toml d.h5 -o foreign").exit_status, 0);  // a model is replaced
+}
+
+// The networks have as many neurons as they may, so that each fit takes minutes. The limit ends a training that does
+// not notice the signal.
+TEST_F(Outputs, OfATrainingAreNotBegunWhenASignalEndsAFit) {
+  auto text = small_scene("P1", 3);
+  text.replace(text.find("target_size_m = 0.025"), 21, "target_size_m = 0.01");
+  text.replace(text.find("samples = 500"), 13, "samples = 5000");
+  write_file(folder / "scene.toml", text);
+  const auto made = phynness("precompute scene.toml -o many.h5");
+  ASSERT_EQ(made.exit_status, 0) << made.err;
+  for (const char* signal : {"INT", "TERM"}) {
+    const auto outcome = shell(
+        "PHYNNESS_PROGRESS=1 timeout -s KILL 120 \"$PHYNNESS\" train scene.toml many.h5 -o fresh/model --family rbfn "
+        "--neurons 100000 2>progress.txt & "
+        "for i in $(seq 600); do grep -q ' 0/' progress.txt && break; sleep 0.1; done; "
+        "pkill -" +
+        std::string(signal) + " -P $!; wait $!; status=$?; cat progress.txt >&2; exit $status");
+    EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("error: training was interrupted\n  remedy: "), std::string::npos) << outcome.err;
+    EXPECT_TRUE(fs::is_empty(folder / "fresh"));
+  }
+}
+
 TEST_F(Outputs, OfARunEndWhenTheTerminalIsClosed) {
   auto text = small_scene("P1", 40);
   text.replace(text.find("target_size_m = 0.025"), 21, "target_size_m = 0.006");

@@ -22,7 +22,7 @@ struct NodeOutcome {
   ModalFit modal;
   std::vector<ModalFit> fields;
   std::vector<double> force_errors, displacement_errors;  ///< by level; empty: not estimated
-  std::int64_t used = 0, failed = 0;                      ///< numbers of increments
+  std::int64_t used = 0, failed = 0, fitted = 0;          ///< numbers of increments: converged, failed, training states
 };
 
 class FamilyTraining {

@@ -92,6 +92,7 @@ class Training {
           outcome.failed += static_cast<int>(status) < 0;
         }
       }
+      outcome.fitted = std::ssize(training_states(_tables, read_node.rays).row);
       // Errors are estimated at nodes that are distributed evenly over the active nodes.
       const std::int32_t stride = std::max(1, n_active / n_error_nodes);
       const auto x = _header.mesh.nodes.row(read_node.node);
@@ -116,6 +117,7 @@ class Training {
       NodeOutcome& outcome = outcomes[active];
       report.n_increments_used += outcome.used;
       report.n_increments_failed += outcome.failed;
+      report.n_increments_fitted += outcome.fitted;
       if (!outcome.trained) {
         report.skipped_nodes.push_back(_header.sets.active[active]);
         continue;

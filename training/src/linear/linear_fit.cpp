@@ -26,10 +26,11 @@ std::string percent(double fraction) {
   return text;
 }
 
-std::vector<Increment> increments_of(const TrainingTables& tables, const std::vector<Ray>& rays) {
+std::vector<Increment> increments_of(const TrainingTables& tables, const std::vector<Ray>& rays,
+                                     const std::vector<std::int32_t>& rows) {
   const auto n_output = static_cast<Eigen::Index>(tables.output.size());
   std::vector<Increment> found;
-  for (const std::int32_t row : converged_increments(tables, rays)) {
+  for (const std::int32_t row : rows) {
     const Ray& ray = rays[row / tables.n_increments];
     const auto i = static_cast<std::size_t>(row % tables.n_increments);
     found.push_back({tables.displacements.row(row).transpose(), Eigen::Vector3d::Map(&ray.force[3 * i]),
@@ -104,7 +105,7 @@ void require_linear(const LinearQuality& quality, std::int32_t node) {
 LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
                                  const TouchedNodes& prescribed, const std::vector<Ray>& rays) {
   LinearTraining result;
-  const std::vector<Increment> increments = increments_of(tables, rays);
+  const std::vector<Increment> increments = increments_of(tables, rays, training_states(tables, rays).row);
   if (increments.empty()) return result;
   const Eigen::MatrixXd inverse = pseudo_inverse(increments, tables, rays, node);
 
@@ -123,7 +124,7 @@ LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node
   const Eigen::Matrix3d skew = linear.stiffness - linear.stiffness.transpose();
   const double asymmetry = ratio(skew.norm(), linear.stiffness.norm());
   linear.stiffness = (linear.stiffness + linear.stiffness.transpose().eval()) / 2;
-  result.quality = quality_of(increments, linear);
+  result.quality = quality_of(increments_of(tables, rays, converged_increments(tables, rays)), linear);
   result.quality.asymmetry = asymmetry;
   require_linear(result.quality, node);
 

@@ -60,10 +60,11 @@ double left_out_error(const TrainingTables& tables, const NodeModes& node, doubl
       places.push_back(i);
   std::vector<Index> kept;
   std::vector<std::int32_t> rows, directions;
-  const auto stride = static_cast<std::int32_t>((places.size() + max_search_states - 1) / max_search_states);
+  const auto stride = static_cast<std::ptrdiff_t>((places.size() + max_search_states - 1) / max_search_states);
   for (const auto i : places) {
     const auto increment = node.row[i] % tables.n_increments;
-    if ((tables.n_increments - 1 - increment) % stride != 0) continue;
+    const auto at = std::lower_bound(node.increments.begin(), node.increments.end(), increment);
+    if (at == node.increments.end() || *at != increment || (node.increments.end() - 1 - at) % stride != 0) continue;
     kept.push_back(static_cast<Index>(i));
     rows.push_back(node.row[i]);
     directions.push_back(node.direction[i]);

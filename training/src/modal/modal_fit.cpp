@@ -83,7 +83,9 @@ ModalFit::Level fit_level(const TrainingTables& tables, const AmplitudeLevel& le
 NodeModes node_of(const TrainingTables& tables, const std::vector<Ray>& rays, int components) {
   NodeModes node;
   node.components = components;
-  node.row = converged_increments(tables, rays);
+  TrainingStates states = training_states(tables, rays);
+  node.row = std::move(states.row);
+  node.increments = std::move(states.increments);
   for (const auto row : node.row) node.direction.push_back(row / tables.n_increments);
   node.moved.assign(tables.output.size(), 0);
   return node;

@@ -51,6 +51,27 @@ std::vector<std::int32_t> converged_increments(const TrainingTables& tables, con
   return found;
 }
 
+TrainingStates training_states(const TrainingTables& tables, const std::vector<Ray>& rays) {
+  TrainingStates states{converged_increments(tables, rays), {}};
+  const std::int32_t n = tables.n_increments;
+  std::vector<std::int32_t> deepest;  // row of each ray with a converged increment
+  for (const std::int32_t row : states.row) {
+    if (!deepest.empty() && deepest.back() / n == row / n) deepest.pop_back();
+    deepest.push_back(row);
+  }
+  const auto n_rays = std::max<std::size_t>(1, deepest.size());
+  const bool all = states.row.size() <= max_training_states;
+  const auto kept = all ? n : static_cast<std::int32_t>(std::max<std::size_t>(1, max_training_states / n_rays));
+  for (std::int64_t k = 1; k <= kept; ++k)
+    states.increments.push_back(static_cast<std::int32_t>((k * n + kept - 1) / kept - 1));
+  if (!all)
+    std::erase_if(states.row, [&](std::int32_t row) {
+      return !std::binary_search(states.increments.begin(), states.increments.end(), row % n) &&
+             !std::binary_search(deepest.begin(), deepest.end(), row);
+    });
+  return states;
+}
+
 ActiveNodeModel describe_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
                               const TouchedNodes& prescribed, const std::vector<Ray>& rays) {
   ActiveNodeModel model;
@@ -71,7 +92,7 @@ ActiveNodeModel describe_node(const TrainingTables& tables, std::int32_t node, c
 NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>& rays) {
   NetworkPoints points;
   points.displacements = tables.displacements;
-  points.displacement = converged_increments(tables, rays);
+  points.displacement = training_states(tables, rays).row;
   points.outputs.resize(static_cast<Eigen::Index>(points.size()), 3);
   for (std::size_t p = 0; p < points.size(); ++p) {
     const std::int32_t row = points.displacement[p];
@@ -85,7 +106,7 @@ NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>&
 NetworkPoints deformation_points(const TrainingTables& tables, const std::vector<Ray>& rays,
                                  const TouchedNodes& prescribed, std::int32_t node, int samples, std::uint64_t seed,
                                  NetworkPoints* held_out, int n_held_out) {
-  const std::vector<std::int32_t> increments = converged_increments(tables, rays);
+  const std::vector<std::int32_t> increments = training_states(tables, rays).row;
   std::vector<std::int32_t> places;
   for (std::size_t o = 0; o < tables.output.size(); ++o) {
     if (!std::binary_search(prescribed.nodes.begin(), prescribed.nodes.end(), tables.output[o])) {

@@ -28,10 +28,10 @@ struct LinearTraining {
   LinearQuality quality;
 };
 
-/// Least squares over all converged increments: f = K d, u = d_x U_x + d_y U_y + d_z U_z. For a linear body the fit is
-/// exact up to the rounding of the data. Responses are rounded to float32 if the stored displacements are float32,
-/// because further digits are noise and would make model.txt longer by half. At prescribed nodes the response is
-/// exactly the weight.
+/// Least squares over the training states, checked at all converged increments: f = K d, u = d_x U_x + d_y U_y + d_z
+/// U_z. For a linear body the fit is exact up to the rounding of the data. Responses are rounded to float32 if the
+/// stored displacements are float32, because further digits are noise and would make model.txt longer by half. At
+/// prescribed nodes the response is exactly the weight.
 /// @param node   mesh node number
 /// @param point  coordinates of the node [m]
 /// @param rays   one per direction, in order

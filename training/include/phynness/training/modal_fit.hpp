@@ -13,12 +13,13 @@ namespace phynness {
 /// itself moves because their displacements are known, or of a scalar field at all output nodes. Unit: m; for a field,
 /// its scale.
 struct NodeModes {
-  int components = 3;                   ///< rows per output node: 3 for displacements, 1 for a scalar field
-  std::vector<std::int32_t> row;        ///< n states: row of TrainingTables::displacements
-  std::vector<std::int32_t> direction;  ///< n states
-  Eigen::MatrixXd modes;                ///< components * n_output x n_modes, orthonormal columns
-  Eigen::MatrixXd amplitudes;           ///< n states x n_modes
-  Eigen::VectorXd size;                 ///< n_modes: singular values
+  int components = 3;                    ///< rows per output node: 3 for displacements, 1 for a scalar field
+  std::vector<std::int32_t> row;         ///< n states: row of TrainingTables::displacements
+  std::vector<std::int32_t> direction;   ///< n states
+  std::vector<std::int32_t> increments;  ///< as TrainingStates::increments
+  Eigen::MatrixXd modes;                 ///< components * n_output x n_modes, orthonormal columns
+  Eigen::MatrixXd amplitudes;            ///< n states x n_modes
+  Eigen::VectorXd size;                  ///< n_modes: singular values
   double lost = 0;          ///< mean error of the truncation over states and nodes, over the largest displacement
   double largest = 0;       ///< largest displacement or value at a node that the probe itself does not move
   std::vector<char> moved;  ///< n_output: flags of nodes that the probe itself moves

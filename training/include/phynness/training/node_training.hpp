@@ -27,15 +27,27 @@ TrainingTables training_tables(const DatabaseHeader& header);
 /// Rows (direction * n_increments + increment) of all converged increments, ascending.
 std::vector<std::int32_t> converged_increments(const TrainingTables& tables, const std::vector<Ray>& rays);
 
+/// States of a node that training uses. All fits grow with their number, the dense ones with its cube. 98 directions
+/// with 6 increments are not thinned.
+inline constexpr std::size_t max_training_states = 600;
+
+/// The converged increments from which a node is trained: all of them, or if they are more than `max_training_states`
+/// the same increments of every ray, spread evenly to the full depth, and the deepest of each ray.
+struct TrainingStates {
+  std::vector<std::int32_t> row;         ///< as converged_increments(), ascending
+  std::vector<std::int32_t> increments;  ///< of every ray, ascending; without the deepest ones of shorter rays
+};
+TrainingStates training_states(const TrainingTables& tables, const std::vector<Ray>& rays);
+
 /// Properties of an active node except its response: probe, trained depths, number of incomplete directions.
 ActiveNodeModel describe_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
                               const TouchedNodes& prescribed, const std::vector<Ray>& rays);
 
-/// Points of the force network, one per converged increment. @param rays  one per direction, in order
+/// Points of the force network, one per training state. @param rays  one per direction, in order
 /// @throws Error (failure) if a value of a converged increment is not finite
 NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>& rays);
 
-/// Points of the deformation network: `samples` of all pairs (converged increment, output node that is not prescribed),
+/// Points of the deformation network: `samples` of all pairs (training state, output node that is not prescribed),
 /// drawn uniformly without replacement by a generator that depends on `seed` and `node` only; all pairs if there are
 /// fewer.
 /// @param held_out  output, `n_held_out` further points of the same draw; may be null

@@ -38,6 +38,7 @@ struct TrainingReport {
   LinearQuality linear;               ///< worst of all nodes
   ModalQuality modal;
   std::int64_t n_increments_used = 0;       ///< converged increments of the trained nodes
+  std::int64_t n_increments_fitted = 0;     ///< of these, the training states (node_training.hpp)
   std::int64_t n_increments_failed = 0;     ///< requested increments of all nodes that did not converge
   std::vector<std::int32_t> skipped_nodes;  ///< mesh node numbers of the n_skipped nodes
   double seconds = 0;
