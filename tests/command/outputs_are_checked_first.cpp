@@ -207,9 +207,15 @@ TEST_F(Outputs, OfAModelNeverReplaceAnotherProgramsFiles) {
 // The networks have as many neurons as they may, so that each fit takes minutes. The limit ends a training that does
 // not notice the signal.
 TEST_F(Outputs, OfATrainingAreNotBegunWhenASignalEndsAFit) {
+  auto text = small_scene("P1", 3);
+  text.replace(text.find("target_size_m = 0.025"), 21, "target_size_m = 0.01");
+  text.replace(text.find("samples = 500"), 13, "samples = 5000");
+  write_file(folder / "scene.toml", text);
+  const auto made = phynness("precompute scene.toml -o many.h5");
+  ASSERT_EQ(made.exit_status, 0) << made.err;
   for (const char* signal : {"INT", "TERM"}) {
     const auto outcome = shell(
-        "PHYNNESS_PROGRESS=1 timeout -s KILL 120 \"$PHYNNESS\" train scene.toml d.h5 -o fresh/model --family rbfn "
+        "PHYNNESS_PROGRESS=1 timeout -s KILL 120 \"$PHYNNESS\" train scene.toml many.h5 -o fresh/model --family rbfn "
         "--neurons 100000 2>progress.txt & "
         "for i in $(seq 600); do grep -q ' 0/' progress.txt && break; sleep 0.1; done; "
         "pkill -" +

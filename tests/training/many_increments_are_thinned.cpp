@@ -75,51 +75,66 @@ TEST(ManyIncrements, FewAreAllFitted) {
   }
 }
 
-TEST(ManyIncrements, ModalModelsHoldAtStatesLeftOut) {
-  const auto header = header_of(n_many);
+struct Largest {
+  double force = 0, displacement = 0;  ///< over the largest of the states
+};
+
+/// Largest errors of a node of a modal model at the given states.
+Largest errors_at(const Model& model, const ActiveNodeModel& node, const TrainingTables& tables,
+                  const std::vector<Ray>& rays, const std::vector<std::int32_t>& rows) {
+  Eigen::MatrixX3d centers(std::ssize(model.shared.centers), 3);
+  for (Eigen::Index i = 0; i < centers.rows(); ++i)
+    centers.row(i) =
+        model.displacements.row(model.shared.centers[static_cast<std::size_t>(i)]) / model.max_displacement_m;
+  const auto x = scaled_rows(tables, rows);
+  const Eigen::MatrixXd amplitudes = features(x, centers, model.shared.shape) * node.modal.weights.values();
+  Eigen::MatrixXd modes = model.shared.modes.values() * node.modal.mixing.values();
+  const Eigen::MatrixXd near = node.modal.near_modes.values();
+  for (std::size_t i = 0; i < node.modal.near.size(); ++i)
+    modes.middleRows<3>(3 * node.modal.near[i]) = near.middleRows<3>(3 * static_cast<Eigen::Index>(i));
+  Largest error, size;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const Ray& ray = rays[static_cast<std::size_t>(rows[i] / n_many)];
+    const auto increment = static_cast<std::size_t>(rows[i] % n_many);
+    const Eigen::Vector3d truth = Eigen::Vector3d::Map(&ray.force[3 * increment]);
+    const auto said =
+        evaluate_force(node.conservative, model.displacements, model.max_displacement_m, x.row(at).transpose());
+    error.force = std::max(error.force, (said - truth).norm());
+    size.force = std::max(size.force, truth.norm());
+    const Eigen::VectorXd u = modes * amplitudes.row(at).transpose();
+    for (std::int32_t o = 0; o < n_nodes; ++o) {
+      if (o == node.node) continue;
+      const Eigen::Vector3d real =
+          Eigen::Vector3d::Map(&ray.displacement[3 * (increment * n_nodes + static_cast<std::size_t>(o))]);
+      error.displacement = std::max(error.displacement, (u.segment<3>(3 * o) - real).norm());
+      size.displacement = std::max(size.displacement, real.norm());
+    }
+  }
+  return {error.force / size.force, error.displacement / size.displacement};
+}
+
+TEST(ManyIncrements, ModalModelsAreAsGoodAtStatesLeftOutAsThoseOfFewIncrements) {
+  const auto header = header_of(n_many), few_header = header_of(6);
   const auto tables = training_tables(header);
-  TrainingReport report;
+  TrainingReport report, few_report;
   const Model model = train(many_of(header), modal_spec(), report);
+  const Model few = train(many_of(few_header), modal_spec(), few_report);
   EXPECT_LE(report.n_increments_fitted, 2 * static_cast<std::int64_t>(max_training_states + 26));
   EXPECT_GT(report.n_increments_used, 10 * report.n_increments_fitted);
-  const Eigen::MatrixXd basis = model.shared.modes.values();
-  for (std::int32_t active = 0; active < 2; ++active) {
-    const auto& node = model.nodes[static_cast<std::size_t>(active)];
-    const auto rays = ragged(header, active);
+  EXPECT_EQ(few_report.n_increments_used, few_report.n_increments_fitted);
+  for (std::size_t active = 0; active < 2; ++active) {
+    const auto rays = ragged(header, static_cast<std::int32_t>(active));
     const auto rows = left_out_rows(tables, rays);
     ASSERT_GT(rows.size(), 5000U);
-    const auto x = scaled_rows(tables, rows);
-    const Eigen::MatrixXd amplitudes =
-        features(x, scaled_rows(tables, model.shared.centers), model.shared.shape) * node.modal.weights.values();
-    Eigen::MatrixXd modes = basis * node.modal.mixing.values();
-    const Eigen::MatrixXd near = node.modal.near_modes.values();
-    for (std::size_t i = 0; i < node.modal.near.size(); ++i)
-      modes.middleRows<3>(3 * node.modal.near[i]) = near.middleRows<3>(3 * static_cast<Eigen::Index>(i));
-    double force = 0, largest_force = 0, displacement = 0, largest = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const auto at = static_cast<Eigen::Index>(i);
-      const Ray& ray = rays[static_cast<std::size_t>(rows[i] / n_many)];
-      const std::size_t increment = static_cast<std::size_t>(rows[i] % n_many);
-      const Eigen::Vector3d truth = Eigen::Vector3d::Map(&ray.force[3 * increment]);
-      const auto said =
-          evaluate_force(node.conservative, model.displacements, model.max_displacement_m, x.row(at).transpose());
-      force = std::max(force, (said - truth).norm());
-      largest_force = std::max(largest_force, truth.norm());
-      const Eigen::VectorXd u = modes * amplitudes.row(at).transpose();
-      for (std::int32_t o = 0; o < n_nodes; ++o) {
-        if (o == node.node) continue;
-        const Eigen::Vector3d real = Eigen::Vector3d::Map(&ray.displacement[3 * (increment * n_nodes + o)]);
-        displacement = std::max(displacement, (u.segment<3>(3 * o) - real).norm());
-        largest = std::max(largest, real.norm());
-      }
-    }
-    // The largest errors of the same model with 12 increments, all fitted, at these states are 1.2 % and 1.8 %.
-    EXPECT_LT(force, 0.02 * largest_force);
-    EXPECT_LT(displacement, 0.03 * largest);
-    RecordProperty("force", std::to_string(force / largest_force));
-    RecordProperty("displacement", std::to_string(displacement / largest));
-    std::printf("largest error at states left out: force %g, displacement %g\n", force / largest_force,
-                displacement / largest);
+    const auto now = errors_at(model, model.nodes[active], tables, rays, rows);
+    const auto before = errors_at(few, few.nodes[active], tables, rays, rows);
+    std::printf(
+        "largest errors at states left out: force %g, of 6 increments %g; displacement %g, of 6 increments %g\n",
+        now.force, before.force, now.displacement, before.displacement);
+    EXPECT_LT(now.force, before.force);
+    // Both are limited by the number of modes and amplitude centers, not by the states: measured 1.000 and 1.011 times.
+    EXPECT_LT(now.displacement, 1.05 * before.displacement);
   }
 }
 
@@ -130,16 +145,19 @@ TEST(ManyIncrements, NetworksHoldAtStatesLeftOut) {
   const Model model = train(many_of(header), small_spec(), report);
   EXPECT_LE(report.n_increments_fitted, 2 * static_cast<std::int64_t>(max_training_states + 26));
   const auto rays = ragged(header, 0);
-  const auto& network = model.nodes[0].force;
-  double error = 0, largest = 0;
-  for (const auto row : left_out_rows(tables, rays)) {
-    const Eigen::Vector3d truth = Eigen::Vector3d::Map(
-        &rays[static_cast<std::size_t>(row / n_many)].force[3 * static_cast<std::size_t>(row % n_many)]);
-    error = std::max(error, (evaluate(network, tables.displacements.row(row).transpose()) - truth).norm());
-    largest = std::max(largest, truth.norm());
-  }
-  std::printf("largest error at states left out: force %g\n", error / largest);
-  EXPECT_LT(error, 0.05 * largest);
+  const auto left_out = left_out_rows(tables, rays), fitted = training_states(tables, rays).row;
+  const auto largest_error = [&](const std::vector<std::int32_t>& rows) {
+    double error = 0;
+    for (const auto row : rows) {
+      const Ray& ray = rays[static_cast<std::size_t>(row / n_many)];
+      const Eigen::Vector3d truth = Eigen::Vector3d::Map(&ray.force[3 * static_cast<std::size_t>(row % n_many)]);
+      const auto said = evaluate(model.nodes[0].force, tables.displacements.row(row).transpose());
+      error = std::max(error, (said - truth).norm());
+    }
+    return error;
+  };
+  // The network is smooth over the distance of two fitted states.
+  EXPECT_LT(largest_error(left_out), 1.5 * largest_error(fitted));
 }
 
 TEST(ManyIncrements, LinearModelsAreCheckedAtAllStates) {
