@@ -153,8 +153,10 @@ CLI::Validator finite_range(double low, double high) {
 
 void write_json(const std::optional<std::filesystem::path>& file, const json& value) {
   if (!file) return;
-  if (is_stdout(*file)) return write_stdout(value.dump(2) + "\n");
-  write_text_file(*file, value.dump(2) + "\n");
+  if (is_stdout(*file))
+    write_stdout(value.dump(2) + "\n");
+  else
+    write_text_file(*file, value.dump(2) + "\n");
 }
 
 void ToolOptions::add_to(CLI::App& command) {
@@ -172,7 +174,6 @@ void ToolOptions::add_to(CLI::App& command) {
   command
       .add_option("--displacement", displacements,
                   "displacement dx,dy,dz [m]; one for each --node, then one for each --point")
-      ->required()
       ->allow_extra_args(false);
   add_path(command, "--deformation", deformation_csv, OutputKind::file,
            "write a CSV file with the displacement of the output nodes: node,x,y,z,ux,uy,uz [m] and scalar fields");

@@ -8,9 +8,9 @@
 #include "command_files.hpp"
 #include "commands.hpp"
 #include "eval_motion.hpp"
-#include "eval_queries.hpp"
 #include "eval_refusals.hpp"
 #include "fine_surface.hpp"
+#include "query_table.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::eval_command {
@@ -23,7 +23,8 @@ struct Options {
   std::optional<std::filesystem::path> surface;
   int levels = 0;  ///< of subdivision
   std::optional<std::int32_t> level;
-  std::optional<std::filesystem::path> queries, motion;
+  QueryOptions queries;
+  std::optional<std::filesystem::path> motion;
 };
 
 void check_surface_options(const Options& options) {
@@ -70,20 +71,55 @@ std::string lengths_outside(const LoadedModel& model, int status, const std::vec
   return text;
 }
 
+/// Columns behind those of the query; energy and bound only if the model has them.
+std::string answer_of(const LoadedModel& model, const Query& query, bool has_energy, bool has_bounds) {
+  const auto& [node, d] = query;
+  Vec3 f{};
+  double energy = 0;
+  const rt::Status status = has_energy ? model.data().force(node, d, f, energy) : model.data().force(node, d, f);
+  if (!status.ok()) throw failure(status.message(), fmt::format("node {}", node), "give a smaller displacement");
+  std::string text = fmt::format(",{},{},{}", f[0], f[1], f[2]);
+  if (has_energy) text += fmt::format(",{}", energy);
+  text += fmt::format(",{},{}", int{status}, model.trained_depth(node, d));
+  if (!has_bounds) return text;
+  const auto bound_N = model.error_bound(node, d);
+  return text + (bound_N ? fmt::format(",{}", *bound_N) : ",");
+}
+
 /// --queries replaces the options of a single query, and its result is a table.
 void run_queries(const Options& options) {
-  const auto& tool = options.tool;
-  if (!tool.nodes.empty() || !tool.points.empty() || !tool.displacements.empty())
-    throw input_error("--queries excludes tools on the command line",
-                      "--queries together with --node, --point or --displacement",
-                      "omit either --queries or the tools");
-  if (tool.deformation_csv || tool.json_file || options.surface || options.levels > 0)
-    throw input_error("--queries only writes a table to stdout",
-                      "--queries together with --json, --deformation, --surface or --subdivide",
-                      "redirect stdout to a file, or use these options for one query with --node");
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);
-  answer_queries(model, *options.queries);
+  const bool has_energy = model.runtime().info().has_energy != 0, has_bounds = model.has_bounds();
+  const auto active = model.runtime().active_nodes();
+  QueryAnswers answers;
+  answers.command = "eval";
+  answers.columns = fmt::format(",fx_N,fy_N,fz_N{},status,trained_depth_m{}", has_energy ? ",energy_J" : "",
+                                has_bounds ? ",bound_N" : "");
+  answers.check = [&](const Query& query) {
+    if (!std::binary_search(active.begin(), active.end(), query.node))
+      model.force(query.node, {0, 0, 0});  // throws an error with the nearest active nodes
+  };
+  answers.answer = [&](const std::vector<Query>& block, const QueryAnswers::Take& take) {
+    for (std::size_t i = 0; i < block.size(); ++i)
+      if (!take(i, answer_of(model, block[i], has_energy, has_bounds))) return;
+  };
+  answer_queries(options.queries, answers);
+}
+
+/// @param where  the tool, for messages
+/// @throws Error (input) unless the surface has a triangle with these nodes
+void require_triangle(const Motion::Tool& tool, const std::string& where, const Mesh& mesh) {
+  for (Eigen::Index t = 0; t < mesh.surface.rows(); ++t) {
+    const auto corners = mesh.surface.row(t);
+    if (std::all_of(tool.nodes.begin(), tool.nodes.end(),
+                    [&](auto node) { return node < 0 || (corners.array() == node).any(); }))
+      return;
+  }
+  throw input_error(where + ": the surface has no triangle with these nodes",
+                    fmt::format("{}, {}{}", tool.nodes[0], tool.nodes[1],
+                                tool.nodes[2] < 0 ? "" : fmt::format(", {}", tool.nodes[2])),
+                    "give nodes and weights as eval --point x,y,z --json writes them");
 }
 
 std::vector<SurfacePoint> places_of(const Motion& motion, const std::string& name, const Mesh& mesh) {
@@ -98,6 +134,7 @@ std::vector<SurfacePoint> places_of(const Motion& motion, const std::string& nam
       for (int c = 0; c < 3 && tool.nodes[k] >= 0; ++c)
         place.point[static_cast<std::size_t>(c)] += tool.weights[k] * mesh.nodes(tool.nodes[k], c);
     }
+    if (tool.nodes[1] >= 0) require_triangle(tool, fmt::format("{}: tools[{}]", name, places.size()), mesh);
     places.push_back(place);
   }
   return places;
@@ -109,7 +146,7 @@ void run_motion(const Options& options) {
   if (!tool.nodes.empty() || !tool.points.empty() || !tool.displacements.empty())
     throw input_error("--motion excludes tools on the command line",
                       "--motion together with --node, --point or --displacement", "omit either --motion or the tools");
-  if (options.queries || tool.deformation_csv || options.surface || options.levels > 0 || options.tools == "paper")
+  if (options.queries.file || tool.deformation_csv || options.surface || options.levels > 0 || options.tools == "paper")
     throw input_error("--motion only writes forces",
                       "--motion together with --queries, --deformation, --surface, --subdivide or --tools paper",
                       "use --json for the forces, or these options for one query with --node");
@@ -185,11 +222,7 @@ void add(CLI::App& app) {
   add_path(*command, "MODEL_DIR", options->model, InputKind::whole, "directory with model.txt and mesh.txt")
       ->required();
   options->tool.add_to(*command);
-  command->get_option("--displacement")->required(false);  // the file of --queries contains displacements
-  add_path(
-      *command, "--queries", options->queries, InputKind::whole,
-      fmt::format("CSV file of many queries, instead of --node; its first line is {}; prints a CSV table of forces",
-                  queries_header));
+  options->queries.add_to(*command);
   add_path(*command, "--motion", options->motion, InputKind::whole,
            "JSON file of a recorded motion of tools (formats/motion.md), instead of --node; --json writes its forces");
   command
@@ -202,8 +235,9 @@ void add(CLI::App& app) {
   command->add_option("--subdivide", options->levels, "levels of subdivision of that surface (Loop's scheme)")
       ->check(CLI::Range(0, 6));
   command->callback([options] {
+    options->queries.check(options->tool, options->surface || options->levels > 0 ? "--surface or --subdivide" : "");
     if (options->motion) return run_motion(*options);
-    options->queries ? run_queries(*options) : run(*options);
+    options->queries.file ? run_queries(*options) : run(*options);
   });
 }
 

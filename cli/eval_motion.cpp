@@ -14,8 +14,6 @@ namespace {
 
 static_assert(Motion::most_tools == PHN_MOST_COUPLED);
 
-constexpr double smallest_N = 1e-300;  ///< differences are divided by a force that may be 0
-
 double length(const Vec3& v) { return std::hypot(v[0], v[1], v[2]); }
 
 struct Answer {
@@ -164,17 +162,18 @@ void answer_motion(const LoadedModel& model, const Motion& motion, const std::st
   if (!answer.energy_J.empty()) out["energy_J"] = answer.energy_J;
   out["status"] = answer.status;
   if (compared.compared > 0) {
-    const double relative = compared.largest_difference_N / std::max(compared.largest_force_N, smallest_N);
-    if (relative > 0)
-      print_result(
-          "largest difference from the {} forces of the file: {:.3g} N (step {}), {:.2g} of the largest force\n",
-          compared.compared, compared.largest_difference_N, compared.step, relative);
+    // Undefined if all forces are 0, and infinite if they are much smaller than the difference.
+    const double relative = compared.largest_difference_N / compared.largest_force_N;
+    if (compared.largest_difference_N > 0)
+      print_result("largest difference from the {} forces of the file: {:.3g} N (step {}){}\n", compared.compared,
+                   compared.largest_difference_N, compared.step,
+                   std::isfinite(relative) ? fmt::format(", {:.2g} of the largest force", relative) : "");
     else
       print_result("the {} forces of the file are repeated exactly\n", compared.compared);
     out["recorded"] = {{"forces", compared.compared},
                        {"largest_difference_N", compared.largest_difference_N},
                        {"step", compared.step},
-                       {"of_largest_force", relative}};
+                       {"of_largest_force", compared.largest_difference_N > 0 ? json(relative) : json(0.0)}};
   }
   write_json(json_file, out);
 }

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/held_points.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
+#include "console.hpp"
+#include "query_table.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::solve_command {
@@ -18,6 +21,7 @@ struct Options {
   std::optional<int> increments;
   bool tangent = false;
   ToolOptions tool;
+  QueryOptions queries;
 };
 
 LoadedScene load_source(const std::filesystem::path& source) {
@@ -40,22 +44,105 @@ std::vector<PointTool> tools_at(const std::vector<SurfacePoint>& places, const s
   return tools;
 }
 
-void refuse_tiny(const std::vector<Vec3>& displacements, const Mesh& mesh) {
-  const double smallest =
-      smallest_displacement((mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm());
-  for (const auto& d : displacements)
-    if (const double size = std::hypot(d[0], d[1], d[2]); d != Vec3{0, 0, 0} && size < smallest)
-      throw input_error("a displacement is too small for double precision",
-                        fmt::format("--displacement {:g},{:g},{:g}, the smallest is {:.3g} m in this body", d[0], d[1],
-                                    d[2], smallest),
-                        "displacements are in metres");
+double smallest_in(const Mesh& mesh) {
+  return smallest_displacement((mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm());
+}
+
+void refuse_tiny(const Vec3& d, double smallest) {
+  if (d == Vec3{0, 0, 0} || std::hypot(d[0], d[1], d[2]) >= smallest) return;
+  throw input_error("a displacement is too small for double precision",
+                    fmt::format("{:g},{:g},{:g}, the smallest is {:.3g} m in this body", d[0], d[1], d[2], smallest),
+                    "displacements are in metres");
+}
+
+/// Solves the rows of a file of queries, each from rest. A failed row has its reason in the column `note`.
+class RowSolver {
+ public:
+  RowSolver(ProbeSolver& solver, int increments) : _solver(solver), _increments(increments) {}
+
+  /// Rows of the same node come together, because the stiffness at rest is computed for each touched node.
+  void answer(const std::vector<Query>& block, const QueryAnswers::Take& take) {
+    std::vector<std::size_t> order(block.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return block[a].node < block[b].node; });
+    try {
+      for (const auto row : order)
+        if (!take(row, solve(block[row]))) return;
+    } catch (const Interrupted&) {  // the row under way is not finished
+    }
+  }
+  void say_what_failed() const {
+    if (_failed > 0) message("warning: rows without a solution: {}; their column note says why\n", _failed);
+    if (_unstable > 0) message("warning: unstable rows, whose results may depend on the path: {}\n", _unstable);
+  }
+
+ private:
+  std::string solve(const Query& query) try {
+    if (_touched != query.node) {
+      _touched.reset();
+      _solver.touch({query.node});
+      _touched = query.node;
+    }
+    const auto response = _solver.solve({query.displacement_m}, _increments);
+    if (response.status != Status::converged)
+      return failed(response.status, fmt::format("{}: {}", name(response.status), meaning(response.status)));
+    const auto& f = response.force_N[0];
+    const auto text = fmt::format(",{},{},{},{},0,", f[0], f[1], f[2], response.energy_J);
+    if (response.negative_pivots == 0) return text;
+    ++_unstable;
+    return text + fmt::format("unstable: {} negative pivots", response.negative_pivots);
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::exception& error) {
+    _touched.reset();
+    recover();
+    return failed(Status::library_error, error.what());
+  }
+
+  void recover() try { _solver.recover(); } catch (const std::exception&) {  // touch() tries again
+  }
+
+  /// The reason is quoted, as CSV requires it for commas.
+  std::string failed(Status status, std::string reason) {
+    ++_failed;
+    reason = reason.substr(0, reason.find('\n'));
+    for (std::size_t at = 0; (at = reason.find('"', at)) != std::string::npos; at += 2) reason.insert(at, 1, '"');
+    return fmt::format(",,,,,{},\"{}\"", static_cast<int>(status), reason);
+  }
+
+  ProbeSolver& _solver;
+  int _increments;
+  std::optional<std::int32_t> _touched;
+  std::int64_t _failed = 0, _unstable = 0;
+};
+
+void run_queries(const Options& options) {
+  const SolverSession session;
+  if (session.size() > 1)
+    throw input_error("solve --queries works on one process", fmt::format("{} ranks", session.size()),
+                      "start it without mpirun; to use more cores, give each of several calls a part of the rows");
+  const auto loaded = load_source(options.source);
+  ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
+  solver.set_stop(stop_requested);
+  const double smallest = smallest_in(loaded.mesh);
+  RowSolver rows(solver, options.increments.value_or(loaded.scene.probe.increments));
+  QueryAnswers answers;
+  answers.command = "solve";
+  answers.columns = ",fx_N,fy_N,fz_N,energy_J,status,note";
+  answers.check = [&](const Query& query) {
+    solver.check_touched(query.node);
+    refuse_tiny(query.displacement_m, smallest);
+  };
+  answers.answer = [&](const auto& block, const auto& take) { rows.answer(block, take); };
+  answer_queries(options.queries, answers);
+  rows.say_what_failed();
 }
 
 void run(const Options& options) {
   const auto displacements = options.tool.parsed_displacements();
   const SolverSession session;
   const auto loaded = load_source(options.source);
-  refuse_tiny(displacements, loaded.mesh);
+  for (const auto& d : displacements) refuse_tiny(d, smallest_in(loaded.mesh));
   ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
   const auto places = options.tool.places(loaded.mesh);
   const int increments = options.increments.value_or(loaded.scene.probe.increments);
@@ -112,12 +199,16 @@ void add(CLI::App& app) {
            "scene file, or database.h5, which contains a scene and a mesh")
       ->required();
   options->tool.add_to(*command);
+  options->queries.add_to(*command);
   command
       ->add_option("--increments", options->increments,
                    "number of equal steps to the displacement (default: that of the scene)")
       ->check(CLI::Range(1, 1000));
   command->add_flag("--tangent", options->tangent, "add the condensed stiffness dF/dd [N/m] to the JSON output");
-  command->callback([options] { run(*options); });
+  command->callback([options] {
+    options->queries.check(options->tool, options->tangent ? "--tangent" : "");
+    options->queries.file ? run_queries(*options) : run(*options);
+  });
 }
 
 }  // namespace phynness::cli::solve_command

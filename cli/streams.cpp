@@ -64,10 +64,11 @@ void print_result_text(fmt::string_view format, fmt::format_args values) {
 void print_results_on_stderr() { results = STDERR_FILENO; }
 bool results_are_on_stderr() { return results == STDERR_FILENO; }
 
-void write_stdout(std::string_view text) {
+bool write_stdout(std::string_view text) {
   fmt::memory_buffer bytes;
   bytes.append(text.data(), text.data() + text.size());
   if (first_error == 0) first_error = write_all(STDOUT_FILENO, bytes);
+  return first_error == 0;
 }
 
 void message_text(fmt::string_view format, fmt::format_args values) noexcept {

@@ -45,7 +45,8 @@ void message(fmt::format_string<T...> format, const T&... values) noexcept try {
 void print_results_on_stderr();
 bool results_are_on_stderr();
 /// For data, not for texts. finish_streams() reports a failed write.
-void write_stdout(std::string_view text);
+/// @return false once something could not be written
+bool write_stdout(std::string_view text);
 
 /// Sets an environment variable by which child processes do not report failed writes to stdout. This process reports
 /// them at its end, so that the exit status of a child depends on its work only.

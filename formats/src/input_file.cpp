@@ -65,6 +65,11 @@ std::size_t read_part(const Descriptor& input, const std::filesystem::path& file
 
 }  // namespace
 
+void require_input_file(const std::filesystem::path& file, const InputFile& about) {
+  std::uint64_t size = 0;
+  open_input(file, about, size);
+}
+
 std::string read_input_file(const std::filesystem::path& file, const InputFile& about) {
   constexpr std::size_t part = 1 << 20;
   std::uint64_t size = 0;

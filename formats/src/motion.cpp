@@ -11,6 +11,9 @@ namespace {
 
 using nlohmann::json;
 
+/// No model answers more, and differences of such numbers are finite.
+constexpr double largest_number = 1e300;
+
 const char* const how = "record the motion again, or see formats/motion.md";
 
 /// A value of the file with its place, for messages.
@@ -48,7 +51,9 @@ class Entry {
   }
   double number() const {
     if (!_value.is_number()) refuse("must be a number");
-    return _value.get<double>();  // a number in JSON is finite
+    const double x = _value.get<double>();  // a number in JSON is finite
+    if (std::abs(x) > largest_number) refuse("must not be larger than 1e300");
+    return x;
   }
   std::int32_t node() const {
     if (!_value.is_number_integer()) refuse("must be the number of a node, an integer");
@@ -101,6 +106,8 @@ Motion::Tool tool_of(const Entry& entry) {
     tool.weights[0] = 1;
     return tool;
   }
+  if (entry.has("node"))
+    entry["node"].refuse("must not be given together with nodes", "give either node, or nodes and weights");
   const auto nodes = entry["nodes"].list_of(1, 3), weights = entry["weights"];
   weights.list_of(nodes.size(), nodes.size());
   double sum = 0;

@@ -106,6 +106,8 @@ SolverCounts ProbeSolver::counts() const { return _impl->equilibrium.counts(); }
 bool ProbeSolver::holds_patches() const { return _impl->scene.probe.kind == ProbeKind::patch; }
 bool ProbeSolver::is_fixed(std::int32_t node) const { return _impl->fixed.at(static_cast<std::size_t>(node)) != 0; }
 
+void ProbeSolver::check_touched(std::int32_t node) const { _impl->check_touched(node); }
+
 void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
   auto& s = *_impl;
   s.weights.clear();

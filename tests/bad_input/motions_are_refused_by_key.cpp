@@ -64,6 +64,10 @@ TEST(Motion, with_a_wrong_value_is_refused_by_its_key) {
   expect_refused(with("[1,2,3]", "[1,2]"), {"tools[1].weights", "2 entries, not 3"});
   expect_refused(with("[0.25,0.5,0.25]", "[0.5,0.75,-0.25]"), {"tools[1].weights[2]", "negative"});
   expect_refused(with("[0.25,0.5,0.25]", "[0.25,0.5,0.2]"), {"tools[1].weights", "sum 1"});
+  expect_refused(with("{\"nodes\"", "{\"node\":5,\"nodes\""), {"tools[1].node", "together with nodes", "either"});
+  // Differences of such numbers would be infinite.
+  expect_refused(with("[0,0,7]", "[0,0,1e308]"), {"force_N[1][1][2]", "1e300", "1e+308"});
+  expect_refused(with("[0,0.5]", "[-1e308,0.5]"), {"time_s[0]", "1e300"});
   expect_refused(with("[0,0.5]", "[]"), {"time_s", "entries, not 0"});
   expect_refused(with("[0,0.5]", "[0.6,0.5]"), {"time_s[1]", "earlier"});
   expect_refused(with("[0,0.5]", "[0,0.5,1]"), {"displacement_m", "3 entries, not 2"});

@@ -138,6 +138,19 @@ TEST_F(Motions, AnsweredAgainHaveNoDifference) {
   EXPECT_NE(outcome.out.find("0.25 N (step 1)"), std::string::npos) << outcome.out;
 }
 
+// A ratio to a force of 0 is infinite: it is left out, and null in JSON.
+TEST_F(Motions, WithoutForceHaveNoInfiniteDifference) {
+  Json motion = one_tool();
+  motion["time_s"] = {0.0};
+  motion["displacement_m"] = Json::array({Json::array({{0.0, 0.0, 0.0}})});
+  motion["force_N"] = Json::array({Json::array({{0.0, 0.0, 1e300}})});
+  const auto all = answer(motion);
+  EXPECT_EQ(all["recorded"]["largest_difference_N"], 1e300);
+  EXPECT_TRUE(all["recorded"]["of_largest_force"].is_null()) << all["recorded"];
+  EXPECT_EQ(outcome.out.find("inf"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("of the largest"), std::string::npos) << outcome.out;
+}
+
 TEST_F(Motions, ThatTheModelCannotAnswerAreRefused) {
   Json motion = one_tool();
   motion["tools"][0]["node"] = 100000;
@@ -146,6 +159,11 @@ TEST_F(Motions, ThatTheModelCannotAnswerAreRefused) {
   while (inactive == nodes[0] || inactive == nodes[1]) ++inactive;
   motion["tools"][0]["node"] = inactive;
   expect_refused(motion, {"bad.json, step 0", "node " + std::to_string(inactive), "nearest"});
+  // Two nodes that are active, but of no common triangle, and one that the mesh does not have.
+  motion["tools"][0] = {{"nodes", nodes}, {"weights", {0.5, 0.5}}};
+  expect_refused(motion, {"bad.json: tools[0]", "no triangle", std::to_string(nodes[0])});
+  motion["tools"][0] = {{"nodes", {nodes[0], 100000}}, {"weights", {0.5, 0.5}}};
+  expect_refused(motion, {"bad.json", "100000"});
   motion = one_tool();
   motion["mesh_hash"] = "00";
   expect_refused(motion, {"bad.json", "mesh_hash 00", "model"});

@@ -1,6 +1,10 @@
 // Claim: eval --queries gives for each row exactly the result of eval for this node and displacement, in the order of
 // the rows, for families with and without energy, inside and outside of the trained range. A file with a wrong row is
-// refused with status 2, the line, the value and a remedy, and stdout remains empty. Ten thousand rows take one call.
+// refused with status 2, the line, the value and a remedy, and stdout remains empty. Ten thousand rows take one call,
+// and three hundred thousand no more memory. A table that is not complete does not look complete.
+#include <fcntl.h>
+#include <sys/resource.h>
+
 #include <algorithm>
 
 #include "../pipeline/command_line.hpp"
@@ -100,7 +104,7 @@ TEST_F(Queries, BeyondTheTrainedDepthAreWarnedOfWithBothLengths) {
 TEST_F(Queries, WithABadRowAreRefusedByItsLine) {
   const std::string head = "node,ux_m,uy_m,uz_m\n", good = std::to_string(nodes[0]) + ",0,0,-0.001\n";
   const auto node = std::to_string(nodes[1]);
-  for (const char* d : {"nan,0,0", "0,inf,0", "0,0,-1e999", "0,0,x", "0,0,", "0,0,0.1m", "0,0,0x1"})
+  for (const char* d : {"nan,0,0", "0,inf,0", "0,0,-1e999", "0,0,x", "0,0,", "0,0,0.1m", "0,0,0x1", "1e999,0,0"})
     expect_refused(head + good + node + "," + d + "\n", {"bad.csv, line 3", "displacement", "0.0,0.0,-0.01"});
   for (const char* row : {"1", "1,0,0", "1,0,0,0,0", "1;0;0;0", ""})
     expect_refused(head + good + row + "\n" + good, {"bad.csv, line 3", "4 values", std::string("'") + row + "'"});
@@ -109,6 +113,9 @@ TEST_F(Queries, WithABadRowAreRefusedByItsLine) {
   for (const char* number : {"-1", "100000"})
     expect_refused(head + good + good + number + ",0,0,0\n", {"bad.csv, line 4", std::string("node ") + number});
   expect_refused(head + node + ",0,0,-2e6\n", {"bad.csv, line 2", "-2e6", "metres"});
+  expect_refused(head + good + node + ",1e308,1e308,0\n", {"bad.csv, line 3", "1e308", "metres"});
+  expect_refused(head + good + std::string("1\0,0,0,0\n", 9), {"bad.csv, line 3", "zero byte"});
+  expect_refused(head + std::string(5000, '1'), {"bad.csv, line 2", "too long"});
   // Without its first line a file is refused, and not taken for one with a row less.
   expect_refused(good, {"bad.csv, line 1", "node,ux_m,uy_m,uz_m"});
   expect_refused("", {"bad.csv, line 1", "node,ux_m,uy_m,uz_m"});
@@ -152,6 +159,66 @@ TEST_F(Queries, AreAnsweredByTheThousand) {
   ASSERT_EQ(b.exit_status, 0) << b.err;
   EXPECT_EQ(std::count(a.out.begin(), a.out.end(), '\n'), n + 1);
   EXPECT_EQ(a.out, b.out);
+}
+
+/// Peak of the resident memory of a command [KiB].
+long peak_memory_of(const std::filesystem::path& folder, const std::string& queries) {
+  const pid_t child = fork();
+  if (child == 0) {
+    const int none = open("/dev/null", O_WRONLY);
+    if (chdir(folder.c_str()) == 0 && dup2(none, STDOUT_FILENO) >= 0)
+      execl(PHYNNESS_COMMAND, "phynness", "eval", "modal", "--queries", queries.c_str(), nullptr);
+    _exit(127);
+  }
+  int status = -1;
+  rusage usage{};
+  EXPECT_EQ(wait4(child, &status, 0, &usage), child);
+  EXPECT_EQ(status, 0);
+  return usage.ru_maxrss;
+}
+
+// 300,000 rows have 25 MB of answers, and their strings alone would take twice as much. A block takes less than 1 MB.
+TEST_F(Queries, NeedNoMemoryForTheirNumber) {
+  const auto write = [&](const char* name, int n) {
+    std::string csv = "node,ux_m,uy_m,uz_m\n";
+    for (int i = 0; i < n; ++i) csv += std::to_string(nodes[i % 2]) + ",0.001,0," + std::to_string(-1e-6 * i) + "\n";
+    write_file(folder / name, csv);
+  };
+  write("few.csv", 5000);
+  write("many.csv", 300'000);
+  const long few = peak_memory_of(folder, "few.csv"), many = peak_memory_of(folder, "many.csv");
+  EXPECT_LT(many - few, 8 * 1024) << few << " and " << many << " KiB";
+}
+
+TEST_F(Queries, AreWrittenToAFileOnlyAsAWhole) {
+  const std::string head = "node,ux_m,uy_m,uz_m\n", good = std::to_string(nodes[0]) + ",0,0,-0.001\n";
+  write_file(folder / "good.csv", head + good + good);
+  write_file(folder / "bad.csv", head + good + "x\n");
+  const auto printed = phynness("eval modal --queries good.csv"),
+             written = phynness("eval modal --queries good.csv -o t.csv");
+  ASSERT_EQ(written.exit_status, 0) << written.err;
+  EXPECT_EQ(written.out, "");
+  EXPECT_EQ(read_file(folder / "t.csv"), printed.out);
+  EXPECT_EQ(phynness("eval modal --queries bad.csv -o t.csv").exit_status, 2);
+  EXPECT_EQ(read_file(folder / "t.csv"), printed.out);
+  EXPECT_FALSE(std::filesystem::exists(folder / "t.csv.part"));
+  EXPECT_EQ(phynness("eval modal --queries good.csv -o good.csv").exit_status, 2);
+  EXPECT_EQ(phynness("eval modal --node 1 --displacement 0,0,0 -o t.csv").exit_status, 2);
+  EXPECT_EQ(read_file(folder / "good.csv"), head + good + good);
+}
+
+// The table is longer than a pipe holds, so that the command cannot have ended when the signal comes.
+TEST_F(Queries, InterruptedSaySoBehindTheLastRow) {
+  std::string csv = "node,ux_m,uy_m,uz_m\n";
+  for (int i = 0; i < 50'000; ++i) csv += std::to_string(nodes[0]) + ",0.001,0,0\n";
+  write_file(folder / "queries.csv", csv);
+  const auto outcome = shell(
+      "mkfifo p; \"$PHYNNESS\" eval modal --queries queries.csv > p & pid=$!; exec 3< p; head -c 100 <&3 > /dev/null; "
+      "kill -TERM $pid; cat <&3; wait $pid");
+  EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
+  expect_error(outcome.err, {"eval was interrupted", "of 50000 rows", "on stdout"});
+  const auto last = outcome.out.substr(outcome.out.rfind('\n', outcome.out.size() - 2) + 1);
+  EXPECT_EQ(last.rfind("interrupted: ", 0), 0u) << last;
 }
 
 }  // namespace

@@ -19,4 +19,8 @@ struct InputFile {
 /// `about.most_bytes`; (failure) if reading fails
 std::string read_input_file(const std::filesystem::path& file, const InputFile& about);
 
+/// The checks of read_input_file() before it reads, for a file that is read in parts.
+/// @throws Error (input), as read_input_file()
+void require_input_file(const std::filesystem::path& file, const InputFile& about);
+
 }  // namespace phynness

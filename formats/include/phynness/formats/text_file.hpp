@@ -2,11 +2,37 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace phynness {
+
+/// A text that is filled beside its place, in FILE.part, and gets its name when it is complete, so that a reader never
+/// sees an incomplete file. Without put() or keep() the part is removed. Symbolic links are followed. A file that is
+/// not regular (a pipe, /dev/stdout) is written directly.
+class GrowingTextFile {
+ public:
+  /// @throws Error (input) if the file cannot be created
+  explicit GrowingTextFile(const std::filesystem::path& file);
+  ~GrowingTextFile();
+  GrowingTextFile(const GrowingTextFile&) = delete;
+
+  /// The text has left this process afterwards. @throws Error (failure)
+  void append(const std::string& text);
+  /// Gives the file its name. @throws Error (failure)
+  void put();
+  /// Leaves what is written beside its place. @return where it is
+  std::filesystem::path keep();
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::filesystem::path _file, _target, _written;
+  bool _in_place = false, _made = false;
+  std::ofstream _out;
+};
 
 /// Writes a temporary file and renames it to `file`, so that a reader never sees an incomplete file. Symbolic links are
 /// followed. A file that is not regular (a pipe, /dev/stdout) is written directly.

@@ -72,6 +72,8 @@ class ProbeSolver {
   ~ProbeSolver();
   ProbeSolver(ProbeSolver&&) noexcept;
 
+  /// @throws Error (input) unless the node is of the surface and free
+  void check_touched(std::int32_t node) const;
   /// Sets the touched nodes and computes their stiffness at rest, which later solves use.
   /// @throws Error if a node is not on the surface, is fixed, or is given twice, or if the tangent at rest could not be
   /// factorized; a later call may succeed

@@ -1,0 +1,255 @@
+#include "query_table.hpp"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <phynness/formats/error.hpp>
+#include <phynness/formats/input_file.hpp>
+#include <phynness/formats/text_file.hpp>
+#include <string_view>
+
+#include "command_files.hpp"
+#include "console.hpp"
+#include "streams.hpp"
+
+namespace phynness::cli {
+namespace {
+
+/// Values between commas, without surrounding spaces.
+std::vector<std::string_view> fields_of(std::string_view row) {
+  std::vector<std::string_view> fields;
+  for (std::size_t at = 0; at <= row.size();) {
+    const auto end = std::min(row.find(',', at), row.size());
+    auto field = row.substr(at, end - at);
+    field.remove_prefix(std::min(field.find_first_not_of(' '), field.size()));
+    field.remove_suffix(field.size() - (field.find_last_not_of(' ') + 1));
+    fields.push_back(field);
+    at = end + 1;
+  }
+  return fields;
+}
+
+template <class Number>
+bool parse(std::string_view field, Number& number) {
+  if (field.starts_with('+')) field.remove_prefix(1);
+  const auto [end, code] = std::from_chars(field.data(), field.data() + field.size(), number);
+  return code == std::errc{} && end == field.data() + field.size();
+}
+
+/// The rows of a file of queries, one after another, and the place of the present one for messages.
+class QueryReader {
+ public:
+  /// @throws Error (input) unless the file can be read and has the right first line
+  explicit QueryReader(const std::filesystem::path& file) : _file(file) {
+    const auto remedy = fmt::format("give a CSV file whose first line is {}", queries_header);
+    require_input_file(file, {"the file of queries", remedy, std::numeric_limits<std::uint64_t>::max(), true});
+    _in.open(file, std::ios::binary);
+    const bool has_header = next_line();
+    // Spreadsheets write a byte order mark of UTF-8.
+    if (_line.starts_with("\xEF\xBB\xBF")) _line.erase(0, 3);
+    if (!has_header || _line != queries_header)
+      throw error("the first line of a file of queries is wrong", fmt::format("'{}'", _line),
+                  fmt::format("make the first line {}", queries_header));
+  }
+
+  /// Empty: the file has no more rows. @throws Error (input) with the line
+  std::optional<Query> next() {
+    if (!next_line()) return {};
+    return parsed();
+  }
+
+  Error error(const std::string& what, const std::string& value, const std::string& remedy) const {
+    return input_error(fmt::format("{}, line {}: {}", _file.string(), _number, what), value, remedy);
+  }
+
+ private:
+  /// The next line without its end, which may be "\n" or "\r\n".
+  bool next_line() {
+    constexpr std::size_t most_bytes = 4096;
+    constexpr auto end = std::ifstream::traits_type::eof();
+    _line.clear();
+    ++_number;
+    int c = _in.rdbuf()->sbumpc();
+    if (c == end) return false;
+    for (; c != end && c != '\n'; c = _in.rdbuf()->sbumpc()) {
+      if (_line.size() == most_bytes)
+        throw error("a line is too long", fmt::format("more than {} bytes", most_bytes),
+                    fmt::format("give a CSV file whose first line is {}", queries_header));
+      if (c == 0)
+        throw error("the file of queries holds a zero byte, which no text has",
+                    fmt::format("byte {} of the line", _line.size()),
+                    "it is damaged or no text file: write or copy it again");
+      _line += static_cast<char>(c);
+    }
+    if (_line.ends_with('\r')) _line.pop_back();
+    return true;
+  }
+
+  Query parsed() const {
+    const auto fields = fields_of(_line);
+    if (fields.size() != 4)
+      throw error(fmt::format("a row must have 4 values, not {}", _line.empty() ? 0 : fields.size()),
+                  fmt::format("'{}'", _line), fmt::format("write {}, without empty lines", queries_header));
+    Query query;
+    if (!parse(fields[0], query.node))
+      throw error("a node must be an integer", fmt::format("'{}'", fields[0]),
+                  "give the number of a node of the mesh, starting with 0");
+    auto& d = query.displacement_m;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (!parse(fields[k + 1], d[k]) || !std::isfinite(d[k]))
+        throw error("a displacement must be three finite numbers", fmt::format("'{}'", fields[k + 1]),
+                    "write metres with a decimal point: 0.0,0.0,-0.01");
+    if (std::hypot(d[0], d[1], d[2]) > largest_displacement_m)
+      throw error(fmt::format("a displacement is longer than {:g} m", largest_displacement_m),
+                  fmt::format("'{}'", _line), "give displacements in metres");
+    return query;
+  }
+
+  std::filesystem::path _file;
+  std::ifstream _in;
+  std::string _line;
+  std::size_t _number = 0;
+};
+
+/// @return the number of rows. @throws Error (input) with the line of the first that cannot be answered
+std::int64_t check_rows(const std::filesystem::path& file, const std::function<void(const Query&)>& check) {
+  QueryReader reader(file);
+  std::int64_t n = 0;
+  for (; const auto query = reader.next(); ++n) try {
+      check(*query);
+    } catch (const Error& error) {
+      throw reader.error(error.what(), "", "");
+    }
+  if (n == 0)
+    throw input_error("the file of queries has no rows", file.string(),
+                      "write a row for each query below the first line");
+  return n;
+}
+
+/// The table that is written: rows come in any order within a block and leave in theirs.
+class Table {
+ public:
+  Table(const std::optional<std::filesystem::path>& output, const std::string& columns) {
+    if (output) _file.emplace(*output);
+    _ready = fmt::format("{}{}\n", queries_header, columns);
+  }
+
+  void start_block(std::size_t rows) {
+    _rows.assign(rows, {});
+    _next = 0;
+  }
+  /// Writes about once a second, so that a process that is killed loses little.
+  void add(std::size_t row, std::string text) {
+    _rows[row] = std::move(text);
+    for (; _next < _rows.size() && !_rows[_next].empty(); ++_next) _ready += _rows[_next];
+    if (std::chrono::steady_clock::now() - _written > std::chrono::seconds(1)) write();
+  }
+  /// Rows that wait for one before them are written, too, after an interruption.
+  void end_block() {
+    for (; _next < _rows.size(); ++_next) _ready += _rows[_next];
+    write();
+  }
+  bool is_lost() const { return _lost; }
+
+  void put() {
+    if (_file) _file->put();
+  }
+  /// Leaves the table so that nobody takes it for a complete one. @return where the rows are
+  std::string leave(const std::string& how_much) {
+    if (_file) return "in " + _file->keep().string();
+    _ready = fmt::format("interrupted: {}\n", how_much);
+    write();
+    return "on stdout, whose last line says so";
+  }
+
+ private:
+  void write() {
+    if (_file)
+      _file->append(_ready);
+    else
+      _lost = !write_stdout(_ready);
+    _ready.clear();
+    _written = std::chrono::steady_clock::now();
+  }
+
+  std::optional<GrowingTextFile> _file;
+  std::vector<std::string> _rows;
+  std::size_t _next = 0;  ///< first row of the block that is not in `_ready`
+  std::string _ready;
+  bool _lost = false;
+  std::chrono::steady_clock::time_point _written = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+void QueryOptions::add_to(CLI::App& command) {
+  add_path(
+      command, "--queries", file, InputKind::whole,
+      fmt::format("CSV file of many queries, instead of --node; its first line is {}; writes a CSV table of forces",
+                  queries_header));
+  add_path(command, "-o,--output", output, OutputKind::file, "file of the table of --queries (default: stdout)");
+}
+
+void QueryOptions::check(const ToolOptions& tool, const std::string& others) const {
+  if (!file) {
+    if (output)
+      throw input_error("--output needs --queries", "--output " + output->string(),
+                        "add --queries, or use --json for a single query");
+    return;
+  }
+  if (!tool.nodes.empty() || !tool.points.empty() || !tool.displacements.empty())
+    throw input_error("--queries excludes tools on the command line",
+                      "--queries together with --node, --point or --displacement",
+                      "omit either --queries or the tools");
+  if (tool.deformation_csv || tool.json_file || !others.empty())
+    throw input_error("--queries only writes a table",
+                      "--queries together with " + (others.empty() ? "--json or --deformation" : others),
+                      "name a file for the table with --output, or use these options for one query with --node");
+}
+
+void answer_queries(const QueryOptions& options, const QueryAnswers& answers) {
+  constexpr std::size_t rows_of_a_block = 4096;  // less than a megabyte
+  const auto total = check_rows(*options.file, answers.check);
+  install_stop_handler();
+  Table table(options.output, answers.columns);
+  Progress progress(answers.command, "rows");
+  QueryReader reader(*options.file);
+  const auto start = std::chrono::steady_clock::now();
+  std::int64_t finished = 0;
+  std::vector<Query> block;
+  const auto take = [&](std::size_t row, const std::string& text) {
+    const auto& [node, d] = block[row];
+    table.add(row, fmt::format("{},{},{},{}{}\n", node, d[0], d[1], d[2], text));
+    ++finished;
+    // No progress line for files that take less than two seconds.
+    if (std::chrono::steady_clock::now() - start > std::chrono::seconds(2)) progress.update(finished, total);
+    return !stop_requested() && !table.is_lost();
+  };
+  do {
+    block.clear();
+    while (block.size() < rows_of_a_block)
+      if (const auto query = reader.next())
+        block.push_back(*query);
+      else
+        break;
+    table.start_block(block.size());
+    answers.answer(block, take);
+    table.end_block();
+  } while (!block.empty() && !stop_requested() && !table.is_lost());
+  if (table.is_lost()) return;  // finish_streams() reports it
+  if (stop_requested() && finished < total) {
+    const auto how_much = fmt::format("{} of {} rows are finished", finished, total);
+    throw failure(answers.command + " was interrupted", fmt::format("{}, {}", how_much, table.leave(how_much)),
+                  "run the command again, with the other rows only if you keep these");
+  }
+  if (finished != total)
+    throw failure("the file of queries was changed while it was read", options.file->string(),
+                  "run the command again when nothing writes to it");
+  table.put();
+}
+
+}  // namespace phynness::cli
