@@ -48,11 +48,13 @@ double smallest_in(const Mesh& mesh) {
   return smallest_displacement((mesh.nodes.colwise().maxCoeff() - mesh.nodes.colwise().minCoeff()).norm());
 }
 
-void refuse_tiny(const Vec3& d, double smallest) {
+/// @param option  that gave the displacement, for messages
+void refuse_tiny(const Vec3& d, double smallest, const std::string& option) {
   if (d == Vec3{0, 0, 0} || std::hypot(d[0], d[1], d[2]) >= smallest) return;
-  throw input_error("a displacement is too small for double precision",
-                    fmt::format("{:g},{:g},{:g}, the smallest is {:.3g} m in this body", d[0], d[1], d[2], smallest),
-                    "displacements are in metres");
+  throw input_error(
+      "a displacement is too small for double precision",
+      fmt::format("{}{:g},{:g},{:g}, the smallest is {:.3g} m in this body", option, d[0], d[1], d[2], smallest),
+      "displacements are in metres");
 }
 
 /// Solves the rows of a file of queries, each from rest. A failed row has its reason in the column `note`.
@@ -131,7 +133,7 @@ void run_queries(const Options& options) {
   answers.columns = ",fx_N,fy_N,fz_N,energy_J,status,note";
   answers.check = [&](const Query& query) {
     solver.check_touched(query.node);
-    refuse_tiny(query.displacement_m, smallest);
+    refuse_tiny(query.displacement_m, smallest, "");
   };
   answers.answer = [&](const auto& block, const auto& take) { rows.answer(block, take); };
   answer_queries(options.queries, answers);
@@ -142,7 +144,7 @@ void run(const Options& options) {
   const auto displacements = options.tool.parsed_displacements();
   const SolverSession session;
   const auto loaded = load_source(options.source);
-  for (const auto& d : displacements) refuse_tiny(d, smallest_in(loaded.mesh));
+  for (const auto& d : displacements) refuse_tiny(d, smallest_in(loaded.mesh), "--displacement ");
   ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
   const auto places = options.tool.places(loaded.mesh);
   const int increments = options.increments.value_or(loaded.scene.probe.increments);
