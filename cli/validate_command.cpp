@@ -312,7 +312,7 @@ void add(CLI::App& app) {
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   add_path(*command, "--report", options->report_file, OutputKind::file,
            "write an HTML report with curves and pictures");
-  command->add_flag("--details", options.details, "print all tables, groups and conditions");
+  command->add_flag("--details", options->details, "print all tables, groups and conditions");
   command->callback([options] { run(*options); });
 }
 
