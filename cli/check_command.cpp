@@ -167,11 +167,6 @@ void refuse_nothing(const Options& options, const DiscretizationReport& report) 
 
 void run(const Options& options) {
   const SolverSession session;
-  session.together([&] {
-    if (session.size() > 1)
-      throw input_error("check must run as one process", fmt::format("{} ranks", session.size()),
-                        "start it without mpirun");
-  });
   const auto loaded = load_scene(options.scene);
   install_stop_handler();
   DiscretizationReport report;

@@ -1,7 +1,14 @@
 // The command `phynness`. Messages go to stderr. Exit status: 0 success, 1 failure, 2 wrong usage or input.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/version.hpp>
 #include <sstream>
+#include <string_view>
+#include <thread>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -44,6 +51,26 @@ void print_help(const CLI::App& app, const CLI::ParseError& call) {
   cli::print_result("{}", results.str());
 }
 
+/// The commands whose ranks share the work. Under mpirun each rank of any other would write the same files.
+constexpr std::string_view commands_for_ranks[] = {"precompute", "calibrate", "validate"};
+
+/// MPI itself is not asked, because most commands do without it. @throws Error (input)
+void refuse_ranks(const CLI::App& app) {
+  const auto command = app.get_subcommands().at(0)->get_name();
+  if (std::find(std::begin(commands_for_ranks), std::end(commands_for_ranks), command) != std::end(commands_for_ranks))
+    return;
+  for (const auto& [size, rank] : {std::pair{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
+                                   {"PMI_SIZE", "PMI_RANK"},
+                                   {"SLURM_STEP_NUM_TASKS", "SLURM_PROCID"}}) {
+    const char *ranks = std::getenv(size), *own = std::getenv(rank);
+    if (!ranks || std::atoi(ranks) < 2) continue;
+    // The launcher ends the other ranks when the first has given the reason.
+    if (own && std::atoi(own) > 0) std::this_thread::sleep_for(std::chrono::seconds(2));
+    throw input_error(command + " must run as one process", fmt::format("{} ranks ({} = {})", ranks, size, ranks),
+                      "start it without mpirun; run --ranks starts mpirun itself");
+  }
+}
+
 int end_with(const Error& error) {
   // Ranks other than the first have no text, so that the reason is printed once.
   if (*error.what() != 0) cli::message("error: {}\n", error.what());
@@ -60,7 +87,10 @@ int run_command_line(int argc, char** argv) {
   app.require_subcommand(1);
   add_commands(app);
   // Called after the whole line has been parsed and before the subcommand is executed.
-  app.parse_complete_callback([&app] { cli::check_files(app); });
+  app.parse_complete_callback([&app] {
+    refuse_ranks(app);
+    cli::check_files(app);
+  });
   try {
     if (argc > 1 && argv[1][0] != '-' && !is_subcommand(app, argv[1]))
       throw input_error("there is no such subcommand", argv[1], "phynness --help lists the subcommands");

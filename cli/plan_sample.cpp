@@ -67,11 +67,6 @@ SolvedRays solve(ProbeSolver& solver, const DatabaseHeader& header, const std::v
 
 PlanBasis basis_of_scene(const PlanOptions& options) {
   const SolverSession session;
-  session.together([&] {
-    if (session.size() > 1)
-      throw input_error("plan must run as one process", fmt::format("{} ranks", session.size()),
-                        "start it without mpirun; --ranks sets the number of ranks of the plan");
-  });
   const auto loaded = load_scene(options.source);
   install_stop_handler();  // a signal before ends the program: there is nothing to keep
   const auto header = database_header(loaded.scene, loaded.mesh, loaded.sets);

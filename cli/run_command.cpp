@@ -49,7 +49,6 @@ void declare_files(const Options& options) {
     declare_output("--output", options.output / name);
   declare_output("--output", options.output / "database.h5", OutputKind::database);
   declare_output("--output", options.output / "model", OutputKind::model);
-  declare_output("--output", options.output / "model-with-bounds", OutputKind::model);
   declare_output("--output", options.output / "organ.html");
 }
 
@@ -72,22 +71,25 @@ void write_figures(const Options& options, const std::vector<Stage>& stages) {
   write_json(options.json_file, all);
 }
 
-/// Replaces the model by the same with error bounds. Without them it can be used as well.
+/// The model and everything made of it, the last first, so that what is left belongs together at any moment.
+void remove_results(const Options& options) {
+  for (const char* name :
+       {"organ.html", "validate.json", "calibrate.json", "train.json", "model/model.txt", "model/mesh.txt"})
+    std::filesystem::remove(options.output / name);
+}
+
+/// Adds error bounds to the model. Without them it can be used as well.
 void calibrate(const Options& options, const std::string& self, std::vector<Stage>& stages) {
-  const auto model = options.output / "model", bounded = options.output / "model-with-bounds";
+  const auto model = options.output / "model";
   const auto figures = options.output / "calibrate.json", database = options.output / "database.h5";
   try {
-    stages.push_back(stage(
-        "calibrate", model / "model.txt",
-        {self, "calibrate", model.string(), database.string(), "-o", bounded.string(), "--json", figures.string()},
-        options.ranks));
+    stages.push_back(stage("calibrate", model / "model.txt",
+                           {self, "calibrate", model.string(), database.string(), "--json", figures.string()},
+                           options.ranks));
   } catch (const Error&) {
     if (stop_requested()) throw;
     message("warning: the model has no error bounds; the reason is above\n");
-    return;
   }
-  std::filesystem::rename(bounded / "model.txt", model / "model.txt");
-  std::filesystem::remove_all(bounded);
 }
 
 void run(const Options& options) {
@@ -104,6 +106,7 @@ void run(const Options& options) {
   const auto in = [&](const char* name) { return (options.output / name).string(); };
   const auto scene = options.scene.string();
   prepare_environment(options.ranks);
+  remove_results(options);
 
   std::vector<Stage> stages;
   stages.push_back(

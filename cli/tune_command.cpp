@@ -185,9 +185,6 @@ void run(const Options& options) {
   check_plot_name(options);
   install_stop_handler();
   const SolverSession session;
-  if (session.size() > 1)
-    throw input_error("tune must run as one process", fmt::format("{} ranks", session.size()),
-                      "start it without mpirun");
   const Scene scene = open_scene(options.scene);
   const auto database = Database::open(options.database);
   if (physics_hash(scene) != database.header().physics_hash)
