@@ -97,8 +97,8 @@ void add(CLI::App& app) {
       ->required();
   add_path(*command, "DATABASE", options->database, InputKind::whole, "database.h5 on which the model was trained")
       ->required();
-  add_path(*command, "-o,--output", options->output, OutputKind::model, "model directory to write (formats/model.md)")
-      ->required();
+  add_path(*command, "-o,--output", options->output, OutputKind::model,
+           "model directory to write (default: MODEL_DIR, whose model.txt is replaced at the end)");
   command->add_option("--rays", options->rays, "random rays, ten at each of a tenth as many nodes, but at least 20")
       ->check(CLI::Range(std::int64_t{100}, std::int64_t{1'000'000}))
       ->capture_default_str();
@@ -107,7 +107,10 @@ void add(CLI::App& app) {
       ->capture_default_str();
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->add_flag("--details", options->details, "print shares by depth and the width of the bounds");
-  command->callback([options] { run(*options); });
+  command->callback([options] {
+    if (options->output.empty()) options->output = options->model;
+    run(*options);
+  });
 }
 
 }  // namespace phynness::cli::calibrate_command

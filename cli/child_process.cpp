@@ -1,7 +1,7 @@
 #include "child_process.hpp"
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,10 +14,10 @@
 #include "console.hpp"
 #include "streams.hpp"
 
-extern char** environ;
-
 namespace phynness::cli {
 namespace {
+
+constexpr int not_started = 127;  // as of a shell
 
 struct ProcessResult {
   bool started = false;
@@ -28,21 +28,25 @@ ProcessResult execute(const std::vector<std::string>& arguments, bool quiet) {
   std::vector<char*> argv;
   for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
-  pid_t child = 0;
-  posix_spawn_file_actions_t streams;
-  posix_spawn_file_actions_init(&streams);
-  if (quiet)
-    posix_spawn_file_actions_addopen(&streams, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  else if (results_are_on_stderr())
-    posix_spawn_file_actions_adddup2(&streams, STDERR_FILENO, STDOUT_FILENO);
-  const int code = posix_spawnp(&child, argv[0], &streams, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&streams);
-  if (code != 0) return {};
+  const pid_t parent = getpid(), child = fork();
+  if (child < 0) return {};
+  if (child == 0) {
+    // A stage ends in an orderly way when this process is gone, also after kill -9.
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != parent) _exit(1);
+    if (const int nowhere = quiet ? open("/dev/null", O_WRONLY) : -1; nowhere >= 0)
+      dup2(nowhere, STDOUT_FILENO);
+    else if (results_are_on_stderr())
+      dup2(STDERR_FILENO, STDOUT_FILENO);
+    execvp(argv[0], argv.data());
+    _exit(not_started);
+  }
   int status = 0;
   // Each signal is passed on. The first makes the child stop in an orderly way, the second kills it.
   while (waitpid(child, &status, 0) < 0 && errno == EINTR)
     if (stop_requested()) kill(child, SIGTERM);
-  return {true, WIFEXITED(status) ? WEXITSTATUS(status) : 1};
+  const int exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+  return {exit_status != not_started, exit_status};
 }
 
 }  // namespace
@@ -69,11 +73,12 @@ void run_child(const std::string& title, std::vector<std::string> arguments, int
   const auto result = execute(arguments, quiet);
   if (!result.started)
     throw failure("the program cannot be started", arguments[0], ranks > 1 ? "install Open MPI, or use --ranks 1" : "");
-  if (result.exit_status != 0 && stop_requested())
-    throw failure("interrupted in stage " + title, "finished results are kept",
-                  "run the same command again to continue");
-  if (result.exit_status == 2) throw input_error("stopped in stage " + title, "see the message above", "");
-  if (result.exit_status != 0) throw failure("stopped in stage " + title, "see the message above", "");
+  if (stop_requested())
+    throw failure("interrupted in stage " + title, "solved rays are kept",
+                  "run the same command with --resume to continue");
+  const std::string remedy = "when its cause is mended, run the same command with --resume";
+  if (result.exit_status == 2) throw input_error("stopped in stage " + title, "see the message above", remedy);
+  if (result.exit_status != 0) throw failure("stopped in stage " + title, "see the message above", remedy);
 }
 
 }  // namespace phynness::cli

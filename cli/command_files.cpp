@@ -75,10 +75,27 @@ bool keeps_nothing(const fs::path& path) {
          type != fs::file_type::none;
 }
 
+/// @throws Error (input) if the file system cannot hold a name or the path
+void check_length(const std::string& option, const fs::path& path) {
+  constexpr std::size_t longest_log_name = sizeof "/rank-0000-0000";  // below the folder of logs of a database
+  const auto refuse = [&](const char* what, std::size_t bytes, std::size_t most) {
+    throw input_error(
+        fmt::format("the {} of a file is too long", what),
+        fmt::format("{}: {} bytes with the ending that is added for writing, of at most {}", option, bytes, most),
+        fmt::format("give a {} that is shorter by {} bytes", what, bytes - most));
+  };
+  std::error_code code;
+  const std::size_t bytes = fs::absolute(path, code).native().size() + longest_log_name;
+  if (bytes > PATH_MAX) refuse("path", bytes, PATH_MAX);
+  for (const auto& part : path)
+    if (part.native().size() > NAME_MAX) refuse("name", part.native().size(), NAME_MAX);
+}
+
 class Claims {
  public:
   void add(Claim claim) {
     if (claim.path.empty() || keeps_nothing(claim.path)) return;
+    check_length(claim.option, claim.path);
     claim.resolved = resolve(claim.path);
     for (const auto& other : _claims) check(claim, other);
     _claims.push_back(std::move(claim));

@@ -1,13 +1,12 @@
 // The command `phynness`. Messages go to stderr. Exit status: 0 success, 1 failure, 2 wrong usage or input.
-#include <fmt/core.h>
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/version.hpp>
 #include <sstream>
-#include <string>
 #include <string_view>
 #include <thread>
 
@@ -45,41 +44,31 @@ void add_commands(CLI::App& app) {
   cli::run_command::add(app);
 }
 
-/// The commands whose work is divided among the ranks of mpirun. Every rank would do all the work of the others, and
-/// write the same files.
-constexpr std::array<std::string_view, 3> commands_on_ranks{"precompute", "calibrate", "validate"};
-
-/// Value of the first variable that a launcher of MPI has set; 0: none. Only the launchers know the number of ranks
-/// before MPI is initialized, which a build without the solver never does.
-int of_launcher(std::initializer_list<const char*> variables) {
-  for (const char* variable : variables)
-    if (const char* text = std::getenv(variable)) return std::atoi(text);
-  return 0;
-}
-
-/// @throws Error (input) if several ranks run a command that works alone; only the first rank's error has a text
-void refuse_ranks(const CLI::App& app) {
-  const int ranks = of_launcher({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"});
-  if (ranks <= 1) return;
-  for (const auto* command : app.get_subcommands()) {
-    const std::string name = command->get_name();
-    if (std::find(commands_on_ranks.begin(), commands_on_ranks.end(), name) != commands_on_ranks.end()) continue;
-    if (of_launcher({"OMPI_COMM_WORLD_RANK", "PMI_RANK"}) != 0) {
-      // The first rank that ends with an error ends the others, perhaps before they have said why.
-      std::this_thread::sleep_for(std::chrono::seconds(1));
-      throw input_error("", "", "");
-    }
-    throw input_error(name + " must run as one process", fmt::format("{} ranks", ranks),
-                      name == "run" || name == "plan" ? "start it without mpirun, with --ranks " + std::to_string(ranks)
-                                                      : "start it without mpirun");
-  }
-}
-
 /// Prints help or the version, which CLI11 throws like errors.
 void print_help(const CLI::App& app, const CLI::ParseError& call) {
   std::ostringstream results, messages;
   app.exit(call, results, messages);
   cli::print_result("{}", results.str());
+}
+
+/// The commands whose ranks share the work. Under mpirun each rank of any other would write the same files.
+constexpr std::string_view commands_for_ranks[] = {"precompute", "calibrate", "validate"};
+
+/// MPI itself is not asked, because most commands do without it. @throws Error (input)
+void refuse_ranks(const CLI::App& app) {
+  const auto command = app.get_subcommands().at(0)->get_name();
+  if (std::find(std::begin(commands_for_ranks), std::end(commands_for_ranks), command) != std::end(commands_for_ranks))
+    return;
+  for (const auto& [size, rank] : {std::pair{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
+                                   {"PMI_SIZE", "PMI_RANK"},
+                                   {"SLURM_STEP_NUM_TASKS", "SLURM_PROCID"}}) {
+    const char *ranks = std::getenv(size), *own = std::getenv(rank);
+    if (!ranks || std::atoi(ranks) < 2) continue;
+    // The launcher ends the other ranks when the first has given the reason.
+    if (own && std::atoi(own) > 0) std::this_thread::sleep_for(std::chrono::seconds(2));
+    throw input_error(command + " must run as one process", fmt::format("{} ranks ({} = {})", ranks, size, ranks),
+                      "start it without mpirun; run --ranks starts mpirun itself");
+  }
 }
 
 int end_with(const Error& error) {

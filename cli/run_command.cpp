@@ -56,7 +56,6 @@ void declare_files(const Options& options) {
     declare_output("--output", options.output / name);
   declare_output("--output", options.output / "database.h5", OutputKind::database);
   declare_output("--output", options.output / "model", OutputKind::model);
-  declare_output("--output", options.output / "model-with-bounds", OutputKind::model);
   declare_output("--output", options.output / "organ.html");
 }
 
@@ -79,22 +78,25 @@ void write_figures(const Options& options, const std::vector<Stage>& stages) {
   write_json(options.json_file, all);
 }
 
-/// Replaces the model by the same with error bounds. Without them it can be used as well.
+/// Removes what was made of an earlier model, before a new one replaces it, so that what is in the folder always
+/// belongs together.
+void remove_results(const Options& options) {
+  for (const char* name : {"organ.html", "validate.json", "calibrate.json", "train.json"})
+    std::filesystem::remove(options.output / name);
+}
+
+/// Adds error bounds to the model. Without them it can be used as well.
 void calibrate(const Options& options, const std::string& self, std::vector<Stage>& stages) {
-  const auto model = options.output / "model", bounded = options.output / "model-with-bounds";
+  const auto model = options.output / "model";
   const auto figures = options.output / "calibrate.json", database = options.output / "database.h5";
   try {
-    stages.push_back(stage(
-        options, "calibrate", model / "model.txt",
-        {self, "calibrate", model.string(), database.string(), "-o", bounded.string(), "--json", figures.string()},
-        options.ranks));
+    stages.push_back(stage(options, "calibrate", model / "model.txt",
+                           {self, "calibrate", model.string(), database.string(), "--json", figures.string()},
+                           options.ranks));
   } catch (const Error&) {
     if (stop_requested()) throw;
     message("warning: the model has no error bounds; the reason is above\n");
-    return;
   }
-  std::filesystem::rename(bounded / "model.txt", model / "model.txt");
-  std::filesystem::remove_all(bounded);
 }
 
 void run(const Options& options) {
@@ -119,6 +121,7 @@ void run(const Options& options) {
                                       "--json", in("precompute.json")};
   if (options.resume) precompute.push_back("--resume");
   stages.push_back(stage(options, "precompute", in("database.h5"), precompute, options.ranks));
+  remove_results(options);
   stages.push_back(stage(options, "train", in("model"),
                          {self, "train", scene, in("database.h5"), "-o", in("model"), "--json", in("train.json")}, 1));
   if (!schema::traits(family).proportional) calibrate(options, self, stages);
