@@ -101,7 +101,7 @@ void untangle(Surface& surface, std::vector<std::string>& notes) {
   std::ostringstream text;
   if (!pairs.empty()) {
     text << counted(at_first, "pair", "pairs") << " of triangles, first " << pairs[0][0] << " and " << pairs[0][1];
-    throw failure("the surface intersects itself, and smoothing does not remove the intersections", text.str(),
+    throw input_error("the surface intersects itself, and smoothing does not remove the intersections", text.str(),
                   "repair the surface in the program that made it");
   }
   text << "smoothed the surface where it intersected itself (" << counted(at_first, "pair", "pairs")

@@ -1,10 +1,12 @@
-// The plot of force against depth: the model along the present direction, stored finite element increments, and now.
+// The plot of force against depth: the model along the present direction, stored finite element increments with the
+// model in their direction, and now.
 import uPlot from 'uplot';
 
 export interface PlotData {
   /** of the model: depth [m], force [N] */
   readonly curve: { depths: readonly number[]; forces: readonly number[] };
-  readonly stored: { depths: readonly number[]; forces: readonly number[] } | null;
+  /** of a stored direction: finite elements at its increments, and the model at the depths of `curve` */
+  readonly stored: { depths: readonly number[]; forces: readonly number[]; model: readonly number[] } | null;
   readonly now: { depth: number; force: number };
 }
 
@@ -36,10 +38,11 @@ export class DepthPlot {
     const rows = data
       ? joined([
         { x: millimetres(data.curve.depths), y: data.curve.forces },
+        { x: data.stored ? millimetres(data.curve.depths) : [], y: data.stored?.model ?? [] },
         { x: millimetres(data.stored?.depths ?? []), y: data.stored?.forces ?? [] },
         { x: [data.now.depth * 1e3], y: [data.now.force] },
       ])
-      : [[], [], [], []];
+      : [[], [], [], [], []];
     this.plot.setData(rows as uPlot.AlignedData);
   }
 
@@ -73,9 +76,10 @@ export class DepthPlot {
       series: [
         {},
         { stroke: colour('--curve'), width: 2, spanGaps: true, points: { show: false } },
+        { stroke: colour('--stored'), width: 1.5, dash: [6, 4], spanGaps: true, points: { show: false } },
         dots('--stored', 8),
         dots('--now', 11),
       ],
-    }, [[], [], [], []], this.element);
+    }, [[], [], [], [], []], this.element);
   }
 }

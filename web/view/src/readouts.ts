@@ -114,14 +114,22 @@ export class Readouts {
     const most = Math.min(limit, Math.max(runtime.model.info.maxDisplacement, 1.1 * depth));
     const others = state.tools.slice(0, -1), at = runtime.forceOf(tool, others);
     const depths = Array.from({ length: curvePoints + 1 }, (_, i) => (i / curvePoints) * most);
-    const forces = depths.map((x) => norm(at(tool.displacement.map((c) => (c * x) / depth) as unknown as V3)));
+    const forces = forcesAlong(at, tool.displacement, depths);
     const near = node !== null && others.length === 0 ? nearestRay(data.rays, node, tool.displacement) : null;
-    const stored = near ? { depths: near.ray.depths, forces: near.ray.forces.map(norm) } : null;
+    const stored = near
+      ? { depths: near.ray.depths, forces: near.ray.forces.map(norm), model: forcesAlong(at, near.ray.direction, depths) }
+      : null;
     this.plot.show({ curve: { depths, forces }, stored, now: { depth, force: norm(force) } } satisfies PlotData);
     const angle = near ? Math.round((near.angle * 180) / Math.PI) : 0;
-    setText(this.plotNote, `Line: model along this direction.${near ? ` Dots: finite elements, nearest trained direction (${angle}° away).` : ''}`);
+    setText(this.plotNote, `Line: model along this direction.${near ? ` Dots: finite elements; dashed: model; both in the nearest trained direction, ${angle}° away.` : ''}`);
     this.plotElement.setAttribute('aria-label', `Force against depth along the present direction; now ${withUnit(norm(force), 'N', 4)} at ${withUnit(depth, 'm', 4)}`);
   }
+}
+
+/** Sizes of the force [N] at depths [m] along a direction of any length. */
+export function forcesAlong(at: (displacement: V3) => V3, direction: V3, depths: readonly number[]): number[] {
+  const size = norm(direction);
+  return depths.map((depth) => norm(at(direction.map((c) => (c * depth) / size) as unknown as V3)));
 }
 
 const distance = (session: Session): number => {

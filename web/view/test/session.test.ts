@@ -10,6 +10,7 @@ import { MotionError, motionOf, Recorder, stepAt, textOf } from '../src/motion.j
 import { nearestRay, pageDataOf } from '../src/page_data.js';
 import { placeAt } from '../src/places.js';
 import { joined } from '../src/plot.js';
+import { forcesAlong } from '../src/readouts.js';
 import { Session, sphereTool } from '../src/session.js';
 import { fragmentOf, initialState, stateOf } from '../src/state.js';
 import { PathWork } from '../src/work.js';
@@ -114,6 +115,12 @@ describe('the state in the address', () => {
 
 test('curves share their depths, and have no value where they were not asked', () => {
   expect(joined([{ x: [0, 2], y: [5, 6] }, { x: [1], y: [7] }])).toEqual([[0, 1, 2], [5, null, 6], [null, 7, null]]);
+});
+
+test('the model is drawn along the stored direction, of whatever length, and not along the drag', () => {
+  const at = (d: V3): V3 => [d[0], 4 * d[1], 0];
+  expect(forcesAlong(at, [0, 2, 0], [0, 0.5, 1])).toEqual([0, 2, 4]);
+  expect(forcesAlong(at, [3, 0, 0], [0, 0.5, 1])).toEqual([0, 0.5, 1]);
 });
 
 test('malformed data of the page is left out', () => {
