@@ -7,6 +7,7 @@
 #include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "output_places.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::calibrate_command {
@@ -108,7 +109,11 @@ void add(CLI::App& app) {
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->add_flag("--details", options->details, "print shares by depth and the width of the bounds");
   command->callback([options] {
-    if (options->output.empty()) options->output = options->model;
+    if (options->output.empty()) {
+      check_folder_place("MODEL_DIR", options->model);
+      check_file_place("MODEL_DIR", options->model / "model.txt", {});
+      options->output = options->model;
+    }
     run(*options);
   });
 }

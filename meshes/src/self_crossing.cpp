@@ -102,7 +102,7 @@ void untangle(Surface& surface, std::vector<std::string>& notes) {
   if (!pairs.empty()) {
     text << counted(at_first, "pair", "pairs") << " of triangles, first " << pairs[0][0] << " and " << pairs[0][1];
     throw input_error("the surface intersects itself, and smoothing does not remove the intersections", text.str(),
-                  "repair the surface in the program that made it");
+                      "repair the surface in the program that made it");
   }
   text << "smoothed the surface where it intersected itself (" << counted(at_first, "pair", "pairs")
        << " of triangles): moved " << std::count(moving.begin(), moving.end(), 1) << " nodes by at most "
