@@ -6,7 +6,6 @@
 #include <climits>
 #include <map>
 #include <phynness/formats/error.hpp>
-#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -221,44 +220,6 @@ bool is_file(const Given& given) {
   return false;
 }
 
-/// What the program appends to the last part of an output's name, at most.
-std::string_view longest_suffix(const Kind& kind) {
-  const auto* output = std::get_if<OutputKind>(&kind);
-  if (!output) return "";
-  switch (*output) {
-    case OutputKind::file:
-      return ".part";
-    case OutputKind::database:
-      return ".solver.log";
-    case OutputKind::model:
-    case OutputKind::folder:
-    case OutputKind::tree:
-      break;
-  }
-  return "";
-}
-
-/// @throws Error (input) if the system does not allow the name, or the longer names that belong to an output
-void check_length(const Given& given) {
-  constexpr std::size_t most_in_folder = 64;  // longest path of a file that a command makes in an output folder
-  const auto suffix = longest_suffix(given.kind);
-  const bool is_output = std::holds_alternative<OutputKind>(given.kind);
-  const auto refuse = [&](std::size_t length, std::size_t most) {
-    throw input_error(is_output ? "the name of an output is too long" : "the name of an input is too long",
-                      fmt::format("{} {}, {} characters", given.option, shortened(given.path.string(), 60), length),
-                      fmt::format("give a name of at most {} characters{}", most,
-                                  suffix.empty() ? "" : fmt::format("; \"{}\" is appended to it", suffix)));
-  };
-  std::error_code code;
-  const auto whole = fs::absolute(given.path, code).native().size();
-  const std::size_t most_of_path = PATH_MAX - 1 - (is_output ? most_in_folder : 0);
-  if (code || whole > most_of_path) refuse(given.path.native().size(), most_of_path);
-  for (auto part = given.path.begin(); part != given.path.end(); ++part) {
-    const std::size_t most = NAME_MAX - (std::next(part) == given.path.end() ? suffix.size() : 0);
-    if (part->native().size() > most) refuse(part->native().size(), most);
-  }
-}
-
 void check_place(const Given& given, const std::vector<fs::path>& made) {
   const auto* output = std::get_if<OutputKind>(&given.kind);
   if (!output) return;
@@ -286,7 +247,6 @@ void check_files(const CLI::App& app) {
   std::vector<Given> all;
   collect(app, all);
   all.erase(std::remove_if(all.begin(), all.end(), [](const Given& given) { return !is_file(given); }), all.end());
-  for (const auto& given : all) check_length(given);
   std::vector<fs::path> made;
   for (const auto& given : all)
     if (const auto* input = std::get_if<InputKind>(&given.kind)) {
