@@ -6,6 +6,10 @@
 #include <climits>
 #include <map>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/mesh.hpp>
+#include <phynness/formats/printable.hpp>
+#include <phynness/schema/text_reader.hpp>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -75,18 +79,18 @@ bool keeps_nothing(const fs::path& path) {
 }
 
 /// @throws Error (input) if the file system cannot hold a name or the path
-void check_length(const std::string& option, const fs::path& path) {
+void check_length(const Claim& claim) {
   constexpr std::size_t longest_log_name = sizeof "/rank-0000-0000";  // below the folder of logs of a database
   const auto refuse = [&](const char* what, std::size_t bytes, std::size_t most) {
-    throw input_error(
-        fmt::format("the {} of a file is too long", what),
-        fmt::format("{}: {} bytes with the ending that is added for writing, of at most {}", option, bytes, most),
-        fmt::format("give a {} that is shorter by {} bytes", what, bytes - most));
+    throw input_error(fmt::format("the {} of a file is too long", what),
+                      fmt::format("{} {}: {} bytes{}, of at most {}", claim.option, shortened(claim.path.string(), 60),
+                                  bytes, claim.written ? " with the ending that is added for writing" : "", most),
+                      fmt::format("give a {} that is shorter by {} bytes", what, bytes - most));
   };
   std::error_code code;
-  const std::size_t bytes = fs::absolute(path, code).native().size() + longest_log_name;
+  const std::size_t bytes = fs::absolute(claim.path, code).native().size() + (claim.written ? longest_log_name : 1);
   if (bytes > PATH_MAX) refuse("path", bytes, PATH_MAX);
-  for (const auto& part : path)
+  for (const auto& part : claim.path)
     if (part.native().size() > NAME_MAX) refuse("name", part.native().size(), NAME_MAX);
 }
 
@@ -94,7 +98,7 @@ class Claims {
  public:
   void add(Claim claim) {
     if (claim.path.empty() || keeps_nothing(claim.path)) return;
-    check_length(claim.option, claim.path);
+    check_length(claim);
     claim.resolved = resolve(claim.path);
     for (const auto& other : _claims) check(claim, other);
     _claims.push_back(std::move(claim));
@@ -230,7 +234,7 @@ void check_place(const Given& given, const std::vector<fs::path>& made) {
       return;  // DatabaseWriter and merge_shards() look at the folder first
     case OutputKind::model:
       for (const auto& [name, begin] :
-           {std::pair{"model.txt", "phynness-model "}, std::pair{"mesh.txt", "phynness-mesh "}}) {
+           {std::pair{"model.txt", std::string_view(schema::model_magic)}, std::pair{"mesh.txt", mesh_text_magic}}) {
         check_file_place(given.option, given.path / name, made);
         check_own_text(given.option, given.path / name, begin);
       }

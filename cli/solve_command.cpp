@@ -120,9 +120,6 @@ class RowSolver {
 
 void run_queries(const Options& options) {
   const SolverSession session;
-  if (session.size() > 1)
-    throw input_error("solve --queries works on one process", fmt::format("{} ranks", session.size()),
-                      "start it without mpirun; to use more cores, give each of several calls a part of the rows");
   const auto loaded = load_source(options.source);
   ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
   solver.set_stop(stop_requested);

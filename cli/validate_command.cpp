@@ -149,8 +149,7 @@ Validated validated(const Compared& c, const Measured& m) { return {c.scene, c.m
 
 void print(const Compared& compared, const Measured& m) {
   print_verdict(validated(compared, m));
-  for (const auto& part : {worse_than_linear(m.report), worse_than_linear(m.points), worse_than_linear(m.pairs)})
-    print_worse(part);
+  print_worse(worse_than_linear(validated(compared, m)));
   for (const auto& part : not_done(m)) print_sentence(part);
   print_cells(summary_cells(validated(compared, m)));
 }
@@ -222,10 +221,9 @@ json as_json(const Compared& compared, const Measured& m) {
     for (const auto& [key, value] : line.figures)
       out["verdict"][line.key][key] = std::isfinite(value) ? json(value) : json(nullptr);
   out["worse_than_linear"] = json::array();
-  for (const auto& part : {worse_than_linear(report), worse_than_linear(m.points), worse_than_linear(m.pairs)})
-    for (const auto& worse : part)
-      out["worse_than_linear"].push_back(
-          {{"error", worse.what}, {"range", worse.range}, {"model", worse.model}, {"linear", worse.linear}});
+  for (const auto& worse : worse_than_linear(validated(compared, m)))
+    out["worse_than_linear"].push_back(
+        {{"error", worse.what}, {"range", worse.range}, {"model", worse.model}, {"linear", worse.linear}});
   for (const auto& e : report.examples)
     out["examples"].push_back({{"node", e.node},
                                {"displacement", e.displacement_m},

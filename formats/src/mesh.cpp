@@ -16,7 +16,7 @@ namespace {
 // Faces of a positively oriented tetrahedron, seen counterclockwise from outside.
 constexpr int outward_faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
 
-constexpr std::string_view magic = "phynness-mesh";
+constexpr std::string_view magic = mesh_text_magic;
 constexpr std::string_view version = "1";
 constexpr std::string_view checksum_word = "checksum ";
 constexpr std::size_t checksum_line_length = checksum_word.size() + 16 + 1;

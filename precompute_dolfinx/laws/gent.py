@@ -7,9 +7,11 @@ W = -mu J_m/2 ln(1 - (I1bar - 3) / J_m) + K/2 (J - 1)^2,   I1bar = J^(-2/3) I1.
 from law import BULK, Quantity, det, exp, ln, modulus, tr
 
 name = "gent"
+LARGEST = 1e6  # far beyond any rubber or tissue: the law is then neo-Hookean
 parameters = (
     modulus("mu", "shear_modulus_Pa", "mu"),
-    Quantity("j_m", "j_m", "J_m", high=1e6, low_open=True, meaning="> 0, at most 1e6; J_m, the limit of I1bar - 3, no unit"),
+    Quantity("j_m", "j_m", "J_m", high=LARGEST, low_open=True,
+             meaning=f"> 0 and at most {LARGEST:,.0f}; J_m, the limit of I1bar - 3, no unit"),
     BULK,
 )
 kappa = "K"

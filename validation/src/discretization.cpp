@@ -242,7 +242,7 @@ void Check::compare(Variant reference, double end) {
     if (!affordable(reference, end)) return;
     if (own.empty() && affordable(Variant::scene, _options.seconds)) solve(Variant::scene, ray, _options.seconds);
     // A force without its counterpart in the other variant is not useful.
-    if (own.empty() || _report.interrupted || !affordable(reference, end)) return;
+    if (!affordable(reference, end) || own.empty() || _report.interrupted) return;
     solve(reference, ray, end);
   }
 }

@@ -7,12 +7,16 @@
 #include <span>
 
 namespace phynness {
-namespace {
 
 std::string in_percent(double fraction) {
   const double value = 100 * fraction;
-  return value > 0 && value < 0.005 ? fmt::format("{:.0e}", value) : fmt::format("{:.2f}", value);
+  if ((value > 0 && value < 0.005) || value >= 99999.5) return fmt::format("{:.0e}", value);
+  return value < 9.995   ? fmt::format("{:.2f}", value)
+         : value < 99.95 ? fmt::format("{:.1f}", value)
+                         : fmt::format("{:.0f}", value);
 }
+
+namespace {
 
 constexpr std::size_t n_columns = 17;
 

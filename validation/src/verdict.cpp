@@ -13,15 +13,6 @@ namespace {
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
-/// At most five characters.
-std::string in_percent(double fraction) {
-  const double value = 100 * fraction;
-  if ((value > 0 && value < 0.005) || value >= 99999.5) return fmt::format("{:.0e}", value);
-  return value < 9.995   ? fmt::format("{:.2f}", value)
-         : value < 99.95 ? fmt::format("{:.1f}", value)
-                         : fmt::format("{:.0f}", value);
-}
-
 VerdictLine worst_node(const Validated& v) {
   VerdictLine line{"worst_node", "Worst node", "no probe was solved", {}};
   const auto& worst = v.report.to_range.worst;
@@ -96,7 +87,7 @@ VerdictLine mesh_and_element(const Validated& v) {
   const double ratio = expected_force_ratio(v.scene);
   std::string text = "their errors are not in these figures; phynness check SCENE measures them";
   if (ratio > warned_force_ratio)
-    text = fmt::format("{} locks at K/mu = {:.3g}: forces are about {}; phynness check SCENE measures it",
+    text = fmt::format("{} locks at K/mu = {:.3g}: forces are estimated to be {}; phynness check SCENE measures it",
                        name(v.scene.solver.element), v.scene.material.bulk_to_shear(), ratio_in_words(ratio));
   return {"mesh_and_element", "Mesh and element", text, {{"expected_ratio", ratio}}};
 }
@@ -119,6 +110,13 @@ std::vector<VerdictLine> verdict(const Validated& v) {
   std::vector<VerdictLine> lines{worst_node(v), off_by_a_tenth(v), out_of_reach(v), left_out(v), mesh_and_element(v)};
   if (v.scene.probe.kind == ProbeKind::patch && v.pairs.all.pairs > 0) lines.push_back(two_tools(v));
   return lines;
+}
+
+std::vector<WorseThanLinear> worse_than_linear(const Validated& v) {
+  auto all = worse_than_linear(v.report);
+  for (const auto& part : {worse_than_linear(v.points), worse_than_linear(v.pairs)})
+    all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 TableCells summary_cells(const Validated& v) {

@@ -67,8 +67,8 @@ std::string verdict_first(const ReportInput& in) {
   for (const auto& line : verdict(in))
     out += "<li><strong>" + escaped(line.title) + "</strong>: " + escaped(line.sentence) + ".</li>\n";
   out += "</ul>\n";
-  for (const auto& part : {worse_than_linear(in.report), worse_than_linear(in.points), worse_than_linear(in.pairs)})
-    for (const auto& worse : part) out += "<p class=\"warning\">" + escaped(worse.sentence()) + ".</p>\n";
+  for (const auto& worse : worse_than_linear(in))
+    out += "<p class=\"warning\">" + escaped(worse.sentence()) + ".</p>\n";
   auto cells = summary_cells(in);
   for (std::size_t i = 0; i < cells[0].size(); ++i)
     cells[1][i] = cells[0][i].empty() ? cells[1][i] : cells[0][i] + " " + cells[1][i];
@@ -78,24 +78,6 @@ std::string verdict_first(const ReportInput& in) {
 
 std::string folded(const std::string& title, const std::string& body) {
   return "<details><summary>" + title + "</summary>\n" + body + "</details>\n";
-}
-
-std::string headline(const ReportInput& in) {
-  const auto& errors = in.report.of(Predictor::model).inside;
-  const auto& linear = in.report.of(Predictor::linear).inside;
-  std::string moved;
-  if (errors.displacement.n > 0)
-    moved = fmt::format("; of displacements {} % (linear: {} %)", percent(errors.displacement.mean),
-                        percent(linear.displacement.mean));
-  return fmt::format(
-      "<p>Inside the trained range the error of the model's force is {} % in the mean ({} % in the median, {} % "
-      "at most). The error of the linear predictor, which uses three unit responses, is {} %{}. All these "
-      "figures "
-      "are error (17): the difference over the largest finite element response of the node. For {} probes the "
-      "force is off by more than {:.0f} % of its own size, the smallest difference that a person may "
-      "notice (Allin et al. 2002).</p>\n",
-      percent(errors.force.mean), percent(errors.force.median), percent(errors.force.max), percent(linear.force.mean),
-      moved, noticed(in, false).share(), 100 * noticeable);
 }
 
 std::string modelled(const ReportInput& in) {
@@ -237,8 +219,12 @@ std::string errors(const ReportInput& in) {
     row("field, relative L2", [](const GroupErrors& e) -> const ErrorStatistics& { return e.field_l2; });
   }
   const Model& model = in.model.model();
-  std::string out = folded("Errors inside and outside the trained range", table(rows)) +
-                    folded("Errors to R by warnings, depth and bounds", table(table_cells(in.report.to_range)));
+  std::string out =
+      folded("Errors inside and outside the trained range",
+             table(rows) + fmt::format("<p>A person may notice a force that is off by more than {:.0f} % of "
+                                       "its own size (Allin et al. 2002).</p>\n",
+                                       100 * noticeable)) +
+      folded("Errors to R by warnings, depth and bounds", table(table_cells(in.report.to_range)));
   out += "<p>" + escaped(sentence(trained_share(model), model)) + ".</p>\n";
   for (const auto& remark : remarks(in.report.to_range)) out += "<p>" + escaped(remark) + ".</p>\n";
   for (const bool outside : {false, true}) {
@@ -450,8 +436,8 @@ std::string origin(const ReportInput& in) {
 std::string html_report(const ReportInput& in) {
   const std::string title = in.scene.title.empty() ? "Model compared with finite elements" : in.scene.title;
   return page(title,
-              "<h1>" + escaped(title) + "</h1>\n" + verdict_first(in) + headline(in) + modelled(in) + solved(in) +
-                  errors(in) + worst(in) + curves(in) + picture(in) + trust(in) + cost(in) + origin(in),
+              "<h1>" + escaped(title) + "</h1>\n" + verdict_first(in) + modelled(in) + solved(in) + errors(in) +
+                  worst(in) + curves(in) + picture(in) + trust(in) + cost(in) + origin(in),
               body_data(in));
 }
 

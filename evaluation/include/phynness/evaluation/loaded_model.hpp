@@ -34,7 +34,7 @@ class LoadedModel {
   const Mesh& mesh() const { return _mesh; }
   /// The content of model.txt.
   const std::string& text() const { return _text; }
-  /// Hash of the content of model.txt: results of validations hold it.
+  /// The checksum in the last line of model.txt: results of validations hold it.
   std::string hash() const;
   /// Bytes of model.txt, of mesh.txt, and of the model in the runtime's memory.
   std::size_t text_bytes() const { return _text.size(); }

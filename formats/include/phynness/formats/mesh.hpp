@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace phynness {
@@ -59,6 +60,9 @@ Points node_normals(const Mesh& mesh);
 /// 64-bit FNV-1a over the little-endian bytes of nodes then cells, as 16 lower-case hexadecimal digits.
 /// Identifies the mesh in databases and models.
 std::string mesh_hash(const Mesh& mesh);
+
+/// The first word of mesh.txt.
+inline constexpr std::string_view mesh_text_magic = "phynness-mesh";
 
 /// Text of mesh.txt with hexadecimal floats, which are read back exactly (formats/mesh.md).
 /// @param fixed  fixed nodes, stored for display

@@ -6,7 +6,7 @@
 
 namespace phynness {
 
-/// Length of a mark at the begin of `text` that changes the direction of the text around it, so that a name could look
+/// Length of a mark at the start of `text` that changes the direction of the text around it, so that a name could look
 /// like another one (U+061C, U+200E, U+200F, U+202A to U+202E, U+2066 to U+2069 in UTF-8); 0: none.
 inline std::size_t direction_mark(std::string_view text) {
   if (text.substr(0, 2) == "\xD8\x9C") return 2;

@@ -131,6 +131,9 @@ std::string reasons(const std::vector<JudgedProbe>& unreached);
 /// @param node  what JudgedProbe::node counts: "node" or "point"
 std::string sentence(const JudgedProbe& unreached, const std::string& node = "node");
 
+/// A fraction in percent without the sign, for tables and sentences: at most five characters.
+std::string in_percent(double fraction);
+
 /// TableCells of a table for text and HTML, the first row is the heading; in percent.
 using TableCells = std::vector<std::vector<std::string>>;
 struct NamedErrors {

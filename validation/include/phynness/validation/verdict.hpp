@@ -26,6 +26,9 @@ struct Validated {
 
 std::vector<VerdictLine> verdict(const Validated& validated);
 
+/// Of the probes at nodes, of points and of pairs.
+std::vector<WorseThanLinear> worse_than_linear(const Validated& validated);
+
 /// The table below the verdict: two rows of headings, and at most ten rows that differ from each other.
 TableCells summary_cells(const Validated& validated);
 
