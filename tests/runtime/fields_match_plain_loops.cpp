@@ -14,8 +14,6 @@ using Eigen::Vector3d;
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN(), huge = std::numeric_limits<double>::max();
 
-double q(const Vector3d& y, double s) { return std::sqrt(y.squaredNorm() + s * s); }
-
 /// The formulas of formats/model.md, "Fields", term by term.
 Eigen::VectorXd plain(const Model& model, const ActiveNodeModel& node, std::size_t f, const Vector3d& d,
                       double& terms) {

@@ -13,7 +13,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // The formulas of formats/model.md as printed there, term by term, from the host's model.
-double q(const Vector3d& y, double s) { return std::sqrt(y.squaredNorm() + s * s); }
 Matrix3d phi(const Vector3d& y, double s) { return q(y, s) * Matrix3d::Identity() + y * y.transpose() / q(y, s); }
 Vector3d g(const Vector3d& y, double s) { return q(y, s) * y; }
 Matrix3d h(const Vector3d& y, const Vector3d& b, double s) {
