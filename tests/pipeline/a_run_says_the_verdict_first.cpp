@@ -49,7 +49,7 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   EXPECT_EQ(lines.front().rfind("Worst node: the force is off by up to ", 0), 0U) << lines.front();
   for (const char* begin : {"Off by more than a tenth", "Out of reach: ", "Left out: ", "Mesh and element: "})
     EXPECT_TRUE(has_line(lines, begin)) << begin << "\n" << run.out;
-  expect_names(run.out, {"phynness check SCENE"});
+  expect_names(run.out, {"phynness check"});  // a line may break before SCENE
   const auto table = table_of(lines);
   EXPECT_GE(table.size(), 7U) << run.out;
   EXPECT_LE(table.size(), 12U) << run.out;
