@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <phynness/drawing/html.hpp>
+#include <phynness/formats/printable.hpp>
 #include <phynness/pages/pages.hpp>
 
 namespace phynness::report {
@@ -14,7 +15,7 @@ constexpr const char* style = R"(
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 66rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin-bottom: 0; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .5rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: .5rem 0; }
-th, td { padding: .15rem .55rem; border-bottom: 1px solid var(--line); text-align: right; }
+th, td { padding: .15rem .45rem; border-bottom: 1px solid var(--line); text-align: right; }
 td { white-space: nowrap; } th:first-child, td:first-child { text-align: left; } th { font-weight: 600; }
 figure { margin: .5rem 0; } figcaption { font-size: .85rem; opacity: .8; }
 noscript .key { margin-top: 2rem; } .plots { display: flex; flex-wrap: wrap; gap: 1rem; }
@@ -23,33 +24,18 @@ noscript .key { margin-top: 2rem; } .plots { display: flex; flex-wrap: wrap; gap
 .words th:first-child, .words td:first-child { min-width: 7rem; } .one-line { white-space: nowrap; } .verdict { display: inline-block; white-space: normal; min-width: 10rem; text-align: left; } .wide { overflow-x: auto; } .key { opacity: .75; }
 .warning { border-left: 4px solid var(--linear); padding: .3rem .8rem; background: var(--soft); }
 html { background: Canvas; color: CanvasText; }
+@media (max-width: 640px) { table { font-size: .8rem; } th, td { padding: .15rem .3rem; } .words td { overflow-wrap: anywhere; }
+  th:first-child, td:first-child { position: sticky; left: 0; background: Canvas padding-box; } }
 @media print { body { margin: 0; max-width: none; } h2 { break-after: avoid; } figure, tr { break-inside: avoid; }
   .wide { overflow: visible; } table { font-size: .72rem; } td, th { white-space: normal; padding: .1rem .3rem; }
   .verdict { min-width: 6rem; } .warning { print-color-adjust: exact; } }
 )";
 
-/// A character of three bytes that changes the direction of writing (U+200E, U+200F, U+202A to U+202E, U+2066 to
-/// U+2069), as a visible code; empty if there is none at `at`. Such characters could show a text in another order.
-std::string direction_mark(const std::string& text, std::size_t at) {
-  if (text.compare(at, 1, "\xE2") != 0 || at + 2 >= text.size()) return {};
-  const unsigned code = 0x2000U | (static_cast<unsigned char>(text[at + 1]) & 0x3FU) << 6 |
-                        (static_cast<unsigned char>(text[at + 2]) & 0x3FU);
-  const bool turns =
-      code == 0x200E || code == 0x200F || (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
-  return turns ? fmt::format("\\u{:04x}", code) : std::string();
-}
-
 }  // namespace
 
 std::string escaped(const std::string& text) {
   std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (const auto mark = direction_mark(text, i); !mark.empty()) {
-      out += mark;
-      i += 2;
-      continue;
-    }
-    const char c = text[i];
+  for (const char c : printable(text)) {
     switch (c) {
       case '&':
         out += "&amp;";
@@ -64,7 +50,7 @@ std::string escaped(const std::string& text) {
         out += "&quot;";
         break;
       default:
-        out += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+        out += c;
     }
   }
   return out;

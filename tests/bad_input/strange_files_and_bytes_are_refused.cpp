@@ -69,7 +69,7 @@ TEST(ControlCharacters, in_a_message_are_escaped_and_cut_nothing_off) {
   const auto error =
       input_error("what\x1b[31m", std::string("a\0b\x07\r\x7f\xC2\x9B", 8), "remedy of \xC3\xA9\n\tnext");
   const std::string text = error.what();
-  EXPECT_EQ(text, "what\\x1b[31m: a\\x00b\\x07\\x0d\\x7f\\x9b\n  remedy: remedy of \xC3\xA9\n\tnext");
+  EXPECT_EQ(text, "what\\x1b[31m: a\\x00b\\x07\\x0d\\x7f\\xc2\\x9b\n  remedy: remedy of \xC3\xA9\n\tnext");
 }
 
 TEST(ControlCharacters, and_long_values_leave_room_for_the_remedy) {
@@ -79,13 +79,24 @@ TEST(ControlCharacters, and_long_values_leave_room_for_the_remedy) {
   EXPECT_EQ(shortened("\xC3\xA9\xC3\xA9", 3), "\xC3\xA9 ... (4 bytes)");
 }
 
-// A mark of direction in a name would show "gpj.exe" as "exe.jpg".
-TEST_F(StrangeFile, marks_of_direction_are_shown_by_their_bytes) {
+// A mark of direction in a name would show "gpj.exe" as "exe.jpg"; two names that differ by a character without width
+// or by a tag would look alike.
+TEST(InvisibleCharacters, are_shown_by_their_bytes) {
   EXPECT_EQ(printable("a\u202Eb"), "a\\xe2\\x80\\xaeb");
   EXPECT_EQ(printable("\u061C\u200E\u2066"), "\\xd8\\x9c\\xe2\\x80\\x8e\\xe2\\x81\\xa6");
-  const std::string kept = "\u00e4 \u2013 \u20ac \u2030 \u05d0 \u2065";
+  EXPECT_EQ(printable("\u00AD\u200B\uFEFF\U000E0041"), "\\xc2\\xad\\xe2\\x80\\x8b\\xef\\xbb\\xbf\\xf3\\xa0\\x81\\x81");
+  const std::string kept = "\u00e4 \u2013 \u20ac \u2030 \u05d0 \u4e2d \U0001F600 \uFFFD \U0010FFFD";
   EXPECT_EQ(printable(kept), kept);
-  EXPECT_EQ(printable("\xE2\x80"), "\xE2\x80");
+}
+
+// Cut characters, a continuation alone, longer forms than needed, a surrogate, and codes beyond the last character.
+TEST(InvisibleCharacters, and_bytes_that_are_no_utf8_are_escaped_alone) {
+  for (const std::string bytes : {"\xE2\x80", "\x80", "\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80",
+                                  "\xF8\x88\x80\x80\x80", "\xFF"}) {
+    const std::string text = printable("<" + bytes + ">\u00e9");
+    EXPECT_EQ(text.size(), 4 * bytes.size() + 4) << text;
+    EXPECT_EQ(text.substr(0, 3), "<\\x");
+  }
 }
 
 }  // namespace

@@ -283,7 +283,7 @@ describe(`the page in ${browserName}`, () => {
     writeModel(model, text);
     phynness('view', model, '-o', file);
     const page = await view({}, file);
-    expect(await textAt(page, '#title')).toBe(hostile.replace('\u202E', '\\u202e'));
+    expect(await textAt(page, '#title')).toBe(hostile.replace('\u202E', '\\u{202e}'));
     expect(await ask<number>(page, "document.querySelectorAll('img').length")).toBe(0);
     expect(await ask<number>(page, "document.querySelectorAll('script').length")).toBe(2);
   });

@@ -49,10 +49,10 @@ export function roundedUp(x: number): number {
   return Number((step * power).toPrecision(3));
 }
 
-/** A text with control characters, and those that change the direction of writing, as visible codes; cut at `most`. */
+/** A text in which every character can be seen, as of printable() in C++, others as their codes; cut at `most`. */
 export function plain(text: string, most = 200): string {
-  const visible = text.replace(/[\u0000-\u001f\u007f-\u009f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]/g, (c) =>
-    c === '\n' || c === '\t' ? ' ' : `\\u${c.charCodeAt(0).toString(16).padStart(4, '0')}`);
+  const visible = text.replace(/[\p{Cc}\p{Default_Ignorable_Code_Point}\u2028\u2029\ufff9-\ufffb]/gu, (c) =>
+    c === '\n' || c === '\t' ? ' ' : `\\u{${c.codePointAt(0)!.toString(16)}}`);
   return visible.length > most ? `${visible.slice(0, most - 1)}…` : visible;
 }
 

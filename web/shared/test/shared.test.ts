@@ -104,8 +104,9 @@ describe('numbers', () => {
     expect(ticks(3, 3)).toEqual([3]);
     expect(roundedDown(0.048)).toBe(0.02);
   });
-  test('a text that changes the direction of writing becomes visible', () => {
-    expect(plain('a\u202eb\u0000<script>')).toBe('a\\u202eb\\u0000<script>');
+  test('characters that cannot be seen become visible', () => {
+    expect(plain('a\u202eb\u0000<script>')).toBe('a\\u{202e}b\\u{0}<script>');
+    expect(plain('a\u200b\u{e0041}\ufffab')).toBe('a\\u{200b}\\u{e0041}\\u{fffa}b');
     expect(plain('x'.repeat(300))).toHaveLength(200);
     expect(fileName('<b>Liver/../"', 'png')).toBe('b-liver.png');
     expect(fileName('\u202e', 'png')).toBe('organ.png');

@@ -6,7 +6,7 @@
 
 namespace phynness::report {
 
-/// Text with escapes, for use between tags and in attributes.
+/// The printable text with escapes, for use between tags and in attributes.
 std::string escaped(const std::string& text);
 
 /// Numbers are not broken across lines; words are, so that wide tables fit the page.
