@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/locking.hpp>
 #include <phynness/precompute/probe_solver.hpp>
@@ -37,13 +36,23 @@ std::string direction_of(const CheckedProbe& probe) {
   return fmt::format("node {}, direction {:.3g} {:.3g} {:.3g}", probe.node, d[0], d[1], d[2]);
 }
 
-void print_left_out(const VariantCost& cost) {
+/// The limit that --seconds needs for all probes, rounded up to two digits.
+std::string sufficient_limit(const DiscretizationReport& report) {
+  const double seconds = std::max(1.0, 1.1 * report.sufficient_s),
+               unit = std::pow(10, std::floor(std::log10(seconds)) - 1);
+  return fmt::format("--seconds {:.0f}", std::ceil(unit * std::ceil(seconds / unit)));
+}
+
+void print_left_out(const DiscretizationReport& report, Variant v) {
+  const auto& cost = report.cost(v);
   if (!cost.possible) {
     print_result("  not compared: {}\n", cost.left_out);
   } else if (!cost.left_out.empty()) {
-    print_result("  {} for their time: about {} are predicted for each; more --seconds allow them\n",
-                 cost.seconds > 0 ? "further probes were left out" : "no probe was compared",
-                 duration(cost.predicted_s));
+    print_result("  {} for their time: about {} are predicted for each; {} would be enough for all\n",
+                 std::ranges::any_of(report.probes, [&](const auto& probe) { return !probe.of(v).status.empty(); })
+                     ? "further probes were left out"
+                     : "no probe was compared",
+                 duration(cost.predicted_s), sufficient_limit(report));
   }
 }
 
@@ -73,11 +82,10 @@ void print_comparison(const Scene& scene, const DiscretizationReport& report, Va
                  ratios.n == 1 ? "" : "s", ratios.min, ratios.max);
   }
   print_failed(report, v);
-  print_left_out(report.cost(v));
+  print_left_out(report, v);
 }
 
 void print(const Scene& scene, const DiscretizationReport& report) {
-  const auto& cost = report.cost(Variant::scene);
   print_result("{} ({}), {}, K/mu = {:.4g}: {} probes, patch radius {:.4g} mm ({:.1f} edges), |d| to {:.4g} mm\n",
                scene.title.empty() ? "scene" : scene.title, name(scene.material.law), name(scene.solver.element),
                scene.material.bulk_to_shear(), report.probes.size(), 1e3 * report.tool_radius_m, report.tool_edges,
@@ -88,7 +96,6 @@ void print(const Scene& scene, const DiscretizationReport& report) {
         "patches of {:.4g} mm are compared instead\n",
         1e3 * report.tool_radius_m);
   if (print_failed(report, Variant::scene) > 0) print_result("  these are probes of the scene itself\n");
-  if (!cost.left_out.empty()) print_left_out(cost);
   for (const auto v : references) print_comparison(scene, report, v);
   print_result("{}\n", duration(report.seconds));
 }
@@ -141,6 +148,7 @@ json as_json(const Scene& scene, const DiscretizationReport& report) {
   }
   out["interrupted"] = report.interrupted;
   out["seconds"] = report.seconds;
+  out["sufficient_seconds"] = report.sufficient_s;
   return out;
 }
 
@@ -151,19 +159,16 @@ void refuse_nothing(const Options& options, const DiscretizationReport& report) 
                   fmt::format("{} of {} probes", report.probes.size(), options.check.probes), "run it again");
   if (report.probes.empty())
     throw failure("not one probe of the scene was solved in the given time",
-                  fmt::format("--seconds {:g}", options.check.seconds), "allow more --seconds, or use a coarser mesh");
+                  fmt::format("--seconds {:g}", options.check.seconds),
+                  fmt::format("allow {}, or use a coarser mesh", sufficient_limit(report)));
   std::int64_t compared = 0;
   for (const auto v : references)
     for (std::size_t i = 0; i < report.depth_m.size(); ++i) compared += report.ratios(v, i).n;
   if (compared > 0) return;
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto v : references)
-    if (report.cost(v).predicted_s > 0) least = std::min(least, report.cost(v).predicted_s);
-  if (std::isinf(least)) throw failure("nothing could be compared", "all solves failed", "reduce max_displacement_m");
-  throw failure(
-      "nothing could be compared in the given time",
-      fmt::format("--seconds {:g}; one probe is predicted to take {}", options.check.seconds, duration(least)),
-      fmt::format("allow --seconds {:.0f}, or use a coarser mesh", std::ceil(1.2 * (2 * least + report.seconds))));
+  if (std::ranges::none_of(references, [&](Variant v) { return report.cost(v).left_out == "time"; }))
+    throw failure("nothing could be compared", "all solves failed", "reduce max_displacement_m");
+  throw failure("nothing could be compared in the given time", fmt::format("--seconds {:g}", options.check.seconds),
+                fmt::format("allow {}, or use a coarser mesh", sufficient_limit(report)));
 }
 
 void run(const Options& options) {
@@ -193,7 +198,7 @@ void add(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--seconds", options->check.seconds,
-                   "time for all; the cheaper comparison comes first and uses at most half of it")
+                   "time for all; the cheaper comparison comes first and uses at most half of it, each probe its share")
       ->check(finite_range(1, 1e7))
       ->capture_default_str();
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");

@@ -54,14 +54,17 @@ void Equilibrium::set_load(std::vector<double> load) {
   _impl->load = std::move(load);
 }
 
-void Equilibrium::set_stop(std::function<bool()> stop) { _impl->stop = std::move(stop); }
+void Equilibrium::set_stop(std::function<bool()> stop, double patience_s) {
+  _impl->stop = std::move(stop);
+  _impl->patience_s = patience_s;
+  _impl->asked_to_end.reset();
+}
 
 bool Equilibrium::Impl::must_end() {
-  constexpr std::chrono::seconds patience{2};
   if (!stop || !stop()) return false;
   const auto now = std::chrono::steady_clock::now();
   if (!asked_to_end) asked_to_end = now;
-  return now - *asked_to_end >= patience;
+  return std::chrono::duration<double>(now - *asked_to_end).count() >= patience_s;
 }
 
 SNESConvergedReason Equilibrium::Impl::iterate(bool from_convex, int most_iterations, int& iterations) {

@@ -86,7 +86,7 @@ class Equilibrium {
   bool is_usable() const;
 
   /// See ProbeSolver::set_stop(). solve() and linearize() then throw Interrupted.
-  void set_stop(std::function<bool()> stop);
+  void set_stop(std::function<bool()> stop, double patience_s);
 
   SolverCounts counts() const;
 

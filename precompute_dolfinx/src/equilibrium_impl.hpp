@@ -47,6 +47,7 @@ struct Equilibrium::Impl {
   bool met_instability = false;     ///< a tangent of the latest solve had negative pivots
   bool linear_failed = false;       ///< in the latest solve there were no factors, or no finite solution
   std::function<bool()> stop;       ///< says that the user wants an end
+  double patience_s = 0;            ///< a solve may go on for so long
   std::optional<std::chrono::steady_clock::time_point> asked_to_end;
   std::exception_ptr trouble;  ///< exception of a callback, because exceptions must not pass through PETSc
   PetscVec x, r;

@@ -100,7 +100,9 @@ ProbeSolver::ProbeSolver(ProbeSolver&&) noexcept = default;
 
 int ProbeSolver::n_dofs() const { return _impl->body.n_dofs(); }
 void ProbeSolver::recover() { _impl->equilibrium.recover(); }
-void ProbeSolver::set_stop(std::function<bool()> stop) { _impl->equilibrium.set_stop(std::move(stop)); }
+void ProbeSolver::set_stop(std::function<bool()> stop, double patience_s) {
+  _impl->equilibrium.set_stop(std::move(stop), patience_s);
+}
 SolverCounts ProbeSolver::counts() const { return _impl->equilibrium.counts(); }
 
 bool ProbeSolver::holds_patches() const { return _impl->scene.probe.kind == ProbeKind::patch; }

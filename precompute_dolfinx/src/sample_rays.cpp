@@ -22,7 +22,7 @@ SolvedRays solve_rays(ProbeSolver& solver, const DatabaseHeader& header,
                       const std::vector<std::pair<std::int32_t, std::int32_t>>& which,
                       const std::function<void(std::int64_t)>& progress, const std::function<bool()>& stop) {
   SolvedRays solved;
-  solver.set_stop(stop);
+  solver.set_stop(stop, 0);
   for (const auto& [active, direction] : which) {
     if (stop && stop()) {
       solved.interrupted = true;

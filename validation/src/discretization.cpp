@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -40,10 +41,10 @@ RatioStatistics DiscretizationReport::ratios(Variant other, std::size_t depth) c
   return {(all[(n - 1) / 2] + all[n / 2]) / 2, all.front(), all.back(), static_cast<std::int64_t>(n)};
 }
 
-double patch_radius_for_node(double mean_edge_m, double max_displacement_m) {
+double patch_radius_for_node(double edge_m, double max_displacement_m) {
   // A patch of less than two edges is not resolved, and a patch that slides farther than 0.65 radii folds
   // (docs/extremes.md).
-  return std::max(2 * mean_edge_m, max_displacement_m / 0.6);
+  return std::max(2 * edge_m, max_displacement_m / 0.6);
 }
 
 std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const DatabaseHeader& header,
@@ -97,6 +98,13 @@ struct Body {
   std::unique_ptr<ProbeSolver> solver;
 };
 
+/// Times of the rays of a variant.
+struct Times {
+  int n = 0;              ///< finished rays
+  double finished_s = 0;  ///< their sum
+  double vain_s = 0;      ///< the longest of those that were given up
+};
+
 double unknowns_of(Element element, double nodes, double edges) {
   const double points = element->displacement_degree > 1 ? nodes + edges : nodes;
   const double pressures = element->mixed ? nodes : 0;
@@ -116,13 +124,16 @@ class Check {
  private:
   void set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
   void prepare(Variant v);
-  bool affordable(Variant v, double end);
-  void compare(Variant reference, double end);
-  void solve(Variant v, std::size_t ray, double end);
+  double expected_s(Variant v) const;
+  const Times& times(Variant v) const { return _times[static_cast<std::size_t>(v)]; }
+  bool only_in_vain(Variant v) const { return times(v).n == 0 && times(v).vain_s > 0; }
+  bool solve(Variant v, std::size_t ray, double end);
+  double compare(Variant reference, double end);
   double elapsed() const { return _options.clock() - _start; }
   bool interrupted() { return _report.interrupted = _report.interrupted || (_stop && _stop()); }
   VariantCost& cost(Variant v) { return _report.costs[static_cast<std::size_t>(v)]; }
   Body& body(Variant v) { return _bodies[static_cast<std::size_t>(v)]; }
+  const Body& body(Variant v) const { return _bodies[static_cast<std::size_t>(v)]; }
 
   const DiscretizationOptions& _options;
   const std::function<void(std::int64_t, std::int64_t)>& _progress;
@@ -133,7 +144,7 @@ class Check {
   DiscretizationReport _report;
   std::array<Body, 3> _bodies;
   std::vector<std::pair<std::int32_t, std::int32_t>> _rays;
-  std::array<double, 3> _measured{};  ///< time of the longest ray; 0: none yet
+  std::array<Times, 3> _times;
 };
 
 void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
@@ -143,14 +154,14 @@ void Check::set_up(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   common.database.fields.clear();
   _report.mean_edge_m = measure_quality(mesh).mean_edge_m;
   _report.patch_for_node = scene.probe.kind == ProbeKind::node;
+  const auto edges = surface_edges_at(sets.active, mesh);
+  const double edge_m = std::accumulate(edges.begin(), edges.end(), 0.0) / static_cast<double>(edges.size());
   if (_report.patch_for_node) {
     common.probe.kind = ProbeKind::patch;
-    common.probe.tool_radius_m = patch_radius_for_node(_report.mean_edge_m, scene.probe.max_displacement_m);
+    common.probe.tool_radius_m = patch_radius_for_node(edge_m, scene.probe.max_displacement_m);
   }
   _report.tool_radius_m = common.probe.tool_radius_m;
-  const auto edges = surface_edges_at(sets.active, mesh);
-  _report.tool_edges =
-      _report.tool_radius_m * static_cast<double>(edges.size()) / std::accumulate(edges.begin(), edges.end(), 0.0);
+  _report.tool_edges = _report.tool_radius_m / edge_m;
 
   // The symmetry of the scene excludes mirror images; a refined mesh has no list of them.
   _rays = choose_checked_rays(database_header(common, mesh, sets),
@@ -196,21 +207,16 @@ void Check::prepare(Variant v) {
   b.solver = std::make_unique<ProbeSolver>(b.scene, b.mesh, b.sets);
 }
 
-/// Whether the next ray of a variant is predicted to end in time. If not, the variant is omitted from here on.
-bool Check::affordable(Variant v, double end) {
-  if (!cost(v).left_out.empty()) return false;
-  const auto own = _measured[static_cast<std::size_t>(v)], scene = _measured[0];
-  if (own == 0 && scene == 0) return true;  // there is no measurement before the first ray
-  const double predicted =
-      own > 0 ? own : scene * std::pow(body(v).unknowns / body(Variant::scene).unknowns, cost_exponent);
-  if (elapsed() + predicted <= end) return true;
-  cost(v).predicted_s = predicted;
-  cost(v).left_out = "time";
-  return false;
+/// Expected time of a ray; 0: unknown.
+double Check::expected_s(Variant v) const {
+  if (times(v).n > 0) return times(v).finished_s / times(v).n;
+  if (only_in_vain(v)) return 2 * times(v).vain_s;
+  if (v == Variant::scene) return 0;
+  return expected_s(Variant::scene) * std::pow(body(v).unknowns / body(Variant::scene).unknowns, cost_exponent);
 }
 
-/// Solves one ray; a solve that goes on beyond `end` is given up.
-void Check::solve(Variant v, std::size_t ray, double end) {
+/// Solves one ray, and gives it up at `end`. @return whether it is solved
+bool Check::solve(Variant v, std::size_t ray, double end) {
   const auto before = elapsed();
   prepare(v);
   bool asked = false;
@@ -219,32 +225,58 @@ void Check::solve(Variant v, std::size_t ray, double end) {
     return asked || elapsed() > end;
   });
   const double seconds = elapsed() - before;
+  auto& times = _times[static_cast<std::size_t>(v)];
   cost(v).seconds += seconds;
-  _measured[static_cast<std::size_t>(v)] = std::max(_measured[static_cast<std::size_t>(v)], seconds);
-  if (_progress) _progress(++_done, static_cast<std::int64_t>(_rays.size() * variants.size()));
   if (solved.interrupted || solved.rays.empty()) {
     _report.interrupted = _report.interrupted || asked;
-    cost(v).predicted_s = seconds;
-    if (!asked) cost(v).left_out = "time";
-    return;
+    times.vain_s = std::max(times.vain_s, seconds);
+    return false;
   }
+  ++times.n;
+  times.finished_s += seconds;
+  if (_progress) _progress(++_done, static_cast<std::int64_t>(_rays.size() * variants.size()));
   auto& forces = _report.probes[ray].forces[static_cast<std::size_t>(v)];
   const Ray& result = solved.rays.front();
   forces.status = result.status;
   for (std::size_t i = 0; i < result.status.size(); ++i)
     forces.force_N.push_back(std::hypot(result.force[3 * i], result.force[3 * i + 1], result.force[3 * i + 2]));
+  return true;
 }
 
-/// Compares all probes with one reference until `end`, and solves those probes of the scene that are not yet solved.
-void Check::compare(Variant reference, double end) {
-  for (std::size_t ray = 0; ray < _rays.size() && !interrupted(); ++ray) {
-    auto& own = _report.probes[ray].of(Variant::scene).status;
-    if (!affordable(reference, end)) return;
-    if (own.empty() && affordable(Variant::scene, _options.seconds)) solve(Variant::scene, ray, _options.seconds);
-    // A force without its counterpart in the other variant is not useful.
-    if (!affordable(reference, end) || own.empty() || _report.interrupted) return;
-    solve(reference, ray, end);
+/// Compares all probes with one reference until `end`, and solves those probes of the scene that are not yet solved. Of
+/// the time that is left every waiting probe has the same share, but at least what it is expected to need. A probe that
+/// needs more is given up and tried again after the others, if twice that time is left.
+/// @return time that all probes need, of those that were omitted as expected
+double Check::compare(Variant reference, double end) {
+  double needed_s = 0;
+  std::vector<double> least(_rays.size(), 0.0);  // twice the time that did not suffice
+  std::deque<std::size_t> waiting(_rays.size());
+  std::iota(waiting.begin(), waiting.end(), std::size_t{0});
+  while (!waiting.empty() && !interrupted()) {
+    const std::size_t ray = waiting.front();
+    const bool is_new = _report.probes[ray].of(Variant::scene).status.empty();
+    const Variant next = is_new ? Variant::scene : reference;
+    const double expected = std::max(least[ray], expected_s(reference) + (is_new ? expected_s(next) : 0));
+    const double before = elapsed(), left = end - before;
+    // What other probes did not finish in says little about one that was not tried.
+    const bool is_known = least[ray] > 0 || !(only_in_vain(reference) || (is_new && only_in_vain(next)));
+    waiting.pop_front();
+    if (left <= 0 || (expected > left && is_known)) {
+      cost(reference).left_out = "time";
+      cost(reference).predicted_s = expected;
+      needed_s += expected;
+      continue;
+    }
+    const double fitting = std::clamp(std::floor(left / expected), 1.0, static_cast<double>(waiting.size() + 1));
+    if (solve(next, ray, before + left / fitting)) {
+      needed_s += elapsed() - before;
+      if (is_new) waiting.push_front(ray);
+    } else {
+      least[ray] = 2 * (elapsed() - before);
+      waiting.push_back(ray);
+    }
   }
+  return needed_s;
 }
 
 DiscretizationReport Check::run() {
@@ -264,7 +296,12 @@ DiscretizationReport Check::run() {
   std::sort(references.begin(), references.end(),
             [&](Variant a, Variant b) { return body(a).unknowns < body(b).unknowns; });
   auto left = static_cast<double>(references.size());
-  for (const auto v : references) compare(v, elapsed() + (_options.seconds - elapsed()) / left--);
+  double needed_s = 0;  // of the comparisons so far
+  for (const auto v : references) {
+    const double own_s = compare(v, elapsed() + (_options.seconds - elapsed()) / left);
+    _report.sufficient_s = std::max(_report.sufficient_s, needed_s + own_s * left--);
+    needed_s += own_s;
+  }
   std::erase_if(_report.probes, [](const CheckedProbe& probe) { return probe.of(Variant::scene).status.empty(); });
   if (body(Variant::scene).header) _report.depth_m = body(Variant::scene).header->magnitudes_m;
   _report.seconds = elapsed();

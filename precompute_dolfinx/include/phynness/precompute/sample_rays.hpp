@@ -21,7 +21,7 @@ struct SolvedRays {
 
 /// @param which     pairs (index of the active node, index of the direction) in the order of the database
 /// @param progress  called after each ray with the number of finished rays
-/// @param stop      polled between rays, and between iterations of a solve
+/// @param stop      polled between rays, and between iterations of a solve, which it ends at once
 /// @throws Error
 SolvedRays solve_rays(ProbeSolver& solver, const DatabaseHeader& header,
                       const std::vector<std::pair<std::int32_t, std::int32_t>>& which,

@@ -59,6 +59,7 @@ struct DiscretizationReport {
   std::vector<CheckedProbe> probes;
   std::array<VariantCost, 3> costs;
   double seconds = 0;
+  double sufficient_s = 0;  ///< limit with which all probes would be solved, as far as their times are known
   bool interrupted = false;
 
   const VariantCost& cost(Variant v) const { return costs[static_cast<std::size_t>(v)]; }
@@ -67,8 +68,8 @@ struct DiscretizationReport {
 
 struct DiscretizationOptions {
   int probes = 6;
-  /// No solve is started whose predicted end is later. The cheaper of two comparisons may use half of this time, so
-  /// that it never leaves nothing to the other one.
+  /// No solve is started whose predicted end is later. The cheaper of two comparisons may use half of this time, and
+  /// each probe its share of what is left, so that no long solve leaves nothing to the others.
   double seconds = 60;
   /// Time in seconds, from any origin.
   std::function<double()> clock = [] {
@@ -78,7 +79,8 @@ struct DiscretizationOptions {
 
 /// Radius of the patch that replaces a node in a check. The force at a node depends on the element even without
 /// locking: P1 moves a node, P2 also the midpoints of its edges (docs/theory.md, What a probe is).
-double patch_radius_for_node(double mean_edge_m, double max_displacement_m);
+/// @param edge_m  mean length of the surface's edges at the active nodes
+double patch_radius_for_node(double edge_m, double max_displacement_m);
 
 /// Selects the rays: `wanted` active nodes, far from each other and from the fixed nodes. Their directions are in turn
 /// the most inward, the most tangential and the most outward direction that the scene requests.
@@ -87,7 +89,7 @@ std::vector<std::pair<std::int32_t, std::int32_t>> choose_checked_rays(const Dat
                                                                        const std::vector<char>& requested, int wanted);
 
 /// Solves all probes with the scene and the cheaper reference, then with the other reference, until the time is over. A
-/// solve that is still at work at the end of its time is given up. Must run as one process.
+/// solve that is still at work at the end of its share is given up at its next iteration. Must run as one process.
 /// @param progress  finished rays and their largest possible number
 /// @throws Error if the scene cannot be solved
 DiscretizationReport check_discretization(const Scene& scene, const Mesh& mesh, const NodeSets& sets,
