@@ -211,7 +211,12 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
   const double given_edge_m = mean_edge(surface.nodes, surface.triangles);
   const auto as_given = [&] {
     require_affordable(extent, given_edge_m, place(spec));
-    return generated_body(fill(surface), source);
+    try {
+      return generated_body(fill(surface), source);
+    } catch (const Error& error) {
+      throw input_error(source + ": the inside of the surface cannot be filled with tetrahedra", error.what(),
+                        "repair the surface in the program that made it, where its sides touch or nearly touch");
+    }
   };
   MeshResult result;
   if (!spec.target_nodes && !spec.target_size_m) {

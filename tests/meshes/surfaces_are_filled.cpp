@@ -56,6 +56,20 @@ TEST(Surfaces, AFlatSurfaceHasNoInside) {
   EXPECT_TRUE(contains(error_of([&] { fill_cube(flat); }), "encloses no volume"));
 }
 
+// A sheet that is thinner than rounding errors of its size. It is an error of the file, not of the program.
+TEST(Surfaces, AnInsideThatCannotBeFilledIsAnErrorOfTheInput) {
+  SKIP_WITHOUT_GMSH();
+  std::string sheet = cube_obj;
+  for (std::size_t at = 0; (at = sheet.find(" 1\n", at)) != std::string::npos;) sheet.replace(at, 3, " 1e-9\n");
+  try {
+    fill_cube(sheet);
+    FAIL() << sheet;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), Error::Kind::input) << error.what();
+    EXPECT_TRUE(contains(error.what(), "the inside of the surface cannot be filled")) << error.what();
+  }
+}
+
 TEST(Surfaces, AsciiStlIsWelded) {
   SKIP_WITHOUT_GMSH();
   const char* x[] = {"0 0 0", "1 0 0", "0 1 0", "0 0 1"};
