@@ -1,6 +1,7 @@
 #include "command_files.hpp"
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <climits>
@@ -90,8 +91,10 @@ void check_length(const Claim& claim) {
   std::error_code code;
   const std::size_t bytes = fs::absolute(claim.path, code).native().size() + (claim.written ? longest_log_name : 1);
   if (bytes > PATH_MAX) refuse("path", bytes, PATH_MAX);
+  const long of_folder = ::pathconf(existing_part(fs::absolute(claim.path, code)).c_str(), _PC_NAME_MAX);
+  const std::size_t longest_name = of_folder > 0 ? static_cast<std::size_t>(of_folder) : NAME_MAX;
   for (const auto& part : claim.path)
-    if (part.native().size() > NAME_MAX) refuse("name", part.native().size(), NAME_MAX);
+    if (part.native().size() > longest_name) refuse("name", part.native().size(), longest_name);
 }
 
 class Claims {

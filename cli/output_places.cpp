@@ -21,13 +21,6 @@ Error cannot_write(const std::string& option, const fs::path& path, const std::s
   return input_error("an output cannot be written: " + why, option + " " + path.string(), remedy);
 }
 
-/// The folder itself or the nearest one above it that exists.
-fs::path existing_part(fs::path folder) {
-  std::error_code code;
-  while (!fs::exists(folder, code) && folder.has_relative_path()) folder = folder.parent_path();
-  return folder;
-}
-
 bool lies_in_any(const fs::path& folder, const std::vector<fs::path>& made) {
   std::error_code code;
   for (auto at = folder; at.has_relative_path(); at = at.parent_path())
@@ -58,6 +51,12 @@ void check_folder(const std::string& option, const fs::path& path, const fs::pat
 }  // namespace
 
 bool is_stdout(const fs::path& path) { return path == "-"; }
+
+fs::path existing_part(fs::path path) {
+  std::error_code code;
+  while (!fs::exists(path, code) && path.has_relative_path()) path = path.parent_path();
+  return path;
+}
 
 void check_folder_place(const std::string& option, const fs::path& folder) { check_folder(option, folder, folder); }
 

@@ -12,6 +12,9 @@ namespace phynness::cli {
 /// "-", which only --json takes: its JSON then goes to stdout, and the texts for people to stderr.
 bool is_stdout(const std::filesystem::path& path);
 
+/// The path itself or the nearest folder above it that exists.
+std::filesystem::path existing_part(std::filesystem::path path);
+
 /// Symbolic links are followed. Pipes must have a reader, because opening them would otherwise wait for one.
 /// @param option  for messages
 /// @param made  folders that the command makes itself

@@ -63,7 +63,7 @@ bool is_active(const Model& model, std::int64_t node) {
   return std::any_of(model.nodes.begin(), model.nodes.end(), [&](const auto& one) { return one.node == node; });
 }
 
-/// @throws Error (input) unless the file holds the hashes of this model and its mesh
+/// @throws Error (input) unless the file holds the hashes of this model and its mesh, and errors of the whole model
 void require_same_model(const std::filesystem::path& file, const json& whole, const LoadedModel& loaded) {
   const auto given = [&](const char* key) {
     const auto found = whole.find(key);
@@ -74,6 +74,10 @@ void require_same_model(const std::filesystem::path& file, const json& whole, co
     if (given(key) != own)
       throw wrong_errors(
           file, fmt::format("it belongs to another {}, {} = {}, of this model {}", name, key, given(key), own));
+  const auto level = whole.value(json::json_pointer("/conditions/level"), json());
+  if (level != loaded.data().level())
+    throw wrong_errors(file, fmt::format("its errors are those of level {} of the model, the page shows level {}",
+                                         level.dump(), loaded.data().level()));
 }
 
 /// The mean errors by node from a file of `validate --json`.

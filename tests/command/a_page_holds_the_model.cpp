@@ -19,15 +19,15 @@ class Page : public CommandLine {
     const std::string title = R"(</script><script>alert(\"x\")</script> <!-- 'q' \u202E \u2028 ä)";
     text.replace(text.find("small block"), 11, title);
     write_file(folder / "scene.toml", text);
-    for (const char* line : {"precompute scene.toml -o d.h5", "train scene.toml d.h5 --family modal -o model",
-                             "info d.h5 --json info.json"})
+    for (const char* line : {"precompute scene.toml -o d.h5",
+                             "train scene.toml d.h5 --family modal --levels 2 -o model", "info d.h5 --json info.json"})
       ASSERT_EQ(phynness(line).exit_status, 0) << line;
     node = json("info.json").at("active").at(0).get<int>();
   }
-  /// Errors with the hashes of the model, by which `view` knows whose they are.
-  void write_errors(const Json& by_node, const char* changed = "") const {
+  /// Errors with the hashes of the model, by which `view` knows whose they are, of its finer level.
+  void write_errors(const Json& by_node, const char* changed = "", int level = 1) const {
     phynness("info model --json info.json");
-    Json all{{"by_node", by_node}};
+    Json all{{"by_node", by_node}, {"conditions", {{"level", level}}}};
     for (const char* key : {"model_hash", "mesh_hash"})
       all[key] = std::string(changed) == key ? Json("0123456789abcdef") : json("info.json").at(key);
     write_file(folder / "e.json", all.dump());
@@ -117,6 +117,8 @@ TEST_F(Page, FilesOfOtherModelsAreRefused) {
   }
   write_file(folder / "e.json", Json{{"by_node", good}}.dump());
   expect_refused("--errors e.json", {"hash = none", "validate"});
+  write_errors(good, "", 0);
+  expect_refused("--errors e.json", {"level 0", "validate"});
   write_errors({{"nodes", {node, node}}, {"force_error", {0.1, 0.1}}, {"displacement_error", {0.1, 0.1}}});
   expect_refused("--errors e.json", {std::to_string(node) + " is given twice"});
   write_errors({{"nodes", {node}}, {"force_error", {-0.1}}, {"displacement_error", {0.1}}});
