@@ -23,17 +23,18 @@ struct Options {
 void print(const BoundReport& report, const Options& options) {
   const auto& c = report.left_out;
   const ForceUnit unit = force_unit(report.median_bound_N);
-  print_sentence(
-      fmt::format("median bound of the force's error: {:.3g} {}; {:.1f} % of the errors of {} left out of the "
-                  "calibration are below their bound",
-                  unit.per_N * report.median_bound_N, unit.name, 100 * c.all, report.all_nodes ? "rays" : "nodes"));
-  print_sentence(fmt::format("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}",
-                             report.rays, report.nodes, report.states, report.failed_rays, duration(report.seconds)));
+  print_result(
+      "median bound of the force's error: {:.3g} {}; {:.1f} % of the errors of {} left out of the calibration are "
+      "below "
+      "their bound\n",
+      unit.per_N * report.median_bound_N, unit.name, 100 * c.all, report.all_nodes ? "rays" : "nodes");
+  print_result("{} random rays at {} nodes, {} states inside the trained range, {} rays ended early; {}\n", report.rays,
+               report.nodes, report.states, report.failed_rays, duration(report.seconds));
   if (options.details)
-    print_sentence(fmt::format(
-        "by thirds of the depth {:.1f}, {:.1f} and {:.1f} % are below; mean bound {:.2f} of the best constant one",
-        100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2], c.width));
-  print_sentence(fmt::format("model with bounds -> {}", options.output.string()));
+    print_result(
+        "by thirds of the depth {:.1f}, {:.1f} and {:.1f} % are below; mean bound {:.2f} of the best constant one\n",
+        100 * c.thirds[0], 100 * c.thirds[1], 100 * c.thirds[2], c.width);
+  print_result("model with bounds -> {}\n", options.output.string());
 }
 
 json to_json(const BoundReport& report, const Model& model) {

@@ -13,11 +13,7 @@
 namespace phynness::cli {
 namespace {
 
-/// Percent with two decimals, or the order of magnitude of values below 0.005 %.
-std::string percent(double fraction) {
-  const double value = 100 * fraction;
-  return value > 0 && value < 0.005 ? fmt::format("{:7.0e}", value) : fmt::format("{:7.2f}", value);
-}
+std::string percent(double fraction) { return fmt::format("{:>5}", in_percent(fraction)); }
 
 /// A rank correlation, or the reason why it is missing.
 std::string told(const std::optional<double>& correlation) {
@@ -33,18 +29,27 @@ void print_range(const ErrorsToRange& errors, const std::string& nodes) {
 }  // namespace
 
 void print_verdict(const Validated& validated) {
-  for (const auto& line : verdict(validated)) print_sentence(line.title + ": " + line.sentence + ".");
+  for (const auto& line : verdict(validated)) print_result("{}: {}.\n", line.title, line.sentence);
 }
 
 void print_cells(const TableCells& rows) {
   std::vector<std::size_t> widths(rows.front().size());
   for (const auto& row : rows)
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-  for (const auto& row : rows) {
-    std::string line = fmt::format("{:<{}}", row[0], widths[0]);
-    for (std::size_t i = 1; i < row.size(); ++i) line += fmt::format("  {:>{}}", row[i], widths[i]);
-    line.erase(line.find_last_not_of(' ') + 1);
-    print_result("{}\n", line);
+  const auto& headings = rows.front();
+  for (std::size_t first = 1, end = 1; first < headings.size(); first = end) {
+    for (std::size_t i = first, width = widths[0]; i <= headings.size(); ++i) {
+      const bool group_ends = i == headings.size() || (i > first && headings[i].find(": ") != std::string::npos);
+      if (group_ends && end > first && width > 100) break;
+      if (group_ends) end = i;
+      if (i < headings.size()) width += 2 + widths[i];
+    }
+    for (const auto& row : rows) {
+      std::string line = fmt::format("{:<{}}", row[0], widths[0]);
+      for (std::size_t i = first; i < end; ++i) line += fmt::format("  {:>{}}", row[i], widths[i]);
+      line.erase(line.find_last_not_of(' ') + 1);
+      print_result("{}\n", line);
+    }
   }
 }
 
@@ -57,7 +62,7 @@ void print_table(const ValidationReport& report, const std::vector<FieldModes>& 
     for (const auto p : predictors) {
       const auto& s = member(report.of(p).*group);
       if (s.n == 0)
-        print_result(" | {:>7} {:>7} {:>7}", "-", "-", "-");
+        print_result(" | {:>5} {:>5} {:>5}", "-", "-", "-");
       else
         print_result(" | {} {} {}", percent(s.mean), percent(s.p95), percent(s.max));
     }
@@ -65,9 +70,10 @@ void print_table(const ValidationReport& report, const std::vector<FieldModes>& 
   };
   for (const auto& [title, group] : {std::pair{"inside the trained range", &PredictorErrors::inside},
                                      std::pair{"outside, to 1.43 times", &PredictorErrors::outside}}) {
-    print_result("{:<24} | {:^23} | {:^23} | {:^23}\n", title, "model", "linear predictor", "zero predictor");
-    print_result("{:<24} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7} | {:>7} {:>7} {:>7}\n", "  error in %", "mean", "p95",
-                 "max", "mean", "p95", "max", "mean", "p95", "max");
+    print_result("{:<24} | {:^17} | {:^17} | {:^17}\n", title, "model", "linear predictor", "zero predictor");
+    print_result("{:<24}", "  error in %");
+    for (std::size_t i = 0; i < predictors.size(); ++i) print_result(" | {:>5} {:>5} {:>5}", "mean", "p95", "max");
+    print_result("\n");
     row("force, eq. (17)", &GroupErrors::force, group);
     row("displacement, eq. (17)", &GroupErrors::displacement, group);
     row("  most moved tenth", &GroupErrors::displacement_moving, group);
@@ -83,15 +89,15 @@ void print_table(const ValidationReport& report, const std::vector<FieldModes>& 
 
 void print_summary(const ValidationReport& report) {
   const auto& inside = report.of(Predictor::model).inside;
-  if (inside.force.n > 0) print_result("median inside: force{} %", percent(inside.force.median));
-  if (inside.displacement.n > 0) print_result(", displacement{} %", percent(inside.displacement.median));
+  if (inside.force.n > 0) print_result("median inside: force {} %", in_percent(inside.force.median));
+  if (inside.displacement.n > 0) print_result(", displacement {} %", in_percent(inside.displacement.median));
   if (inside.force.n > 0) print_result("\n");
   print_result("rank correlation of the force error with the distance from the training data: {} inside, {} outside\n",
                told(report.distance_correlation_inside), told(report.distance_correlation_outside));
 }
 
 void print_worse(const std::vector<WorseThanLinear>& all) {
-  for (const auto& worse : all) print_sentence("warning: " + worse.sentence());
+  for (const auto& worse : all) print_result("warning: {}\n", worse.sentence());
 }
 
 void print_examples(const ValidationReport& report) {
@@ -121,22 +127,18 @@ void print_points(const PointReport& report) {
   if (report.failed > report.refused)
     print_result("  {} of those not solved did not converge; --increments of phynness solve helps to see why\n",
                  report.failed - report.refused);
-  print_result("{:<24} | {:^31} | {:^31} | {:^31}\n", "tools between nodes", "coupled model", "linear predictor",
-               "model at the nearest nodes");
-  print_result("{:<24}", "  error in %");
-  for (int i = 0; i < 3; ++i) print_result(" | {:>7} {:>7} {:>7} {:>7}", "mean", "median", "p95", "max");
-  print_result("\n");
-  const auto row = [&](const char* what, const ErrorStatistics PointErrors::*member) {
-    print_result("  {:<22}", what);
-    for (const auto* errors : {&report.coupled, &report.linear, &report.at_nodes}) {
-      const auto& s = errors->*member;
-      print_result(" | {} {} {} {}", percent(s.mean), percent(s.median), percent(s.p95), percent(s.max));
+  TableCells rows{{"tools between nodes, error in %", "mean", "median", "p95", "max"}};
+  for (const auto& [what, member] :
+       {std::pair{"force, as eq. (17)", &PointErrors::force}, std::pair{"displacement", &PointErrors::displacement},
+        std::pair{"field, relative L2", &PointErrors::field_l2}})
+    for (const auto& [who, errors] :
+         {std::pair{"coupled model", &report.coupled}, std::pair{"linear predictor", &report.linear},
+          std::pair{"model at the nearest nodes", &report.at_nodes}}) {
+      const ErrorStatistics& s = errors->*member;
+      rows.push_back({fmt::format("  {}, {}", what, who), in_percent(s.mean), in_percent(s.median), in_percent(s.p95),
+                      in_percent(s.max)});
     }
-    print_result("\n");
-  };
-  row("force, as eq. (17)", &PointErrors::force);
-  row("displacement", &PointErrors::displacement);
-  row("field, relative L2", &PointErrors::field_l2);
+  print_cells(rows);
   print_range(report.to_range, "points");
   print_result("largest distance of a tool from its point in the field: {:.1e} m; {}\n", report.largest_residual_m,
                duration(report.seconds));
@@ -148,11 +150,11 @@ void print_pairs(const PairReport& report) {
       "trained range\n",
       report.finished, 1e3 * report.depth_m, report.failed, report.unsettled, report.outside);
   const double far_mm = 1e3 * report.far_m;
-  print_result("{:<28} | {:^31} | {:^15} | {:^15} | {:^15}\n", "two tools, error in %",
+  print_result("{:<24} | {:^24} | {:^12} | {:^12} | {:^12}\n", "two tools, error in %",
                fmt::format("all, {}", report.all.pairs), fmt::format("to {:.0f} mm, {}", far_mm, report.near.pairs),
-               fmt::format("beyond, {}", report.far.pairs), fmt::format("right alone, {}", report.right.pairs));
-  print_result("{:<28} | {:>7} {:>7} {:>7} {:>7}", "", "mean", "median", "p95", "max");
-  for (int i = 0; i < 3; ++i) print_result(" | {:>7} {:>7}", "mean", "median");
+               fmt::format("beyond, {}", report.far.pairs), fmt::format("alone, {}", report.right.pairs));
+  print_result("{:<24} | {:>5} {:>6} {:>5} {:>5}", "", "mean", "median", "p95", "max");
+  for (int i = 0; i < 3; ++i) print_result(" | {:>5} {:>6}", "mean", "median");
   print_result("\n");
   const auto block = [&](const char* what, const ErrorStatistics PairStatistics::*measure) {
     print_result("  {}\n", what);
@@ -163,14 +165,14 @@ void print_pairs(const PairReport& report) {
                         : p == PairPredictor::alone ? "each tool alone"
                         : p == PairPredictor::paper ? "weights (15)-(16)"
                                                     : "linear predictor";
-      print_result("    {:<24} | {} {} {} {}", who, percent(all.mean), percent(all.median), percent(all.p95),
+      print_result("    {:<20} | {}  {} {} {}", who, percent(all.mean), percent(all.median), percent(all.p95),
                    percent(all.max));
       for (const auto* group : {&report.near, &report.far, &report.right}) {
         const auto& s = group->of(p).*measure;
         if (s.n == 0)
-          print_result(" | {:>7} {:>7}", "-", "-");
+          print_result(" | {:>5} {:>6}", "-", "-");
         else
-          print_result(" | {} {}", percent(s.mean), percent(s.median));
+          print_result(" | {}  {}", percent(s.mean), percent(s.median));
       }
       print_result("\n");
     }
@@ -180,16 +182,16 @@ void print_pairs(const PairReport& report) {
   block("displacement, mean of all nodes, relative to the largest", &PairStatistics::displacement_all);
   block("displacement as in eq. (17), without touched nodes", &PairStatistics::displacement);
   block("field, relative L2", &PairStatistics::field_l2);
-  print_cells(table_cells("worse of two tools, in %", report.by_warning));
+  print_cells(table_cells("two tools, in %", report.by_warning));
   if (const auto why = reasons(report.by_warning.unreached); !why.empty())
     print_result("not reached by the finite elements: {}\n", why);
   const auto& alone = report.single_force;
   if (alone.n > 0)
     print_result(
-        "right alone: pairs in which the force of each single tool has an error below {:.0f} %; larger error of the "
-        "two "
-        "single tools: mean {}, median {}, max {} %\n",
-        1e2 * right_alone, percent(alone.mean), percent(alone.median), percent(alone.max));
+        "alone: pairs in which the force of each single tool has an error below {:.0f} %; larger error of the two "
+        "single "
+        "tools: mean {}, median {}, max {} %\n",
+        1e2 * right_alone, in_percent(alone.mean), in_percent(alone.median), in_percent(alone.max));
   print_result("largest distance of a tool from its point in the field: {:.1e} m; {}\n", report.largest_residual_m,
                duration(report.seconds));
 }

@@ -5,10 +5,10 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <iterator>
 #include <system_error>
 
 namespace phynness::cli {
@@ -27,7 +27,7 @@ int first_error = 0;
 
 /// Does not use stdio, because PetscFinalize() fails if text remains in the buffer of an unwritable stdout.
 /// @return 0, or errno
-int write_all(int descriptor, const fmt::memory_buffer& text) noexcept {
+int write_all(int descriptor, std::string_view text) noexcept {
   const char *at = text.data(), *end = at + text.size();
   while (at != end) {
     const auto n = write(descriptor, at, static_cast<std::size_t>(end - at));
@@ -43,6 +43,24 @@ int write_all(int descriptor, const fmt::memory_buffer& text) noexcept {
   return 0;
 }
 
+/// The text with its lines broken at spaces to at most 100 bytes; the rest of a line is indented. A word that is
+/// longer, such as a path, has a line of its own.
+std::string in_lines(std::string text) {
+  constexpr std::size_t width = 100;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const auto indent = std::min(text.find_first_not_of(' ', begin), text.size()) - begin + 2;
+    for (std::size_t end = 0; (end = std::min(text.find('\n', begin), text.size())) - begin > width;) {
+      auto space = text.rfind(' ', begin + width);
+      if (space == std::string::npos || space < begin + indent) space = text.find(' ', begin + width);
+      if (space >= end) break;
+      text.replace(space, 1, "\n" + std::string(indent, ' '));
+      begin = space + 1;
+    }
+    begin = std::min(text.find('\n', begin), text.size()) + 1;
+  }
+  return text;
+}
+
 }  // namespace
 
 void prepare_streams() {
@@ -55,40 +73,23 @@ void prepare_streams() {
 }
 
 void print_result_text(fmt::string_view format, fmt::format_args values) {
-  fmt::memory_buffer text;
-  fmt::vformat_to(std::back_inserter(text), format, values);
-  const int error = write_all(results, text);
+  const int error = write_all(results, in_lines(fmt::vformat(format, values)));
   if (first_error == 0 && results == STDOUT_FILENO) first_error = error;
-}
-
-void print_sentence(std::string text) {
-  constexpr std::size_t width = 100;
-  text = printable(text);
-  for (std::size_t begin = 0; text.size() - begin > width;) {
-    auto space = text.rfind(' ', begin + width);
-    if (space == std::string::npos || space < begin + 2) space = text.find(' ', begin + width);
-    if (space == std::string::npos) break;
-    text.replace(space, 1, "\n  ");
-    begin = space + 1;
-  }
-  print_result_text("{}\n", fmt::make_format_args(text));
 }
 
 void print_results_on_stderr() { results = STDERR_FILENO; }
 bool results_are_on_stderr() { return results == STDERR_FILENO; }
 
 bool write_stdout(std::string_view text) {
-  fmt::memory_buffer bytes;
-  bytes.append(text.data(), text.data() + text.size());
-  if (first_error == 0) first_error = write_all(STDOUT_FILENO, bytes);
+  if (first_error == 0) first_error = write_all(STDOUT_FILENO, text);
   return first_error == 0;
 }
 
 void message_text(fmt::string_view format, fmt::format_args values) noexcept {
   try {
-    fmt::memory_buffer text;
-    fmt::vformat_to(std::back_inserter(text), format, values);
-    write_all(STDERR_FILENO, text);
+    const auto text = fmt::vformat(format, values);
+    const bool is_advice = text.starts_with("note: ") || text.starts_with("warning: ");
+    write_all(STDERR_FILENO, is_advice ? in_lines(text) : text);
   } catch (...) {  // out of memory
   }
 }

@@ -27,17 +27,16 @@ void prepare_streams();
 void print_result_text(fmt::string_view format, fmt::format_args values);
 void message_text(fmt::string_view format, fmt::format_args values) noexcept;
 
-/// Writes to stdout. finish_streams() reports a failed write.
+/// Writes to stdout in lines of at most 100 bytes, broken at spaces. finish_streams() reports a failed write.
+/// A line that is printed in parts is not broken.
 template <class... T>
 void print_result(fmt::format_string<T...> format, const T&... values) {
   const auto print = [&](const auto&... safe) { print_result_text(format, fmt::make_format_args(safe...)); };
   print(shown(values)...);
 }
-/// Writes a sentence to stdout in lines of at most 100 bytes, broken at spaces; the lines after the first are indented.
-/// A word that is longer, such as a path, has a line of its own.
-void print_sentence(std::string text);
 
-/// Writes to stderr. A failed write is ignored, because there is no other stream to report it.
+/// Writes to stderr; lines of notes and warnings are broken as results are. A failed write is ignored, because there is
+/// no other stream to report it.
 template <class... T>
 void message(fmt::format_string<T...> format, const T&... values) noexcept try {
   const auto print = [&](const auto&... safe) { message_text(format, fmt::make_format_args(safe...)); };

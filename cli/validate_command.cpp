@@ -150,7 +150,7 @@ Validated validated(const Compared& c, const Measured& m) { return {c.scene, c.m
 void print(const Compared& compared, const Measured& m) {
   print_verdict(validated(compared, m));
   print_worse(worse_than_linear(validated(compared, m)));
-  for (const auto& part : not_done(m)) print_sentence(part);
+  for (const auto& part : not_done(m)) print_result("{}\n", part);
   print_cells(summary_cells(validated(compared, m)));
 }
 

@@ -40,6 +40,10 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   auto scene = small_scene("P1", 3);
   const auto family = scene.find("family = \"rbfn\"");
   scene.replace(family, scene.find("[validation]") - family, "family = \"modal\"\n");
+  // Tools between nodes need triangles of active nodes.
+  scene.replace(scene.find("active = ["), scene.find("[probe]") - scene.find("active = ["),
+                "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
+  scene.replace(scene.find("0.025"), 5, "0.040");
   write_file(folder / "scene.toml", scene);
   const auto run = phynness("run scene.toml -o out --json all.json");
   ASSERT_EQ(run.exit_status, 0) << run.err;
@@ -76,8 +80,9 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   EXPECT_LT(page.find("<table"), page.find("<h2>"));
   EXPECT_EQ(page.find("<td>unflagged</td>"), std::string::npos);
 
-  const auto details = phynness("validate scene.toml out/model --details");
+  const auto details = phynness("validate scene.toml out/model --details --points 2 --pairs 2");
   ASSERT_EQ(details.exit_status, 0) << details.err;
+  expect_narrow(details.out + details.err);
   EXPECT_GT(lines_of(details.out).size(), lines_of(brief.out).size());
   expect_names(details.out, {"zero predictor", "force by finite elements", "runtime on this machine"});
   EXPECT_FALSE(has_line(lines_of(details.out), "unflagged")) << details.out;
@@ -86,6 +91,13 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   ASSERT_EQ(calibrated.exit_status, 0) << calibrated.err;
   expect_narrow(calibrated.out);
   EXPECT_EQ(calibrated.out.rfind("median bound of the force's error: ", 0), 0U) << calibrated.out;
+  for (const char* other :
+       {"run scene.toml -o whole --details", "check scene.toml --probes 2", "info scene.toml", "info out/model",
+        "info out/database.h5", "calibrate out/model out/database.h5 --details"}) {
+    const auto done = phynness(other);
+    EXPECT_EQ(done.exit_status, 0) << other << done.err;
+    expect_narrow(done.out + done.err);
+  }
 }
 
 TEST_F(Verdict, SaysHowFarTwoRoundToolsAreOff) {

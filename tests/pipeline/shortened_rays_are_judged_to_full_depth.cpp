@@ -4,6 +4,7 @@
 // depend on the number of ranks. Solves that differ in their intermediate steps agree to the tolerance of the solver,
 // 1e-8 of the force; errors are fractions of the largest force, so that 1e-6 is two orders above.
 #include <phynness/formats/model.hpp>
+#include <regex>
 
 #include "command_line.hpp"
 
@@ -69,6 +70,12 @@ TEST_F(ShortenedRays, ThatNobodyReachesAreCounted) {
     EXPECT_LE(probe.at("depth_m").get<double>(), 0.030 * (1 + 1e-12)) << probe;
     expect_names(read_file(folder / "stdout.txt"), {probe.at("reason").get<std::string>(), "finite elements end at"});
   }
+  // The verdict, its JSON and the details count the same probes.
+  const auto count = std::to_string(unreached.size());
+  EXPECT_EQ(v.at("verdict").at("out_of_reach").at("probes").get<std::size_t>(), unreached.size());
+  expect_names(std::regex_replace(read_file(folder / "stdout.txt"), std::regex("\\s+"), " "),
+               {"; " + count + " of 20 probes have no finite element solution",
+                count + " of 20 probes to R are not reached by the finite elements"});
 }
 
 }  // namespace

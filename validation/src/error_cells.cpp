@@ -18,7 +18,7 @@ std::string in_percent(double fraction) {
 
 namespace {
 
-constexpr std::size_t n_columns = 17;
+constexpr std::size_t n_columns = 15;
 
 void append_errors(std::vector<std::string>& row, const PredictionErrors& errors) {
   for (const auto* s : {&errors.force, &errors.displacement}) {
@@ -64,10 +64,8 @@ std::string sentence(const ErrorsAndBounds& bounds) {
   const auto& c = bounds.coverage;
   return fmt::format(
       "{:.1f} % of the errors of the force are below the model's bound ({} probes, weighted as random nodes would be); "
-      "in "
-      "the thirds of the depth {}; in quarters of the nodes, from the smallest bounds to the largest, {}; the mean "
-      "bound "
-      "is {:.2f} of the best constant one",
+      "in the thirds of the depth {}; in quarters of the nodes, from the smallest bounds to the largest, {}; the mean "
+      "bound is {:.2f} of the best constant one",
       100 * c.all, c.states, percentages(c.thirds), percentages(c.quarters), c.width);
 }
 
@@ -75,7 +73,7 @@ std::string sentence(const ErrorsAndBounds& bounds) {
 
 TableCells table_cells(const std::string& title, const std::vector<NamedErrors>& rows) {
   TableCells out{{title, "probes", "share", "force: mean", "median", "p95", "max", "over 10 %", "displ.: mean",
-                  "median", "p95", "max", "linear, force: mean", "p95", "over 10 %", "displ.: mean", "p95"}};
+                  "median", "p95", "max", "linear: force", "over 10 %", "displ."}};
   for (const auto& [name, errors, part_of] : rows) {
     if (part_of != nullptr && (errors->probes == 0 || errors->probes == part_of->probes)) continue;
     std::vector<std::string> row{name, fmt::format("{} of {}", errors->solved, errors->probes),
@@ -83,7 +81,7 @@ TableCells table_cells(const std::string& title, const std::vector<NamedErrors>&
     append_errors(row, errors->model);
     std::vector<std::string> linear;
     append_errors(linear, errors->linear);
-    for (const std::size_t column : {0, 2, 4, 5, 7}) row.push_back(linear[column]);
+    for (const std::size_t column : {0, 4, 5}) row.push_back(linear[column]);
     row.resize(n_columns);
     out.push_back(std::move(row));
   }
@@ -100,7 +98,7 @@ TableCells table_cells(const ErrorsToRange& errors, const std::string& nodes) {
     constexpr std::array thirds{"  0 to R/3", "  R/3 to 2R/3", "  2R/3 to R"};
     for (std::size_t third = 0; third < 3; ++third)
       rows.push_back({thirds[third], &group->by_depth[third], &group->overall});
-    rows.push_back({"  worst tenth of the " + nodes, &group->worst_nodes, &group->overall});
+    rows.push_back({"  worst tenth of " + nodes, &group->worst_nodes, &group->overall});
   }
   if (errors.beyond.probes > 0) rows.push_back({"beyond R, to 1.43 R", &errors.beyond});
   std::vector<std::string> names;
@@ -110,7 +108,7 @@ TableCells table_cells(const ErrorsToRange& errors, const std::string& nodes) {
   for (std::size_t i = 0; i < names.size(); ++i)
     rows.push_back(
         {names[i], &errors.bounds->at_most[i].errors, i == 0 ? &all : &errors.bounds->at_most[i - 1].errors});
-  return table_cells(fmt::format("to R = {:.4g} mm, in %", 1e3 * errors.range_m), rows);
+  return table_cells(fmt::format("to {:.4g} mm, in %", 1e3 * errors.range_m), rows);
 }
 
 TableCells table_cells(const std::string& title, const ErrorsByWarning& errors) {

@@ -108,7 +108,8 @@ std::string modelled(const ReportInput& in) {
                 {"probe", name(scene.probe.kind)},
                 {"trained range R", fmt::format("{:.4g} mm", 1e3 * scene.probe.max_displacement_m)},
                 {"directions, increments", fmt::format("{}, {}", model.directions.size(), scene.probe.increments)},
-                {"family of the model", name(family)}});
+                {"family of the model", name(family)}},
+               CellKind::words);
   return section("Scene", out);
 }
 
@@ -214,8 +215,7 @@ std::string errors(const ReportInput& in) {
     row(
         "force (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.force; }, true);
     row("displacement (17)", [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement; });
-    row("tenth with the largest displacements",
-        [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement_moving; });
+    row("most moved tenth", [](const GroupErrors& e) -> const ErrorStatistics& { return e.displacement_moving; });
     row("field, relative L2", [](const GroupErrors& e) -> const ErrorStatistics& { return e.field_l2; });
   }
   const Model& model = in.model.model();
@@ -428,7 +428,8 @@ std::string origin(const ReportInput& in) {
                                                  {"physics of the scene", in.model.model().physics_hash},
                                                  {"mesh", in.model.model().mesh_hash},
                                                  {"seed of the probes", std::to_string(in.seed)},
-                                                 {"time of the solves", fmt::format("{:.0f} s", in.report.seconds)}}));
+                                                 {"time of the solves", fmt::format("{:.0f} s", in.report.seconds)}},
+                                                CellKind::words));
 }
 
 }  // namespace
