@@ -126,7 +126,6 @@ class Check {
   void prepare(Variant v);
   double expected_s(Variant v) const;
   const Times& times(Variant v) const { return _times[static_cast<std::size_t>(v)]; }
-  bool only_in_vain(Variant v) const { return times(v).n == 0 && times(v).vain_s > 0; }
   bool solve(Variant v, std::size_t ray, double end);
   double compare(Variant reference, double end);
   double elapsed() const { return _options.clock() - _start; }
@@ -210,7 +209,7 @@ void Check::prepare(Variant v) {
 /// Expected time of a ray; 0: unknown.
 double Check::expected_s(Variant v) const {
   if (times(v).n > 0) return times(v).finished_s / times(v).n;
-  if (only_in_vain(v)) return 2 * times(v).vain_s;
+  if (times(v).vain_s > 0) return 2 * times(v).vain_s;
   if (v == Variant::scene) return 0;
   return expected_s(Variant::scene) * std::pow(body(v).unknowns / body(Variant::scene).unknowns, cost_exponent);
 }
@@ -258,16 +257,18 @@ double Check::compare(Variant reference, double end) {
     const Variant next = is_new ? Variant::scene : reference;
     const double expected = std::max(least[ray], expected_s(reference) + (is_new ? expected_s(next) : 0));
     const double before = elapsed(), left = end - before;
-    // What other probes did not finish in says little about one that was not tried.
-    const bool is_known = least[ray] > 0 || !(only_in_vain(reference) || (is_new && only_in_vain(next)));
+    // A time that no probe has needed is a guess, which may be ten times too large.
+    const bool is_guess = least[ray] == 0 && (times(reference).n == 0 || (is_new && times(next).n == 0));
+    const bool is_tried = times(reference).n > 0 || times(reference).vain_s > 0;
     waiting.pop_front();
-    if (left <= 0 || (expected > left && is_known)) {
+    if (left <= 0 || expected > (is_guess ? 10 * left : left)) {
       cost(reference).left_out = "time";
       cost(reference).predicted_s = expected;
       needed_s += expected;
       continue;
     }
-    const double fitting = std::clamp(std::floor(left / expected), 1.0, static_cast<double>(waiting.size() + 1));
+    const double n_left = static_cast<double>(waiting.size() + 1);
+    const double fitting = is_tried ? std::clamp(std::floor(left / expected), 1.0, n_left) : n_left;
     if (solve(next, ray, before + left / fitting)) {
       needed_s += elapsed() - before;
       if (is_new) waiting.push_front(ray);
