@@ -48,7 +48,7 @@ void add_commands(CLI::App& app) {
 void print_help(const CLI::App& app, const CLI::ParseError& call) {
   std::ostringstream results, messages;
   app.exit(call, results, messages);
-  cli::print_result("{}", results.str());
+  cli::write_stdout(results.str());
 }
 
 /// The commands whose ranks share the work. Under mpirun each rank of any other would write the same files.

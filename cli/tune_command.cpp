@@ -56,21 +56,21 @@ std::optional<double> limit(const std::optional<std::string>& text, const char* 
 void print_table(const TuningReport& report, const std::optional<std::size_t>& chosen, ErrorStatistic statistic) {
   const bool by_median = statistic == ErrorStatistic::median;
   const char* middle = by_median ? "median" : "mean";
-  print_result("{:<40} {:>15} {:>15} {:>15} {:>9} {:>9} {:>9}\n", "", "force inside", "displ. inside", "displ. beyond",
+  print_result("{:<36} {:>13} {:>13} {:>13} {:>6} {:>7} {:>6}\n", "", "force inside", "displ. inside", "displ. beyond",
                "force", "deform.", "memory");
-  print_result("{:<40} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>9}\n", "model, errors of eq. (17) in %",
+  print_result("{:<36} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>6} {:>7} {:>6}\n", "model, errors of eq. (17) in %",
                middle, "p95", middle, "p95", middle, "p95", "us", "us", "MB");
   const auto errors = [&](const PredictorErrors& e) {
     for (const auto& some : {e.inside.force, e.inside.displacement, e.outside.displacement})
-      print_result(" {:7.2f} {:7.2f}", 100 * (by_median ? some.median : some.mean), 100 * some.p95);
+      print_result(" {:6.2f} {:6.2f}", 100 * (by_median ? some.median : some.mean), 100 * some.p95);
   };
   for (std::size_t i = 0; i < report.models.size(); ++i) {
     const auto& m = report.models[i];
-    print_result("{} {:<38}", chosen == i ? '>' : m.on_front ? '*' : ' ', m.candidate.name);
+    print_result("{} {:<34}", chosen == i ? '>' : m.on_front ? '*' : ' ', m.candidate.name);
     errors(m.errors);
-    print_result(" {:9.2f} {:9.1f} {:9.2f}\n", m.speed.force_us, m.speed.deformation_us, m.memory_bytes / 1e6);
+    print_result(" {:6.2f} {:7.1f} {:6.2f}\n", m.speed.force_us, m.speed.deformation_us, m.memory_bytes / 1e6);
   }
-  print_result("  {:<38}", "(linear predictor)");
+  print_result("  {:<34}", "(linear predictor)");
   errors(report.linear);
   print_result("\n> chosen; * no other model is better in error ({}), time and memory\n",
                statistic_names.at(statistic));

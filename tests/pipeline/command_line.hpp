@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 #include <string>
 
@@ -26,6 +27,9 @@ inline std::string read_file(const std::filesystem::path& file) {
 inline void write_file(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
 }
+
+/// The text with its lines as they were before the command broke those of more than 100 characters.
+inline std::string unbroken(const std::string& text) { return std::regex_replace(text, std::regex("\n +"), " "); }
 
 struct Outcome {
   int exit_status = -1;

@@ -26,7 +26,7 @@ class Patches : public CommandLine {
     write_file(folder / "scene.toml", text);
     const auto meshed = phynness("mesh scene.toml -o mesh.msh");
     EXPECT_EQ(meshed.exit_status, 0) << meshed.err;
-    return meshed.err;
+    return unbroken(meshed.err);
   }
   static std::string recommended(const std::string& key, const std::string& words) {
     std::smatch found;
