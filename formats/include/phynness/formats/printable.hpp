@@ -6,8 +6,8 @@
 
 namespace phynness {
 
-/// The text as UTF-8 in which every character can be seen. Escaped by their bytes, as \x1b, are bytes that are no UTF-8,
-/// control characters, which could change what a terminal shows, and characters without width or that change the
+/// The text as UTF-8 in which every character can be seen. Escaped by their bytes, as \x1b, are bytes that are no
+/// UTF-8, control characters, which could change what a terminal shows, and characters without width or that change the
 /// direction of others, by which two different names could look alike. Line breaks and tabs stay.
 std::string printable(std::string_view text);
 

@@ -110,8 +110,8 @@ class ProbeSolver {
   /// keep between calls.
   void recover();
 
-  /// `stop` is asked between two iterations. A solve that is still at work `patience_s` seconds after it first said true
-  /// throws Interrupted: by default most rays under way are finished, and none keeps a person waiting.
+  /// `stop` is asked between two iterations. A solve that is still at work `patience_s` seconds after it first said
+  /// true throws Interrupted: by default most rays under way are finished, and none keeps a person waiting.
   void set_stop(std::function<bool()> stop, double patience_s = 2);
 
   int n_dofs() const;
