@@ -132,7 +132,7 @@ TEST_F(AbsurdInput, ControlCharactersReachNoTerminal) {
   write_file(folder / "scene.toml", text);
   const auto info = phynness("info scene.toml");
   EXPECT_EQ(info.exit_status, 0) << info.err;
-  EXPECT_NE(info.out.find("\\x1b[31mred\\x07\\x9b"), std::string::npos) << info.out;
+  EXPECT_NE(info.out.find("\\x1b[31mred\\x07\\xc2\\x9b"), std::string::npos) << info.out;
   write_scene_with("element", "element = \"a\\u0000\\u001b[2J\"");
   const auto refused = phynness("info changed.toml");
   EXPECT_EQ(refused.exit_status, 2);
