@@ -245,9 +245,10 @@ bool Check::solve(Variant v, std::size_t ray, double end) {
 /// Compares all probes with one reference until `end`, and solves those probes of the scene that are not yet solved. Of
 /// the time that is left every waiting probe has the same share, but at least what it is expected to need. A probe that
 /// needs more is given up and tried again after the others, if twice that time is left.
-/// @return time that all probes need, of those that were omitted as expected
+/// @return time that was used, and that the omitted probes are expected to need: more than there was, if any is omitted
 double Check::compare(Variant reference, double end) {
-  double needed_s = 0;
+  const double begin = elapsed();
+  double omitted_s = 0;
   std::vector<double> least(_rays.size(), 0.0);  // twice the time that did not suffice
   std::deque<std::size_t> waiting(_rays.size());
   std::iota(waiting.begin(), waiting.end(), std::size_t{0});
@@ -264,20 +265,19 @@ double Check::compare(Variant reference, double end) {
     if (left <= 0 || expected > (is_guess ? 10 * left : left)) {
       cost(reference).left_out = "time";
       cost(reference).predicted_s = expected;
-      needed_s += expected;
+      omitted_s += expected;
       continue;
     }
     const double n_left = static_cast<double>(waiting.size() + 1);
     const double fitting = is_tried ? std::clamp(std::floor(left / expected), 1.0, n_left) : n_left;
     if (solve(next, ray, before + left / fitting)) {
-      needed_s += elapsed() - before;
       if (is_new) waiting.push_front(ray);
     } else {
       least[ray] = 2 * (elapsed() - before);
       waiting.push_back(ray);
     }
   }
-  return needed_s;
+  return elapsed() - begin + omitted_s;
 }
 
 DiscretizationReport Check::run() {
