@@ -1,12 +1,12 @@
-#include <gmsh.h>
+#include "generate.hpp"
+
+#include <dlfcn.h>
 
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <phynness/formats/error.hpp>
 
-#include "generate.hpp"
-#include "gmsh_session.hpp"
+#include "gmsh_module.hpp"
 #include "mirror.hpp"
 
 namespace phynness::meshes {
@@ -27,32 +27,29 @@ double volume(const RawMesh& raw) {
   return six / 6;
 }
 
+/// Loads gmsh at the first call. The dynamic linker looks beside the installed libraries, or in the folder of the
+/// build.
+const GmshModule& gmsh() {
+  static const GmshModule* const module = [] {
+    if (!PHYNNESS_GMSH)
+      throw input_error("filling a surface or a built-in shape needs gmsh, and this program was built without it", "",
+                        "give a file that holds tetrahedra, or build with PHYNNESS_WITH_GMSH=ON");
+    // Never unloaded, because libraries below gmsh keep pointers to their code until the program ends.
+    void* const library = dlopen("phynness_gmsh.so", RTLD_LAZY | RTLD_LOCAL);
+    const void* const functions = library ? dlsym(library, "phynness_gmsh") : nullptr;
+    if (!functions)
+      throw failure("gmsh cannot be loaded", dlerror(),
+                    "check the installation of libgmsh, and that cmake --install has installed phynness_gmsh.so");
+    return static_cast<const GmshModule*>(functions);
+  }();
+  return *module;
+}
+
 }  // namespace
 
 RawMesh fill(const Surface& surface) {
-  // gmsh compares with absolute tolerances, so that lengths are given in edge lengths for bodies of any size.
   const double unit = mean_edge(surface.nodes, surface.triangles);
-  const GmshSession session;
-  RawMesh raw;
-  session.run("fill the surface with tetrahedra", [&] {
-    gmsh::model::addDiscreteEntity(2, 1);
-    std::vector<std::size_t> tags(static_cast<std::size_t>(surface.nodes.rows()));
-    std::iota(tags.begin(), tags.end(), std::size_t{1});
-    std::vector<double> x;
-    for (Eigen::Index i = 0; i < surface.nodes.size(); ++i) x.push_back(surface.nodes.data()[i] / unit);
-    gmsh::model::mesh::addNodes(2, 1, tags, x);
-    std::vector<std::size_t> elements(static_cast<std::size_t>(surface.triangles.rows())), nodes;
-    std::iota(elements.begin(), elements.end(), std::size_t{1});
-    for (Eigen::Index i = 0; i < surface.triangles.size(); ++i)
-      nodes.push_back(static_cast<std::size_t>(surface.triangles.data()[i]) + 1);
-    gmsh::model::mesh::addElementsByType(1, 2, elements, nodes);
-    gmsh::model::geo::addSurfaceLoop({1}, 1);
-    gmsh::model::geo::addVolume({1}, 1);
-    gmsh::model::geo::synchronize();
-    gmsh::model::mesh::generate(3);
-
-    raw = session.tetrahedra();
-  });
+  RawMesh raw = gmsh().fill({surface.nodes / unit, surface.triangles});
   // The given nodes are restored exactly, because division and multiplication by the unit round them.
   for (std::size_t i = 0; i < raw.nodes.size(); ++i)
     for (int k = 0; k < 3; ++k) {
@@ -84,31 +81,8 @@ RawMesh mesh_solid(const Solid& solid, double edge_m) {
     return std::ldexp(std::round(std::ldexp(fraction, bits)), exponent - bits);
   };
   const Vec3 size{in_edges(size_m[0]), in_edges(size_m[1]), in_edges(size_m[2])};
-  const GmshSession session;
-  RawMesh raw;
-  session.run("mesh the built-in shape", [&] {
-    if (!round) {
-      gmsh::model::occ::addBox(0, 0, 0, size[0], size[1], size[2]);
-    } else {
-      const double angle = (axis == 0 || axis == 1 ? 1 : 2) * std::numbers::pi;  // half: y >= 0
-      const int outer = gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, size[2], size[0], -1, angle);
-      if (solid.shape == Shape::tube) {
-        const int hole =
-            gmsh::model::occ::addCylinder(0, 0, 0, 0, 0, size[2], in_edges(solid.inner_radius_m), -1, angle);
-        gmsh::vectorpair result;
-        std::vector<gmsh::vectorpair> map;
-        gmsh::model::occ::cut({{3, outer}}, {{3, hole}}, result, map);
-      }
-    }
-    gmsh::model::occ::synchronize();
-    // The given size determines the edges on faces and inside. Otherwise the integer number of pieces of each edge
-    // would determine them, and the number of nodes would jump.
-    gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
-    gmsh::option::setNumber("Mesh.MeshSizeMin", 1);
-    gmsh::option::setNumber("Mesh.MeshSizeMax", 1);
-    gmsh::model::mesh::generate(3);
-    raw = session.tetrahedra();
-  });
+  const double angle = (axis == 0 || axis == 1 ? 1 : 2) * std::numbers::pi;
+  RawMesh raw = gmsh().solid(solid.shape, size, in_edges(solid.inner_radius_m), angle);
   for (auto& x : raw.nodes)
     for (std::size_t k = 0; k < 3; ++k) x[k] *= size_m[k] / size[k];
   if (axis < 0) return raw;
@@ -119,6 +93,19 @@ RawMesh mesh_solid(const Solid& solid, double edge_m) {
   // Round halves begin at the axis of the shape; all others lie in [0, middle].
   if (!(round && axis < 2)) point[axis] = size_m[axis];
   return with_mirror_image(std::move(raw), point, normal, 1e-6 * unit, "the built-in shape");
+}
+
+RawMesh mesh_drain(const Drain& drain, double edge_m) {
+  const int axis = drain.mirror_axis;
+  RawMesh raw = gmsh().drain({drain.radius_m / edge_m, drain.length_m / edge_m, drain.slit_length_m / edge_m,
+                              drain.slit_width_m / edge_m, axis});
+  for (auto& x : raw.nodes)
+    for (auto& component : x) component *= edge_m;
+  if (axis < 0) return raw;
+  Eigen::RowVector3d normal = Eigen::RowVector3d::Zero(), point = normal;
+  normal[axis] = 1;
+  if (axis == 2) point[axis] = drain.length_m / 2;
+  return with_mirror_image(std::move(raw), point, normal, 1e-6 * edge_m, "shape 'drain'");
 }
 
 }  // namespace phynness::meshes

@@ -1,0 +1,24 @@
+// What the module phynness_gmsh.so makes. It alone is linked with gmsh, because the loading of gmsh takes 0.1 s:
+// programs load it when they make their first mesh.
+#pragma once
+
+#include "generate.hpp"
+
+namespace phynness::meshes {
+
+/// gmsh compares with absolute tolerances, so that all lengths are given in edge lengths. Each function throws an Error
+/// with what gmsh says.
+struct GmshModule {
+  /// Tetrahedra inside a closed surface. Its nodes come first, in their order.
+  RawMesh (*fill)(const Surface& surface);
+  /// A box, or a cylinder or tube around z from 0 to size[2]. Edges have the length 1.
+  /// @param size   of a box; radius, radius and length of the others
+  /// @param angle  of the cylinder and the tube: pi is the half y >= 0
+  RawMesh (*solid)(Shape shape, const Vec3& size, double inner_radius, double angle);
+  /// Triangles of the drain, or of the half that its mirror plane leaves. Edges have the length 1.
+  RawMesh (*drain)(const Drain& drain);
+};
+
+extern "C" const GmshModule phynness_gmsh;
+
+}  // namespace phynness::meshes

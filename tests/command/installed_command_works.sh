@@ -1,0 +1,17 @@
+#!/bin/sh
+# Claim: what cmake --install lays down works in any folder, without the build: the command meshes a shape with gmsh, and
+# says what is missing when its module is.
+# Usage: installed_command_works.sh CMAKE BUILD WORK SCENE
+set -eu
+cmake=$1 build=$2 work=$3 scene=$4
+rm -rf "$work"
+for part in cli meshes; do
+  "$cmake" -DCMAKE_INSTALL_PREFIX="$work/first" -P "$build/$part/cmake_install.cmake" >/dev/null
+done
+mv "$work/first" "$work/moved"
+"$work/moved/bin/phynness" mesh "$scene" -o "$work/mesh.msh"
+grep -q MeshFormat "$work/mesh.msh"
+find "$work/moved" -name phynness_gmsh.so -delete
+! "$work/moved/bin/phynness" mesh "$scene" -o "$work/none.msh" 2>"$work/error"
+grep -q "gmsh cannot be loaded.*phynness_gmsh.so" "$work/error"
+grep -q "remedy: check the installation of libgmsh" "$work/error"
