@@ -1,8 +1,8 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <phynness/evaluation/runtime_speed.hpp>
 #include <phynness/formats/error.hpp>
-#include <phynness/validation/validation.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"

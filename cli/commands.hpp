@@ -69,6 +69,10 @@ namespace run_command {
 void add(CLI::App& app);
 }
 
+/// Executes the program with the solver instead of this one, if it is another one and has the subcommand argv[1].
+/// @throws Error (failure) if it cannot be started
+void leave_to_solver(char** argv);
+
 /// Reads a scene and declares the mesh file that it names as an input of the command.
 /// @throws Error (input) if the scene is invalid or if an output of the command would overwrite the mesh file
 Scene open_scene(const std::filesystem::path& file);

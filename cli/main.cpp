@@ -92,6 +92,7 @@ int run_command_line(int argc, char** argv) {
     cli::check_files(app);
   });
   try {
+    cli::leave_to_solver(argv);
     if (argc > 1 && argv[1][0] != '-' && !is_subcommand(app, argv[1]))
       throw input_error("there is no such subcommand", argv[1], "phynness --help lists the subcommands");
     app.parse(argc, argv);

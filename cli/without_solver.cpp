@@ -1,4 +1,10 @@
-// The subcommands that need dolfinx, for a build without it. They only report that they are missing.
+// The subcommands that need dolfinx, in the program that is not linked with it: another program executes them. In a
+// build without dolfinx they only report that they are missing.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <phynness/formats/error.hpp>
 
 #include "plan.hpp"
@@ -26,6 +32,18 @@ void tune_command::add(CLI::App& app) { add_refusal(app, "tune"); }
 void check_command::add(CLI::App& app) { add_refusal(app, "check"); }
 void solve_command::add(CLI::App& app) { add_refusal(app, "solve"); }
 void run_command::add(CLI::App& app) { add_refusal(app, "run"); }
+
+void leave_to_solver(char** argv) {
+  constexpr std::string_view commands[] = {"check",    "plan", "precompute", "calibrate",
+                                           "validate", "tune", "solve",      "run"};
+  // Help and the version are texts of all subcommands together.
+  if (!PHYNNESS_SOLVER || (argv[1] && argv[1][0] != '-' && std::ranges::find(commands, argv[1]) == std::end(commands)))
+    return;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe").replace_filename("phynness-solver");
+  execv(program.c_str(), argv);
+  throw failure("the program with the solver cannot be started", program.string() + ": " + std::strerror(errno),
+                "cmake --install lays it beside the program phynness; keep them together");
+}
 
 PlanBasis basis_of_scene(const PlanOptions& options) {
   throw no_solver("phynness plan " + options.source.string() + " (a plan from a finished database.h5 is possible)");

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Claim: what cmake --install lays down works in any folder, without the build: the command meshes a shape with gmsh, and
-# says what is missing when its module is.
+# Claim: what cmake --install lays down works in any folder, without the build: the command meshes a shape with gmsh and
+# starts the program with the solver, and says what is missing when one of them is.
 # Usage: installed_command_works.sh CMAKE BUILD WORK SCENE
 set -eu
 cmake=$1 build=$2 work=$3 scene=$4
@@ -11,6 +11,10 @@ done
 mv "$work/first" "$work/moved"
 "$work/moved/bin/phynness" mesh "$scene" -o "$work/mesh.msh"
 grep -q MeshFormat "$work/mesh.msh"
+"$work/moved/bin/phynness" --version
+rm "$work/moved/bin/phynness-solver"
+! "$work/moved/bin/phynness" check "$scene" 2>"$work/error"
+grep -q "solver cannot be started.*bin/phynness-solver" "$work/error"
 find "$work/moved" -name phynness_gmsh.so -delete
 ! "$work/moved/bin/phynness" mesh "$scene" -o "$work/none.msh" 2>"$work/error"
 grep -q "gmsh cannot be loaded.*phynness_gmsh.so" "$work/error"
