@@ -2,7 +2,7 @@
 # Claim: the runtime builds from its own folder, installs, in double and in float, and external programs in C and C++17, the latter without
 # exceptions, find and use it, static and shared, by CMake and by pkg-config, also after the installation was moved. A program may hold both; one
 # that is compiled for float does not link with the library in double, nor the other way round. A status of the C++ wrapper
-# that is overlooked does not compile.
+# that is overlooked does not compile. Every header that is installed compiles alone: none includes one that is not.
 # Usage: builds_alone_and_installs.sh CMAKE RUNTIME_SOURCE CONSUMER_SOURCE WORK_DIR
 set -euo pipefail
 cmake=$1
@@ -14,6 +14,10 @@ rm -rf "$work"
 "$cmake" -S "$runtime" -B "$work/runtime" -DCMAKE_INSTALL_PREFIX="$work/prefix" > "$work.log"
 "$cmake" --build "$work/runtime" >> "$work.log"
 "$cmake" --install "$work/runtime" >> "$work.log"
+for header in "$work"/prefix/include/phynness/*; do
+  [[ $header == *.h* ]] || { echo "not a header for devices: $header"; exit 1; }
+  [[ $header == */eigen.hpp ]] || "${CXX:-c++}" -std=c++17 -fsyntax-only -I"$work/prefix/include" -x c++ "$header" -w
+done
 "$cmake" -S "$consumer" -B "$work/consumer" -DCMAKE_PREFIX_PATH="$work/prefix" >> "$work.log"
 "$cmake" --build "$work/consumer" >> "$work.log"
 "$work/consumer/c_consumer"
