@@ -7,24 +7,23 @@
 #include <cstring>
 #include <phynness/formats/error.hpp>
 
-#include "plan.hpp"
+#include "commands.hpp"
 
 namespace phynness::cli {
 namespace {
 
-Error no_solver(const std::string& what) {
-  return input_error("this build has no finite element solver", what,
-                     "build with -DPHYNNESS_WITH_DOLFINX=ON on a machine that has dolfinx");
-}
-
 void add_refusal(CLI::App& app, const std::string& name) {
   auto* command = app.add_subcommand(name, "(not in this build, because it needs dolfinx)");
   command->allow_extras();
-  command->callback([name] { throw no_solver("phynness " + name); });
+  command->callback([name] {
+    throw input_error("this build has no finite element solver", "phynness " + name,
+                      "build with -DPHYNNESS_WITH_DOLFINX=ON on a machine that has dolfinx");
+  });
 }
 
 }  // namespace
 
+void plan_command::add(CLI::App& app) { add_refusal(app, "plan"); }
 void precompute_command::add(CLI::App& app) { add_refusal(app, "precompute"); }
 void calibrate_command::add(CLI::App& app) { add_refusal(app, "calibrate"); }
 void validate_command::add(CLI::App& app) { add_refusal(app, "validate"); }
@@ -43,10 +42,6 @@ void leave_to_solver(char** argv) {
   execv(program.c_str(), argv);
   throw failure("the program with the solver cannot be started", program.string() + ": " + std::strerror(errno),
                 "cmake --install lays it beside the program phynness; keep them together");
-}
-
-PlanBasis basis_of_scene(const PlanOptions& options) {
-  throw no_solver("phynness plan " + options.source.string() + " (a plan from a finished database.h5 is possible)");
 }
 
 }  // namespace phynness::cli

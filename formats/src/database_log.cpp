@@ -5,6 +5,7 @@
 #include <cstring>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/hash.hpp>
+#include <phynness/formats/ray_tasks.hpp>
 
 namespace phynness::database_log {
 namespace {
@@ -166,3 +167,7 @@ Ray decode(const unsigned char* payload, const Layout& layout) {
 }
 
 }  // namespace phynness::database_log
+
+double phynness::record_bytes(const DatabaseHeader& header) {
+  return static_cast<double>(database_log::Layout(header).record_bytes());
+}

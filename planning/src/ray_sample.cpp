@@ -108,30 +108,4 @@ std::optional<double> RaySample::relative_error() const {
   return std::sqrt(squares * n / (n - 1)) / weight / mean;
 }
 
-RayWork work_like(const RaySample& sample, const std::vector<RayIndex>& rays, const std::vector<char>& requested,
-                  std::size_t n_directions, std::uint64_t seed) {
-  RayWork work;
-  work.rays = rays;
-  work.seconds.assign(rays.size(), 0.0);
-  if (sample.rays.empty()) return work;
-
-  std::vector<std::size_t> solved;
-  for (std::size_t i = 0; i < rays.size(); ++i)
-    if (requested[static_cast<std::size_t>(rays[i].active) * n_directions +
-                  static_cast<std::size_t>(rays[i].direction)])
-      solved.push_back(i);
-  std::mt19937_64 random(seed);
-  for (std::size_t i = solved.size(); i > 1; --i) std::swap(solved[i - 1], solved[draw(random, i)]);
-  double weight = 0;
-  for (const auto& ray : sample.rays) weight += ray.weight;
-  std::size_t from = 0;
-  double passed = sample.rays[0].weight;
-  for (std::size_t i = 0; i < solved.size(); ++i) {
-    const double place = weight * (static_cast<double>(i) + 0.5) / static_cast<double>(solved.size());
-    while (passed < place && from + 1 < sample.rays.size()) passed += sample.rays[++from].weight;
-    work.seconds[solved[i]] = sample.seconds[from];
-  }
-  return work;
-}
-
 }  // namespace phynness

@@ -117,7 +117,7 @@ class Overwriting : public CommandLine {
     std::vector<Use> found{{command, "", {}, all.of_type("OUTPUT")}};
     for (const auto& option : all.options) {
       if (option.type == "OUTPUT" || !(option.required || option.type == "INPUT")) continue;
-      const bool either = option.name == "SCENE" && (command == "plan" || command == "solve");
+      const bool either = option.name == "SCENE" && command == "solve";
       std::vector<Use> longer;
       for (const auto& use : found)
         for (const auto& [words, read] : values(either ? "SCENE or database" : option.name)) {

@@ -1,17 +1,14 @@
 // Claim: the sample of a plan covers active nodes and directions evenly and is the same for the same seed, and
-// estimates keep the mean of the sample. Sizes tried with a few rays are those of the whole database and model.
+// estimates keep the mean of the sample. The predicted size of a model is that of its text.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 #include <phynness/formats/model.hpp>
 #include <phynness/planning/model_size.hpp>
-#include <phynness/planning/packing_trial.hpp>
 #include <phynness/planning/ray_sample.hpp>
-#include <set>
 
 #include "../block_mesh.hpp"
-#include "../formats/database_under_test.hpp"
 
 namespace phynness {
 namespace {
@@ -100,27 +97,14 @@ TEST(RaySample, nodes_near_fixed_ones_come_more_often_and_weigh_less) {
   EXPECT_NEAR(cost / weight, 1.9, 0.2 * 1.9);
 }
 
-TEST(RaySample, all_rays_cost_what_the_sample_costs_on_average) {
+TEST(RaySample, its_mean_is_weighted) {
   RaySample sample;
   sample.rays = {{0, 0, 1}, {0, 1, 1}, {4, 2, 1}, {4, 3, 1}};
   sample.seconds = {2, 4, 6, 8};
   EXPECT_EQ(sample.mean_ray_seconds(), 5);
-  std::vector<char> requested(10 * 4, 1);
-  requested[7] = requested[8] = requested[9] = requested[10] = 0;
-  std::vector<RayIndex> rays;
-  for (int ray = 0; ray < 40; ++ray) rays.push_back({ray / 4, ray % 4});
-  const auto work = work_like(sample, rays, requested, 4, 1);
-  EXPECT_EQ(work.n_rays(), 40u);
-  EXPECT_EQ(work.total_seconds(), 36 * 5);
-  for (const std::size_t ray : {7, 8, 9, 10}) EXPECT_EQ(work.seconds[ray], 0);
-  EXPECT_EQ(work.rays[39].active, 9);
-  std::set<double> values(work.seconds.begin(), work.seconds.end());
-  EXPECT_EQ(values, (std::set<double>{0, 2, 4, 6, 8}));
-  // The second node stands for twice as many rays: (2 + 4 + 2 (6 + 8)) / 6, and 36 rays in shares of 6, 6,
-  // 12, 12.
+  // The second node stands for twice as many rays: (2 + 4 + 2 (6 + 8)) / 6.
   sample.rays[2].weight = sample.rays[3].weight = 2;
   EXPECT_NEAR(sample.mean_ray_seconds(), 34.0 / 6, 1e-15 * 10);  // rounding
-  EXPECT_EQ(work_like(sample, rays, requested, 4, 1).total_seconds(), 6 * 2 + 6 * 4 + 12 * 6 + 12 * 8);
 }
 
 TEST(RaySample, a_few_nodes_have_no_standard_error) {
@@ -139,42 +123,6 @@ TEST(RaySample, a_few_nodes_have_no_standard_error) {
     sample.seconds.resize(2 * nodes);
     EXPECT_FALSE(sample.relative_error().has_value()) << nodes;
   }
-}
-
-using PackingTrialTest = test::DatabaseTest;
-
-TEST_F(PackingTrialTest, sizes_are_those_of_the_whole_database) {
-  auto header = test::small_header(false);
-  const auto mesh = test::block_mesh({4, 4, 3}, {0.1, 0.08, 0.05});
-  header.mesh = mesh;
-  header.sets.fixed = {0, 1, 2, 3, 4};
-  header.sets.active.clear();
-  header.sets.output.clear();
-  for (std::int32_t n = 5; n < mesh.n_nodes(); ++n) {
-    header.sets.output.push_back(n);
-    if (n % 2 == 0) header.sets.active.push_back(n);
-  }
-  write_logs(header);
-  DatabaseWriter::pack(file, header);
-  std::vector<Ray> some;
-  const auto all = test::all_rays(header);
-  for (const std::size_t active : {3, 11, 20, 30})
-    for (std::size_t d = 2; d < 6; ++d) some.push_back(all[active * header.directions.size() + d]);
-  const auto trial = try_packing(header, some, folder());
-  const auto predicted = trial.header_bytes + trial.packed_bytes_per_ray * static_cast<double>(all.size());
-  const auto actual = static_cast<double>(std::filesystem::file_size(file));
-  // Random numbers do not compress, but zeros do: in the sample 5 of 16 rays end with a failed increment, in
-  // the whole a third, and a chunk that is not full is padded. A prediction that forgot the tangents would be
-  // 20 % off.
-  EXPECT_NEAR(predicted, actual, 0.05 * actual);
-  EXPECT_GT(trial.pack_s_per_ray, 0);
-  // A record: 3 increments of status, force, energy, tangent, counts, J, seconds, displacements, the reason and three
-  // figures of its end, and its frame.
-  const double record = 3 * (1 + 8 * (3 + 1 + 9 + 2) + 4 * 3) +
-                        4.0 * 3 * 3 * static_cast<double>(header.sets.output.size()) + 1 + 8 * 3 + 8 + 16;
-  EXPECT_GT(trial.record_bytes, record);
-  EXPECT_LT(trial.record_bytes, record + 20);  // the opening of the log, shared by 16 records
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder()), std::filesystem::directory_iterator()), 1);
 }
 
 TEST(ModelSize, follows_networks_and_nodes) {

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <phynness/formats/mesh.hpp>
-#include <phynness/planning/schedule.hpp>
 #include <vector>
 
 namespace phynness {
@@ -40,11 +39,5 @@ struct RaySample {
   /// which are 30 rays because rays are selected in pairs; 71 % with two nodes.
   static constexpr std::size_t fewest_nodes = 15;
 };
-
-/// Assigns the costs of the sample to the requested rays, each equally often, in random order. Other rays cost nothing.
-/// @param rays       rays that are solved or recorded, in the order of rays_left()
-/// @param requested  n_active x n_directions flags
-RayWork work_like(const RaySample& sample, const std::vector<RayIndex>& rays, const std::vector<char>& requested,
-                  std::size_t n_directions, std::uint64_t seed);
 
 }  // namespace phynness
