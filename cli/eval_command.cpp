@@ -231,7 +231,7 @@ void add(CLI::App& app) {
       ->check(CLI::IsMember({"coupled", "paper"}));
   command->add_option("--level", options->level, "level of the model; 0 is the smallest (default: the full one)");
   add_path(*command, "--surface", options->surface, OutputKind::file,
-           "write the surface: undeformed with its displacement (.vtk, .vtu) or deformed (.obj)");
+           "write the surface: undeformed with its displacement (.vtu) or deformed (.obj)");
   command->add_option("--subdivide", options->levels, "levels of subdivision of that surface (Loop's scheme)")
       ->check(CLI::Range(0, 6));
   command->callback([options] {

@@ -25,9 +25,9 @@ std::string obj_text(const VtkGrid& grid, const Eigen::MatrixXd& displacement, c
 
 void check_surface_name(const std::filesystem::path& file) {
   const auto extension = file.extension();
-  if (extension != ".vtk" && extension != ".vtu" && extension != ".obj")
+  if (extension != ".vtu" && extension != ".obj")
     throw input_error("the format of the surface file is unknown", file.string(),
-                      "give --surface a name that ends in .vtk, .vtu or .obj");
+                      "give --surface a name that ends in .vtu or .obj");
 }
 
 std::int32_t write_fine_surface(const LoadedModel& model, const Points& displacement_m, int levels,
@@ -61,8 +61,7 @@ std::int32_t write_fine_surface(const LoadedModel& model, const Points& displace
   if (file.extension() == ".obj") {
     write_text_file(file, obj_text(grid, displacement, title));
   } else {
-    const VtkState state{0, {{"displacement", displacement}}};
-    write_text_file(file, file.extension() == ".vtu" ? vtu_text(grid, state) : legacy_vtk_text(grid, state, title));
+    write_text_file(file, vtu_text(grid, {0, {{"displacement", displacement}}}));
   }
   return n;
 }

@@ -7,7 +7,7 @@
 
 namespace phynness::cli {
 
-/// @throws Error (input) unless the name ends in .vtk, .vtu or .obj
+/// @throws Error (input) unless the name ends in .vtu or .obj
 void check_surface_name(const std::filesystem::path& file);
 
 /// A VTK file has the undeformed surface with the fields `displacement` [m] and `node` (-1: a vertex between nodes). An

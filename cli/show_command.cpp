@@ -19,18 +19,14 @@ struct Options {
   std::string increment;
 };
 
-enum class Kind { xdmf, pvd, vtu, legacy_vtk };
-
-Kind kind_of(const std::filesystem::path& file) {
+/// Whether the file is a collection of all increments. @throws Error (input) if its extension is unknown
+bool is_collection(const std::filesystem::path& file) {
   const auto extension = file.extension();
-  if (extension == ".xdmf") return Kind::xdmf;
-  if (extension == ".pvd") return Kind::pvd;
-  if (extension == ".vtu") return Kind::vtu;
-  if (extension == ".vtk") return Kind::legacy_vtk;
-  throw input_error("the format of the output is unknown", file.string(),
-                    "give -o a name that ends in .xdmf or .pvd (all increments), or in .vtu or .vtk (one increment)");
+  if (extension != ".pvd" && extension != ".vtu")
+    throw input_error("the format of the output is unknown", file.string(),
+                      "give -o a name that ends in .pvd (all increments) or in .vtu (one increment)");
+  return extension == ".pvd";
 }
-bool holds_many(Kind kind) { return kind == Kind::xdmf || kind == Kind::pvd; }
 
 /// Empty: all increments.
 std::optional<int> wanted_increment(const std::string& word) {
@@ -43,17 +39,7 @@ std::optional<int> wanted_increment(const std::string& word) {
   return number;
 }
 
-void write(const ShownResponse& shown, Kind kind, const std::filesystem::path& file, const std::string& title) {
-  switch (kind) {
-    case Kind::xdmf:
-      return write_text_file(file, xdmf_text(shown.grid, shown.states));
-    case Kind::vtu:
-      return write_text_file(file, vtu_text(shown.grid, shown.states.back()));
-    case Kind::legacy_vtk:
-      return write_text_file(file, legacy_vtk_text(shown.grid, shown.states.back(), title));
-    case Kind::pvd:
-      break;
-  }
+void write_collection(const ShownResponse& shown, const std::filesystem::path& file) {
   std::vector<std::string> names;
   std::vector<double> times;
   for (std::size_t i = 0; i < shown.states.size(); ++i) {
@@ -70,13 +56,13 @@ void write(const ShownResponse& shown, Kind kind, const std::filesystem::path& f
 }
 
 void run(const Options& options) {
-  const Kind kind = kind_of(options.output);
-  if (!holds_many(kind) && options.increment == "all")
+  const bool all = is_collection(options.output);
+  if (!all && options.increment == "all")
     throw input_error("this format can only hold one increment", options.output.string(),
-                      "write all increments to a file that ends in .xdmf or .pvd");
+                      "write all increments to a file that ends in .pvd");
   const auto database = Database::open(options.database);
   auto shown = shown_response(database, options.node, options.direction, wanted_increment(options.increment));
-  if (!holds_many(kind)) {
+  if (!all) {
     shown.states.erase(shown.states.begin(), shown.states.end() - 1);
     shown.increments.erase(shown.increments.begin(), shown.increments.end() - 1);
   }
@@ -85,7 +71,10 @@ void run(const Options& options) {
   const auto& e = header.directions[static_cast<std::size_t>(options.direction)];
   const auto title =
       fmt::format("node {}, direction {} ({:.3g} {:.3g} {:.3g})", options.node, options.direction, e[0], e[1], e[2]);
-  write(shown, kind, options.output, title);
+  if (all)
+    write_collection(shown, options.output);
+  else
+    write_text_file(options.output, vtu_text(shown.grid, shown.states.back()));
   const auto& cells = shown.grid.cells;
   print_result(
       "{}: {} points, {} {}, {} increment{} to {:.4g} m -> {}\n", title, shown.grid.points.rows(), cells.rows(),
@@ -99,16 +88,16 @@ void run(const Options& options) {
 
 void add(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand("show", "Write a stored response for ParaView: XDMF, PVD, VTU or VTK");
+  auto* command = app.add_subcommand("show", "Write a stored response for ParaView: PVD or VTU");
   add_path(*command, "DATABASE", options->database, InputKind::whole, "finished database.h5")->required();
   command->add_option("--node", options->node, "number of an active node, starting with 0")->required();
   command->add_option("--direction", options->direction, "number of the direction, starting with 0")->required();
   command->add_option("--increment", options->increment,
-                      "number of the increment, starting with 1, or all (default: all in .xdmf and .pvd, the last "
-                      "converged one in .vtu and .vtk)");
-  add_path(*command, "-o,--output", options->output, OutputKind::file,
-           "file to write: .xdmf, .pvd (with .vtu files in the same folder), .vtu or .vtk; its time is the prescribed "
-           "displacement [m]")
+                      "number of the increment, starting with 1, or all (default: all in .pvd, the last "
+                      "converged one in .vtu)");
+  add_path(
+      *command, "-o,--output", options->output, OutputKind::file,
+      "file to write: .pvd (with .vtu files in the same folder) or .vtu; its time is the prescribed displacement [m]")
       ->required();
   command->callback([options] { run(*options); });
 }

@@ -1,4 +1,4 @@
-// Specifications: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html and https://www.xdmf.org.
+// Specification: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html.
 #include <cassert>
 #include <charconv>
 #include <cstring>
@@ -13,17 +13,6 @@ void append(std::string& text, Number value) {
   char digits[32];
   const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
   text.append(digits, end);
-}
-
-template <class Matrix>
-std::string rows(const Matrix& values) {
-  std::string text;
-  for (Eigen::Index i = 0; i < values.rows(); ++i)
-    for (Eigen::Index k = 0; k < values.cols(); ++k) {
-      append(text, values(i, k));
-      text += k + 1 < values.cols() ? ' ' : '\n';
-    }
-  return text;
 }
 
 std::string attribute(const char* name, Eigen::Index value) {
@@ -100,18 +89,6 @@ std::uint8_t vtk_cell_type(const VtkGrid& grid) {
   }
 }
 
-std::string xdmf_topology(const VtkGrid& grid) {
-  const auto n = grid.cells.rows(), width = grid.cells.cols();
-  const std::string item = "<DataItem Dimensions=\"" + std::to_string(n) + " " + std::to_string(width) +
-                           "\" NumberType=\"Int\" Precision=\"4\" Format=\"XML\">\n" + rows(grid.cells) +
-                           "</DataItem></Topology>\n";
-  if (width == 1)
-    return "<Topology TopologyType=\"Polyvertex\" NodesPerElement=\"1\"" + attribute("NumberOfElements", n) + ">" +
-           item;
-  return std::string("<Topology TopologyType=\"") + (width == 4 ? "Tetrahedron" : "Triangle") + "\"" +
-         attribute("NumberOfElements", n) + ">" + item;
-}
-
 using Column = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 1>;
 Column node_column(const VtkGrid& grid) {
   assert(static_cast<Eigen::Index>(grid.node_numbers.size()) == grid.points.rows());
@@ -142,59 +119,6 @@ std::string vtu_text(const VtkGrid& grid, const VtkState& state) {
           "      </Cells>\n      <PointData>\n" + data_array("node", "Int32", node_column(grid), false);
   for (const auto& field : state.fields) text += data_array(field.name, "Float64", field.values, true);
   return text + "      </PointData>\n    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
-}
-
-std::string legacy_vtk_text(const VtkGrid& grid, const VtkState& state, const std::string& title) {
-  const auto n_points = std::to_string(grid.points.rows());
-  const Eigen::Index n_cells = grid.cells.rows(), width = grid.cells.cols();
-  // The format limits the title to one line of 256 characters.
-  std::string line = title.substr(0, 250);
-  for (char& c : line)
-    if (c == '\n' || c == '\r') c = ' ';
-  std::string text = "# vtk DataFile Version 3.0\n" + line + "\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS " + n_points +
-                     " double\n" + rows(grid.points);
-  text += "CELLS " + std::to_string(n_cells) + " " + std::to_string(n_cells * (width + 1)) + "\n";
-  for (Eigen::Index i = 0; i < n_cells; ++i) {
-    append(text, width);
-    text += ' ' + rows(grid.cells.row(i).eval());
-  }
-  text += "CELL_TYPES " + std::to_string(n_cells) + "\n";
-  for (Eigen::Index i = 0; i < n_cells; ++i) text += std::to_string(vtk_cell_type(grid)) + "\n";
-  text += "POINT_DATA " + n_points + "\nSCALARS node int 1\nLOOKUP_TABLE default\n" + rows(node_column(grid));
-  for (const auto& field : state.fields) {
-    text += field.values.cols() == 3 ? "VECTORS " + field.name + " double\n"
-                                     : "SCALARS " + field.name + " double 1\nLOOKUP_TABLE default\n";
-    text += rows(field.values);
-  }
-  return text;
-}
-
-std::string xdmf_text(const VtkGrid& grid, const std::vector<VtkState>& states) {
-  const auto n = std::to_string(grid.points.rows());
-  const auto numbers = [](const std::string& dimensions) {
-    return "<DataItem Dimensions=\"" + dimensions + "\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">\n";
-  };
-  const std::string body = xdmf_topology(grid) + "<Geometry GeometryType=\"XYZ\">" + numbers(n + " 3") +
-                           rows(grid.points) + "</DataItem></Geometry>\n" +
-                           "<Attribute Name=\"node\" AttributeType=\"Scalar\" Center=\"Node\"><DataItem "
-                           "Dimensions=\"" +
-                           n + "\" NumberType=\"Int\" Precision=\"4\" Format=\"XML\">\n" + rows(node_column(grid)) +
-                           "</DataItem></Attribute>\n";
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\"><Domain>\n"
-      "<Grid Name=\"response\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (const auto& state : states) {
-    text += "<Grid Name=\"body\" GridType=\"Uniform\">\n<Time Value=\"";
-    append(text, state.time);
-    text += "\"/>\n" + body;
-    for (const auto& field : state.fields) {
-      const bool vector = field.values.cols() == 3;
-      text += "<Attribute Name=\"" + field.name + "\" AttributeType=\"" + (vector ? "Vector" : "Scalar") +
-              "\" Center=\"Node\">" + numbers(vector ? n + " 3" : n) + rows(field.values) + "</DataItem></Attribute>\n";
-    }
-    text += "</Grid>\n";
-  }
-  return text + "</Grid>\n</Domain></Xdmf>\n";
 }
 
 std::string pvd_text(const std::vector<std::string>& files, const std::vector<double>& times) {

@@ -83,7 +83,7 @@ TEST_F(Outputs, OfAReadOnlyFolderAreRefused) {
     return shell((geteuid() == 0 ? "setpriv --reuid=65534 --clear-groups \"$PHYNNESS\" " : "\"$PHYNNESS\" ") + line);
   };
   if (as_user("--version").exit_status != 0) GTEST_SKIP() << "nobody may run the command";
-  const auto outcome = as_user(eval() + "--json closed/x.json --deformation fresh/ok.csv --surface fresh/ok.vtk");
+  const auto outcome = as_user(eval() + "--json closed/x.json --deformation fresh/ok.csv --surface fresh/ok.vtu");
   EXPECT_EQ(outcome.exit_status, 2);
   expect_error(outcome.err, {"--json", "closed/x.json", "not writable"});
   EXPECT_TRUE(fs::is_empty(folder / "fresh"));
@@ -91,11 +91,11 @@ TEST_F(Outputs, OfAReadOnlyFolderAreRefused) {
 
 TEST_F(Outputs, ThatFailAtTheEndCostNoOthers) {
   // /dev/full takes no byte, which shows only when something is written.
-  fs::create_symlink("/dev/full", folder / "full.vtk");
-  const auto written = phynness(eval() + "--deformation /dev/full --json fresh/ok.json --surface full.vtk");
+  fs::create_symlink("/dev/full", folder / "full.vtu");
+  const auto written = phynness(eval() + "--deformation /dev/full --json fresh/ok.json --surface full.vtu");
   EXPECT_EQ(written.exit_status, 1);
   EXPECT_TRUE(json("fresh/ok.json").contains("tools"));
-  for (const char* part : {"/dev/full", "full.vtk"})
+  for (const char* part : {"/dev/full", "full.vtu"})
     EXPECT_NE(written.err.find(std::string("writing failed: ") + part), std::string::npos) << written.err;
   EXPECT_EQ(phynness("mesh scene.toml -o fresh/m.msh --json /dev/full").exit_status, 1);
   EXPECT_TRUE(fs::exists(folder / "fresh/m.msh"));

@@ -134,7 +134,7 @@ TEST_F(Queries, WithAnInactiveNodeNameTheNearest) {
 TEST_F(Queries, AreNotMixedWithASingleOne) {
   write_file(folder / "queries.csv", "node,ux_m,uy_m,uz_m\n" + std::to_string(nodes[0]) + ",0,0,0\n");
   for (const std::string more :
-       {"--node 1 --displacement 0,0,0", "--json a.json", "--deformation a.csv", "--surface a.vtk", "--point 0,0,0"}) {
+       {"--node 1 --displacement 0,0,0", "--json a.json", "--deformation a.csv", "--surface a.vtu", "--point 0,0,0"}) {
     const auto outcome = phynness("eval modal --queries queries.csv " + more);
     EXPECT_EQ(outcome.exit_status, 2) << more;
     EXPECT_NE(outcome.err.find("--queries"), std::string::npos) << outcome.err;

@@ -1,4 +1,4 @@
-"""Claim: VTK and meshio read the output of `phynness show` in every format, with exactly the numbers of the database.
+"""Claim: VTK and meshio read the output of `phynness show` with exactly the numbers of the database.
 The cells are tetrahedra, triangles or points, according to the stored nodes.
 
 Usage: shown_responses_open_elsewhere.py WRITE_DATABASE PHYNNESS
@@ -57,25 +57,12 @@ def vtk_reader(reader, file):
 
 def meshio_states(file):
     """[(time or None, points, cells, fields), ...]"""
-    if file.endswith(".xdmf"):
-        with meshio.xdmf.TimeSeriesReader(file) as reader:
-            points, cells = reader.read_points_cells()
-            states = []
-            for i in range(reader.num_steps):
-                time, point_data, _ = reader.read_data(i)
-                states.append((time, *of_meshio(meshio.Mesh(points, cells, point_data))))
-        return states
     return [(None, *of_meshio(meshio.read(file)))]
 
 
 def vtk_states(file):
-    if file.endswith(".vtu"):
-        grid = vtk_reader(vtk.vtkXMLUnstructuredGridReader(), file)
-        return [(grid.GetFieldData().GetArray("TimeValue").GetValue(0), *of_vtk(grid))]
-    legacy = vtk.vtkUnstructuredGridReader()
-    legacy.ReadAllVectorsOn()
-    legacy.ReadAllScalarsOn()
-    return [(None, *of_vtk(vtk_reader(legacy, file)))]
+    grid = vtk_reader(vtk.vtkXMLUnstructuredGridReader(), file)
+    return [(grid.GetFieldData().GetArray("TimeValue").GetValue(0), *of_vtk(grid))]
 
 
 readers = [r for r, there in ((meshio_states, meshio), (vtk_states, vtk)) if there]
@@ -129,19 +116,13 @@ with tempfile.TemporaryDirectory() as folder:
         subprocess.run([write_database, database, *map(str, output)], check=True)
         with h5py.File(database) as f:
             n = len(f["magnitudes"])
-            for file, more, increments in ((name + ".xdmf", [], range(n)), (name + ".vtu", [], [n - 1]),
-                                           (name + ".vtk", ["--increment", "2"], [1]),
-                                           (name + "2.xdmf", ["--increment", "2"], [1])):
+            for file, more, increment in ((name + ".vtu", [], n - 1), (name + "2.vtu", ["--increment", "2"], 1)):
                 done = show(database, 1, 1, file, *more)
                 assert done.returncode == 0, done.stderr
                 assert ("displacements of" in done.stderr) == (cell_width != 4), done.stderr
                 for states in readers:
-                    if states is vtk_states and file.endswith(".xdmf"):
-                        continue  # Debian's VTK is built without its XDMF readers
-                    read = states(file)
-                    assert len(read) == len(increments)
-                    for state, increment in zip(read, increments):
-                        check(state, f["magnitudes"][increment], f, 0, 1, increment, known, n_cells, cell_width)
+                    (state,) = states(file)
+                    check(state, f["magnitudes"][increment], f, 0, 1, increment, known, n_cells, cell_width)
 
     # A collection: its own VTU files, in order. Ray (active 0, direction 0) fails at its last increment: left out,
     # said.
@@ -161,6 +142,7 @@ with tempfile.TemporaryDirectory() as folder:
                              ((1, 1, "no.vtu", "--increment", "two"), "'two'"),
                              ((1, 1, "no.vtu", "--increment", "all"), "no.vtu"),
                              ((1, 1, "no.ply"), "no.ply"),
+                             ((1, 1, "no.xdmf"), "ends in .pvd"),
                              ((1, 1, "no/folder.vtu"), "no/folder.vtu")):
         done = show("all.h5", *arguments)
         assert done.returncode == 2 and words in done.stderr and "remedy" in done.stderr, (arguments, done)

@@ -170,9 +170,9 @@ TEST_F(LinearScenes, EvalWritesTheDeformedSurface) {
     }
   }
   EXPECT_GT(before, 0);
-  EXPECT_EQ(phynness(eval + " --surface s.vtk --subdivide 1").exit_status, 0);
-  EXPECT_EQ(read_file(folder / "s.vtk").substr(0, 5), "# vtk");
-  for (const char* wrong : {" --surface s.stl", " --subdivide 1", " --surface out/model/model.txt", " --surface u.csv",
+  EXPECT_EQ(phynness(eval + " --surface s.vtu --subdivide 1").exit_status, 0);
+  EXPECT_EQ(read_file(folder / "s.vtu").substr(0, 5), "<?xml");
+  for (const char* wrong : {" --surface s.vtk", " --subdivide 1", " --surface out/model/model.txt", " --surface u.csv",
                             " --surface s.obj --subdivide 7"})
     EXPECT_NE(phynness(eval + wrong).exit_status, 0) << wrong;
 }

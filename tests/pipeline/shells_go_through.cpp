@@ -120,7 +120,7 @@ TEST_F(Shells, GoThroughThePipeline) {
   // The surface of the deformed model can be refined: the ends and the slit are creases.
   const auto fine = phynness("eval m_modal" + tool + " --surface fine.obj --subdivide 1");
   EXPECT_EQ(fine.exit_status, 0) << fine.err;
-  const auto shown = phynness("show d.h5 --node " + node + " --direction 0 -o shown.xdmf");
+  const auto shown = phynness("show d.h5 --node " + node + " --direction 0 -o shown.vtu");
   EXPECT_EQ(shown.exit_status, 0) << shown.err;
   EXPECT_NE((shown.out + shown.err).find("triangles"), std::string::npos) << shown.out << shown.err;
 }

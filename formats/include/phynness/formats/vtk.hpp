@@ -1,4 +1,4 @@
-// Files for ParaView with states of a body: VTU, legacy VTK, XDMF, and collections of VTU.
+// Files for ParaView with states of a body: VTU and collections of VTU.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,11 +29,6 @@ struct VtkState {
 /// VTK XML unstructured grid, version 1.0, arrays in base64; its time is the field data "TimeValue".
 /// @pre sizes agree; every number is finite
 std::string vtu_text(const VtkGrid& grid, const VtkState& state);
-/// Legacy VTK, version 3.0, ASCII. The format does not contain the time.
-std::string legacy_vtk_text(const VtkGrid& grid, const VtkState& state, const std::string& title);
-/// XDMF 3 with all numbers inline, one grid per state in a temporal collection. Each grid repeats points and cells,
-/// because readers interpret references between grids differently.
-std::string xdmf_text(const VtkGrid& grid, const std::vector<VtkState>& states);
 /// ParaView's list of VTU files and their times.
 /// @param files  relative to the collection
 std::string pvd_text(const std::vector<std::string>& files, const std::vector<double>& times);
