@@ -248,6 +248,14 @@ describe(`the page in ${browserName}`, () => {
     const report = await validateBytes(new Uint8Array(glb));
     console.log(`glTF: ${glb.length} bytes, ${report.issues.numErrors} errors, ${report.issues.numWarnings} warnings`);
     expect(report.issues.messages.filter(({ severity }) => severity < 2)).toEqual([]);
+    const { nodes: [body], meshes: [mesh] } = JSON.parse(glb.subarray(20, 20 + glb.readUInt32LE(12)).toString()) as {
+      nodes: { extras: { tools: { nodes: number[]; displacement_m: V3 }[] } }[];
+      meshes: { primitives: { targets: unknown[] }[]; extras: { targetNames: string[] } }[];
+    };
+    expect(body!.extras.tools).toMatchObject([{ displacement_m: [0, 0, -0.01] }]);
+    expect(body!.extras.tools[0]!.nodes).toContain(front);
+    expect(mesh!.extras.targetNames.slice(0, 2)).toEqual(['rest', 'mode 1']);
+    expect(mesh!.primitives[0]!.targets.length).toBe(mesh!.extras.targetNames.length);
     const png = await offered(page, () => page.click('#save-png'));
     expect(png.subarray(1, 4).toString()).toBe('PNG');
     expect(png.readUInt32BE(16)).toBeGreaterThan(600); // pixels across

@@ -12,7 +12,7 @@ import type { Session } from './session.js';
 const mostModes = 8;
 
 /** The displaced surface with its colours; targets: the undeformed shape, and shared modes of the model. */
-export function glbOf(session: Session, text: string, positions: Float32Array, colours: Float32Array): Uint8Array {
+export function glbOf(session: Session, text: string, positions: Float32Array, colours: Float32Array): Promise<Uint8Array<ArrayBuffer>> {
   const { runtime, state, answer } = session, { info } = runtime.model, surface = runtime.surface(state.subdivision);
   const rest = surface.points.map((x, i) => x - positions[i]!);
   const modes = info.family === 'modal' ? sharedModes(text, info.outputNodes.length, mostModes) : [];

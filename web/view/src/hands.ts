@@ -14,9 +14,9 @@ export interface Sight {
   readonly size: Size;
   camera: Camera;
   /** displayed, and at rest: the same triangles, n x 3 */
-  readonly positions: ArrayLike<number>;
+  readonly positions: Float32Array;
   readonly rest: ArrayLike<number>;
-  readonly triangles: ArrayLike<number>;
+  readonly triangles: Int32Array;
   /** where a tool is in the picture */
   seen(tool: HeldTool): V3;
   /** step of keys and buttons [m] */

@@ -33,10 +33,7 @@ class Page {
     });
     this.listenToDrops();
     byId('save-png', HTMLButtonElement).addEventListener('click', () => void this.savePng());
-    byId('save-glb', HTMLButtonElement).addEventListener('click', () => {
-      const bytes = this.glb();
-      if (bytes) download(bytes, 'model/gltf-binary', glbName(this.view!.session));
-    });
+    byId('save-glb', HTMLButtonElement).addEventListener('click', () => void this.saveGlb());
   }
 
   async start(): Promise<void> {
@@ -117,10 +114,10 @@ class Page {
     const image = await pngOf(picture.canvas, session, legend, metresPerPixel(view.size, view.camera.distance));
     if (image) download(image, 'image/png', pngName(session));
   }
-  private glb(): Uint8Array<ArrayBuffer> | null {
-    if (!this.view) return null;
+  private async saveGlb(): Promise<void> {
+    if (!this.view) return;
     const { session, picture } = this.view;
-    return glbOf(session, this.text, picture.positions, picture.colours) as Uint8Array<ArrayBuffer>;
+    download(await glbOf(session, this.text, picture.positions, picture.colours), 'model/gltf-binary', glbName(session));
   }
 
   /** For scripts in the console of the browser, and for tests. */
@@ -152,7 +149,6 @@ class Page {
         point: (node: number) => view.session.runtime.point(node),
         positions: () => view.picture.positions,
         camera: () => view.camera,
-        glb: () => this.glb(),
       },
     });
   }

@@ -1,4 +1,5 @@
 // Which point of a surface a ray meets.
+import { BufferAttribute, BufferGeometry, DoubleSide, Mesh, MeshBasicMaterial, Raycaster, Vector3 } from 'three';
 import type { Ray } from '../../shared/src/camera.js';
 import { add, row, scale, type V3 } from '../../shared/src/vectors.js';
 
@@ -7,35 +8,14 @@ export interface Hit {
   readonly triangle: number;
   /** barycentric weights of its corners */
   readonly weights: V3;
-  /** from the origin of the ray [m] */
-  readonly distance: number;
 }
 
 /** The nearest triangle before the origin, seen from either side; null: none. */
-export function hitOf({ origin, direction }: Ray, positions: ArrayLike<number>, triangles: ArrayLike<number>): Hit | null {
-  let best: Hit | null = null, nearest = Infinity;
-  const [dx, dy, dz] = direction;
-  for (let t = 0; t < triangles.length; t += 3) {
-    const a = 3 * triangles[t]!, b = 3 * triangles[t + 1]!, c = 3 * triangles[t + 2]!;
-    const ax = positions[a]!, ay = positions[a + 1]!, az = positions[a + 2]!;
-    const ux = positions[b]! - ax, uy = positions[b + 1]! - ay, uz = positions[b + 2]! - az;
-    const vx = positions[c]! - ax, vy = positions[c + 1]! - ay, vz = positions[c + 2]! - az;
-    const px = dy * vz - dz * vy, py = dz * vx - dx * vz, pz = dx * vy - dy * vx;
-    const determinant = ux * px + uy * py + uz * pz;
-    if (determinant === 0) continue;
-    const sx = origin[0] - ax, sy = origin[1] - ay, sz = origin[2] - az;
-    const s = (sx * px + sy * py + sz * pz) / determinant;
-    if (s < 0 || s > 1) continue;
-    const qx = sy * uz - sz * uy, qy = sz * ux - sx * uz, qz = sx * uy - sy * ux;
-    const r = (dx * qx + dy * qy + dz * qz) / determinant;
-    if (r < 0 || s + r > 1) continue;
-    const distance = (vx * qx + vy * qy + vz * qz) / determinant;
-    if (distance > 0 && distance < nearest) {
-      nearest = distance;
-      best = { triangle: t / 3, weights: [1 - s - r, s, r], distance };
-    }
-  }
-  return best;
+export function hitOf({ origin, direction }: Ray, positions: Float32Array, triangles: Int32Array): Hit | null {
+  const geometry = new BufferGeometry().setAttribute('position', new BufferAttribute(positions, 3));
+  const body = new Mesh(geometry.setIndex(new BufferAttribute(triangles, 1)), new MeshBasicMaterial({ side: DoubleSide }));
+  const [hit] = new Raycaster(new Vector3(...origin), new Vector3(...direction)).intersectObject(body);
+  return hit ? { triangle: hit.faceIndex!, weights: hit.barycoord!.toArray() } : null;
 }
 
 /** The point of a hit on the same triangles with other positions, for example at rest. */

@@ -75,13 +75,13 @@ export class View implements Sight, ControlActions {
   get size(): Size {
     return this.picture.size;
   }
-  get positions(): ArrayLike<number> {
+  get positions(): Float32Array {
     return this.picture.positions;
   }
   get rest(): ArrayLike<number> {
     return this.session.runtime.surface(this.session.state.subdivision).points;
   }
-  get triangles(): ArrayLike<number> {
+  get triangles(): Int32Array {
     return this.session.runtime.surface(this.session.state.subdivision).triangles;
   }
   get step(): number {
