@@ -259,7 +259,7 @@ TEST(Faults, OfMotorsFromTheBeginningTripDuringTheTestPulses) {
 }
 
 // Claim: the test pulses pass devices of 5 g to 1 kg in a loose and in a firm hand, or in none, at periods of 0.1 to 4
-// ms. own-device.md has the table.
+// ms. haptic-loop.md has the table.
 TEST(Faults, OfNoneAreFoundInRightDevices) {
   struct Hand {
     double stiffness, damping;

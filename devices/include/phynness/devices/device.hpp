@@ -1,4 +1,4 @@
-// One interface for haptic devices: open, read with a time, hold a force, close. docs/howto/own-device.md shows how to
+// One interface for haptic devices: open, read with a time, hold a force, close. docs/howto/haptic-loop.md shows how to
 // write an adapter for the library of a manufacturer.
 #pragma once
 
