@@ -1,10 +1,11 @@
 """Finite elements of the study of round tools: bodies, tools and tips. Lengths are in units of the punch's radius a,
-stresses in units of the shear modulus mu."""
+stresses in units of the shear modulus mu. Bodies are tetrahedra, or triangles (r, z) of a body of revolution; the last
+coordinate is the height, and the tool presses at the origin."""
+import logging
+
 import gmsh
 import numpy as np
 import ufl
-import logging
-
 from dolfinx import cpp, fem, mesh
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -12,63 +13,67 @@ from petsc4py import PETSc
 logging.disable(logging.INFO)
 gmsh.initialize()
 gmsh.option.setNumber("General.Terminal", 0)
+for name in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
+    gmsh.option.setNumber("Mesh.MeshSize" + name, 0)
 
 
-def _mesh_of_model():
+def _mesh_of_model(dim):
     tags, x, _ = gmsh.model.mesh.getNodes()
-    cells = gmsh.model.mesh.getElementsByType(4)[1].reshape(-1, 4)
+    cells = gmsh.model.mesh.getElementsByType(2 if dim == 2 else 4)[1]
     used, cells = np.unique(cells, return_inverse=True)
-    x = x.reshape(-1, 3)[np.searchsorted(tags, used, sorter=np.argsort(tags))] if np.all(np.diff(tags) > 0) else \
-        x.reshape(-1, 3)[np.argsort(tags)[np.searchsorted(np.sort(tags), used)]]
-    element = ufl.Mesh(ufl.VectorElement("Lagrange", "tetrahedron", 1))
-    return mesh.create_mesh(MPI.COMM_SELF, cells.reshape(-1, 4), x, element)
+    order = np.argsort(tags)
+    x = x.reshape(-1, 3)[order[np.searchsorted(tags[order], used)]]
+    shape = "triangle" if dim == 2 else "tetrahedron"
+    element = ufl.Mesh(ufl.VectorElement("Lagrange", shape, 1))
+    return mesh.create_mesh(MPI.COMM_SELF, cells.reshape(-1, dim + 1), x[:, :dim], element)
 
 
-def block(low, high, edge, near, growth):
-    """Box with a node at the origin, on its top z = 0. Edges have the length `edge` within `near` of the origin and
-    grow by `growth` per length beyond."""
+def box(low, high, size):
+    """Rectangle or box with edges of the length size(point)."""
     gmsh.clear()
-    low, high = np.array(low, float), np.array(high, float)
-    gmsh.model.occ.addBox(*low, *(high - low))
+    low, span = np.array(low, float), np.array(high, float) - low
+    if len(low) == 2:
+        gmsh.model.occ.addRectangle(*low, 0, *span)
+    else:
+        gmsh.model.occ.addBox(*low, *span)
     gmsh.model.occ.synchronize()
-    if not any(np.allclose(gmsh.model.getValue(0, t, []), 0) for _, t in gmsh.model.getEntities(0)):
-        gmsh.model.occ.fragment([(3, 1)], [(0, gmsh.model.occ.addPoint(0, 0, 0))])
-        gmsh.model.occ.synchronize()
-    field = gmsh.model.mesh.field.add("MathEval")
-    gmsh.model.mesh.field.setString(field, "F", f"{edge}+{growth}*max(0,sqrt(x^2+y^2+z^2)-{near})".replace(
-        f"max(0,sqrt(x^2+y^2+z^2)-{near})", f"(sqrt(x^2+y^2+z^2)-{near}+abs(sqrt(x^2+y^2+z^2)-{near}))/2"))
-    gmsh.model.mesh.field.setAsBackgroundMesh(field)
-    for name in ("ExtendFromBoundary", "FromPoints", "FromCurvature"):
-        gmsh.option.setNumber("Mesh." + ("MeshSize" + name if name != "FromCurvature" else "MeshSizeFromCurvature"), 0)
-    gmsh.model.mesh.generate(3)
-    gmsh.model.mesh.optimize("")
-    return _mesh_of_model()
+    gmsh.model.mesh.setSizeCallback(lambda dim, tag, x, y, z, *_: size(np.array([x, y, z])[:len(low)]))
+    gmsh.model.mesh.generate(len(low))
+    gmsh.model.mesh.removeSizeCallback()
+    return _mesh_of_model(len(low))
 
 
-def refined_organ(path, a, near_fraction, refinements):
-    """The organ in units of a, moved so that the surface node nearest to a point of its bounding box is the origin, and
-    refined within the given distances of it. Returns mesh and outward normal there."""
+def organ(path, a, near_fraction, refinements):
+    """The organ in units of a, moved so that the surface node nearest to a point of its bounding box is the origin;
+    edges with a middle where refine(points) holds are halved, once for each of the refinements. Returns the mesh and
+    the mean outward normal of the surface within one length."""
     gmsh.clear()
     gmsh.open(path)
-    domain = _mesh_of_model()
+    domain = _mesh_of_model(3)
     x = domain.geometry.x
     x /= a
+    corners, normals = boundary(domain)
     low, high = x.min(0), x.max(0)
-    domain.topology.create_connectivity(2, 3)
-    corners = cpp.mesh.entities_to_geometry(domain._mesh, 2, mesh.exterior_facet_indices(domain.topology), False)
     surface = np.unique(corners)
-    node = surface[np.argmin(np.linalg.norm(x[surface] - low - near_fraction * (high - low), axis=1))]
-    x -= x[node].copy()
-    around = x[corners[(corners == node).any(axis=1)]]
-    normals = np.cross(around[:, 1] - around[:, 0], around[:, 2] - around[:, 0])
-    inside = x[np.argsort(np.linalg.norm(x, axis=1))[:40]].mean(0)
-    normals *= -np.sign(normals @ inside)[:, None]
-    for distance in refinements:
+    x -= x[surface[np.argmin(np.linalg.norm(x[surface] - low - near_fraction * (high - low), axis=1))]].copy()
+    normal = normals[np.linalg.norm(x[corners].mean(axis=1), axis=1) < 1].sum(0)
+    for refine in refinements:
         domain.topology.create_entities(1)
-        edges = mesh.locate_entities(domain, 1, lambda p: np.linalg.norm(p, axis=0) < distance)
-        domain = mesh.refine(domain, edges, redistribute=False)
-    normal = normals.sum(0)
+        ends = cpp.mesh.entities_to_geometry(domain._mesh, 1, np.arange(domain.topology.index_map(1).size_local, dtype=np.int32), False)
+        domain = mesh.refine(domain, np.flatnonzero(refine(domain.geometry.x[ends].mean(axis=1))).astype(np.int32), redistribute=False)
     return domain, normal / np.linalg.norm(normal)
+
+
+def boundary(domain):
+    """Corners and outward normals (times area) of the triangles of the surface."""
+    domain.topology.create_connectivity(2, 3)
+    facets = mesh.exterior_facet_indices(domain.topology)
+    corners = cpp.mesh.entities_to_geometry(domain._mesh, 2, facets, False)
+    cells = [domain.topology.connectivity(2, 3).links(f)[0] for f in facets]
+    x = domain.geometry.x
+    inside = x[cpp.mesh.entities_to_geometry(domain._mesh, 3, np.array(cells, np.int32), False)].mean(axis=1)
+    normals = np.cross(x[corners[:, 1]] - x[corners[:, 0]], x[corners[:, 2]] - x[corners[:, 0]]) / 2
+    return corners, normals * np.sign(np.einsum("ij,ij->i", normals, x[corners].mean(axis=1) - inside))[:, None]
 
 
 class Stopped(Exception):
@@ -76,96 +81,69 @@ class Stopped(Exception):
 
 
 class Body:
-    """A body with the origin on its surface, held where `held(x)` is true; symmetric: components held on planes."""
+    """A body held where `held(x)` is true, with components held at 0 on planes of symmetry (the axis r = 0). Tools act
+    on facets with a middle where `touched(x)` is true."""
 
-    def __init__(self, domain, held, K=10.0, element="P2", law="neo-hookean", normal=(0, 0, 1), symmetric=(), reach=4.0):
-        self.normal, self.copies = np.array(normal, float), 2 ** len(symmetric)
-        mu, lmbda = 1.0, K - 2 / 3
+    def __init__(self, domain, held, touched, K=10.0, element="P2", law="neo-hookean", normal=None, symmetric=()):
+        self.domain, self.dim, self.law = domain, domain.geometry.dim, law
+        dim, mu, lmbda = self.dim, 1.0, K - 2 / 3
+        self.normal = np.eye(dim)[-1] if normal is None else np.array(normal)
+        self.copies = 2 ** len(symmetric) if dim == 3 else 1
         self.Estar = 4 * mu * (lmbda + mu) / (lmbda + 2 * mu)
-        degree = 1 if element == "P1" else 2
-        vector = ufl.VectorElement("Lagrange", "tetrahedron", degree)
-        self.mixed = mixed = element == "taylor-hood"
-        if mixed:
-            self.W = fem.FunctionSpace(domain, ufl.MixedElement(vector, ufl.FiniteElement("Lagrange", "tetrahedron", 1)))
-        else:
-            self.W = fem.FunctionSpace(domain, vector)
+        degree = 1 if element in ("P1", "p1-p1") else 2
+        self.mixed = element in ("p1-p1", "taylor-hood")
+        cell = domain.ufl_cell()
+        space = ufl.VectorElement("Lagrange", cell, degree)
+        self.W = fem.FunctionSpace(domain, ufl.MixedElement(space, ufl.FiniteElement("Lagrange", cell, 1)) if self.mixed else space)
         self.w, self.other = fem.Function(self.W), fem.Function(self.W)
-        test = ufl.TestFunction(self.W)
-        self.u, p = ufl.split(self.w) if mixed else (self.w, None)
-        self.v = ufl.split(test)[0] if mixed else test
-        other = ufl.split(self.other)[0] if mixed else self.other
-        maps = [self._dofs(k, mixed) for k in range(3)]
-        self.x, self.component = maps[0][1], [m[0] for m in maps]  # points and dofs of the components
-        fixed = [d[held(self.x.T)] for d in self.component]
-        fixed += [self.component[k][np.abs(self.x[:, k]) < 1e-9] for k in symmetric]
+        split = ufl.split if self.mixed else lambda f: (f, None)
+        (self.u, p), self.v, other = split(self.w), split(ufl.TestFunction(self.W))[0], split(self.other)[0]
+        V, dofs = self.W.sub(0).collapse() if self.mixed else (self.W, np.arange(len(self.w.x.array)))
+        self.x, self.dofs = V.tabulate_dof_coordinates(), np.array(dofs).reshape(-1, dim)  # points, dofs of components
+        fixed = [self.dofs[held(self.x.T)].ravel()] + [self.dofs[np.abs(self.x[:, k]) < 1e-9, k] for k in symmetric]
         self.fixed = np.unique(np.concatenate(fixed)).astype(np.int32)
-        domain.topology.create_connectivity(2, 3)
+        domain.topology.create_connectivity(dim - 1, dim)
         facets = mesh.exterior_facet_indices(domain.topology)
-        corners = cpp.mesh.entities_to_geometry(domain._mesh, 2, facets, False)
-        points = domain.geometry.x[corners]
-        normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-        facing = np.abs(normals @ self.normal) > 0.3 * np.linalg.norm(normals, axis=1)  # not the sides, not the back
-        near = np.linalg.norm(points, axis=2).min(axis=1) < reach
-        front = (points.mean(axis=1) @ self.normal) > -0.5 * reach
-        on_plane = [(np.abs(points[:, :, k]) < 1e-9).all(axis=1) for k in symmetric]
-        chosen = np.sort(facets[facing & near & front & ~np.any(on_plane, axis=0)] if symmetric else facets[facing & near & front])
-        self.tags = mesh.meshtags(domain, 2, chosen, np.ones(len(chosen), np.int32))
-        self.domain = domain
-        c = corners[np.isin(facets, chosen)]
-        self.surface = np.unique(np.concatenate([self._near_dof_points(domain.geometry.x[c].reshape(-1, 3))] + (
-            [self._near_dof_points((domain.geometry.x[c] + domain.geometry.x[np.roll(c, 1, 1)]).reshape(-1, 3) / 2)]
-            if degree == 2 else [])))
+        ends = domain.geometry.x[cpp.mesh.entities_to_geometry(domain._mesh, dim - 1, facets, False)]
+        facets = facets[touched(ends.mean(axis=1).T)]
+        self.tags = mesh.meshtags(domain, dim - 1, facets, np.ones(len(facets), np.int32))
+        self.surface = np.unique(fem.locate_dofs_topological(V, dim - 1, facets))
         self.center = int(np.argmin(np.linalg.norm(self.x, axis=1)))
-        F = ufl.Identity(3) + ufl.grad(self.u)
+        self.place = ufl.SpatialCoordinate(domain)
+        self.around = 2 * np.pi * self.place[0] if dim == 2 else 1
+        H = ufl.grad(self.u)
+        if dim == 2:
+            H = ufl.as_matrix([[H[0, 0], 0, H[0, 1]], [0, self.u[0] / self.place[0], 0], [H[1, 0], 0, H[1, 1]]])  # r, angle, z
+        F = ufl.Identity(3) + H
         J = ufl.det(F)
         if law == "linear":
-            e = ufl.sym(ufl.grad(self.u))
+            e = ufl.sym(H)
             energy = mu * ufl.inner(e, e) + lmbda / 2 * ufl.tr(e) ** 2
-        elif mixed:
+        elif element == "p1-p1":  # the product's, with its stabilization 0.05
+            slope = ufl.grad(p)
+            slope = ufl.dot(ufl.inv(F).T, ufl.as_vector([slope[0], 0, slope[1]]) if dim == 2 else slope)
+            energy = (mu / 2 * (ufl.inner(F, F) - 3) - mu * ufl.ln(J) + p * ufl.ln(J) - p**2 / (2 * lmbda)
+                      - 0.05 * ufl.CellDiameter(domain) ** 2 / (2 * mu) * ufl.inner(slope, slope))
+        elif self.mixed:
             energy = (mu / 2 * (ufl.inner(F, F) - 3) - mu * ufl.ln(J) + p * ufl.exp(-p / lmbda) * J - p + p**2 / (2 * lmbda))
         else:
             energy = mu / 2 * (ufl.inner(F, F) - 3) - mu * ufl.ln(J) + lmbda / 2 * ufl.ln(J) ** 2
-        self.law, self.energy = law, energy * ufl.dx(metadata={"quadrature_degree": 2 * degree})
+        self.energy = energy * self.around * ufl.dx(metadata={"quadrature_degree": 2 * degree})
         self.internal = fem.form(ufl.derivative(self.energy, self.w))
-        self.F = fem.Expression(F, np.array([[0.25] * 3, [0.1] * 3, [0.7, 0.1, 0.1], [0.1, 0.7, 0.1], [0.1, 0.1, 0.7]]))
-        s = ufl.sqrt(ufl.inner(self.place(), self.place()))
-        near = ufl.conditional(ufl.lt(s, 3.0), 1.0, 0.0)
-        self.L2 = fem.form(ufl.inner(self.u - other, self.u - other) * near * self.ds(6))
-        self.at = fem.Constant(domain, np.zeros(3))
-        self.contact(None)
+        points = np.vstack([np.full(dim, 1 / (dim + 1)), np.full(dim, 0.1), 0.6 * np.eye(dim) + 0.1])
+        self.F = fem.Expression(F, points)
+        near = ufl.conditional(ufl.lt(ufl.inner(self.place, self.place), 9.0), 1.0, 0.0)
+        self.L2 = fem.form(self.over_surface(ufl.inner(self.u - other, self.u - other) * near, 6))
+        self.at = fem.Constant(domain, np.zeros(dim))
+        self.release()
 
-    def _dofs(self, k, mixed):
-        space = self.W.sub(0).sub(k) if mixed else self.W.sub(k)
-        V, dofs = space.collapse()
-        order = np.lexsort(np.round(V.tabulate_dof_coordinates(), 9).T)
-        return np.array(dofs)[order], V.tabulate_dof_coordinates()[order]
+    def over_surface(self, f, degree):
+        return f * self.around * ufl.Measure("ds", self.domain, subdomain_data=self.tags, metadata={"quadrature_degree": degree})(1)
 
-    def _near_dof_points(self, points):
-        from scipy.spatial import cKDTree
-        return cKDTree(self.x).query(points)[1]
-
-    def ds(self, degree):
-        return ufl.Measure("ds", self.domain, subdomain_data=self.tags, metadata={"quadrature_degree": degree})(1)
-
-    def place(self):
-        return ufl.SpatialCoordinate(self.domain)
-
-    def contact(self, gap, stiffness=1.0):
-        """Adds the energy of a penalty: stiffness / 2 gap^2 where the gap is negative."""
-        energy, self.pressing = self.energy, gap is not None and not self.mixed
-        if gap is not None:
-            square = gap**2 * ufl.conditional(ufl.lt(gap, 0), 1.0, 0.0)
-            energy = energy + stiffness / 2 * square * self.ds(8)
-        self._forms(energy)
-
-    def glue(self, a, d, stiffness):
-        """Holds the surface within a at the displacement d by a penalty: a flat punch with full friction."""
-        x = self.place()
-        inside = ufl.conditional(ufl.lt(ufl.inner(x, x), a**2), 1.0, 0.0)
-        self.pressing = False
-        self._forms(self.energy + stiffness / 2 * inside * ufl.inner(self.u - d, self.u - d) * self.ds(24))
-
-    def _forms(self, energy):
+    def release(self, added=None):
+        """Starts from rest, with an energy added to that of the body: a tip's."""
+        energy = self.energy if added is None else self.energy + added
+        self.pressing = added is not None and not self.mixed
         self.residual = fem.form(ufl.derivative(energy, self.w))
         self.tangent = fem.form(ufl.derivative(ufl.derivative(energy, self.w), self.w))
         self.A = fem.petsc.create_matrix(self.tangent)
@@ -177,116 +155,119 @@ class Body:
         self.ksp.getPC().setFactorSolverType("mumps")
         self.ksp.setOperators(self.A)
         self.w.x.array[:] = 0
+        self.multipliers = np.zeros(0)
 
-    def mean_rows(self, phi, R, degree=24):
-        """Rows of the constraints sum w_i u_i = d, and the weights w_i of the points of self.x."""
-        x = self.place()
-        R = fem.Constant(self.domain, float(R))
-        s2 = ufl.inner(x - self.at, x - self.at) / R**2
-        t = ufl.conditional(ufl.lt(s2, 1.0), 1 - s2, 0.0)
-        inside = ufl.conditional(ufl.lt(s2, 1.0), 1.0, 0.0)
-        f = {"bump": t**2, "Hertz": ufl.sqrt(t), "uniform": inside}[phi]
-        v = fem.petsc.assemble_vector(fem.form(f * self.v[2] * self.ds(degree))).array.copy()
-        weights = v[self.component[2]] / v.sum()
-        rows = []
-        for k in range(3):
-            row = np.zeros(len(v))
-            row[self.component[k]] = weights
+    def punch(self, r, depth, stiffness):
+        """The energy of a penalty, stiffness / 2 gap^2 inside a flat punch of radius 1 with an edge rounded by r that
+        has approached by `depth` against the normal at the origin."""
+        n = ufl.as_vector(self.normal)
+        x = self.place + (ufl.inner(self.u, n) * n if self.law == "linear" else self.u)
+        z = ufl.inner(x, n) + depth
+        across = x - ufl.inner(x, n) * n
+        q, h = ufl.sqrt(ufl.inner(across, across) + 1e-16) - (1 - r), r - z
+        positive = lambda y: ufl.conditional(ufl.gt(y, 0), y, 0.0)
+        gap = ufl.sqrt(positive(q) ** 2 + positive(h) ** 2 + 1e-16) - positive(-ufl.conditional(ufl.gt(q, h), q, h)) - r
+        return self.over_surface(stiffness / 2 * gap**2 * ufl.conditional(ufl.lt(gap, 0), 1.0, 0.0), 12 if self.dim == 2 else 8)
+
+    def weights(self, phi, R, degree=24):
+        """Weights of the points of self.x, by integrals of the degree; degree 0: phi at the surface's points."""
+        def of(s2, where):
+            t = where(s2 < 1, 1 - s2, 0 * s2)
+            return {"bump": t**2, "Hertz": t**0.5, "uniform": where(s2 < 1, 1 + 0 * s2, 0 * s2)}[phi]
+        w = np.zeros(len(self.x))
+        if degree == 0:
+            x = self.x[self.surface, :self.dim]
+            w[self.surface] = of(((x - self.at.value) ** 2).sum(1) / R**2, np.where)
+        else:
+            offset = (self.place - self.at) / fem.Constant(self.domain, float(R))
+            f = of(ufl.inner(offset, offset), ufl.conditional)
+            w[:] = fem.petsc.assemble_vector(fem.form(self.over_surface(f * self.v[self.dim - 1], degree))).array[self.dofs[:, -1]]
+        return w / w.sum()
+
+    def rows(self, weights, frame):
+        """Rows of sum w_i frame u_i = d."""
+        rows = np.zeros((len(frame), len(self.w.x.array)))
+        for row, direction in zip(rows, frame):
+            row[self.dofs] = np.outer(weights, direction)
             row[self.fixed] = 0
-            rows.append(row)
-        return np.array(rows), weights
+        return rows
+
+    def patch(self, R):
+        """The rigid patch: points of the surface within R, weights (1 - s^2)^2."""
+        s2 = ((self.x[self.surface, :self.dim] - self.at.value) ** 2).sum(1) / R**2
+        return self.surface[s2 < 1], (1 - s2[s2 < 1]) ** 2
 
     def solve(self, rows=None, d=None, patch=None, tolerance=1e-8, iterations=25):
         """Newton's method from the present state. rows u = d by multipliers; patch: (points, weights), u_i = w_i d.
         Returns the force on the tool, of the whole body."""
         w = self.w.x.array
-        multipliers = np.zeros(0) if rows is None else getattr(self, "multipliers", np.zeros(len(rows)))
-        target = np.zeros(len(self.fixed))
-        fixed = self.fixed
+        rows = np.zeros((0, len(w))) if rows is None else rows
+        if len(self.multipliers) != len(rows):
+            self.multipliers = np.zeros(len(rows))
+        fixed, target = self.fixed, np.zeros(len(self.fixed))
         if patch is not None:
-            points, weights = patch
-            held = np.concatenate([self.component[k][points] for k in range(3)])
-            values = np.concatenate([weights * d[k] for k in range(3)])
-            keep = ~np.isin(held, self.fixed)
-            fixed, target = np.concatenate([fixed, held[keep]]), np.concatenate([target, values[keep]])
-        fixed = fixed.astype(np.int32)
-        first, last = None, np.inf
+            held, values = self.dofs[patch[0]].ravel(), np.outer(patch[1], d).ravel()
+            free = ~np.isin(held, self.fixed)
+            fixed, target = np.append(fixed, held[free]).astype(np.int32), np.append(target, values[free])
+        last = None
         for _ in range(iterations):
             r = fem.petsc.assemble_vector(self.residual)
             scale = np.abs(r.array).max()
-            if rows is not None:
-                r.array[:] -= rows.T @ multipliers
+            r.array[:] -= rows.T @ self.multipliers
             lift = r.duplicate()
             lift.array[fixed] = r.array[fixed] = w[fixed] - target
-            missing = np.zeros(0) if rows is None else rows @ w - d
-            if first and np.abs(r.array).max() < tolerance * max(scale, 1e-9) and np.abs(missing).max(initial=0) < 1e-10:
+            missing = rows @ w - d if len(rows) else np.zeros(0)
+            if last is not None and np.abs(r.array).max() < tolerance * max(scale, 1e-9) and np.abs(missing).max(initial=0) < 1e-10:
                 break
             self.A.zeroEntries()
             fem.petsc.assemble_matrix(self.A, self.tangent)
             self.A.assemble()
             self.A.zeroRowsColumns(fixed, 1.0, lift, r)
-            step, column = r.duplicate(), r.duplicate()
+            step, column, columns = r.duplicate(), r.duplicate(), np.zeros((len(rows), len(w)))
             self.ksp.solve(r, step)
-            move, change = -step.array.copy(), None
-            if rows is not None:
-                columns = []
-                for row in rows:
-                    column.array[:] = row
-                    self.ksp.solve(column, step)
-                    columns.append(step.array.copy())
-                change = np.linalg.solve(rows @ np.array(columns).T, -missing - rows @ move)
-                move = move + np.array(columns).T @ change
+            move, change = -step.array.copy(), np.zeros(len(rows))
+            for k, row in enumerate(rows):
+                column.array[:] = row
+                self.ksp.solve(column, step)
+                columns[k] = step.array
+            if len(rows):
+                change = np.linalg.solve(rows @ columns.T, -missing - rows @ move)
+                move = move + columns.T @ change
             old, length, slope = w.copy(), 1.0, abs(r.array @ move)
             while True:  # shorter steps while cells are inside out, or while a residual grows
                 w[:] = old + length * move
                 with np.errstate(all="ignore"):
                     new = fem.petsc.assemble_vector(self.residual)
-                    if rows is not None:
-                        new.array[:] -= rows.T @ (multipliers + length * change)
-                    new.array[fixed] = 0
-                    size = np.linalg.norm(new.array)
-                if np.isfinite(size) and (self.law == "linear" or self.J().min() > 0):
+                new.array[:] -= rows.T @ (self.multipliers + length * change)
+                new.array[fixed] = 0
+                size = np.linalg.norm(new.array)
+                if np.isfinite(size) and (self.law == "linear" or np.linalg.det(self.gradients()).min() > 0):
                     if self.pressing:  # a minimum of the energy along the step
                         if abs(new.array @ move) < 0.9 * slope:
                             break
-                    elif first is None or length < 0.1 or size < 2 * last:
+                    elif last is None or length < 0.1 or size < 2 * last:
                         break
                 length /= 2
                 if length < 1e-3:
                     w[:] = old
                     raise Stopped("line search")
-            if rows is not None:
-                multipliers = multipliers + length * change
-            first, last = True, size
+            self.multipliers, last = self.multipliers + length * change, size
         else:
             raise Stopped("iterations")
-        if rows is not None:
-            self.multipliers = multipliers
-            return self.copies * multipliers
-        r = fem.petsc.assemble_vector(self.internal).array
+        if len(rows):
+            return self.copies * self.multipliers
+        r = fem.petsc.assemble_vector(self.internal).array.copy()
         if patch is not None:
-            return self.copies * np.array([weights @ r[self.component[k][points]] for k in range(3)])
-        free = np.ones(len(r))
-        free[self.fixed] = 0
-        return self.copies * np.array([(r * free)[self.component[k]].sum() for k in range(3)])
-
-    def negative_pivots(self):
-        return int(self.ksp.getPC().getFactorMatrix().getMumpsInfog(12))
+            return self.copies * patch[1] @ r[self.dofs[patch[0]]]
+        r[self.fixed] = 0
+        return self.copies * r[self.dofs].sum(0)
 
     def gradients(self):
-        cells = np.arange(self.domain.topology.index_map(3).size_local, dtype=np.int32)
+        cells = np.arange(self.domain.topology.index_map(self.dim).size_local, dtype=np.int32)
         return self.F.eval(cells).reshape(-1, 3, 3)
 
-    def J(self):
-        return np.linalg.det(self.gradients())
-
     def least_stretch(self):
-        F = self.gradients()
-        return float(np.linalg.svd(F, compute_uv=False).min()) if np.isfinite(F).all() else np.nan
-
-    def displacement(self, point=None):
-        i = self.center if point is None else point
-        return np.array([self.w.x.array[self.component[k][i]] for k in range(3)])
+        return float(np.linalg.svd(self.gradients(), compute_uv=False).min())
 
     def surface_difference(self, state, reference):
         """L2 difference of two states on the surface within three lengths, over the L2 norm of the reference."""
@@ -294,25 +275,3 @@ class Body:
         difference = fem.assemble_scalar(self.L2)
         self.w.x.array[:], self.other.x.array[:] = reference, 0
         return float(np.sqrt(difference / fem.assemble_scalar(self.L2)))
-
-    def patch(self, R):
-        """The rigid patch: points of the surface within R, weights (1 - s^2)^2."""
-        s2 = ((self.x[self.surface] - self.at.value) ** 2).sum(1) / R**2
-        return self.surface[s2 < 1], (1 - s2[s2 < 1]) ** 2
-
-
-def gap_of(body, tip, depth, linear=False):
-    """Distance to a rigid tip that has approached by `depth` against the normal at the origin. tip: ("sphere", R) or
-    ("punch", a, r): a flat punch with an edge rounded by r."""
-    n = ufl.as_vector(body.normal)
-    x = body.place()
-    x = x + (ufl.inner(body.u, n) * n if linear else body.u)
-    z = ufl.inner(x, n) + depth
-    across = x - ufl.inner(x, n) * n
-    rho = ufl.sqrt(ufl.inner(across, across) + 1e-16)
-    if tip[0] == "sphere":
-        return ufl.sqrt(rho**2 + (z - tip[1]) ** 2) - tip[1]
-    q, h = rho - (tip[1] - tip[2]), tip[2] - z
-    positive = lambda y: ufl.conditional(ufl.gt(y, 0), y, 0.0)
-    inner = ufl.conditional(ufl.gt(q, h), q, h)
-    return ufl.sqrt(positive(q) ** 2 + positive(h) ** 2 + 1e-16) - positive(-inner) - tip[2]

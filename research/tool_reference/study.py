@@ -2,314 +2,259 @@
 
 Packages (Debian 12): python3-dolfinx-real, python3-petsc4py-real, python3-gmsh, python3-scipy. Run with /usr/bin/python3:
 
-    python3 research/tool_reference/study.py half-space block liver oblique mesh depth [--liver liver.msh]
+    python3 research/tool_reference/study.py half-space cylinder block liver depth mesh [--liver liver.msh]
 
-`half-space` checks tips and tools against closed forms; `block` and `liver` print the force of the tips and of the tools
-and their differences; `oblique` compares with a glued punch; `mesh` gives the convergence of the force, its scatter over
-places and the signs of the weights; `depth` presses, pulls and slides until cells are inside out. liver.msh is written by
-`phynness mesh SCENE -o liver.msh` with `target_nodes = 400`. The figures are kept in results.json beside this file, each
-section on its own. One core, about 20 minutes in all; OMP_NUM_THREADS=1.
-
-Not concluded: two runs of `liver` differ (place and mesh were being changed), and no choice has been made from the figures.
+`half-space` checks tips and tools against closed forms; `cylinder` (axisymmetric, fine), `block` and `liver` compare the
+force of the tools with that of punches pressed without friction; `depth` presses and
+pulls until cells are crushed; `mesh` gives the order of the force, its scatter over places, and the signs of the weights.
+liver.msh is written by `phynness mesh SCENE -o liver.msh`, where SCENE is scenes/liver_case3.toml with
+`target_nodes = 400`. Each section replaces its figures in
+results.json beside this file. Set OMP_NUM_THREADS=1.
 """
 import argparse
+import itertools
 import json
 import pathlib
 import time
 
 import numpy as np
-from body import Body, Stopped, block, fem, gap_of, mesh, refined_organ
+from body import Body, Stopped, boundary, box, fem, mesh, organ
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from scipy.spatial import cKDTree
 
-PUNCH, SPHERE = ("punch", 1.0, 0.4), ("sphere", 3.75)  # the sphere has the punch's stiffness F / depth at depth 0.6
 # F / (E* R mean) on a half-space, and the displacement of the center over the mean
 STIFFNESS = {"bump": 17325 * np.pi**2 / 131072, "Hertz": 5 / 3, "uniform": 3 * np.pi**2 / 16, "patch": 0.685008}
 CENTER = {"bump": STIFFNESS["bump"] / (5 * np.pi / 16), "Hertz": 5 / 4, "uniform": 3 * np.pi / 8, "patch": 1.0}
-DEPTHS = np.array([0.2, 0.4, 0.8])
-Z = np.array([[0, 0, 1.0]])
-RADIUS = {(phi, way): 2 / STIFFNESS[phi] * (1 if way == "mean" else CENTER[phi]) for phi in STIFFNESS
-          for way in ("mean", "center") if (phi, way) != ("patch", "center")}
-
-MEAN = {tool: R for tool, R in RADIUS.items() if tool[1] == "mean"}
+DEPTHS, EDGES = np.array([0.2, 0.4, 0.8]), (0.4, 0.2, 0.1)  # of the punch, and its rounded edge
+SIDE = 16 / 3  # half of the block's 16 cm, and its 8 cm of height, in units of a = 1.5 cm
+TOOLS = [(phi, way) for phi in STIFFNESS for way in ("mean", "center") if (phi, way) != ("patch", "center")]
 
 
-def sneddon(tip, depth):
-    """F / E* of a rigid axisymmetric tip, without friction, on a half-space."""
-    def slope(r):
-        if tip[0] == "sphere":
-            return r / np.sqrt(tip[1] ** 2 - r**2)
-        s = r - (tip[1] - tip[2])
-        return s / np.sqrt(tip[2] ** 2 - s**2) if s > 0 else 0.0
+def radius(phi, way):
+    """With the force of a flat punch of radius 1 on a half-space at the same displacement of mean or center."""
+    return 2 / STIFFNESS[phi] * (CENTER[phi] if way == "center" else 1)
 
+
+def size(rim, center, growth=0.3, radius=1.7):
+    """Edges by point: short at the punch's rim, longer at the tool, longest far away."""
+    def of(x):
+        at_rim = np.hypot(np.linalg.norm(x[:-1]) - 1, x[-1])
+        return min(rim + 0.25 * at_rim, center + growth * max(0, np.linalg.norm(x) - radius))
+    return of
+
+
+def cylinder(height, of_size, radius=None, **options):
+    side = radius or height
+    return Body(box((0, -height), (side, 0), of_size), lambda x: (x[1] < 1e-6 - height) | ((x[0] > side - 1e-6) & (side > 10)),
+                lambda x: x[1] > -1e-9, symmetric=(0,), **options)
+
+
+def block(low, high, of_size, reach=4, symmetric=(), **options):
+    return Body(box(low, high, of_size), lambda x: x[2] < 1e-6 + low[2],
+                lambda x: (x[2] > -1e-9) & (np.linalg.norm(x, axis=0) < reach), symmetric=symmetric, **options)
+
+
+def sneddon(r, depth):
+    """F / E* of a rigid punch of radius 1 with an edge rounded by r, without friction, on a half-space."""
     def integral(c, power):
-        return quad(lambda t: (c * np.sin(t)) ** power * slope(c * np.sin(t)), 0, np.pi / 2, limit=200)[0]
-
-    largest = (tip[1] if tip[0] == "sphere" else tip[1]) * (1 - 1e-6)
-    c = brentq(lambda c: c * integral(c, 0) - depth, 1e-6, largest)
+        slope = lambda x: max(x - 1 + r, 0) / np.sqrt(r**2 - max(x - 1 + r, 0) ** 2)
+        start = np.arcsin(min(1, (1 - r) / c))
+        return quad(lambda t: (c * np.sin(t)) ** power * slope(c * np.sin(t)), start, np.pi / 2, limit=200)[0]
+    c = brentq(lambda c: c * integral(c, 0) - depth, 1 - r, 1 - 1e-9)
     return 2 * integral(c, 2)
 
 
-def press(body, tip, depths=DEPTHS, stiffness=300, linear=False, steps=3):
-    """Forces and states of a tip at the depths."""
+def press(body, edge, depths=DEPTHS, step=0.05, stiffness=300):
+    """Forces, states and least stretches of a punch at the depths."""
     depth, k = fem.Constant(body.domain, 0.0), fem.Constant(body.domain, 0.0)
-    body.contact(gap_of(body, tip, depth, linear), k)
-    forces, states, before, last = [], [], body.w.x.array.copy(), 0.0
-    factors = np.geomspace(10, stiffness, 1 + int(np.ceil(np.log10(stiffness / 10) / 0.5)))
+    body.release(body.punch(edge, depth, k))
+    w, forces, states, stretches = body.w.x.array, [], [], []
+    body.states = states
+    before, last, ladder = w.copy(), 0.0, np.geomspace(10, stiffness, 4)
     for target in depths:
-        for i in range(steps):
-            depth.value = last + (target - last) * (i + 1) / steps
-            start = body.w.x.array.copy()
-            ladders = [factors]  # from a soft penalty to the hard one; first on a straight line through the last states
-            if last + i > 0:
-                ladders = [[stiffness], factors, np.geomspace(3, stiffness, 12)]
-                body.w.x.array[:] += start - before
-            for ladder in ladders:
+        while last < target - 1e-9:
+            start, reach = w.copy(), min(step, target - last)
+            for way in ("line", "ladder", "ladder", "ladder"):  # along the last states, or by softer penalties, or shorter
+                if way == "line":
+                    w[:] += (start - before) * (last > 0)
+                depth.value = last + reach
                 try:
-                    for factor in ladder:
+                    for factor in ladder if way == "ladder" or last == 0 else (stiffness,):
                         k.value = factor * body.Estar
-                        force = body.solve(iterations=15 if len(ladder) == 1 else 40)
+                        force = body.solve(iterations=40)
                     break
                 except Stopped:
-                    body.w.x.array[:] = start
+                    w[:] = start
+                    reach /= 1 if way == "line" else 2
             else:
-                raise Stopped(f"tip at {depth.value}")
-            before = start
-            print('  tip at', round(float(depth.value), 3), -force @ body.normal, round(time.process_time()), flush=True)
-        last = target
-        forces.append(float(-force @ body.normal))
-        states.append(body.w.x.array.copy())
-    return np.array(forces), states
+                return tuple(np.pad(np.array(a, float), (0, len(depths) - len(a)), constant_values=np.nan) for a in (forces, stretches))
+            before, last = start, last + reach
+        forces.append(-force @ body.normal)
+        states.append(w.copy())
+        stretches.append(body.least_stretch())
+    return np.array(forces), np.array(stretches)
 
 
-def move(body, phi, R, depths=DEPTHS, direction=None, steps=1, frame=np.eye(3), degree=24):
-    """Forces on the tool, displacements of the center and states, with the mean at the depths along the direction.
-    frame, m x 3: the components of the mean that are prescribed; without a state the rest is NaN."""
-    direction = -body.normal if direction is None else np.array(direction, float)
-    body.contact(None)
-    frame = np.eye(3) if phi == "patch" else np.array(frame, float)
-    keys = {"patch": body.patch(R)} if phi == "patch" else {"rows": frame @ body.mean_rows(phi, R, degree)[0]}
-    body.multipliers = np.zeros(len(frame))
-    forces, centers, states, last = [], [], [], 0.0
-    for target in depths:
-        for k in range(steps):
-            try:
-                force = body.solve(d=frame @ direction * (last + (target - last) * (k + 1) / steps), **keys)
-            except Stopped:
-                force = np.full(len(frame), np.nan)
-                body.w.x.array[:] = np.nan
-                break
-        last = target
-        forces.append(frame.T @ force)
-        centers.append(body.displacement())
-        states.append(body.w.x.array.copy())
-    return np.array(forces), np.array(centers), states
+def move(body, phi, R, means, frame=None):
+    """Forces, displacements of the center, states and least stretches with the mean at each of `means` along the first
+    row of the frame (the inward normal), and at 0 along the others; NaN where no state was found."""
+    body.release()
+    frame = -body.normal[None] if frame is None else np.array(frame, float)
+    F, center, stretch = np.full((3, len(means)), np.nan)
+    body.states = [np.full(len(body.w.x.array), np.nan)] * len(means)
+    tool = {"patch": body.patch(R)} if phi == "patch" else {"rows": body.rows(body.weights(phi, R), frame)}
+    for i, mean in enumerate(means):
+        try:
+            force = body.solve(**tool, d=mean * (frame[0] if phi == "patch" else np.eye(len(frame))[0]))
+        except Stopped:
+            break
+        F[i] = force @ frame[0] if phi == "patch" else force[0]
+        center[i] = body.w.x.array[body.dofs[body.center]] @ frame[0]
+        stretch[i] = body.least_stretch()
+        body.states[i] = body.w.x.array.copy()
+    return F, center, stretch
 
 
-def at_depths(x, values, depths):
-    """Values at the depths, by the parabola through the three nearest of the origin and the points x."""
-    x, values, out = np.concatenate([[0], x]), np.concatenate([0 * values[:1], values]), []
-    for t in depths:
-        if not t < 1.02 * np.nanmax(x):
-            out.append(np.nan * values[0])
-            continue
-        near = np.argsort(np.abs(np.nan_to_num(x, nan=99) - t))[:3]
-        out.append(sum(values[i] * np.prod([(t - x[j]) / (x[i] - x[j]) for j in near if j != i]) for i in near))
-    return np.array(out)
+def compare(body, step, edges=EDGES, fitted=False, tools=TOOLS):
+    """Punches against tools of the half-space's radius, and of the radius that fits the body at the smallest depth."""
+    out, tips, fields = {"cells": int(body.domain.topology.index_map(body.dim).size_local)}, {}, None
+    for edge in edges:
+        tips[edge], stretch = press(body, edge, step=min(step, 0.1))
+        fields = body.states
+        out[f"punch, edge {edge}"] = {"F": tips[edge].round(3).tolist(), "least_stretch": stretch.round(2).tolist()}
+        print(edge, out[f"punch, edge {edge}"], flush=True)
+    means = np.arange(1, round(0.8 / step) + 1) * step
 
+    def at_depths(phi, way, R, means=means):
+        F, center, stretch = move(body, phi, R, means)
+        place = center if way == "center" else means
+        valid = ~np.isnan(F)
+        place, values = np.append(0, place[valid]), np.array([np.append(start, a[valid]) for start, a in ((0, F), (0, center / means), (1, stretch))])
+        return np.array([np.interp(DEPTHS, place, v, right=np.nan) for v in values]), place[-1]
 
-def compare(body, depths=DEPTHS, tools=RADIUS, steps=2):
-    """Tips against tools: relative differences of force and of the surface, by depth."""
-    out = {"cells": int(body.domain.topology.index_map(3).size_local), "depths": list(depths)}
-    tips = {}
-    for tip in (PUNCH, SPHERE):
-        tips[tip[0]] = press(body, tip, depths)
-        out[tip[0]] = {"F": tips[tip[0]][0].round(4).tolist(), "least_stretch": round(body.least_stretch(), 3)}
-        print(tip, out[tip[0]], flush=True)
-    for (phi, way), R in tools.items():
-        name = f"{phi}, {way}"
-        imposed = depths if way == "mean" else np.array([0.15, 0.3, 0.5, 0.8])
-        forces, centers, states = move(body, phi, R, imposed, steps=steps, frame=body.normal[None])
-        F, c = -forces @ body.normal, -centers @ body.normal
-        row = {"R": round(R, 3), "mean": imposed.round(4).tolist(), "F": F.round(4).tolist(), "center": c.round(4).tolist(),
-               "least_stretch": round(body.least_stretch(), 3)}
-        if way == "center":
-            F, states = at_depths(c, F, depths), at_depths(c, np.array(states), depths)
-            row["F_at_center"] = F.round(4).tolist()
-        for tip, (reference, fields) in tips.items():
-            difference = F / reference - 1
-            row[tip] = {"force_percent": (100 * difference).round(1).tolist(), "surface_percent": [
-                round(100 * body.surface_difference(s, f), 1) for s, f in zip(states, fields)]}
-        out[name] = row
-        print(name, row, flush=True)
-    for tip in tips:  # the radius that agrees best in the mean over the depths, and what remains
-        for phi in STIFFNESS:
-            a, b = out.get(f"{phi}, mean", {}), out.get(f"{phi}, center", {})
-            for row in (r for r in (a, b) if r):
-                logs = np.log1p(np.array(row[tip]["force_percent"]) / 100)
-                row[tip]["best_R"] = round(row["R"] * np.exp(-logs.mean()), 3)  # F grows about like R
-                row[tip]["spread_percent"] = round(100 * float(np.std(logs)), 1)
+    for phi, way in tools:
+        R = radius(phi, way)
+        for kind in ("half-space", "body") if fitted else ("half-space",):
+            if kind == "body":
+                for _ in range(3):  # F grows about like R
+                    R *= tips[edges[-1]][0] / at_depths(phi, way, R, means[means < 0.2 + 1e-9])[0][0, 0]
+            (F, center, stretch), last = at_depths(phi, way, R)
+            row = {"R": round(R, 3), "F": F.round(3).tolist(), "center/mean": center.round(2).tolist(),
+                   "least_stretch": stretch.round(2).tolist(), "deepest": round(float(last), 2)}
+            row["percent_of_edges"] = {str(e): (100 * (F / tips[e] - 1)).round(1).tolist() for e in edges}
+            if way == "mean":
+                at = [int(round(d / step)) - 1 for d in DEPTHS]
+                row["surface_percent"] = [round(100 * body.surface_difference(body.states[i], f), 1) for i, f in zip(at, fields)]
+            out[f"{phi}, {way}, R of {kind}"] = row
+            print(phi, way, kind, row, flush=True)
     return out
 
 
 def half_space(_):
-    out = {"depths": DEPTHS.tolist(), "closed_forms": {phi: {"F/(E* R mean)": STIFFNESS[phi], "center/mean": CENTER[phi]} for phi in STIFFNESS}}
-    for size, edge in ((50, 0.4), (100, 0.4), (100, 0.2)):
-        domain = block((0, 0, -size), (size, size, 0), edge, 1.7, 0.25)
-        body = Body(domain, lambda x: (x[0] > size - 1e-6) | (x[1] > size - 1e-6) | (x[2] < 1e-6 - size), law="linear",
-                    symmetric=(0, 1))
-        row = {"cells": int(domain.topology.index_map(3).size_local)}
-        for (phi, way), R in RADIUS.items():
-            if way == "mean":
-                forces, centers, _ = move(body, phi, R, [0.3], frame=Z)
-                row[phi] = {"force over theory": round(-forces[0][2] / (body.Estar * R * 0.3) / STIFFNESS[phi], 4),
-                            "center/mean over theory": round(-centers[0][2] / 0.3 / CENTER[phi], 4)}
-        for tip in (PUNCH, SPHERE):
-            for stiffness in (100, 300, 1000):
-                if stiffness != 300 and (size, edge) != (100, 0.4):
-                    continue
-                F, _ = press(body, tip, DEPTHS, stiffness, linear=True)
-                exact = np.array([sneddon(tip, d) for d in DEPTHS]) * body.Estar
-                row[f"{tip[0]}, penalty {stiffness}"] = (F / exact).round(4).tolist()
-        out[f"side {size}, edge {edge}"] = row
-        print(size, edge, row, flush=True)
+    out = {"closed_forms": {phi: {"F/(E* R mean)": round(STIFFNESS[phi], 4), "center/mean": round(CENTER[phi], 4)} for phi in STIFFNESS}}
+    for side in (50, 100):
+        body = cylinder(side, size(0.02, 0.1), law="linear")
+        row = {"cells": int(body.domain.topology.index_map(2).size_local)}
+        for phi in STIFFNESS:
+            R = radius(phi, "mean")
+            F, center, _ = move(body, phi, R, [0.3])
+            row[phi] = {"force over theory": round(F[0] / (body.Estar * R * 0.3) / STIFFNESS[phi], 4),
+                        "center/mean over theory": round(center[0] / 0.3 / CENTER[phi], 4)}
+        for edge in EDGES:
+            exact = np.array([sneddon(edge, d) for d in DEPTHS]) * body.Estar
+            row[f"punch, edge {edge}"] = (press(body, edge)[0] / exact).round(4).tolist()
+        out[f"side {side}"] = row
+        print(side, row, flush=True)
     return out
 
 
-SIDE = 16 / 3  # half of the block's 16 cm, and its 8 cm of height, in units of a = 1.5 cm
-
-
-def quarter(edge, **options):
-    domain = block((0, 0, -SIDE), (SIDE, SIDE, 0), edge, 1.7, 0.35)
-    return Body(domain, lambda x: x[2] < 1e-6 - SIDE, symmetric=(0, 1), **options)
+def on_cylinder(_):
+    out = {}
+    for K, rim in ((10.0, 0.02), (50.0, 0.02)):
+        out[f"K/mu {K:.0f}"] = compare(cylinder(SIDE, size(rim, 0.08), K=K), 0.025, fitted=True)
+    return out
 
 
 def on_block(_):
-    out = {"P2, K/mu 10": compare(quarter(0.35))}
-    body = quarter(0.35)
-    for stiffness in (100, 1000):
-        out[f"punch, penalty {stiffness}"] = press(body, PUNCH, stiffness=stiffness)[0].round(4).tolist()
-    fine = quarter(0.22)
-    for tip in (PUNCH, SPHERE):
-        out[f"{tip[0]}, edge 0.22"] = press(fine, tip)[0].round(4).tolist()
-    for phi in ("bump", "Hertz", "uniform"):
-        out[f"{phi}, mean, edge 0.22"] = (-move(fine, phi, RADIUS[phi, "mean"], frame=Z)[0][:, 2]).round(4).tolist()
-    print(out, flush=True)
-    out["Taylor-Hood, K/mu 200"] = compare(quarter(0.45, K=200.0, element="taylor-hood"), tools=MEAN)
-    return out
+    body = block((0, 0, -SIDE), (SIDE, SIDE, 0), size(0.13, 0.35, 0.35), symmetric=(0, 1))
+    return compare(body, 0.1, (0.2, 0.1))
 
 
 def on_liver(path):
-    domain, normal = refined_organ(path, 0.012, np.array([0.5, 0.5, 1.0]), (2.6, 1.7))
-    low, high = domain.geometry.x.min(0), domain.geometry.x.max(0)
-    out = {}
-    for name, held in (("end held", lambda x: x[0] < low[0] + 0.2 * (high - low)[0]),
-                       ("back held", lambda x: x[2] < low[2] + 0.25 * (high - low)[2])):
-        out[name] = compare(Body(domain, held, normal=normal, reach=3.5), tools=RADIUS if name == "back held" else MEAN)
-    return out
+    """The place on top, in the middle of the bounding box; the underside is held; cells refined at the tool and its rim."""
+    domain, normal = organ(path, 0.012, np.array([0.5, 0.5, 1.0]), (
+        lambda x: np.linalg.norm(x, axis=1) < 1.5, lambda x: np.hypot(np.linalg.norm(x[:, :2], axis=1) - 1, x[:, 2]) < 0.4))
+    corners, normals = boundary(domain)
+    middles, facing = domain.geometry.x[corners].mean(axis=1), normals @ normal / np.linalg.norm(normals, axis=1)
+    below = domain.geometry.x[corners[facing < -0.3]]
+    tree, under = cKDTree(middles[facing > 0.5]), cKDTree(np.concatenate([below, (below + np.roll(below, 1, 1)) / 2]).reshape(-1, 3))
+    body = Body(domain, lambda x: under.query(x.T)[0] < 1e-9, lambda x: (np.linalg.norm(x, axis=0) < 3.5) & (tree.query(x.T)[0] < 1e-9),
+                normal=normal)
+    return compare(body, 0.2, (0.2,), tools=[tool for tool in TOOLS if tool[1] == "mean"])
 
 
-def oblique(_):
-    domain = block((-SIDE, 0, -SIDE), (SIDE, SIDE, 0), 0.4, 1.6, 0.45)
-    body, out = Body(domain, lambda x: x[2] < 1e-6 - SIDE, symmetric=(1,)), {}
-    for sense, z in (("push", -1), ("pull", 1)):
-        direction = np.array([0.5, 0, z * np.sqrt(0.75)])
-        d = fem.Constant(domain, np.zeros(3))
-        body.glue(1.0, d, 1000 * body.Estar)
-        reference, fields, depths = [], [], [0.3, 0.6]
-        for depth in depths:
-            d.value = depth * direction
-            reference.append(body.solve())
-            fields.append(body.w.x.array.copy())
-        reference = np.array(reference)
-        reference[:, 1] = 0
-        out[f"glued, {sense}"] = reference[:, [0, 2]].round(3).tolist()
-        for (phi, way), R in RADIUS.items():
-            scale = CENTER[phi] if way == "center" else 1.0
-            F, centers, states = move(body, phi, R, np.array(depths) / scale, direction, frame=[[1, 0, 0], [0, 0, 1]])
-            F[:, 1] = 0
-            size = np.linalg.norm(reference, axis=1)
-            out[f"{phi}, {way}, {sense}"] = {
-                "force_percent": (100 * np.linalg.norm(F - reference, axis=1) / size).round(1).tolist(),
-                "size_percent": (100 * (np.linalg.norm(F, axis=1) / size - 1)).round(1).tolist(),
-                "center": centers[:, [0, 2]].round(3).tolist(),
-                "surface_percent": [round(100 * body.surface_difference(s, f), 1) for s, f in zip(states, fields)]}
-        print({k: v for k, v in out.items() if sense in k}, flush=True)
+def how_deep(_):
+    """With R = 1: the mean up to which no cell has a stretch below 0.5, up to which a state was found by steps of 0.025
+    (0.05 in three dimensions), the center over the mean at the former, and the force over that of a linear body."""
+    out, h = {}, 0.5**0.5
+    for (K, element, edge), height in itertools.product(((10, "P2", 0.05), (200, "taylor-hood", 0.1), (200, "p1-p1", 0.1), (200, "p1-p1", 0.35)), (3.5, 1.5)):
+        of_size, options = lambda x: edge + 0.5 * max(0, np.linalg.norm(x) - 1.3), {"K": K, "element": element}
+        if edge < 0.3:
+            body, means = cylinder(height, of_size, 3.5, **options), np.arange(1, 41) * 0.025
+            ways = {"push": ((0, -1),), "pull": ((0, 1),)}
+        else:
+            body, means = block((-3.5, 0, -height), (3.5, 3.5, 0), of_size, symmetric=(1,), **options), np.arange(1, 21) * 0.05
+            ways = {"push": ((0, 0, -1), (1, 0, 0)), "pull": ((0, 0, 1), (1, 0, 0)), "slide": ((1, 0, 0), (0, 0, 1)),
+                    "push at 45 degrees": ((h, 0, -h), (h, 0, h))}
+        for (way, frame), phi in itertools.product(ways.items(), STIFFNESS):
+            F, center, stretch = move(body, phi, 1.0, means, frame)
+            last = np.append(np.flatnonzero(~(stretch > 0.5)), len(means))[0] - 1
+            out[f"{element}, K/mu {K}, edge {edge}, height {height}, {way}, {phi}"] = {
+                "good_to": round(means[last], 3), "found_to": round(means[(~np.isnan(F)).sum() - 1], 3),
+                "center/mean": round(center[last] / means[last], 2), "F_over_linear": round(F[last] / F[0] / (last + 1), 2)}
+            print(*list(out.items())[-1], flush=True)
     return out
 
 
 def on_meshes(_):
-    out = {}
-    for element, law, levels in (("P2", "linear", 3), ("P1", "neo-hookean", 4)):
-        domain, forces = block((0, 0, -3), (4, 4, 0), 1.0, 1.5, 0.4), {}
-        for level in range(levels):
-            if level:
-                domain.topology.create_entities(1)
-                domain = mesh.refine(domain, redistribute=False)
-            body = Body(domain, lambda x: x[2] < 1e-6 - 3, symmetric=(0, 1), law=law, element=element, reach=1.2)
-            for phi in STIFFNESS:
-                F = -move(body, phi, 1.0, [0.3], steps=1 if law == "linear" else 2, frame=Z)[0][0][2]
-                forces.setdefault(phi, []).append(round(float(F), 5))
-        for phi, F in forces.items():
-            steps = np.abs(np.diff(F))
-            out[f"{element}, {law}, {phi}"] = {"F": F, "orders": np.log2(steps[:-1] / steps[1:]).round(2).tolist(),
-                                               "first_over_last": round(F[0] / F[-1], 4)}
-        print({k: v for k, v in out.items() if element in k}, flush=True)
-    domain = block((-4, -4, -3), (4, 4, 0), 0.42, 1.6, 0.6)
-    places = np.random.default_rng(1).uniform(-0.4, 0.4, (12, 2))
-    for element, degree in (("P1", 24), ("P1", 6), ("P2", 24)):
-        body = Body(domain, lambda x: x[2] < 1e-6 - 3, law="linear", element=element, reach=2.5)
+    out, top = {}, lambda x: (x[2] > -1e-9) & (np.linalg.norm(x, axis=0) < 2.5)
+    domain, forces = box((0, 0, -3), (4, 4, 0), lambda x: 1 + 0.4 * max(0, np.linalg.norm(x) - 1.5)), {phi: [] for phi in STIFFNESS}
+    for _ in range(4):  # edges of R to R / 8
+        body = Body(domain, lambda x: x[2] < 1e-6 - 3, top, symmetric=(0, 1), element="p1-p1", K=50)
         for phi in STIFFNESS:
-            forces, negative, least = [], [], []
-            for place in places if (element, phi) != ("P2", "patch") else places[:6]:
-                body.at.value[:2] = place
-                if phi != "patch":
-                    weights = body.mean_rows(phi, 1.0, degree)[1]
-                    used = weights[np.abs(weights) > 1e-12]
-                    negative.append((used < 0).mean())
-                    least.append(-used[used < 0].sum())
-                forces.append(-move(body, phi, 1.0, [0.1], degree=degree)[0][0][2])
-            out[f"scatter, {element}, quadrature {degree}, {phi}"] = {
-                "mean": round(float(np.mean(forces)), 5), "std_percent": round(100 * float(np.std(forces) / np.mean(forces)), 2),
-                "range_percent": round(100 * float(np.ptp(forces) / np.mean(forces)), 2),
-                "negative_weights_percent": round(100 * float(np.mean(negative or [0])), 1),
-                "sum_of_negative": round(float(np.mean(least or [0])), 5)}
-        print({k: v for k, v in out.items() if f"scatter, {element}, quadrature {degree}" in k}, flush=True)
-    return out
-
-
-def how_deep(_):
-    """Force, center, least stretch and negative pivots of the free body's tangent, with R = 1, by depth and mesh."""
-    out, depths = {}, np.arange(1, 9) / 10
-    for element, edge, K in (("P2", 1 / 2, 10), ("P2", 1 / 3.5, 10), ("P2", 1 / 5, 10), ("P1", 1 / 2.5, 10), ("P1", 1 / 5, 10),
-                             ("taylor-hood", 1 / 3, 200)):
-        domain = block((0, 0, -3.5), (3.5, 3.5, 0), edge, 1.2, 0.4)
-        body = Body(domain, lambda x: x[2] < 1e-6 - 3.5, K=K, element=element, symmetric=(0, 1), reach=2.0)
-        for sense in (-1, 1):
-            for phi in STIFFNESS:
-                rows = {"patch": body.patch(1.0)} if phi == "patch" else {"rows": body.mean_rows(phi, 1.0)[0][[2]]}
-                body.contact(None)
-                body.multipliers = np.zeros(1)
-                F, center, stretch, negative = [], [], [], []
-                try:
-                    for depth in depths:
-                        d = sense * depth * np.array([0, 0, 1.0])
-                        F.append(round(float(body.solve(d=d if phi == "patch" else d[2:], **rows)[-1]) * sense, 4))
-                        center.append(round(float(sense * body.displacement()[2] / depth), 3))
-                        stretch.append(round(body.least_stretch(), 3))
-                        negative.append(body.negative_pivots())
-                    why = "complete"
-                except Stopped as reason:
-                    why = str(reason)
-                name = f"{element}, K/mu {K}, edge {edge:.2f} R, {'push' if sense < 0 else 'pull'}, {phi}"
-                out[name] = {"F": F, "center/mean": center, "least_stretch": stretch, "negative": negative, "end": why}
-                print(name, out[name], flush=True)
+            forces[phi].append(move(body, phi, 1.0, [0.1])[0][0])
+        domain.topology.create_entities(1)
+        domain = mesh.refine(domain, redistribute=False)
+    for phi, F in forces.items():
+        steps = np.abs(np.diff(F))
+        out[f"order, {phi}"] = {"F": np.round(F, 4).tolist(), "orders": np.log2(steps[:-1] / steps[1:]).round(2).tolist()}
+    places = np.random.default_rng(1).uniform(-0.4, 0.4, (12, 2))
+    for kind, near in (("even 0.42", lambda x: 0.42), ("graded 0.15 to 0.7", lambda x: min(max(0.15, 0.4 + 0.2 * x[0]), 0.7))):
+        domain = box((-4, -4, -3), (4, 4, 0), lambda x: near(x) + 0.6 * max(0, np.linalg.norm(x) - 1.6))
+        for element in ("p1-p1", "P2"):
+            body = Body(domain, lambda x: x[2] < 1e-6 - 3, top, K=50, element=element)
+            fem.petsc.assemble_matrix(body.A, body.tangent)
+            body.A.assemble()
+            body.A.zeroRowsColumns(body.fixed, 1.0)
+            column, step = body.A.createVecs()
+            for degree, phi in itertools.product((24, 6, 0), ("bump", "Hertz", "uniform")):
+                forces, negative, shift = [], [], []
+                for body.at.value[:2] in places:  # F per mean at rest
+                    w = body.weights(phi, 1.0, degree)
+                    negative.append(-w[w < 0].sum())
+                    shift.append(np.linalg.norm(w @ body.x - body.at.value))
+                    column.array[:] = body.rows(w, [[0, 0, 1]])[0]
+                    body.ksp.solve(column, step)
+                    forces.append(1 / column.dot(step))
+                out[f"scatter, {kind}, {element}, degree {degree}, {phi}"] = {
+                    "mean": round(np.mean(forces), 3), "std_percent": round(100 * np.std(forces) / np.mean(forces), 2),
+                    "centroid_off": round(np.mean(shift), 4), "sum_of_negative": round(np.mean(negative), 4)}
     return out
 
 
 def main():
-    sections = {"half-space": half_space, "block": on_block, "liver": on_liver, "oblique": oblique, "mesh": on_meshes,
-                "depth": how_deep}
+    sections = {"half-space": half_space, "cylinder": on_cylinder, "block": on_block, "liver": on_liver, "depth": how_deep, "mesh": on_meshes}
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("sections", nargs="+", choices=sections)
     parser.add_argument("--liver", default="liver.msh")
@@ -320,7 +265,7 @@ def main():
         result = sections[name](options.liver)
         result["cpu_s"] = round(time.process_time() - start)
         kept = json.loads(path.read_text()) if path.exists() else {}
-        path.write_text(json.dumps({**kept, name: result}, indent=None).replace("NaN", "null").replace("}, ", "},\n") + "\n")
+        path.write_text(json.dumps({**kept, name: result}).replace("NaN", "null").replace("}, ", "},\n") + "\n")
         print(name, result["cpu_s"], "s", flush=True)
 
 
