@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
   TrainingSpec spec;
   spec.family = Family::rbfn;
   spec.force_spread = 1.4;
-  const ResponseSource source{&header, [&](std::int32_t a) { return bench::rays(header, a); }, 0, "generated"};
+  const ResponseSource source{&header, [&](std::int32_t a) { return bench::rays(header, a); }, {}, "generated"};
 
   TrainingReport report;
   const Model model = train(source, spec, report, {}, threads);

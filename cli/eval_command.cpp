@@ -8,7 +8,6 @@
 #include "command_files.hpp"
 #include "commands.hpp"
 #include "eval_motion.hpp"
-#include "eval_refusals.hpp"
 #include "fine_surface.hpp"
 #include "query_table.hpp"
 #include "streams.hpp"
@@ -122,22 +121,17 @@ void require_triangle(const Motion::Tool& tool, const std::string& where, const 
                     "give nodes and weights as eval --point x,y,z --json writes them");
 }
 
-std::vector<SurfacePoint> places_of(const Motion& motion, const std::string& name, const Mesh& mesh) {
-  std::vector<SurfacePoint> places;
-  for (const auto& tool : motion.tools) {
-    SurfacePoint place{tool.nodes, tool.weights, {}, 0};
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (tool.nodes[k] >= mesh.n_nodes())
-        throw input_error(name + ": the mesh has no such node", std::to_string(tool.nodes[k]),
+/// @throws Error (input) unless the mesh has the nodes of all tools, and those of each one are of one triangle
+void require_places(const Motion& motion, const std::string& name, const Mesh& mesh) {
+  for (std::size_t t = 0; t < motion.tools.size(); ++t) {
+    const auto& tool = motion.tools[t];
+    for (const auto node : tool.nodes)
+      if (node >= mesh.n_nodes())
+        throw input_error(name + ": the mesh has no such node", std::to_string(node),
                           "give the model for which the motion was recorded; its nodes are 0 to " +
                               std::to_string(mesh.n_nodes() - 1));
-      for (int c = 0; c < 3 && tool.nodes[k] >= 0; ++c)
-        place.point[static_cast<std::size_t>(c)] += tool.weights[k] * mesh.nodes(tool.nodes[k], c);
-    }
-    if (tool.nodes[1] >= 0) require_triangle(tool, fmt::format("{}: tools[{}]", name, places.size()), mesh);
-    places.push_back(place);
+    if (tool.nodes[1] >= 0) require_triangle(tool, fmt::format("{}: tools[{}]", name, t), mesh);
   }
-  return places;
 }
 
 /// --motion replaces the options of a single query, except --json.
@@ -154,7 +148,7 @@ void run_motion(const Options& options) {
   const auto motion = read_motion(*options.motion);
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);
-  refuse_as_solve(model, places_of(motion, name, model.mesh()));
+  require_places(motion, name, model.mesh());
   answer_motion(model, motion, name, tool.json_file);
 }
 
@@ -175,7 +169,6 @@ void run(const Options& options) {
   LoadedModel model(options.model);
   if (options.level) model.set_level(*options.level);
   const auto places = options.tool.places(model.mesh());
-  refuse_as_solve(model, places);
   const bool coupled = options.tools == "coupled" && (places.size() > 1 || !options.tool.points.empty());
   const auto response =
       coupled ? model.couple(tools_at(places, displacements)) : model.respond(options.tool.nodes, displacements);

@@ -154,13 +154,13 @@ void warn_of_states(const Plan& plan) {
 std::string trust(const Plan& plan) {
   if (!plan.is_sample()) return "all rays were solved";
   if (plan.relative_error) return fmt::format("standard error {:.0f} %", 100 * *plan.relative_error);
-  return fmt::format("a guess: fewer than {} nodes", RaySample::fewest_nodes);
+  return "a guess";  // fewer than RaySample::fewest_nodes
 }
 
 void print_plan(const Options& options, const Plan& plan) {
   print_result("time      {} on {} rank{}{}\n", duration(plan.wall_s), plan.ranks, plan.ranks == 1 ? "" : "s",
                options.ranks ? "" : ", the processor cores of this machine");
-  print_result("rays      {}, {} more by symmetry; {} solved at {} node{}: {:.3g} s each ({}), {:.3g} s the longest\n",
+  print_result("rays      {}, {} more by symmetry; {} solved at {} node{}: {:.3g} s each ({}), at most {:.3g} s\n",
                plan.costs.rays, plan.rays_mirrored, plan.rays_measured, plan.nodes_measured,
                plan.nodes_measured == 1 ? "" : "s", plan.costs.ray_s, trust(plan), plan.costs.longest_s);
   print_result("memory    {} per rank, {} in all; this machine has {}\n", bytes(plan.memory_bytes),

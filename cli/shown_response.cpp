@@ -33,9 +33,7 @@ void check_increment(const DatabaseHeader& header, const Ray& ray, std::optional
 }
 
 TouchedNodes tool_nodes(const DatabaseHeader& header, std::int32_t node) {
-  const auto scene = stored_scene(header);
-  const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
-  return touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, radius);
+  return touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, stored_scene(header).probe);
 }
 
 /// Rows of `all` whose nodes are all known, with node numbers replaced by point numbers.

@@ -5,7 +5,6 @@
 #include <numeric>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
-#include <phynness/precompute/held_points.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
@@ -29,19 +28,6 @@ LoadedScene load_source(const std::filesystem::path& source) {
   const auto database = Database::open(source);
   const auto& header = database.header();
   return {stored_scene(header), header.mesh, header.sets};
-}
-
-std::vector<PointTool> tools_at(const std::vector<SurfacePoint>& places, const std::vector<Vec3>& displacements) {
-  std::vector<PointTool> tools;
-  for (std::size_t t = 0; t < places.size(); ++t) {
-    PointTool& tool = tools.emplace_back(PointTool{{}, {}, displacements[t]});
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (places[t].weights[k] == 0) continue;
-      tool.nodes.push_back(places[t].nodes[k]);
-      tool.weights.push_back(places[t].weights[k]);
-    }
-  }
-  return tools;
 }
 
 double smallest_in(const Mesh& mesh) {
@@ -145,13 +131,11 @@ void run(const Options& options) {
   ProbeSolver solver(loaded.scene, loaded.mesh, loaded.sets);
   const auto places = options.tool.places(loaded.mesh);
   const int increments = options.increments.value_or(loaded.scene.probe.increments);
-  Response response;
-  if (options.tool.points.empty()) {
+  if (options.tool.points.empty())
     solver.touch(options.tool.nodes);
-    response = solver.solve(displacements, increments, options.tangent);
-  } else {
-    response = hold_points(solver, tools_at(places, displacements), increments, options.tangent).response;
-  }
+  else
+    solver.touch_points(places);
+  const Response response = solver.solve(displacements, increments, options.tangent);
   if (response.status != Status::converged)
     throw failure("the solve did not converge", fmt::format("{}: {}", name(response.status), meaning(response.status)),
                   "use a smaller displacement or more --increments (" + std::to_string(response.cutbacks) +

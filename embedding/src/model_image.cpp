@@ -167,7 +167,7 @@ class ImageWriter {
     if (!_options.force_only) {
       std::vector<std::uint16_t> positions;
       std::vector<Real> weights;
-      for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
+      for (std::size_t i = 0; i < node.prescribed.size() && !node.moves_mean; ++i) {
         const auto found = std::lower_bound(_model.output.begin(), _model.output.end(), node.prescribed[i]);
         if (found == _model.output.end() || *found != node.prescribed[i]) continue;
         positions.push_back(static_cast<std::uint16_t>(found - _model.output.begin()));

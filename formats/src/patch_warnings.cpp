@@ -56,37 +56,12 @@ std::string warn_of_edges(const Scene& scene, const Mesh& mesh, const NodeSets& 
   double mean = 0;
   for (const double edge : edges) mean += edge / static_cast<double>(edges.size());
   const double wanted_radius = fewest_edges_of_a_patch * long_edge;
-  // The middle of an equilateral triangle is 0.58 edges away from its corners.
-  const char* between = radius < 0.58 * mean ? "; between nodes such a patch may hold none of them: solve refuses it, "
-                                               "and so does eval where the model shows how large its patches are"
-                                             : "";
   return scene.probe.where.str() + ": the patch is not resolved at " + std::to_string(too_long) + " of " +
          std::to_string(edges.size()) + " active nodes: its radius, tool_radius_m = " + three_digits(radius) +
          ", is less than two edges of the surface there (edges are " + three_digits(mean) + " m in the mean, up to " +
          three_digits(edges.back()) +
          " m), so that the force depends on the mesh; tool_radius_m = " + three_digits(wanted_radius, Round::up) +
-         " is sufficient, or " + finer_mesh(scene.mesh, radius / wanted_radius, mean) + between;
-}
-
-std::string warn_of_slide(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
-  if (scene.material.law->linear) return "";
-  const double radius = scene.probe.tool_radius_m;
-  const Points normals = node_normals(mesh);
-  double sideways = 0;
-  for (const auto node : sets.active)
-    for (const auto& direction : exploratory_directions(scene.probe.directions)) {
-      const double along = normals.row(node).dot(to_eigen(direction).transpose());
-      if (scene.probe.directions == Directions::hemisphere && along > 1e-9) continue;
-      sideways = std::max(sideways, std::sqrt(std::max(0.0, 1 - along * along)));
-    }
-  const double slide = sideways * scene.probe.max_displacement_m;
-  if (slide <= (1 + 1e-9) * farthest_slide_of_a_patch * radius) return "";
-  return scene.probe.where.str() + ": the patch is displaced sideways by up to " + three_digits(slide) + " m, " +
-         three_digits(slide / radius) +
-         " radii: beyond 0.65 radii it folds over itself, solves fail, and what they "
-         "find are not the forces of a tool; max_displacement_m = " +
-         three_digits(farthest_slide_of_a_patch * radius / sideways, Round::down) +
-         " or tool_radius_m = " + three_digits(slide / farthest_slide_of_a_patch, Round::up) + " is sufficient";
+         " is sufficient, or " + finer_mesh(scene.mesh, radius / wanted_radius, mean);
 }
 
 }  // namespace
@@ -94,8 +69,7 @@ std::string warn_of_slide(const Scene& scene, const Mesh& mesh, const NodeSets& 
 std::vector<std::string> patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   std::vector<std::string> warnings;
   if (scene.probe.kind != ProbeKind::patch) return warnings;
-  for (auto& text : {warn_of_edges(scene, mesh, sets), warn_of_slide(scene, mesh, sets)})
-    if (!text.empty()) warnings.push_back(text);
+  if (auto text = warn_of_edges(scene, mesh, sets); !text.empty()) warnings.push_back(std::move(text));
   return warnings;
 }
 

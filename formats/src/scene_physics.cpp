@@ -56,7 +56,8 @@ std::string physics_summary(const Scene& scene) {
   add("nodes.output", selection_text(scene.output));
 
   add("probe.kind", name(scene.probe.kind));
-  if (scene.probe.kind == ProbeKind::patch) add("probe.tool_radius_m", shortest(scene.probe.tool_radius_m));
+  if (scene.probe.kind != ProbeKind::node) add("probe.tool_radius_m", shortest(scene.probe.tool_radius_m));
+  if (scene.probe.kind == ProbeKind::patch) add("probe.tool", "mean");
   add("probe.directions", name(scene.probe.directions));
   add("probe.increments", std::to_string(scene.probe.increments));
   add("probe.max_displacement_m", shortest(scene.probe.max_displacement_m));

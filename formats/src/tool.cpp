@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/tool.hpp>
 
@@ -10,126 +11,9 @@ namespace phynness {
 
 namespace {
 
-/// Nodes within the radius around `center` that can be reached from `seeds` over triangles.
-std::vector<char> reached_nodes(const Points& nodes, const Triangles& surface, const std::vector<std::int32_t>& seeds,
-                                const std::function<double(std::int32_t)>& weight) {
-  // Flood fill over triangles. The number of passes is the width of the patch in triangles, which is small.
-  std::vector<char> reached(static_cast<std::size_t>(nodes.rows()), 0);
-  for (const auto node : seeds) reached[static_cast<std::size_t>(node)] = 1;
-  for (bool grows = !seeds.empty(); grows;) {
-    grows = false;
-    for (Eigen::Index t = 0; t < surface.rows(); ++t) {
-      const auto is_reached = [&](int k) { return reached[static_cast<std::size_t>(surface(t, k))] != 0; };
-      if (!is_reached(0) && !is_reached(1) && !is_reached(2)) continue;
-      for (int k = 0; k < 3; ++k)
-        if (!is_reached(k) && weight(surface(t, k)) > 0) {
-          reached[static_cast<std::size_t>(surface(t, k))] = 1;
-          grows = true;
-        }
-    }
-  }
-  return reached;
-}
-
 bool is_in(std::span<const std::int32_t> ascending, std::int32_t node) {
   return std::binary_search(ascending.begin(), ascending.end(), node);
 }
-
-}  // namespace
-
-TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
-                           std::int32_t node, double tool_radius) {
-  if (!(tool_radius > 0)) return {{node}, {1.0}};
-  const auto weight = [&](std::int32_t i) {
-    return patch_weight((nodes.row(i) - nodes.row(node)).squaredNorm() / (tool_radius * tool_radius));
-  };
-  const auto reached = reached_nodes(nodes, surface, {node}, weight);
-  TouchedNodes touched;
-  for (std::int32_t i = 0; i < nodes.rows(); ++i) {
-    if (!reached[static_cast<std::size_t>(i)]) continue;
-    if (i != node && is_in(fixed, i)) continue;
-    touched.nodes.push_back(i);
-    touched.weights.push_back(i == node ? 1.0 : weight(i));
-  }
-  return touched;
-}
-
-TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
-                           const SurfacePoint& center, double tool_radius) {
-  Eigen::RowVector3d point = Eigen::RowVector3d::Zero();
-  for (std::size_t k = 0; k < 3; ++k)
-    if (center.weights[k] > 0) point += center.weights[k] * nodes.row(center.nodes[k]);
-  const auto weight = [&](std::int32_t i) {
-    return patch_weight((nodes.row(i) - point).squaredNorm() / (tool_radius * tool_radius));
-  };
-  std::vector<std::int32_t> seeds;
-  double at_point = 0, nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (!(center.weights[k] > 0)) continue;
-    const auto corner = center.nodes[k];
-    if (weight(corner) > 0) seeds.push_back(corner);
-    if (is_in(fixed, corner)) continue;
-    at_point += center.weights[k] * weight(corner);
-    nearest = std::min(nearest, (nodes.row(corner) - point).norm());
-  }
-  if (!std::isfinite(nearest))
-    throw input_error("all corners of the touched triangle are fixed", "", "touch a part of the surface that can move");
-  if (!(at_point > 0))
-    throw input_error("a patch between nodes holds no node of its triangle",
-                      "its radius is " + std::to_string(tool_radius / nearest) + " of the distance to the nearest one",
-                      "use a larger tool_radius_m or smaller elements, or touch a node");
-  const auto reached = reached_nodes(nodes, surface, seeds, weight);
-  TouchedNodes touched;
-  touched.scale = 1 / at_point;
-  for (std::int32_t i = 0; i < nodes.rows(); ++i) {
-    if (!reached[static_cast<std::size_t>(i)] || is_in(fixed, i)) continue;
-    touched.nodes.push_back(i);
-    touched.weights.push_back(touched.scale * weight(i));
-  }
-  return touched;
-}
-
-void require_apart(std::span<const SurfacePoint> tools, std::span<const std::int32_t> fixed,
-                   const std::function<std::vector<std::int32_t>(std::int32_t node)>& moved_by) {
-  const auto corners = [&](const SurfacePoint& tool) {
-    std::vector<std::int32_t> free;
-    for (std::size_t k = 0; k < 3; ++k)
-      if (tool.weights[k] > 0 && !is_in(fixed, tool.nodes[k])) free.push_back(tool.nodes[k]);
-    return free;
-  };
-  for (std::size_t t = 0; t < tools.size() && tools.size() > 1; ++t)
-    for (const auto from : corners(tools[t])) {
-      const auto moved = moved_by(from);
-      for (std::size_t other = 0; other < tools.size(); ++other)
-        for (const auto node : other == t ? std::vector<std::int32_t>{} : corners(tools[other]))
-          if (is_in(moved, node))
-            throw input_error(from == node ? "two tools hold the same node"
-                                           : "two tools overlap: one moves a node that the other touches",
-                              from == node ? "node " + std::to_string(node)
-                                           : "nodes " + std::to_string(from) + " and " + std::to_string(node),
-                              "keep tools at least a tool radius apart");
-    }
-}
-
-bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {
-  std::vector<char> held(static_cast<std::size_t>(mesh.n_nodes()), 0);
-  for (const auto node : fixed) held[static_cast<std::size_t>(node)] = 1;
-  const auto is_held = [&](Eigen::Index c, int k) { return held[static_cast<std::size_t>(mesh.cells(c, k))]; };
-  for (Eigen::Index c = 0; mesh.cells.cols() == 3 && c < mesh.cells.rows(); ++c)
-    if (is_held(c, 0) + is_held(c, 1) + is_held(c, 2) > 1) return true;
-  if (fixed.size() < 3) return false;
-  const Points& nodes = mesh.nodes;
-  Points at(static_cast<Eigen::Index>(fixed.size()), 3);
-  for (std::size_t i = 0; i < fixed.size(); ++i) at.row(static_cast<Eigen::Index>(i)) = nodes.row(fixed[i]);
-  at.rowwise() -= Eigen::RowVector3d(at.colwise().mean());
-  // Eigenvalues: mean square distances from the best plane, within this plane from the best line, and along this line.
-  const Eigen::Matrix3d spread = at.transpose() * at / static_cast<double>(fixed.size());
-  const auto squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
-  const Eigen::RowVector3d extent = nodes.colwise().maxCoeff() - nodes.colwise().minCoeff();
-  return squares[1] > 1e-12 * extent.squaredNorm();
-}
-
-namespace {
 
 using Vector = Eigen::Vector3d;
 
@@ -157,15 +41,178 @@ Vector on_triangle(const Eigen::Matrix3d& corners, const Vector& x) {
   return best;
 }
 
+Eigen::Matrix3d corners_of(const Points& nodes, const Triangles& surface, Eigen::Index t) {
+  Eigen::Matrix3d corners;
+  for (int k = 0; k < 3; ++k) corners.col(k) = nodes.row(surface(t, k)).transpose();
+  return corners;
+}
+
+/// Triangles around the middle of a tool that are connected over edges within the radius.
+std::vector<Eigen::Index> touched_triangles(const Points& nodes, const Triangles& surface, const SurfacePoint& center,
+                                            const Vector& middle, double radius) {
+  std::vector<Eigen::Index> near, reached;
+  std::vector<char> taken;
+  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
+    const auto corners = corners_of(nodes, surface, t);
+    const bool within = (corners * on_triangle(corners, middle) - middle).norm() < radius;
+    int shared = 0, wanted = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (center.weights[k] > 0) {
+        ++wanted;
+        for (int l = 0; l < 3; ++l) shared += surface(t, l) == center.nodes[k];
+      }
+    if (shared == wanted)
+      reached.push_back(t);
+    else if (within)
+      near.push_back(t);
+  }
+  taken.assign(near.size(), 0);
+  for (std::size_t at = 0; at < reached.size(); ++at) {
+    const auto corners = corners_of(nodes, surface, reached[at]);
+    for (std::size_t n = 0; n < near.size(); ++n)
+      for (int k = 0; k < 3 && !taken[n]; ++k) {
+        const int l = (k + 1) % 3;
+        const auto a = surface(reached[at], k), b = surface(reached[at], l);
+        int shared = 0;
+        for (int m = 0; m < 3; ++m) shared += surface(near[n], m) == a || surface(near[n], m) == b;
+        if (shared < 2 || !((corners * on_edge(corners, k, l, middle) - middle).norm() < radius)) continue;
+        taken[n] = 1;
+        reached.push_back(near[n]);
+      }
+  }
+  return reached;
+}
+
+/// The integral over the part of a triangle that has the columns of `part` as barycentric coordinates of its corners.
+void integrate_part(const Eigen::Matrix3d& corners, const Eigen::Matrix3d& part, const Vector& middle, double radius,
+                    const std::function<void(const Vector&, double)>& take) {
+  // Lengths in radii. They are no simple fractions, so that on regular meshes rounding decides nothing.
+  constexpr double small = 0.0623, small_at_rim = 0.00391, inside = 0.9973;
+  const Eigen::Matrix3d x = (corners * part).colwise() - middle;
+  const double longest = std::sqrt(std::max(
+      {(x.col(1) - x.col(0)).squaredNorm(), (x.col(2) - x.col(1)).squaredNorm(), (x.col(0) - x.col(2)).squaredNorm()}));
+  const double nearest = x.rowwise().mean().norm() - longest, farthest = x.colwise().norm().maxCoeff();
+  if (nearest >= radius) return;
+  if (longest > (farthest < inside * radius ? small : small_at_rim) * radius) {
+    Eigen::Matrix3d middles;
+    for (int k = 0; k < 3; ++k) middles.col(k) = (part.col((k + 1) % 3) + part.col((k + 2) % 3)) / 2;
+    integrate_part(corners, middles, middle, radius, take);
+    for (int k = 0; k < 3; ++k) {
+      Eigen::Matrix3d corner = middles;
+      corner.col(k) = part.col(k);
+      integrate_part(corners, corner, middle, radius, take);
+    }
+    return;
+  }
+  const double third_of_area = (x.col(1) - x.col(0)).cross(x.col(2) - x.col(0)).norm() / 6;
+  for (int k = 0; k < 3; ++k) {
+    const Vector at = (part.col((k + 1) % 3) + part.col((k + 2) % 3)) / 2;
+    const double pressure = tool_pressure((corners * at - middle).squaredNorm() / (radius * radius));
+    if (pressure > 0) take(at, pressure * third_of_area);
+  }
+}
+
+/// The rigid patch of databases before the mean: the nodes within the radius that are connected over triangles, with
+/// u_i = (1 - s^2)^2 d.
+TouchedNodes rigid_patch(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
+                         std::int32_t node, double radius) {
+  const auto weight = [&](std::int32_t i) {
+    const double s2 = (nodes.row(i) - nodes.row(node)).squaredNorm() / (radius * radius);
+    return s2 < 1 - 1e-9 ? (1 - s2) * (1 - s2) : 0.0;
+  };
+  std::vector<char> reached(static_cast<std::size_t>(nodes.rows()), 0);
+  reached[static_cast<std::size_t>(node)] = 1;
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (Eigen::Index t = 0; t < surface.rows(); ++t)
+      for (int k = 0; k < 3; ++k) {
+        const auto of = [&](int c) -> char& { return reached[static_cast<std::size_t>(surface(t, c))]; };
+        if (of(k) || !(of((k + 1) % 3) || of((k + 2) % 3)) || !(weight(surface(t, k)) > 0)) continue;
+        of(k) = 1;
+        grows = true;
+      }
+  }
+  TouchedNodes touched;
+  for (std::int32_t i = 0; i < nodes.rows(); ++i) {
+    if (!reached[static_cast<std::size_t>(i)] || (i != node && is_in(fixed, i))) continue;
+    touched.nodes.push_back(i);
+    touched.weights.push_back(i == node ? 1.0 : weight(i));
+  }
+  return touched;
+}
+
 }  // namespace
+
+// A point of the rim, up to rounding, is outside.
+double tool_pressure(double s2) { return s2 < 1 - 1e-9 ? 1 : 0; }
+
+void integrate_pressure(const Points& nodes, const Triangles& surface, const SurfacePoint& center, double radius,
+                        const TakePressure& take) {
+  Vector middle = Vector::Zero();
+  for (std::size_t k = 0; k < 3; ++k)
+    if (center.weights[k] > 0) middle += center.weights[k] * nodes.row(center.nodes[k]).transpose();
+  for (const auto t : touched_triangles(nodes, surface, center, middle, radius))
+    integrate_part(corners_of(nodes, surface, t), Eigen::Matrix3d::Identity(), middle, radius,
+                   [&](const Vector& at, double part) { take(t, at, part); });
+}
+
+SurfacePoint at_node(std::int32_t node) { return {{node, -1, -1}, {1, 0, 0}}; }
+
+TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
+                           const SurfacePoint& center, double radius) {
+  std::map<std::int32_t, double> weight;
+  if (radius > 0)
+    integrate_pressure(nodes, surface, center, radius, [&](Eigen::Index t, const Vector& at, double part) {
+      for (int k = 0; k < 3; ++k) weight[surface(t, k)] += at[k] * part;
+    });
+  else
+    for (std::size_t k = 0; k < 3; ++k)
+      if (center.weights[k] > 0) weight[center.nodes[k]] += center.weights[k];
+  TouchedNodes touched;
+  touched.mean = radius > 0;
+  double sum = 0;
+  for (const auto& [node, w] : weight)
+    if (!is_in(fixed, node)) {
+      touched.nodes.push_back(node);
+      touched.weights.push_back(w);
+      sum += w;
+    }
+  if (!(sum > 0)) throw input_error("all nodes of a tool are fixed", "", "touch a part of the surface that can move");
+  if (touched.mean)
+    for (auto& w : touched.weights) w /= sum;
+  return touched;
+}
+
+TouchedNodes touched_nodes(const Points& nodes, const Triangles& surface, std::span<const std::int32_t> fixed,
+                           std::int32_t node, const ProbeSpec& probe) {
+  if (probe.kind == ProbeKind::rigid_patch) return rigid_patch(nodes, surface, fixed, node, probe.tool_radius_m);
+  return touched_nodes(nodes, surface, fixed, at_node(node), probe.kind == ProbeKind::patch ? probe.tool_radius_m : 0);
+}
+
+bool hold_the_body(const Mesh& mesh, std::span<const std::int32_t> fixed) {
+  std::vector<char> held(static_cast<std::size_t>(mesh.n_nodes()), 0);
+  for (const auto node : fixed) held[static_cast<std::size_t>(node)] = 1;
+  const auto is_held = [&](Eigen::Index c, int k) { return held[static_cast<std::size_t>(mesh.cells(c, k))]; };
+  for (Eigen::Index c = 0; mesh.cells.cols() == 3 && c < mesh.cells.rows(); ++c)
+    if (is_held(c, 0) + is_held(c, 1) + is_held(c, 2) > 1) return true;
+  if (fixed.size() < 3) return false;
+  const Points& nodes = mesh.nodes;
+  Points at(static_cast<Eigen::Index>(fixed.size()), 3);
+  for (std::size_t i = 0; i < fixed.size(); ++i) at.row(static_cast<Eigen::Index>(i)) = nodes.row(fixed[i]);
+  at.rowwise() -= Eigen::RowVector3d(at.colwise().mean());
+  // Eigenvalues: mean square distances from the best plane, within this plane from the best line, and along this line.
+  const Eigen::Matrix3d spread = at.transpose() * at / static_cast<double>(fixed.size());
+  const auto squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::RowVector3d extent = nodes.colwise().maxCoeff() - nodes.colwise().minCoeff();
+  return squares[1] > 1e-12 * extent.squaredNorm();
+}
 
 SurfacePoint nearest_on_surface(const Points& nodes, const Triangles& surface, const Vec3& x) {
   const Vector wanted(x[0], x[1], x[2]);
   SurfacePoint nearest;
   nearest.distance = std::numeric_limits<double>::infinity();
   for (Eigen::Index t = 0; t < surface.rows(); ++t) {
-    Eigen::Matrix3d corners;
-    for (int k = 0; k < 3; ++k) corners.col(k) = nodes.row(surface(t, k)).transpose();
+    const auto corners = corners_of(nodes, surface, t);
     const Vector weights = on_triangle(corners, wanted), point = corners * weights;
     const double distance = (point - wanted).norm();
     if (!(distance < nearest.distance)) continue;

@@ -78,6 +78,7 @@ struct PlannedNodeLevel {
 };
 
 struct PlannedNode {
+  bool moves_mean = false;
   std::int32_t node = 0, n_incomplete = 0;
   Vec3 point{};
   std::vector<std::int32_t> prescribed;
@@ -220,13 +221,13 @@ double text_bytes(const Scene& scene, const DatabaseHeader& header, std::size_t 
   static_cast<Model&>(model) = model_of_database(header, scene.training.family, scene.title);
   model.displacements = {static_cast<std::int64_t>(header.directions.size() * header.magnitudes_m.size()), 3};
   plan_shared(scene.training, header.fields, model);
-  const double radius = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
   const auto& active = header.sets.active;
   for (std::size_t k = 0; k < n_nodes; ++k) {
     PlannedNode& node = model.nodes.emplace_back();
     node.node = active[std::min(active.size() - 1, k * active.size() / n_nodes + active.size() / (2 * n_nodes))];
     for (int i = 0; i < 3; ++i) node.point[static_cast<std::size_t>(i)] = header.mesh.nodes(node.node, i);
-    const auto tool = touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node.node, radius);
+    const auto tool = touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node.node, scene.probe);
+    node.moves_mean = tool.mean;
     node.prescribed = tool.nodes;
     node.prescribed_weight = tool.weights;
     node.trained_depth_m.assign(header.directions.size(), model.max_displacement_m);

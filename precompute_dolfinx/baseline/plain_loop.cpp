@@ -1,5 +1,6 @@
 #include <cmath>
 #include <phynness/baseline/plain_loop.hpp>
+#include <stdexcept>
 
 #include "constraint.hpp"
 #include "discretization.hpp"
@@ -125,9 +126,8 @@ SolverCounts PlainLoop::counts() const { return _impl->counts; }
 
 std::vector<PlainState> PlainLoop::ray(std::int32_t node, const Vec3& full_depth_m, int increments) {
   auto& s = *_impl;
-  const auto constraint = tool_constraint(
-      s.body,
-      {tool_weights(s.body, s.scene.probe.kind, s.scene.probe.tool_radius_m / s.scaling.length_m, node, s.fixed)});
+  if (s.scene.probe.kind != ProbeKind::node) throw std::logic_error("the plain loop is of node probes");
+  const auto constraint = tool_constraint(s.body, {at_node(node)}, 0, s.fixed);
   s.held.assign(s.fixed_dofs.begin(), s.fixed_dofs.end());
   s.held.insert(s.held.end(), constraint.dofs.begin(), constraint.dofs.end());
   s.is_free.assign(s.body.n_dofs(), 1);

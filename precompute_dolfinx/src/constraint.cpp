@@ -1,72 +1,178 @@
 #include "constraint.hpp"
 
-#include <functional>
+#include <Eigen/LU>
+#include <algorithm>
+#include <map>
+#include <phynness/formats/error.hpp>
 
 namespace phynness {
 
+Eigen::VectorXd Constraint::dependent(std::span<const double> state, const Eigen::VectorXd& held) const {
+  if (masters.empty()) return held;
+  Eigen::VectorXd x(static_cast<Eigen::Index>(masters.size()));
+  for (std::size_t i = 0; i < masters.size(); ++i) x[static_cast<Eigen::Index>(i)] = state[masters[i]];
+  return held + M * x;
+}
+
+void Constraint::complete(std::span<double> state, const Eigen::VectorXd& held) const {
+  const Eigen::VectorXd values = dependent(state, held);
+  for (std::size_t i = 0; i < dofs.size(); ++i) state[dofs[i]] = values[static_cast<Eigen::Index>(i)];
+}
+
+void Constraint::condense(std::span<double> residual) const {
+  if (masters.empty()) return;
+  Eigen::VectorXd r(static_cast<Eigen::Index>(dofs.size()));
+  for (std::size_t i = 0; i < dofs.size(); ++i) r[static_cast<Eigen::Index>(i)] = residual[dofs[i]];
+  const Eigen::VectorXd moved = M.transpose() * r;
+  for (std::size_t i = 0; i < masters.size(); ++i) residual[masters[i]] += moved[static_cast<Eigen::Index>(i)];
+}
+
 namespace {
 
-/// Weights of all points: those of the nodes, and `at_middle` for middles of surface edges that end at one of them.
-std::vector<double> with_middles(const Discretization& body, const TouchedNodes& touched,
-                                 const std::vector<char>& fixed, const std::function<double(int point)>& at_middle) {
-  std::vector<double> weights(body.n_points(), 0.0);
-  for (std::size_t i = 0; i < touched.nodes.size(); ++i) weights[touched.nodes[i]] = touched.weights[i];
-  for (int p = body.n_nodes(); p < body.n_points(); ++p) {
-    const auto [a, b] = body.edge(p);
-    if (!fixed[p] && body.on_surface(p) && (weights[a] != 0 || weights[b] != 0)) weights[p] = at_middle(p);
-  }
+/// Tools that prescribe weighted means, sum_c B(t, c) a_c = q_t, of the displacements a_c of some control points.
+struct Means {
+  std::vector<int> controls;                ///< points of the body, without repeats
+  Eigen::MatrixXd B;                        ///< n_tools x n_controls
+  std::vector<std::vector<double>> shapes;  ///< per control: factor of a_c in the displacement of every point, 1 at the
+                                            ///< control itself and 0 at the others; empty: a control moves alone
+};
+
+/// Per point: the P1 hat function on the surface around a node.
+std::vector<double> hat(const Discretization& body, std::int32_t node, const std::vector<char>& fixed) {
+  std::vector<double> weights(static_cast<std::size_t>(body.n_points()), 0.0);
+  weights[static_cast<std::size_t>(node)] = 1;
+  for (int p = body.n_nodes(); p < body.n_points(); ++p)
+    if (const auto [a, b] = body.edge(p); !fixed[p] && body.on_surface(p) && (a == node || b == node)) weights[p] = 0.5;
   return weights;
+}
+
+/// Per point: the integral of the pressure of a round tool times the function of the point, without fixed points,
+/// divided by the sum.
+std::vector<double> mean_weights(const Discretization& body, const SurfacePoint& center, double radius,
+                                 const std::vector<char>& fixed) {
+  std::map<std::pair<std::int32_t, std::int32_t>, int> middle;
+  for (int p = body.n_nodes(); p < body.n_points(); ++p)
+    if (body.on_surface(p)) middle[std::minmax({body.edge(p)[0], body.edge(p)[1]})] = p;
+  std::vector<double> weights(static_cast<std::size_t>(body.n_points()), 0.0);
+  integrate_pressure(body.points().topRows(body.n_nodes()), body.surface(), center, radius,
+                     [&](Eigen::Index t, const Eigen::Vector3d& at, double part) {
+                       for (int k = 0; k < 3; ++k) {
+                         const auto a = body.surface()(t, k), b = body.surface()(t, (k + 1) % 3);
+                         weights[a] += part * at[k] * (middle.empty() ? 1 : 2 * at[k] - 1);
+                         if (!middle.empty())
+                           weights[middle.at(std::minmax({a, b}))] += 4 * part * at[k] * at[(k + 1) % 3];
+                       }
+                     });
+  double sum = 0;
+  for (int p = 0; p < body.n_points(); ++p) {
+    if (fixed[p]) weights[p] = 0;
+    sum += weights[p];
+  }
+  for (auto& weight : weights) weight /= sum;
+  return weights;
+}
+
+Means means_of(const Discretization& body, const std::vector<SurfacePoint>& centers, double radius,
+               const std::vector<char>& fixed) {
+  std::vector<std::map<int, double>> rows;
+  std::map<int, Eigen::Index> column_of;
+  for (const auto& center : centers) {
+    auto& row = rows.emplace_back();
+    if (radius > 0) {
+      const auto weights = mean_weights(body, center, radius, fixed);
+      for (int p = 0; p < body.n_points(); ++p)
+        if (weights[p] != 0) row[p] = weights[p];
+    } else {
+      for (std::size_t k = 0; k < 3; ++k)
+        if (center.weights[k] > 0 && !fixed[center.nodes[k]]) row[center.nodes[k]] += center.weights[k];
+    }
+    if (row.empty())
+      throw input_error("all nodes of a tool are fixed", "tool " + std::to_string(rows.size() - 1),
+                        "touch a part of the surface that can move");
+    for (const auto& [point, weight] : row) column_of.emplace(point, 0);
+  }
+  Means means;
+  for (auto& [point, column] : column_of) {
+    column = std::ssize(means.controls);
+    means.controls.push_back(point);
+    if (radius == 0) means.shapes.push_back(hat(body, point, fixed));
+  }
+  means.B = Eigen::MatrixXd::Zero(std::ssize(rows), std::ssize(means.controls));
+  for (std::size_t t = 0; t < rows.size(); ++t)
+    for (const auto& [point, weight] : rows[t]) means.B(static_cast<Eigen::Index>(t), column_of.at(point)) = weight;
+  return means;
+}
+
+/// Positions of one control per tool whose columns of B are far from dependent, by complete pivoting.
+std::vector<Eigen::Index> heavy_controls(Eigen::MatrixXd B) {
+  // The largest weight that remains, over the largest one of the tool. Tools whose means are independent only by less
+  // than this would pull against each other with forces a thousand times as large as their sum.
+  constexpr double least = 1e-3;
+  const Eigen::VectorXd largest = B.rowwise().lpNorm<Eigen::Infinity>();
+  std::vector<Eigen::Index> heavy;
+  for (Eigen::Index n = 0; n < B.rows(); ++n) {
+    Eigen::Index row = 0, column = 0;
+    const double ratio = (largest.cwiseInverse().asDiagonal() * B).cwiseAbs().maxCoeff(&row, &column);
+    if (!(ratio >= least))
+      throw input_error("two tools are at the same place", "", "keep tools at least a tool radius apart");
+    const Eigen::VectorXd factors = B.col(column) / B(row, column);
+    const Eigen::RowVectorXd pivot = B.row(row);
+    B -= factors * pivot;
+    B.row(row).setZero();
+    heavy.push_back(column);
+  }
+  return heavy;
 }
 
 }  // namespace
 
-std::vector<std::int32_t> fixed_nodes(const Discretization& body, const std::vector<char>& fixed) {
-  std::vector<std::int32_t> nodes;
-  for (int i = 0; i < body.n_nodes(); ++i)
-    if (fixed[i]) nodes.push_back(i);
-  return nodes;
-}
+Constraint tool_constraint(const Discretization& body, const std::vector<SurfacePoint>& centers, double radius,
+                           const std::vector<char>& fixed) {
+  const Means means = means_of(body, centers, radius, fixed);
+  const auto& B = means.B;
+  const auto heavy = heavy_controls(B);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index c = 0; c < B.cols(); ++c)
+    if (std::find(heavy.begin(), heavy.end(), c) == heavy.end()) kept.push_back(c);
+  // The displacements of all controls: a = C a_kept + D q.
+  const Eigen::MatrixXd inverse = Eigen::MatrixXd(B(Eigen::all, heavy)).inverse();
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(B.cols(), std::ssize(kept)), D = Eigen::MatrixXd::Zero(B.cols(), B.rows());
+  C(heavy, Eigen::all) = -inverse * B(Eigen::all, kept);
+  D(heavy, Eigen::all) = inverse;
+  for (std::size_t i = 0; i < kept.size(); ++i) C(kept[i], static_cast<Eigen::Index>(i)) = 1;
 
-std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, double radius, std::int32_t node,
-                                 const std::vector<char>& fixed) {
-  const bool patch = kind == ProbeKind::patch;
-  const auto touched = touched_nodes(body.points().topRows(body.n_nodes()), body.surface(), fixed_nodes(body, fixed),
-                                     node, patch ? radius : 0.0);
-  return with_middles(body, touched, fixed, [&](int p) {
-    return patch ? patch_weight((body.points().row(p) - body.points().row(node)).squaredNorm() / (radius * radius))
-                 : 0.5;
-  });
-}
-
-std::vector<double> patch_weights(const Discretization& body, double radius, const SurfacePoint& center,
-                                  const std::vector<char>& fixed) {
-  const auto touched =
-      touched_nodes(body.points().topRows(body.n_nodes()), body.surface(), fixed_nodes(body, fixed), center, radius);
-  Eigen::RowVector3d point = Eigen::RowVector3d::Zero();
-  for (std::size_t k = 0; k < 3; ++k)
-    if (center.weights[k] > 0) point += center.weights[k] * body.points().row(center.nodes[k]);
-  return with_middles(body, touched, fixed, [&](int p) {
-    return touched.scale * patch_weight((body.points().row(p) - point).squaredNorm() / (radius * radius));
-  });
-}
-
-Constraint tool_constraint(const Discretization& body, const std::vector<std::vector<double>>& weights_of_tools) {
-  const auto n_tools = static_cast<int>(weights_of_tools.size());
-  std::vector<int> touched;
-  for (int p = 0; p < body.n_points(); ++p)
-    for (const auto& weights : weights_of_tools)
-      if (weights[p] != 0) {
-        touched.push_back(p);
-        break;
-      }
+  std::vector<char> is_master(static_cast<std::size_t>(body.n_points()), 0);
   Constraint constraint;
-  constraint.G = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(touched.size()), 3 * n_tools);
-  for (std::size_t i = 0; i < touched.size(); ++i)
+  for (const auto c : kept) {
+    const int point = means.controls[static_cast<std::size_t>(c)];
+    is_master[static_cast<std::size_t>(point)] = 1;
+    constraint.masters.insert(constraint.masters.end(), body.dofs(point).begin(), body.dofs(point).end());
+  }
+  // Per dependent point: the factors of the controls.
+  std::vector<Eigen::RowVectorXd> rows;
+  const auto shape = [&](Eigen::Index c, int point) {
+    const auto i = static_cast<std::size_t>(c);
+    return means.shapes.empty() ? (means.controls[i] == point ? 1.0 : 0.0)
+                                : means.shapes[i][static_cast<std::size_t>(point)];
+  };
+  for (int p = 0; p < body.n_points(); ++p) {
+    if (is_master[static_cast<std::size_t>(p)]) continue;
+    Eigen::RowVectorXd factors(B.cols());
+    for (Eigen::Index c = 0; c < B.cols(); ++c) factors[c] = shape(c, p);
+    if ((factors.array() == 0).all()) continue;
+    constraint.dofs.insert(constraint.dofs.end(), body.dofs(p).begin(), body.dofs(p).end());
+    rows.push_back(factors);
+  }
+  const auto n = static_cast<Eigen::Index>(constraint.dofs.size());
+  constraint.G = Eigen::MatrixXd::Zero(n, 3 * B.rows());
+  constraint.M = Eigen::MatrixXd::Zero(n, 3 * std::ssize(kept));
+  for (Eigen::Index i = 0; i < std::ssize(rows); ++i) {
+    const Eigen::RowVectorXd g = rows[static_cast<std::size_t>(i)] * D, m = rows[static_cast<std::size_t>(i)] * C;
     for (int k = 0; k < 3; ++k) {
-      constraint.dofs.push_back(body.dofs(touched[i])[k]);
-      for (int t = 0; t < n_tools; ++t)
-        constraint.G(3 * static_cast<Eigen::Index>(i) + k, 3 * t + k) = weights_of_tools[t][touched[i]];
+      for (Eigen::Index t = 0; t < g.size(); ++t) constraint.G(3 * i + k, 3 * t + k) = g[t];
+      for (Eigen::Index j = 0; j < m.size(); ++j) constraint.M(3 * i + k, 3 * j + k) = m[j];
     }
+  }
   return constraint;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <phynness/formats/scene.hpp>
 #include <phynness/formats/tool.hpp>
 #include <span>
@@ -11,30 +12,40 @@
 
 namespace phynness {
 
-/// Prescribed dofs x_c = G q, where q are the parameters of the path, three displacement components per tool. With the
-/// residual r the work-conjugate force is G^T r_c, which is the derivative of the energy by q.
+/// Dependent dofs x_c = G q + M x_m, where q are the parameters of the path, three displacement components per tool,
+/// and x_m are other dofs, which remain unknown. A tool that prescribes displacements has no such dofs. One that
+/// prescribes a mean sum w_i u_i = d has one dependent point, whose displacement follows from d and from the other
+/// points.
+///
+/// With the residual r the work-conjugate force is G^T r_c, which is the derivative of the energy by q, and equilibrium
+/// is r_m + M^T r_c = 0: the nodal forces of a mean are w_i F. The tangent is transformed in the same way (a
+/// congruence, so that its inertia is that of the tangent on all displacements that keep the mean).
 struct Constraint {
-  std::vector<std::int32_t> dofs;  ///< n, without repeats
-  Eigen::MatrixXd G;               ///< n x n_parameters
+  std::vector<std::int32_t> dofs;     ///< n, without repeats
+  Eigen::MatrixXd G;                  ///< n x n_parameters
+  std::vector<std::int32_t> masters;  ///< n_masters dofs, none of them in `dofs` and none fixed
+  Eigen::MatrixXd M;                  ///< n x n_masters
   int n_parameters() const { return static_cast<int>(G.cols()); }
+  /// `held` + M x_m for every dependent dof. @param held  n: G q, or a change of it
+  Eigen::VectorXd dependent(std::span<const double> state, const Eigen::VectorXd& held) const;
+  /// Sets the dependent dofs of a state, or of its derivative.
+  void complete(std::span<double> state, const Eigen::VectorXd& held) const;
+  /// Adds M^T r_c to r_m. @param residual  n_dofs
+  void condense(std::span<double> residual) const;
 };
 
-/// Weight of every point of the body under a tool at `node`, zero at fixed points.
-/// Node probe: the P1 hat function on the surface, 1 at the node and 1/2 at the middles of its surface edges.
-/// Patch probe: the weights of touched_nodes(), and the same function at the middles of surface edges that end at one
-/// of these nodes.
-/// @param fixed  flag of each point
-std::vector<double> tool_weights(const Discretization& body, ProbeKind kind, double radius, std::int32_t node,
-                                 const std::vector<char>& fixed);
-/// The same of a patch around a point of the surface (touched_nodes). @param radius  > 0
-/// @throws Error (input) if the patch holds no free node of the point's triangle
-std::vector<double> patch_weights(const Discretization& body, double radius, const SurfacePoint& center,
-                                  const std::vector<char>& fixed);
-/// Fixed nodes, ascending. @param fixed  flag of each point
-std::vector<std::int32_t> fixed_nodes(const Discretization& body, const std::vector<char>& fixed);
-
-/// The constraint of several tools; parameters 3 t + k are the components of tool t's displacement.
-Constraint tool_constraint(const Discretization& body, const std::vector<std::vector<double>>& weights_of_tools);
+/// The constraint of tools around points of the surface; parameters 3 t + k are the components of tool t's
+/// displacement. A round tool moves the mean with the weights int phi N_i dA / int phi dA, where phi is tool_pressure
+/// and N_i are the functions of the element on the surface. A tool of radius 0 moves the mean of the corners of its
+/// triangle with their barycentric weights, each together with the P1 hat function around it: 1 at the node and 1/2 at
+/// the middles of its surface edges. At a node this prescribes the displacement of the node. Fixed points are left out;
+/// the weights of round tools are then normalized again.
+/// @param centers  their nodes and weights are used; corners of weight 0 may be -1
+/// @param radius   in units of length_m
+/// @param fixed    flag of each point
+/// @throws Error (input) if all points of a tool are fixed, or if tools are at one place
+Constraint tool_constraint(const Discretization& body, const std::vector<SurfacePoint>& centers, double radius,
+                           const std::vector<char>& fixed);
 
 /// Flags of the points that are held at zero: fixed nodes, and middles of edges between two fixed nodes.
 std::vector<char> fixed_points(const Discretization& body, std::span<const std::int32_t> fixed_nodes);

@@ -13,7 +13,7 @@ namespace phynness {
 Equilibrium::Equilibrium(Discretization& body, const std::vector<std::int32_t>& fixed_dofs, const SolverSpec& options,
                          LinearSolver* shared)
     : _impl(std::make_unique<Impl>(body, fixed_dofs, options, shared)) {
-  prescribe({{}, Eigen::MatrixXd(0, 0)});
+  prescribe({});
 }
 Equilibrium::~Equilibrium() = default;
 Equilibrium::Equilibrium(Equilibrium&&) noexcept = default;
@@ -24,11 +24,11 @@ void Equilibrium::prescribe(Constraint constraint) {
   s.is_free.assign(s.body.n_dofs(), 1);
   for (int dof = 0; dof < s.body.n_dofs(); ++dof)
     if (s.tangent.unknown_of()[dof] < 0) s.is_free[dof] = 0;
-  s.prescribed.clear();
-  for (const auto dof : s.constraint.dofs) {
-    s.prescribed.push_back(s.tangent.unknown_of()[dof]);
-    s.is_free[dof] = 0;
-  }
+  for (const auto dof : s.constraint.dofs) s.is_free[dof] = 0;
+  if (!s.tangent.constrain(s.constraint)) return;
+  // The sparsity pattern has changed, and with it everything that libraries have made of it.
+  s.usable = false;
+  recover();
 }
 
 void Equilibrium::recover() {
@@ -70,6 +70,7 @@ bool Equilibrium::Impl::must_end() {
 SNESConvergedReason Equilibrium::Impl::iterate(bool from_convex, int most_iterations, int& iterations) {
   if (must_end()) throw Interrupted();
   PHYNNESS_PETSC(SNESSetTolerances(snes, 0, 0, 0, most_iterations, 100 * most_iterations));
+  hold();
   spread(x);
   refresh = true;
   convex = from_convex;
@@ -91,7 +92,7 @@ SNESConvergedReason Equilibrium::Impl::iterate(bool from_convex, int most_iterat
 }
 
 bool Equilibrium::Impl::factorize_exact() {
-  tangent.assemble(body, state, constraint, prescribed);
+  tangent.assemble(body, state);
   ++counts.tangents;
   factors_are_convex = false;
   quasi_newton.clear();
@@ -158,7 +159,7 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
   auto& s = *_impl;
   if (s.must_end()) throw Interrupted();
   s.state.assign(state.begin(), state.end());
-  const auto coupling = s.tangent.assemble(s.body, s.state, s.constraint, s.prescribed);
+  const auto coupling = s.tangent.assemble(s.body, s.state);
   ++s.counts.tangents;
   s.factors_are_convex = false;
   s.quasi_newton.clear();
@@ -184,9 +185,8 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
     out.tangent.col(c) += coupling.columns.transpose() * dx;
     for (int i = 0; i < s.tangent.n_unknowns(); ++i) out.sensitivity(s.tangent.dof_of()[i], c) = dx[i];
     PHYNNESS_PETSC(VecRestoreArrayRead(s.x, &solution));
-    const Eigen::VectorXd prescribed = s.constraint.G * directions.col(c);
-    for (std::size_t i = 0; i < s.constraint.dofs.size(); ++i)
-      out.sensitivity(s.constraint.dofs[i], c) = prescribed[static_cast<Eigen::Index>(i)];
+    s.constraint.complete({out.sensitivity.col(c).data(), static_cast<std::size_t>(out.sensitivity.rows())},
+                          s.constraint.G * directions.col(c));
   }
   out.status = Status::converged;
   return out;
@@ -195,9 +195,8 @@ Equilibrium::Linearization Equilibrium::linearize(std::span<const double> state,
 Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const Eigen::VectorXd& direction,
                                             Eigen::VectorXd guess) {
   auto& s = *_impl;
-  const Eigen::VectorXd prescribed = s.constraint.G * direction;
-  for (std::size_t i = 0; i < s.constraint.dofs.size(); ++i)
-    guess[s.constraint.dofs[i]] = prescribed[static_cast<Eigen::Index>(i)];
+  const Eigen::VectorXd held = s.constraint.G * direction;
+  s.constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, held);
   const Eigen::Map<const Eigen::VectorXd> x0(state.data(), static_cast<Eigen::Index>(state.size()));
   // K guess by a central difference. Its truncation error is proportional to the square of the step, and rounding to
   // its inverse; with a step of 1e-5 of the body both leave about ten digits.
@@ -206,18 +205,22 @@ Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const
   for (const double sign : {1.0, -1.0}) {
     Eigen::Map<Eigen::VectorXd>(s.state.data(), x0.size()) = x0 + sign * epsilon * guess;
     s.evaluate_residual();
-    if (sign > 0) forward = s.residual;
+    if (sign > 0) forward = s.condensed;
   }
   PetscScalar* values = nullptr;
   PHYNNESS_PETSC(VecGetArray(s.r, &values));
   for (int i = 0; i < s.tangent.n_unknowns(); ++i) {
     const auto dof = s.tangent.dof_of()[i];
-    values[i] = s.is_free[dof] ? (forward[dof] - s.residual[dof]) / (2 * epsilon) : 0.0;
+    values[i] = s.is_free[dof] ? (forward[dof] - s.condensed[dof]) / (2 * epsilon) : 0.0;
   }
   PHYNNESS_PETSC(VecRestoreArray(s.r, &values));
+  // The masters' rows contain the work of dependent dofs except for that of G q.
+  Eigen::VectorXd rate = guess;
+  for (std::size_t i = 0; i < s.constraint.dofs.size(); ++i)
+    rate[s.constraint.dofs[i]] = held[static_cast<Eigen::Index>(i)];
   double stiffness = 0;
-  for (Eigen::Index dof = 0; dof < guess.size(); ++dof)
-    stiffness += guess[dof] * (forward[dof] - s.residual[dof]) / (2 * epsilon);
+  for (Eigen::Index dof = 0; dof < rate.size(); ++dof)
+    stiffness += rate[dof] * (forward[dof] - s.condensed[dof]) / (2 * epsilon);
   ++s.counts.substitutions;
   if (!s.linear->solve(s.r, s.x)) return {Eigen::VectorXd::Constant(guess.size(), std::nan("")), stiffness};
   s.quasi_newton.apply(s.x);
@@ -228,6 +231,7 @@ Equilibrium::Velocity Equilibrium::velocity(std::span<const double> state, const
     if (s.is_free[dof]) guess[dof] -= correction[i];
   }
   PHYNNESS_PETSC(VecRestoreArrayRead(s.x, &correction));
+  s.constraint.complete({guess.data(), static_cast<std::size_t>(guess.size())}, held);
   return {std::move(guess), stiffness};
 }
 

@@ -59,6 +59,7 @@ PetscErrorCode Equilibrium::Impl::apply_factors(PC pc, Vec b, Vec x) {
 void Equilibrium::Impl::set_up_solver() {
   state.assign(body.n_dofs(), 0.0);
   residual.assign(body.n_dofs(), 0.0);
+  condensed = residual;
   const auto n = static_cast<PetscInt>(tangent.n_unknowns());
   PHYNNESS_PETSC(VecCreateSeq(PETSC_COMM_SELF, n, x.address()));
   PHYNNESS_PETSC(VecDuplicate(x, r.address()));
@@ -105,7 +106,10 @@ void Equilibrium::Impl::gather(Vec from) {
   PHYNNESS_PETSC(VecGetArrayRead(from, &values));
   for (int i = 0; i < tangent.n_unknowns(); ++i) state[tangent.dof_of()[i]] = values[i];
   PHYNNESS_PETSC(VecRestoreArrayRead(from, &values));
+  constraint.complete(state, held);
 }
+
+void Equilibrium::Impl::hold() { held = -constraint.dependent(state, -at_dependent(state)); }
 
 void Equilibrium::Impl::spread(Vec to) const {
   PetscScalar* values = nullptr;
@@ -119,7 +123,7 @@ void Equilibrium::Impl::scatter(Vec to) const {
   PHYNNESS_PETSC(VecGetArray(to, &out));
   for (int i = 0; i < tangent.n_unknowns(); ++i) {
     const auto dof = tangent.dof_of()[i];
-    out[i] = is_free[dof] ? residual[dof] : 0.0;
+    out[i] = is_free[dof] ? condensed[dof] : 0.0;
   }
   PHYNNESS_PETSC(VecRestoreArray(to, &out));
 }
@@ -133,19 +137,21 @@ void Equilibrium::Impl::evaluate_residual() {
     if (!is_free[dof]) reactions += residual[dof] * residual[dof];
   }
   reaction_norm = std::sqrt(reactions);
+  condensed = residual;
+  constraint.condense(condensed);
 }
 
-Eigen::VectorXd Equilibrium::Impl::reaction() const {
-  Eigen::VectorXd held(static_cast<Eigen::Index>(constraint.dofs.size()));
+Eigen::VectorXd Equilibrium::Impl::at_dependent(std::span<const double> values) const {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(constraint.dofs.size()));
   for (std::size_t i = 0; i < constraint.dofs.size(); ++i)
-    held[static_cast<Eigen::Index>(i)] = residual[constraint.dofs[i]];
-  return constraint.G.transpose() * held;
+    out[static_cast<Eigen::Index>(i)] = values[constraint.dofs[i]];
+  return out;
 }
 
 double Equilibrium::Impl::free_norm() const {
   double sum = 0;
   for (int dof = 0; dof < body.n_dofs(); ++dof)
-    if (is_free[dof]) sum += residual[dof] * residual[dof];
+    if (is_free[dof]) sum += condensed[dof] * condensed[dof];
   return std::sqrt(sum);
 }
 
@@ -187,7 +193,7 @@ PetscErrorCode Equilibrium::Impl::form_jacobian(SNES snes, Vec x, Mat, Mat, void
     self.refresh = false;
     self.quasi_newton.clear();
     self.gather(x);
-    self.tangent.assemble(self.body, self.state, self.constraint, self.prescribed, self.convexity());
+    self.tangent.assemble(self.body, self.state, self.convexity());
     self.pressures.set(self.tangent.matrix());
     self.factors_are_convex = self.convex;
     ++self.counts.tangents;

@@ -29,9 +29,10 @@ struct Equilibrium::Impl {
   LinearSolver* linear;               ///< the solver in use
   TangentMatrix tangent;
   Constraint constraint;
-  std::vector<std::int32_t> prescribed;  ///< unknowns of constraint.dofs
-  std::vector<char> is_free;             ///< per dof: neither fixed nor prescribed
+  std::vector<char> is_free;  ///< per dof: neither fixed nor dependent
   std::vector<double> load, state, residual;
+  std::vector<double> condensed;  ///< the residual with the rows of dependent dofs added to those of their masters
+  Eigen::VectorXd held;           ///< G q of the solve
   double reaction_norm = 0, load_norm = 0;  ///< of the latest residual
   double rounding = 0;                      ///< norm of a residual that is caused by rounding
   SolverCounts counts;
@@ -94,8 +95,12 @@ struct Equilibrium::Impl {
   /// @pre `residual` belongs to `state`
   double merit();
   /// G^T r_c of the latest residual.
-  Eigen::VectorXd reaction() const;
-  /// Copies unknowns to `state` and back; the residual's free rows, with zeros in the other rows.
+  Eigen::VectorXd reaction() const { return constraint.G.transpose() * at_dependent(residual); }
+  Eigen::VectorXd at_dependent(std::span<const double> values) const;
+  /// Keeps G q of `state` as `held`.
+  void hold();
+  /// Copies unknowns to `state`, with the dependent dofs that belong to them, and back; the condensed residual's free
+  /// rows, with zeros in the other rows.
   void gather(Vec from);
   void spread(Vec to) const;
   void scatter(Vec to) const;

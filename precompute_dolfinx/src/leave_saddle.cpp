@@ -15,15 +15,19 @@ double size_of(const Discretization& body) {
 
 /// A force on every free displacement that has no symmetry of any body. It is a smooth function of position, so that
 /// the direction of buckling depends neither on the numbering of the nodes nor on rounding.
-Eigen::VectorXd generic_force(const Discretization& body, const std::vector<std::int32_t>& unknown_of,
-                              const std::vector<char>& is_free, int n_unknowns) {
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(n_unknowns);
+Eigen::VectorXd generic_force(const Discretization& body, const TangentMatrix& tangent, const Constraint& constraint,
+                              const std::vector<char>& is_free) {
+  std::vector<double> nodal(static_cast<std::size_t>(body.n_dofs()), 0.0);
   const Eigen::RowVector3d wave = Eigen::RowVector3d(3.1, 1.7, 2.3) / size_of(body);
   const Eigen::RowVector3d corner = body.points().colwise().minCoeff();
   for (int p = 0; p < body.n_points(); ++p)
     for (int k = 0; k < 3; ++k)
-      if (const auto dof = body.dofs(p)[k]; dof >= 0 && is_free[dof])
-        force[unknown_of[dof]] = std::sin(wave.dot(body.points().row(p) - corner) + 1 + 0.7 * k);
+      if (const auto dof = body.dofs(p)[k]; dof >= 0)
+        nodal[dof] = std::sin(wave.dot(body.points().row(p) - corner) + 1 + 0.7 * k);
+  constraint.condense(nodal);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(tangent.n_unknowns());
+  for (int i = 0; i < tangent.n_unknowns(); ++i)
+    if (const auto dof = tangent.dof_of()[i]; is_free[dof]) force[i] = nodal[dof];
   return force;
 }
 
@@ -31,7 +35,7 @@ Eigen::VectorXd generic_force(const Discretization& body, const std::vector<std:
 
 bool Equilibrium::Impl::break_symmetry(Vec step) {
   constexpr double share = 1e-6;
-  const auto force = generic_force(body, tangent.unknown_of(), is_free, tangent.n_unknowns());
+  const auto force = generic_force(body, tangent, constraint, is_free);
   PetscVec b, z;
   PHYNNESS_PETSC(VecDuplicate(step, b.address()));
   PHYNNESS_PETSC(VecDuplicate(step, z.address()));
@@ -51,14 +55,14 @@ bool Equilibrium::Impl::break_symmetry(Vec step) {
 bool Equilibrium::Impl::leave_saddle() {
   const auto saddle = state;
   const double size = size_of(body);
-  tangent.assemble(body, state, constraint, prescribed, Convexity::strictly);
+  tangent.assemble(body, state, Convexity::strictly);
   ++counts.tangents;
   factors_are_convex = true;
   quasi_newton.clear();
   pressures.set(tangent.matrix());
   if (!factorize() || (!pressures.empty() && !pressures.is_definite())) return false;
-  const auto found = most_negative_curvature(*linear, tangent.exact(),
-                                             generic_force(body, tangent.unknown_of(), is_free, tangent.n_unknowns()));
+  const auto found =
+      most_negative_curvature(*linear, tangent.exact(), generic_force(body, tangent, constraint, is_free));
   if (found.direction.size() == 0) return false;
 
   double largest = 0;
@@ -69,6 +73,7 @@ bool Equilibrium::Impl::leave_saddle() {
   const auto merit_at = [&](double length) {
     state = saddle;
     for (int i = 0; i < tangent.n_unknowns(); ++i) state[tangent.dof_of()[i]] += length / largest * found.direction[i];
+    constraint.complete(state, held);
     evaluate_residual();
     const bool valid = std::isfinite(free_norm()) && (!body.forms().checks_jacobian || body.min_jacobian(state) > 0);
     return valid ? merit() : std::numeric_limits<double>::infinity();

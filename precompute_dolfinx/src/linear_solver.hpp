@@ -11,7 +11,7 @@ namespace phynness {
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
-  /// @param matrix  symmetric, always of the same pattern, on this process only
+  /// @param matrix  symmetric, of the same pattern since the last reset(), on this process only
   /// @return false if it could not be factorized; there are no factors then
   /// @throws Error if memory is exhausted or a library call fails; there are no factors then
   virtual bool factorize(Mat matrix) = 0;

@@ -31,6 +31,10 @@ struct ProbeSolver::Impl {
         equilibrium(body, fixed_dofs(body, fixed), s.solver, team && team->size() > 1 ? team : nullptr),
         rays(body, equilibrium, s.solver),
         fields(body, s.database.fields) {
+    if (s.probe.kind == ProbeKind::rigid_patch)
+      throw input_error("this version does not solve with the rigid patches of the database",
+                        "tool_radius_m = " + std::to_string(s.probe.tool_radius_m),
+                        "compute the scene again: a patch now moves a weighted mean of the surface");
     if (!hold_the_body(mesh, sets.fixed))
       throw input_error("the fixed nodes do not hold the body", std::to_string(sets.fixed.size()) + " fixed nodes",
                         "fix at least three nodes that are not on one line");
@@ -43,11 +47,13 @@ struct ProbeSolver::Impl {
   Equilibrium equilibrium;
   RaySolver rays;
   NodalFields fields;
-  std::vector<std::vector<double>> weights;  // per tool and point
+  std::size_t n_tools = 0;
   RaySolver::Rest rest;
   RestResponse rest_SI;
 
-  double radius() const { return scene.probe.tool_radius_m / scaling.length_m; }
+  double radius() const {
+    return scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m / scaling.length_m : 0;
+  }
 
   /// @throws Error (input) unless the node is of the surface and free
   void check_touched(std::int32_t node) const {
@@ -60,9 +66,10 @@ struct ProbeSolver::Impl {
     if (fixed[node]) throw input_error("the touched node is fixed", value, "touch a node that can move");
   }
 
-  /// Prescribes the weights of all tools and computes their responses at rest.
-  void find_rest() {
-    equilibrium.prescribe(tool_constraint(body, weights));
+  /// Prescribes the tools and computes their responses at rest.
+  void touch(const std::vector<SurfacePoint>& tools) {
+    equilibrium.prescribe(tool_constraint(body, tools, radius(), fixed));
+    n_tools = tools.size();
     rest = rays.rest();
     rest_SI.stiffness_N_per_m = rest.tangent * scaling.stiffness_N_per_m();
     rest_SI.sensitivity.resize(3 * body.n_nodes(), rest.sensitivity.cols());
@@ -105,46 +112,23 @@ void ProbeSolver::set_stop(std::function<bool()> stop, double patience_s) {
 }
 SolverCounts ProbeSolver::counts() const { return _impl->equilibrium.counts(); }
 
-bool ProbeSolver::holds_patches() const { return _impl->scene.probe.kind == ProbeKind::patch; }
-bool ProbeSolver::is_fixed(std::int32_t node) const { return _impl->fixed.at(static_cast<std::size_t>(node)) != 0; }
-
 void ProbeSolver::check_touched(std::int32_t node) const { _impl->check_touched(node); }
 
 void ProbeSolver::touch(const std::vector<std::int32_t>& nodes) {
-  auto& s = *_impl;
-  s.weights.clear();
-  for (std::size_t t = 0; t < nodes.size(); ++t) {
-    const auto node = nodes[t];
-    s.check_touched(node);
-    if (std::find(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(t), node) !=
-        nodes.begin() + static_cast<std::ptrdiff_t>(t))
-      throw input_error("two tools hold the same node", "node " + std::to_string(node),
-                        "give each tool a different node");
-    s.weights.push_back(tool_weights(s.body, s.scene.probe.kind, s.radius(), node, s.fixed));
+  std::vector<SurfacePoint> tools;
+  for (const auto node : nodes) {
+    check_touched(node);
+    tools.push_back(at_node(node));
   }
-  for (std::size_t t = 0; t < nodes.size(); ++t)
-    for (std::size_t other = 0; other < nodes.size(); ++other)
-      if (other != t && s.weights[other][nodes[t]] != 0)
-        throw input_error("two tools overlap: one moves the node that the other touches",
-                          "nodes " + std::to_string(nodes[t]) + " and " + std::to_string(nodes[other]),
-                          "keep tools at least a tool radius apart");
-  s.find_rest();
+  _impl->touch(tools);
 }
 
-void ProbeSolver::touch_patches(const std::vector<SurfacePoint>& centers) {
-  auto& s = *_impl;
-  s.weights.clear();
-  const auto held = fixed_nodes(s.body, s.fixed);
-  for (const auto& center : centers) {
+void ProbeSolver::touch_points(const std::vector<SurfacePoint>& points) {
+  for (const auto& point : points)
     for (std::size_t k = 0; k < 3; ++k)
-      if (center.weights[k] > 0 && !std::binary_search(held.begin(), held.end(), center.nodes[k]))
-        s.check_touched(center.nodes[k]);
-    s.weights.push_back(patch_weights(s.body, s.radius(), center, s.fixed));
-  }
-  require_apart(centers, held, [&](std::int32_t node) {
-    return touched_nodes(s.body.points().topRows(s.body.n_nodes()), s.body.surface(), held, node, s.radius()).nodes;
-  });
-  s.find_rest();
+      if (point.weights[k] > 0 && !(point.weights[k] < 1 && _impl->fixed.at(static_cast<std::size_t>(point.nodes[k]))))
+        _impl->check_touched(point.nodes[k]);
+  _impl->touch(points);
 }
 
 const RestResponse& ProbeSolver::rest() const { return _impl->rest_SI; }
@@ -166,17 +150,10 @@ Eigen::MatrixXd ProbeSolver::linear_fields(const std::vector<Vec3>& displacement
   return fields;
 }
 
-std::vector<std::pair<std::int32_t, double>> ProbeSolver::prescribed(std::size_t tool) const {
-  std::vector<std::pair<std::int32_t, double>> nodes;
-  for (int i = 0; i < _impl->body.n_nodes(); ++i)
-    if (const double w = _impl->weights.at(tool)[i]; w != 0) nodes.emplace_back(i, w);
-  return nodes;
-}
-
 RayEnd ProbeSolver::follow(const std::vector<Vec3>& displacement_m, const std::vector<double>& s_values, bool tangents,
                            const std::function<bool(std::size_t, const Response&)>& take, const RayLimits& limits) {
   auto& s = *_impl;
-  const std::size_t n_tools = s.weights.size();
+  const std::size_t n_tools = s.n_tools;
   if (displacement_m.size() != n_tools) throw std::logic_error("follow: one displacement per touched tool");
   const Eigen::VectorXd direction = s.parameters(displacement_m);
 

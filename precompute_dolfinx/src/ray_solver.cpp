@@ -30,9 +30,8 @@ Prediction RaySolver::predict(const Path& path, const Eigen::VectorXd& direction
   double lowest = std::numeric_limits<double>::infinity();
   for (int k = path.n_points(s); k >= 1; --k) {
     auto candidate = path.predict(k, s);
-    // Prescribed dofs are set exactly to their values on the path.
-    for (std::size_t i = 0; i < constraint.dofs.size(); ++i)
-      candidate.state[constraint.dofs[i]] = prescribed[static_cast<Eigen::Index>(i)];
+    // The tools are set exactly to their displacements on the path.
+    constraint.complete({candidate.state.data(), static_cast<std::size_t>(candidate.state.size())}, prescribed);
     to.state.assign(candidate.state.begin(), candidate.state.end());
     const bool mixed = !_body.pressure_dofs().empty();
     const double energy = !mixed                                           ? _body.energy(to.state)

@@ -50,59 +50,102 @@ TangentMatrix::TangentMatrix(Discretization& body, const std::vector<std::int32_
         for (const auto b : dofs)
           if (const auto j = _unknown_of[b]; j >= 0) rows[i].push_back(j);
   }
-  _row_start.assign(n + 1, 0);
-  for (int i = 0; i < n; ++i) {
-    std::sort(rows[i].begin(), rows[i].end());
-    rows[i].erase(std::unique(rows[i].begin(), rows[i].end()), rows[i].end());
-    _column.insert(_column.end(), rows[i].begin(), rows[i].end());
-    _row_start[i + 1] = static_cast<PetscInt>(_column.size());
-  }
-  const auto position = [&](PetscInt i, PetscInt j) {
-    const auto first = _column.begin() + _row_start[i], last = _column.begin() + _row_start[i + 1];
-    return static_cast<std::int32_t>(std::lower_bound(first, last, j) - _column.begin());
-  };
-  _transposed.resize(_column.size());
-  for (int i = 0; i < n; ++i)
-    for (auto k = _row_start[i]; k < _row_start[i + 1]; ++k) _transposed[k] = position(_column[k], i);
+  _free = pattern_of(std::move(rows));
   _position.reserve(static_cast<std::size_t>(body.n_cells()) * m * m);
   for (int cell = 0; cell < body.n_cells(); ++cell) {
     const auto dofs = body.element_dofs(cell);
     for (const auto a : dofs)
       for (const auto b : dofs) {
         const auto i = _unknown_of[a], j = _unknown_of[b];
-        _position.push_back(i < 0 || j < 0 ? -1 : position(i, j));
+        _position.push_back(i < 0 || j < 0 ? -1 : _free.position(i, j));
       }
   }
+  _own = _free;
+  _dependent_of.assign(n, -1);
+  create_matrix();
+}
 
-  const std::vector<PetscScalar> zeros(_column.size(), 0.0);
+TangentMatrix::Pattern TangentMatrix::pattern_of(std::vector<std::vector<PetscInt>> rows) {
+  Pattern pattern;
+  pattern.row_start.push_back(0);
+  for (auto& row : rows) {
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+    pattern.column.insert(pattern.column.end(), row.begin(), row.end());
+    pattern.row_start.push_back(static_cast<PetscInt>(pattern.column.size()));
+  }
+  return pattern;
+}
+
+std::int32_t TangentMatrix::Pattern::position(PetscInt i, PetscInt j) const {
+  const auto first = column.begin() + row_start[i], last = column.begin() + row_start[i + 1];
+  return static_cast<std::int32_t>(std::lower_bound(first, last, j) - column.begin());
+}
+
+void TangentMatrix::create_matrix() {
+  _matrix = {};
+  _exact = {};
+  const int n = n_unknowns();
+  const std::vector<PetscScalar> zeros(_own.size(), 0.0);
   PHYNNESS_PETSC(MatCreate(PETSC_COMM_SELF, _matrix.address()));
   PHYNNESS_PETSC(MatSetSizes(_matrix, n, n, n, n));
   PHYNNESS_PETSC(MatSetType(_matrix, MATSEQAIJ));
-  PHYNNESS_PETSC(MatSeqAIJSetPreallocationCSR(_matrix, _row_start.data(), _column.data(), zeros.data()));
+  PHYNNESS_PETSC(MatSeqAIJSetPreallocationCSR(_matrix, _own.row_start.data(), _own.column.data(), zeros.data()));
   PHYNNESS_PETSC(MatSetOption(_matrix, MAT_SYMMETRIC, PETSC_TRUE));
   PHYNNESS_PETSC(MatSetOption(_matrix, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+}
+
+bool TangentMatrix::constrain(const Constraint& constraint) {
+  const bool had_masters = _has_masters;
+  _G = constraint.G;
+  _has_masters = !constraint.masters.empty();
+  _dependent.clear();
+  _dependent_of.assign(_dependent_of.size(), -1);
+  for (std::size_t c = 0; c < constraint.dofs.size(); ++c) {
+    Dependent dependent{_unknown_of[constraint.dofs[c]], {}};
+    for (std::size_t m = 0; m < constraint.masters.size(); ++m)
+      if (const double factor = constraint.M(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(m)); factor != 0)
+        dependent.masters.emplace_back(_unknown_of[constraint.masters[m]], factor);
+    _dependent_of[dependent.unknown] = static_cast<std::int32_t>(c);
+    _dependent.push_back(std::move(dependent));
+  }
+  if (!had_masters && !_has_masters) return false;
+  _own = _free;
+  if (_has_masters) {
+    std::vector<std::vector<PetscInt>> rows(n_unknowns());
+    for (int i = 0; i < n_unknowns(); ++i)
+      rows[i].assign(_free.column.begin() + _free.row_start[i], _free.column.begin() + _free.row_start[i + 1]);
+    for (const auto& dependent : _dependent)
+      for (auto k = _free.row_start[dependent.unknown]; k < _free.row_start[dependent.unknown + 1]; ++k) {
+        const auto j = _free.column[k];
+        for (const auto& [i, factor] : dependent.masters) {
+          if (_dependent_of[j] < 0) {
+            rows[i].push_back(j);
+            rows[j].push_back(i);
+          } else {
+            for (const auto& other : _dependent[_dependent_of[j]].masters) rows[i].push_back(other.first);
+          }
+        }
+      }
+    _own = pattern_of(std::move(rows));
+  }
+  create_matrix();
+  return true;
 }
 
 bool TangentMatrix::is_finite() const {
   const PetscScalar* values = nullptr;
   PHYNNESS_PETSC(MatSeqAIJGetArrayRead(_matrix, &values));
-  const bool finite = Eigen::Map<const Eigen::VectorXd>(values, static_cast<Eigen::Index>(_column.size())).allFinite();
+  const bool finite = Eigen::Map<const Eigen::VectorXd>(values, static_cast<Eigen::Index>(_own.size())).allFinite();
   PHYNNESS_PETSC(MatSeqAIJRestoreArrayRead(_matrix, &values));
   return finite;
 }
 
 TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<const double> state,
-                                                const Constraint& constraint,
-                                                const std::vector<std::int32_t>& prescribed, Convexity convexity) {
+                                                Convexity convexity) {
   const bool convex = convexity != Convexity::none;
-  PetscScalar *values = nullptr, *convex_values = nullptr;
-  if (convex && !_exact) PHYNNESS_PETSC(MatDuplicate(_matrix, MAT_DO_NOT_COPY_VALUES, _exact.address()));
-  PHYNNESS_PETSC(MatSeqAIJGetArray(convex ? _exact : _matrix, &values));
-  std::fill_n(values, _column.size(), 0.0);
-  if (convex) {
-    PHYNNESS_PETSC(MatSeqAIJGetArray(_matrix, &convex_values));
-    std::fill_n(convex_values, _column.size(), 0.0);
-  }
+  _true.assign(_free.size(), 0.0);
+  if (convex) _convex.assign(_free.size(), 0.0);
   using Fixed = Eigen::Matrix<double, 12, 12>;
   const int m = body.n_element_dofs();
   // Only the block of the displacements, which come first, is made convex.
@@ -113,7 +156,7 @@ TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<
   body.element_tangents(state, [&](std::int32_t cell, std::span<const double> element) {
     const std::int32_t* position = _position.data() + per_cell * cell;
     for (std::size_t e = 0; e < per_cell; ++e)
-      if (position[e] >= 0) values[position[e]] += element[e];
+      if (position[e] >= 0) _true[position[e]] += element[e];
     if (!convex) return;
     nearest = Eigen::Map<const Eigen::MatrixXd>(element.data(), m, m);
     if (n_u == 12) {
@@ -124,48 +167,75 @@ TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<
       if (make_convex(quadratic, convexity)) nearest.topLeftCorner(n_u, n_u) = quadratic;
     }
     for (std::size_t e = 0; e < per_cell; ++e)
-      if (position[e] >= 0) convex_values[position[e]] += nearest.data()[e];
+      if (position[e] >= 0) _convex[position[e]] += nearest.data()[e];
   });
+  const Coupling contributions = coupling(_true);
+  if (injected_fault(FaultSite::tangent) == Fault::not_finite)
+    (convex ? _convex : _true)[_free.size() / 2] = std::nan("");
+  if (convex && !_exact) PHYNNESS_PETSC(MatDuplicate(_matrix, MAT_DO_NOT_COPY_VALUES, _exact.address()));
+  store(_true, convex ? _exact : _matrix);
+  if (convex) store(_convex, _matrix);
+  return contributions;
+}
 
-  // The contributions of prescribed rows are kept before these rows are replaced by those of the identity. By symmetry
-  // a row is also the column.
-  const int n_parameters = constraint.n_parameters();
+TangentMatrix::Coupling TangentMatrix::coupling(const std::vector<double>& K) const {
+  const auto n_parameters = _G.cols();
   Coupling coupling{Eigen::MatrixXd::Zero(n_unknowns(), n_parameters),
                     Eigen::MatrixXd::Zero(n_parameters, n_parameters)};
-  std::vector<std::int32_t> row_in_G(n_unknowns(), -1);
-  for (std::size_t c = 0; c < prescribed.size(); ++c) row_in_G[prescribed[c]] = static_cast<std::int32_t>(c);
-  for (std::size_t c = 0; c < prescribed.size(); ++c) {
-    const auto g = constraint.G.row(static_cast<Eigen::Index>(c));
-    for (auto k = _row_start[prescribed[c]]; k < _row_start[prescribed[c] + 1]; ++k) {
-      const auto j = _column[k];
-      if (row_in_G[j] >= 0)
-        coupling.corner += values[k] * constraint.G.row(row_in_G[j]).transpose() * g;
-      else
-        coupling.columns.row(j) += values[k] * g;
+  for (std::size_t c = 0; c < _dependent.size(); ++c) {
+    const auto g = _G.row(static_cast<Eigen::Index>(c));
+    const auto row = _dependent[c].unknown;
+    for (auto k = _free.row_start[row]; k < _free.row_start[row + 1]; ++k) {  // by symmetry also a column
+      const auto j = _free.column[k], other = _dependent_of[j];
+      if (other < 0) {
+        coupling.columns.row(j) += K[k] * g;
+        continue;
+      }
+      coupling.corner += K[k] * _G.row(other).transpose() * g;
+      for (const auto& [i, factor] : _dependent[other].masters) coupling.columns.row(i) += K[k] * factor * g;
     }
   }
-  prescribe(values, prescribed);
-  if (injected_fault(FaultSite::tangent) == Fault::not_finite)
-    (convex ? convex_values : values)[_column.size() / 2] = std::nan("");
-  PHYNNESS_PETSC(MatSeqAIJRestoreArray(convex ? _exact : _matrix, &values));
-  if (convex) {
-    prescribe(convex_values, prescribed);
-    PHYNNESS_PETSC(MatSeqAIJRestoreArray(_matrix, &convex_values));
-    PHYNNESS_PETSC(MatAssemblyBegin(_exact, MAT_FINAL_ASSEMBLY));
-    PHYNNESS_PETSC(MatAssemblyEnd(_exact, MAT_FINAL_ASSEMBLY));
-  }
-  PHYNNESS_PETSC(MatAssemblyBegin(_matrix, MAT_FINAL_ASSEMBLY));
-  PHYNNESS_PETSC(MatAssemblyEnd(_matrix, MAT_FINAL_ASSEMBLY));
   return coupling;
 }
 
-void TangentMatrix::prescribe(PetscScalar* values, const std::vector<std::int32_t>& prescribed) const {
-  for (const auto c : prescribed)
-    for (auto k = _row_start[c]; k < _row_start[c + 1]; ++k) {
-      const double identity = _column[k] == c ? 1.0 : 0.0;
+void TangentMatrix::store(const std::vector<double>& K, Mat matrix) const {
+  PetscScalar* values = nullptr;
+  PHYNNESS_PETSC(MatSeqAIJGetArray(matrix, &values));
+  if (!_has_masters) {
+    std::copy(K.begin(), K.end(), values);
+  } else {
+    std::fill_n(values, _own.size(), 0.0);
+    for (int i = 0; i < n_unknowns(); ++i)
+      for (auto k = _free.row_start[i], at = _own.row_start[i]; k < _free.row_start[i + 1]; ++k) {
+        while (_own.column[at] != _free.column[k]) ++at;
+        values[at] = K[k];
+      }
+    for (const auto& dependent : _dependent)
+      for (auto k = _free.row_start[dependent.unknown]; k < _free.row_start[dependent.unknown + 1]; ++k) {
+        const auto j = _free.column[k];
+        for (const auto& [i, factor] : dependent.masters) {
+          const double value = factor * K[k];
+          if (_dependent_of[j] < 0) {
+            values[_own.position(i, j)] += value;
+            values[_own.position(j, i)] += value;
+          } else {
+            for (const auto& other : _dependent[_dependent_of[j]].masters)
+              values[_own.position(i, other.first)] += value * other.second;
+          }
+        }
+      }
+  }
+  for (const auto& dependent : _dependent) {
+    const auto c = dependent.unknown;
+    for (auto k = _own.row_start[c]; k < _own.row_start[c + 1]; ++k) {
+      const double identity = _own.column[k] == c ? 1.0 : 0.0;
       values[k] = identity;
-      values[_transposed[k]] = identity;
+      values[_own.position(_own.column[k], c)] = identity;
     }
+  }
+  PHYNNESS_PETSC(MatSeqAIJRestoreArray(matrix, &values));
+  PHYNNESS_PETSC(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+  PHYNNESS_PETSC(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
 }
 
 }  // namespace phynness

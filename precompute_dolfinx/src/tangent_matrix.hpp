@@ -1,4 +1,4 @@
-// The tangent of all dofs that are not fixed, with the same sparsity pattern for all probes.
+// The tangent of all dofs that are not fixed, under the constraint of the tools.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +15,9 @@ namespace phynness {
 /// (which can be detected quickly), or all.
 enum class Convexity { none, nearly, strictly };
 
-/// Rows are the dofs that are not fixed, the "unknowns". Prescribed dofs of a probe remain as rows of the identity, so
-/// that the pattern and the symbolic factorization are the same for every active node.
+/// Rows are the dofs that are not fixed, the "unknowns". Dependent dofs of a constraint remain as rows of the identity,
+/// so that the pattern and the symbolic factorization are the same for every node that a tool prescribes. A constraint
+/// with masters has a pattern of its own: its masters and their neighbours are a dense block.
 class TangentMatrix {
  public:
   TangentMatrix(Discretization& body, const std::vector<std::int32_t>& fixed_dofs);
@@ -31,27 +32,50 @@ class TangentMatrix {
   /// The unmodified K(state), after an assembly in which matrix() was made convex.
   Mat exact() const { return _exact; }
 
-  /// Contributions of the prescribed unknowns before their rows and columns are replaced by those of the identity.
+  /// Sets the constraint of later assemblies.
+  /// @return true if matrix() is another object, with another pattern
+  bool constrain(const Constraint& constraint);
+
+  /// Contributions of the parameters of the constraint.
   struct Coupling {
-    Eigen::MatrixXd columns;  ///< n_unknowns x n_parameters: K_fc G, zero in prescribed rows
+    Eigen::MatrixXd columns;  ///< n_unknowns x n_parameters: (K_fc + M^T K_cc) G, zero in dependent rows
     Eigen::MatrixXd corner;   ///< n_parameters^2: G^T K_cc G
   };
 
-  /// Assembles K(state) into matrix() and replaces prescribed rows and columns by those of the identity.
-  /// @param prescribed  unknowns of constraint.dofs, in their order
+  /// Assembles T^T K(state) T into matrix(), where T expresses all dofs by those that are not dependent; dependent rows
+  /// and columns are those of the identity.
   /// @param convexity   unless `none`, matrix() is assembled from element tangents whose displacement block is replaced
   ///                    by the nearest positive semidefinite one, and exact() from the true element tangents
-  Coupling assemble(Discretization& body, std::span<const double> state, const Constraint& constraint,
-                    const std::vector<std::int32_t>& prescribed, Convexity convexity = Convexity::none);
+  Coupling assemble(Discretization& body, std::span<const double> state, Convexity convexity = Convexity::none);
 
  private:
-  void prescribe(PetscScalar* values, const std::vector<std::int32_t>& prescribed) const;
+  struct Pattern {
+    std::vector<PetscInt> row_start, column;
+    std::int32_t position(PetscInt i, PetscInt j) const;  ///< of an entry that is stored
+    std::size_t size() const { return column.size(); }
+  };
+  /// @param rows  columns of each row, in any order and with repeats
+  static Pattern pattern_of(std::vector<std::vector<PetscInt>> rows);
+  void create_matrix();
+  Coupling coupling(const std::vector<double>& K) const;
+  /// T^T K T, with rows of the identity, in the values of a matrix.
+  void store(const std::vector<double>& K, Mat matrix) const;
 
   PetscMat _matrix, _exact;
   std::vector<std::int32_t> _dof_of, _unknown_of;
-  std::vector<PetscInt> _row_start, _column;
-  std::vector<std::int32_t> _position;    ///< per cell and entry of its element matrix: position in the values, or -1
-  std::vector<std::int32_t> _transposed;  ///< per stored entry (i,j): position of (j,i)
+  Pattern _free;                        ///< of K
+  Pattern _own;                         ///< of matrix()
+  std::vector<std::int32_t> _position;  ///< per cell and entry of its element matrix: position in the values, or -1
+  std::vector<double> _true, _convex;   ///< values of K
+  Eigen::MatrixXd _G;
+  /// A dependent unknown: its row of the constraint, and its masters with their factors.
+  struct Dependent {
+    std::int32_t unknown;
+    std::vector<std::pair<std::int32_t, double>> masters;
+  };
+  std::vector<Dependent> _dependent;
+  std::vector<std::int32_t> _dependent_of;  ///< per unknown: position in _dependent, or -1
+  bool _has_masters = false;
 };
 
 }  // namespace phynness

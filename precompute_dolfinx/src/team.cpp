@@ -45,7 +45,6 @@ class Team::Share {
   bool factorize(Mat matrix);
   bool solve(Vec b, Vec x);
   int negative_pivots() { return _factorization.negative_pivots(); }
-  void reset() { _factorization.reset(); }
 
  private:
   MPI_Comm _comm;
@@ -176,9 +175,12 @@ bool Team::factorize(Mat matrix) {
   return command(Order::factorize, 0, matrix) != 0;
 }
 
-bool Team::solve(Vec b, Vec x) { return command(Order::solve, 0, nullptr, b, x) != 0; }
+bool Team::solve(Vec b, Vec x) { return _share && command(Order::solve, 0, nullptr, b, x) != 0; }
 
-int Team::negative_pivots() { return static_cast<int>(command(Order::count_negative_pivots)); }
+int Team::negative_pivots() {
+  if (!_share) throw failure("pivots cannot be counted without factors", "", "please report this defect");
+  return static_cast<int>(command(Order::count_negative_pivots));
+}
 
 void Team::reset() {
   if (_share) command(Order::reset);
@@ -196,7 +198,7 @@ std::int64_t Team::do_share(Order order, std::int64_t n, Mat matrix, Vec b, Vec 
     case Order::count_negative_pivots:
       return _share->negative_pivots();
     case Order::reset:
-      _share->reset();
+      _share.reset();
       return 1;
     case Order::dismiss:
       break;
@@ -224,10 +226,7 @@ std::int64_t Team::obey(Order order, std::int64_t n, Mat matrix, Vec b, Vec x) {
     wait_for_the_others(request, trouble);
   }
   if (agreed[0] != 0) return agreed[1];
-  if (order == Order::create)
-    _share.reset();
-  else if (_share)
-    _share->reset();
+  _share.reset();
   if (!leads()) return 0;
   throw failure("a factorization shared by several ranks failed",
                 trouble.empty() ? "another rank of the team has an error" : trouble,

@@ -31,10 +31,11 @@ ModelBody solve_body(const std::string& scene_name, double depth_m, int most_act
     for (std::size_t e = 0; e < header.directions.size(); ++e) which.emplace_back(a, static_cast<std::int32_t>(e));
     const std::int32_t node = header.sets.active[static_cast<std::size_t>(a)];
     const auto x = header.mesh.nodes.row(node);
-    body.data.probed.push_back({node,
-                                {x[0], x[1], x[2]},
-                                touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, 0),
-                                solve_rays(solver, header, which, {}, {}).rays});
+    body.data.probed.push_back(
+        {node,
+         {x[0], x[1], x[2]},
+         touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, at_node(node), 0),
+         solve_rays(solver, header, which, {}, {}).rays});
     progress.update(a + 1, n_nodes);
   }
   return body;

@@ -24,7 +24,7 @@ struct Truth {
 /// New solves of a node within its trained depths.
 std::vector<Truth> fresh_solves(const ModelBody& body, const study::StudyNode& node, ProbeSolver& solver,
                                 const TrainingTables& tables, int n_rays, std::mt19937_64& random) {
-  const auto described = describe_node(tables, node.node, node.point, node.prescribed, node.rays);
+  const auto described = describe_node(tables, node.node, node.point, node.tool, node.rays);
   const auto& directions = body.data.header.directions;
   solver.touch({node.node});
   std::vector<Truth> found;
@@ -103,7 +103,7 @@ void overfitting(const SolverSession&) {
   for (const auto& node : body.data.probed) {
     const auto truths = fresh_solves(body, node, solver, tables, n_rays, random);
     force.push_back(force_points(tables, node.rays));
-    field.push_back(deformation_points(tables, node.rays, node.prescribed, node.node, 5000, 1));
+    field.push_back(deformation_points(tables, node.rays, node.tool, node.node, 5000, 1));
     force_fresh.push_back(points_of(truths, tables, node.node, false));
     field_fresh.push_back(points_of(truths, tables, node.node, true));
     most = std::max(most, force.back().size());

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <phynness/meshes/meshes.hpp>
-#include <phynness/precompute/held_points.hpp>
 #include <phynness/validation/probe_plan.hpp>
 #include <random>
 
@@ -15,14 +14,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-PointTool held(const phn_tool& tool) {
-  PointTool point{{}, {}, {tool.displacement[0], tool.displacement[1], tool.displacement[2]}};
-  for (int k = 0; k < 3; ++k)
-    if (tool.nodes[k] >= 0 && tool.weights[k] > 1e-9) {
-      point.nodes.push_back(tool.nodes[k]);
-      point.weights.push_back(tool.weights[k]);
-    }
+SurfacePoint held(const phn_tool& tool) {
+  SurfacePoint point;
+  for (std::size_t k = 0; k < 3; ++k) {
+    point.nodes[k] = tool.nodes[k];
+    point.weights[k] = tool.weights[k];
+  }
   return point;
+}
+return point;
 }
 
 Vector3d total(const std::vector<std::optional<Vec3>>& forces) {
@@ -122,13 +122,19 @@ void tools(const SolverSession&) {
         const bool one_place = together && apart_m < 1e-5;
         if (!together && apart_m < 1e-3)
           continue;  // the body cannot have such different displacements at this distance
-        const auto truth =
-            hold_points(solver, one_place ? std::vector{held(tool[0])} : std::vector{held(tool[0]), held(tool[1])},
-                        body.scene.probe.increments);
-        if (truth.response.status != Status::converged) continue;
+        std::vector<SurfacePoint> points{held(tool[0])};
+        std::vector<Vec3> moved{e};
+        if (!one_place) {
+          points.push_back(held(tool[1]));
+          moved.push_back(together ? e : other);
+        }
+        for (auto& d : moved) d = {depth_m * d[0], depth_m * d[1], depth_m * d[2]};
+        solver.touch_points(points);
+        const auto truth = solver.solve(moved, body.scene.probe.increments);
+        if (truth.status != Status::converged) continue;
         ++solved;
         Vector3d sum(0, 0, 0);
-        for (const auto& f : truth.response.force_N) sum += Vector3d(f[0], f[1], f[2]);
+        for (const auto& f : truth.force_N) sum += Vector3d(f[0], f[1], f[2]);
         error.push_back((total(both.force_N) - sum).norm() / sum.norm());
       }
       fmt::print("{:<10}{:>10}{:>11}{:>20}{:>9}{:>20}\n", together ? "together" : "apart",

@@ -46,7 +46,7 @@ double largest_displacement_m(const DatabaseHeader& header, const StudyNode& nod
     for (std::size_t i = 0; i < ray.status.size(); ++i) {
       if (ray.status[i] != Status::converged) continue;
       for (std::size_t o = 0; o < n_output; ++o)
-        if (!std::binary_search(node.prescribed.nodes.begin(), node.prescribed.nodes.end(), header.sets.output[o]))
+        if (!node.tool.holds(header.sets.output[o]))
           largest = std::max(largest, length(&ray.displacement[3 * (i * n_output + o)]));
     }
   return largest;
@@ -81,10 +81,11 @@ StudyData read_data(const Database& database, std::vector<std::int32_t> probed, 
   const auto read = [&](std::int32_t index) {
     const std::int32_t node = active[static_cast<std::size_t>(index)];
     const auto x = header.mesh.nodes.row(node);
-    StudyNode read{node,
-                   {x[0], x[1], x[2]},
-                   touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, tool_radius_m),
-                   database.rays(index)};
+    StudyNode read{
+        node,
+        {x[0], x[1], x[2]},
+        touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, at_node(node), tool_radius_m),
+        database.rays(index)};
     for (Ray& ray : read.rays) {
       ray.energy.clear();
       ray.tangent.clear();

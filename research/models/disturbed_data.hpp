@@ -11,7 +11,7 @@ namespace phynness::study {
 struct StudyNode {
   std::int32_t node = 0;
   Vec3 point{};
-  TouchedNodes prescribed;
+  TouchedNodes tool;
   std::vector<Ray> rays;  ///< one per direction; status, force and displacement only
 };
 

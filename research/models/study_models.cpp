@@ -35,7 +35,7 @@ StudiedModal train_modal(const StudyData& data, const TrainingSpec& spec, const 
   model.displacements = tables.displacements;
   std::vector<NodeModes> basis;
   for (const auto* list : {&data.others, &data.probed})
-    for (const auto& node : *list) basis.push_back(node_modes(tables, node.prescribed, node.rays, spec.modes));
+    for (const auto& node : *list) basis.push_back(node_modes(tables, node.tool, node.rays, spec.modes));
   model.shared.modes = scaled_table(shared_basis(basis, spec.shared_modes, spec.seed));
   const auto some = some_of(basis, n_center_nodes);
   const auto centers = forced.amplitude > 0
@@ -50,9 +50,9 @@ StudiedModal train_modal(const StudyData& data, const TrainingSpec& spec, const 
     const double R = tables.magnitudes_m.back();
     fit.force = forced.force > 0 ? fit_conservative_of_shape(fit.states, R, spec.force_centers, forced.force)
                                  : fit_conservative(fit.states, R, spec.force_centers);
-    fit.modes = node_modes(tables, node.prescribed, node.rays, spec.modes);
+    fit.modes = node_modes(tables, node.tool, node.rays, spec.modes);
     fit.modal = fit_modal(tables, model.shared, fit.modes, spec.near_nodes);
-    auto described = describe_node(tables, node.node, node.point, node.prescribed, node.rays);
+    auto described = describe_node(tables, node.node, node.point, node.tool, node.rays);
     described.conservative = fit.force.network;
     described.modal = fit.modal.deformation;
     model.nodes.push_back(std::move(described));
@@ -67,8 +67,7 @@ Model train_rbfn(const StudyData& data, TrainingSpec spec, double& diagonal_rati
   Model model = model_of_database(data.header, Family::rbfn, "");
   model.displacements = tables.displacements;
   std::vector<SearchNode> search;
-  for (const auto& node : some_of(data.others, n_search_nodes))
-    search.push_back({node.node, node.prescribed, node.rays});
+  for (const auto& node : some_of(data.others, n_search_nodes)) search.push_back({node.node, node.tool, node.rays});
   if (!(spec.force_spread > 0)) spec.force_spread = search_force_spread(tables, search, spec);
   if (!(spec.deformation_spread > 0)) spec.deformation_spread = search_deformation_spread(tables, search, spec);
   // As in training if no node has enough points for a search.
@@ -76,7 +75,7 @@ Model train_rbfn(const StudyData& data, TrainingSpec spec, double& diagonal_rati
   if (!(spec.deformation_spread > 0)) spec.deformation_spread = 1;
   diagonal_ratio = 1;
   for (const auto& node : data.probed) {
-    auto training = train_node(tables, node.node, node.point, node.prescribed, node.rays, spec);
+    auto training = train_node(tables, node.node, node.point, node.tool, node.rays, spec);
     if (!training.trained) continue;
     diagonal_ratio = std::max({diagonal_ratio, training.force.diagonal_ratio, training.deformation.diagonal_ratio});
     model.nodes.push_back(std::move(training.model));
@@ -104,7 +103,7 @@ Model without_response(const Database& database, double tool_radius_m) {
     const auto x = header.mesh.nodes.row(node);
     auto described = describe_node(
         tables, node, {x[0], x[1], x[2]},
-        touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node, tool_radius_m), rays);
+        touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, at_node(node), tool_radius_m), rays);
     described.conservative.coefficients.resize(0, 3);
     described.modal.weights = scaled_table(Eigen::MatrixXd(3, 0));
     model.nodes.push_back(std::move(described));

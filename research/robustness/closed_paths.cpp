@@ -28,8 +28,8 @@ class Walker {
         _probe(b.scene.probe) {}
 
   void touch(std::int32_t node) {
-    _equilibrium.prescribe(tool_constraint(
-        _body, {tool_weights(_body, _probe.kind, _probe.tool_radius_m / _scaling.length_m, node, _fixed)}));
+    const double radius = _probe.kind == ProbeKind::patch ? _probe.tool_radius_m / _scaling.length_m : 0;
+    _equilibrium.prescribe(tool_constraint(_body, {at_node(node)}, radius, _fixed));
     _state.assign(_body.n_dofs(), 0.0);
     _q.setZero();
     linearize();
@@ -74,9 +74,7 @@ class Walker {
         _sensitivity * (q - _q);
     std::copy(predicted.data(), predicted.data() + predicted.size(), _state.begin());
     const auto& constraint = _equilibrium.constraint();
-    const Eigen::VectorXd held = constraint.G * q;
-    for (std::size_t i = 0; i < constraint.dofs.size(); ++i)
-      _state[constraint.dofs[i]] = held[static_cast<Eigen::Index>(i)];
+    constraint.complete(_state, constraint.G * q);
     const bool upright = _equilibrium.solve(_state).status == Status::converged &&
                          (!_body.forms().checks_jacobian || _body.min_jacobian(_state) > 0);
     if (upright && linearize()) {

@@ -296,6 +296,8 @@ void ModelLoader::done(NodeStore& node) {
   ActiveNode made = {}, smaller[largest_level_count - 1];
   memcpy(made.point, node.point.at, sizeof made.point);
   made.output = _model.output_nodes ? find_sorted(_model.output_nodes, _model.n_output, node.node) : -1;
+  made.moves_mean = node.moves_mean;
+  if (node.moves_mean && node.prescribed.n_kept < node.prescribed.n) made.output = -1;  // the mean is not known
   made.n_prescribed = node.prescribed.n_kept;
   made.prescribed = node.prescribed.position;
   made.prescribed_weight = node.prescribed_weight.weight;

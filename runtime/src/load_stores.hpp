@@ -325,6 +325,7 @@ struct NodeLevelStore {
 
 struct NodeStore {
   std::int32_t node = -1, n_incomplete = 0;
+  bool moves_mean = false;
   Row<3> point;
   Prescribed prescribed;
   PrescribedWeight prescribed_weight;

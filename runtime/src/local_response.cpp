@@ -74,7 +74,7 @@ void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, c
     for (std::int32_t i = 0; i < n; ++i) {
       const std::int32_t vertex = vertices[i];
       if (vertex < 0 || vertex >= model.n_output) continue;
-      const std::int32_t moved = position_of(node.prescribed, node.n_prescribed, vertex);
+      const std::int32_t moved = node.moves_mean ? -1 : position_of(node.prescribed, node.n_prescribed, vertex);
       if (moved >= 0) {
         local.direct += node.prescribed_weight[moved] * maps[i];
       } else {
@@ -99,7 +99,7 @@ void field_of_basis(const phn_model& model, const ActiveNode& node, const Prepar
                     const double* d, const double* basis, double* scratch, double* field) {
   with_response(model, node,
                 [&](const auto& response) { response_field(model, response, prepared, share, basis, scratch, field); });
-  for (std::int32_t p = 0; p < node.n_prescribed; ++p) {
+  for (std::int32_t p = 0; p < node.n_prescribed && !node.moves_mean; ++p) {
     for (int k = 0; k < 3; ++k) field[3 * node.prescribed[p] + k] = node.prescribed_weight[p] * d[k];
   }
 }

@@ -124,7 +124,8 @@ struct Networks {
 struct ActiveNode {
   double point[3];                 ///< reference coordinates [m]
   std::int32_t output;             ///< position among the output nodes, or -1
-  std::int32_t n_prescribed;       ///< number of output nodes that the probe itself moves
+  bool moves_mean;                 ///< the tool moves the weighted mean of these nodes by d, otherwise each by w d
+  std::int32_t n_prescribed;       ///< number of output nodes that the tool moves
   const std::int32_t* prescribed;  ///< their positions among the output nodes
   const double* prescribed_weight;
   const double* trained_depth;  ///< n_directions [m]

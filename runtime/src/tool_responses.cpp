@@ -43,16 +43,14 @@ void ToolResponses::prepare(std::int32_t s) {
     const std::int32_t n = basis_size(_model, by);
     for (std::int32_t j = 0; j < point.n_nodes; ++j) {
       const double one = 1;
-      prepare_local(by, 1, &node(point, j).output, &one, _c.pair);
+      prepare_local(by, 1, &point.active[j], &one, _c.pair);
       between[j][i] = rest_response(_c.pair, n, gradient_at_rest(s, i));
       sum += (point.weight[j] * point.weight[i]) * (between[j][i] * compliance[i]);
     }
     for (std::int32_t t = 0; t < _c.n_tools; ++t) {
       const HeldPoint& other = _c.point[t];
-      std::int32_t vertex[3];
-      vertices_of(other, vertex);
       LocalResponse& local = _c.local[at(t, s, i)];
-      prepare_local(by, other.n_nodes, vertex, other.weight, local);
+      prepare_local(by, other.n_nodes, other.active, other.weight, local);
       _c.rest_response[at(t, s, i)] = rest_response(local, n, gradient_at_rest(s, i));
     }
   }
@@ -69,23 +67,40 @@ void ToolResponses::prepare(std::int32_t s) {
   }
 }
 
-void ToolResponses::vertices_of(const HeldPoint& point, std::int32_t* vertex) const {
-  for (std::int32_t j = 0; j < point.n_nodes; ++j) vertex[j] = node(point, j).output;
-}
-
-void ToolResponses::prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* vertices,
+void ToolResponses::prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* active,
                                   const double* weight, LocalResponse& local) const {
-  Matrix maps[3];
-  for (std::int32_t k = 0; k < n; ++k) maps[k] = diagonal(weight[k]);
+  constexpr std::int32_t at_once = 16;
+  std::int32_t vertices[at_once], found = 0;
+  Matrix maps[at_once];
+  const auto flush = [&] {
+    add_local(_model, by, found, vertices, maps, _c.shared, local);
+    found = 0;
+  };
+  const auto add = [&](std::int32_t vertex, double share) {
+    if (found == at_once) flush();
+    vertices[found] = vertex;
+    maps[found++] = diagonal(share);
+  };
   clear_local(_model, by, local);
-  add_local(_model, by, n, vertices, maps, _c.shared, local);
+  for (std::int32_t k = 0; k < n; ++k) {
+    const ActiveNode& node = _model.active[active[k]];
+    if (!node.moves_mean) {
+      add(node.output, weight[k]);
+    } else if (&node == &by) {
+      local.direct += diagonal(weight[k]);  // the tool's own mean
+    } else {
+      for (std::int32_t m = 0; m < node.n_prescribed; ++m)
+        add(node.prescribed[m], weight[k] * node.prescribed_weight[m]);
+    }
+  }
+  flush();
 }
 
 void ToolResponses::prepare_turn(std::int32_t t) {
   HeldPoint& point = _c.point[t];
   SurfaceTurn& turn = *_c.turn;
   std::int32_t vertex[3];
-  vertices_of(point, vertex);
+  for (std::int32_t j = 0; j < point.n_nodes; ++j) vertex[j] = node(point, j).output;
   turn.triangle = 0;
   turn.area = 0;
   for (bool first = true; next_turn(_model, point.n_nodes, vertex, point.weight, turn) || first; first = false) {

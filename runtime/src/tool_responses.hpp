@@ -55,10 +55,9 @@ class ToolResponses {
   void add_derivatives(std::int32_t t, std::int32_t i);
   /// Derivative of a local response at rest.
   Matrix rest_response(const LocalResponse& local, std::int32_t n, const double* gradient) const;
-  /// The mean displacement of up to three vertices.
-  void prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* vertices, const double* weight,
+  /// The displacement that tools at up to three active nodes would have: of the vertex, or of the mean that they move.
+  void prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* active, const double* weight,
                      LocalResponse& local) const;
-  void vertices_of(const HeldPoint& point, std::int32_t* vertex) const;
   /// Square root of the stiffness at rest, its inverse, and the compliance. The stiffness is made positive definite
   /// first.
   static void find_roots(HeldPoint& point);

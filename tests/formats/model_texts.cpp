@@ -17,9 +17,10 @@ namespace {
 using namespace phynness;
 using namespace phynness::test;
 
-/// Two active nodes, the second with a patch.
+/// Two active nodes, the second with a patch; the first moves its mean.
 Model of_two_nodes(Model model) {
   model.nodes = {model.nodes[0], model.nodes[2]};
+  model.nodes[0].moves_mean = true;
   return model;
 }
 

@@ -187,6 +187,9 @@ def read_model(data, wanted=None):
         node = {}
         number = reader.count("node")
         node["point"] = reader.floats("point")
+        node["mean"] = reader.next_is("mean")
+        if node["mean"]:
+            reader.fields("mean")
         prescribed = [reader.fields() for _ in range(reader.count("prescribed"))]
         node["prescribed"] = {int(i): float.fromhex(w) for i, w in prescribed}
         reader.count("incomplete")
@@ -329,7 +332,7 @@ def main():
         node, d = model["nodes"][int(number)], [float.fromhex(v) for v in d]
         answer = force(model, node, d)
         for index, u in zip(model["output"], displacements(model, node, d)):
-            if index in node["prescribed"]:
+            if index in node["prescribed"] and not node["mean"]:
                 u = [node["prescribed"][index] * v for v in d]
             answer += u
         if model["family"] != "rbfn":

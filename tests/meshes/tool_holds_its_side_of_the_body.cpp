@@ -1,9 +1,10 @@
-// Claim: a patch holds the surface nodes within its radius that are connected to its center over the surface, with the
-// weights of the documented bump, and neither fixed nodes nor the far side of a thin body. The comparison is exact,
-// because the expected weights are the same expression.
+// Claims: a round tool moves the mean of the surface that is connected to its middle within its radius, and not the far
+// side of a thin body; its weights are positive, have the sum 1 and the tool's middle as their center; fixed nodes have
+// none; the weights are continuous while the tool slides.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <phynness/formats/error.hpp>
 #include <phynness/formats/tool.hpp>
 
 #include "../block_mesh.hpp"
@@ -21,45 +22,61 @@ struct Slab {
   }
 };
 
-TEST(Patch, HoldsTheNearSideOfAThinBodyOnly) {
+TEST(RoundTool, TouchesTheNearSideOfAThinBodyOnly) {
   const Slab slab;
   const double radius = 0.025;  // more than twice the thickness: a ball of it reaches the bottom as well
-  const auto touched = touched_nodes(slab.mesh.nodes, slab.mesh.surface, {}, slab.middle, radius);
-  std::size_t expected = 0, far_side = 0;
-  for (std::int32_t i = 0; i < slab.mesh.n_nodes(); ++i) {
-    const double s = (slab.mesh.nodes.row(i) - slab.mesh.nodes.row(slab.middle)).norm();
-    if (s >= radius) continue;
-    const bool top = slab.mesh.nodes(i, 2) > 0.005;
-    ++(top ? expected : far_side);
-    const auto at = std::find(touched.nodes.begin(), touched.nodes.end(), i);
-    ASSERT_EQ(at != touched.nodes.end(), top) << "node " << i;
-    if (!top) continue;
-    EXPECT_NEAR(touched.weights[static_cast<std::size_t>(at - touched.nodes.begin())],
-                std::pow(1 - s * s / (radius * radius), 2), 1e-14);
+  const auto touched = touched_nodes(slab.mesh.nodes, slab.mesh.surface, {}, at_node(slab.middle), radius);
+  EXPECT_TRUE(touched.mean);
+  double sum = 0;
+  Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
+  for (std::size_t i = 0; i < touched.nodes.size(); ++i) {
+    const Eigen::RowVector3d x = slab.mesh.nodes.row(touched.nodes[i]);
+    EXPECT_GT(x[2], 0.005) << "node " << touched.nodes[i];
+    EXPECT_GT(touched.weights[i], 0);
+    sum += touched.weights[i];
+    mean += touched.weights[i] * (x - slab.mesh.nodes.row(slab.middle));
   }
-  EXPECT_EQ(touched.nodes.size(), expected);
-  EXPECT_GT(expected, 10u);
-  EXPECT_GT(far_side, 5u) << "the far side is out of the ball: this test would show nothing";
+  EXPECT_NEAR(sum, 1, 1e-14);
+  // Linear functions are reproduced; the rim is resolved to 0.004 radii.
+  EXPECT_LT(mean.norm(), 1e-4 * radius);
+  EXPECT_GT(touched.nodes.size(), 20u);
 }
 
-TEST(Patch, LeavesFixedNodesAndTheRimAlone) {
+TEST(RoundTool, LeavesFixedNodesAlone) {
   const Slab slab;
-  const double spacing = 0.01;
-  const auto all = touched_nodes(slab.mesh.nodes, slab.mesh.surface, {}, slab.middle, 2 * spacing);
-  // Nodes two spacings away lie on the rim, where the weight is zero however their distance is rounded.
-  for (const auto i : all.nodes)
-    EXPECT_LT((slab.mesh.nodes.row(i) - slab.mesh.nodes.row(slab.middle)).norm(), 1.9 * spacing);
+  const auto all = touched_nodes(slab.mesh.nodes, slab.mesh.surface, {}, at_node(slab.middle), 0.02);
   const std::vector<std::int32_t> fixed{all.nodes.front()};
-  const auto some = touched_nodes(slab.mesh.nodes, slab.mesh.surface, fixed, slab.middle, 2 * spacing);
-  EXPECT_EQ(some.nodes.size() + 1, all.nodes.size());
-  EXPECT_EQ(std::count(some.nodes.begin(), some.nodes.end(), fixed[0]), 0);
+  const auto some = touched_nodes(slab.mesh.nodes, slab.mesh.surface, fixed, at_node(slab.middle), 0.02);
+  ASSERT_EQ(some.nodes.size() + 1, all.nodes.size());
+  for (std::size_t i = 0; i < some.nodes.size(); ++i) {
+    EXPECT_EQ(some.nodes[i], all.nodes[i + 1]);
+    EXPECT_NEAR(some.weights[i], all.weights[i + 1] / (1 - all.weights[0]), 1e-14);
+  }
+  EXPECT_THROW(touched_nodes(slab.mesh.nodes, slab.mesh.surface, all.nodes, at_node(slab.middle), 0.02), Error);
 }
 
-TEST(Patch, OfRadiusZeroIsTheNodeAlone) {
+TEST(RoundTool, MovesContinuouslyOverTrianglesAndNodes) {
+  // From node to node; a step of a hundredth of an edge changes no weight by more than the largest slope allows.
   const Slab slab;
-  const auto touched = touched_nodes(slab.mesh.nodes, slab.mesh.surface, {}, slab.middle, 0);
+  std::vector<double> before;
+  for (int step = 0; step <= 200; ++step) {
+    const double x = 0.04 + 0.01 * step / 200;
+    const auto place = nearest_on_surface(slab.mesh.nodes, slab.mesh.surface, {x, 0.041, 0.01});
+    const auto touched = touched_nodes(slab.mesh.nodes, slab.mesh.surface, {}, place, 0.023);
+    std::vector<double> now(static_cast<std::size_t>(slab.mesh.n_nodes()), 0.0);
+    for (std::size_t i = 0; i < touched.nodes.size(); ++i)
+      now[static_cast<std::size_t>(touched.nodes[i])] = touched.weights[i];
+    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(now[i], before[i], 2e-3) << "node " << i << " at " << x;
+    before = now;
+  }
+}
+
+TEST(RoundTool, OfRadiusZeroIsTheNodeOrTheCornersOfTheTriangle) {
+  const Slab slab;
+  const auto touched = touched_nodes(slab.mesh.nodes, slab.mesh.surface, {}, at_node(slab.middle), 0);
   EXPECT_EQ(touched.nodes, std::vector<std::int32_t>{slab.middle});
   EXPECT_EQ(touched.weights, std::vector<double>{1.0});
+  EXPECT_FALSE(touched.mean);
 }
 
 }  // namespace

@@ -100,27 +100,5 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   }
 }
 
-TEST_F(Verdict, SaysHowFarTwoRoundToolsAreOff) {
-  auto scene = small_scene("P1", 2);
-  const auto family = scene.find("family = \"rbfn\"");
-  scene.replace(family, scene.find("[validation]") - family, "family = \"modal\"\n");
-  scene.replace(scene.find("active = ["), scene.find("[probe]") - scene.find("active = ["),
-                "active = [{ nearest = { point_fraction = [0.1, 0.4, 1.0] }, surface_only = true },\n"
-                "          { nearest = { point_fraction = [0.9, 0.6, 1.0] }, surface_only = true }]\n");
-  scene.insert(scene.find("directions = 26"), "kind = \"patch\"\ntool_radius_m = 0.03\n");
-  write_file(folder / "scene.toml", scene);
-  ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
-  ASSERT_EQ(phynness("train scene.toml d.h5 -o m").exit_status, 0);
-  const auto pairs = phynness("validate scene.toml m --probes 4 --pairs 3 --json v.json");
-  ASSERT_EQ(pairs.exit_status, 0) << pairs.err;
-  expect_narrow(pairs.out);
-  EXPECT_TRUE(has_line(lines_of(pairs.out), "Two round tools: ")) << pairs.out;
-  const auto v = json("v.json");
-  EXPECT_EQ(v.at("verdict").at("two_round_tools").at("force"),
-            v.at("pairs").at("all").at("coupled").at("force").at("mean"));
-  const auto without = phynness("validate scene.toml m --probes 4");
-  EXPECT_FALSE(has_line(lines_of(without.out), "Two round tools: ")) << without.out;
-}
-
 }  // namespace
 }  // namespace phynness::test

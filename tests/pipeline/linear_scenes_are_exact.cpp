@@ -67,6 +67,27 @@ TEST_F(LinearScenes, EvalWarnsOfNothingAtAnyDepth) {
   EXPECT_NEAR(result.at("energy").get<double>(), work / 2, 1e-12 * work);
 }
 
+// Claim: round tools superpose. Two of them at nodes repeat the solve, also where they overlap but are not flagged.
+TEST_F(LinearScenes, RoundToolsSuperpose) {
+  for (const char* element : {"P1", "p1-p1"}) {
+    auto scene = changed(linear_scene(element), "[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = 0.02\n");
+    const auto active = scene.find("active = [");
+    scene.replace(active, scene.find("[probe]") - active,
+                  "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
+    write_file(folder / "scene.toml", scene);
+    std::filesystem::remove_all(folder / "out");
+    ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+    ASSERT_EQ(phynness("validate scene.toml out/model --probes 2 --pairs 12 --json v.json").exit_status, 0);
+    const auto pairs = json("v.json").at("pairs");
+    EXPECT_EQ(pairs.at("failed"), 0);
+    EXPECT_EQ(pairs.at("unsettled"), 0);
+    for (const char* measure : {"force", "displacement_all"})
+      for (const char* who : {"coupled", "linear"})
+        EXPECT_LT(pairs.at("all").at(who).at(measure).at("max").get<double>(), 1e-6) << element << ' ' << who;
+    EXPECT_GT(pairs.at("all").at("alone").at("force").at("max").get<double>(), 1e-3);
+  }
+}
+
 // Claim: tools between nodes and several at once are exact, too: eval --point and two --node repeat the
 // constrained solve. (Where probes move midside points with the node, several nodes held at once are another
 // problem than their sum: docs/theory.md.) 1e-6: float32 in the database.

@@ -48,7 +48,7 @@ TEST_F(Touch, OfAnInteriorNode) {
 
 TEST_F(Touch, OfAFixedNode) { EXPECT_MENTIONS(refusal({_block.sets.fixed[3]}), "fixed"); }
 
-TEST_F(Touch, OfTheSameNodeTwice) { EXPECT_MENTIONS(refusal({_block.top, _block.top}), "same node"); }
+TEST_F(Touch, OfTheSameNodeTwice) { EXPECT_MENTIONS(refusal({_block.top, _block.top}), "same place"); }
 
 TEST_F(Touch, IsPossibleAfterARefusal) {
   refusal({-1});

@@ -47,7 +47,8 @@ class Models : public ::testing::Test {
     spec.samples = 2000;
     spec.force_spread = 1.4;
     TrainingReport report;
-    const ResponseSource source{&header, [&](std::int32_t a) { return rays[static_cast<std::size_t>(a)]; }, 0, "block"};
+    const ResponseSource source{
+        &header, [&](std::int32_t a) { return rays[static_cast<std::size_t>(a)]; }, {}, "block"};
     return {train(source, spec, report), block.mesh, "block"};
   }
 

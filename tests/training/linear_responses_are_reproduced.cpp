@@ -71,7 +71,7 @@ Model train_linear(const DatabaseHeader& header, const std::function<std::vector
                    TrainingReport& report, int threads = 1) {
   TrainingSpec spec;
   spec.family = Family::linear;
-  return train({&header, rays, 0, "linear"}, spec, report, {}, threads);
+  return train({&header, rays, {}, "linear"}, spec, report, {}, threads);
 }
 
 std::string refusal(const DatabaseHeader& header, const std::function<std::vector<Ray>(std::int32_t)>& rays) {

@@ -15,7 +15,7 @@ Model trained(const Eigen::RowVector3d& away, Family family) {
   there.mesh.nodes.rowwise() += away;
   TrainingSpec spec = family == Family::modal ? modal_spec() : small_spec();
   TrainingReport report;
-  return train({&there, [&](std::int32_t active) { return small_rays(here, active); }, 0, "away"}, spec, report);
+  return train({&there, [&](std::int32_t active) { return small_rays(here, active); }, {}, "away"}, spec, report);
 }
 
 const Eigen::RowVector3d kilometre(1000, -1000, 1000);

@@ -81,7 +81,7 @@ inline TrainingSpec modal_spec() {
 }
 
 inline ResponseSource source_of(const DatabaseHeader& header) {
-  return {&header, [&header](std::int32_t active) { return small_rays(header, active); }, 0, "small"};
+  return {&header, [&header](std::int32_t active) { return small_rays(header, active); }, {}, "small"};
 }
 
 }  // namespace phynness::test

@@ -23,7 +23,7 @@ std::string scene(const std::string& probe) {
 /// The small response set as a file that the test removes.
 class FromDatabase : public testing::Test {
  protected:
-  void write(const std::string& probe) {
+  void write(const std::string& probe, const std::string& physics = "") {
     header = small_header();
     header.mesh.cells.resize(n_nodes / 4, 4);
     for (int i = 0; i < n_nodes; ++i) header.mesh.cells(i / 4, i % 4) = i;
@@ -39,7 +39,7 @@ class FromDatabase : public testing::Test {
     }
     header.mesh.surface = boundary_triangles(header.mesh.cells);
     header.mesh_hash = mesh_hash(header.mesh);
-    header.physics_hash.clear();
+    header.physics_hash = physics;
     header.float64 = true;
     header.sets.fixed = {1};
     header.sets.output.erase(header.sets.output.begin() + 1);
@@ -87,21 +87,37 @@ TEST_F(FromDatabase, EqualsTrainingFromArrays) {
   for (const ActiveNodeModel& node : model.nodes) EXPECT_EQ(node.prescribed, std::vector<std::int32_t>{node.node});
 }
 
-// Claim: a patch probe's own nodes are those on the surface within the tool's radius, fixed ones left out,
-// each with the weight (1 - (s / radius)^2)^2, and exactly 1 at the touched node.
-TEST_F(FromDatabase, PatchNodesAreKnownFromTheScene) {
-  write("kind = \"patch\"\ntool_radius_m = 0.025\n");
-  const Database database = Database::open(file);
-  TrainingReport report;
-  const Model model = train(database, small_spec(), report);
-  std::size_t n_others = 0;
-  for (const ActiveNodeModel& node : model.nodes) {
-    const auto touched = touched_nodes(header.mesh.nodes, header.mesh.surface, header.sets.fixed, node.node, 0.025);
-    EXPECT_EQ(node.prescribed, touched.nodes);
-    EXPECT_EQ(node.prescribed_weight, touched.weights);
-    n_others += touched.nodes.size() - 1;
+// Claim: a model of round tools holds the nodes and weights of their means. One of a database with the physics hash
+// that rigid patches had holds the nodes that these prescribed, with the weights (1 - (s / radius)^2)^2.
+TEST_F(FromDatabase, TheNodesOfAToolAreKnownFromTheScene) {
+  const std::string probe = "kind = \"patch\"\ntool_radius_m = 0.025\n";
+  auto rigid = parse_scene(scene(probe), "small.toml", "/", MeshFile::may_be_absent, SolverSpec{}.element);
+  rigid.probe.kind = ProbeKind::rigid_patch;
+  for (const bool earlier : {false, true}) {
+    std::filesystem::remove(file);
+    write(probe, earlier ? physics_hash(rigid) : "");
+    const Database database = Database::open(file);
+    TrainingReport report;
+    const Model model = train(database, small_spec(), report);
+    std::size_t n_others = 0;
+    for (const ActiveNodeModel& node : model.nodes) {
+      double sum = 0;
+      for (std::size_t i = 0; i < node.prescribed.size(); ++i) {
+        const double w = node.prescribed_weight[i];
+        sum += w;
+        const double s = (header.mesh.nodes.row(node.prescribed[i]) - header.mesh.nodes.row(node.node)).norm() / 0.025;
+        if (earlier) {
+          EXPECT_NEAR(w, (1 - s * s) * (1 - s * s), 1e-14);
+        }
+      }
+      EXPECT_EQ(node.moves_mean, !earlier);
+      if (!earlier) {
+        EXPECT_NEAR(sum, 1, 1e-14);
+      }
+      n_others += node.prescribed.size() - 1;
+    }
+    EXPECT_GT(n_others, 0u) << "no tool has a second node: this test would show nothing";
   }
-  EXPECT_GT(n_others, 0u) << "no patch holds a second node: this test would show nothing";
 }
 
 // Claim: the linear family is refused on a database of another law by that law's name, before any ray is

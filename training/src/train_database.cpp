@@ -15,7 +15,7 @@ Model train(const Database& database, const TrainingSpec& spec, TrainingReport& 
   ResponseSource source;
   source.header = &header;
   source.rays = [&](std::int32_t active) { return database.rays(active); };
-  source.tool_radius_m = scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0;
+  source.probe = scene.probe;
   source.title = scene.title;
   return train(source, spec, report, progress, threads);
 }

@@ -42,8 +42,8 @@ RatioStatistics DiscretizationReport::ratios(Variant other, std::size_t depth) c
 }
 
 double patch_radius_for_node(double edge_m, double max_displacement_m) {
-  // A patch of less than two edges is not resolved, and a patch that slides farther than 0.65 radii folds
-  // (docs/extremes.md).
+  // A patch of less than two edges is not resolved (docs/extremes.md), and one that is pushed in by much more than half
+  // its radius crushes the surface under it (docs/decisions/round-tool.md).
   return std::max(2 * edge_m, max_displacement_m / 0.6);
 }
 

@@ -8,6 +8,21 @@
 #include "shared_work.hpp"
 
 namespace phynness {
+
+std::vector<char> counted_nodes(const Model& model, const std::vector<std::int32_t>& touched) {
+  std::vector<char> counts(model.output.size(), 1);
+  for (const auto node : touched) {
+    const auto tool = std::lower_bound(model.nodes.begin(), model.nodes.end(), node,
+                                       [](const ActiveNodeModel& active, std::int32_t n) { return active.node < n; });
+    if (tool == model.nodes.end() || tool->node != node || tool->moves_mean) continue;
+    for (const auto held : tool->prescribed) {
+      const auto it = std::lower_bound(model.output.begin(), model.output.end(), held);
+      if (it != model.output.end() && *it == held) counts[static_cast<std::size_t>(it - model.output.begin())] = 0;
+    }
+  }
+  return counts;
+}
+
 namespace {
 
 /// The fields of the model as the types of the solver.
@@ -68,16 +83,6 @@ std::vector<double> waypoints(const ProbePair& pair, double increment_m) {
     if (std::binary_search(probes.begin(), probes.end(), s[i]) || !crowded) kept.push_back(s[i]);
   }
   return kept;
-}
-
-/// 1 for the output nodes that count in (17), which are those that the tool itself does not move.
-std::vector<char> counted_nodes(const ProbeSolver& solver, const std::vector<std::int32_t>& output) {
-  std::vector<char> counts(output.size(), 1);
-  for (const auto& [node, weight] : solver.prescribed()) {
-    const auto it = std::lower_bound(output.begin(), output.end(), node);
-    if (it != output.end() && *it == node) counts[static_cast<std::size_t>(it - output.begin())] = 0;
-  }
-  return counts;
 }
 
 /// The probes of one ray, in the order in which the solver reaches them.
@@ -166,7 +171,7 @@ NodeProbes probe_node(const Model& model, ProbeSolver& solver, const NodePlan& e
     }
     return found;
   }
-  found.counts = counted_nodes(solver, model.output);
+  found.counts = counted_nodes(model, {entry.node});
   if (!entry.pairs.empty()) found.curve = {entry.node, entry.pairs.front().direction, {}, {}};
   for (const auto& pair : entry.pairs) {
     const auto s = waypoints(pair, increment_m);

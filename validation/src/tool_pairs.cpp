@@ -5,6 +5,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/probe_plan.hpp>
+#include <phynness/validation/probed_states.hpp>
 #include <phynness/validation/tool_pairs.hpp>
 
 #include "shared_work.hpp"
@@ -128,12 +129,7 @@ class PairComparison {
     pair.solved = truth.status == Status::converged;
     if (!pair.solved) return;
     const auto& output = _model.model().output;
-    std::vector<char> counts(output.size(), 1);
-    for (std::size_t t = 0; t < 2; ++t)
-      for (const auto& [node, weight] : _solver.prescribed(t)) {
-        const auto it = std::lower_bound(output.begin(), output.end(), node);
-        if (it != output.end() && *it == node) counts[static_cast<std::size_t>(it - output.begin())] = 0;
-      }
+    const auto counts = counted_nodes(_model.model(), nodes);
     const auto rows = [&](const auto& of_node) {
       Points u(static_cast<Eigen::Index>(output.size()), 3);
       for (std::size_t o = 0; o < output.size(); ++o) u.row(static_cast<Eigen::Index>(o)) = of_node(output[o]);

@@ -2,7 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <phynness/formats/error.hpp>
-#include <phynness/precompute/held_points.hpp>
+#include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/probe_plan.hpp>
 #include <phynness/validation/surface_points.hpp>
 #include <random>
@@ -156,25 +156,27 @@ class PointComparison {
   void at(std::size_t point, const Place& place, PointReport& report) {
     std::vector<Compared> coupled, linear, at_node;
     std::vector<JudgedProbe> probes;
+    _solver.touch_points({{place.nodes, place.weights}});
     for (const auto& d : place.displacements) {
-      PointTool tool{{}, {}, d};
-      tool.nodes.assign(place.nodes.begin(), place.nodes.end());
-      tool.weights.assign(place.weights.begin(), place.weights.end());
-      const auto truth = hold_points(_solver, {tool}, _increments);
+      const auto truth = _solver.solve({d}, _increments);
       probes.push_back(probe(point, place, d));
-      probes.back().status = truth.response.status;
-      if (truth.response.status != Status::converged) {
+      probes.back().status = truth.status;
+      if (truth.status != Status::converged) {
         ++report.failed;
         continue;
       }
       const auto& output = _model.model().output;
-      const Points u = rows_of(truth.response.displacement_m, output);
+      const Points u = rows_of(truth.displacement_m, output);
       const auto said = couple(place, d);
       report.unsettled += (said.status & PHN_WARNING_UNSETTLED) != 0;
       report.largest_residual_m = std::max(report.largest_residual_m, said.coupled.residual);
-      coupled.push_back({*said.force_N[0], truth.response.force_N[0], said.displacement_m, u});
-      linear.push_back(
-          {truth.linear_force_N[0], truth.response.force_N[0], rows_of(truth.linear_displacement_m, output), u});
+      coupled.push_back({*said.force_N[0], truth.force_N[0], said.displacement_m, u});
+      const Eigen::Vector3d f = _solver.rest().stiffness_N_per_m * to_eigen(d);
+      const Eigen::VectorXd linear_u = _solver.rest().sensitivity * to_eigen(d);
+      linear.push_back({{f[0], f[1], f[2]},
+                        truth.force_N[0],
+                        rows_of(Eigen::Map<const Points>(linear_u.data(), linear_u.size() / 3, 3), output),
+                        u});
     }
     const auto corner = place.nearest_corner();
     _solver.touch({corner});

@@ -92,24 +92,10 @@ VerdictLine mesh_and_element(const Validated& v) {
   return {"mesh_and_element", "Mesh and element", text, {{"expected_ratio", ratio}}};
 }
 
-/// A rigid patch holds its whole ball, so that the responses of single patches cannot be superposed.
-VerdictLine two_tools(const Validated& v) {
-  const auto &coupled = v.pairs.all.of(PairPredictor::coupled), &linear = v.pairs.all.of(PairPredictor::linear);
-  return {"two_round_tools",
-          "Two round tools",
-          fmt::format("coupled patches are not exact; here the force is off by {} % and the field by {} % in the mean "
-                      "(linear predictor: {} and {} %), and the runtime warns of {} % of the pairs",
-                      in_percent(coupled.force.mean), in_percent(coupled.field_l2.mean), in_percent(linear.force.mean),
-                      in_percent(linear.field_l2.mean), in_percent(v.pairs.by_warning.flagged.share)),
-          {{"force", coupled.force.mean}, {"field", coupled.field_l2.mean}}};
-}
-
 }  // namespace
 
 std::vector<VerdictLine> verdict(const Validated& v) {
-  std::vector<VerdictLine> lines{worst_node(v), off_by_a_tenth(v), out_of_reach(v), left_out(v), mesh_and_element(v)};
-  if (v.scene.probe.kind == ProbeKind::patch && v.pairs.all.pairs > 0) lines.push_back(two_tools(v));
-  return lines;
+  return {worst_node(v), off_by_a_tenth(v), out_of_reach(v), left_out(v), mesh_and_element(v)};
 }
 
 std::vector<WorseThanLinear> worse_than_linear(const Validated& v) {

@@ -23,7 +23,7 @@ NodeData::NodeData(const Database& database, bool superpose, double radius_m)
 }
 
 TouchedNodes NodeData::touched(std::int32_t node) const {
-  return touched_nodes(_header.mesh.nodes, _header.mesh.surface, _header.sets.fixed, node, _radius_m);
+  return touched_nodes(_header.mesh.nodes, _header.mesh.surface, _header.sets.fixed, at_node(node), _radius_m);
 }
 
 std::vector<Ray> NodeData::rays(std::int32_t node) const {

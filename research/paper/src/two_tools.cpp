@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <phynness/validation/probe_plan.hpp>
+#include <phynness/validation/probed_states.hpp>
 
 #include "errors.hpp"
 
@@ -44,12 +45,7 @@ ToolPair measure_pair(ProbeSolver& solver, const PairDraw& pair, const std::vect
                       const LoadedModel& networks, const LoadedModel& ours) {
   const auto& output = networks.model().output;
   solver.touch({pair.a, pair.b});
-  std::vector<char> counts(output.size(), 1);
-  for (const std::size_t tool : {0U, 1U})
-    for (const auto& [node, weight] : solver.prescribed(tool)) {
-      const auto at = std::lower_bound(output.begin(), output.end(), node);
-      if (at != output.end() && *at == node) counts[static_cast<std::size_t>(at - output.begin())] = 0;
-    }
+  const auto counts = counted_nodes(networks.model(), {pair.a, pair.b});
   std::vector<State> states;
   double largest_force = 0, largest_u = 0;
   solver.follow({pair.first, pair.second}, depths_m, false, [&](std::size_t i, const Response& response) {

@@ -119,8 +119,9 @@ PHN_API int phn_force(const phn_model* model, phn_data* data, int32_t node, cons
                       double* energy, double stiffness[9]);
 
 /* Displacements [m] of all output nodes, n_output x 3, with ONE tool at active node `node`. The touched node moves by
- * exactly d. For several tools, or for a tool between nodes, use phn_couple and then phn_coupled_deform: sums or means
- * of the fields of single tools have errors of 10 % and more. */
+ * exactly d; under a round tool (a patch probe) the mean of the surface does, and its middle by a fifth more and
+ * farther. For several tools, or for a tool between nodes, use phn_couple and then phn_coupled_deform: sums or means of
+ * the fields of single tools have errors of 10 % and more. */
 PHN_API int phn_deform(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* out);
 
 /* Values of a scalar field at all output nodes, n_output numbers >= 0, with one tool as in phn_deform. They are 0 at
@@ -149,9 +150,9 @@ typedef struct phn_coupled {
  * tool at a node is that of phn_force. Forces are exact for a linear body, and continuous where a tool slides over
  * edges and nodes. In families with an energy they are its gradient while the tools hold their points. The result
  * depends on these arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of
- * each other pull apart, and their points follow them only in part. PHN_ERROR_UNDEFINED: a touched node is not an
- * output node or has no deformation. `result` may be null. Components of displacements are clamped to
- * 1000 max_displacement_m. */
+ * each other pull apart, and their points follow them only in part. PHN_ERROR_UNDEFINED: a touched node, or one under
+ * its round tool, is not an output node, or it has no deformation. `result` may be null. Components of
+ * displacements are clamped to 1000 max_displacement_m. */
 PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
                        phn_coupled* result);
 

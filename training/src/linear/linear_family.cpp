@@ -11,7 +11,7 @@ class LinearFamilyTraining : public FamilyTraining {
   explicit LinearFamilyTraining(const TrainingTables& tables) : _tables(tables) {}
 
   void train(const SearchNode& read, const Vec3& point, bool, NodeOutcome& outcome) const override {
-    LinearTraining training = train_linear_node(_tables, read.node, point, read.prescribed, read.rays);
+    LinearTraining training = train_linear_node(_tables, read.node, point, read.tool, read.rays);
     outcome.trained = training.trained;
     outcome.model = std::move(training.model);
     outcome.linear = training.quality;

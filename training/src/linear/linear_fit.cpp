@@ -103,7 +103,7 @@ void require_linear(const LinearQuality& quality, std::int32_t node) {
 }  // namespace
 
 LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
-                                 const TouchedNodes& prescribed, const std::vector<Ray>& rays) {
+                                 const TouchedNodes& tool, const std::vector<Ray>& rays) {
   LinearTraining result;
   const std::vector<Increment> increments = increments_of(tables, rays, training_states(tables, rays).row);
   if (increments.empty()) return result;
@@ -129,15 +129,15 @@ LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node
   require_linear(result.quality, node);
 
   if (!tables.float64) linear.unit_responses = linear.unit_responses.cast<float>().cast<double>();
-  for (std::size_t i = 0; i < prescribed.nodes.size(); ++i) {
-    const auto at = std::lower_bound(tables.output.begin(), tables.output.end(), prescribed.nodes[i]);
-    if (at == tables.output.end() || *at != prescribed.nodes[i]) continue;
+  for (std::size_t i = 0; i < tool.nodes.size() && !tool.mean; ++i) {
+    const auto at = std::lower_bound(tables.output.begin(), tables.output.end(), tool.nodes[i]);
+    if (at == tables.output.end() || *at != tool.nodes[i]) continue;
     auto row = linear.unit_responses.row(at - tables.output.begin());
     row.setZero();
-    for (int axis = 0; axis < 3; ++axis) row[4 * axis] = prescribed.weights[i];
+    for (int axis = 0; axis < 3; ++axis) row[4 * axis] = tool.weights[i];
   }
   result.trained = true;
-  result.model = describe_node(tables, node, point, prescribed, rays);
+  result.model = describe_node(tables, node, point, tool, rays);
   result.model.linear = std::move(linear);
   return result;
 }

@@ -58,7 +58,7 @@ class ModalTraining : public FamilyTraining {
     std::vector<std::vector<NodeModes>> of_field(_header.fields.size(), nodes);
     for_each_index(n, threads, [&](std::int32_t i) {
       const SearchNode read_node = read((2 * i + 1) * static_cast<std::int64_t>(n_active) / (2 * n));
-      nodes[static_cast<std::size_t>(i)] = node_modes(_tables, read_node.prescribed, read_node.rays, _spec.modes);
+      nodes[static_cast<std::size_t>(i)] = node_modes(_tables, read_node.tool, read_node.rays, _spec.modes);
       for (std::size_t f = 0; f < of_field.size(); ++f)
         of_field[f][static_cast<std::size_t>(i)] = field_modes(_tables, read_node.rays, f, 1, _spec.modes);
     });
@@ -86,7 +86,7 @@ class ModalTraining : public FamilyTraining {
     if (forces.row.empty()) return;
     outcome.trained = true;
     outcome.conservative = fit_conservative(forces, _tables.magnitudes_m.back(), _spec.force_centers, _spec.levels);
-    outcome.model = describe_node(_tables, read.node, point, read.prescribed, read.rays);
+    outcome.model = describe_node(_tables, read.node, point, read.tool, read.rays);
     outcome.model.conservative = std::move(outcome.conservative.network);
     auto& levels = outcome.model.levels;
     levels.resize(_levels.empty() ? 0 : _levels.size() - 1);
@@ -98,7 +98,7 @@ class ModalTraining : public FamilyTraining {
       for (auto& level : levels) level.weights = outcome.model.modal.weights;
       return;
     }
-    const NodeModes modes = node_modes(_tables, read.prescribed, read.rays, _spec.modes);
+    const NodeModes modes = node_modes(_tables, read.tool, read.rays, _spec.modes);
     outcome.modal = fit_modal(_tables, _shared, modes, _spec.near_nodes, 0, _levels);
     outcome.model.modal = std::move(outcome.modal.deformation);
     for (const auto& level : outcome.modal.levels) outcome.displacement_errors.push_back(level.left_out_error);

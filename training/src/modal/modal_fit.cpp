@@ -138,13 +138,13 @@ void decompose(const MatrixXd& u, int max_modes, NodeModes& node) {
 
 }  // namespace
 
-NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed, const std::vector<Ray>& rays,
+NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& tool, const std::vector<Ray>& rays,
                      int max_modes) {
   auto node = node_of(tables, rays, 3);
   MatrixXd u =
       states_of(tables, rays, node, [](const Ray& ray) -> const std::vector<double>& { return ray.displacement; });
   for (std::size_t o = 0; o < tables.output.size(); ++o) {
-    node.moved[o] = std::binary_search(prescribed.nodes.begin(), prescribed.nodes.end(), tables.output[o]);
+    node.moved[o] = tool.holds(tables.output[o]);
     if (node.moved[o]) u.middleCols<3>(3 * static_cast<Index>(o)).setZero();
   }
   decompose(u, max_modes, node);

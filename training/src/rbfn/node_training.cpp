@@ -73,12 +73,13 @@ TrainingStates training_states(const TrainingTables& tables, const std::vector<R
 }
 
 ActiveNodeModel describe_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
-                              const TouchedNodes& prescribed, const std::vector<Ray>& rays) {
+                              const TouchedNodes& tool, const std::vector<Ray>& rays) {
   ActiveNodeModel model;
   model.node = node;
   model.point = point;
-  model.prescribed = prescribed.nodes;
-  model.prescribed_weight = prescribed.weights;
+  model.moves_mean = tool.mean;
+  model.prescribed = tool.nodes;
+  model.prescribed_weight = tool.weights;
   for (const Ray& ray : rays) {
     const auto stopped =
         std::find_if(ray.status.begin(), ray.status.end(), [](Status s) { return s != Status::converged; });
@@ -103,13 +104,13 @@ NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>&
   return points;
 }
 
-NetworkPoints deformation_points(const TrainingTables& tables, const std::vector<Ray>& rays,
-                                 const TouchedNodes& prescribed, std::int32_t node, int samples, std::uint64_t seed,
-                                 NetworkPoints* held_out, int n_held_out) {
+NetworkPoints deformation_points(const TrainingTables& tables, const std::vector<Ray>& rays, const TouchedNodes& tool,
+                                 std::int32_t node, int samples, std::uint64_t seed, NetworkPoints* held_out,
+                                 int n_held_out) {
   const std::vector<std::int32_t> increments = training_states(tables, rays).row;
   std::vector<std::int32_t> places;
   for (std::size_t o = 0; o < tables.output.size(); ++o) {
-    if (!std::binary_search(prescribed.nodes.begin(), prescribed.nodes.end(), tables.output[o])) {
+    if (!tool.holds(tables.output[o])) {
       places.push_back(static_cast<std::int32_t>(o));
     }
   }
@@ -145,13 +146,12 @@ int capped_neurons(int wanted, std::size_t n_points) {
   return std::min(wanted, static_cast<int>(largest_neuron_share * static_cast<double>(n_points)));
 }
 
-NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
-                        const TouchedNodes& prescribed, const std::vector<Ray>& rays, const TrainingSpec& spec,
-                        bool estimate_errors) {
+NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point, const TouchedNodes& tool,
+                        const std::vector<Ray>& rays, const TrainingSpec& spec, bool estimate_errors) {
   NodeTraining result;
   const NetworkPoints force = force_points(tables, rays);
   if (force.size() == 0) return result;
-  const NetworkPoints deformation = deformation_points(tables, rays, prescribed, node, spec.samples, spec.seed);
+  const NetworkPoints deformation = deformation_points(tables, rays, tool, node, spec.samples, spec.seed);
   if (deformation.size() == 0) {
     throw input_error("the probe moves all output nodes, so that none is left for training",
                       "node " + std::to_string(node), "select more output nodes");
@@ -166,7 +166,7 @@ NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const V
       fit_network(deformation, options(deformation, spec.deformation_neurons, spec.deformation_spread));
   result.trained = true;
 
-  result.model = describe_node(tables, node, point, prescribed, rays);
+  result.model = describe_node(tables, node, point, tool, rays);
   result.model.force = result.force.network;
   result.model.deformation = result.deformation.network;
   for (int l = 0; l + 1 < spec.levels; ++l) {

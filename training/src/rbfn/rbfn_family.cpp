@@ -48,7 +48,7 @@ class RbfnTraining : public FamilyTraining {
   }
 
   void train(const SearchNode& read, const Vec3& point, bool estimate_errors, NodeOutcome& outcome) const override {
-    NodeTraining training = train_node(_tables, read.node, point, read.prescribed, read.rays, _spec, estimate_errors);
+    NodeTraining training = train_node(_tables, read.node, point, read.tool, read.rays, _spec, estimate_errors);
     if (!training.trained) return;
     outcome.trained = true;
     outcome.force_mse = training.force.mse.back();

@@ -86,13 +86,13 @@ double search_deformation_spread(const TrainingTables& tables, const std::vector
   std::vector<Split> splits;
   for (const SearchNode& node : nodes) {
     Split split;
-    split.train = deformation_points(tables, node.rays, node.prescribed, node.node, spec.samples, spec.seed,
-                                     &split.held_out, n_held_out_deformation);
+    split.train = deformation_points(tables, node.rays, node.tool, node.node, spec.samples, spec.seed, &split.held_out,
+                                     n_held_out_deformation);
     // In a small set of responses all points are samples, and a part of the samples is held out.
     if (split.held_out.size() < split.train.size() / 10) {
       const int n = static_cast<int>(split.train.size() + split.held_out.size());
-      split.train = deformation_points(tables, node.rays, node.prescribed, node.node, n - n / 5, spec.seed,
-                                       &split.held_out, n / 5);
+      split.train =
+          deformation_points(tables, node.rays, node.tool, node.node, n - n / 5, spec.seed, &split.held_out, n / 5);
     }
     if (split.train.size() >= 10 && split.held_out.size() > 0) splits.push_back(std::move(split));
   }

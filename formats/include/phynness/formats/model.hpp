@@ -124,10 +124,10 @@ using schema::largest_mode_count;
 
 /// One active node. Only the responses of the model's family are set.
 struct ActiveNodeModel {
-  std::int32_t node = 0;  ///< mesh node number
-  Vec3 point{0, 0, 0};    ///< its reference coordinates [m]
-  std::vector<std::int32_t>
-      prescribed;  ///< nodes that the probe itself moves, with `prescribed_weight` (node probe: one node, weight 1)
+  std::int32_t node = 0;    ///< mesh node number
+  Vec3 point{0, 0, 0};      ///< its reference coordinates [m]
+  bool moves_mean = false;  ///< the weighted mean of the nodes moves by d; otherwise each node by its weight times d
+  std::vector<std::int32_t> prescribed;  ///< nodes that the tool moves (node probe: one node, weight 1)
   std::vector<double> prescribed_weight;
   std::vector<double> trained_depth_m;   ///< per direction: last converged increment; 0 if none
   std::int32_t n_incomplete = 0;         ///< requested directions that did not reach the largest displacement

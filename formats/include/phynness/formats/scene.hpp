@@ -64,7 +64,9 @@ struct SolverSpec {
   int max_cutbacks = 6;  ///< steps are halved down to 2^-max_cutbacks of an increment
 };
 
-enum class ProbeKind { node, patch };
+/// A rigid patch, u_i = (1 - s^2)^2 d within the radius, is what `patch` meant in databases before the weighted mean;
+/// it is read and trained, but not solved.
+enum class ProbeKind { node, patch, rigid_patch };
 enum class Directions { three, fourteen, twenty_six, ninety_eight, hemisphere };
 
 struct ProbeSpec {

@@ -14,7 +14,7 @@
 
 namespace phynness {
 
-/// A tool holds a surface node (or a patch around it) at a displacement.
+/// A tool holds a surface node, or the mean of a patch around it, at a displacement.
 struct Tool {
   std::int32_t node = 0;
   Vec3 displacement_m{};
@@ -74,25 +74,17 @@ class ProbeSolver {
 
   /// @throws Error (input) unless the node is of the surface and free
   void check_touched(std::int32_t node) const;
-  /// Sets the touched nodes and computes their stiffness at rest, which later solves use.
-  /// @throws Error if a node is not on the surface, is fixed, or is given twice, or if the tangent at rest could not be
-  /// factorized; a later call may succeed
+  /// Puts tools at nodes and computes their stiffness at rest, which later solves use.
+  /// @throws Error if a node is not on the surface or is fixed, if tools are at one place, or if the tangent at rest
+  /// could not be factorized; a later call may succeed
   void touch(const std::vector<std::int32_t>& nodes);
-  /// The same for patches around points of the surface (touched_nodes of formats/tool.hpp).
-  /// @pre holds_patches()
-  /// @throws Error as above, and if a patch holds no free node of its point's triangle, or two patches overlap
-  void touch_patches(const std::vector<SurfacePoint>& centers);
-  bool holds_patches() const;
-  /// @pre the mesh has the node
-  bool is_fixed(std::int32_t node) const;
+  /// The same at any points of the surface; of the corners of a triangle some may be fixed.
+  void touch_points(const std::vector<SurfacePoint>& points);
   const RestResponse& rest() const;
   /// Scalar fields of a displacement by linear theory, n_nodes x n_fields, in their units. They are computed from the
   /// sensitivities at rest at a very small displacement and scaled by the power with which each field grows.
   /// @pre as many displacements [m] as touched tools, not all zero
   Eigen::MatrixXd linear_fields(const std::vector<Vec3>& displacement_m) const;
-  /// Nodes moved by a tool, with weights w (u_i = w_i d); the touched node itself has the weight 1.
-  std::vector<std::pair<std::int32_t, double>> prescribed(std::size_t tool = 0) const;
-
   /// Moves tool t along displacement_m[t] * s for the ascending values of s, starting at rest. Calls `take` with the
   /// response for every value in order, until it returns false. Values beyond the end of the ray are not solved and
   /// have Status::after_end.

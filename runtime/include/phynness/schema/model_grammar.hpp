@@ -100,7 +100,12 @@ void bounds(IO& io, Model& model) {
   }
 }
 
-/// The first lines of an active node, the same for every family.
+/// Only a reader stores what it has read.
+inline void keep(bool& to, bool value) { to = value; }
+inline void keep(const bool&, bool) {}
+
+/// The first lines of an active node, the same for every family. Of the nodes that its tool moves either every one is
+/// displaced by its weight times d, or their weighted mean by d.
 template <class IO, class Model, class Node>
 void node_lines(IO& io, Model& model, Node& node, int32_t& previous) {
   io.keyword("node");
@@ -110,6 +115,12 @@ void node_lines(IO& io, Model& model, Node& node, int32_t& previous) {
   io.keyword("point");
   for (int32_t k = 0; k < 3; ++k) number(io, "point", node.point, k, 0, coordinate);
   io.end();
+  const bool mean = io.optional("mean", node.moves_mean);
+  if (mean) {
+    io.keyword("mean");
+    io.end();
+  }
+  keep(node.moves_mean, mean);
   const int32_t n_prescribed = count_line(io, "prescribed", io.rows(node.prescribed), 1);
   io.shape("prescribed", node.prescribed, n_prescribed, 1);
   io.shape("prescribed", node.prescribed_weight, n_prescribed, 1);

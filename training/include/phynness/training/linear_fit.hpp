@@ -38,6 +38,6 @@ struct LinearTraining {
 /// @throws Error (input) if converged increments do not have three independent directions, or if responses are not
 ///   linear (`linear_tolerance`); (failure) if a value is not finite
 LinearTraining train_linear_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
-                                 const TouchedNodes& prescribed, const std::vector<Ray>& rays);
+                                 const TouchedNodes& tool, const std::vector<Ray>& rays);
 
 }  // namespace phynness

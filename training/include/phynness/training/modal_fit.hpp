@@ -26,7 +26,7 @@ struct NodeModes {
 };
 /// @param max_modes  largest number of modes, which is also limited by the number of states
 /// @throws Error (failure) if a displacement of a converged increment is not finite
-NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& prescribed, const std::vector<Ray>& rays,
+NodeModes node_modes(const TrainingTables& tables, const TouchedNodes& tool, const std::vector<Ray>& rays,
                      int max_modes);
 
 /// The same for a scalar field in units of `scale`. @param field  index in DatabaseHeader::fields

@@ -41,7 +41,7 @@ TrainingStates training_states(const TrainingTables& tables, const std::vector<R
 
 /// Properties of an active node except its response: probe, trained depths, number of incomplete directions.
 ActiveNodeModel describe_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
-                              const TouchedNodes& prescribed, const std::vector<Ray>& rays);
+                              const TouchedNodes& tool, const std::vector<Ray>& rays);
 
 /// Points of the force network, one per training state. @param rays  one per direction, in order
 /// @throws Error (failure) if a value of a converged increment is not finite
@@ -51,9 +51,9 @@ NetworkPoints force_points(const TrainingTables& tables, const std::vector<Ray>&
 /// drawn uniformly without replacement by a generator that depends on `seed` and `node` only; all pairs if there are
 /// fewer.
 /// @param held_out  output, `n_held_out` further points of the same draw; may be null
-NetworkPoints deformation_points(const TrainingTables& tables, const std::vector<Ray>& rays,
-                                 const TouchedNodes& prescribed, std::int32_t node, int samples, std::uint64_t seed,
-                                 NetworkPoints* held_out = nullptr, int n_held_out = 0);
+NetworkPoints deformation_points(const TrainingTables& tables, const std::vector<Ray>& rays, const TouchedNodes& tool,
+                                 std::int32_t node, int samples, std::uint64_t seed, NetworkPoints* held_out = nullptr,
+                                 int n_held_out = 0);
 
 /// The smaller of `wanted` and the largest number of neurons for `n_points` points.
 int capped_neurons(int wanted, std::size_t n_points);
@@ -68,8 +68,7 @@ struct NodeTraining {
 /// @param point  coordinates of the node [m]
 /// @param spec   with both spreads > 0
 /// @param estimate_errors  estimate the errors of levels, which takes about as long as the training itself
-NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point,
-                        const TouchedNodes& prescribed, const std::vector<Ray>& rays, const TrainingSpec& spec,
-                        bool estimate_errors = true);
+NodeTraining train_node(const TrainingTables& tables, std::int32_t node, const Vec3& point, const TouchedNodes& tool,
+                        const std::vector<Ray>& rays, const TrainingSpec& spec, bool estimate_errors = true);
 
 }  // namespace phynness

@@ -18,7 +18,7 @@ double mean_relative_error(const RbfNetwork& network, const NetworkPoints& point
 /// A node in a search.
 struct SearchNode {
   std::int32_t node = 0;
-  TouchedNodes prescribed;
+  TouchedNodes tool;
   std::vector<Ray> rays;
 };
 

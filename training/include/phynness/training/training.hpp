@@ -51,7 +51,7 @@ using TrainingProgress = std::function<bool(std::int64_t, std::int64_t)>;
 struct ResponseSource {
   const DatabaseHeader* header = nullptr;
   std::function<std::vector<Ray>(std::int32_t active)> rays;  ///< as Database::rays; never called concurrently
-  double tool_radius_m = 0;                                   ///< of a patch probe; 0: node probe
+  ProbeSpec probe;                                            ///< kind and radius of the tool
   std::string title;
 };
 

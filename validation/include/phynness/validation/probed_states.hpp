@@ -10,6 +10,9 @@
 
 namespace phynness {
 
+/// 1 for the output nodes that count in (17), which are those whose displacement no tool at `touched` prescribes.
+std::vector<char> counted_nodes(const Model& model, const std::vector<std::int32_t>& touched);
+
 /// A solved probe with the response of the linear predictor, at the output nodes of the model.
 struct ProbedState {
   Vec3 d{}, force_FE{}, force_linear{};
