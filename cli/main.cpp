@@ -73,7 +73,10 @@ void refuse_ranks(const CLI::App& app) {
 
 int end_with(const Error& error) {
   // Ranks other than the first have no text, so that the reason is printed once.
-  if (*error.what() != 0) cli::message("error: {}\n", error.what());
+  if (*error.what() != 0)
+    cli::message("error: {}\n", error.what());
+  else  // the launcher ends the first rank, which gives the reason, as soon as another one has ended
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
   return error.kind() == Error::Kind::input ? 2 : 1;
 }
 

@@ -222,7 +222,7 @@ void ToolResponses::find_derivatives(std::int32_t t) {
 
 void ToolResponses::set_rest_matrix() {
   const std::int32_t n = 3 * _c.n_tools;
-  set_zero(_c.matrix, static_cast<std::size_t>(3 * n_places() * n));
+  set_zero(_c.matrix, 3 * static_cast<std::size_t>(n_places()) * static_cast<std::size_t>(n));
   for (std::int32_t t = 0; t < n_places(); ++t) {
     for (std::int32_t s = 0; s < _c.n_tools; ++s) {
       for (std::int32_t i = 0; i < _c.point[s].n_nodes; ++i) {
