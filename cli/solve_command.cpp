@@ -5,6 +5,7 @@
 #include <numeric>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/precompute/probe_solver.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
