@@ -47,7 +47,7 @@ std::vector<double> hat(const Discretization& body, std::int32_t node, const std
 }
 
 /// Per point: the integral of the pressure of a round tool times the function of the point, without fixed points,
-/// divided by the sum.
+/// divided by the sum; zero everywhere if all of the tool is fixed.
 std::vector<double> mean_weights(const Discretization& body, const SurfacePoint& center, double radius,
                                  const std::vector<char>& fixed) {
   std::map<std::pair<std::int32_t, std::int32_t>, int> middle;
@@ -68,7 +68,7 @@ std::vector<double> mean_weights(const Discretization& body, const SurfacePoint&
     if (fixed[p]) weights[p] = 0;
     sum += weights[p];
   }
-  for (auto& weight : weights) weight /= sum;
+  for (auto& weight : weights) weight = sum > 0 ? weight / sum : 0;
   return weights;
 }
 
@@ -114,7 +114,9 @@ std::vector<Eigen::Index> heavy_controls(Eigen::MatrixXd B) {
     Eigen::Index row = 0, column = 0;
     const double ratio = (largest.cwiseInverse().asDiagonal() * B).cwiseAbs().maxCoeff(&row, &column);
     if (!(ratio >= least))
-      throw input_error("two tools are at the same place", "", "keep tools at least a tool radius apart");
+      throw input_error("two tools are at the same place",
+                        std::to_string(n) + " of " + std::to_string(B.rows()) + " tools are independent",
+                        "keep tools at least a tool radius apart");
     const Eigen::VectorXd factors = B.col(column) / B(row, column);
     const Eigen::RowVectorXd pivot = B.row(row);
     B -= factors * pivot;

@@ -146,8 +146,15 @@ TEST(Tools, AtOnePlaceAreRefused) {
   const auto place = nearest_on_surface(mesh.nodes, mesh.surface, {0.5, 0.5, 0.8});
   const std::vector<char> fixed(body.n_points(), 0), all(body.n_points(), 1);
   for (const double radius : {0.0, 0.3}) {
-    EXPECT_THROW(tool_constraint(body, {place, place}, radius, fixed), Error);
-    EXPECT_THROW(tool_constraint(body, {place}, radius, all), Error);
+    for (const auto& [places, flags, words] : {std::tuple{std::vector{place, place}, fixed, "same place"},
+                                               {std::vector{place}, all, "all nodes of a tool are fixed"}}) {
+      try {
+        tool_constraint(body, places, radius, flags);
+        FAIL() << words;
+      } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+      }
+    }
   }
 }
 

@@ -24,6 +24,15 @@ class LinearScenes : public CommandLine {
     text = changed(text, "directions = 26", "directions = 3");
     return changed(text, "\"rbfn\"", "\"linear\"");
   }
+  /// `run` of the scene, with every node of the top active.
+  void run_with_active_top(std::string scene) const {
+    const auto active = scene.find("active = [");
+    scene.replace(active, scene.find("[probe]") - active,
+                  "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
+    write_file(folder / "scene.toml", scene);
+    std::filesystem::remove_all(folder / "out");
+    ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+  }
 };
 
 TEST_F(LinearScenes, ModelRepeatsTheFiniteElements) {
@@ -70,13 +79,8 @@ TEST_F(LinearScenes, EvalWarnsOfNothingAtAnyDepth) {
 // Claim: round tools superpose. Two of them at nodes repeat the solve, also where they overlap but are not flagged.
 TEST_F(LinearScenes, RoundToolsSuperpose) {
   for (const char* element : {"P1", "p1-p1"}) {
-    auto scene = changed(linear_scene(element), "[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = 0.02\n");
-    const auto active = scene.find("active = [");
-    scene.replace(active, scene.find("[probe]") - active,
-                  "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
-    write_file(folder / "scene.toml", scene);
-    std::filesystem::remove_all(folder / "out");
-    ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+    const auto scene = changed(linear_scene(element), "[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = 0.02\n");
+    run_with_active_top(scene);
     ASSERT_EQ(phynness("validate scene.toml out/model --probes 2 --pairs 12 --json v.json").exit_status, 0);
     const auto pairs = json("v.json").at("pairs");
     EXPECT_EQ(pairs.at("failed"), 0);
@@ -93,13 +97,7 @@ TEST_F(LinearScenes, RoundToolsSuperpose) {
 // problem than their sum: docs/theory.md.) 1e-6: float32 in the database.
 TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
   for (const char* element : {"P1", "p1-p1"}) {
-    auto scene = linear_scene(element);
-    const auto active = scene.find("active = [");
-    scene.replace(active, scene.find("[probe]") - active,
-                  "active = { plane = { point_fraction = [0, 0, 1], normal = [0, 0, 1], tolerance_m = 1e-6 } }\n");
-    write_file(folder / "scene.toml", scene);
-    std::filesystem::remove_all(folder / "out");
-    ASSERT_EQ(phynness("run scene.toml -o out").exit_status, 0);
+    run_with_active_top(linear_scene(element));
     for (const std::string tools : {"--point 0.041,0.033,0.05 --displacement 0.002,0.001,-0.004",
                                     "--point 0.021,0.033,0.05 --displacement 0.002,0.001,-0.004 --point "
                                     "0.07,0.05,0.05 --displacement 0,0,0.003"}) {
