@@ -72,47 +72,44 @@ const char* meaning(Status status) {
 struct Database::Impl {
   hdf5::File file;
   DatabaseHeader header;
+  std::int32_t minor = layout::read_minor(file);
+  std::vector<StoredColumn> columns = columns_of(header, minor);
   double farthest_m = largest_displacement(header.mesh);
-  bool records_ends = layout::records_ends(file);
 
-  std::size_t states_per_node() const { return header.directions.size() * header.magnitudes_m.size(); }
-  template <class T>
-  std::vector<T> of_node(const char* name, std::int32_t active, std::size_t per_state = 1) const {
-    std::vector<T> values(states_per_node() * per_state);
-    file.read_slab(name, static_cast<hsize_t>(active), 1, values.data());
-    return values;
-  }
-  template <class T>
-  std::vector<T> of_all(const char* name) const {
-    return file.read<T>(name, {header.sets.active.size(), header.directions.size(), header.magnitudes_m.size()});
-  }
+  bool records_ends() const { return minor > 0; }
+  std::vector<StoredColumn> columns_with(ColumnOf of) const { return columns_of(header, of, minor); }
+  /// Reads a column of `count` active nodes into rays that have room for it.
+  void read(const StoredColumn& column, std::int32_t first, std::size_t count, std::span<Ray> rays) const;
   void check_shapes() const;
   void check_mirror() const;
-  /// Figures of all increments, [active][direction][increment] flattened. @throws Error (input) if a status is unknown
-  StateFigures figures() const;
-  /// Ends of the rays of `count` active nodes, as stored. @pre records_ends
-  std::vector<RayEnd> stored_ends(std::int32_t first, std::size_t count) const;
-  /// @throws Error (input) unless `defect` is empty
-  void refuse_damaged(const std::string& defect, const std::string& whose) const;
+  /// Some columns of all increments of the database as one ray, checked. @pre the first column is that of the outcomes
+  Ray all_increments(const std::vector<StoredColumn>& wanted) const;
+  /// @throws Error (input) if a number of these columns is impossible
+  void refuse_damaged(const Ray& ray, const std::vector<StoredColumn>& wanted, const std::string& whose) const;
 };
 
+void Database::Impl::read(const StoredColumn& column, std::int32_t first, std::size_t count,
+                          std::span<Ray> rays) const {
+  std::visit(
+      [&](auto member) {
+        std::vector<ValueOf<decltype(member)>> values(count * header.directions.size() * column.count);
+        file.read_slab(column.path, static_cast<hsize_t>(first), count, values.data());
+        auto from = values.begin();
+        for (Ray& ray : rays) {
+          const auto to = values_of(ray, member);
+          std::copy_n(from, to.size(), to.begin());
+          from += static_cast<std::ptrdiff_t>(to.size());
+        }
+      },
+      column.member);
+}
+
 void Database::Impl::check_shapes() const {
-  const hdf5::Shape states{header.sets.active.size(), header.directions.size(), header.magnitudes_m.size()};
-  const auto check = [&](const std::string& name, const hdf5::Shape& tail) {
-    hdf5::Shape expected = states;
-    expected.insert(expected.end(), tail.begin(), tail.end());
-    file.require_shape(name, expected);
-  };
-  for (const char* name : {path::status, path::energy, path::negative_pivots, path::iterations, path::cutbacks,
-                           path::min_jacobian, path::seconds})
-    check(name, {});
-  check(path::force, {3});
-  if (header.tangents) check(path::tangent, {3, 3});
-  if (records_ends)
-    for (const char* name : {path::end_reason, path::end_depth, path::fold_depth, path::energy_lost})
-      file.require_shape(name, {header.sets.active.size(), header.directions.size()});
-  check(path::displacement, {header.sets.output.size(), 3});
-  for (const auto field : header.fields) check(layout::path_of(field), {header.sets.output.size()});
+  for (const auto& column : columns) {
+    hdf5::Shape expected{header.sets.active.size(), header.directions.size()};
+    expected.insert(expected.end(), column.shape.begin(), column.shape.end());
+    file.require_shape(column.path, expected);
+  }
 }
 
 void Database::Impl::check_mirror() const {
@@ -130,31 +127,22 @@ void Database::Impl::check_mirror() const {
   }
 }
 
-void Database::Impl::refuse_damaged(const std::string& defect, const std::string& whose) const {
+void Database::Impl::refuse_damaged(const Ray& ray, const std::vector<StoredColumn>& wanted,
+                                    const std::string& whose) const {
+  const auto defect = ray_defect(ray, wanted, farthest_m);
   if (!defect.empty())
     throw input_error("the database " + file.path().string() + " has an impossible number in " + whose, defect,
                       hdf5::damaged);
 }
 
-std::vector<RayEnd> Database::Impl::stored_ends(std::int32_t first, std::size_t count) const {
-  std::vector<RayEnd> ends(count * header.directions.size());
-  std::vector<std::int8_t> reasons(ends.size());
-  std::vector<double> depths(ends.size()), folds(ends.size()), losses(ends.size());
-  file.read_slab(path::end_reason, static_cast<hsize_t>(first), count, reasons.data());
-  file.read_slab(path::end_depth, static_cast<hsize_t>(first), count, depths.data());
-  file.read_slab(path::fold_depth, static_cast<hsize_t>(first), count, folds.data());
-  file.read_slab(path::energy_lost, static_cast<hsize_t>(first), count, losses.data());
-  for (std::size_t i = 0; i < ends.size(); ++i)
-    ends[i] = {static_cast<EndReason>(reasons[i]), depths[i], folds[i], losses[i]};
-  refuse_damaged(ends_defect(ends), "the list of the ends of rays");
-  return ends;
-}
-
-StateFigures Database::Impl::figures() const {
-  StateFigures all{of_all<std::int8_t>(path::status),      of_all<std::int32_t>(path::negative_pivots),
-                   of_all<std::int32_t>(path::iterations), of_all<std::int32_t>(path::cutbacks),
-                   of_all<double>(path::min_jacobian),     of_all<double>(path::seconds)};
-  refuse_damaged(figures_defect(all), "the list of all increments");
+Ray Database::Impl::all_increments(const std::vector<StoredColumn>& wanted) const {
+  Ray all;
+  const std::size_t n_active = header.sets.active.size();
+  for (const auto& column : wanted) {
+    clear_values(all, column, n_active * header.directions.size() * column.count);
+    read(column, 0, n_active, {&all, 1});
+  }
+  refuse_damaged(all, wanted, "the list of all increments");
   return all;
 }
 
@@ -188,101 +176,99 @@ Database Database::open(const std::filesystem::path& file) {
 
 const DatabaseHeader& Database::header() const { return _impl->header; }
 
-std::vector<Status> Database::statuses() const {
-  const auto codes = _impl->figures().status;
-  std::vector<Status> result(codes.size());
-  std::transform(codes.begin(), codes.end(), result.begin(),
-                 [](std::int8_t code) { return static_cast<Status>(code); });
-  return result;
-}
+std::vector<Status> Database::statuses() const { return _impl->all_increments({_impl->columns.front()}).status; }
 
 std::vector<Ray> Database::rays(std::int32_t active) const {
   const auto& header = _impl->header;
   if (active < 0 || active >= static_cast<std::int32_t>(header.sets.active.size()))
     throw input_error("the database has no such active node", std::to_string(active),
                       "give an index from 0 to " + std::to_string(header.sets.active.size() - 1));
-  const std::size_t output = 3 * header.sets.output.size();
-  const auto status = _impl->of_node<std::int8_t>(path::status, active);
-  const auto force = _impl->of_node<double>(path::force, active, 3);
-  const auto energy = _impl->of_node<double>(path::energy, active);
-  const auto tangent = header.tangents ? _impl->of_node<double>(path::tangent, active, 9) : std::vector<double>{};
-  const auto pivots = _impl->of_node<std::int32_t>(path::negative_pivots, active);
-  const auto iterations = _impl->of_node<std::int32_t>(path::iterations, active);
-  const auto cutbacks = _impl->of_node<std::int32_t>(path::cutbacks, active);
-  const auto jacobian = _impl->of_node<double>(path::min_jacobian, active);
-  const auto seconds = _impl->of_node<double>(path::seconds, active);
-  const auto displacement = _impl->of_node<double>(path::displacement, active, output);
-
-  std::vector<std::vector<double>> fields;
-  for (const auto field : header.fields)
-    fields.push_back(_impl->of_node<double>(layout::path_of(field).c_str(), active, header.sets.output.size()));
-
-  const auto ends = _impl->records_ends ? _impl->stored_ends(active, 1) : std::vector<RayEnd>{};
-
-  const std::size_t n = header.magnitudes_m.size();
-  std::vector<Ray> rays(header.directions.size());
-  for (std::size_t d = 0; d < rays.size(); ++d) {
-    const auto part = [&](const auto& values, std::size_t per_state) {
-      const auto begin = values.begin() + static_cast<std::ptrdiff_t>(d * n * per_state);
-      return std::decay_t<decltype(values)>(begin, begin + static_cast<std::ptrdiff_t>(n * per_state));
-    };
-    Ray& ray = rays[d];
-    ray.active = active;
-    ray.direction = static_cast<std::int32_t>(d);
-    for (std::int8_t code : part(status, 1)) ray.status.push_back(static_cast<Status>(code));
-    ray.force = part(force, 3);
-    ray.energy = part(energy, 1);
-    if (header.tangents) ray.tangent = part(tangent, 9);
-    ray.negative_pivots = part(pivots, 1);
-    ray.iterations = part(iterations, 1);
-    ray.cutbacks = part(cutbacks, 1);
-    ray.min_jacobian = part(jacobian, 1);
-    ray.seconds = part(seconds, 1);
-    ray.displacement = part(displacement, output);
-    for (const auto& values : fields) ray.fields.push_back(part(values, header.sets.output.size()));
-    ray.end = ends.empty() ? end_of(ray.status, header.magnitudes_m) : ends[d];
-    _impl->refuse_damaged(ray_defect(ray, header.fields, _impl->farthest_m),
+  std::vector<Ray> rays;
+  for (std::size_t d = 0; d < header.directions.size(); ++d)
+    rays.push_back(empty_ray(header, active, static_cast<std::int32_t>(d)));
+  for (const auto& column : _impl->columns) _impl->read(column, active, 1, rays);
+  for (Ray& ray : rays) {
+    if (!_impl->records_ends()) ray.end = end_of(ray.status, header.magnitudes_m);
+    _impl->refuse_damaged(ray, _impl->columns,
                           "node " + std::to_string(header.sets.active[static_cast<std::size_t>(active)]) +
-                              ", direction " + std::to_string(d));
+                              ", direction " + std::to_string(ray.direction));
   }
   return rays;
 }
 
+namespace {
+
+/// Over the increments that converged.
+template <class T>
+ColumnRange range_of(const StoredColumn& column, std::span<const T> values, const std::vector<Status>& status) {
+  ColumnRange range{column.name, column.unit, std::numeric_limits<double>::infinity(),
+                    -std::numeric_limits<double>::infinity()};
+  const std::size_t per_increment = values.size() / status.size();
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (status[i / per_increment] != Status::converged) continue;
+    range.smallest = std::min(range.smallest, static_cast<double>(values[i]));
+    range.largest = std::max(range.largest, static_cast<double>(values[i]));
+  }
+  return range;
+}
+
+}  // namespace
+
 DatabaseSummary summarize(const Database& database) {
   const auto& impl = *database._impl;
-  const auto figures = impl.figures();
+  const auto columns = impl.columns_with(ColumnOf::increment);
+  const Ray all = impl.all_increments(columns);
 
   DatabaseSummary summary;
   double smallest = std::numeric_limits<double>::infinity();
   const std::size_t n = impl.header.magnitudes_m.size();
-  for (std::size_t ray = 0; ray < figures.status.size(); ray += n) {
+  for (std::size_t ray = 0; ray < all.status.size(); ray += n) {
     bool requested = false, failed = false;
     for (std::size_t i = ray; i < ray + n; ++i) {
-      const auto status = static_cast<Status>(figures.status[i]);
+      const Status status = all.status[i];
       ++summary.states[status];
       requested |= status != Status::not_requested;
-      failed |= figures.status[i] < 0;
-      summary.newton_iterations += figures.iterations[i];
-      summary.seconds += figures.seconds[i];
+      failed |= static_cast<int>(status) < 0;
+      summary.newton_iterations += all.iterations[i];
+      summary.seconds += all.seconds[i];
       if (status != Status::converged) continue;
-      summary.unstable_states += figures.negative_pivots[i] > 0;
-      smallest = std::min(smallest, figures.min_jacobian[i]);
+      summary.unstable_states += all.negative_pivots[i] > 0;
+      smallest = std::min(smallest, all.min_jacobian[i]);
     }
     summary.rays += requested;
     summary.failed_rays += failed;
   }
-  if (summary.states.count(Status::converged)) summary.min_jacobian = smallest;
+  if (!summary.states.count(Status::converged)) return summary;
+  summary.min_jacobian = smallest;
+  for (const auto& column : columns) {
+    if (column.kind == ColumnKind::code) continue;
+    std::visit(
+        [&](auto member) {
+          if constexpr (!std::is_enum_v<ValueOf<decltype(member)>>)
+            summary.ranges.push_back(range_of<ValueOf<decltype(member)>>(column, values_of(all, member), all.status));
+        },
+        column.member);
+  }
   return summary;
 }
 
 std::vector<RayEnd> Database::ends() const {
   const auto& header = _impl->header;
-  if (_impl->records_ends) return _impl->stored_ends(0, header.sets.active.size());
-  const auto all = statuses();
-  const auto n = static_cast<std::ptrdiff_t>(header.magnitudes_m.size());
   std::vector<RayEnd> ends;
-  for (auto ray = all.begin(); ray != all.end(); ray += n)
-    ends.push_back(end_of(std::vector<Status>(ray, ray + n), header.magnitudes_m));
+  if (!_impl->records_ends()) {
+    const auto all = statuses();
+    const auto n = static_cast<std::ptrdiff_t>(header.magnitudes_m.size());
+    for (auto ray = all.begin(); ray != all.end(); ray += n)
+      ends.push_back(end_of(std::vector<Status>(ray, ray + n), header.magnitudes_m));
+    return ends;
+  }
+  const auto columns = _impl->columns_with(ColumnOf::ray);
+  std::vector<Ray> rays(header.sets.active.size() * header.directions.size());
+  for (const auto& column : columns) _impl->read(column, 0, header.sets.active.size(), rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    _impl->refuse_damaged(rays[i], columns, "ray " + std::to_string(i));
+    ends.push_back(rays[i].end);
+  }
   return ends;
 }
 

@@ -158,7 +158,7 @@ class HeaderChecks {
     if (_header.sets.active.size() > most_rays / _header.directions.size())
       refuse(path::active, "gives too many rays with the directions",
              std::to_string(_header.sets.active.size()) + " x " + std::to_string(_header.directions.size()));
-    const auto bytes = database_log::Layout(_header).payload_bytes();
+    const auto bytes = database_log::Layout(_header).payload_bytes;
     if (bytes > std::numeric_limits<std::uint32_t>::max())
       refuse(path::output, "gives rays that are too large for a log", std::to_string(bytes) + " bytes");
   }

@@ -8,6 +8,7 @@
 
 #include "database_checks.hpp"
 #include "hdf5_damaged.hpp"
+#include "ray_columns.hpp"
 
 namespace phynness::database_layout {
 namespace {
@@ -109,24 +110,40 @@ void write_flags(hdf5::File& file, const char* dataset, const Enum (&all)[n]) {
   file.write_attribute(dataset, "flag_meanings", meanings);
 }
 
-/// The datasets with one value for each ray.
-void create_ends(hdf5::File& file, const DatabaseHeader& header, hsize_t nodes_per_chunk) {
-  const hdf5::Shape shape{header.sets.active.size(), header.directions.size()};
-  const hdf5::Shape chunk{nodes_per_chunk, header.directions.size()};
-  const auto f64 = hdf5::Type<double>::stored();
-  file.create_dataset(path::end_reason, hdf5::Type<std::int8_t>::stored(), shape, chunk, "1",
-                      "why each ray ends where it ends; see flag_values and flag_meanings");
-  file.create_dataset(path::end_depth, f64, shape, chunk, "m", "depth up to which each ray is followed");
-  file.create_dataset(path::fold_depth, f64, shape, chunk, "m",
-                      "smallest depth at which a state beyond the first fold was found; 0 without a fold");
-  file.create_dataset(path::energy_lost, f64, shape, chunk, "J",
-                      "work of the force minus change of the stored energy at the first fold; 0 without a fold");
-  write_flags(file, path::end_reason, every_end);
+void create_column(hdf5::File& file, const StoredColumn& column, const DatabaseHeader& header) {
+  const hsize_t n_directions = header.directions.size();
+  hdf5::Shape shape{header.sets.active.size(), n_directions}, chunk{nodes_per_chunk(header), n_directions};
+  if (column.of == ColumnOf::output_node) {
+    // A chunk has one active node and as many directions as fit into a megabyte.
+    constexpr hsize_t chunk_bytes = 1024 * 1024;
+    const hsize_t per_direction = column.count * (column.float32 ? sizeof(float) : sizeof(double));
+    chunk = {1, std::clamp<hsize_t>(chunk_bytes / per_direction, 1, n_directions)};
+  }
+  shape.insert(shape.end(), column.shape.begin(), column.shape.end());
+  chunk.insert(chunk.end(), column.shape.begin(), column.shape.end());
+  const hid_t type =
+      std::visit([](auto member) { return hdf5::Type<ValueOf<decltype(member)>>::stored(); }, column.member);
+  const bool is_field = std::holds_alternative<RayColumn::FieldIndex>(column.member);
+  file.create_dataset(column.path, column.float32 ? hdf5::Type<float>::stored() : type, shape, chunk, column.unit,
+                      std::string(column.description) + (is_field ? ", at the output nodes" : ""));
+}
+
+/// For mirror images the solved ray, for all others the ray itself.
+void write_sources(hdf5::File& file, const DatabaseHeader& header) {
+  const auto n_active = static_cast<std::int32_t>(header.sets.active.size());
+  const auto n_directions = static_cast<std::int32_t>(header.directions.size());
+  const MirroredRays mirrored(header);
+  std::vector<std::int32_t> solved_as;
+  for (std::int32_t a = 0; a < n_active; ++a)
+    for (std::int32_t d = 0; d < n_directions; ++d) {
+      const auto& source = mirrored.source(a, d);
+      solved_as.push_back(source.active * n_directions + source.direction);
+    }
+  write_array(file, path::solved_as, {header.sets.active.size(), header.directions.size()}, solved_as.data(), "1",
+              "active * D + direction of the ray that was solved, of which this one is the mirror image or itself");
 }
 
 }  // namespace
-
-std::string path_of(Field field) { return std::string(path::fields) + "/" + name(field); }
 
 void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete) {
   file.write_attribute("/", "format", std::string(format_name));
@@ -199,13 +216,13 @@ bool read_complete(const hdf5::File& file) {
   return read_flag(file, "/", "complete");
 }
 
-bool records_ends(const hdf5::File& file) {
-  if (!file.has_attribute("/", "format_minor")) return false;
+std::int32_t read_minor(const hdf5::File& file) {
+  if (!file.has_attribute("/", "format_minor")) return 0;
   const auto minor = file.read_int_attribute("/", "format_minor");
   if (minor < 1)
     throw input_error("cannot read the database " + file.path().string() + ": attribute format_minor is less than 1",
                       std::to_string(minor), hdf5::damaged);
-  return true;
+  return minor;
 }
 
 DatabaseHeader read_header(const hdf5::File& file) {
@@ -275,58 +292,18 @@ hsize_t nodes_per_chunk(const DatabaseHeader& header) {
 }
 
 void create_responses(hdf5::File& file, const DatabaseHeader& header) {
-  const hsize_t n_active = header.sets.active.size(), n_directions = header.directions.size();
-  const hsize_t n_increments = header.magnitudes_m.size(), n_output = header.sets.output.size();
-  const hsize_t nodes = nodes_per_chunk(header);
-  const auto add = [&](const char* name, hid_t type, hdf5::Shape tail, const char* unit, const char* description) {
-    hdf5::Shape shape{n_active, n_directions, n_increments}, chunk{nodes, n_directions, n_increments};
-    shape.insert(shape.end(), tail.begin(), tail.end());
-    chunk.insert(chunk.end(), tail.begin(), tail.end());
-    file.create_dataset(name, type, shape, chunk, unit, description);
-  };
-  const auto f64 = hdf5::Type<double>::stored(), i32 = hdf5::Type<std::int32_t>::stored();
   file.create_group("/responses");
-  add(path::status, hdf5::Type<std::int8_t>::stored(), {}, "1",
-      "outcome of each increment; see flag_values and flag_meanings");
-  add(path::force, f64, {3}, "N", "force that must be applied at the probe to hold the displacement");
-  add(path::energy, f64, {}, "J", "stored strain energy");
-  if (header.tangents) add(path::tangent, f64, {3, 3}, "N/m", "condensed tangent dF/dd, row F and column d");
-  add(path::negative_pivots, i32, {}, "1", "negative pivots of the tangent beyond those of the pressure; 0 is stable");
-  add(path::iterations, i32, {}, "1", "Newton iterations, those of cut-back attempts included");
-  add(path::cutbacks, i32, {}, "1", "times the step was halved");
-  add(path::min_jacobian, f64, {}, "1", "smallest J over all quadrature points");
-  add(path::seconds, f64, {}, "s", "CPU time");
-  create_ends(file, header, nodes);
-  if (header.sets.mirror) {
-    const MirroredRays mirrored(header);
-    std::vector<std::int32_t> solved_as;
-    for (std::int32_t a = 0; a < static_cast<std::int32_t>(n_active); ++a)
-      for (std::int32_t d = 0; d < static_cast<std::int32_t>(n_directions); ++d) {
-        const auto& source = mirrored.source(a, d);
-        solved_as.push_back(source.active * static_cast<std::int32_t>(n_directions) + source.direction);
-      }
-    write_array(file, path::solved_as, {n_active, n_directions}, solved_as.data(), "1",
-                "active * D + direction of the ray that was solved, of which this one is the mirror image or itself");
+  for (const auto of : {ColumnOf::increment, ColumnOf::ray})
+    for (const auto& column : columns_of(header, of)) create_column(file, column, header);
+  write_flags(file, "/responses/end_reason", every_end);
+  if (header.sets.mirror) write_sources(file, header);
+  write_flags(file, "/responses/status", every_status);
+  bool has_group_of_fields = false;
+  for (const auto& column : columns_of(header, ColumnOf::output_node)) {
+    if (std::holds_alternative<RayColumn::FieldIndex>(column.member) && !std::exchange(has_group_of_fields, true))
+      file.create_group("/responses/fields");
+    create_column(file, column, header);
   }
-
-  write_flags(file, path::status, every_status);
-
-  // A chunk has one active node and as many directions as fit into a megabyte.
-  constexpr hsize_t chunk_bytes = 1024 * 1024;
-  const hsize_t scalar = header.float64 ? sizeof(double) : sizeof(float);
-  const hsize_t per_direction = n_increments * n_output * 3 * scalar;
-  const hsize_t together = std::clamp<hsize_t>(chunk_bytes / per_direction, 1, n_directions);
-  file.create_dataset(path::displacement, header.float64 ? f64 : hdf5::Type<float>::stored(),
-                      {n_active, n_directions, n_increments, n_output, 3}, {1, together, n_increments, n_output, 3},
-                      "m", "displacement of the output nodes");
-  if (header.fields.empty()) return;
-  file.create_group(path::fields);
-  const hsize_t field_rays =
-      std::clamp<hsize_t>(chunk_bytes / (n_increments * n_output * sizeof(float)), 1, n_directions);
-  for (const auto field : header.fields)
-    file.create_dataset(path_of(field), hdf5::Type<float>::stored(), {n_active, n_directions, n_increments, n_output},
-                        {1, field_rays, n_increments, n_output}, unit(field),
-                        std::string(description(field)) + ", at the output nodes");
 }
 
 }  // namespace phynness::database_layout

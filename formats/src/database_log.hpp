@@ -9,23 +9,24 @@
 #include <vector>
 
 #include "durable_file.hpp"
+#include "ray_columns.hpp"
 
 namespace phynness::database_log {
 
-inline constexpr std::array<char, 8> log_magic{'P', 'H', 'Y', 'N', 'L', 'O', 'G', '3'};
+/// The last character counts the versions: the columns of a record are those of its program.
+inline constexpr std::array<char, 8> log_magic{'P', 'H', 'Y', 'N', 'L', 'O', 'G', '2' + format_minor};
 inline constexpr std::array<char, 4> record_magic{'P', 'R', 'A', 'Y'};
 /// Bytes of magic and length before a payload; the checksum follows the payload.
 inline constexpr std::size_t prefix_bytes = record_magic.size() + sizeof(std::uint32_t);
 inline constexpr std::size_t checksum_bytes = sizeof(std::uint64_t);
 
-/// Sizes that are the same for every record of a database.
+/// What is the same for every record of a database.
 struct Layout {
   explicit Layout(const DatabaseHeader& header);
-  std::int32_t n_active, n_directions, n_increments, n_output;
-  bool tangents, float64;
-  std::vector<Field> fields;
-  std::size_t payload_bytes() const;
-  std::size_t record_bytes() const { return prefix_bytes + payload_bytes() + checksum_bytes; }
+  std::int32_t n_active, n_directions;
+  std::vector<StoredColumn> columns;  ///< in their order in a record
+  std::size_t payload_bytes = 0;
+  std::size_t record_bytes() const { return prefix_bytes + payload_bytes + checksum_bytes; }
 };
 
 /// The folder with the logs of a database file.
@@ -40,7 +41,7 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout, const st
 /// Checksum of the opening and the record, so that a record can be assigned to its physics and mesh even if the opening
 /// of its log is damaged.
 std::uint64_t record_checksum(const std::vector<unsigned char>& opening, const unsigned char* bytes, std::size_t n);
-/// @pre `payload` has layout.payload_bytes() bytes
+/// @pre `payload` has layout.payload_bytes bytes
 Ray decode(const unsigned char* payload, const Layout& layout);
 
 }  // namespace phynness::database_log

@@ -4,80 +4,66 @@
 
 #include "database_layout.hpp"
 #include "durable_file.hpp"
+#include "ray_columns.hpp"
 
 namespace phynness {
 namespace layout = database_layout;
-namespace path = database_layout::path;
 namespace dl = database_log;
 namespace {
 
-/// Small arrays of several active nodes, which are collected and written together.
-struct SmallArrays {
-  std::vector<std::int8_t> status;
-  std::vector<double> force, energy, tangent, min_jacobian, seconds;
-  std::vector<std::int32_t> negative_pivots, iterations, cutbacks;
-  std::vector<std::int8_t> end_reason;
-  std::vector<double> end_depth, fold_depth, energy_lost;
+/// Columns of rays that follow one another in the file, which are collected and written together.
+class Collected {
+ public:
+  explicit Collected(std::vector<StoredColumn> columns) : _columns(std::move(columns)), _bytes(_columns.size()) {}
 
   void add(const Ray& ray) {
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    for (Status s : ray.status) status.push_back(static_cast<std::int8_t>(s));
-    append(force, ray.force);
-    append(energy, ray.energy);
-    append(tangent, ray.tangent);
-    append(negative_pivots, ray.negative_pivots);
-    append(iterations, ray.iterations);
-    append(cutbacks, ray.cutbacks);
-    append(min_jacobian, ray.min_jacobian);
-    append(seconds, ray.seconds);
-    end_reason.push_back(static_cast<std::int8_t>(ray.end.reason));
-    end_depth.push_back(ray.end.depth_m);
-    fold_depth.push_back(ray.end.fold_depth_m);
-    energy_lost.push_back(ray.end.energy_lost_J);
+    for (std::size_t i = 0; i < _columns.size(); ++i)
+      std::visit(
+          [&](auto member) {
+            const auto bytes = std::as_bytes(values_of(ray, member));
+            _bytes[i].insert(_bytes[i].end(), bytes.begin(), bytes.end());
+          },
+          _columns[i].member);
   }
-  void write(hdf5::File& file, hsize_t first, hsize_t count) const {
-    file.write_slab(path::status, first, count, status.data());
-    file.write_slab(path::force, first, count, force.data());
-    file.write_slab(path::energy, first, count, energy.data());
-    if (!tangent.empty()) file.write_slab(path::tangent, first, count, tangent.data());
-    file.write_slab(path::negative_pivots, first, count, negative_pivots.data());
-    file.write_slab(path::iterations, first, count, iterations.data());
-    file.write_slab(path::cutbacks, first, count, cutbacks.data());
-    file.write_slab(path::min_jacobian, first, count, min_jacobian.data());
-    file.write_slab(path::seconds, first, count, seconds.data());
-    file.write_slab(path::end_reason, first, count, end_reason.data());
-    file.write_slab(path::end_depth, first, count, end_depth.data());
-    file.write_slab(path::fold_depth, first, count, fold_depth.data());
-    file.write_slab(path::energy_lost, first, count, energy_lost.data());
+  /// Writes what was added as that of `count` active nodes, and forgets it.
+  void write(hdf5::File& file, hsize_t first, hsize_t count) {
+    for (std::size_t i = 0; i < _columns.size(); ++i) {
+      std::visit(
+          [&](auto member) {
+            using Value = ValueOf<decltype(member)>;
+            file.write_slab(_columns[i].path, first, count, reinterpret_cast<const Value*>(_bytes[i].data()));
+          },
+          _columns[i].member);
+      _bytes[i].clear();
+    }
   }
+
+ private:
+  std::vector<StoredColumn> _columns;
+  std::vector<std::vector<std::byte>> _bytes;
 };
 
 void write_responses(hdf5::File& out, const DatabaseHeader& header, const dl::Index& index,
                      const std::vector<dl::Entry>& records, const MirroredRays& mirrored) {
   dl::RayReader reader(index, header);
   const hsize_t batch = layout::nodes_per_chunk(header), n_active = header.sets.active.size();
+  Collected of_node(columns_of(header, ColumnOf::output_node)), of_batch(columns_of(header, ColumnOf::increment)),
+      ends(columns_of(header, ColumnOf::ray));
 
   layout::create_responses(out, header);
   for (hsize_t first = 0; first < n_active; first += batch) {
     const hsize_t count = std::min(batch, n_active - first);
-    SmallArrays small;
     for (hsize_t active = first; active < first + count; ++active) {
-      std::vector<double> displacement;
-      std::vector<std::vector<double>> fields(header.fields.size());
       for (std::size_t d = 0; d < header.directions.size(); ++d) {
         Ray ray = reader.read(records[active * header.directions.size() + d]);
         const auto a = static_cast<std::int32_t>(active), direction = static_cast<std::int32_t>(d);
         if (!mirrored.is_solved(a, direction)) ray = mirrored.image(ray, a, direction);
-        small.add(ray);
-        displacement.insert(displacement.end(), ray.displacement.begin(), ray.displacement.end());
-        for (std::size_t f = 0; f < fields.size(); ++f)
-          fields[f].insert(fields[f].end(), ray.fields[f].begin(), ray.fields[f].end());
+        for (auto* collected : {&of_node, &of_batch, &ends}) collected->add(ray);
       }
-      out.write_slab(path::displacement, active, 1, displacement.data());
-      for (std::size_t f = 0; f < fields.size(); ++f)
-        out.write_slab(layout::path_of(header.fields[f]), active, 1, fields[f].data());
+      of_node.write(out, active, 1);
     }
-    small.write(out, first, count);
+    of_batch.write(out, first, count);
+    ends.write(out, first, count);
   }
 }
 

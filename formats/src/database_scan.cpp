@@ -81,14 +81,14 @@ class LogScan {
     if (read_at(_file, _path, at, _record.data(), _record.size()) < _record.size()) return "torn record";
     const std::size_t checked = _record.size() - checksum_bytes;
     if (!std::equal(record_magic.begin(), record_magic.end(), _record.begin()) ||
-        value_at<std::uint32_t>(_record.data() + record_magic.size()) != _layout.payload_bytes() ||
+        value_at<std::uint32_t>(_record.data() + record_magic.size()) != _layout.payload_bytes ||
         value_at<std::uint64_t>(_record.data() + checked) != record_checksum(_opening, _record.data(), checked))
       return "corrupted record";
     const auto active = value_at<std::int32_t>(_record.data() + prefix_bytes);
     const auto direction = value_at<std::int32_t>(_record.data() + prefix_bytes + sizeof(std::int32_t));
     if (active < 0 || active >= _layout.n_active || direction < 0 || direction >= _layout.n_directions)
       return "record of a ray that is not in the database";
-    if (!ray_defect(decode(_record.data() + prefix_bytes, _layout), _layout.fields, _farthest_m).empty())
+    if (!ray_defect(decode(_record.data() + prefix_bytes, _layout), _layout.columns, _farthest_m).empty())
       return "record with impossible numbers";
     _index.entries.push_back({active, direction, _number, at + static_cast<std::int64_t>(prefix_bytes)});
     return nullptr;

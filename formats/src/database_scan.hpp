@@ -40,7 +40,7 @@ inline Index scan(const std::filesystem::path& file, const DatabaseHeader& heade
 class RayReader {
  public:
   RayReader(const Index& index, const DatabaseHeader& header)
-      : _index(index), _layout(header), _payload(_layout.payload_bytes()) {}
+      : _index(index), _layout(header), _payload(_layout.payload_bytes) {}
   /// @throws Error (failure) if the log has become shorter since it was scanned
   Ray read(const Entry& entry);
 

@@ -4,6 +4,8 @@
 #include <phynness/formats/mirrored_rays.hpp>
 #include <tuple>
 
+#include "ray_columns.hpp"
+
 namespace phynness {
 namespace {
 
@@ -99,31 +101,33 @@ Ray MirroredRays::image(const Ray& solved, std::int32_t active, std::int32_t dir
   Ray ray = solved;
   ray.active = active;
   ray.direction = direction;
-  std::fill(ray.iterations.begin(), ray.iterations.end(), 0);
-  std::fill(ray.cutbacks.begin(), ray.cutbacks.end(), 0);
-  std::fill(ray.seconds.begin(), ray.seconds.end(), 0.0);
 
   const Matrix H = from.mirrored ? Matrix(Eigen::Map<const Matrix>(_reflection.data())) : Matrix::Identity();
   const Matrix turn = from.opposite ? Matrix(-H) : H;
-  const auto turned = [&turn](const double* from_vector, double* to_vector) {
-    Eigen::Vector3d::Map(to_vector) = turn * Eigen::Vector3d::Map(from_vector);
+  const auto n_output = _image_of_output.size();
+  /// Index of the value that becomes the value `i`: at output nodes, that of the mirrored node.
+  const auto source_of = [&](const RayColumn& column, std::size_t i) {
+    if (column.of != ColumnOf::output_node || !from.mirrored) return i;
+    return i - i % n_output + static_cast<std::size_t>(_image_of_output[i % n_output]);
   };
-  for (std::size_t i = 0; i < solved.status.size(); ++i) turned(&solved.force[3 * i], &ray.force[3 * i]);
-  for (std::size_t at = 0; at < solved.tangent.size(); at += 9)
-    Eigen::Map<Matrix>(&ray.tangent[at]) = H * Eigen::Map<const Matrix>(&solved.tangent[at]) * H;
-  const std::size_t n_output = _image_of_output.size();
-  for (std::size_t i = 0; i < solved.status.size(); ++i)
-    for (std::size_t o = 0; o < n_output; ++o) {
-      const auto other = from.mirrored ? static_cast<std::size_t>(_image_of_output[o]) : o;
-      turned(&solved.displacement[3 * (i * n_output + other)], &ray.displacement[3 * (i * n_output + o)]);
-    }
-  // Scalars: the value of the image at a node is the value at the mirrored node.
-  for (std::size_t f = 0; f < solved.fields.size(); ++f)
-    for (std::size_t i = 0; i < solved.status.size(); ++i)
-      for (std::size_t o = 0; o < n_output; ++o) {
-        const auto other = from.mirrored ? static_cast<std::size_t>(_image_of_output[o]) : o;
-        ray.fields[f][i * n_output + o] = solved.fields[f][i * n_output + other];
+  const auto mirror = [&](const RayColumn& column, auto member) {
+    const auto values = values_of(solved, member);
+    const auto images = values_of(ray, member);
+    const auto components = static_cast<std::size_t>(column.tensor);
+    if (column.kind == ColumnKind::cost) return std::fill(images.begin(), images.end(), ValueOf<decltype(member)>{});
+    for (std::size_t i = 0; i < values.size() / components; ++i) {
+      const auto* value = &values[components * source_of(column, i)];
+      auto* image = &images[components * i];
+      if constexpr (std::is_same_v<ValueOf<decltype(member)>, double>) {
+        if (column.tensor == Tensor::vector) Eigen::Vector3d::Map(image) = turn * Eigen::Vector3d::Map(value);
+        if (column.tensor == Tensor::matrix) Matrix::Map(image) = H * Matrix::Map(value) * H;
       }
+      if (column.tensor == Tensor::scalar) *image = *value;
+    }
+  };
+  for (const auto& column : ray_columns) std::visit([&](auto member) { mirror(column, member); }, column.member);
+  for (std::size_t f = 0; f < solved.fields.size(); ++f)
+    mirror(field_column(every_field.front(), f), RayColumn::FieldIndex{f});  // all fields are mirrored alike
   return ray;
 }
 

@@ -2,94 +2,76 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <limits>
-
-#include "database_layout.hpp"
 
 namespace phynness {
 namespace {
 
-namespace path = database_layout::path;
-
-bool is_status(std::int8_t code) {
-  return std::any_of(std::begin(every_status), std::end(every_status),
-                     [&](Status status) { return static_cast<std::int8_t>(status) == code; });
+bool is_known(Status code) {
+  return std::find(std::begin(every_status), std::end(every_status), code) != std::end(every_status);
+}
+bool is_known(EndReason code) {
+  return std::find(std::begin(every_end), std::end(every_end), code) != std::end(every_end);
 }
 
-template <class Value>
-std::string tell(const std::string& dataset, std::size_t index, Value value, const char* of = "increment") {
-  char buffer[32];
-  return dataset + ", " + of + " " + std::to_string(index) + ", is " +
-         std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+/// Whether values are within the bounds of a column's kind.
+struct Possible {
+  double least, most;
+
+  Possible(ColumnKind kind, double farthest_m)
+      : most(kind == ColumnKind::displacement ? farthest_m : std::numeric_limits<double>::max()) {
+    least = kind == ColumnKind::count || kind == ColumnKind::cost ? 0 : -most;
+  }
+  template <class T>
+  bool operator()(T value) const {
+    if constexpr (std::is_enum_v<T>)
+      return is_known(value);
+    else
+      return static_cast<double>(value) >= least && static_cast<double>(value) <= most;
+  }
+};
+
+template <class T>
+std::string tell(const StoredColumn& column, std::size_t increment, T value) {
+  std::string number;
+  if constexpr (std::is_enum_v<T>) {
+    number = std::to_string(static_cast<int>(value));
+  } else {
+    char buffer[32];
+    number.assign(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+  }
+  const bool of_ray = column.of == ColumnOf::ray;
+  return column.path + (of_ray ? "" : ", increment " + std::to_string(increment) + ",") + " is " + number;
 }
 
-/// The first value of a converged increment that is not within +-`most`.
-template <class IsConverged>
-std::string first_beyond(const std::string& dataset, const std::vector<double>& values, std::size_t increments,
-                         const IsConverged& is_converged, double most) {
+template <class T>
+std::string defect(const StoredColumn& column, std::span<const T> values, const std::vector<Status>& status,
+                   double farthest_m) {
+  const Possible is_possible(column.kind, farthest_m);
+  const bool is_measure = column.kind == ColumnKind::measure || column.kind == ColumnKind::displacement;
+  const std::size_t increments = column.of == ColumnOf::ray ? 1 : status.size();
   const std::size_t per_increment = values.size() / increments;
   for (std::size_t i = 0; i < increments; ++i) {
-    if (!is_converged(i)) continue;
-    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(i * per_increment);
-    const auto end = begin + static_cast<std::ptrdiff_t>(per_increment);
-    const auto found = std::find_if_not(begin, end, [&](double v) { return std::abs(v) <= most; });
-    if (found != end) return tell(dataset, i, *found);
+    if (is_measure && column.of != ColumnOf::ray && status[i] != Status::converged) continue;
+    const auto part = values.subspan(i * per_increment, per_increment);
+    const auto found = std::find_if_not(part.begin(), part.end(), is_possible);
+    if (found != part.end()) return tell(column, i, *found);
   }
   return "";
 }
-
-constexpr double finite = std::numeric_limits<double>::max();
 
 }  // namespace
 
-std::string figures_defect(const StateFigures& figures) {
-  for (std::size_t i = 0; i < figures.status.size(); ++i)
-    if (!is_status(figures.status[i])) return tell(path::status, i, static_cast<int>(figures.status[i]));
-  const auto negative = [](const char* dataset, const auto& values) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-      if (!(values[i] >= 0) || !(static_cast<double>(values[i]) <= finite)) return tell(dataset, i, values[i]);
-    return std::string();
-  };
-  for (const auto& defect :
-       {negative(path::negative_pivots, figures.negative_pivots), negative(path::iterations, figures.iterations),
-        negative(path::cutbacks, figures.cutbacks), negative(path::seconds, figures.seconds)})
-    if (!defect.empty()) return defect;
-  if (figures.status.empty()) return "";
-  return first_beyond(
-      path::min_jacobian, figures.min_jacobian, figures.status.size(),
-      [&](std::size_t i) { return figures.status[i] == static_cast<std::int8_t>(Status::converged); }, finite);
-}
-
-std::string ends_defect(const std::vector<RayEnd>& ends) {
-  for (std::size_t i = 0; i < ends.size(); ++i) {
-    const RayEnd& end = ends[i];
-    if (std::find(std::begin(every_end), std::end(every_end), end.reason) == std::end(every_end))
-      return tell(path::end_reason, i, static_cast<int>(end.reason), "ray");
-    if (!(end.depth_m >= 0) || end.depth_m > finite) return tell(path::end_depth, i, end.depth_m, "ray");
-    if (!(end.fold_depth_m >= 0) || end.fold_depth_m > finite)
-      return tell(path::fold_depth, i, end.fold_depth_m, "ray");
-    if (!(std::abs(end.energy_lost_J) <= finite)) return tell(path::energy_lost, i, end.energy_lost_J, "ray");
+std::string ray_defect(const Ray& ray, const std::vector<StoredColumn>& columns, double farthest_m) {
+  for (const auto& column : columns) {
+    auto found = std::visit(
+        [&](auto member) {
+          return defect<ValueOf<decltype(member)>>(column, values_of(ray, member), ray.status, farthest_m);
+        },
+        column.member);
+    if (!found.empty()) return found;
   }
   return "";
-}
-
-std::string ray_defect(const Ray& ray, const std::vector<Field>& fields, double farthest_m) {
-  StateFigures figures{{}, ray.negative_pivots, ray.iterations, ray.cutbacks, ray.min_jacobian, ray.seconds};
-  for (const auto status : ray.status) figures.status.push_back(static_cast<std::int8_t>(status));
-  if (auto defect = figures_defect(figures); !defect.empty()) return defect;
-  if (auto defect = ends_defect({ray.end}); !defect.empty()) return defect;
-  const auto check = [&](const std::string& dataset, const std::vector<double>& values, double most) {
-    return first_beyond(
-        dataset, values, ray.status.size(), [&](std::size_t i) { return ray.status[i] == Status::converged; }, most);
-  };
-  auto defect = check(path::force, ray.force, finite);
-  if (defect.empty()) defect = check(path::energy, ray.energy, finite);
-  if (defect.empty()) defect = check(path::tangent, ray.tangent, finite);
-  if (defect.empty()) defect = check(path::displacement, ray.displacement, farthest_m);
-  for (std::size_t f = 0; f < fields.size() && defect.empty(); ++f)
-    defect = check(database_layout::path_of(fields[f]), ray.fields[f], finite);
-  return defect;
 }
 
 }  // namespace phynness

@@ -61,26 +61,6 @@ double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction) {
-  const std::size_t n = header.magnitudes_m.size();
-  Ray ray;
-  ray.active = active;
-  ray.direction = direction;
-  ray.status.assign(n, Status::not_requested);
-  ray.end.reason = EndReason::not_requested;
-  ray.force.assign(3 * n, 0.0);
-  ray.energy.assign(n, 0.0);
-  if (header.tangents) ray.tangent.assign(9 * n, 0.0);
-  ray.negative_pivots.assign(n, 0);
-  ray.iterations.assign(n, 0);
-  ray.cutbacks.assign(n, 0);
-  ray.min_jacobian.assign(n, 0.0);
-  ray.seconds.assign(n, 0.0);
-  ray.displacement.assign(3 * n * header.sets.output.size(), 0.0);
-  ray.fields.assign(header.fields.size(), std::vector<double>(n * header.sets.output.size(), 0.0));
-  return ray;
-}
-
 void recover(ProbeSolver& solver) {
   try {
     solver.recover();

@@ -9,9 +9,6 @@ namespace phynness {
 /// CPU time of this process [s].
 double cpu_seconds();
 
-/// A ray that is not requested.
-Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction);
-
 /// A ray of which no increment could be solved.
 Ray failed_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction);
 

@@ -84,9 +84,7 @@ inline Ray random_ray(const DatabaseHeader& h, int active, int direction) {
     for (double& x : v) x = normal(random);
     return v;
   };
-  Ray r;
-  r.active = active;
-  r.direction = direction;
+  Ray r = empty_ray(h, active, direction);
   r.status.assign(n, Status::converged);
   if ((active + direction) % 3 == 0) r.status.back() = Status::inverted;
   r.force = numbers(3 * n);
@@ -99,7 +97,7 @@ inline Ray random_ray(const DatabaseHeader& h, int active, int direction) {
   r.seconds = numbers(n);
   for (double& s : r.seconds) s = std::abs(s);
   r.displacement = numbers(3 * n * h.sets.output.size());
-  for (std::size_t f = 0; f < h.fields.size(); ++f) r.fields.push_back(numbers(n * h.sets.output.size()));
+  for (auto& field : r.fields) field = numbers(n * h.sets.output.size());
   r.end = random_end(random);
   return r;
 }

@@ -57,28 +57,25 @@ Ray small_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t di
   constexpr double stiffness_N_per_m = 30, stiffening = 40;
   const auto d = static_cast<std::size_t>(direction);
   const std::size_t n_output = header.sets.output.size();
-  Ray ray;
-  ray.active = active;
-  ray.direction = direction;
-  ray.fields.resize(header.fields.size());
-  for (const double magnitude : header.magnitudes_m) {
-    const double k = stiffness_N_per_m * (1 + stiffening * magnitude);
-    ray.status.push_back(Status::converged);
-    ray.energy.push_back(k * magnitude * magnitude / 2);
-    ray.negative_pivots.push_back(0);
-    ray.iterations.push_back(3);
-    ray.cutbacks.push_back(0);
-    ray.min_jacobian.push_back(0.9);
-    ray.seconds.push_back(0.01);
+  Ray ray = empty_ray(header, active, direction);
+  ray.end = {};
+  for (std::size_t i = 0; i < header.magnitudes_m.size(); ++i) {
+    const double magnitude = header.magnitudes_m[i], k = stiffness_N_per_m * (1 + stiffening * magnitude);
+    ray.status[i] = Status::converged;
+    ray.energy[i] = k * magnitude * magnitude / 2;
+    ray.iterations[i] = 3;
+    ray.min_jacobian[i] = 0.9;
+    ray.seconds[i] = 0.01;
     for (std::size_t c = 0; c < 3; ++c) {
-      ray.force.push_back(k * magnitude * header.directions[d][c]);
-      for (std::size_t e = 0; e < 3; ++e) ray.tangent.push_back(c == e ? k : 0);
+      ray.force[3 * i + c] = k * magnitude * header.directions[d][c];
+      if (header.tangents) ray.tangent[9 * i + 4 * c] = k;
     }
     for (std::size_t o = 0; o < n_output; ++o) {
       const bool touched = header.sets.output[o] == header.sets.active[static_cast<std::size_t>(active)];
       const double share = touched ? 1 : 0.2 + 0.1 * static_cast<double>(o) + magnitude;
-      for (std::size_t c = 0; c < 3; ++c) ray.displacement.push_back(share * magnitude * header.directions[d][c]);
-      for (auto& field : ray.fields) field.push_back(share * magnitude);
+      for (std::size_t c = 0; c < 3; ++c)
+        ray.displacement[3 * (i * n_output + o) + c] = share * magnitude * header.directions[d][c];
+      for (auto& field : ray.fields) field[i * n_output + o] = share * magnitude;
     }
   }
   return ray;

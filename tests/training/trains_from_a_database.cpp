@@ -50,14 +50,7 @@ class FromDatabase : public testing::Test {
     {
       DatabaseWriter writer(file, header, 0);
       for (std::int32_t active = 0; active < static_cast<std::int32_t>(header.sets.active.size()); ++active) {
-        for (Ray ray : small_rays(header, active)) {
-          ray.energy.assign(n_increments, 0);
-          ray.negative_pivots.assign(n_increments, 0);
-          ray.iterations = ray.cutbacks = ray.negative_pivots;
-          ray.min_jacobian.assign(n_increments, 1);
-          ray.seconds.assign(n_increments, 0);
-          writer.append(ray);
-        }
+        for (const Ray& ray : small_rays(header, active)) writer.append(ray);
       }
     }
     DatabaseWriter::pack(file, header);

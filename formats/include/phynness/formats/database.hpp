@@ -7,80 +7,13 @@
 #include <memory>
 #include <optional>
 #include <phynness/formats/mesh.hpp>
+#include <phynness/formats/ray.hpp>
 #include <phynness/formats/scene.hpp>
 #include <phynness/formats/shard.hpp>
 #include <string>
 #include <vector>
 
 namespace phynness {
-
-/// Outcome of one increment. Values are stored; never renumber.
-enum class Status : std::int8_t {
-  converged = 0,
-  not_requested = 1,   ///< direction outside the hemisphere
-  not_solved = 2,      ///< no result yet (an unfinished database)
-  after_end = 3,       ///< the ray ends before: a fold, a crushed cell or the force limit of the scene
-  inverted = -1,       ///< J <= 0 at a quadrature point
-  diverged = -2,       ///< line search or iteration limit, or an equilibrium that the continuous body does not have
-  factorization = -3,  ///< singular or failed factorization
-  not_finite = -4,     ///< NaN or infinity in the residual, the energy or a field
-  after_failure = -5,  ///< an earlier increment of the ray failed
-  library_error = -6,  ///< a library call failed or memory ran out; the solver's log has the message
-};
-inline constexpr Status every_status[] = {
-    Status::converged, Status::not_requested, Status::not_solved, Status::after_end,     Status::inverted,
-    Status::diverged,  Status::factorization, Status::not_finite, Status::after_failure, Status::library_error};
-const char* name(Status);
-/// What it means, in a few words for people.
-const char* meaning(Status);
-
-/// Why a ray ends where it ends. Values are stored; never renumber.
-enum class EndReason : std::int8_t {
-  full_depth = 0,     ///< all increments are solved
-  fold = 1,           ///< the body loses energy at once: it snaps, or the mesh folds
-  crushed = 2,        ///< the smallest J falls below [probe] min_jacobian
-  force_limit = 3,    ///< the force exceeds [probe] max_force_N
-  not_requested = 4,  ///< direction outside the hemisphere
-  solver = -1,        ///< an increment could not be solved; its status tells why
-  not_recorded = -2,  ///< the ray was solved by a version that does not record it, and did not fail
-};
-inline constexpr EndReason every_end[] = {EndReason::full_depth,  EndReason::fold,          EndReason::crushed,
-                                          EndReason::force_limit, EndReason::not_requested, EndReason::solver,
-                                          EndReason::not_recorded};
-const char* name(EndReason);
-/// What it means, in a few words for people.
-const char* meaning(EndReason);
-
-/// The end of a ray.
-struct RayEnd {
-  EndReason reason = EndReason::not_recorded;
-  double depth_m = 0;        ///< up to which the ray is followed; of a fold, of a crushed cell: where it happens
-  double fold_depth_m = 0;   ///< of the first fold, also if the ray goes on; 0 without a fold
-  double energy_lost_J = 0;  ///< there: work of the force minus change of the stored energy
-  /// True if something known ended the ray before its full depth.
-  bool is_early() const {
-    return reason != EndReason::full_depth && reason != EndReason::not_requested && reason != EndReason::not_recorded;
-  }
-};
-
-/// One ray: an active node displaced along one direction in n_increments steps. All SI.
-/// Arrays have n_increments entries (x ...). Entries of increments that did not converge are zero.
-struct Ray {
-  std::int32_t active = 0;     ///< index into NodeSets::active
-  std::int32_t direction = 0;  ///< index into the directions
-  std::vector<Status> status;
-  std::vector<double> force;                  ///< x 3 [N]: force that must be applied to hold the displacement
-  std::vector<double> energy;                 ///< [J] stored strain energy
-  std::vector<double> tangent;                ///< x 9 [N/m], row-major dF/dd; empty unless the database has tangents
-  std::vector<std::int32_t> negative_pivots;  ///< of the tangent, without those of the pressure block; 0 = stable
-  std::vector<std::int32_t> iterations;       ///< Newton iterations, including those of cut-back attempts
-  std::vector<std::int32_t> cutbacks;
-  std::vector<double> min_jacobian;         ///< smallest J over all quadrature points
-  std::vector<double> seconds;              ///< CPU time spent
-  std::vector<double> displacement;         ///< x n_output x 3 [m]
-  std::vector<std::vector<double>> fields;  ///< of DatabaseHeader::fields: x n_output, in the field's unit
-  RayEnd end;
-};
 
 /// Contents of a database except the rays. Empty `mesh_hash` and `physics_hash` are computed when a database is
 /// created.
@@ -97,10 +30,19 @@ struct DatabaseHeader {
   std::optional<Shard> shard;
 };
 
+/// A ray that is not requested: every column that the header asks for, filled with zeros.
+Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction);
+
 /// The scene of a database. Its mesh file may be absent. If it does not name an element, the element is the default
 /// with which the database was solved. The physics hash tells which: P1 was the default before p1-p1.
 /// @throws Error (input) as parse_scene()
 Scene stored_scene(const DatabaseHeader& header);
+
+/// Smallest and largest number of a column in the increments that converged.
+struct ColumnRange {
+  std::string name, unit;
+  double smallest = 0, largest = 0;
+};
 
 /// Figures of a finished database.
 struct DatabaseSummary {
@@ -111,6 +53,7 @@ struct DatabaseSummary {
   std::int64_t unstable_states = 0;  ///< converged with a negative pivot: the result may depend on the path
   double seconds = 0;                ///< CPU time of all solves
   double min_jacobian = 0;           ///< smallest J over all converged states; 0 if there is none
+  std::vector<ColumnRange> ranges;   ///< of the columns with numbers of increments; empty if no state converged
 };
 
 /// Where the rays of a database end. Shares of the probe volume weigh each ray by the cube of its depth.
@@ -157,7 +100,7 @@ class Database {
   std::unique_ptr<Impl> _impl;
 };
 
-/// Reads all datasets except the displacements.
+/// Reads all datasets except those of the output nodes.
 DatabaseSummary summarize(const Database& database);
 
 /// @param ends  of all rays, [active][direction] flattened

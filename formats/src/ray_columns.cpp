@@ -1,0 +1,80 @@
+#include "ray_columns.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+
+namespace phynness {
+namespace {
+
+template <class T>
+void clear(Ray& ray, std::vector<T> Ray::*member, std::size_t count) {
+  (ray.*member).assign(count, T{});
+}
+template <class T>
+void clear(Ray& ray, T RayEnd::*member, std::size_t) {
+  ray.end.*member = T{};
+}
+void clear(Ray& ray, RayColumn::FieldIndex field, std::size_t count) {
+  ray.fields.resize(std::max(ray.fields.size(), field.index + 1));
+  ray.fields[field.index].assign(count, 0.0);
+}
+
+StoredColumn stored(const RayColumn& column, const DatabaseHeader& header, const char* folder) {
+  StoredColumn result{column, std::string(folder) + column.name, {}, 1};
+  if (column.of != ColumnOf::ray) result.shape.push_back(header.magnitudes_m.size());
+  if (column.of == ColumnOf::output_node) result.shape.push_back(header.sets.output.size());
+  if (column.tensor != Tensor::scalar) result.shape.push_back(3);
+  if (column.tensor == Tensor::matrix) result.shape.push_back(3);
+  result.count = std::accumulate(result.shape.begin(), result.shape.end(), std::size_t{1}, std::multiplies<>());
+  return result;
+}
+
+}  // namespace
+
+std::vector<StoredColumn> columns_of(const DatabaseHeader& header, std::int32_t minor) {
+  std::vector<StoredColumn> columns;
+  for (const auto& column : ray_columns) {
+    if (column.since > minor || (column.with_tangents && !header.tangents)) continue;
+    columns.push_back(stored(column, header, "/responses/"));
+    columns.back().float32 &= !header.float64;
+  }
+  for (std::size_t i = 0; i < header.fields.size(); ++i)
+    columns.push_back(stored(field_column(header.fields[i], i), header, "/responses/fields/"));
+  return columns;
+}
+
+std::vector<StoredColumn> columns_of(const DatabaseHeader& header, ColumnOf of, std::int32_t minor) {
+  auto columns = columns_of(header, minor);
+  std::erase_if(columns, [of](const auto& column) { return column.of != of; });
+  return columns;
+}
+
+RayColumn field_column(Field field, std::size_t index) {
+  return {RayColumn::FieldIndex{index},
+          name(field),
+          ColumnOf::output_node,
+          Tensor::scalar,
+          ColumnKind::measure,
+          unit(field),
+          description(field),
+          0,
+          false,
+          true};
+}
+
+void clear_values(Ray& ray, const RayColumn& column, std::size_t count) {
+  std::visit([&](auto member) { clear(ray, member, count); }, column.member);
+}
+
+Ray empty_ray(const DatabaseHeader& header, std::int32_t active, std::int32_t direction) {
+  Ray ray;
+  ray.active = active;
+  ray.direction = direction;
+  for (const auto& column : columns_of(header)) clear_values(ray, column, column.count);
+  std::fill(ray.status.begin(), ray.status.end(), Status::not_requested);
+  ray.end.reason = EndReason::not_requested;
+  return ray;
+}
+
+}  // namespace phynness
