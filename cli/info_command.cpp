@@ -43,6 +43,18 @@ void print_mesh(const Mesh& mesh, const NodeSets& sets) {
   print_result("output    {}: {}\n", sets.output.size(), some(sets.output));
 }
 
+/// Prints the smallest and the largest number of each quantity of the converged increments. @return the same
+json tell_ranges(const std::vector<ColumnRange>& ranges) {
+  json told = json::object();
+  if (!ranges.empty()) print_result("of converged states:\n");
+  for (const auto& range : ranges) {
+    print_result("  {:<16} {:.4g} to {:.4g} {}\n", range.name, range.smallest, range.largest,
+                 range.unit == "1" ? "" : range.unit);
+    told[range.name] = {{"unit", range.unit}, {"smallest", range.smallest}, {"largest", range.largest}};
+  }
+  return told;
+}
+
 /// A ray that stopped short of the full depth.
 struct ShortRay {
   std::size_t active = 0, direction = 0;
@@ -158,6 +170,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
   print_result("unstable  {} converged states with negative pivots; smallest J {:.3g}\n", summary.unstable_states,
                summary.min_jacobian);
   print_result("cost      {} Newton iterations, {} of solving\n", summary.newton_iterations, duration(summary.seconds));
+  const json quantities = tell_ranges(summary.ranges);
   return {{"kind", "database"},
           {"complete", true},
           {"mesh_hash", h.mesh_hash},
@@ -169,6 +182,7 @@ json about_database(const std::filesystem::path& file, bool failed) {
           {"states", states},
           {"failed_rays", failed_rays},
           {"ends", ends},
+          {"quantities", quantities},
           {"newton_iterations", summary.newton_iterations},
           {"unstable_states", summary.unstable_states}};
 }

@@ -15,13 +15,11 @@
 namespace phynness {
 namespace {
 
-constexpr const char* name_prefix = "process ";
-
 /// Name of this process, for messages of other processes.
 std::string own_name() {
   char host[256] = "";
   ::gethostname(host, sizeof host - 1);
-  return name_prefix + std::to_string(::getpid()) + " on " + host;
+  return "process " + std::to_string(::getpid()) + " on " + host;
 }
 
 std::string read_name(const Descriptor& lock, const std::filesystem::path& path) {
@@ -34,20 +32,9 @@ std::string read_name(const Descriptor& lock, const std::filesystem::path& path)
 bool is_still(const Descriptor& lock, const std::filesystem::path& path) {
   struct stat opened {
   }, named{};
-  return ::fstat(lock.get(), &opened) == 0 && ::stat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
-         opened.st_dev == named.st_dev;
+  return ::fstat(lock.get(), &opened) == 0 && ::stat(path.c_str(), &named) == 0 && opened.st_ino == named.st_ino;
 }
 
-/// @throws Error (input) unless the file at `path` is a lock: a regular file, empty or with the name of a holder
-void refuse_foreign(const Descriptor& lock, const std::filesystem::path& path) {
-  struct stat opened {};
-  const bool regular = ::fstat(lock.get(), &opened) == 0 && S_ISREG(opened.st_mode);
-  if (regular && (opened.st_size == 0 || read_name(lock, path).starts_with(name_prefix))) return;
-  throw input_error("what lies in the place of a database's lock is no lock", path.string(),
-                    "move it elsewhere, and write nothing into folders of logs");
-}
-
-/// A symbolic link is not followed, and a pipe without a writer does not block.
 Descriptor open_lock(const std::filesystem::path& path, int flags) {
   return Descriptor(::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644));
 }
@@ -60,53 +47,36 @@ struct DatabaseLock::Impl {
   std::string warning;
 
   ~Impl() {
-    // The file is removed while the lock is held. A process that has opened it before detects this and opens the next
-    // one.
+    // Packing removes the folder, after which another process may have made a lock of its own.
     if (!is_still(file, path)) return;
     ::unlink(path.c_str());
     ::rmdir(path.parent_path().c_str());
   }
 };
 
-DatabaseLock::DatabaseLock(const std::filesystem::path& file) {
+DatabaseLock::DatabaseLock(const std::filesystem::path& file) : _impl(std::make_unique<Impl>()) {
   check_folder_of(file);
+  make_log_folder(file);
   const auto path = database_log::folder(file) / "lock";
-  constexpr int most_attempts = 1000;
-  for (int attempt = 1;; ++attempt) {
-    make_log_folder(file);
-    Descriptor lock = open_lock(path, O_RDWR | O_CREAT);
-    if (!lock.is_open()) {
-      if (errno == ENOENT && attempt < most_attempts) continue;  // the last holder has removed the folder
-      if (errno == ELOOP)
-        throw input_error("what lies in the place of a database's lock is no lock", path.string() + " is a link",
-                          "remove the link");
-      throw failure("cannot create the lock " + path.string(), std::generic_category().message(errno),
-                    "make the folder of logs writable");
-    }
-    refuse_foreign(lock, path);
-    int code = 0;
-    while (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 && (code = errno) == EINTR) code = 0;
-    if (code == EWOULDBLOCK)
-      throw input_error("the database " + file.string() + " is in use", read_name(lock, path),
-                        "wait until this process ends, or stop it, and run again with --resume");
-    if (code == 0 && !is_still(lock, path)) {
-      if (attempt < most_attempts) continue;
-      throw failure("cannot take the lock " + path.string(), "it is removed again and again",
-                    "see to it that no other process works on this database");
-    }
-    _impl = std::make_unique<Impl>();
-    _impl->path = path;
-    _impl->file = std::move(lock);
-    if (code != 0)
-      _impl->warning = path.string() + " cannot be locked (" + std::generic_category().message(code) +
-                       "): make sure that no other process works on this database";
-    // On a full disk the lock is valid but has no name.
-    const auto name = own_name();
-    [[maybe_unused]] const bool named =
-        ::ftruncate(_impl->file.get(), 0) == 0 &&
-        ::pwrite(_impl->file.get(), name.data(), name.size(), 0) == static_cast<ssize_t>(name.size());
-    return;
-  }
+  Descriptor lock = open_lock(path, O_RDWR | O_CREAT);
+  if (!lock.is_open())
+    throw failure("cannot create the lock " + path.string(), std::generic_category().message(errno),
+                  "make the folder of logs writable, and remove what else lies in the place of the lock");
+  int code = 0;
+  while (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 && (code = errno) == EINTR) code = 0;
+  if (code == EWOULDBLOCK)
+    throw input_error("the database " + file.string() + " is in use", read_name(lock, path),
+                      "wait until this process ends, or stop it, and run again with --resume");
+  _impl->path = path;
+  _impl->file = std::move(lock);
+  if (code != 0)
+    _impl->warning = path.string() + " cannot be locked (" + std::generic_category().message(code) +
+                     "): make sure that no other process works on this database";
+  // On a full disk the lock is valid but has no name.
+  const auto name = own_name();
+  [[maybe_unused]] const bool named =
+      ::ftruncate(_impl->file.get(), 0) == 0 &&
+      ::pwrite(_impl->file.get(), name.data(), name.size(), 0) == static_cast<ssize_t>(name.size());
 }
 
 DatabaseLock::~DatabaseLock() = default;

@@ -1,5 +1,5 @@
-// Checks of objects of an HDF5 file before they are used, because a file may come from an untrusted source. HDF5 itself
-// follows links to other files, loads filters from folders, and reads as many values as the file specifies,
+// Checks of datasets and attributes of an HDF5 file before they are read. HDF5 itself reads values from other files,
+// loads filters from folders, reads what was never written as zeros, and reads as many values as the file specifies,
 // independently of the size of the caller's memory.
 #pragma once
 
@@ -12,17 +12,9 @@
 
 namespace phynness::hdf5 {
 
-/// Opens the object at an absolute path ("/mesh/nodes", "/") if its path consists of groups of the same file. No link
-/// to another path or file is followed.
-/// @return a handle; if there is no such object it is negative, and `defect` is set
-Handle open_own_object(hid_t file, const std::string& path, std::string& defect);
-
-/// @return whether the path has an object of the same file; `defect` is set if it has a link instead
-bool has_own_object(hid_t file, const std::string& path, std::string& defect);
-
 /// The defect of a dataset's storage, or empty. A valid dataset is stored in this file, has no filters except shuffle,
-/// deflate and fletcher32, is written completely, and is stored in a number of bytes that its shape can have.
-std::string storage_defect(hid_t dataset, const Shape& shape, std::size_t bytes_per_value, std::uint64_t bytes_of_file);
+/// deflate and fletcher32, and is written completely.
+std::string storage_defect(hid_t dataset, const Shape& shape, std::size_t bytes_per_value);
 
 /// The shape of a dataset or attribute with one value or an array of them.
 /// @return false if it has no shape (a null dataspace)

@@ -111,8 +111,7 @@ WantedType wanted() {
 
 /// An HDF5 file that is written or read. Failures throw Error: kind `input` for a file that cannot be read, `failure`
 /// for a file that cannot be written. Both contain the file, the object and HDF5's message. A file that is read may
-/// come from an untrusted source: every read checks that the object belongs to this file, that it has the expected type
-/// and shape, and that its bytes are in the file.
+/// be damaged: every read checks that the object has the expected type and shape, and that it was written completely.
 class File {
  public:
   static File create(const std::filesystem::path& path);
@@ -128,7 +127,6 @@ class File {
   const std::filesystem::path& path() const { return _path; }
 
   void create_group(const std::string& name);
-  /// @throws Error (input) if there is a link instead of an object
   bool exists(const std::string& name) const;
 
   /// Creates a dataset with its 'unit' and 'description'. It is compressed by chunks, or contiguous if `chunk` is
@@ -145,7 +143,7 @@ class File {
     write_slab_raw(name, first, count, Type<T>::memory(), values);
   }
 
-  /// The shape of a dataset, after a check that its values are stored in this file.
+  /// The shape of a dataset, after a check that its values are stored.
   Shape shape(const std::string& name) const;
   /// @throws Error (input) unless the dataset has exactly this shape
   void require_shape(const std::string& name, const Shape& expected) const { check_shape(name, expected); }

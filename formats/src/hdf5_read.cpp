@@ -9,20 +9,10 @@
 #include "hdf5_checks.hpp"
 #include "hdf5_damaged.hpp"
 #include "hdf5_file.hpp"
-#include "hdf5_heapless_driver.hpp"
 #include "hdf5_text.hpp"
 
 namespace phynness::hdf5 {
 namespace {
-
-/// Whether addresses and lengths have 8 bytes and are relative to the start of the file, as our code for texts assumes.
-bool has_usual_addresses(hid_t file) {
-  const Handle properties(H5Fget_create_plist(file), H5Pclose);
-  std::size_t address = 0, length = 0;
-  hsize_t user_block = 1;
-  return H5Pget_sizes(properties.id(), &address, &length) >= 0 && H5Pget_userblock(properties.id(), &user_block) >= 0 &&
-         address == 8 && length == 8 && user_block == 0;
-}
 
 /// A text of fixed length ends at the first NUL or before trailing blanks.
 std::string without_padding(std::string text, H5T_str_t padding) {
@@ -49,10 +39,7 @@ File File::open(const std::filesystem::path& path) {
   File file({}, path, false);
   file._bytes = open_for_reading(path);
   file._size = std::filesystem::file_size(path, code);
-  // Closed last, because closing any object deletes HDF5's messages.
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  file.check(use_heapless_driver(access.id(), path.c_str()), "choosing the file driver");
-  file._file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
+  file._file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (file._file.id() < 0) {
     const auto said = last_message();
     if (said.find("truncated") != std::string::npos)
@@ -60,9 +47,6 @@ File File::open(const std::filesystem::path& path) {
                         "copy the complete file again, or compute the database again");
     throw input_error("cannot open the database " + path.string(), said, damaged);
   }
-  if (!has_usual_addresses(file._file.id()))
-    throw input_error("the HDF5 file is not a phynness database", path.string() + " has unusual addresses",
-                      "give a file written by phynness precompute");
   return file;
 }
 
@@ -72,19 +56,15 @@ void File::refuse(const std::string& what, const std::string& value) const {
 
 bool File::exists(const std::string& name) const {
   const Quiet quiet;
-  std::string defect;
-  const bool found = has_own_object(_file.id(), name, defect);
-  if (!defect.empty()) refuse(name + " " + defect, "");
-  return found;
+  return H5Lexists(_file.id(), name.c_str(), H5P_DEFAULT) > 0;
 }
 
 const File::Dataset& File::dataset(const std::string& name) const {
   if (const auto known = _datasets.find(name); known != _datasets.end()) return known->second;
-  std::string defect;
+  if (!exists(name)) refuse(name + " is missing", "");
   Dataset found;
-  found.id = open_own_object(_file.id(), name, defect);
-  if (found.id.id() < 0) refuse(name + " " + defect, "");
-  if (H5Iget_type(found.id.id()) != H5I_DATASET) refuse(name + " is a group, not a dataset", "");
+  found.id = Handle(H5Dopen2(_file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
+  check(found.id.id(), name);
   const Handle space(H5Dget_space(found.id.id()), H5Sclose);
   found.type = Handle(H5Dget_type(found.id.id()), H5Tclose);
   check(space.id(), name);
@@ -92,8 +72,7 @@ const File::Dataset& File::dataset(const std::string& name) const {
   if (!read_shape(space.id(), found.shape)) refuse(name, "it has no values");
   // The size in memory would be that of a pointer to a text of variable length.
   const std::size_t stored = H5Tis_variable_str(found.type.id()) > 0 ? text_place_bytes : H5Tget_size(found.type.id());
-  defect = storage_defect(found.id.id(), found.shape, stored, _size);
-  if (!defect.empty()) refuse(name, defect);
+  if (const auto defect = storage_defect(found.id.id(), found.shape, stored); !defect.empty()) refuse(name, defect);
   return _datasets.emplace(name, std::move(found)).first->second;
 }
 
@@ -142,17 +121,12 @@ void File::read_slab_raw(const std::string& name, hsize_t first, hsize_t count, 
 
 bool File::has_attribute(const std::string& object, const std::string& name) const {
   const Quiet quiet;
-  std::string defect;
-  const Handle holder = open_own_object(_file.id(), object, defect);
-  return holder.id() >= 0 && H5Aexists(holder.id(), name.c_str()) > 0;
+  return H5Aexists_by_name(_file.id(), object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
 }
 
 Handle File::open_attribute(const std::string& object, const std::string& name) const {
-  std::string defect;
-  const Handle holder = open_own_object(_file.id(), object, defect);
-  if (holder.id() < 0) refuse(object + " " + defect, "");
-  if (H5Aexists(holder.id(), name.c_str()) <= 0) refuse("attribute " + name + " of " + object + " is missing", "");
-  Handle attribute(H5Aopen(holder.id(), name.c_str(), H5P_DEFAULT), H5Aclose);
+  if (!has_attribute(object, name)) refuse("attribute " + name + " of " + object + " is missing", "");
+  Handle attribute(H5Aopen_by_name(_file.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
   check(attribute.id(), "attribute " + name + " of " + object);
   return attribute;
 }
@@ -186,8 +160,7 @@ std::string File::text_of(const std::string& what, hid_t type, const Shape& shap
     check(place_type.id(), what);
     unsigned char place[text_place_bytes] = {};
     check(read(place_type.id(), place), what);
-    std::string defect;
-    if (!read_text_at(_bytes, _path, _size, text_place(place), result, defect)) refuse(what, defect);
+    if (const auto defect = read_text_at(_bytes, _path, _size, place, result); !defect.empty()) refuse(what, defect);
   } else {
     const std::size_t size = H5Tget_size(type);
     if (size > _size || size > most_text_bytes)

@@ -1,8 +1,9 @@
 #include "hdf5_steady_driver.hpp"
 
 #include <cerrno>
-
-#include "hdf5_plain_driver.hpp"
+#if H5_VERSION_GE(1, 13, 0)
+#include <H5FDdevelop.h>
+#endif
 
 namespace phynness::hdf5 {
 namespace {
@@ -31,10 +32,22 @@ herr_t truncate(H5FD_t* file, hid_t transfer, hbool_t closing) {
   return 0;
 }
 
+/// The table of functions is not public, but an open file points to it.
+bool find_plain_driver(const char* path) {
+  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5FD_t* file = H5Pset_fapl_sec2(access) >= 0 ? H5FDopen(path, H5F_ACC_RDWR, access, HADDR_UNDEF) : nullptr;
+  if (file) {
+    plain_to_write = *file->cls;
+    H5FDclose(file);
+  }
+  H5Pclose(access);
+  return file != nullptr;
+}
+
 hid_t steady_driver(const char* path) {
   static hid_t driver = -1;
   static H5FD_class_t steady{};
-  if (driver >= 0 || !find_plain_driver(path, H5F_ACC_RDWR, plain_to_write)) return driver;
+  if (driver >= 0 || !find_plain_driver(path)) return driver;
   steady = plain_to_write;
   steady.name = "phynness_steady";
 #if H5_VERSION_GE(1, 13, 0)

@@ -1,27 +1,22 @@
 // Claims: a database on which a process works is refused to a second process, with a message about the first one. A
 // killed process leaves no lock. On a file system without locks there is a warning, and work continues.
-#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <functional>
 #include <optional>
 #include <phynness/formats/database_lock.hpp>
-#include <utility>
 
 #include "../as_nobody.hpp"
 #include "database_under_test.hpp"
 
 namespace {
 int flock_error = 0;
-std::function<void()> before_locking;
 }  // namespace
-/// Stands before the C library's, so that a test can play a file system without locks, or another process.
+/// Stands before the C library's, so that a test can play a file system without locks.
 extern "C" int flock(int file, int operation) {
-  if (before_locking) std::exchange(before_locking, {})();
   if (flock_error == 0) return static_cast<int>(::syscall(SYS_flock, file, operation));
   errno = flock_error;
   return -1;
@@ -74,32 +69,6 @@ TEST_F(Lock, survives_packing_and_does_not_take_the_next_holders) {
   const DatabaseLock second(file);
   first.reset();
   refusal([&] { DatabaseLock third(file); });
-}
-
-TEST_F(Lock, that_its_last_holder_took_away_is_not_held) {
-  // Between opening and locking, the holder removes the file and goes: a lock on it would keep nobody off.
-  before_locking = [&] { fs::remove_all(log); };
-  const DatabaseLock lock(file);
-  EXPECT_TRUE(fs::exists(log / "lock"));
-  refusal([&] { DatabaseLock second(file); });
-}
-
-TEST_F(Lock, of_a_link_a_pipe_or_a_file_with_other_content_is_refused_and_left_alone) {
-  const auto lock = log / "lock";
-  for (const std::function<void()>& make : std::initializer_list<std::function<void()>>{
-           [&] { fs::create_symlink("/nowhere/lock", lock); }, [&] { ASSERT_EQ(mkfifo(lock.c_str(), 0644), 0); },
-           [&] { std::ofstream(lock) << "my notes"; }}) {
-    fs::create_directories(log);
-    make();
-    const auto before = fs::symlink_status(lock).type();
-    EXPECT_EQ(DatabaseLock::holder(file), "");
-    expect_contains(refusal([&] { DatabaseLock second(file); }), {lock.c_str()});
-    EXPECT_EQ(fs::symlink_status(lock).type(), before);
-    if (before == fs::file_type::regular) {
-      EXPECT_EQ(bytes_of(lock).size(), 8u);
-    }
-    fs::remove(lock);
-  }
 }
 
 TEST_F(Lock, that_can_never_be_made_is_an_error) {

@@ -1,4 +1,4 @@
-// Writes a small packed database, for tests in other languages; with "symmetric", one with a mirror plane.
+// Writes a small packed database, for tests in other languages; with "symmetric", one with a mirror plane and all fields.
 // Usage: write_database FILE [symmetric | OUTPUT_NODE ...]
 #include <cstdlib>
 #include <cstring>
@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
     mirror.normal = {1, 0, 0};
     mirror.image = {0, 2, 1, 3, 4, 5};
     header.sets.mirror = mirror;
+    header.fields.assign(every_field.begin(), every_field.end());
   } else if (argc > 2) {
     header.sets.output.clear();
     for (int i = 2; i < argc; ++i) header.sets.output.push_back(std::atoi(argv[i]));
