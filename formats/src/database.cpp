@@ -9,65 +9,12 @@
 #include "database_layout.hpp"
 #include "database_log.hpp"
 #include "database_scan.hpp"
-#include "hdf5_damaged.hpp"
 #include "ray_checks.hpp"
 #include "ray_ends.hpp"
 
 namespace phynness {
 namespace layout = database_layout;
 namespace path = database_layout::path;
-
-const char* name(Status status) {
-  switch (status) {
-    case Status::converged:
-      return "converged";
-    case Status::not_requested:
-      return "not_requested";
-    case Status::not_solved:
-      return "not_solved";
-    case Status::after_end:
-      return "after_end";
-    case Status::inverted:
-      return "inverted";
-    case Status::diverged:
-      return "diverged";
-    case Status::factorization:
-      return "factorization";
-    case Status::not_finite:
-      return "not_finite";
-    case Status::after_failure:
-      return "after_failure";
-    case Status::library_error:
-      return "library_error";
-  }
-  return "unknown";
-}
-
-const char* meaning(Status status) {
-  switch (status) {
-    case Status::converged:
-      return "solved";
-    case Status::not_requested:
-      return "direction outside the hemisphere";
-    case Status::not_solved:
-      return "no result yet";
-    case Status::after_end:
-      return "not solved: the ray ends before, at a fold, a crushed cell or the force limit";
-    case Status::inverted:
-      return "a cell was inverted, even with the smallest steps";
-    case Status::diverged:
-      return "Newton's method found no equilibrium, even with the smallest steps";
-    case Status::factorization:
-      return "the tangent was singular or could not be factorized";
-    case Status::not_finite:
-      return "force, energy or a field was infinite or undefined: mostly a cell was crushed";
-    case Status::after_failure:
-      return "not tried: an earlier increment of the ray failed";
-    case Status::library_error:
-      return "a library call failed or memory ran out; see the solver's log";
-  }
-  return "unknown";
-}
 
 struct Database::Impl {
   hdf5::File file;

@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "database_checks.hpp"
-#include "hdf5_damaged.hpp"
 #include "ray_columns.hpp"
 
 namespace phynness::database_layout {
@@ -20,7 +19,7 @@ void write_array(hdf5::File& file, const char* name, const hdf5::Shape& shape, c
                  const char* description) {
   // A single chunk, because only chunked datasets have checksums.
   const bool empty = std::find(shape.begin(), shape.end(), hsize_t{0}) != shape.end();
-  file.create_dataset(name, hdf5::Type<T>::stored(), shape, empty ? hdf5::Shape{} : shape, unit, description);
+  file.create_dataset(name, hdf5::type_of(T{}).stored, shape, empty ? hdf5::Shape{} : shape, unit, description);
   if (!empty) file.write(name, values);
 }
 
@@ -97,14 +96,14 @@ std::vector<Field> fields_of(const std::string& text) {
 }
 
 /// Attributes that name the values of an enumeration.
-template <class Enum, std::size_t n>
-void write_flags(hdf5::File& file, const char* dataset, const Enum (&all)[n]) {
+template <class Code, std::size_t n>
+void write_flags(hdf5::File& file, const char* dataset, const CodeRow<Code> (&rows)[n]) {
   std::vector<std::int8_t> values;
   std::string meanings;
-  for (const auto value : all) {
-    values.push_back(static_cast<std::int8_t>(value));
+  for (const auto& row : rows) {
+    values.push_back(static_cast<std::int8_t>(row.code));
     if (!meanings.empty()) meanings += ' ';
-    meanings += phynness::name(value);
+    meanings += row.name;
   }
   file.write_attribute(dataset, "flag_values", values);
   file.write_attribute(dataset, "flag_meanings", meanings);
@@ -122,9 +121,9 @@ void create_column(hdf5::File& file, const StoredColumn& column, const DatabaseH
   shape.insert(shape.end(), column.shape.begin(), column.shape.end());
   chunk.insert(chunk.end(), column.shape.begin(), column.shape.end());
   const hid_t type =
-      std::visit([](auto member) { return hdf5::Type<ValueOf<decltype(member)>>::stored(); }, column.member);
+      std::visit([](auto member) { return hdf5::type_of(ValueOf<decltype(member)>{}).stored; }, column.member);
   const bool is_field = std::holds_alternative<RayColumn::FieldIndex>(column.member);
-  file.create_dataset(column.path, column.float32 ? hdf5::Type<float>::stored() : type, shape, chunk, column.unit,
+  file.create_dataset(column.path, column.float32 ? hdf5::type_of(float{}).stored : type, shape, chunk, column.unit,
                       std::string(column.description) + (is_field ? ", at the output nodes" : ""));
 }
 

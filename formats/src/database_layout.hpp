@@ -7,11 +7,6 @@
 
 #include "hdf5_file.hpp"
 
-template <>
-struct phynness::hdf5::Type<phynness::Status> : Type<std::int8_t> {};
-template <>
-struct phynness::hdf5::Type<phynness::EndReason> : Type<std::int8_t> {};
-
 namespace phynness::database_layout {
 
 inline constexpr std::int32_t format_version = 1;

@@ -130,19 +130,10 @@ class LogScan {
   std::vector<unsigned char> _record;
 };
 
-/// rank-0012 or rank-0012-3: at least four digits, and a number where a rank began a second log.
+/// rank-0012, or rank-0012-3 where a rank began another log.
 bool is_name_of_log(const std::string& name) {
   constexpr std::string_view prefix = "rank-";
-  constexpr std::size_t least_digits = 4;
-  if (!name.starts_with(prefix)) return false;
-  const auto digits = [&](std::size_t from) {
-    std::size_t at = from;
-    while (at < name.size() && name[at] >= '0' && name[at] <= '9') ++at;
-    return at - from;
-  };
-  const std::size_t n_rank = digits(prefix.size()), end = prefix.size() + n_rank;
-  if (n_rank < least_digits) return false;
-  return end == name.size() || (name[end] == '-' && digits(end + 1) > 0 && end + 1 + digits(end + 1) == name.size());
+  return name.starts_with(prefix) && name.find_first_not_of("0123456789-", prefix.size()) == name.npos;
 }
 
 }  // namespace

@@ -94,7 +94,7 @@ std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, s
     if (got > 0)
       done += static_cast<std::size_t>(got);
     else if (errno != EINTR)
-      fail("cannot read", path, errno);
+      throw failure("cannot read " + path.string(), std::generic_category().message(errno), "check the disk");
   }
   return done;
 }

@@ -23,7 +23,10 @@ std::string chunk_defect(hid_t dataset, hid_t properties, const Shape& shape) {
   if (H5Pget_chunk(properties, static_cast<int>(chunk.size()), chunk.data()) != static_cast<int>(shape.size()))
     return "its chunks have another rank";
   hsize_t wanted = 1, written = 0;
-  for (std::size_t k = 0; k < shape.size(); ++k) wanted *= (shape[k] - 1) / chunk[k] + 1;
+  for (std::size_t k = 0; k < shape.size(); ++k) {
+    if (chunk[k] == 0) return "its chunks are empty";
+    wanted *= (shape[k] - 1) / chunk[k] + 1;
+  }
 #if H5_VERSION_GE(1, 10, 5)
   const Handle space(H5Dget_space(dataset), H5Sclose);
   if (H5Dget_num_chunks(dataset, space.id(), &written) < 0) return "its chunks cannot be counted";
@@ -45,7 +48,7 @@ std::string storage_defect(hid_t dataset, const Shape& shape, std::size_t bytes_
   if (n_values == 0) return "";
   if (layout == H5D_CHUNKED) return chunk_defect(dataset, properties.id(), shape);
   const std::uint64_t stored = H5Dget_storage_size(dataset);
-  if (stored / bytes_per_value == n_values) return "";
+  if (stored == n_values * bytes_per_value) return "";
   return text(shape) + " values have " + std::to_string(bytes_per_value) + " bytes each, but " +
          std::to_string(stored) + " bytes are stored";
 }
@@ -84,23 +87,9 @@ std::string name_of_type(hid_t type) {
       return "float" + bits + order;
     case H5T_STRING:
       return "text";
-    case H5T_COMPOUND:
-      return "a compound";
-    case H5T_ENUM:
-      return "an enumeration";
-    case H5T_REFERENCE:
-      return "a reference";
-    case H5T_ARRAY:
-      return "an array type";
-    case H5T_VLEN:
-      return "lists of variable length";
     default:
-      return "an unknown type";
+      return "another kind of type";
   }
-}
-
-bool is_plain_integer(hid_t type) {
-  return H5Tget_class(type) == H5T_INTEGER && H5Tget_size(type) <= 8 && H5Tget_precision(type) == 8 * H5Tget_size(type);
 }
 
 }  // namespace phynness::hdf5

@@ -24,9 +24,7 @@ bool read_shape(hid_t space, Shape& shape);
 std::uint64_t number_of_values(const Shape& shape);
 /// "[6, 3]"
 std::string text(const Shape& shape);
-/// Name of a type for messages: "int32", "float64", "text", or the class of any other type.
+/// Name of a type for messages: "int32", "float64", "text".
 std::string name_of_type(hid_t type);
-/// Whether a type is an integer of 1, 2, 4 or 8 bytes that uses all of its bits.
-bool is_plain_integer(hid_t type);
 
 }  // namespace phynness::hdf5

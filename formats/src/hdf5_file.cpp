@@ -5,7 +5,6 @@
 #include <phynness/formats/error.hpp>
 #include <system_error>
 
-#include "hdf5_damaged.hpp"
 #include "hdf5_steady_driver.hpp"
 
 namespace phynness::hdf5 {
@@ -145,36 +144,32 @@ void File::write_slab_raw(const std::string& name, hsize_t first, hsize_t count,
   check(dataset.close(), name);
 }
 
-void File::write_attribute(const std::string& object, const std::string& name, const std::string& text) {
-  const Quiet quiet;
-  const Handle type = text_type(), space = scalar_space();
-  const Handle attribute(H5Acreate_by_name(_file.id(), object.c_str(), name.c_str(), type.id(), space.id(), H5P_DEFAULT,
+void File::write_attribute_raw(const std::string& object, const std::string& name, hid_t stored, hid_t memory,
+                               const Handle& space, const void* values) {
+  const Handle attribute(H5Acreate_by_name(_file.id(), object.c_str(), name.c_str(), stored, space.id(), H5P_DEFAULT,
                                            H5P_DEFAULT, H5P_DEFAULT),
                          H5Aclose);
   check(attribute.id(), name);
+  check(H5Awrite(attribute.id(), memory, values), name);
+}
+
+void File::write_attribute(const std::string& object, const std::string& name, const std::string& text) {
+  const Quiet quiet;
+  const Handle type = text_type();
   const char* value = text.c_str();
-  check(H5Awrite(attribute.id(), type.id(), &value), name);
+  write_attribute_raw(object, name, type.id(), type.id(), scalar_space(), &value);
 }
 
 void File::write_attribute(const std::string& object, const std::string& name, const std::vector<std::int8_t>& values) {
   const Quiet quiet;
   const hsize_t size = values.size();
   const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
-  const Handle attribute(H5Acreate_by_name(_file.id(), object.c_str(), name.c_str(), H5T_STD_I8LE, space.id(),
-                                           H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                         H5Aclose);
-  check(attribute.id(), name);
-  check(H5Awrite(attribute.id(), H5T_NATIVE_INT8, values.data()), name);
+  write_attribute_raw(object, name, H5T_STD_I8LE, H5T_NATIVE_INT8, space, values.data());
 }
 
 void File::write_attribute(const std::string& object, const std::string& name, std::int32_t value) {
   const Quiet quiet;
-  const Handle space = scalar_space();
-  const Handle attribute(H5Acreate_by_name(_file.id(), object.c_str(), name.c_str(), H5T_STD_I32LE, space.id(),
-                                           H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                         H5Aclose);
-  check(attribute.id(), name);
-  check(H5Awrite(attribute.id(), H5T_NATIVE_INT32, &value), name);
+  write_attribute_raw(object, name, H5T_STD_I32LE, H5T_NATIVE_INT32, scalar_space(), &value);
 }
 
 void File::write_text(const std::string& name, const std::string& text, const std::string& description) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -59,55 +60,23 @@ class Handle {
 
 using Shape = std::vector<hsize_t>;
 
-/// Type of a C++ scalar in memory and in files (little-endian). `narrow` is a second stored type that can be read
+/// Types of a C++ scalar in memory and in files (little-endian). `narrow` is a second stored type that can be read
 /// without loss, or the same type.
-template <class T>
-struct Type;
-template <>
-struct Type<double> {
-  static hid_t memory() { return H5T_NATIVE_DOUBLE; }
-  static hid_t stored() { return H5T_IEEE_F64LE; }
-  static hid_t narrow() { return H5T_IEEE_F32LE; }
-  static constexpr const char* name = "float64 or float32";
-};
-template <>
-struct Type<float> {
-  static hid_t memory() { return H5T_NATIVE_FLOAT; }
-  static hid_t stored() { return H5T_IEEE_F32LE; }
-  static hid_t narrow() { return stored(); }
-  static constexpr const char* name = "float32";
-};
-template <>
-struct Type<std::int8_t> {
-  static hid_t memory() { return H5T_NATIVE_INT8; }
-  static hid_t stored() { return H5T_STD_I8LE; }
-  static hid_t narrow() { return stored(); }
-  static constexpr const char* name = "int8";
-};
-template <>
-struct Type<std::uint8_t> {
-  static hid_t memory() { return H5T_NATIVE_UINT8; }
-  static hid_t stored() { return H5T_STD_U8LE; }
-  static hid_t narrow() { return stored(); }
-  static constexpr const char* name = "uint8";
-};
-template <>
-struct Type<std::int32_t> {
-  static hid_t memory() { return H5T_NATIVE_INT32; }
-  static hid_t stored() { return H5T_STD_I32LE; }
-  static hid_t narrow() { return stored(); }
-  static constexpr const char* name = "int32";
-};
-
-/// The types that a reader accepts for the values of a dataset.
-struct WantedType {
+struct Type {
   hid_t memory, stored, narrow;
   const char* name;
 };
-template <class T>
-WantedType wanted() {
-  return {Type<T>::memory(), Type<T>::stored(), Type<T>::narrow(), Type<T>::name};
+inline Type type_of(double) { return {H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, H5T_IEEE_F32LE, "float64 or float32"}; }
+inline Type type_of(float) { return {H5T_NATIVE_FLOAT, H5T_IEEE_F32LE, H5T_IEEE_F32LE, "float32"}; }
+inline Type type_of(std::int8_t) { return {H5T_NATIVE_INT8, H5T_STD_I8LE, H5T_STD_I8LE, "int8"}; }
+inline Type type_of(std::int32_t) { return {H5T_NATIVE_INT32, H5T_STD_I32LE, H5T_STD_I32LE, "int32"}; }
+/// Stored as its code.
+template <class Enum>
+Type type_of(Enum value) requires(std::is_enum_v<Enum>) {
+  return type_of(static_cast<std::underlying_type_t<Enum>>(value));
 }
+
+inline constexpr const char* damaged = "the file is damaged: restore it from a copy, or compute the database again";
 
 /// An HDF5 file that is written or read. Failures throw Error: kind `input` for a file that cannot be read, `failure`
 /// for a file that cannot be written. Both contain the file, the object and HDF5's message. A file that is read may
@@ -135,12 +104,12 @@ class File {
                       const std::string& unit, const std::string& description);
   template <class T>
   void write(const std::string& name, const T* values) {
-    write_raw(name, Type<T>::memory(), values);
+    write_raw(name, type_of(T{}).memory, values);
   }
   /// Writes `count` entries of the leading dimension, starting at `first`, with all entries of the other dimensions.
   template <class T>
   void write_slab(const std::string& name, hsize_t first, hsize_t count, const T* values) {
-    write_slab_raw(name, first, count, Type<T>::memory(), values);
+    write_slab_raw(name, first, count, type_of(T{}).memory, values);
   }
 
   /// The shape of a dataset, after a check that its values are stored.
@@ -151,14 +120,14 @@ class File {
   template <class T>
   std::vector<T> read(const std::string& name, const Shape& expected) const {
     std::vector<T> values(check_shape(name, expected));
-    read_raw(name, wanted<T>(), values.data());
+    read_raw(name, type_of(T{}), values.data());
     return values;
   }
   /// Reads `count` entries of the leading dimension, starting at `first`, with all entries of the other dimensions.
   /// @pre the caller has checked the shape of the dataset
   template <class T>
   void read_slab(const std::string& name, hsize_t first, hsize_t count, T* values) const {
-    read_slab_raw(name, first, count, wanted<T>(), values);
+    read_slab_raw(name, first, count, type_of(T{}), values);
   }
 
   /// Attributes of an object ("/" is the root).
@@ -192,11 +161,13 @@ class File {
   void write_slab_raw(const std::string& name, hsize_t first, hsize_t count, hid_t type, const void* values);
 
   const Dataset& dataset(const std::string& name) const;
-  const Dataset& dataset(const std::string& name, const WantedType& type) const;
+  const Dataset& dataset(const std::string& name, const Type& type) const;
   std::size_t check_shape(const std::string& name, const Shape& expected) const;
-  void read_raw(const std::string& name, const WantedType& type, void* values) const;
-  void read_slab_raw(const std::string& name, hsize_t first, hsize_t count, const WantedType& type, void* values) const;
+  void read_raw(const std::string& name, const Type& type, void* values) const;
+  void read_slab_raw(const std::string& name, hsize_t first, hsize_t count, const Type& type, void* values) const;
   Handle open_attribute(const std::string& object, const std::string& name) const;
+  void write_attribute_raw(const std::string& object, const std::string& name, hid_t stored, hid_t memory,
+                           const Handle& space, const void* values);
   template <class Read>
   std::string text_of(const std::string& what, hid_t type, const Shape& shape, const Read& read) const;
 

@@ -7,7 +7,6 @@
 #include <system_error>
 
 #include "hdf5_checks.hpp"
-#include "hdf5_damaged.hpp"
 #include "hdf5_file.hpp"
 #include "hdf5_text.hpp"
 
@@ -76,7 +75,7 @@ const File::Dataset& File::dataset(const std::string& name) const {
   return _datasets.emplace(name, std::move(found)).first->second;
 }
 
-const File::Dataset& File::dataset(const std::string& name, const WantedType& type) const {
+const File::Dataset& File::dataset(const std::string& name, const Type& type) const {
   const Dataset& found = dataset(name);
   if (H5Tequal(found.type.id(), type.stored) <= 0 && H5Tequal(found.type.id(), type.narrow) <= 0)
     refuse(name + " has the wrong type", name_of_type(found.type.id()) + " instead of " + type.name);
@@ -94,7 +93,7 @@ std::size_t File::check_shape(const std::string& name, const Shape& expected) co
   return number_of_values(found);
 }
 
-void File::read_raw(const std::string& name, const WantedType& type, void* values) const {
+void File::read_raw(const std::string& name, const Type& type, void* values) const {
   const Quiet quiet;
   if (values == nullptr) {  // there are no values, but the type is checked
     dataset(name, type);
@@ -103,8 +102,7 @@ void File::read_raw(const std::string& name, const WantedType& type, void* value
   check(H5Dread(dataset(name, type).id.id(), type.memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name);
 }
 
-void File::read_slab_raw(const std::string& name, hsize_t first, hsize_t count, const WantedType& type,
-                         void* values) const {
+void File::read_slab_raw(const std::string& name, hsize_t first, hsize_t count, const Type& type, void* values) const {
   const Quiet quiet;
   const Dataset& from = dataset(name, type);
   Shape extent = from.shape, start(extent.size(), 0);
@@ -141,7 +139,7 @@ std::int32_t File::read_int_attribute(const std::string& object, const std::stri
   Shape shape;
   if (!read_shape(space.id(), shape) || !shape.empty())
     refuse(what + " is not a single number", shape.empty() ? "it has no value" : text(shape));
-  if (!is_plain_integer(type.id())) refuse(what + " is not an integer", name_of_type(type.id()));
+  if (H5Tget_class(type.id()) != H5T_INTEGER) refuse(what + " is not an integer", name_of_type(type.id()));
   std::int64_t value = 0;
   check(H5Aread(attribute.id(), H5T_NATIVE_INT64, &value), what);
   if (value < std::numeric_limits<std::int32_t>::min() || value > std::numeric_limits<std::int32_t>::max())

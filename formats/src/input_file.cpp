@@ -48,21 +48,6 @@ Descriptor open_input(const std::filesystem::path& file, const InputFile& about,
   return input;
 }
 
-/// @return how many bytes were there. @throws Error (failure)
-std::size_t read_part(const Descriptor& input, const std::filesystem::path& file, std::size_t from, char* to,
-                      std::size_t wanted) {
-  std::size_t done = 0;
-  while (done < wanted) {
-    const auto got = ::pread(input.get(), to + done, wanted - done, static_cast<off_t>(from + done));
-    if (got == 0) break;
-    if (got > 0)
-      done += static_cast<std::size_t>(got);
-    else if (errno != EINTR)
-      throw failure("reading failed: " + std::generic_category().message(errno), file.string(), "check the disk");
-  }
-  return done;
-}
-
 }  // namespace
 
 void require_input_file(const std::filesystem::path& file, const InputFile& about) {
@@ -80,7 +65,7 @@ std::string read_input_file(const std::filesystem::path& file, const InputFile& 
     // A text may end at a zero long before its size is reached; of other files the memory is taken once.
     if (!about.is_text && before == 0) bytes.reserve(size);
     bytes.resize(before + wanted);
-    const std::size_t got = read_part(input, file, before, bytes.data() + before, wanted);
+    const std::size_t got = read_at(input, file, static_cast<std::int64_t>(before), bytes.data() + before, wanted);
     bytes.resize(before + got);
     if (about.is_text && got > 0) {
       if (const void* zero = std::memchr(bytes.data() + before, 0, got)) {

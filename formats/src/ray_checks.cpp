@@ -7,12 +7,12 @@
 namespace phynness {
 namespace {
 
-bool is_known(Status code) {
-  return std::find(std::begin(every_status), std::end(every_status), code) != std::end(every_status);
+template <class Code, std::size_t n>
+bool is_one_of(const CodeRow<Code> (&rows)[n], Code code) {
+  return std::any_of(rows, rows + n, [code](const auto& row) { return row.code == code; });
 }
-bool is_known(EndReason code) {
-  return std::find(std::begin(every_end), std::end(every_end), code) != std::end(every_end);
-}
+bool is_known(Status code) { return is_one_of(every_status, code); }
+bool is_known(EndReason code) { return is_one_of(every_end, code); }
 
 /// Whether values are within the bounds of a column's kind.
 struct Possible {

@@ -20,6 +20,12 @@ void clear(Ray& ray, RayColumn::FieldIndex field, std::size_t count) {
   ray.fields[field.index].assign(count, 0.0);
 }
 
+template <class Code, std::size_t n>
+CodeRow<Code> row_of(const CodeRow<Code> (&rows)[n], Code code) {
+  const auto found = std::find_if(rows, rows + n, [code](const auto& row) { return row.code == code; });
+  return found == rows + n ? CodeRow<Code>{code, "unknown", "unknown"} : *found;
+}
+
 StoredColumn stored(const RayColumn& column, const DatabaseHeader& header, const char* folder) {
   StoredColumn result{column, std::string(folder) + column.name, {}, 1};
   if (column.of != ColumnOf::ray) result.shape.push_back(header.magnitudes_m.size());
@@ -31,6 +37,11 @@ StoredColumn stored(const RayColumn& column, const DatabaseHeader& header, const
 }
 
 }  // namespace
+
+const char* name(Status status) { return row_of(every_status, status).name; }
+const char* meaning(Status status) { return row_of(every_status, status).meaning; }
+const char* name(EndReason reason) { return row_of(every_end, reason).name; }
+const char* meaning(EndReason reason) { return row_of(every_end, reason).meaning; }
 
 std::vector<StoredColumn> columns_of(const DatabaseHeader& header, std::int32_t minor) {
   std::vector<StoredColumn> columns;

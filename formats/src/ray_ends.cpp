@@ -5,46 +5,6 @@
 
 namespace phynness {
 
-const char* name(EndReason reason) {
-  switch (reason) {
-    case EndReason::full_depth:
-      return "full_depth";
-    case EndReason::fold:
-      return "fold";
-    case EndReason::crushed:
-      return "crushed";
-    case EndReason::force_limit:
-      return "force_limit";
-    case EndReason::not_requested:
-      return "not_requested";
-    case EndReason::solver:
-      return "solver";
-    case EndReason::not_recorded:
-      return "not_recorded";
-  }
-  return "unknown";
-}
-
-const char* meaning(EndReason reason) {
-  switch (reason) {
-    case EndReason::full_depth:
-      return "solved to the full depth";
-    case EndReason::fold:
-      return "energy is lost at once: the body snaps, or its mesh folds";
-    case EndReason::crushed:
-      return "a cell is crushed to less than [probe] min_jacobian of its volume";
-    case EndReason::force_limit:
-      return "the force exceeds [probe] max_force_N";
-    case EndReason::not_requested:
-      return "direction outside the hemisphere";
-    case EndReason::solver:
-      return "no equilibrium was found beyond; phynness info --failed lists the reasons";
-    case EndReason::not_recorded:
-      return "solved by a version that does not look for folds";
-  }
-  return "unknown";
-}
-
 RayEnd end_of(const std::vector<Status>& statuses, const std::vector<double>& magnitudes_m) {
   RayEnd end;
   const auto stop = std::find_if(statuses.begin(), statuses.end(), [](Status s) { return s != Status::converged; });

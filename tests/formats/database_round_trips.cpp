@@ -195,12 +195,10 @@ TEST_F(RoundTrip, ends_of_rays_are_summed_up_by_reason_and_node) {
   EXPECT_FALSE(summary.is_recorded);  // some of these rays say so
 }
 
-TEST_F(RoundTrip, knows_every_status_by_name) {
-  for (const auto status : every_status) EXPECT_STRNE(name(status), "unknown");
-  for (const auto status : every_status) EXPECT_STRNE(meaning(status), "unknown");
-  for (const auto end : every_end) EXPECT_STRNE(name(end), "unknown");
-  for (const auto end : every_end) EXPECT_STRNE(meaning(end), "unknown");
-  for (int code : {0, 1, 2, -1, -2, -3, -4, -5}) EXPECT_STRNE(name(static_cast<Status>(code)), "unknown");
+TEST_F(RoundTrip, knows_every_stored_code_by_name) {
+  for (int code = -6; code <= 3; ++code) EXPECT_STRNE(name(static_cast<Status>(code)), "unknown") << code;
+  for (int code = -2; code <= 4; ++code) EXPECT_STRNE(meaning(static_cast<EndReason>(code)), "unknown") << code;
+  EXPECT_STREQ(name(static_cast<Status>(77)), "unknown");
 }
 
 TEST_F(RoundTrip, refuses_an_active_node_it_does_not_have) {

@@ -60,7 +60,7 @@ inline DatabaseHeader small_header(bool float64, const std::string& scene = data
 inline RayEnd random_end(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   RayEnd end;
-  end.reason = every_end[random() % std::size(every_end)];
+  end.reason = every_end[random() % std::size(every_end)].code;
   end.depth_m = 0.02 * static_cast<double>(random() % 65) / 64;
   end.fold_depth_m = end.reason == EndReason::fold ? end.depth_m + 0.0003 : 0;
   end.energy_lost_J = end.reason == EndReason::fold ? normal(random) : 0;

@@ -9,6 +9,14 @@
 
 namespace phynness {
 
+/// Name of a stored code in files, and what it means, in a few words for people.
+template <class Code>
+struct CodeRow {
+  Code code;
+  const char* name;
+  const char* meaning;
+};
+
 /// Outcome of one increment. Values are stored; never renumber.
 enum class Status : std::int8_t {
   converged = 0,
@@ -22,11 +30,18 @@ enum class Status : std::int8_t {
   after_failure = -5,  ///< an earlier increment of the ray failed
   library_error = -6,  ///< a library call failed or memory ran out; the solver's log has the message
 };
-inline constexpr Status every_status[] = {
-    Status::converged, Status::not_requested, Status::not_solved, Status::after_end,     Status::inverted,
-    Status::diverged,  Status::factorization, Status::not_finite, Status::after_failure, Status::library_error};
+inline constexpr CodeRow<Status> every_status[] = {
+    {Status::converged, "converged", "solved"},
+    {Status::not_requested, "not_requested", "direction outside the hemisphere"},
+    {Status::not_solved, "not_solved", "no result yet"},
+    {Status::after_end, "after_end", "not solved: the ray ends before, at a fold, a crushed cell or the force limit"},
+    {Status::inverted, "inverted", "a cell was inverted, even with the smallest steps"},
+    {Status::diverged, "diverged", "Newton's method found no equilibrium, even with the smallest steps"},
+    {Status::factorization, "factorization", "the tangent was singular or could not be factorized"},
+    {Status::not_finite, "not_finite", "force, energy or a field was infinite or undefined: mostly a cell was crushed"},
+    {Status::after_failure, "after_failure", "not tried: an earlier increment of the ray failed"},
+    {Status::library_error, "library_error", "a library call failed or memory ran out; see the solver's log"}};
 const char* name(Status);
-/// What it means, in a few words for people.
 const char* meaning(Status);
 
 /// Why a ray ends where it ends. Values are stored; never renumber.
@@ -39,11 +54,15 @@ enum class EndReason : std::int8_t {
   solver = -1,        ///< an increment could not be solved; its status tells why
   not_recorded = -2,  ///< the ray was solved by a version that does not record it, and did not fail
 };
-inline constexpr EndReason every_end[] = {EndReason::full_depth,  EndReason::fold,          EndReason::crushed,
-                                          EndReason::force_limit, EndReason::not_requested, EndReason::solver,
-                                          EndReason::not_recorded};
+inline constexpr CodeRow<EndReason> every_end[] = {
+    {EndReason::full_depth, "full_depth", "solved to the full depth"},
+    {EndReason::fold, "fold", "energy is lost at once: the body snaps, or its mesh folds"},
+    {EndReason::crushed, "crushed", "a cell is crushed to less than [probe] min_jacobian of its volume"},
+    {EndReason::force_limit, "force_limit", "the force exceeds [probe] max_force_N"},
+    {EndReason::not_requested, "not_requested", "direction outside the hemisphere"},
+    {EndReason::solver, "solver", "no equilibrium was found beyond; phynness info --failed lists the reasons"},
+    {EndReason::not_recorded, "not_recorded", "solved by a version that does not look for folds"}};
 const char* name(EndReason);
-/// What it means, in a few words for people.
 const char* meaning(EndReason);
 
 /// The end of a ray.
