@@ -48,8 +48,8 @@ json tell_ranges(const std::vector<ColumnRange>& ranges) {
   json told = json::object();
   if (!ranges.empty()) print_result("of converged states:\n");
   for (const auto& range : ranges) {
-    print_result("  {:<16} {:.4g} to {:.4g} {}\n", range.name, range.smallest, range.largest,
-                 range.unit == "1" ? "" : range.unit);
+    print_result("  {:<16} {:.4g} to {:.4g}{}\n", range.name, range.smallest, range.largest,
+                 range.unit == "1" ? "" : " " + range.unit);
     told[range.name] = {{"unit", range.unit}, {"smallest", range.smallest}, {"largest", range.largest}};
   }
   return told;

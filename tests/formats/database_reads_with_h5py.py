@@ -34,7 +34,9 @@ def check_datasets(f, everything):
     found = {}
     f.visititems(lambda name, item: found.update({"/" + name: item}) if isinstance(item, h5py.Dataset) else None)
     for path, item in found.items():
-        shape, types, unit = rows["/mesh/groups/0" if path.startswith("/mesh/groups/") else path]
+        row = "/mesh/groups/0" if path.startswith("/mesh/groups/") else path
+        assert row in rows, (path, "has no row in the table")
+        shape, types, unit = rows[row]
         assert item.attrs["unit"] == unit and item.attrs["description"], path
         assert ("text" if h5py.check_string_dtype(item.dtype) else item.dtype) in types, (path, item.dtype, types)
         assert len(shape) == item.ndim, (path, item.shape, shape)
