@@ -1,9 +1,7 @@
 // Reading of HDF5 files. Every object is checked before its values are read (hdf5_checks.hpp).
-#include <unistd.h>
-
-#include <cerrno>
 #include <limits>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/input_file.hpp>
 #include <system_error>
 
 #include "hdf5_checks.hpp"
@@ -24,19 +22,14 @@ std::string without_padding(std::string text, H5T_str_t padding) {
 
 File File::open(const std::filesystem::path& path) {
   const Quiet quiet;
-  std::error_code code;
-  if (!std::filesystem::exists(path, code))
-    throw input_error("the database does not exist", path.string(),
-                      "correct the path, or compute it with: phynness precompute SCENE -o " + path.string());
-  if (!std::filesystem::is_regular_file(path, code))
-    throw input_error("the database is not a file", path.string(), "give the path of the .h5 file");
-  if (::access(path.c_str(), R_OK) != 0)
-    throw input_error("the database cannot be opened: " + std::generic_category().message(errno), path.string(),
-                      "check its permissions");
+  require_input_file(
+      path, {"the database", "correct the path, or compute it with: phynness precompute SCENE -o " + path.string(),
+             std::numeric_limits<std::uint64_t>::max()});
   if (H5Fis_hdf5(path.c_str()) <= 0)
     throw input_error("the file is not an HDF5 file", path.string(), "give a database written by phynness precompute");
   File file({}, path, false);
   file._bytes = open_for_reading(path);
+  std::error_code code;
   file._size = std::filesystem::file_size(path, code);
   file._file = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (file._file.id() < 0) {

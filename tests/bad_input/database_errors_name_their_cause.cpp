@@ -11,7 +11,7 @@ TEST_F(BadDatabase, that_does_not_exist) {
 }
 
 TEST_F(BadDatabase, that_is_a_folder) {
-  expect_contains(refusal([&] { Database::open(folder()); }), {"not a file", folder().c_str()});
+  expect_contains(refusal([&] { Database::open(folder()); }), {"is a folder", folder().c_str()});
 }
 
 TEST_F(BadDatabase, that_is_no_hdf5) {
