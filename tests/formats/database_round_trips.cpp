@@ -1,5 +1,7 @@
 // Claims: the values that are read are those that were appended, bit for bit (float32 displacements: rounded once, to
-// nearest). The distribution of rays over logs has no influence. The summary counts the contents.
+// nearest). The distribution of rays over logs has no influence. The summary counts the contents. A log has the bytes
+// that formats/database.md describes.
+#include <algorithm>
 #include <cstring>
 
 #include "database_under_test.hpp"
@@ -112,6 +114,38 @@ TEST_F(RoundTrip, does_not_depend_on_the_number_of_logs) {
   // No time stamps are stored, so even the files agree.
   EXPECT_EQ(files[0], files[1]);
   EXPECT_EQ(files[0], files[2]);
+}
+
+TEST_F(RoundTrip, logs_hold_the_columns_in_the_order_of_the_page) {
+  auto header = small_header(false);
+  header.fields = {Field::energy_density};
+  DatabaseWriter::create(file, header, false);
+  const Ray ray = random_ray(header, 1, 2);
+  DatabaseWriter writer(file, header, 0);
+  writer.append(ray);
+  writer.close();
+
+  std::vector<char> payload;
+  const auto put = [&](const auto& value) {
+    const auto* bytes = reinterpret_cast<const char*>(&value);
+    payload.insert(payload.end(), bytes, bytes + sizeof value);
+  };
+  const auto put_all = [&](const auto& values) { std::for_each(values.begin(), values.end(), put); };
+  for (const std::int32_t index : {ray.active, ray.direction}) put(index);
+  put(ray.end.reason);
+  for (const double value : {ray.end.depth_m, ray.end.fold_depth_m, ray.end.energy_lost_J}) put(value);
+  put_all(ray.status);
+  for (const auto* values : {&ray.force, &ray.energy, &ray.tangent}) put_all(*values);
+  for (const auto* values : {&ray.negative_pivots, &ray.iterations, &ray.cutbacks}) put_all(*values);
+  for (const auto* values : {&ray.min_jacobian, &ray.seconds}) put_all(*values);
+  for (const auto* values : {&ray.displacement, &ray.fields[0]})
+    put_all(std::vector<float>(values->begin(), values->end()));
+
+  const auto found = bytes_of(log / "rank-0000");
+  constexpr std::size_t opening = 72, prefix = 8, checksum = 8;
+  ASSERT_EQ(found.size(), opening + prefix + payload.size() + checksum);
+  EXPECT_EQ(std::string(found.data(), 8), "PHYNLOG3");
+  EXPECT_TRUE(std::equal(payload.begin(), payload.end(), found.begin() + opening + prefix));
 }
 
 TEST_F(RoundTrip, spans_many_chunks) {
