@@ -257,6 +257,7 @@ json about_scene(const std::filesystem::path& file) {
   print_result("scene     {}: {}\n", file.string(), loaded.scene.title);
   print_mesh(loaded.mesh, loaded.sets);
   print_result("physics   {}\n{}", physics_hash(loaded.scene), physics_summary(loaded.scene));
+  print_result("not in the hash\n{}", other_settings(loaded.scene));
   return {{"kind", "scene"},
           {"mesh_hash", mesh_hash(loaded.mesh)},
           {"physics_hash", physics_hash(loaded.scene)},
@@ -320,6 +321,7 @@ void add(CLI::App& app) {
   auto* command = app.add_subcommand("info", "Print the contents of a scene, mesh, database or model directory");
   add_path(*command, "FILE_OR_DIR", options->what, InputKind::whole, "scene.toml, mesh file, database.h5 or MODEL_DIR")
       ->required();
+  command->set_version_flag("--keys", scene_key_tables, "print the tables of a scene's keys in Markdown and exit");
   command->add_flag("--failed", options->failed, "of a database: list every ray that failed, with depth and reason");
   add_path(*command, "--json", options->json_file, OutputKind::file, "write the figures as JSON");
   command->callback([options] { run(*options); });

@@ -1,4 +1,4 @@
-// Parses a scene: first each section, then checks across sections.
+// Reads a scene: the keys of each section and the checks across them; warnings and notes.
 #include <iomanip>
 #include <locale>
 #include <phynness/formats/error.hpp>
@@ -7,30 +7,11 @@
 #include <phynness/formats/scene.hpp>
 #include <sstream>
 
-#include "scene_depth.hpp"
 #include "scene_keys.hpp"
 #include "scene_sections.hpp"
 
 namespace phynness {
 namespace sd = scene_detail;
-namespace {
-
-/// Refuses a law for which the condition of zero stress across the wall of a shell is not implemented, or not accurate
-/// enough with these moduli.
-void require_shell(const Material& m, const sd::SceneTable& table) {
-  std::vector<std::string_view> always;
-  for (const auto& law : laws())
-    if (law.has_shell && law.shell_from == 0) always.push_back(law.name);
-  const std::string remedy = "use law = " + sd::listed(always) + ", or a solid without thickness_m";
-  if (!m.law->has_shell) table.reject("law", "is not available for shells (it has no plane-stress form)", remedy);
-  if (m.bulk_to_shear() < m.law->shell_from)
-    table.reject("law",
-                 "is accurate enough for shells only from K/mu = " + sd::shortest(m.law->shell_from) +
-                     " on; here K/mu is " + sd::shortest(m.bulk_to_shear()),
-                 remedy);
-}
-
-}  // namespace
 
 Scene read_scene(const std::filesystem::path& file) {
   constexpr std::uint64_t most_bytes = 16 << 20;  // lists of two million nodes
@@ -40,21 +21,7 @@ Scene read_scene(const std::filesystem::path& file) {
 
 Scene parse_scene(const std::string& text, const std::string& source_name, const std::filesystem::path& folder,
                   MeshFile mesh_file, Element solid_element) {
-  if (const auto line = sd::too_deep_at(text))
-    sd::refuse({source_name, *line}, "keys, tables or arrays are nested too deeply",
-               "more than " + std::to_string(sd::largest_depth) + " levels",
-               "shorten the dotted key or close the brackets; a scene needs at most five levels");
-  toml::table root;
-  try {
-    root = toml::parse(std::string_view(text), source_name);
-  } catch (const toml::parse_error& error) {
-    const auto at = error.source().begin;
-    const std::string reason(error.description());
-    throw input_error(
-        source_name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": the file is not valid TOML",
-        reason, "correct the syntax at this line and column (https://toml.io)");
-  }
-
+  const toml::table root = sd::parse_toml(text, source_name);
   const sd::SceneTable top(root, "", source_name);
   const auto section = [&](const char* name) {
     const auto* node = top.find(name);
@@ -63,7 +30,7 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
     if (!table) top.reject(name, "must be a section", "write [" + std::string(name) + "] on a separate line");
     return sd::SceneTable(*table, name, source_name);
   };
-  // All sections are opened, which checks their keys, before any is parsed: the error about a misspelt key is more
+  // All sections are opened, which checks their keys, before any is read: the error about a misspelt key is more
   // useful than the error about the missing key that it causes.
   const auto mesh = section("mesh"), material = section("material"), solver = section("solver");
   const auto nodes = section("nodes"), probe = section("probe"), database = section("database");
@@ -72,19 +39,22 @@ Scene parse_scene(const std::string& text, const std::string& source_name, const
   Scene scene;
   scene.text = text;
   scene.source_name = source_name;
-  scene.title = top.text("title").value_or("");
-  scene.mesh = sd::parse_mesh(mesh, folder, mesh_file);
-  scene.material = sd::parse_material(material);
-  scene.solver = sd::parse_solver(solver, scene.material, scene.mesh, solid_element);
-  sd::parse_nodes(nodes, scene);
-  scene.probe = sd::parse_probe(probe);
-  scene.database = sd::parse_database(database);
-  scene.training = sd::parse_training(training, scene.material);
-  scene.validation = sd::parse_validation(validation);
-  if (scene.mesh.thickness_m > 0 && !scene.database.fields.empty())
-    database.reject("fields", "are only available for solids, but [mesh] is the midsurface of a shell",
-                    "remove fields");
-  if (scene.mesh.thickness_m > 0) require_shell(scene.material, material);
+  top.read_into(scene);
+  mesh.read_into(scene);
+  sd::check_mesh(mesh, folder, mesh_file, scene.mesh);
+  material.read_into(scene);
+  sd::check_material(material, scene);
+  solver.read_into(scene);
+  sd::check_solver(solver, solid_element, scene);
+  nodes.read_into(scene);
+  sd::check_nodes(nodes, scene);
+  probe.read_into(scene);
+  sd::check_probe(probe, scene.probe);
+  database.read_into(scene);
+  sd::check_database(database, scene);
+  training.read_into(scene);
+  sd::check_training(training, scene);
+  validation.read_into(scene);
   return scene;
 }
 

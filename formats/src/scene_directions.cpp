@@ -1,11 +1,15 @@
 // The exploratory directions in the order of databases (formats/database.md).
 #include <array>
 #include <cmath>
-#include <phynness/formats/scene.hpp>
+
+#include "scene_sections.hpp"
 
 namespace phynness {
 
 namespace {
+
+/// In the order of enum Directions.
+constexpr const char* direction_words[] = {"3", "14", "26", "98", "hemisphere"};
 
 using GridPoint = std::array<int, 3>;  // in {-1, 0, 1}^3
 
@@ -37,6 +41,17 @@ bool adjacent(const GridPoint& a, const GridPoint& b) {
 }
 
 }  // namespace
+
+const char* name(Directions kind) { return direction_words[static_cast<std::size_t>(kind)]; }
+
+Directions scene_detail::parse_directions(const SceneTable& probe) {
+  const auto* node = probe.find("directions");
+  const std::string given =
+      node->is_integer() ? std::to_string(*node->value<std::int64_t>()) : node->value<std::string>().value_or("");
+  for (std::size_t i = 0; i < std::size(direction_words); ++i)
+    if (given == direction_words[i]) return static_cast<Directions>(i);
+  probe.reject("directions", "is not a known set of directions", "write 14, 26, 98, 3 or \"hemisphere\"");
+}
 
 std::vector<Vec3> exploratory_directions(Directions kind) {
   if (kind == Directions::three) return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

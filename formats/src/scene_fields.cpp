@@ -8,11 +8,9 @@ namespace phynness::scene_detail {
 
 std::vector<Field> parse_fields(const SceneTable& database) {
   std::vector<Field> fields;
-  const auto* node = database.find("fields");
-  if (!node) return fields;
   std::vector<std::string_view> known;
   for (const auto field : every_field) known.push_back(phynness::name(field));
-  const auto* array = node->as_array();
+  const auto* array = database.find("fields")->as_array();
   if (!array)
     database.reject("fields", "must be an array of names", "write fields = [\"" + std::string(known[0]) + "\"]");
   for (const auto& entry : *array) {

@@ -19,15 +19,13 @@ struct Table {
 
 /// The keys of all laws, each once. The elastic moduli come first, so that messages about them do not change when a law
 /// is added.
-std::vector<std::string_view> material_keys() {
-  std::vector<std::string_view> keys{"law"};
+void add_numbers_of_laws(std::vector<std::string_view>& keys) {
   for (const bool linear : {true, false})
     for (const auto& law : laws())
       for (const auto& set : law.accepted)
         for (const auto& quantity : set.given)
           if (law.linear == linear && std::find(keys.begin(), keys.end(), quantity.key) == keys.end())
             keys.push_back(quantity.key);
-  return keys;
 }
 
 void add_selectors(std::vector<Table>& tables) {
@@ -42,23 +40,17 @@ void add_selectors(std::vector<Table>& tables) {
 
 const std::vector<Table>& tables() {
   static const std::vector<Table> all = [] {
-    std::vector<Table> list = {
-        {"", {"title", "mesh", "material", "solver", "nodes", "probe", "database", "training", "validation"}},
-        {"mesh",
-         {"shape", "file", "scale_to_m", "target_nodes", "target_size_m", "size_m", "radius_m", "inner_radius_m",
-          "length_m", "slit_length_m", "slit_width_m", "thickness_m", "repair", "symmetry"}},
-        {"mesh.symmetry", {"point_m", "point_fraction", "normal", "tolerance_m", "half"}},
-        {"material", material_keys()},
-        {"solver", {"element", "relative_tolerance", "max_iterations", "max_cutbacks"}},
-        {"nodes", {"fixed", "active", "output"}},
-        {"probe",
-         {"kind", "tool_radius_m", "directions", "increments", "max_displacement_m", "max_force_N", "min_jacobian",
-          "stop_at_fold"}},
-        {"database", {"tangents", "displacement_precision", "fields"}},
-        {"training",
-         {"family", "deformation_neurons", "force_neurons", "deformation_spread", "force_spread", "samples",
-          "target_mse", "force_centers", "amplitude_centers", "modes", "shared_modes", "near_nodes", "levels", "seed"}},
-        {"validation", {"probes", "seed"}}};
+    std::vector<Table> list{{"", {}}};
+    for (const auto& key : key_rows()) {
+      if (key.section != list.back().name) {
+        if (list.back().name == "mesh")
+          list.push_back({"mesh.symmetry", {"point_m", "point_fraction", "normal", "tolerance_m", "half"}});
+        list.front().keys.push_back(key.section);
+        list.push_back({std::string(key.section), {}});
+      }
+      list.back().keys.push_back(key.name);
+      if (key.name == "law") add_numbers_of_laws(list.back().keys);
+    }
     add_selectors(list);
     return list;
   }();
@@ -146,6 +138,18 @@ std::string remedy_for_unknown_key(std::string_view table, std::string_view key)
     if (std::find(other.keys.begin(), other.keys.end(), key) != other.keys.end())
       return "move it to " + bracketed(other.name) + ", where it belongs";
   return "remove it; the keys of " + bracketed(table) + " are " + listed(known, " and ");
+}
+
+std::vector<std::string_view> shape_keys(Shape shape) {
+  const Scene none;
+  Scene scene;
+  scene.mesh.shape = shape;
+  scene.mesh = with_standard_sizes(scene.mesh);
+  std::vector<std::string_view> names;
+  for (const auto& key : key_rows())
+    if (key.section == "mesh" && key.name != "shape" && key.name != "target_nodes" && key.text(scene) != key.text(none))
+      names.push_back(key.name);
+  return names;
 }
 
 }  // namespace scene_detail

@@ -1,11 +1,32 @@
-// The keys of a scene. The parser, its messages and the test of scene.md use this list.
+// The keys of a scene. Parser, messages, physics hash, `phynness info` and the tables of scene.md follow from them.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "scene_table.hpp"
+
 namespace phynness::scene_detail {
+
+struct SceneKey;
+using IsHashed = bool (*)(const Scene& scene, const SceneKey& key);
+
+struct SceneKey {
+  std::string_view section, name;
+  std::string type, allowed, standard;  ///< in words; `standard` is empty if the key has no default
+  std::string_view meaning;
+  IsHashed is_hashed;                                               ///< nullptr: never
+  std::function<void(const SceneTable& table, Scene& scene)> read;  ///< @pre the table has the key
+  std::function<std::string(const Scene& scene)> text;              ///< of the value; must never change if it is hashed
+};
+
+/// All keys, section by section, in the order in which they are read and hashed.
+const std::vector<SceneKey>& key_rows();
+
+/// The keys of [mesh] with the dimensions of a shape.
+std::vector<std::string_view> shape_keys(Shape shape);
 
 /// Keys of a table; "" is the top level, "selector.box" is the table of a box selector.
 const std::vector<std::string_view>& keys_of(std::string_view table);

@@ -75,13 +75,7 @@ const LawSet& the_accepted_set(const SceneTable& table, Law law) {
 }  // namespace
 
 Material parse_material(const SceneTable& table) {
-  const auto words = choices(laws());
-  const auto law = table.choice<Law>("law", words);
-  if (!law) {
-    std::vector<std::string_view> names;
-    for (const auto& [name, row] : words) names.push_back(name);
-    table.missing("law", "", "add law, one of " + listed(names));
-  }
+  const auto law = table.choice<Law>("law", choices(laws()));
   const LawSet& set = the_accepted_set(table, *law);
   std::vector<double> given;
   for (const auto& q : set.given) given.push_back(*table.number(q.key, {q.low, q.high, q.low_open, q.high_open}));
@@ -95,6 +89,24 @@ Material parse_material(const SceneTable& table) {
   Material m = converted(*law, set, given);
   m.where = table.where();
   return m;
+}
+
+void check_material(const SceneTable& table, const Scene& scene) {
+  std::vector<std::string_view> names, always;
+  for (const auto& law : laws()) {
+    names.push_back(law.name);
+    if (law.has_shell && law.shell_from == 0) always.push_back(law.name);
+  }
+  if (!table.has("law")) table.missing("law", "", "add law, one of " + listed(names));
+  const Material& m = scene.material;
+  const std::string remedy = "use law = " + listed(always) + ", or a solid without thickness_m";
+  if (!(scene.mesh.thickness_m > 0)) return;
+  if (!m.law->has_shell) table.reject("law", "is not available for shells (it has no plane-stress form)", remedy);
+  if (m.bulk_to_shear() < m.law->shell_from)
+    table.reject("law",
+                 "is accurate enough for shells only from K/mu = " + shortest(m.law->shell_from) +
+                     " on; here K/mu is " + shortest(m.bulk_to_shear()),
+                 remedy);
 }
 
 }  // namespace scene_detail

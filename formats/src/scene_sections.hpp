@@ -1,4 +1,4 @@
-// Functions that parse the sections of a scene.
+// Values of keys that need a parser of their own, and the checks of a section whose keys have been read.
 #pragma once
 
 #include "scene_table.hpp"
@@ -15,22 +15,28 @@ Vec3 parse_position(const SceneTable& table, const std::string& stem, bool& frac
 /// The key `normal`, a vector of any length except zero, as a unit vector.
 Vec3 parse_normal(const SceneTable& table);
 
-/// [mesh] symmetry, a word or a table; empty if it is not given.
-std::optional<SymmetryPlane> parse_symmetry(const SceneTable& mesh);
-MeshSpec parse_mesh(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file);
+/// [mesh] symmetry, a word or a table. @pre it is given
+SymmetryPlane parse_symmetry(const SceneTable& mesh);
+/// [material] law and its numbers.
 Material parse_material(const SceneTable& table);
-/// @param solid_element  default element of a mesh without thickness
-SolverSpec parse_solver(const SceneTable& table, const Material& material, const MeshSpec& mesh, Element solid_element);
 /// The selection under `key` of [nodes].
 Selection parse_selection(const SceneTable& nodes, std::string_view key);
-/// Sets the selections fixed, active and output, and their positions in the file.
-void parse_nodes(const SceneTable& table, Scene& scene);
-ProbeSpec parse_probe(const SceneTable& table);
-DatabaseSpec parse_database(const SceneTable& table);
+/// [probe] directions, an integer or text.
+Directions parse_directions(const SceneTable& probe);
 /// [database] fields, in the order of enum Field.
 std::vector<Field> parse_fields(const SceneTable& database);
+
+/// Completes the path of a file by `folder`, and a shape by its standard number of nodes and thickness.
+void check_mesh(const SceneTable& table, const std::filesystem::path& folder, MeshFile mesh_file, MeshSpec& spec);
+/// Refuses a law for which the condition of zero stress across the wall of a shell is not implemented, or not accurate
+/// enough with these moduli.
+void check_material(const SceneTable& table, const Scene& scene);
+/// @param solid_element  default element of a mesh without thickness
+void check_solver(const SceneTable& table, Element solid_element, Scene& scene);
+void check_nodes(const SceneTable& table, Scene& scene);
+void check_probe(const SceneTable& table, ProbeSpec& spec);
+void check_database(const SceneTable& table, const Scene& scene);
 /// Refuses a family that cannot be trained on the material, before its database is computed in hours.
-TrainingSpec parse_training(const SceneTable& table, const Material& material);
-ValidationSpec parse_validation(const SceneTable& table);
+void check_training(const SceneTable& table, const Scene& scene);
 
 }  // namespace phynness::scene_detail

@@ -127,37 +127,15 @@ Vec3 parse_normal(const SceneTable& table) {
   return *normal;
 }
 
-void parse_nodes(const SceneTable& table, Scene& scene) {
-  if (!table.has("fixed"))
-    table.missing("fixed", ": without fixed nodes the body can move freely and its system is singular",
-                  "add fixed = { box = { min_fraction = [0, 0, 0], max_fraction = [0.2, 1, 1] } } or another "
-                  "selection");
-  const auto read = [&](std::string_view key, Selection& selection, SourceLocation& where) {
-    where = table.where(key);
-    if (table.has(key)) {
-      selection = parse_selection(table, key);
-    } else {
-      selection = {{free_surface(), false, where}};
-    }
-  };
-  read("fixed", scene.fixed, scene.fixed_where);
-  read("active", scene.active, scene.active_where);
-  read("output", scene.output, scene.output_where);
-}
-
 }  // namespace phynness::scene_detail
 
 namespace phynness {
 
 Selection parse_selection(const std::string& text) {
-  try {
-    const toml::table root = toml::parse("output = " + text);
-    auto selection = scene_detail::parse_selection({root, "nodes", ""}, "output");
-    for (auto& selector : selection) selector.where = {};
-    return selection;
-  } catch (const toml::parse_error& error) {
-    throw input_error("the selection is not valid TOML", text, std::string(error.description()));
-  }
+  const toml::table root = scene_detail::parse_toml("output = " + text, "the selection");
+  auto selection = scene_detail::parse_selection({root, "nodes", ""}, "output");
+  for (auto& selector : selection) selector.where = {};
+  return selection;
 }
 
 }  // namespace phynness

@@ -1,7 +1,6 @@
 // [mesh] symmetry: a plane of symmetry of the body.
 #include <cmath>
 
-#include "scene_keys.hpp"
 #include "scene_sections.hpp"
 
 namespace phynness::scene_detail {
@@ -40,9 +39,8 @@ void check_use(const SceneTable& mesh, const SymmetryPlane& plane) {
 
 }  // namespace
 
-std::optional<SymmetryPlane> parse_symmetry(const SceneTable& mesh) {
+SymmetryPlane parse_symmetry(const SceneTable& mesh) {
   const auto* node = mesh.find("symmetry");
-  if (!node) return std::nullopt;
   SymmetryPlane plane;
   if (const auto* word = node->as_string()) {
     plane = centre_plane(mesh, word->get());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <locale>
@@ -12,6 +13,32 @@
 
 namespace phynness::scene_detail {
 namespace {
+
+// A scene needs no dotted keys, and at most one dot in a file name or a sentence of each title.
+constexpr int most_dots = 128;
+
+[[noreturn]] void refuse_depth(const SourceLocation& where, const std::string& value, const char* remedy) {
+  refuse(where, "keys, tables or arrays are nested too deeply", value, remedy);
+}
+
+/// Limits the parts of dotted keys, each of which is a table: 20,000 tables within each other overflow the stack when
+/// they are destroyed. toml++ limits brackets only. Dots in strings and comments count; the point of a number does not,
+/// which is the first dot of a word and behind digits only. A key therefore has at most 2 most_dots + 2 parts.
+void require_few_dots(std::string_view text, const std::string& source_name) {
+  int line = 1, dots = 0;
+  bool in_word = false, digits_only = false;
+  for (const char c : text) {
+    const bool digit = c >= '0' && c <= '9';
+    if (c == '\n') ++line, dots = 0;
+    if (c == '.' && !(in_word && digits_only) && ++dots > most_dots)
+      refuse_depth({source_name, line}, "more than " + std::to_string(most_dots) + " dots in a line",
+                   "shorten the dotted key, or break the line");
+    const bool sign = c == '-' || c == '+';
+    const bool word = digit || c == '.' || c == '_' || (sign && in_word) || std::isalpha(static_cast<unsigned char>(c));
+    digits_only = digit && (digits_only || !in_word);
+    in_word = word;
+  }
+}
 
 const char* type_name(const toml::node& node) {
   switch (node.type()) {
@@ -32,25 +59,22 @@ const char* type_name(const toml::node& node) {
   }
 }
 
-std::string range_text(Range r) {
-  const bool low = std::isfinite(r.low), high = std::isfinite(r.high);
-  std::string text;
-  if (low) text += (r.low_open ? "greater than " : "at least ") + shortest(r.low);
-  if (low && high) text += " and ";
-  if (high) text += (r.high_open ? "less than " : "at most ") + shortest(r.high);
-  return text;
-}
-
 }  // namespace
 
+bool Range::contains(double value) const {
+  return (low_open ? value > low : value >= low) && (high_open ? value < high : value <= high);
+}
+
+std::string Range::text() const {
+  std::string words;
+  if (std::isfinite(low)) words = (low_open ? "greater than " : "at least ") + shortest(low);
+  if (std::isfinite(low) && std::isfinite(high)) words += " and ";
+  if (std::isfinite(high)) words += (high_open ? "less than " : "at most ") + shortest(high);
+  return words;
+}
+
 std::string exact_text(const Vec3& v) {
-  std::string text = "[";
-  return text.append(shortest(v[0]))
-      .append(", ")
-      .append(shortest(v[1]))
-      .append(", ")
-      .append(shortest(v[2]))
-      .append("]");
+  return std::string("[") + shortest(v[0]) + ", " + shortest(v[1]) + ", " + shortest(v[2]) + "]";
 }
 
 std::string shown_text(const Vec3& v) {
@@ -94,6 +118,21 @@ void refuse(const SourceLocation& where, const std::string& what, const std::str
   throw input_error(where.str() + ": " + what, value, remedy);
 }
 
+toml::table parse_toml(std::string_view text, const std::string& source_name) {
+  require_few_dots(text, source_name);
+  try {
+    return toml::parse(text, source_name);
+  } catch (const toml::parse_error& error) {
+    const auto at = error.source().begin;
+    const std::string reason(error.description());
+    if (reason.find("maximum nested") != std::string::npos)
+      refuse_depth({source_name, static_cast<int>(at.line)}, reason, "close the brackets");
+    throw input_error(
+        source_name + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": the file is not valid TOML",
+        reason, "correct the syntax at this line and column (https://toml.io)");
+  }
+}
+
 SceneTable::SceneTable(const toml::table& table, std::string name, const std::string& file)
     : _table(&table), _name(std::move(name)), _file(file), _where{file, static_cast<int>(table.source().begin.line)} {
   if (_where.line < 1) _where.line = 1;
@@ -111,6 +150,10 @@ SceneTable::SceneTable(std::string name, const std::string& file)
     : _name(std::move(name)), _file(file), _where{file, 1} {}
 
 const toml::node* SceneTable::find(std::string_view key) const { return _table ? _table->get(key) : nullptr; }
+void SceneTable::read_into(Scene& scene) const {
+  for (const auto& key : key_rows())
+    if (key.section == _name && has(key.name)) key.read(*this, scene);
+}
 bool SceneTable::has(std::string_view key) const { return find(key) != nullptr; }
 
 SourceLocation SceneTable::where(const toml::node& node) const {
@@ -152,12 +195,10 @@ double SceneTable::checked_number(std::string_view key, const toml::node& node, 
   else
     wrong_type(key, node, "a number", "write a plain SI number without quotes, such as 0.028 or 2e4");
   if (!std::isfinite(value))
-    refuse(where(node), label(key) + " must be a finite number", shown(node), "write a number " + range_text(range));
-  const bool too_low = range.low_open ? value <= range.low : value < range.low;
-  const bool too_high = range.high_open ? value >= range.high : value > range.high;
+    refuse(where(node), label(key) + " must be a finite number", shown(node), "write a number " + range.text());
   const bool is_length = key.ends_with("_m") && key != "j_m";  // J_m of Gent's law has no unit
-  if (too_low || too_high)
-    refuse(where(node), label(key) + " must be " + range_text(range), shown(node),
+  if (!range.contains(value))
+    refuse(where(node), label(key) + " must be " + range.text(), shown(node),
            is_length              ? "correct the value; it is in metres, not in mm"
            : key.ends_with("_Pa") ? "correct the value; it is in Pa, not in kPa"
                                   : "correct the value");
@@ -189,11 +230,6 @@ std::optional<std::int64_t> SceneTable::integer(std::string_view key, std::int64
            shown(*node), "correct the value");
   return value;
 }
-std::int64_t SceneTable::integer_or(std::string_view key, std::int64_t otherwise, std::int64_t low,
-                                    std::int64_t high) const {
-  return integer(key, low, high).value_or(otherwise);
-}
-
 std::optional<std::string> SceneTable::text(std::string_view key) const {
   const auto* node = find(key);
   if (!node) return std::nullopt;

@@ -18,6 +18,8 @@ namespace phynness::scene_detail {
 struct Range {
   double low, high;
   bool low_open = false, high_open = false;
+  bool contains(double value) const;
+  std::string text() const;  ///< "greater than 0 and at most 10"
 };
 
 /// The shortest decimal text that is read back as the same number.
@@ -37,13 +39,20 @@ std::string shown(const toml::node& node);
 [[noreturn]] void refuse(const SourceLocation& where, const std::string& what, const std::string& value,
                          const std::string& remedy);
 
+/// A list of words, each of which means a value.
+template <class T>
+using Words = std::vector<std::pair<std::string_view, T>>;
+
 /// The names of a table's rows, each with its row.
 template <class Row>
-std::vector<std::pair<std::string_view, const Row*>> choices(std::span<const Row> rows) {
-  std::vector<std::pair<std::string_view, const Row*>> words;
+Words<const Row*> choices(std::span<const Row> rows) {
+  Words<const Row*> words;
   for (const auto& row : rows) words.emplace_back(row.name, &row);
   return words;
 }
+
+/// @throws Error (input) with file and line if the text is not valid TOML or is nested too deeply
+toml::table parse_toml(std::string_view text, const std::string& source_name);
 
 class SceneTable {
  public:
@@ -52,6 +61,8 @@ class SceneTable {
   /// An absent section, in which every key is missing; errors refer to line 1 of the file.
   SceneTable(std::string name, const std::string& file);
 
+  /// Reads the keys that the table has.
+  void read_into(Scene& scene) const;
   bool has(std::string_view key) const;
   const toml::node* find(std::string_view key) const;
   SourceLocation where() const { return _where; }
@@ -65,14 +76,13 @@ class SceneTable {
   std::optional<double> number(std::string_view key, Range range) const;
   double number_or(std::string_view key, double otherwise, Range range) const;
   std::optional<std::int64_t> integer(std::string_view key, std::int64_t low, std::int64_t high) const;
-  std::int64_t integer_or(std::string_view key, std::int64_t otherwise, std::int64_t low, std::int64_t high) const;
   std::optional<std::string> text(std::string_view key) const;
   bool flag_or(std::string_view key, bool otherwise) const;
   std::optional<Vec3> vector(std::string_view key, Range range) const;
 
   /// The value that belongs to the word of a key.
   template <class T>
-  std::optional<T> choice(std::string_view key, const std::vector<std::pair<std::string_view, T>>& words) const {
+  std::optional<T> choice(std::string_view key, const Words<T>& words) const {
     const auto given = text(key);
     if (!given) return std::nullopt;
     for (const auto& [word, value] : words)

@@ -334,6 +334,10 @@ const std::vector<SelectorKind>& selector_kinds() {
   return kinds;
 }
 
-std::shared_ptr<const NodeChoice> free_surface() { return std::make_shared<const FreeSurface>(); }
-
 }  // namespace phynness::scene_detail
+
+namespace phynness {
+
+Selection free_surface() { return {{std::make_shared<const scene_detail::FreeSurface>(), false, {}}}; }
+
+}  // namespace phynness

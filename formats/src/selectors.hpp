@@ -35,9 +35,6 @@ std::vector<SelectorKind> selector_combinations();
 /// All selectors, in the order of messages.
 const std::vector<SelectorKind>& selector_kinds();
 
-/// The default selection of active and output nodes.
-std::shared_ptr<const NodeChoice> free_surface();
-
 /// A selection that is the value of a key, or an item of its array. @param holder  the table of the key, for messages
 Selection parse_selection(const toml::node& node, const SceneTable& holder, std::string_view key);
 

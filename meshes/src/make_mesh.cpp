@@ -25,60 +25,13 @@ namespace {
 
 using namespace meshes;
 
-constexpr int default_nodes_liver = 739, default_nodes_solid = 500;
-constexpr Vec3 default_liver_m{0.20, 0.14, 0.05}, default_block_m{0.10, 0.10, 0.05};
-constexpr double default_cylinder_radius_m = 0.03, default_tube_radius_m = 0.01, default_length_m = 0.10;
-// The number of nodes and the size of the drain in the paper, about half an inch; formats/scene.md lists them.
-constexpr int default_nodes_drain = 239;
-constexpr double default_drain_radius_m = 0.00635, default_drain_length_m = 0.038, default_slit_width_m = 0.004;
-constexpr double default_wall = 0.75;  // inner over outer radius of a tube
-
-double or_default(double value, double fallback) { return value > 0 ? value : fallback; }
-
 std::string place(const MeshSpec& spec) { return spec.where.file.empty() ? "mesh" : spec.where.str() + ": mesh"; }
-
-void check_spec(const MeshSpec& spec) {
-  const auto refuse = [&](const char* what, const std::string& value, const char* remedy) {
-    throw input_error(place(spec) + ": " + what, value, remedy);
-  };
-  if ((spec.shape == Shape::none) == spec.file.empty())
-    refuse("needs exactly one of shape and file", "", "set mesh.shape or mesh.file");
-  if (!(spec.scale_to_m > 0) || !std::isfinite(spec.scale_to_m))
-    refuse("scale_to_m must be positive", std::to_string(spec.scale_to_m),
-           "use for example 0.001 for a file in millimetres");
-  if (spec.target_size_m && !(*spec.target_size_m > 0 && std::isfinite(*spec.target_size_m)))
-    refuse("target_size_m must be positive", std::to_string(*spec.target_size_m), "give an edge length in metres");
-  if (spec.target_nodes && *spec.target_nodes < 4)
-    refuse("target_nodes is too small", std::to_string(*spec.target_nodes), "a body has at least 4 nodes");
-  if (spec.target_nodes && spec.target_size_m)
-    refuse("has both target_nodes and target_size_m", "", "give one of them");
-  for (const double value :
-       {spec.size_m[0], spec.size_m[1], spec.size_m[2], spec.radius_m, spec.inner_radius_m, spec.length_m})
-    if (!(value >= 0) || !std::isfinite(value))
-      refuse("a dimension must be positive", std::to_string(value), "give metres");
-}
 
 /// The coordinate axis normal to the plane of symmetry of the scene, or -1.
 int mirror_axis(const MeshSpec& spec) {
   for (int k = 0; spec.symmetry && k < 3; ++k)
     if (std::abs(spec.symmetry->normal[k]) == 1) return k;
   return -1;
-}
-
-Solid solid_of(const MeshSpec& spec) {
-  Solid solid;
-  solid.shape = spec.shape;
-  for (int k = 0; k < 3; ++k) solid.size_m[k] = or_default(spec.size_m[k], default_block_m[k]);
-  solid.radius_m =
-      or_default(spec.radius_m, spec.shape == Shape::tube ? default_tube_radius_m : default_cylinder_radius_m);
-  solid.inner_radius_m = or_default(spec.inner_radius_m, default_wall * solid.radius_m);
-  solid.length_m = or_default(spec.length_m, default_length_m);
-  solid.mirror_axis = mirror_axis(spec);
-  if (spec.shape == Shape::tube && solid.inner_radius_m >= solid.radius_m)
-    throw input_error(place(spec) + ": a tube's inner radius must be smaller than its radius",
-                      std::to_string(solid.inner_radius_m) + " m and " + std::to_string(solid.radius_m) + " m",
-                      "set mesh.inner_radius_m below mesh.radius_m");
-  return solid;
 }
 
 /// Reason and place of flat cells of a mesh that was made here.
@@ -139,57 +92,34 @@ MeshResult filled_at(const Surface& surface, double edge_m, const std::string& s
 }
 
 /// Makes a mesh of the wanted size or number of nodes and adds a note about the result.
-MeshResult sized(const MeshSpec& spec, const Extent& extent, std::optional<int> target_nodes,
-                 const std::function<MeshResult(double)>& mesh_at) {
+MeshResult sized(const MeshSpec& spec, const Extent& extent, const std::function<MeshResult(double)>& mesh_at) {
   const auto affordable = [&](double edge_m) {
     require_affordable(extent, edge_m, place(spec));
     return mesh_at(edge_m);
   };
-  if (!target_nodes) return affordable(*spec.target_size_m);
-  return meet_node_target(*target_nodes, extent, place(spec), affordable);
-}
-
-MeshResult drain(const MeshSpec& spec) {
-  Drain drain;
-  drain.radius_m = or_default(spec.radius_m, default_drain_radius_m);
-  drain.length_m = or_default(spec.length_m, default_drain_length_m);
-  drain.slit_length_m = or_default(spec.slit_length_m, drain.length_m / 2);
-  drain.slit_width_m = or_default(spec.slit_width_m, std::min(default_slit_width_m, drain.radius_m / 2));
-  if (mirror_axis(spec) == 0 || mirror_axis(spec) == 2) drain.mirror_axis = mirror_axis(spec);  // the slit is above
-  const auto refuse = [&](const char* what, double value, const char* remedy) {
-    throw input_error(place(spec) + ": " + what, std::to_string(value) + " m", remedy);
-  };
-  if (drain.slit_length_m > 0.9 * drain.length_m)
-    refuse("the drain's slit is longer than nine tenths of it", drain.slit_length_m, "set mesh.slit_length_m below");
-  if (drain.slit_width_m > drain.radius_m)
-    refuse("the drain's slit is wider than its radius", drain.slit_width_m, "set mesh.slit_width_m below");
-  if (drain.slit_width_m > drain.slit_length_m)
-    refuse("the drain's slit is wider than it is long", drain.slit_width_m, "set mesh.slit_width_m below");
-  std::optional<int> target_nodes = spec.target_nodes;
-  if (!target_nodes && !spec.target_size_m) target_nodes = default_nodes_drain;
-  MeshResult result = sized(spec, {0, drain.area_m2()}, target_nodes,
-                            [&](double edge_m) { return generated_shell(mesh_drain(drain, edge_m), "shape 'drain'"); });
-  check_wall(result, spec.thickness_m, place(spec));
-  return result;
+  return spec.target_nodes ? meet_node_target(*spec.target_nodes, extent, place(spec), affordable)
+                           : affordable(*spec.target_size_m);
 }
 
 MeshResult from_shape(const MeshSpec& spec) {
-  if (spec.shape == Shape::drain) return drain(spec);
-  const bool is_liver = spec.shape == Shape::liver;
-  std::optional<int> target_nodes = spec.target_nodes;
-  if (!target_nodes && !spec.target_size_m) target_nodes = is_liver ? default_nodes_liver : default_nodes_solid;
   const std::string source = std::string("shape '") + name(spec.shape) + "'";
-  if (is_liver) {
-    Vec3 size_m = spec.size_m;
-    for (int k = 0; k < 3; ++k) size_m[k] = or_default(size_m[k], default_liver_m[k]);
-    const Surface liver = liver_surface(size_m);
-    const Extent extent{enclosed_volume(liver.nodes, liver.triangles), area(liver.nodes, liver.triangles)};
-    return sized(spec, extent, target_nodes, [&](double edge_m) { return filled_at(liver, edge_m, source); });
+  const int axis = mirror_axis(spec);
+  if (spec.shape == Shape::drain) {
+    // The slit is above, so that the drain is not symmetric across y.
+    const Drain drain{spec.radius_m, spec.length_m, spec.slit_length_m, spec.slit_width_m, axis == 1 ? -1 : axis};
+    MeshResult result = sized(spec, {0, drain.area_m2()},
+                              [&](double edge_m) { return generated_shell(mesh_drain(drain, edge_m), source); });
+    check_wall(result, spec.thickness_m, place(spec));
+    return result;
   }
-  const Solid solid = solid_of(spec);
-  return sized(spec, {solid.volume_m3(), solid.area_m2()}, target_nodes, [&](double edge_m) {
-    return generated_body(mesh_solid(solid, edge_m), source, solid.mirror_axis >= 0);
-  });
+  if (spec.shape == Shape::liver) {
+    const Surface liver = liver_surface(spec.size_m);
+    const Extent extent{enclosed_volume(liver.nodes, liver.triangles), area(liver.nodes, liver.triangles)};
+    return sized(spec, extent, [&](double edge_m) { return filled_at(liver, edge_m, source); });
+  }
+  const Solid solid{spec.shape, spec.size_m, spec.radius_m, spec.inner_radius_m, spec.length_m, axis};
+  return sized(spec, {solid.volume_m3(), solid.area_m2()},
+               [&](double edge_m) { return generated_body(mesh_solid(solid, edge_m), source, axis >= 0); });
 }
 
 /// Edges that are too long for a body cut off what is thinner or narrower than they are.
@@ -224,8 +154,7 @@ MeshResult from_surface(const MeshSpec& spec, const RawMesh& raw, const std::str
     notes.push_back("filled the file's own triangles: neither mesh.target_size_m nor mesh.target_nodes is given");
   } else {
     try {
-      result =
-          sized(spec, extent, spec.target_nodes, [&](double edge_m) { return filled_at(surface, edge_m, source); });
+      result = sized(spec, extent, [&](double edge_m) { return filled_at(surface, edge_m, source); });
       warn_of_volume(result, extent.volume_m3);
       notes.push_back("remeshed the surface of " + std::to_string(surface.triangles.rows()) + " triangles to " +
                       std::to_string(result.mesh.surface.rows()));
@@ -322,8 +251,7 @@ MeshResult make_shell(const std::filesystem::path& file) {
 }
 
 MeshResult make_mesh(const Scene& scene) {
-  const MeshSpec& spec = scene.mesh;
-  check_spec(spec);
+  const MeshSpec spec = with_standard_sizes(scene.mesh);
   try {
     return spec.shape == Shape::none ? from_file(spec) : from_shape(spec);
   } catch (const Error& error) {

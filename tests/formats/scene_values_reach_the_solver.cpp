@@ -315,6 +315,36 @@ TEST(Documentation, names_every_key_of_the_parser) {
   }
 }
 
+TEST(Documentation, has_the_type_range_default_and_meaning_of_every_key) {
+  std::ifstream stream(PHYNNESS_SOURCE_DIR "/formats/scene.md");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  const std::string tables = scene_key_tables(), end = "<!-- keys: end -->\n";
+  int n = 0;
+  for (std::size_t at = 0; at < tables.size(); ++n) {
+    const auto next = tables.find(end, at) + end.size();
+    EXPECT_NE(text.str().find(tables.substr(at, next - at)), std::string::npos) << "tools/check-docs --write renews:\n"
+                                                                                << tables.substr(at, next - at);
+    at = tables.find_first_not_of('\n', next);
+  }
+  EXPECT_EQ(n, 8) << "seven sections, and the shapes";
+}
+
+TEST(Defaults, of_a_shape_are_those_of_its_row) {
+  for (const ShapeRow& shape : shapes()) {
+    const std::string plain = with(good_scene, "element = \"P1\"\n", "");
+    const MeshSpec spec = parsed(with(plain, "\"block\"", '"' + std::string(shape.name) + '"')).mesh;
+    EXPECT_EQ(spec.target_nodes, shape.target_nodes) << shape.name;
+    EXPECT_EQ(spec.thickness_m, shape.thickness_m) << shape.name;
+    const MeshSpec whole = with_standard_sizes(spec);
+    EXPECT_EQ(whole.size_m, shape.size_m) << shape.name;
+    EXPECT_EQ(whole.radius_m, shape.radius_m) << shape.name;
+    EXPECT_EQ(whole.length_m, shape.length_m) << shape.name;
+  }
+  EXPECT_EQ(row(Shape::liver).target_nodes, 739) << "the paper's liver";
+  EXPECT_EQ(row(Shape::drain).target_nodes, 239) << "the paper's drain";
+}
+
 TEST(ShippedScenes, are_all_valid) {
   int scenes = 0;
   for (const auto& item : std::filesystem::directory_iterator(PHYNNESS_SOURCE_DIR "/scenes")) {

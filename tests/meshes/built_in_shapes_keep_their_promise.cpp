@@ -99,16 +99,9 @@ TEST(BuiltInShapes, ImpossibleWishesAreRefused) {
   Scene scene;
   scene.mesh.shape = Shape::tube;
   scene.mesh.where = {"scene.toml", 3};
-  scene.mesh.radius_m = 0.01;
-  scene.mesh.inner_radius_m = 0.02;
-  std::string message = error_of([&] { make_mesh(scene); });
-  EXPECT_TRUE(contains(message, "scene.toml:3") && contains(message, "inner")) << message;
-  scene.mesh.inner_radius_m = 0;
   scene.mesh.target_size_m = 1e-6;
-  message = error_of([&] { make_mesh(scene); });
+  const std::string message = error_of([&] { make_mesh(scene); });
   EXPECT_TRUE(contains(message, "scene.toml:3") && contains(message, "1e-06 m")) << message;
-  scene.mesh.target_size_m = -1;
-  EXPECT_TRUE(contains(error_of([&] { make_mesh(scene); }), "target_size_m must be positive"));
 }
 
 }  // namespace

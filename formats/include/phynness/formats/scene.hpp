@@ -1,10 +1,11 @@
-// A scene: body, probes, and settings of training and validation. formats/scene.md describes every key.
+// A scene: body, probes, and settings of training and validation. Each key is a row of formats/src/scene_rows.cpp.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,6 +19,22 @@
 namespace phynness {
 
 enum class Shape { none, liver, block, cylinder, tube, drain };
+
+/// A built-in shape with its standard dimensions. It has the keys of [mesh] whose numbers are not zero here.
+struct ShapeRow {
+  Shape shape;
+  const char* name;  ///< in a scene
+  int target_nodes;
+  Vec3 size_m;
+  double radius_m;
+  double wall;  ///< inner over outer radius
+  double length_m;
+  double slit, slit_width_m;  ///< length of the slit over the shape's; largest width, or half the radius if less
+  double thickness_m;
+};
+std::span<const ShapeRow> shapes();
+/// @pre the shape is not `none`
+const ShapeRow& row(Shape shape);
 
 /// A plane of symmetry that the scene declares.
 struct SymmetryPlane {
@@ -44,6 +61,9 @@ struct MeshSpec {
   std::optional<SymmetryPlane> symmetry;  ///< with it only one half of the active nodes is solved
   SourceLocation where;
 };
+/// The dimensions and the number of nodes of a built-in shape, where those that are not given have the standard of the
+/// shape.
+MeshSpec with_standard_sizes(MeshSpec spec);
 
 /// The law's parameters, in the order of its row, and the moduli at rest, for any set of numbers given in the scene.
 struct Material : Moduli {
@@ -116,7 +136,7 @@ struct Scene {
   MeshSpec mesh;
   Material material;
   SolverSpec solver;
-  Selection fixed, active, output;
+  Selection fixed, active = free_surface(), output = free_surface();
   SourceLocation fixed_where, active_where, output_where;
   ProbeSpec probe;
   DatabaseSpec database;
@@ -143,12 +163,16 @@ std::vector<std::string> scene_notes(const Scene& scene);
 
 /// All keys of the parser as "section.key"; keys of selectors as "selector.key" and "selector.box.key".
 std::vector<std::string> scene_keys();
+/// The tables of keys in formats/scene.md, each between the comments that mark it there.
+std::string scene_key_tables();
 
 /// Hash (16 hexadecimal digits) of all keys that affect a solve: material, element, tolerances, selections, probe and
 /// mesh specification. Training, validation, title, comments and layout of the file have no effect on it.
 std::string physics_hash(const Scene& scene);
 /// The hashed text, one "key = value" per line, for the comparison of two scenes.
 std::string physics_summary(const Scene& scene);
+/// The values of the other keys, one "key = value" per line.
+std::string other_settings(const Scene& scene);
 
 const char* name(Shape);
 const char* name(ProbeKind);

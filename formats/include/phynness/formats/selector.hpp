@@ -67,6 +67,8 @@ struct Selector {
   SourceLocation where;
 };
 using Selection = std::vector<Selector>;
+/// The default selection of active and output nodes.
+Selection free_surface();
 
 /// Parses a selection from the text after `output =` of a scene; `where` of its selectors has no file.
 /// @throws Error (input)
