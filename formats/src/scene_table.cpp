@@ -89,7 +89,8 @@ std::string shortest(double value) {
   return {buffer.data(), end};
 }
 
-std::string shown(const toml::node& node) {
+std::string shown(const toml::node& node, int levels) {
+  if (levels == 0) return "...";
   if (const auto* number = node.as_floating_point()) return shortest(number->get());
   std::ostringstream stream;
   stream.imbue(std::locale::classic());
@@ -97,13 +98,13 @@ std::string shown(const toml::node& node) {
     stream << "{ ";
     bool first = true;
     for (const auto& [key, value] : *table) {
-      stream << (first ? "" : ", ") << key.str() << " = " << shown(value);
+      stream << (first ? "" : ", ") << key.str() << " = " << shown(value, levels - 1);
       first = false;
     }
     stream << (first ? "}" : " }");
   } else if (const auto* array = node.as_array()) {
     stream << "[";
-    for (std::size_t i = 0; i < array->size(); ++i) stream << (i ? ", " : "") << shown((*array)[i]);
+    for (std::size_t i = 0; i < array->size(); ++i) stream << (i ? ", " : "") << shown((*array)[i], levels - 1);
     stream << "]";
   } else {
     stream << toml::default_formatter{node};

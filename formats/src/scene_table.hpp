@@ -32,8 +32,8 @@ std::string shown_text(const Vec3& v);
 /// Allowed coordinates of a scene in metres and in fractions of the bounding box.
 inline constexpr Range metres{-1e3, 1e3}, fractions{-10, 10};
 
-/// The TOML text of a node, shortened if it is long.
-std::string shown(const toml::node& node);
+/// The TOML text of a node, shortened if it is long. @param levels  of tables and arrays that are shown
+std::string shown(const toml::node& node, int levels = 16);
 
 /// Throws the error "file:line: what: value" with its remedy. All errors of scenes are thrown here.
 [[noreturn]] void refuse(const SourceLocation& where, const std::string& what, const std::string& value,
