@@ -40,13 +40,13 @@ bool of_tool(const Scene& scene, const SceneKey&) { return scene.probe.kind != P
 
 /// The values of an enum from `first` to before `end`.
 template <class Enum>
-Word<Enum> words_from(std::size_t first, std::size_t end) {
-  Word<Enum> word{{}, phynness::name};
+OneOf<Enum> words_from(std::size_t first, std::size_t end) {
+  OneOf<Enum> word{{}, phynness::name};
   for (; first < end; ++first) word.values.push_back(static_cast<Enum>(first));
   return word;
 }
-Word<Element> element_words() {
-  Word<Element> word{{}, phynness::name};
+OneOf<Element> element_words() {
+  OneOf<Element> word{{}, phynness::name};
   for (const auto& element : elements()) word.values.push_back(&element);
   return word;
 }
@@ -85,7 +85,7 @@ Keys mesh_keys() {
            "closed. For the drain, or for a file of triangles, which are used as they are. Must be less than the "
            "length of the surface, and at least 1e-12 of it. Beyond half the radius of a bend it gives a warning; "
            "where the inner face meets itself it is refused"),
-      mesh("symmetry", &MeshSpec::symmetry, Plane{}, if_changed,
+      mesh("symmetry", &MeshSpec::symmetry, MirrorPlane{}, if_changed,
            "a plane in which body, fixed, active and output nodes are their own mirror image, see below"),
       mesh("target_nodes", &MeshSpec::target_nodes, Integer{8, 5'000'000}, if_changed,
            "approximate number of nodes of a built-in shape, whose default is below, or of the tetrahedra that fill a "
@@ -148,7 +148,7 @@ Keys probe_keys() {
 
 Keys database_keys() {
   const auto database = section("database", &Scene::database);
-  const Word<bool> precisions{{false, true}, [](bool float64) { return float64 ? "float64" : "float32"; }};
+  const OneOf<bool> precisions{{false, true}, [](bool float64) { return float64 ? "float64" : "float32"; }};
   return {database("tangents", &DatabaseSpec::tangents, Flag{}, never,
                    "store the condensed 3x3 tangent dF/dd of every increment"),
           database("displacement_precision", &DatabaseSpec::float64, precisions, never, ""),

@@ -72,7 +72,7 @@ struct Text : AnyValue {
 
 /// One of a list of values, each of which has a name.
 template <class T>
-struct Word {
+struct OneOf {
   std::vector<T> values;
   const char* (*name)(T);
   static constexpr const char* type = "text";
@@ -108,7 +108,7 @@ struct LawAndNumbers : AnyValue {
   }
 };
 
-struct Plane : AnyValue {
+struct MirrorPlane : AnyValue {
   static constexpr const char* type = "text or table";
   SymmetryPlane read(const SceneTable& table, std::string_view) const { return parse_symmetry(table); }
   std::string text(const SymmetryPlane& plane) const {
