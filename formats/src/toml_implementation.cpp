@@ -4,8 +4,8 @@
 // optimization. The parser's checks after the assertions report such a scene.
 #undef NDEBUG
 #define TOML_IMPLEMENTATION 1
-// Arrays and inline tables within each other: ten selections inside of another. The parser calls itself for each.
-#define TOML_MAX_NESTED_VALUES 32
+// Arrays and inline tables within each other: 20 selections inside of another. The parser calls itself for each.
+#define TOML_MAX_NESTED_VALUES 64
 #define TOML_ASSERT(expr) static_assert(true)
 
 // Versions up to 3.4 mark the case of a letter beyond ASCII that is not white space as unreachable

@@ -64,12 +64,12 @@ const Deep deep_scenes[] = {
 INSTANTIATE_TEST_SUITE_P(Kinds, DeepScene, testing::ValuesIn(deep_scenes),
                          [](const auto& info) { return std::string(info.param.name); });
 
-// 128 dots in each line, 32 arrays and inline tables within each other, and in each of these tables a key of two parts
+// 128 dots in each line, 64 arrays and inline tables within each other, and in each of these tables a key of two parts
 // for each dot, because the point of a number does not count.
 TEST(DeepScenes, OfTheMostLevelsAreReadOn) {
   const std::string key = repeated("0.0 . ", 128) + "0";
   const std::string message =
-      refusal("[" + key + "]\nb = " + repeated("[\n{ " + key + " = ", 15) + "1" + repeated(" }\n]", 15) + "\n");
+      refusal("[" + key + "]\nb = " + repeated("[\n{ " + key + " = ", 31) + "1" + repeated(" }\n]", 31) + "\n");
   expect_error(message, {"unknown key"});
 }
 
