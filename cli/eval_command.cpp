@@ -99,10 +99,7 @@ void run_queries(const Options& options) {
     if (!std::binary_search(active.begin(), active.end(), query.node))
       model.force(query.node, {0, 0, 0});  // throws an error with the nearest active nodes
   };
-  answers.answer = [&](const std::vector<Query>& block, const QueryAnswers::Take& take) {
-    for (std::size_t i = 0; i < block.size(); ++i)
-      if (!take(i, answer_of(model, block[i], has_energy, has_bounds))) return;
-  };
+  answers.answer = [&](const Query& query) { return answer_of(model, query, has_energy, has_bounds); };
   answer_queries(options.queries, answers);
 }
 

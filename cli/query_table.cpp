@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include <phynness/formats/input_file.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <string_view>
+#include <vector>
 
 #include "command_files.hpp"
 #include "console.hpp"
@@ -130,40 +132,30 @@ std::int64_t check_rows(const std::filesystem::path& file, const std::function<v
   return n;
 }
 
-/// The table that is written: rows come in any order within a block and leave in theirs.
+/// The table that is written. A file is filled in OUTPUT.part, which stays there unless the table is complete.
 class Table {
  public:
-  Table(const std::optional<std::filesystem::path>& output, const std::string& columns) {
-    if (output) _file.emplace(*output);
-    _ready = fmt::format("{}{}\n", queries_header, columns);
+  Table(const std::optional<std::filesystem::path>& output, const std::string& columns)
+      : _ready(fmt::format("{}{}\n", queries_header, columns)) {
+    if (output) _part = _file.emplace(*output).keep();
   }
 
-  void start_block(std::size_t rows) {
-    _rows.assign(rows, {});
-    _next = 0;
-  }
-  /// Writes about once a second, so that a process that is killed loses little.
-  void add(std::size_t row, std::string text) {
-    _rows[row] = std::move(text);
-    for (; _next < _rows.size() && !_rows[_next].empty(); ++_next) _ready += _rows[_next];
-    if (std::chrono::steady_clock::now() - _written > std::chrono::seconds(1)) write();
-  }
-  /// Rows that wait for one before them are written, too, after an interruption.
-  void end_block() {
-    for (; _next < _rows.size(); ++_next) _ready += _rows[_next];
-    write();
+  /// A row leaves the process at once, so that one that is killed loses none, but fast rows leave together.
+  void add(const std::string& row) {
+    _ready += row;
+    if (std::chrono::steady_clock::now() - _written > std::chrono::milliseconds(1)) write();
   }
   bool is_lost() const { return _lost; }
 
   void put() {
+    write();
     if (_file) _file->put();
   }
   /// Leaves the table so that nobody takes it for a complete one. @return where the rows are
   std::string leave(const std::string& how_much) {
-    if (_file) return "in " + _file->keep().string();
-    _ready = fmt::format("interrupted: {}\n", how_much);
+    if (!_file) _ready += fmt::format("interrupted: {}\n", how_much);
     write();
-    return "on stdout, whose last line says so";
+    return _file ? "in " + _part.string() : "on stdout, whose last line says so";
   }
 
  private:
@@ -177,8 +169,7 @@ class Table {
   }
 
   std::optional<GrowingTextFile> _file;
-  std::vector<std::string> _rows;
-  std::size_t _next = 0;  ///< first row of the block that is not in `_ready`
+  std::filesystem::path _part;
   std::string _ready;
   bool _lost = false;
   std::chrono::steady_clock::time_point _written = std::chrono::steady_clock::now();
@@ -212,7 +203,6 @@ void QueryOptions::check(const ToolOptions& tool, const std::string& others) con
 }
 
 void answer_queries(const QueryOptions& options, const QueryAnswers& answers) {
-  constexpr std::size_t rows_of_a_block = 4096;  // less than a megabyte
   const auto total = check_rows(*options.file, answers.check);
   install_stop_handler();
   Table table(options.output, answers.columns);
@@ -220,26 +210,16 @@ void answer_queries(const QueryOptions& options, const QueryAnswers& answers) {
   QueryReader reader(*options.file);
   const auto start = std::chrono::steady_clock::now();
   std::int64_t finished = 0;
-  std::vector<Query> block;
-  const auto take = [&](std::size_t row, const std::string& text) {
-    const auto& [node, d] = block[row];
-    table.add(row, fmt::format("{},{},{},{}{}\n", node, d[0], d[1], d[2], text));
+  while (!stop_requested() && !table.is_lost()) {
+    const auto query = reader.next();
+    const auto answer = query ? answers.answer(*query) : std::nullopt;
+    if (!answer) break;
+    const auto& [node, d] = *query;
+    table.add(fmt::format("{},{},{},{}{}\n", node, d[0], d[1], d[2], *answer));
     ++finished;
     // No progress line for files that take less than two seconds.
     if (std::chrono::steady_clock::now() - start > std::chrono::seconds(2)) progress.update(finished, total);
-    return !stop_requested() && !table.is_lost();
-  };
-  do {
-    block.clear();
-    while (block.size() < rows_of_a_block)
-      if (const auto query = reader.next())
-        block.push_back(*query);
-      else
-        break;
-    table.start_block(block.size());
-    answers.answer(block, take);
-    table.end_block();
-  } while (!block.empty() && !stop_requested() && !table.is_lost());
+  }
   if (table.is_lost()) return;  // finish_streams() reports it
   if (stop_requested() && finished < total) {
     const auto how_much = fmt::format("{} of {} rows are finished", finished, total);

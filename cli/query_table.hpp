@@ -1,5 +1,5 @@
-// Many single tools at once, for eval and solve: a CSV file of displaced nodes is read block by block, and a CSV table
-// of forces is written in the order of its rows. The memory does not depend on the number of rows.
+// Many single tools at once, for eval and solve: a CSV file of displaced nodes is read row by row, and a row of a CSV
+// table of forces is written for each. The memory does not depend on the number of rows.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,6 @@
 #include <optional>
 #include <phynness/formats/selector.hpp>
 #include <string>
-#include <vector>
 
 #include "commands.hpp"
 
@@ -36,16 +35,14 @@ struct QueryAnswers {
   std::string columns;  ///< of the table behind those of the query: ",fx_N,fy_N,fz_N,..."
   /// @throws Error (input) if this query cannot be answered
   std::function<void(const Query&)> check;
-  /// Takes the text of a row behind its query, beginning with a comma. @return false: the work shall end
-  using Take = std::function<bool(std::size_t row, std::string text)>;
-  /// Answers the rows of a block in any order.
-  std::function<void(const std::vector<Query>& block, const Take& take)> answer;
+  /// Text of a row behind its query, beginning with a comma. Empty: the user wants an end.
+  std::function<std::optional<std::string>(const Query&)> answer;
 };
 
-/// Checks all rows, answers them block by block, and writes the table to stdout or to a file that has its name only
-/// when it is complete. A signal ends the work and keeps the finished rows, on stdout or in OUTPUT.part.
+/// Checks all rows, answers them one after another, and writes each to stdout, or to OUTPUT.part, which gets its name
+/// when it is complete. What ends the work before keeps the finished rows there; SIGKILL may cut the last line.
 /// @throws Error (input) with the file and the line of the first invalid row, before anything is answered; (failure)
-/// after a signal, with the number of rows that are finished and where they are
+/// after a signal, with the number of rows that are finished and where they are; if the file cannot be written
 void answer_queries(const QueryOptions& options, const QueryAnswers& answers);
 
 }  // namespace phynness::cli

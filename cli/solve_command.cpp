@@ -1,8 +1,6 @@
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/precompute/probe_solver.hpp>
@@ -49,24 +47,8 @@ class RowSolver {
  public:
   RowSolver(ProbeSolver& solver, int increments) : _solver(solver), _increments(increments) {}
 
-  /// Rows of the same node come together, because the stiffness at rest is computed for each touched node.
-  void answer(const std::vector<Query>& block, const QueryAnswers::Take& take) {
-    std::vector<std::size_t> order(block.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return block[a].node < block[b].node; });
-    try {
-      for (const auto row : order)
-        if (!take(row, solve(block[row]))) return;
-    } catch (const Interrupted&) {  // the row under way is not finished
-    }
-  }
-  void say_what_failed() const {
-    if (_failed > 0) message("warning: rows without a solution: {}; their column note says why\n", _failed);
-    if (_unstable > 0) message("warning: unstable rows, whose results may depend on the path: {}\n", _unstable);
-  }
-
- private:
-  std::string solve(const Query& query) try {
+  /// Rows of one node that follow each other share its stiffness at rest. Empty: the user wants an end.
+  std::optional<std::string> answer(const Query& query) try {
     if (_touched != query.node) {
       _touched.reset();
       _solver.touch({query.node});
@@ -81,13 +63,18 @@ class RowSolver {
     ++_unstable;
     return text + fmt::format("unstable: {} negative pivots", response.negative_pivots);
   } catch (const Interrupted&) {
-    throw;
+    return std::nullopt;
   } catch (const std::exception& error) {
     _touched.reset();
     recover();
     return failed(Status::library_error, error.what());
   }
+  void say_what_failed() const {
+    if (_failed > 0) message("warning: rows without a solution: {}; their column note says why\n", _failed);
+    if (_unstable > 0) message("warning: unstable rows, whose results may depend on the path: {}\n", _unstable);
+  }
 
+ private:
   void recover() try { _solver.recover(); } catch (const std::exception&) {  // touch() tries again
   }
 
@@ -119,7 +106,7 @@ void run_queries(const Options& options) {
     solver.check_touched(query.node);
     refuse_tiny(query.displacement_m, smallest, "");
   };
-  answers.answer = [&](const auto& block, const auto& take) { rows.answer(block, take); };
+  answers.answer = [&](const Query& query) { return rows.answer(query); };
   answer_queries(options.queries, answers);
   rows.say_what_failed();
 }

@@ -42,7 +42,9 @@ fs::path GrowingTextFile::keep() {
 }
 
 void GrowingTextFile::fail() const {
-  throw failure("writing failed", _file.string(), "check the free space of the disk");
+  const bool kept = !_in_place && !_made;
+  throw failure("writing failed", _file.string() + (kept ? "; what is written is in " + _written.string() : ""),
+                "check the free space of the disk");
 }
 
 void write_text_file(const fs::path& file, const std::string& text) {

@@ -207,6 +207,37 @@ TEST_F(Queries, AreWrittenToAFileOnlyAsAWhole) {
   EXPECT_EQ(read_file(folder / "good.csv"), head + good + good);
 }
 
+// 10,000 rows take 0.8 MB. The limit of the shell is in blocks of 512 or 1024 bytes.
+TEST_F(Queries, OfAFullDiskKeepTheirRowsUnderAnotherName) {
+  std::string csv = "node,ux_m,uy_m,uz_m\n";
+  for (int i = 0; i < 10'000; ++i) csv += std::to_string(nodes[0]) + ",0.001,0,0\n";
+  write_file(folder / "queries.csv", csv);
+  const auto outcome = shell("ulimit -f 200; \"$PHYNNESS\" eval modal --queries queries.csv -o t.csv");
+  EXPECT_EQ(outcome.exit_status, 1);
+  expect_error(outcome.err, {"writing failed: t.csv; what is written is in t.csv.part", "free space"});
+  EXPECT_FALSE(std::filesystem::exists(folder / "t.csv"));
+  const auto kept = read_file(folder / "t.csv.part"), whole = phynness("eval modal --queries queries.csv").out;
+  EXPECT_GT(kept.size(), 50'000u);
+  EXPECT_EQ(whole.substr(0, kept.size()), kept);
+  const auto device = phynness("eval modal --queries queries.csv -o /dev/full");
+  EXPECT_EQ(device.exit_status, 1);
+  expect_error(device.err, {"writing failed: /dev/full"});
+}
+
+TEST_F(Queries, EndWhereNobodyTakesTheirRows) {
+  std::string csv = "node,ux_m,uy_m,uz_m\n";
+  for (int i = 0; i < 50'000; ++i) csv += std::to_string(nodes[0]) + ",0.001,0,0\n";
+  write_file(folder / "queries.csv", csv);
+  const auto full = phynness("eval modal --queries queries.csv > /dev/full");
+  EXPECT_EQ(full.exit_status, 1);
+  expect_error(full.err, {"results could not be written to stdout"});
+  const auto pipe = shell(
+      "{ \"$PHYNNESS\" eval modal --queries queries.csv; echo $? > status; } | head -n 2; "
+      "while ! [ -s status ]; do sleep 0.05; done");
+  EXPECT_EQ(read_file(folder / "status"), "1\n");
+  expect_error(pipe.err, {"results could not be written to stdout"});
+}
+
 // The table is longer than a pipe holds, so that the command cannot have ended when the signal comes.
 TEST_F(Queries, InterruptedSaySoBehindTheLastRow) {
   std::string csv = "node,ux_m,uy_m,uz_m\n";

@@ -23,7 +23,7 @@ class GrowingTextFile {
   void append(const std::string& text);
   /// Gives the file its name. @throws Error (failure)
   void put();
-  /// Leaves what is written beside its place. @return where it is
+  /// From now on what is written stays beside its place, unless put() follows. @return where it is
   std::filesystem::path keep();
 
  private:
