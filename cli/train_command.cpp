@@ -3,6 +3,7 @@
 #include <map>
 #include <phynness/evaluation/database_errors.hpp>
 #include <phynness/formats/error.hpp>
+#include <phynness/formats/model_dir.hpp>
 #include <phynness/training/families.hpp>
 
 #include "command_files.hpp"
@@ -81,11 +82,10 @@ TrainingSpec chosen_spec(TrainingSpec spec, const Options& options) {
 }
 
 struct Trained {
-  Model model;
+  std::optional<LoadedModel> loaded;
   TrainingReport report;
   std::vector<Field> stored;  ///< fields of the database
   DatabaseErrors errors;
-  std::uintmax_t model_bytes = 0, mesh_bytes = 0;
   /// Largest numbers of a node. They may be below the specified ones if a node has few responses.
   std::int64_t neurons = 0, force_neurons = 0;
 };
@@ -103,26 +103,27 @@ Trained trained(const Options& options) {
   warn_of_patch(scene, header.mesh, header.sets);
   const TrainingSpec spec = chosen_spec(scene.training, options);
   Trained t;
+  // All long work is done before a file is written, so that a signal may end it at any time.
+  end_at_signals("training was interrupted\n  remedy: run the same command again; no model was written\n");
   {
     Progress progress("train", "nodes");
-    end_at_signals("training was interrupted\n  remedy: run the same command again; no model was written\n");
     progress.update(0, static_cast<std::int64_t>(header.sets.active.size()));
-    t.model = train(database, spec, t.report, [&](std::int64_t done, std::int64_t total) {
+    Model model = train(database, spec, t.report, [&](std::int64_t done, std::int64_t total) {
       progress.update(done, total);
       return true;
     });
+    model.title = scene.title;
+    t.loaded.emplace(std::move(model), header.mesh, options.output.string());
   }
-  install_stop_handler();  // both files are written, or none
-  t.model.title = scene.title;
-  write_model_dir(options.output, t.model, header.mesh);
-  for (const auto& node : t.model.nodes) {
+  for (const auto& node : t.loaded->model().nodes) {
     t.neurons = std::max<std::int64_t>(t.neurons, node.deformation.weights.rows());
     t.force_neurons = std::max<std::int64_t>(t.force_neurons, node.force.weights.rows());
   }
-  t.errors = errors_on_database(LoadedModel(options.output), database);
+  t.errors = errors_on_database(*t.loaded, database);
   t.stored = header.fields;
-  t.model_bytes = std::filesystem::file_size(options.output / "model.txt");
-  t.mesh_bytes = std::filesystem::file_size(options.output / "mesh.txt");
+  const ModelTexts texts{t.loaded->text(), write_mesh_text(header.mesh)};
+  install_stop_handler();  // both files are written, or none
+  write_model_texts(options.output, texts);
   return t;
 }
 
@@ -151,7 +152,7 @@ void print_thinning(const Trained& t) {
 }
 
 void print(const Trained& t, const std::filesystem::path& output) {
-  const Model& model = t.model;
+  const Model& model = t.loaded->model();
   const TrainingReport& report = t.report;
   const auto lines = operations(model.family).summary(model, report);
   print_result("{} nodes, {}, {}\n", report.n_networks, lines.front(), duration(report.seconds));
@@ -162,12 +163,12 @@ void print(const Trained& t, const std::filesystem::path& output) {
   warn_of_linear(t.errors, model.family);
   if (report.n_skipped > 0)
     message("warning: {} active nodes have no converged increment and are omitted from the model\n", report.n_skipped);
-  print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(static_cast<double>(t.model_bytes)),
-               bytes(static_cast<double>(t.mesh_bytes)), output.string());
+  print_result("model.txt {}, mesh.txt {} -> {}\n", bytes(static_cast<double>(t.loaded->text_bytes())),
+               bytes(static_cast<double>(t.loaded->mesh_text_bytes())), output.string());
 }
 
 json to_json(const Trained& t) {
-  const Model& model = t.model;
+  const Model& model = t.loaded->model();
   const TrainingReport& report = t.report;
   json out{{"family", name(model.family)},
            {"networks", report.n_networks},
@@ -187,8 +188,8 @@ json to_json(const Trained& t) {
              {"displacement_linear", t.errors.has_displacement ? json(t.errors.displacement_linear) : json(nullptr)},
              {"nodes", t.errors.n_nodes}}},
            {"seconds", report.seconds},
-           {"model_bytes", t.model_bytes},
-           {"mesh_bytes", t.mesh_bytes}};
+           {"model_bytes", t.loaded->text_bytes()},
+           {"mesh_bytes", t.loaded->mesh_text_bytes()}};
   for (const auto& [key, value] : operations(model.family).figures(report)) out[name(model.family)][key] = value;
   for (const auto& level : model.levels)
     out["levels"].push_back({{"error_force", level.error_force}, {"error_displacement", level.error_displacement}});

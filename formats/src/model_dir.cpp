@@ -1,7 +1,7 @@
 // MODEL_DIR with model.txt and mesh.txt, which are replaced completely or not at all.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
-#include <phynness/formats/model.hpp>
+#include <phynness/formats/model_dir.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <system_error>
 
@@ -22,7 +22,10 @@ void write_model_dir(const fs::path& dir, const Model& model, const Mesh& mesh) 
   if (mesh_hash(mesh) != model.mesh_hash) {
     throw failure("the model belongs to another mesh", model.mesh_hash, "write it with the mesh of its database");
   }
-  const std::string model_text = write_model_text(model), mesh_text = write_mesh_text(mesh);
+  write_model_texts(dir, {write_model_text(model), write_mesh_text(mesh)});
+}
+
+void write_model_texts(const fs::path& dir, const ModelTexts& texts) {
   std::error_code error;
   fs::create_directories(dir, error);
   if (error)
@@ -30,7 +33,7 @@ void write_model_dir(const fs::path& dir, const Model& model, const Mesh& mesh) 
                       "give another directory with -o");
   // The model contains the hash of its mesh, so that a reader between the two renames gets an error instead of a
   // mixture.
-  write_text_files({{dir / "mesh.txt", mesh_text}, {dir / "model.txt", model_text}});
+  write_text_files({{dir / "mesh.txt", texts.mesh}, {dir / "model.txt", texts.model}});
 }
 
 ModelTexts read_model_texts(const fs::path& dir) { return {read_file(dir / "model.txt"), read_file(dir / "mesh.txt")}; }
