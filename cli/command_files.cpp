@@ -79,29 +79,32 @@ bool keeps_nothing(const fs::path& path) {
          type != fs::file_type::none;
 }
 
-/// @throws Error (input) if the file system cannot hold a name or the path
-void check_length(const Claim& claim) {
-  constexpr std::size_t longest_log_name = sizeof "/rank-0000-0000";  // below the folder of logs of a database
-  const auto refuse = [&](const char* what, std::size_t bytes, std::size_t most) {
-    throw input_error(fmt::format("the {} of a file is too long", what),
-                      fmt::format("{} {}: {} bytes{}, of at most {}", claim.option, shortened(claim.path.string(), 60),
-                                  bytes, claim.written ? " with the ending that is added for writing" : "", most),
-                      fmt::format("give a {} that is shorter by {} bytes", what, bytes - most));
-  };
+/// Names both limits, so that the remedy needs to be followed once.
+/// @throws Error (input) if the file system cannot hold a name or the path, or, of an output, what is made of them
+void check_length(const std::string& option, const fs::path& path, bool written) {
+  // Longer than .shard-2147483646-of-2147483647.log/rank-0000-0000 and than all that is made in a folder.
+  const std::size_t added = written ? 64 : 0;
   std::error_code code;
-  const std::size_t bytes = fs::absolute(claim.path, code).native().size() + (claim.written ? longest_log_name : 1);
-  if (bytes > PATH_MAX) refuse("path", bytes, PATH_MAX);
-  const long of_folder = ::pathconf(existing_part(fs::absolute(claim.path, code)).c_str(), _PC_NAME_MAX);
+  const auto absolute = fs::absolute(path, code);
+  const long of_folder = ::pathconf(existing_part(absolute).c_str(), _PC_NAME_MAX);
   const std::size_t longest_name = of_folder > 0 ? static_cast<std::size_t>(of_folder) : NAME_MAX;
-  for (const auto& part : claim.path)
-    if (part.native().size() > longest_name) refuse("name", part.native().size(), longest_name);
+  const std::size_t most = longest_name - added;
+  std::size_t bytes = (absolute.has_filename() ? absolute : absolute.parent_path()).filename().native().size();
+  for (const auto& part : absolute)
+    if (part.native().size() > longest_name) bytes = part.native().size();
+  const bool name_fits = bytes <= most;
+  if (name_fits) bytes = absolute.native().size();
+  if (name_fits && bytes + added < PATH_MAX) return;
+  throw input_error(
+      fmt::format("the {} of a file is too long", name_fits ? "path" : "name"),
+      fmt::format("{} {}: {} bytes", option, shortened(path.string(), 60), bytes),
+      fmt::format("give a name of at most {} bytes, in a path of at most {}", most, PATH_MAX - 1 - added));
 }
 
 class Claims {
  public:
   void add(Claim claim) {
     if (claim.path.empty() || keeps_nothing(claim.path)) return;
-    check_length(claim);
     claim.resolved = resolve(claim.path);
     for (const auto& other : _claims) check(claim, other);
     _claims.push_back(std::move(claim));
@@ -150,6 +153,7 @@ std::map<const CLI::Option*, Kind>& declared_options() {
 fs::path with_suffix(const fs::path& path, const char* suffix) { return path.string() + suffix; }
 
 void claim_input(const std::string& option, const fs::path& path, InputKind kind) {
+  check_length(option, path, false);
   Claim claim{option, path, {}, false, kind == InputKind::whole};
   std::error_code code;
   if (kind == InputKind::folder) return claims().add(claim);
@@ -260,6 +264,7 @@ void check_files(const CLI::App& app) {
       claim_input(given.option, given.path, *input);
     } else {
       const auto kind = std::get<OutputKind>(given.kind);
+      check_length(given.option, given.path, true);
       claim_output(given.option, given.path, kind);
       if (kind != OutputKind::file && kind != OutputKind::database) made.push_back(given.path);
     }

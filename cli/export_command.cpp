@@ -29,12 +29,15 @@ struct Options {
 };
 
 void check_name(const std::string& name) {
-  bool good = !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0]));
+  constexpr std::size_t longest = 48;
+  bool good = !name.empty() && name.size() <= longest && !std::isdigit(static_cast<unsigned char>(name[0]));
   for (const char c : name)
     good = good && (c == '_' || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'));
   if (!good)
-    throw input_error("a name in C must consist of letters, digits and _ and not start with a digit", "--name " + name,
-                      "give for example --name liver");
+    throw input_error(
+        fmt::format("a name in C must consist of at most {} letters, digits and _, and not start with a digit",
+                    longest),
+        "--name " + name, "give for example --name liver");
 }
 
 void check_output(const Options& options) {

@@ -46,18 +46,35 @@ TEST_F(WrongOption, IsNotTheCallForHelpOrVersion) {
   }
 }
 
-// A file's own name has 255 characters at most, and the program appends up to eleven to those of its outputs: otherwise
-// the command would fail after all of its work.
+// The program appends to the names of its outputs and makes files in its folders: without the check a command would
+// fail after all of its work. The error names what is allowed, so that nobody has to try twice.
 TEST_F(WrongOption, IsANameThatIsTooLong) {
   write_file(folder / "s.toml", "");
-  const std::string n244(244, 'a'), n246(246, 'a'), n251(251, 'a'), n5000(5000, 'a');
-  expect_wrong("precompute s.toml -o " + n246, {"--output", "name", "too long"});
-  expect_wrong("plan s.toml --json " + n251, {"--json", "name", "too long"});
-  expect_wrong("info " + n5000, {"too long"});
-  expect_wrong("eval " + n5000 + " --node 1 --displacement 0,0,0", {"too long"});
-  // This name is allowed: the error is about the scene.
-  const auto allowed = phynness("precompute s.toml -o " + n244);
-  EXPECT_EQ(allowed.err.find("too long"), std::string::npos) << allowed.err;
+  const std::regex limits("a name of at most ([0-9]+) bytes, in a path of at most ([0-9]+)\n");
+  for (const std::string line : {"precompute s.toml --shard 1/2147483647 -o @", "train s.toml d.h5 -o @",
+                                 "run s.toml -o @", "show d.h5 --node 1 --direction 0 -o @.pvd", "info @"}) {
+    const bool output = line.find("-o @") != std::string::npos;
+    const auto with = [&](const std::string& name) { return std::string(line).replace(line.find('@'), 1, name); };
+    const std::string ending = line.ends_with(".pvd") ? ".pvd" : "", folders = [] {
+      std::string text;
+      for (int i = 0; i < 50; ++i) text += std::string(99, 'a') + "/";
+      return text;
+    }();
+    for (const auto& given : {std::string(output ? 247 : 256, 'a'), std::string(5000, 'a'), folders + "a"}) {
+      SCOPED_TRACE(line + " " + given.substr(0, 4) + " " + std::to_string(given.size()));
+      expect_wrong(with(given), {"too long"});
+      const auto said = phynness(with(given)).err;
+      std::smatch most;
+      ASSERT_TRUE(std::regex_search(said, most, limits)) << said;
+      const std::size_t name = std::stoul(most[1]), path = std::stoul(most[2]);
+      const auto longest = std::string(name - ending.size(), 'b');
+      // A name and a path of these lengths: the error is about the scene or the database.
+      const auto in_folders = path - folder.string().size() - 1;
+      const auto allowed = phynness(with(folders.substr(0, (in_folders - name) / 100 * 100) + longest));
+      EXPECT_EQ(allowed.exit_status, 2) << allowed.err;
+      EXPECT_EQ(allowed.err.find("too long"), std::string::npos) << allowed.err;
+    }
+  }
 }
 
 // Under mpirun every rank would do the whole work and write the same files.
