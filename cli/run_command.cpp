@@ -6,11 +6,13 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/pages/pages.hpp>
 #include <phynness/precompute/precompute.hpp>
+#include <phynness/schema/text_reader.hpp>
 
 #include "child_process.hpp"
 #include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
+#include "output_places.hpp"
 #include "streams.hpp"
 
 namespace phynness::cli::run_command {
@@ -67,6 +69,28 @@ void refuse_other_database(const Options& options) {
   DatabaseWriter::check(file, database_header(loaded.scene, loaded.mesh, loaded.sets), true);
 }
 
+/// A new run replaces no file at all, a resumed one those that begin as the program writes them. @throws Error (input)
+void refuse_files_of_others(const Options& options) {
+  const std::string page = embedded_page("view.html").value_or("a build without pages makes none");
+  for (const auto& [name, begin] : std::initializer_list<std::pair<const char*, std::string_view>>{
+           {"mesh.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n"},
+           {"mesh.json", "{\n  \"mesh_hash\": "},
+           {"precompute.json", "{\n  \"active_nodes\": "},
+           {"train.json", "{\n  \"family\": "},
+           {"calibrate.json", "{\n  \"coverage\": "},
+           {"validate.json", "{\n  \"probes\": "},
+           {"organ.html", std::string_view(page).substr(0, page.find("<title>"))},
+           {"model/model.txt", schema::model_magic},
+           {"model/mesh.txt", mesh_text_magic}}) {
+    const auto file = options.output / name;
+    if (options.resume)
+      check_own_text("--output", file, begin);
+    else if (std::filesystem::exists(std::filesystem::symlink_status(file)))
+      throw input_error("a run would replace a file", "--output " + file.string(),
+                        "give another folder, or --resume if an earlier run has left it");
+  }
+}
+
 /// The figures of all stages in one file.
 void write_figures(const Options& options, const std::vector<Stage>& stages) {
   if (!options.json_file) return;
@@ -103,6 +127,7 @@ void run(const Options& options) {
   declare_files(options);
   const Family family = open_scene(options.scene).training.family;
   refuse_other_database(options);
+  refuse_files_of_others(options);
   install_stop_handler(false);
   std::error_code code;
   std::filesystem::create_directories(options.output, code);

@@ -204,6 +204,32 @@ TEST_F(Outputs, OfAModelNeverReplaceAnotherProgramsFiles) {
   EXPECT_EQ(phynness("train scene.toml d.h5 -o foreign").exit_status, 0);  // a model is replaced
 }
 
+TEST_F(Outputs, OfARunNeverReplaceOtherFiles) {
+  for (const char* name : {"mesh.msh", "mesh.json", "precompute.json", "train.json", "calibrate.json", "validate.json",
+                           "organ.html", "model/model.txt", "model/mesh.txt"}) {
+    const auto file = folder / "fresh/out" / name;
+    fs::create_directories(file.parent_path());
+    write_file(file, "{\n  \"notes\": \"of somebody\"\n}\n");
+    const auto before = read_file(file);
+    for (const char* resume : {"", " --resume"}) {
+      const auto outcome = phynness(std::string("run scene.toml -o fresh/out") + resume);
+      EXPECT_EQ(outcome.exit_status, 2) << outcome.err;
+      expect_error(outcome.err, {"--output fresh/out/" + std::string(name), "give another folder"});
+      EXPECT_EQ(read_file(file), before);
+    }
+    fs::remove_all(folder / "fresh/out");
+  }
+  // The figures of another validation are nothing that this run has made.
+  fs::create_directory(folder / "fresh/out");
+  ASSERT_EQ(phynness("validate scene.toml model --probes 2 --json fresh/out/validate.json").exit_status, 0);
+  EXPECT_EQ(phynness("run scene.toml -o fresh/out").exit_status, 2);
+  fs::remove(folder / "fresh/out/validate.json");
+  for (const char* resume : {"", " --resume", " --resume"}) {
+    const auto outcome = phynness(std::string("run scene.toml -o fresh/out") + resume);
+    EXPECT_EQ(outcome.exit_status, 0) << outcome.err;
+  }
+}
+
 // The networks have as many neurons as they may, so that each fit takes minutes. The limit ends a training that does
 // not notice the signal.
 TEST_F(Outputs, OfATrainingAreNotBegunWhenASignalEndsAFit) {
@@ -215,15 +241,43 @@ TEST_F(Outputs, OfATrainingAreNotBegunWhenASignalEndsAFit) {
   ASSERT_EQ(made.exit_status, 0) << made.err;
   for (const char* signal : {"INT", "TERM"}) {
     const auto outcome = shell(
-        "PHYNNESS_PROGRESS=1 timeout -s KILL 120 \"$PHYNNESS\" train scene.toml many.h5 -o fresh/model --family rbfn "
+        "rm -f progress.txt; PHYNNESS_PROGRESS=1 timeout -s KILL 120 \"$PHYNNESS\" train scene.toml many.h5 -o "
+        "fresh/model --family rbfn "
         "--neurons 100000 2>progress.txt & "
-        "for i in $(seq 600); do grep -q ' 0/' progress.txt && break; sleep 0.1; done; "
+        "for i in $(seq 600); do grep -qs ' 0/' progress.txt && break; sleep 0.1; done; "
         "pkill -" +
         std::string(signal) + " -P $!; wait $!; status=$?; cat progress.txt >&2; exit $status");
     EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
     EXPECT_NE(outcome.err.find("error: training was interrupted\n  remedy: "), std::string::npos) << outcome.err;
     EXPECT_TRUE(fs::is_empty(folder / "fresh"));
   }
+}
+
+// What follows the last fit takes a tenth of a second here. A signal that comes after the end finds a model; then it is
+// tried again.
+TEST_F(Outputs, OfATrainingAreNotBegunWhenASignalComesAfterTheLastFit) {
+  auto text = small_scene("P1", 1);
+  const auto active = text.find("active = [");
+  text.replace(active, text.find("[probe]") - active, "active = \"free-surface\"\n");
+  text.replace(text.find("target_size_m = 0.025"), 21, "target_size_m = 0.015");
+  text.replace(text.find("directions = 26"), 15, "directions = 3");
+  text.replace(text.find("samples = 500"), 13, "samples = 300");
+  write_file(folder / "scene.toml", text);
+  ASSERT_EQ(phynness("precompute scene.toml -o many.h5").exit_status, 0);
+  Outcome outcome;
+  for (int attempt = 0; attempt < 10 && outcome.exit_status != 1; ++attempt) {
+    fs::remove_all(folder / "fresh/model");
+    outcome = shell(
+        "rm -f progress.txt; PHYNNESS_PROGRESS=1 \"$PHYNNESS\" train scene.toml many.h5 -o fresh/model --family rbfn "
+        "--neurons 150 "
+        "--levels 8 "
+        "--spread 0.75 2>progress.txt & pid=$!; "
+        "while kill -0 $pid && ! grep -qsE ' ([0-9]+)/\\1 nodes' progress.txt; do sleep 0.01; done; sleep 0.02; "
+        "kill -TERM $pid; wait $pid; status=$?; cat progress.txt >&2; exit $status");
+  }
+  EXPECT_EQ(outcome.exit_status, 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("error: training was interrupted\n  remedy: "), std::string::npos) << outcome.err;
+  EXPECT_FALSE(fs::exists(folder / "fresh/model"));
 }
 
 TEST_F(Outputs, OfARunEndWhenTheTerminalIsClosed) {

@@ -278,11 +278,14 @@ TEST_F(Overwriting, OfFilesThatAreNamedLaterIsRefused) {
 
 TEST_F(Overwriting, IsNotSeenWhereThereIsNone) {
   const auto eval = "eval model --node " + node + " --displacement 0,0,-0.001 ";
+  fs::create_directory(folder / "alone");
+  fs::copy_file(folder / "block.toml", folder / "alone/block.toml");
   for (const auto& words :
        {eval + "--json /dev/null --deformation /dev/null", eval + "--json fresh/a.json --deformation fresh/a.csv",
         std::string("mesh scenes/scene.toml -o scenes/scene.msh --json parts/body.json"),
         std::string("train scenes/scene.toml d.h5 -o . --json train.json"),
-        std::string("export model -o . --json sizes.json"), std::string("run block.toml -o . --json run.json")}) {
+        std::string("export model -o . --json sizes.json"),
+        std::string("run alone/block.toml -o alone --json run.json")}) {
     const auto outcome = phynness(words);
     EXPECT_EQ(outcome.exit_status, 0) << words << "\n" << outcome.err;
   }
