@@ -25,7 +25,7 @@ void print_nodes(const DatabaseHeader& header, const EndSummary& ends, const std
   std::string text;
   for (std::size_t i = 0; i < nodes.size() && i < most_listed; ++i)
     text += fmt::format("{}{} ({:.0f} %)", i ? ", " : "", header.sets.active[nodes[i]], 100 * ends.reached[nodes[i]]);
-  print_result("  at {} of {} nodes; volume that is left: {}{}\n", nodes.size(), ends.early.size(), text,
+  print_result("  at {} of {} nodes; volume that is trained: {}{}\n", nodes.size(), ends.early.size(), text,
                nodes.size() > most_listed ? ", ..." : "");
 }
 
@@ -49,7 +49,7 @@ json tell_ends(const DatabaseHeader& header, const EndSummary& ends) {
   }
   const auto nodes = nodes_with_ends(ends);
   if (n_early > 0) {
-    print_result("ends      {} of {} rays ({:.1f} %) end early, {:.1f} % of the probe volume is beyond\n", n_early,
+    print_result("ends      {} of {} rays ({:.1f} %) end early, {:.1f} % of the probe volume is not trained\n", n_early,
                  ends.rays, 100 * ends.share_of_rays(), 100 * ends.share_of_volume());
     for (const auto& [reason, count] : ends.reasons)
       if (RayEnd{reason}.is_early()) print_result("  {:<16} {:<9} {}\n", name(reason), count, meaning(reason));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <phynness/formats/probe_volume.hpp>
 
 namespace phynness {
 
@@ -32,6 +33,11 @@ EndSummary summarize_ends(const DatabaseHeader& header, const std::vector<RayEnd
   EndSummary summary;
   const double full = header.magnitudes_m.back();
   const std::size_t n_directions = header.directions.size();
+  // A model is trained up to the last increment before the end; the depths of both may differ by roundings.
+  const auto trained_m = [&](double depth_m) {
+    const auto beyond = std::upper_bound(header.magnitudes_m.begin(), header.magnitudes_m.end(), depth_m * (1 + 1e-9));
+    return beyond == header.magnitudes_m.begin() ? 0.0 : *(beyond - 1);
+  };
   for (std::size_t first = 0; first < ends.size(); first += n_directions) {
     double reached = 0;
     std::int32_t requested = 0, early = 0;
@@ -43,7 +49,7 @@ EndSummary summarize_ends(const DatabaseHeader& header, const std::vector<RayEnd
       summary.folds += end.fold_depth_m > 0;
       if (end.fold_depth_m > 0) summary.largest_loss_J = std::max(summary.largest_loss_J, std::abs(end.energy_lost_J));
       summary.is_recorded &= end.reason != EndReason::not_recorded;
-      const double part = end.is_early() ? std::pow(std::min(1.0, end.depth_m / full), 3) : 1.0;
+      const double part = end.is_early() ? part_of_volume(trained_m(end.depth_m), full) : 1.0;
       if (end.is_early()) summary.volume[end.reason] += 1 - part;
       early += end.is_early();
       reached += part;

@@ -208,7 +208,10 @@ TEST_F(RoundTrip, ends_of_rays_are_summed_up_by_reason_and_node) {
     expect_same_end(ends[i], end);
     if (end.reason == EndReason::not_requested) continue;
     const std::size_t node = i / header.directions.size();
-    const double share = end.is_early() ? std::pow(end.depth_m / 0.02, 3) : 1;
+    double trained_m = 0;  // the last increment before the end
+    for (const double m : header.magnitudes_m)
+      if (m <= end.depth_m) trained_m = m;
+    const double share = end.is_early() ? std::pow(trained_m / 0.02, 3) : 1;
     ++expected.rays;
     ++expected.reasons[end.reason];
     ++requested[node];

@@ -10,6 +10,8 @@
 namespace phynness::test {
 namespace {
 
+namespace fs = std::filesystem;
+
 class ShortenedRays : public CommandLine {
  protected:
   nlohmann::json validated(const std::string& options, const std::string& before = "") const {
@@ -75,6 +77,26 @@ TEST_F(ShortenedRays, ThatNobodyReachesAreCounted) {
   expect_names(unbroken(read_file(folder / "stdout.txt")),
                {"; " + count + " of 20 probes have no finite element solution",
                 count + " of 20 probes to R are not reached by the finite elements"});
+}
+
+// Sums of some hundred numbers of about 1, in another order.
+TEST_F(ShortenedRays, HaveOneShareOfTheProbeVolume) {
+  // Folds are between increments, and a hemisphere asks for some of its directions only.
+  for (const char* directions : {"26", "\"hemisphere\""}) {
+    auto scene = small_scene("P1", 4);
+    scene.replace(scene.find("neo-hookean"), 11, "st-venant-kirchhoff");
+    scene.replace(scene.find("0.008"), 5, "0.030");
+    scene.replace(scene.find("directions = 26"), 15, std::string("directions = ") + directions);
+    write_file(folder / "scene.toml", scene);
+    fs::remove_all(folder / "d.h5.log");
+    fs::remove(folder / "d.h5");
+    ASSERT_EQ(phynness("precompute scene.toml -o d.h5").exit_status, 0);
+    ASSERT_EQ(phynness("train scene.toml d.h5 -o m --family modal").exit_status, 0);
+    const double judged = validated("m --probes 4").at("verdict").at("out_of_reach").at("share_of_volume");
+    ASSERT_EQ(phynness("info d.h5 --json i.json").exit_status, 0);
+    EXPECT_GT(judged, 0.01);
+    EXPECT_NEAR(json("i.json").at("ends").at("share_of_volume").get<double>(), judged, 1e-12) << directions;
+  }
 }
 
 }  // namespace

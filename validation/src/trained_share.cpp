@@ -1,8 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
+#include <phynness/formats/probe_volume.hpp>
 #include <phynness/validation/trained_share.hpp>
 
 namespace phynness {
@@ -10,19 +9,27 @@ namespace {
 
 constexpr std::size_t most_named = 8;
 
-double share_of(const ActiveNodeModel& node, double range_m) {
-  double sum = 0;
-  for (const double depth : node.trained_depth_m) sum += std::pow(std::min(1.0, depth / range_m), 3);
-  return node.trained_depth_m.empty() ? 0 : sum / static_cast<double>(node.trained_depth_m.size());
+/// Directions that a scene does not ask for (hemisphere) have the depth 0, as those whose first increment failed.
+std::ptrdiff_t requested(const ActiveNodeModel& node, double range_m) {
+  const auto& depths = node.trained_depth_m;
+  const auto less = std::ranges::count_if(depths, [&](double depth) { return depth < range_m; });
+  return std::ssize(depths) - std::clamp(less - node.n_incomplete, std::ptrdiff_t{0}, std::ranges::count(depths, 0.0));
 }
 
 }  // namespace
 
 TrainedShare trained_share(const Model& model) {
   TrainedShare share;
-  for (const auto& node : model.nodes) share.of_node.push_back(share_of(node, model.max_displacement_m));
-  const double sum = std::accumulate(share.of_node.begin(), share.of_node.end(), 0.0);
-  share.all = share.of_node.empty() ? 0 : sum / static_cast<double>(share.of_node.size());
+  double all = 0, rays = 0;
+  for (const auto& node : model.nodes) {
+    double sum = 0;
+    for (const double depth : node.trained_depth_m) sum += part_of_volume(depth, model.max_displacement_m);
+    const auto n = static_cast<double>(requested(node, model.max_displacement_m));
+    share.of_node.push_back(n > 0 ? sum / n : 0);
+    all += sum;
+    rays += n;
+  }
+  share.all = rays > 0 ? all / rays : 0;
   return share;
 }
 

@@ -56,18 +56,18 @@ struct DatabaseSummary {
   std::vector<ColumnRange> ranges;   ///< of the columns with numbers of increments; empty if no state converged
 };
 
-/// Where the rays of a database end. Shares of the probe volume weigh each ray by the cube of its depth.
+/// Where the rays of a database end. Its shares of the probe volume are those of trained_share() in validation.
 struct EndSummary {
   std::int64_t rays = 0;                      ///< requested rays
   std::map<EndReason, std::int64_t> reasons;  ///< rays per reason; reasons that do not occur are absent
-  std::map<EndReason, double> volume;         ///< share of the probe volume beyond the ends, per reason
+  std::map<EndReason, double> volume;         ///< share of the probe volume that is not trained, per reason
   std::int64_t folds = 0;                     ///< rays with a fold, of those that go on, too
   double largest_loss_J = 0;                  ///< largest energy lost at a fold
-  std::vector<double> reached;                ///< per active node: share of its probe volume before the ends
+  std::vector<double> reached;                ///< per active node: share of its probe volume that is trained
   std::vector<std::int32_t> early;            ///< per active node: rays that end early
   bool is_recorded = true;                    ///< false in files of versions that do not record ends
   double share_of_rays() const;               ///< that end early
-  double share_of_volume() const;             ///< beyond the ends
+  double share_of_volume() const;             ///< that is not trained
 };
 
 /// A finished database, read by active node in any order. h5py reads the same arrays.

@@ -8,8 +8,8 @@
 namespace phynness {
 
 struct TrainedShare {
-  double all = 0;               ///< mean over the nodes
-  std::vector<double> of_node;  ///< in the order of Model::nodes: mean over the directions of (trained depth / R)^3
+  double all = 0;               ///< mean over all requested rays; 1 - EndSummary::share_of_volume() of the database
+  std::vector<double> of_node;  ///< in the order of Model::nodes: mean over its rays of part_of_volume()
 };
 TrainedShare trained_share(const Model& model);
 /// One sentence without a full stop, with the nodes where the share is smallest.
