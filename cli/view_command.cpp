@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
@@ -88,9 +87,11 @@ json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
   const auto by_node = whole.find("by_node");
   if (by_node == whole.end() || !by_node->is_object()) throw wrong_errors(file, "it has no by_node");
   require_same_model(file, whole, loaded);
+  constexpr double largest = 1e6;  // times the largest response: such a file is damaged
   const auto check_error = [&](const json& node, const json& error) {
-    if (!(error.is_number() && std::isfinite(error.get<double>()) && error.get<double>() >= 0))
-      throw wrong_errors(file, "the error " + error.dump() + " of node " + node.dump() + " is no number from 0 on");
+    if (!(error.is_number() && error.get<double>() >= 0 && error.get<double>() <= largest))
+      throw wrong_errors(
+          file, fmt::format("the error {} of node {} is no number from 0 to {:g}", error.dump(), node.dump(), largest));
   };
   json known{{"nodes", json::array()},
              {"force_error", json::array()},
@@ -103,11 +104,16 @@ json errors_json(const std::filesystem::path& file, const LoadedModel& loaded) {
     return *found;
   };
   const json &nodes = list("nodes"), &force = list("force_error"), &displacement = list("displacement_error");
-  if (force.size() != nodes.size() || displacement.size() != nodes.size())
-    throw wrong_errors(file, "the lists of by_node differ in length");
+  for (const auto& [key, values] : by_node->items())
+    if (values.size() != nodes.size())
+      throw wrong_errors(file,
+                         fmt::format("by_node has {} nodes, but {} numbers in {}", nodes.size(), values.size(), key));
+  const auto probed = whole.value(json::json_pointer("/conditions/nodes"), json::array());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (!nodes[i].is_number_integer() || !is_active(loaded.model(), nodes[i].get<std::int64_t>()))
       throw wrong_errors(file, "node " + nodes[i].dump() + " is no active node of the model");
+    if (std::find(probed.begin(), probed.end(), nodes[i]) == probed.end())
+      throw wrong_errors(file, "node " + nodes[i].dump() + " is none of those that it says were probed");
     if (std::find(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(i), nodes[i]) !=
         nodes.begin() + static_cast<std::ptrdiff_t>(i))
       throw wrong_errors(file, "node " + nodes[i].dump() + " is given twice");

@@ -27,7 +27,7 @@ class Page : public CommandLine {
   /// Errors with the hashes of the model, by which `view` knows whose they are, of its finer level.
   void write_errors(const Json& by_node, const char* changed = "", int level = 1) const {
     phynness("info model --json info.json");
-    Json all{{"by_node", by_node}, {"conditions", {{"level", level}}}};
+    Json all{{"by_node", by_node}, {"conditions", {{"level", level}, {"nodes", json("info.json").at("active")}}}};
     for (const char* key : {"model_hash", "mesh_hash"})
       all[key] = std::string(changed) == key ? Json("0123456789abcdef") : json("info.json").at(key);
     write_file(folder / "e.json", all.dump());
@@ -104,7 +104,10 @@ TEST_F(Page, FilesOfOtherModelsAreRefused) {
   for (const auto& [by_node, part] : std::vector<std::pair<Json, std::string>>{
            {Json(3), "by_node"},
            {{{"nodes", {node}}, {"force_error", {0.1}}}, "displacement_error"},
-           {{{"nodes", {node}}, {"force_error", {0.1, 0.2}}, {"displacement_error", {0.1}}}, "length"},
+           {{{"nodes", {node}}, {"force_error", {0.1, 0.2}}, {"displacement_error", {0.1}}},
+            "1 nodes, but 2 numbers in force_error"},
+           {{{"nodes", {node}}, {"force_error", {0.1}}, {"displacement_error", {0.1}}, {"solved", {1, 1}}},
+            "1 nodes, but 2 numbers in solved"},
            {{{"nodes", {1000000}}, {"force_error", {0.1}}, {"displacement_error", {0.1}}}, "1000000"},
            {{{"nodes", {"x"}}, {"force_error", {0.1}}, {"displacement_error", {0.1}}}, "x"}}) {
     write_errors(by_node);
@@ -123,11 +126,18 @@ TEST_F(Page, FilesOfOtherModelsAreRefused) {
   expect_refused("--errors e.json", {std::to_string(node) + " is given twice"});
   write_errors({{"nodes", {node}}, {"force_error", {-0.1}}, {"displacement_error", {0.1}}});
   expect_refused("--errors e.json", {"-0.1", "node " + std::to_string(node)});
+  for (const char* number : {"1e308", "1e999", "1000001"}) {
+    write_errors(good);
+    auto huge = read_file(folder / "e.json");
+    huge.replace(huge.find("0.1"), 3, number);
+    write_file(folder / "e.json", huge);
+    expect_refused("--errors e.json", {"e.json"});
+  }
   write_errors(good);
-  auto huge = read_file(folder / "e.json");
-  huge.replace(huge.find("0.1"), 3, "1e999");
-  write_file(folder / "e.json", huge);
-  expect_refused("--errors e.json", {"e.json"});
+  auto others = json("e.json");
+  others["conditions"]["nodes"].erase(0);
+  write_file(folder / "e.json", others.dump());
+  expect_refused("--errors e.json", {std::to_string(node) + " is none of those that it says were probed"});
   for (const char* text : {"", "no JSON", "[1, 2]", "{\"by_node\": ", "\xFF\xFE"}) {
     write_file(folder / "e.json", text);
     expect_refused("--errors e.json", {"e.json"});
