@@ -64,12 +64,50 @@ std::string warn_of_edges(const Scene& scene, const Mesh& mesh, const NodeSets& 
          " is sufficient, or " + finer_mesh(scene.mesh, radius / wanted_radius, mean);
 }
 
+/// A patch loses the fixed nodes under it, so that the mean that it moves is that of another place. A shift of the
+/// middle below this share of the radius is no more than meshes of two edges to the radius leave open.
+constexpr double largest_shift = 0.1;
+
+std::string warn_of_fixed(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
+  const double radius = scene.probe.tool_radius_m;
+  const auto middle_of = [&](const TouchedNodes& touched) {
+    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+    for (std::size_t i = 0; i < touched.nodes.size(); ++i) sum += touched.weights[i] * mesh.nodes.row(touched.nodes[i]);
+    return sum;
+  };
+  const auto is_beside_fixed = [&](std::int32_t node) {
+    return std::any_of(sets.fixed.begin(), sets.fixed.end(), [&](std::int32_t fixed) {
+      return (mesh.nodes.row(fixed) - mesh.nodes.row(node)).squaredNorm() < radius * radius;
+    });
+  };
+  double largest = 0;
+  std::int32_t where = -1;
+  int n = 0;
+  for (const auto node : sets.active) {
+    if (!is_beside_fixed(node)) continue;
+    const auto touched = [&](std::span<const std::int32_t> fixed) {
+      return middle_of(touched_nodes(mesh.nodes, mesh.surface, fixed, at_node(node), radius));
+    };
+    const double shift = (touched(sets.fixed) - touched({})).norm() / radius;
+    n += shift > largest_shift;
+    if (shift > largest) largest = shift, where = node;
+  }
+  if (n == 0) return "";
+  return scene.probe.where.str() + ": fixed nodes take a part of the patch at " + std::to_string(n) + " of " +
+         std::to_string(sets.active.size()) + " active nodes; what remains has its middle up to " +
+         three_digits(largest * radius) + " m beside the node (" + three_digits(largest) + " of the radius, at node " +
+         std::to_string(where) +
+         "), and the force is that of this part; without these nodes: active = { difference = " +
+         "[\"free-surface\", { near = { to = \"fixed\", distance_m = " + three_digits(radius) + " } }] }";
+}
+
 }  // namespace
 
 std::vector<std::string> patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets) {
   std::vector<std::string> warnings;
   if (scene.probe.kind != ProbeKind::patch) return warnings;
-  if (auto text = warn_of_edges(scene, mesh, sets); !text.empty()) warnings.push_back(std::move(text));
+  for (auto* const warn : {warn_of_edges, warn_of_fixed})
+    if (auto text = warn(scene, mesh, sets); !text.empty()) warnings.push_back(std::move(text));
   return warnings;
 }
 

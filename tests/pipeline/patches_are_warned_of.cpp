@@ -1,5 +1,6 @@
 // Claims: for a patch that its mesh does not resolve mesh, info, plan and train print a warning with file and line. The
-// recommended change removes the warning. Other scenes have no such warning.
+// recommended change removes the warning. Other scenes have no such warning. The same holds for patches that lose a
+// part to fixed nodes, and the shift that the warning states is that of the centroid of half a disk.
 #include <regex>
 
 #include "command_line.hpp"
@@ -72,6 +73,28 @@ TEST_F(Patches, AreResolvedAsRecommended) {
   const auto of_liver = warnings(liver("target_size_m = 0.02"));
   EXPECT_TRUE(holds(of_liver, unresolved));
   EXPECT_FALSE(holds(warnings(liver(recommended("target_size_m", of_liver))), unresolved)) << of_liver;
+}
+
+TEST_F(Patches, ThatLoseAPartToFixedNodesAreNamedWithTheirShift) {
+  // One half of the top is fixed, up to a line through the node at its middle. Half a disk has its centroid at
+  // 4 R / (3 pi) = 0.42 R; edges of R / 3 leave a strip of up to an edge that belongs to fixed and free nodes.
+  auto text = scene("0.03", "0.008", "target_size_m = 0.01");
+  const auto set = [&](const std::string& key, const std::string& value) {
+    const auto at = text.find("\n" + key + " = ") + 1;
+    const auto next = text.find(key == "active" ? "\n[" : "\n", at);
+    text.replace(at, next - at, key + " = " + value);
+  };
+  set("fixed", "{ half_space = { point_fraction = [0.49, 0, 0], normal = [1, 0, 0] } }");
+  set("active",
+      "[{ nearest = { point_fraction = [0.55, 0.5, 1] } }, { nearest = { point_fraction = [0.9, 0.5, 1] } }]");
+  const auto words = warnings(text);
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(words, found, std::regex("part of the patch at 1 of 2 .*\\(([0-9.]+) of the radius")))
+      << words;
+  EXPECT_NEAR(std::stod(found[1]), 0.42, 0.25) << words;
+  EXPECT_TRUE(std::regex_search(words, found, std::regex("active = (.*\\] \\})"))) << words;
+  set("active", found[1]);
+  EXPECT_FALSE(holds(warnings(text), "part of the patch"));
 }
 
 }  // namespace

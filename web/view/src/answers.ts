@@ -1,7 +1,7 @@
 // What the runtime answers for tools and spheres, with the times it takes.
 import type { Contact, Level, Model, Sphere, Surface, Tools, Touch, Warning } from '../../runtime/src/index.js';
-import { row, type V3 } from '../../shared/src/vectors.js';
-import { nodeOf, toolOf } from './places.js';
+import { add, row, scale, zero, type V3 } from '../../shared/src/vectors.js';
+import { nodeOf, toolOf, type Place } from './places.js';
 import type { HeldTool } from './state.js';
 
 export interface TrustFigure {
@@ -86,6 +86,9 @@ export class Runtime {
   displacement(node: number): V3 {
     const i = this.rows.get(node);
     return i !== undefined && 3 * i < this.field.length ? row(this.field, i) : [0, 0, 0];
+  }
+  displacementAt({ nodes, weights }: Place): V3 {
+    return nodes.reduce<V3>((sum, node, i) => add(sum, scale(weights[i]!, this.displacement(node))), zero);
   }
 
   /** Forces and, in `field`, displacements under tools that hold their points. @throws PhynnessError */

@@ -69,7 +69,10 @@ export class Readouts {
     const { answer, state, runtime, work } = session, tool = state.tools.at(-1), facts: [string, string][] = [];
     if (state.mode === 'hold' && tool) {
       facts.push(['Held', nameOf(tool.place)]);
-      facts.push(['Depth', withUnit(norm(tool.displacement), 'm', 4)]);
+      const depth = norm(tool.displacement), middle = norm(runtime.displacementAt(tool.place));
+      facts.push(['Depth', withUnit(depth, 'm', 4)]);
+      // A round tool moves the mean of the surface under it.
+      if (middle > 1.001 * depth) facts.push(['Its middle moves', withUnit(middle, 'm', 4)]);
       const { trainedDepth } = answer.trust ?? {};
       if (trainedDepth !== undefined) facts.push(['Trained to', withUnit(trainedDepth, 'm', 3)]);
       if (answer.bound !== null) facts.push(['Error of the force (95 %)', `below ${withUnit(answer.bound, 'N', 2)}`]);

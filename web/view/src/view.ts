@@ -5,7 +5,7 @@ import { coloursOf } from '../../shared/src/colour_maps.js';
 import { Legend } from '../../shared/src/legend.js';
 import { significant } from '../../shared/src/numbers.js';
 import { Overlay } from '../../shared/src/overlay.js';
-import { add, norm, row, scale, sub, vector, zero, type V3 } from '../../shared/src/vectors.js';
+import { add, norm, row, scale, sub, zero, type V3 } from '../../shared/src/vectors.js';
 import { Controls, type ControlActions } from './controls.js';
 import { byId, setText } from './dom.js';
 import { drawnAt, Influence, type Follower } from './following.js';
@@ -171,11 +171,12 @@ export class View implements Sight, ControlActions {
     this.colour(surface);
   }
 
-  /** What the drawn surface has to follow. */
+  /** What the drawn surface has to follow: the points in the middle of tools, which a round tool moves farther than the mean. */
   private followers(): Follower[] {
-    const { state, answer } = this.session;
-    if (state.mode === 'hold') return answer.warnings.includes('unsettled') ? [] : state.tools;
-    return answer.touches.flatMap(({ held: place }) => (place ? [{ place, displacement: vector(place.displacement) }] : []));
+    const { state, answer, runtime } = this.session;
+    const places = state.mode === 'sphere' ? answer.touches.flatMap(({ held: place }) => place ?? [])
+      : answer.warnings.includes('unsettled') ? [] : state.tools.map(({ place }) => place);
+    return places.map((place) => ({ place, displacement: runtime.displacementAt(place) }));
   }
   /** Where a tool is in the picture; the drawn surface at rest is slightly smaller than the triangles of the model. */
   seen(tool: Follower): V3 {

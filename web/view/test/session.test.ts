@@ -50,6 +50,16 @@ describe('session', () => {
     // The forces of family modal have an energy: the way does not matter. The rule's error is far below 1e-6.
     expect(Math.abs(s.work!.done / straight.work!.done - 1)).toBeLessThan(1e-6);
   });
+  test('a place between nodes moves by the mean of its nodes, and a held node as its tool', async () => {
+    const { runtime } = await session(), { activeNodes, triangles, outputNodes } = runtime.model.info, node = activeNodes[0]!;
+    runtime.answer([tool(node, [0.002, 0.001, 0])]);
+    runtime.displacementAt(placeAt(node)).forEach((u, k) => expect(u).toBeCloseTo([0.002, 0.001, 0][k]!, 12));
+    const t = Array.from({ length: triangles.length / 3 }, (_, i) => triangles.slice(3 * i, 3 * i + 3))
+      .find((corners) => corners.every((c) => c < outputNodes.length))!;
+    const nodes = [...t].map((c) => outputNodes[c]!), weights = [0.2, 0.3, 0.5];
+    const mean = [0, 1, 2].map((k) => nodes.reduce((sum, n, i) => sum + weights[i]! * runtime.displacement(n)[k]!, 0));
+    runtime.displacementAt({ nodes, weights }).forEach((u, k) => expect(u).toBeCloseTo(mean[k]!, 12));
+  });
   test('displacements stay within twice the trained depth', async () => {
     const s = await session(), node = s.runtime.model.info.activeNodes[0]!;
     s.setTools([tool(node, [1, 0, 0])]);

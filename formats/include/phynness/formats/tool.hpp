@@ -68,8 +68,8 @@ std::vector<double> surface_edges_at(const std::vector<std::int32_t>& nodes, con
 
 /// A round tool with a smaller radius than this, in mean edges of the surface around its node, is not resolved.
 inline constexpr double fewest_edges_of_a_patch = 2;
-/// Warnings about a patch of a scene that its mesh does not resolve, one sentence each, with file and line and what
-/// would do; none for node probes.
+/// Warnings about the patches of a scene, one sentence each, with file and line and what would do: those that the mesh
+/// does not resolve, and those that lose a part to fixed nodes. None for node probes.
 std::vector<std::string> patch_warnings(const Scene& scene, const Mesh& mesh, const NodeSets& sets);
 
 /// True if the fixed nodes prevent every rigid motion: at least three nodes that are not on one line, or an edge of a
