@@ -70,7 +70,7 @@ struct TimedModel {
   }
 
   rt::Model model;
-  rt::Data data;
+  rt::Tools data;
   std::vector<double> field;
 };
 

@@ -37,7 +37,7 @@ std::string LoadedModel::hash() const {
 
 void LoadedModel::load() {
   _runtime = rt::Model(_text);
-  if (_runtime) _data = rt::Data(_runtime, _max_tools);
+  if (_runtime) _data = rt::Tools(_runtime, _max_tools);
   const rt::Status status = _runtime ? _data.status() : _runtime.status();
   if (status.ok()) return;
   model();  // throws an error with the line and the value if the text is invalid

@@ -94,7 +94,7 @@ int run(const Options& o) {
   settings.coupling_N_per_m = o.coupling;
   settings.reach_m = deepest;
   if (!o.motion.empty()) settings.check_force_N = 0;  // test pulses have no effect on a recorded motion
-  rt::Data data(model, 1);
+  rt::Tools data(model, 1);
   rt::Contact contact;
   rt::HeldNode held(model, data, node);
   const double rest[3] = {0, 0, 0};

@@ -1,10 +1,14 @@
 #include "single_precision.hpp"
 
+#include <phynness/phynness_image.h>
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
-#include <conservative.hpp>
+#include <cstring>
+#include <phynness/embedding/embedding.hpp>
+#include <phynness/formats/error.hpp>
 #include <random>
+#include <type_traits>
 
 namespace phynness::study {
 namespace {
@@ -28,41 +32,44 @@ Vector3d in_ball(std::mt19937_64& random) {
   }
 }
 
-/// The network of a node as the runtime stores it.
+/// A node in an image of doubles or floats.
 template <class Real>
-struct Potential {
-  Potential(const Model& model, const ConservativeNetwork& of) {
-    const Points scaled = model.displacements / model.max_displacement_m;
-    displacements.assign(scaled.data(), scaled.data() + scaled.size());
-    coefficients.assign(of.coefficients.data(), of.coefficients.data() + of.coefficients.size());
-    const auto& k = of.stiffness;
-    net = {static_cast<std::int32_t>(of.centers.size()),
-           static_cast<Real>(model.max_displacement_m),
-           static_cast<Real>(of.shape),
-           {static_cast<Real>(k(0, 0)), static_cast<Real>(k(0, 1)), static_cast<Real>(k(0, 2)),
-            static_cast<Real>(k(1, 1)), static_cast<Real>(k(1, 2)), static_cast<Real>(k(2, 2))},
-           of.centers.data(),
-           displacements.data(),
-           nullptr,
-           coefficients.data(),
-           {},
-           {},
-           0};
-    runtime::set_rest(net);
+class Potential {
+ public:
+  Potential(const Model& model, const ModelImage& image, std::int32_t node)
+      : _words(image.bytes.size() / 8), _R(model.max_displacement_m), _node(node) {
+    std::memcpy(_words.data(), image.bytes.data(), image.bytes.size());
+    if (open(&_image) != PHN_OK) throw failure("the image is refused", "", "this is a defect; please report it");
   }
   Vector3d force(const Vector3d& x) const {
-    const Eigen::Matrix<Real, 3, 1> at = x.cast<Real>();
+    const Eigen::Matrix<Real, 3, 1> d = (_R * x).cast<Real>();
     Eigen::Matrix<Real, 3, 1> f;
-    runtime::conservative_force(net, at.data(), f.data());
+    if constexpr (in_float)
+      phn_imagef_force(_image, _node, d.data(), f.data());
+    else
+      phn_image_force(_image, _node, d.data(), f.data());
     return f.template cast<double>();
   }
   double energy(const Vector3d& x) const {
-    const Eigen::Matrix<Real, 3, 1> at = x.cast<Real>();
-    return static_cast<double>(runtime::conservative_energy(net, at.data()));
+    const Eigen::Matrix<Real, 3, 1> d = (_R * x).cast<Real>();
+    Real energy = 0;
+    if constexpr (in_float)
+      phn_imagef_energy(_image, _node, d.data(), &energy);
+    else
+      phn_image_energy(_image, _node, d.data(), &energy);
+    return static_cast<double>(energy);
   }
 
-  std::vector<double> displacements, coefficients;
-  runtime::Conservative<Real> net;
+ private:
+  static constexpr bool in_float = std::is_same_v<Real, float>;
+  using Image = std::conditional_t<in_float, phn_imagef, phn_image>;
+  int open(const phn_image** image) const { return phn_image_open(_words.data(), 8 * _words.size(), image); }
+  int open(const phn_imagef** image) const { return phn_imagef_open(_words.data(), 8 * _words.size(), image); }
+
+  std::vector<std::uint64_t> _words;
+  const Image* _image = nullptr;
+  double _R;
+  std::int32_t _node;
 };
 
 template <class Real>
@@ -83,10 +90,15 @@ double work_of(const Potential<Real>& potential, const std::array<Vector3d, 4>& 
 SinglePrecision single_precision(const Model& model, std::uint64_t seed) {
   SinglePrecision found;
   double sum = 0;
+  ImageOptions options;
+  options.force_only = true;
+  const ModelImage doubles = model_image(model, options);
+  options.floats = true;
+  const ModelImage floats = model_image(model, options);
   for (const auto& node : model.nodes) {
     std::mt19937_64 random(seed);
-    const Potential<double> exact(model, node.conservative);
-    const Potential<float> rounded(model, node.conservative);
+    const Potential<double> exact(model, doubles, node.node);
+    const Potential<float> rounded(model, floats, node.node);
     double largest = 0, mean = 0, worst = 0;
     for (int i = 0; i < n_displacements; ++i) {
       const Vector3d x = in_ball(random), f = exact.force(x);

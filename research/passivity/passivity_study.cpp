@@ -46,7 +46,7 @@ void scale(phn_loop_response& r, double by) {
 Result run(const Case& c) {
   const rt::Model model = rt::Model::read((c.folder + "/model.txt").c_str());
   if (!model) throw std::runtime_error(c.folder + "/model.txt: " + model.status().message());
-  rt::Data data(model, 1);
+  rt::Tools data(model, 1);
   rt::HeldNode held(model, data, c.node);
   rt::Contact contact;
   SimulatedDevice device(c.device, HandMotion(c.reach));

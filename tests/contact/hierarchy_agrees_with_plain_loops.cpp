@@ -1,7 +1,7 @@
 #include "../runtime/fine_surface.hpp"
-#include "contact.hpp"
+#include "contact/contact.hpp"
+#include "tools/triangle.hpp"
 #include "touched_body.hpp"
-#include "triangle.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
 #include <cstring>
 
-#include "contact.hpp"
+#include "contact/contact.hpp"
 #include "touched_body.hpp"
 
 namespace {

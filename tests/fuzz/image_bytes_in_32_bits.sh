@@ -26,6 +26,6 @@ for family in rbfn linear modal; do
     { printf "\\x$([ "$option" = "" ] && echo 1 || echo 3)"; head -c 15 /dev/zero; cat "$family$option"/*.bin; } > "seed-$family$option"
   done
 done
-"$cxx" "${flags[@]}" -I "$source"/runtime/include -I "$source"/runtime/src "$source"/runtime/src/{image,image_open}.cpp \
+"$cxx" "${flags[@]}" -I "$source"/runtime/include -I "$source"/runtime/src "$source"/runtime/src/image/{image,open}.cpp \
   "$source"/tests/fuzz/{image_bytes,plain_main}.cpp -o fuzz_32
 ./fuzz_32 20000 seed-*

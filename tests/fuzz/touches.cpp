@@ -48,7 +48,7 @@ class Hand {
     for (auto [memory, contact] : {std::pair(&_contact_memory, &_contact), std::pair(&_twin_memory, &_twin)})
       require(phn_contact_init(memory->data(), memory->size(), model, _max_tools, contact) == PHN_OK,
               "a contact of its size");
-    require(phn_data_init(_used.data(), _used.size(), model, _max_tools, &_data) == PHN_OK, "data of its size");
+    require(phn_tools_init(_used.data(), _used.size(), model, _max_tools, &_data) == PHN_OK, "data of its size");
     const Memory less(contact_bytes() / 2, 0);
     phn_contact* none = _contact;
     require(phn_contact_init(less.data(), less.size(), model, _max_tools, &none) == PHN_ERROR_BUFFER && !none,
@@ -84,7 +84,7 @@ class Hand {
   }
   std::size_t data_bytes() const {
     std::size_t bytes = 0;
-    require(phn_data_size(_model, _max_tools, &bytes) == PHN_OK && bytes > 0, "a size of data");
+    require(phn_tools_size(_model, _max_tools, &bytes) == PHN_OK && bytes > 0, "a size of data");
     return bytes;
   }
   /// A coordinate within and around the bodies.
@@ -123,7 +123,7 @@ class Hand {
     const int status = phn_contact_step(_contact, _data, n, tools.data(), states.data(), &coupled);
     phn_data* fresh = nullptr;
     _fresh.fill();
-    require(phn_data_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK, "data of its size");
+    require(phn_tools_init(_fresh.data(), _fresh.size(), _model, _max_tools, &fresh) == PHN_OK, "data of its size");
     require(phn_set_level(_model, fresh, phn_level_of(_data)) == PHN_OK, "a level that the data have");
     require(phn_contact_step(_twin, fresh, n, tools.data(), again.data(), &coupled_again) == status,
             "the status does not depend on earlier scratch");

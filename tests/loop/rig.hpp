@@ -53,7 +53,7 @@ struct Body {
   phn_loop_response at(const double (&tool)[3]) { return sphere_radius > 0 ? sphere->at(tool) : held.at(tool); }
   std::string text;
   rt::Model loaded;
-  rt::Data data;
+  rt::Tools data;
   rt::Contact contact;
   int node;
   rt::HeldNode held;

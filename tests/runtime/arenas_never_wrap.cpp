@@ -2,7 +2,7 @@
 // overflows and stays so, or its size is at most PTRDIFF_MAX.
 #include <gtest/gtest.h>
 
-#include "arena.hpp"
+#include "core/arena.hpp"
 
 namespace {
 

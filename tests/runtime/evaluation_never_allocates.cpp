@@ -61,8 +61,8 @@ TEST_P(Memory, NothingIsAllocated) {
   const long before = n_allocations;
   int worst = phn_model_size(text.data(), text.size(), &bytes, nullptr);
   worst = std::min(worst, phn_model_init(model_memory.data(), bytes, text.data(), text.size(), &model, nullptr));
-  worst = std::min(worst, phn_data_size(model, 3, &bytes));
-  worst = std::min(worst, phn_data_init(data_memory.data(), bytes, model, 3, &data));
+  worst = std::min(worst, phn_tools_size(model, 3, &bytes));
+  worst = std::min(worst, phn_tools_init(data_memory.data(), bytes, model, 3, &data));
   worst = std::min(worst, phn_force(model, data, 3, d, out, nullptr, nullptr));
   worst = std::min(worst, phn_deform(model, data, *tools, d, out));
   worst = std::min(worst, phn_blend_paper(model, data, 3, tools, d, out));

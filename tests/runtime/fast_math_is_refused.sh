@@ -13,13 +13,13 @@ rm -rf "$work"
 mkdir -p "$work"
 for source in "$runtime"/src/*.cpp; do
   if "$compiler" "${check[@]}" -ffast-math "$source" 2> "$work/said"; then
-    fail "$source compiles with -ffast-math: include strict_arithmetic.hpp"
+    fail "$source compiles with -ffast-math: include core/arithmetic.hpp"
   fi
   grep -q -- "$message" "$work/said" || fail "$source is refused without a remedy: $(cat "$work/said")"
 done
 
 # The last flag can revoke those before it.
-source=$runtime/src/phynness.cpp
+source=$runtime/src/core/phynness.cpp
 for flags in -Ofast -ffinite-math-only "-fno-fast-math -ffinite-math-only"; do
   # shellcheck disable=SC2086
   ! "$compiler" "${check[@]}" $flags "$source" 2> "$work/said" || fail "$flags is accepted"

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <random>
 
-#include "modal/force_kernels.hpp"
+#include "core/kernels.hpp"
 
 namespace {
 
@@ -36,21 +36,20 @@ struct RandomForce {
     net.center = center.data();
     net.displacements = displacements.data();
     net.coefficient = coefficients.data();
-    table.centers = terms.empty() ? nullptr : terms.data();
-    set_rest(net, table, terms.empty() ? nullptr : terms.data());
+    net.table = terms.empty() ? nullptr : terms.data();
+    set_rest(net, terms.empty() ? nullptr : terms.data());
   }
 
   ForceValues by(const ForceKernels& kernels, const double* x) const {
     ForceValues values = {};
-    kernels.with_both(net, table, x, values.force.data(), &values.energy, values.stiffness.data());
+    kernels.with_both(net, x, values.force.data(), &values.energy, values.stiffness.data());
     return values;
   }
 
   std::vector<std::int32_t> center;
   std::vector<double> displacements, coefficients;
   std::vector<Real> terms;
-  Conservative<double> net = {};
-  ForceTable table = {};
+  ModalForce net = {};
 };
 
 constexpr std::int32_t force_sizes[] = {0, 1, 15, 16, 31, 32, 60, 78, 143};
@@ -85,11 +84,10 @@ TEST(ForceKernels, GiveTheSameBitsAloneAndTogether) {
         const double x[] = {depth, -0.4 * depth, 0.2 * depth};
         const ForceValues together = force.by(*kernels, x);
         ForceValues alone = together, with_energy = together, with_stiffness = together;
-        kernels->force(force.net, force.table, x, alone.force.data());
-        alone.energy = kernels->energy(force.net, force.table, x);
-        kernels->with_energy(force.net, force.table, x, with_energy.force.data(), &with_energy.energy, nullptr);
-        kernels->with_stiffness(force.net, force.table, x, with_stiffness.force.data(), nullptr,
-                                with_stiffness.stiffness.data());
+        kernels->force(force.net, x, alone.force.data());
+        alone.energy = kernels->energy(force.net, x);
+        kernels->with_energy(force.net, x, with_energy.force.data(), &with_energy.energy, nullptr);
+        kernels->with_stiffness(force.net, x, with_stiffness.force.data(), nullptr, with_stiffness.stiffness.data());
         EXPECT_EQ(alone, together) << kernels->name << ", " << n_centers << " centers, " << depth;
         EXPECT_EQ(with_energy, together) << kernels->name << ", " << n_centers << " centers, " << depth;
         EXPECT_EQ(with_stiffness, together) << kernels->name << ", " << n_centers << " centers, " << depth;

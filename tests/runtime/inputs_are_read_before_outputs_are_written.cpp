@@ -76,6 +76,9 @@ class Table {
     init("phn_data_init", "data", [model](void* memory, std::size_t bytes, char* handle) {
       return phn_data_init(memory, bytes, model, 4, as<phn_data*>(handle));
     });
+    init("phn_tools_init", "data", [model](void* memory, std::size_t bytes, char* handle) {
+      return phn_tools_init(memory, bytes, model, 4, as<phn_data*>(handle));
+    });
     init("phn_surface_init", "surface", [model](void* memory, std::size_t bytes, char* handle) {
       return phn_surface_init(memory, bytes, model, 1, as<const phn_surface*>(handle));
     });
@@ -211,8 +214,8 @@ INSTANTIATE_TEST_SUITE_P(Families, Overlap, ::testing::Values(Family::rbfn, Fami
 
 TEST_P(Overlap, TableHoldsEveryFunctionOfTheHeaders) {
   const Table table(GetParam());
-  for (const char* header :
-       {"phynness.h", "phynness_contact.h", "phynness_levels.h", "phynness_paper.h", "phynness_surface.h"})
+  for (const char* header : {"phynness.h", "phynness_tools.h", "phynness_contact.h", "phynness_levels.h",
+                             "phynness_paper.h", "phynness_surface.h"})
     expect_rows_of_all_functions(table.rows, headers + header);
 }
 
@@ -240,6 +243,7 @@ TEST_P(Overlap, OfAnObjectAndItsModelIsRefused) {
   for (const std::size_t offset : {std::size_t{0}, before.size() / 2, before.size() - 64}) {
     char* const memory = loaded.model_memory.data() + offset;
     EXPECT_EQ(phn_data_init(memory, bytes, loaded.model, 1, &data), PHN_ERROR_OVERLAP);
+    EXPECT_EQ(phn_tools_init(memory, bytes, loaded.model, 1, &data), PHN_ERROR_OVERLAP);
     EXPECT_EQ(phn_surface_init(memory, bytes, loaded.model, 1, &surface), PHN_ERROR_OVERLAP);
     EXPECT_EQ(phn_contact_init(memory, bytes, loaded.model, 1, &contact), PHN_ERROR_OVERLAP);
     EXPECT_TRUE(data == nullptr && surface == nullptr && contact == nullptr);

@@ -4,8 +4,8 @@
 #include <limits>
 #include <random>
 
-#include "rbfn/exponential.hpp"
-#include "rbfn/network_kernels.hpp"
+#include "core/kernels.hpp"
+#include "core/rbfn/exponential.hpp"
 
 namespace {
 

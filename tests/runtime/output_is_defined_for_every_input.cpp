@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "arena.hpp"
+#include "core/arena.hpp"
 #include "loaded_model.hpp"
 #include "rounding.hpp"
 #include "small_model.hpp"

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 #include <phynness/phynness_paper.h>
 
-#include "evaluate.hpp"
+#include "core/evaluate.hpp"
+#include "core/kernels.hpp"
 #include "loaded_model.hpp"
-#include "modal/modal_kernels.hpp"
 #include "small_model.hpp"
 
 namespace {

@@ -5,7 +5,7 @@
 
 #include "loaded_model.hpp"
 #include "small_model.hpp"
-#include "surface_turn.hpp"
+#include "tools/surface_turn.hpp"
 
 namespace {
 

@@ -1,7 +1,8 @@
 /* phynness: reaction force and deformation of a trained object in real time. This header is the core of the runtime.
- * Further headers: phynness_surface.h (a finer surface for drawing), phynness_contact.h (spheres that touch, slide and
- * grasp), phynness_levels.h (less accuracy for less time), phynness_image.h (models in flash memory), phynness_paper.h
- * (the paper's blending of several tools).
+ * Further headers: phynness_tools.h (several tools and tools between nodes; it is included here), phynness_surface.h (a
+ * finer surface for drawing), phynness_contact.h (spheres that touch, slide and grasp), phynness_levels.h (less
+ * accuracy for less time), phynness_image.h (models in flash memory), phynness_paper.h (the paper's blending of several
+ * tools).
  *
  * Start-up: phn_model_size, phn_model_init, phn_data_size, phn_data_init. The caller provides the memory. No function
  * allocates memory, prints or reads a file, and nothing has to be released. A phn_model is constant and may be shared
@@ -41,7 +42,7 @@ enum {
   PHN_ERROR_NOT_ACTIVE = -2,     /* the node cannot be touched in this model */
   PHN_ERROR_NOT_FINITE = -3,     /* a displacement, position or size is NaN or infinite */
   PHN_ERROR_BUFFER = -4,         /* the memory is smaller than the _size function returned */
-  PHN_ERROR_TOOLS = -5,          /* more tools than the phn_data or phn_contact was made for */
+  PHN_ERROR_TOOLS = -5,          /* more tools than the phn_data or phn_contact was made for (phynness_tools.h) */
   PHN_ERROR_SAME_NODE = -6,      /* two tools at one node */
   PHN_ERROR_UNDEFINED = -7,      /* the model or the node has no such response, e.g. no energy or no deformation */
   PHN_ERROR_BUDGET = -8,         /* even the smallest level takes more than the given time */
@@ -95,7 +96,8 @@ typedef struct phn_info {
 } phn_info;
 PHN_API int phn_model_info(const phn_model* model, phn_info* info);
 
-/* Working memory for up to `max_tools` (>= 1) simultaneous tools. The model must outlive it. */
+/* Working memory for `max_tools` (>= 1) simultaneous tools at nodes. The model must outlive it. Coupled tools and
+ * contact need the larger one of phn_tools_init (phynness_tools.h). */
 PHN_API int phn_data_size(const phn_model* model, int32_t max_tools, size_t* bytes);
 PHN_API int phn_data_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
 
@@ -134,36 +136,6 @@ PHN_API int phn_field(const phn_model* model, phn_data* data, int32_t node, cons
  * nodes for each tool. Results are bitwise the same with and without this call. */
 PHN_API int phn_prepare(const phn_model* model, phn_data* data, int32_t node);
 
-/* A tool that holds a point of the surface: up to three nodes of one triangle, active or fixed, with barycentric
- * weights, which are >= 0 and have the sum 1. A tool at a node: {node, -1, -1}, {1, 0, 0}. */
-typedef struct phn_tool {
-  int32_t nodes[3]; /* -1: unused */
-  double weights[3];
-  double displacement[3]; /* of the point [m] */
-} phn_tool;
-typedef struct phn_coupled {
-  double residual; /* largest distance [m] of a tool from the point that it holds; rounding unless _UNSETTLED */
-  double energy;   /* [J]; 0 in family rbfn */
-} phn_coupled;
-
-/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. Every held point follows its tool. The force of one
- * tool at a node is that of phn_force. Forces are exact for a linear body, and continuous where a tool slides over
- * edges and nodes. In families with an energy they are its gradient while the tools hold their points. The result
- * depends on these arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of
- * each other pull apart, and their points follow them only in part. PHN_ERROR_UNDEFINED: a touched node, or one under
- * its round tool, is not an output node, or it has no deformation. `result` may be null. Components of
- * displacements are clamped to 1000 max_displacement_m. */
-PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
-                       phn_coupled* result);
-
-/* Displacements [m] of all output nodes, n_output x 3, under the tools of the last phn_couple with this data; zeros
- * before the first phn_couple. */
-PHN_API int phn_coupled_deform(const phn_model* model, phn_data* data, double* out);
-
-/* The tool at that point of the undeformed surface which is nearest to x [m], with displacement 0. `point` [m] may be
- * null. */
-PHN_API int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, double point[3]);
-
 /* Position of d relative to the training data of a node: it tells interpolation from extrapolation. It is not an
  * estimate of the error. A d longer than trained_depth gives PHN_WARNING_OUTSIDE in phn_force. */
 typedef struct phn_trusted {
@@ -187,5 +159,7 @@ PHN_API int phn_bound(const phn_model* model, int32_t node, const double d[3], d
 #ifdef __cplusplus
 }
 #endif
+
+#include <phynness/phynness_tools.h>
 
 #endif

@@ -1,7 +1,8 @@
-// phynness for C++17: the functions of phynness.h, phynness_levels.h and phynness_paper.h as members of objects. An
-// object owns its memory or uses memory of the caller. After construction nothing is allocated. No exceptions and no
-// RTTI are used: functions that can fail return a [[nodiscard]] Status, and an object whose construction failed
-// converts to false and has a status. Meaning, cost and errors of each function are described in those headers.
+// phynness for C++17: the functions of phynness.h, phynness_tools.h, phynness_levels.h and phynness_paper.h as members
+// of objects. An object owns its memory or uses memory of the caller. After construction nothing is allocated. No
+// exceptions and no RTTI are used: functions that can fail return a [[nodiscard]] Status, and an object whose
+// construction failed converts to false and has a status. Meaning, cost and errors of each function are described in
+// those headers.
 #ifndef PHYNNESS_HPP
 #define PHYNNESS_HPP
 
@@ -268,16 +269,8 @@ class Model : public detail::Built<const phn_model, detail::ModelContent> {
 class Data : public detail::Built<phn_data, detail::DataSizes> {
  public:
   Data() = default;
-  Data(const Model& model, std::int32_t max_tools, Span<std::byte> own = {}) {
-    more().model = model.get();
-    const auto size = [&](std::size_t* bytes) { return phn_data_size(model.get(), max_tools, bytes); };
-    const auto init = [&](void* place, std::size_t bytes, phn_data** data) {
-      return phn_data_init(place, bytes, model.get(), max_tools, data);
-    };
-    if (build(own, size, init) == 0) return;
-    more().n_field = 3 * static_cast<std::size_t>(model.n_output());
-    more().n_levels = static_cast<std::size_t>(model.n_levels());
-  }
+  Data(const Model& model, std::int32_t max_tools, Span<std::byte> own = {})
+      : Data(model, max_tools, own, phn_data_size, phn_data_init) {}
   static std::size_t bytes_for(const Model& model, std::int32_t max_tools) noexcept {
     std::size_t bytes = 0;
     return phn_data_size(model.get(), max_tools, &bytes) == PHN_OK ? bytes : 0;
@@ -313,6 +306,45 @@ class Data : public detail::Built<phn_data, detail::DataSizes> {
                            displacements.data(), out.data());
   }
   Status prepare(std::int32_t node) noexcept { return phn_prepare(more().model, get(), node); }
+  /// @param out  n_output values
+  Status field(std::int32_t node, In3 d, std::int32_t number, Span<double> out) noexcept {
+    return 3 * out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)
+                                           : Status(phn_field(more().model, get(), node, d.data(), number, out.data()));
+  }
+
+  Status set_level(std::int32_t level) noexcept { return phn_set_level(more().model, get(), level); }
+  std::int32_t level() const noexcept { return phn_level_of(get()); }
+  /// @param times  output, n_levels of the model
+  Status calibrate(double (*clock_us)(void*), void* user, Span<phn_level_time> times) noexcept {
+    return times.size() < more().n_levels ? Status(PHN_ERROR_BUFFER)
+                                          : Status(phn_calibrate(more().model, get(), clock_us, user, times.data()));
+  }
+
+ protected:
+  Data(const Model& model, std::int32_t max_tools, Span<std::byte> own, decltype(phn_data_size) data_size,
+       decltype(phn_data_init) data_init) {
+    more().model = model.get();
+    const auto size = [&](std::size_t* bytes) { return data_size(model.get(), max_tools, bytes); };
+    const auto init = [&](void* place, std::size_t bytes, phn_data** data) {
+      return data_init(place, bytes, model.get(), max_tools, data);
+    };
+    if (build(own, size, init) == 0) return;
+    more().n_field = 3 * static_cast<std::size_t>(model.n_output());
+    more().n_levels = static_cast<std::size_t>(model.n_levels());
+  }
+};
+
+/// A Data that also holds coupled tools (phynness_tools.h), which contact needs as well.
+class Tools : public Data {
+ public:
+  Tools() = default;
+  Tools(const Model& model, std::int32_t max_tools, Span<std::byte> own = {})
+      : Data(model, max_tools, own, phn_tools_size, phn_tools_init) {}
+  static std::size_t bytes_for(const Model& model, std::int32_t max_tools) noexcept {
+    std::size_t bytes = 0;
+    return phn_tools_size(model.get(), max_tools, &bytes) == PHN_OK ? bytes : 0;
+  }
+
   /// @param forces_N  tools.size() x 3
   Status couple(Span<const phn_tool> tools, Span<double> forces_N, phn_coupled* result = nullptr) noexcept {
     if (forces_N.size() / 3 < tools.size()) return PHN_ERROR_BUFFER;
@@ -326,19 +358,6 @@ class Data : public detail::Built<phn_data, detail::DataSizes> {
   Status coupled_deform(Span<double> out) noexcept {
     return out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)
                                        : Status(phn_coupled_deform(more().model, get(), out.data()));
-  }
-  /// @param out  n_output values
-  Status field(std::int32_t node, In3 d, std::int32_t number, Span<double> out) noexcept {
-    return 3 * out.size() < more().n_field ? Status(PHN_ERROR_BUFFER)
-                                           : Status(phn_field(more().model, get(), node, d.data(), number, out.data()));
-  }
-
-  Status set_level(std::int32_t level) noexcept { return phn_set_level(more().model, get(), level); }
-  std::int32_t level() const noexcept { return phn_level_of(get()); }
-  /// @param times  output, n_levels of the model
-  Status calibrate(double (*clock_us)(void*), void* user, Span<phn_level_time> times) noexcept {
-    return times.size() < more().n_levels ? Status(PHN_ERROR_BUFFER)
-                                          : Status(phn_calibrate(more().model, get(), clock_us, user, times.data()));
   }
 };
 

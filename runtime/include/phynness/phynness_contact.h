@@ -6,7 +6,8 @@
  * in a model of round tools the mean of the surface around it does.
  *
  * Memory, statuses, units, frames, overlap and the sign of the force are those of phynness.h; the states may overlap
- * the tools in memory. Each thread that moves tools has its own phn_contact and phn_data; threads share only the model.
+ * the tools in memory. Each thread that moves tools has its own phn_contact, and its own phn_data of
+ * phn_tools_init; threads share only the model.
  *
  * For a sphere of radius r, each vertex of phn_info.triangles is moved outwards along its mean normal, so far that the
  * triangles around it move by r (at sharp corners at most by 2 r). Contact of the sphere is contact of its centre with
@@ -16,7 +17,7 @@
 #ifndef PHYNNESS_CONTACT_H
 #define PHYNNESS_CONTACT_H
 
-#include <phynness/phynness.h>
+#include <phynness/phynness_tools.h>
 
 #ifdef __cplusplus
 extern "C" {

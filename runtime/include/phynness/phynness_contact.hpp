@@ -31,14 +31,14 @@ class Contact : public detail::Built<phn_contact, detail::FieldSize> {
 
   /// @param data    of the same thread and model
   /// @param states  tools.size() of them
-  Status step(Data& data, Span<const phn_contact_tool> tools, Span<phn_contact_state> states,
+  Status step(Tools& data, Span<const phn_contact_tool> tools, Span<phn_contact_state> states,
               phn_coupled* result = nullptr) noexcept {
     if (states.size() < tools.size()) return PHN_ERROR_BUFFER;
     if (tools.size() > PHN_MOST_COUPLED) return PHN_ERROR_TOO_MANY_TOOLS;
     return phn_contact_step(get(), data.get(), static_cast<std::int32_t>(tools.size()), tools.data(), states.data(),
                             result);
   }
-  Status step(Data& data, const phn_contact_tool& tool, phn_contact_state& state,
+  Status step(Tools& data, const phn_contact_tool& tool, phn_contact_state& state,
               phn_coupled* result = nullptr) noexcept {
     return phn_contact_step(get(), data.get(), 1, &tool, &state, result);
   }

@@ -57,6 +57,8 @@
 #define phn_surface_scratch_size phnf_surface_scratch_size
 #define phn_surface_size phnf_surface_size
 #define phn_surface_triangles phnf_surface_triangles
+#define phn_tools_init phnf_tools_init
+#define phn_tools_size phnf_tools_size
 #define phn_trust phnf_trust
 #define phn_version phnf_version
 

@@ -78,7 +78,7 @@ class HeldNode {
 /// A body that a sphere touches; its frame is that of the mesh.
 class TouchingSphere {
  public:
-  TouchingSphere(Contact& contact, Data& data, double radius_m, double friction) noexcept
+  TouchingSphere(Contact& contact, Tools& data, double radius_m, double friction) noexcept
       : _contact(&contact), _data(&data), _tool{{0, 0, 0}, radius_m, friction, PHN_TOOL_PRESS} {}
 
   phn_loop_response at(In3 tool) noexcept {
@@ -98,7 +98,7 @@ class TouchingSphere {
 
  private:
   Contact* _contact;
-  Data* _data;
+  Tools* _data;
   phn_contact_tool _tool;
   phn_contact_state _state = {};
 };

@@ -57,8 +57,8 @@ export class Contact extends Owner {
       this.own(contact.memory);
       this.contact = contact.object;
       const data = engine.made(
-        (result) => engine.call('phn_data_size', model, max, result),
-        (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, model, max, result),
+        (result) => engine.call('phn_tools_size', model, max, result),
+        (memory, bytes, result) => engine.call('phn_tools_init', memory, bytes, model, max, result),
       );
       this.own(data.memory);
       this.data = data.object;

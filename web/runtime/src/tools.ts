@@ -33,8 +33,8 @@ export class Tools extends Owner {
     few(max);
     try {
       const data = engine.made(
-        (result) => engine.call('phn_data_size', model, max, result),
-        (memory, bytes, result) => engine.call('phn_data_init', memory, bytes, model, max, result),
+        (result) => engine.call('phn_tools_size', model, max, result),
+        (memory, bytes, result) => engine.call('phn_tools_init', memory, bytes, model, max, result),
       );
       this.own(data.memory);
       this.data = data.object;

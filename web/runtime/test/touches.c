@@ -39,8 +39,8 @@ int main(int argc, char** argv) {
   text = read_file(argv[1], &length);
   check(phn_model_size(text, length, &bytes, NULL), "model");
   check(phn_model_init(malloc(bytes), bytes, text, length, &model, NULL), "model");
-  check(phn_data_size(model, 1, &bytes), "data");
-  check(phn_data_init(malloc(bytes), bytes, model, 1, &data), "data");
+  check(phn_tools_size(model, 1, &bytes), "data");
+  check(phn_tools_init(malloc(bytes), bytes, model, 1, &data), "data");
   check(phn_contact_size(model, 1, &bytes), "contact");
   check(phn_contact_init(malloc(bytes), bytes, model, 1, &contact), "contact");
   check(phn_model_info(model, &info), "info");

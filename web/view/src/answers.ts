@@ -1,5 +1,6 @@
 // What the runtime answers for tools and spheres, with the times it takes.
 import type { Contact, Level, Model, Sphere, Surface, Tools, Touch, Warning } from '../../runtime/src/index.js';
+import { PhynnessError } from '../../runtime/src/status.js';
 import { add, row, scale, zero, type V3 } from '../../shared/src/vectors.js';
 import { nodeOf, toolOf, type Place } from './places.js';
 import type { HeldTool } from './state.js';
@@ -31,7 +32,7 @@ export interface Answer {
 export const mostTools = 2;
 
 export class Runtime {
-  private readonly tools: Tools | null;
+  private readonly tools: Tools;
   private readonly contact_: Contact | null;
   private surface_: Surface | null = null;
   private surfaceLevels = -1;
@@ -46,14 +47,11 @@ export class Runtime {
     this.active = new Set(info.activeNodes);
     this.rows = new Map([...info.outputNodes, ...info.fixedNodes].map((node, i) => [node, i]));
     this.field = new Float64Array(3 * info.outputNodes.length);
-    this.tools = attempt(() => model.tools(mostTools));
-    this.contact_ = attempt(() => model.contact(1));
+    this.tools = model.tools(mostTools);
+    this.contact_ = unlessRefused(['PHN_ERROR_UNDEFINED', 'PHN_ERROR_GEOMETRY'], () => model.contact(1));
   }
   get hasContact(): boolean {
     return this.contact_ !== null;
-  }
-  get hasCoupling(): boolean {
-    return this.tools !== null;
   }
   get levels(): readonly Level[] {
     return this.model.levels;
@@ -66,7 +64,7 @@ export class Runtime {
   setLevel(level: number | null): void {
     const index = Math.min(level ?? this.levels.length - 1, this.levels.length - 1);
     this.model.level = index;
-    if (this.tools) this.tools.level = index;
+    this.tools.level = index;
   }
   surface(levels: number): Surface {
     if (this.surfaceLevels !== levels || !this.surface_) {
@@ -96,7 +94,7 @@ export class Runtime {
     const node = tools.length === 1 ? nodeOf(tools[0]!.place) : null;
     if (node !== null) return this.atNode(node, tools[0]!.displacement);
     if (tools.length === 0) this.field.fill(0);
-    if (tools.length === 0 || !this.tools) return { ...nothing, energy: this.model.info.hasEnergy ? 0 : null };
+    if (tools.length === 0) return { ...nothing, energy: this.model.info.hasEnergy ? 0 : null };
     const { status, warnings, forces, energy, residual } = this.tools.set(tools.map(({ place, displacement }) => toolOf(place, displacement)));
     this.tools.deform(this.field);
     return {
@@ -108,11 +106,8 @@ export class Runtime {
   private atNode(node: number, d: V3): Answer {
     const energetic = this.model.info.hasEnergy;
     const { status, warnings, force, energy, stiffness } = this.model.force(node, d, { energy: energetic, stiffness: energetic });
-    try {
-      this.model.deform(node, d, this.field);
-    } catch {
-      this.field.fill(0);  // models without deformations still have forces
-    }
+    // Models without deformations still have forces.
+    if (!unlessRefused(['PHN_ERROR_UNDEFINED'], () => this.model.deform(node, d, this.field))) this.field.fill(0);
     return {
       ...nothing, status, warnings, forces: [row(force, 0)], energy: energy ?? null, stiffness: stiffness ?? null,
       trust: this.model.trust(node, d), bound: this.atFullLevel ? this.model.bound(node, d) : null,
@@ -142,22 +137,23 @@ export class Runtime {
     if (node !== null && others.length === 0) return (d) => this.forceAt(node, d);
     return (d) => {
       const all = [{ ...tool, displacement: d }, ...others].map(({ place, displacement }) => toolOf(place, displacement));
-      return this.tools ? row(this.tools.set(all).forces, 0) : [0, 0, 0];
+      return row(this.tools.set(all).forces, 0);
     };
   }
 
-  /** Microseconds of one force and of one deformation, measured here in a few milliseconds. */
+  /** Microseconds of one force and of one deformation, measured here in a few milliseconds; NaN without deformations. */
   times(node: number): { force: number; deformation: number } {
     const d: V3 = [0, 0, -0.5 * this.model.info.maxDisplacement];
+    const deform = () => microseconds(() => this.model.deform(node, d, new Float64Array(this.field.length)));
     return {
       force: microseconds(() => this.model.force(node, d)),
-      deformation: microseconds(() => this.model.deform(node, d, new Float64Array(this.field.length))),
+      deformation: unlessRefused(['PHN_ERROR_UNDEFINED'], deform) ?? NaN,
     };
   }
 
   dispose(): void {
     this.surface_?.dispose();
-    this.tools?.dispose();
+    this.tools.dispose();
     this.contact_?.dispose();
     this.model.dispose();
   }
@@ -167,30 +163,28 @@ const nothing: Answer = {
   status: 0, warnings: [], forces: [], energy: null, stiffness: null, trust: null, bound: null, touches: [], residual: 0,
 };
 
-function attempt<T>(make: () => T): T | null {
+/** What is made; null if the runtime refuses it with one of these statuses. @throws any other error */
+function unlessRefused<T>(statuses: readonly string[], make: () => T): T | null {
   try {
     return make();
-  } catch {
-    return null;
+  } catch (error) {
+    if (error instanceof PhynnessError && statuses.includes(error.statusName)) return null;
+    throw error;
   }
 }
 
 /** Time of one call. Clocks of browsers are coarse, therefore calls are repeated for 4 ms; the least of 3 rounds. */
 function microseconds(call: () => void): number {
   let least = Infinity;
-  try {
-    for (let round = 0; round < 3; ++round) {
-      const begin = performance.now();
-      let n = 0, now = begin;
-      do {
-        for (let i = 0; i < 20; ++i) call();
-        n += 20;
-        now = performance.now();
-      } while (now - begin < 4);
-      least = Math.min(least, (1e3 * (now - begin)) / n);
-    }
-  } catch {
-    return NaN;
+  for (let round = 0; round < 3; ++round) {
+    const begin = performance.now();
+    let n = 0, now = begin;
+    do {
+      for (let i = 0; i < 20; ++i) call();
+      n += 20;
+      now = performance.now();
+    } while (now - begin < 4);
+    least = Math.min(least, (1e3 * (now - begin)) / n);
   }
   return least;
 }

@@ -74,7 +74,7 @@ export class Session {
   canHold(place: Place): boolean {
     const { runtime } = this, node = nodeOf(place);
     if (node !== null) return runtime.active.has(node);
-    return runtime.hasCoupling && place.nodes.every((n) => runtime.rows.has(n) && (runtime.active.has(n) || this.isFixed(n))) &&
+    return place.nodes.every((n) => runtime.rows.has(n) && (runtime.active.has(n) || this.isFixed(n))) &&
       place.nodes.some((n) => runtime.active.has(n));
   }
   private isFixed(node: number): boolean {
@@ -83,7 +83,7 @@ export class Session {
   /** The place that a tool holds which touches the undeformed surface at x [m]; null: nothing near was trained. */
   placeNear(x: V3): Place | null {
     const { runtime, state } = this;
-    if (!state.atNodes && runtime.hasCoupling) {
+    if (!state.atNodes) {
       const { nodes, weights } = runtime.model.nearest(x).tool, place = { nodes, weights };
       if (this.canHold(place)) return place;
     }

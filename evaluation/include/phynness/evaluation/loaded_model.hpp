@@ -41,7 +41,7 @@ class LoadedModel {
   std::size_t mesh_text_bytes() const { return _mesh_text_bytes; }
   std::size_t memory_bytes() const { return _runtime.bytes(); }
   const rt::Model& runtime() const { return _runtime; }
-  rt::Data& data() const { return _data; }
+  rt::Tools& data() const { return _data; }
 
   /// Sets the level of later calls; initially the full level.
   /// @throws Error (input) if the model has no such level
@@ -73,7 +73,7 @@ class LoadedModel {
   mutable std::optional<Model> _model;
   Mesh _mesh;
   rt::Model _runtime;
-  mutable rt::Data _data;
+  mutable rt::Tools _data;
   std::int32_t _max_tools = 0;
 };
 

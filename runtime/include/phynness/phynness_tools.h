@@ -1,0 +1,55 @@
+/* phynness: several tools, and tools between nodes, with the forces of one problem.
+ *
+ * Memory, statuses, units, frames, overlap and the sign of the force are those of phynness.h.
+ */
+#ifndef PHYNNESS_TOOLS_H
+#define PHYNNESS_TOOLS_H
+
+#include <phynness/phynness.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A tool that holds a point of the surface: up to three nodes of one triangle, active or fixed, with barycentric
+ * weights, which are >= 0 and have the sum 1. A tool at a node: {node, -1, -1}, {1, 0, 0}. */
+typedef struct phn_tool {
+  int32_t nodes[3]; /* -1: unused */
+  double weights[3];
+  double displacement[3]; /* of the point [m] */
+} phn_tool;
+typedef struct phn_coupled {
+  double residual; /* largest distance [m] of a tool from the point that it holds; rounding unless _UNSETTLED */
+  double energy;   /* [J]; 0 in family rbfn */
+} phn_coupled;
+
+/* A phn_data that also holds up to `max_tools` coupled tools, of which 8 are used at most; phn_couple and
+ * phn_contact_step need it, and every function takes it. It replaces the pair phn_data_size, phn_data_init, whose
+ * memory is smaller: memory grows with the square of the number of tools. */
+PHN_API int phn_tools_size(const phn_model* model, int32_t max_tools, size_t* bytes);
+PHN_API int phn_tools_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data);
+
+/* Forces [N] at up to 8 tools anywhere on the surface, n_tools x 3. Every held point follows its tool. The force of one
+ * tool at a node is that of phn_force. Forces are exact for a linear body, and continuous where a tool slides over
+ * edges and nodes. In families with an energy they are its gradient while the tools hold their points. The result
+ * depends on these arguments only, not on earlier calls. PHN_WARNING_UNSETTLED: tools within half an edge length of
+ * each other pull apart, and their points follow them only in part. PHN_ERROR_TOOLS: more tools than `data` holds; a
+ * phn_data of phn_data_init holds none. PHN_ERROR_UNDEFINED: a touched node, or one under its round tool, is not an
+ * output node, or it has no deformation. `result` may be null. Components of
+ * displacements are clamped to 1000 max_displacement_m. */
+PHN_API int phn_couple(const phn_model* model, phn_data* data, int32_t n_tools, const phn_tool* tools, double* forces,
+                       phn_coupled* result);
+
+/* Displacements [m] of all output nodes, n_output x 3, under the tools of the last phn_couple with this data; zeros
+ * before the first phn_couple. */
+PHN_API int phn_coupled_deform(const phn_model* model, phn_data* data, double* out);
+
+/* The tool at that point of the undeformed surface which is nearest to x [m], with displacement 0. `point` [m] may be
+ * null. */
+PHN_API int phn_nearest(const phn_model* model, const double x[3], phn_tool* tool, double point[3]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

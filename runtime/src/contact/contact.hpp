@@ -1,0 +1,70 @@
+// State of tools in contact: where each touches, and the quantities that the force balance of a step needs.
+#pragma once
+
+#include <phynness/phynness_contact.h>
+
+#include "contact/bounding_volumes.hpp"
+#include "tools/coupled.hpp"
+
+namespace PHN_RUNTIME {
+
+/// Input of a tool in this step, clamped so that no later computation overflows.
+struct ToolInput {
+  double center[3], radius, friction;
+  std::int32_t mode;
+};
+
+struct ToolContact {
+  bool known;     ///< it had a position in the last step
+  bool anchored;  ///< it has a proxy: in contact, or inside a surface that other tools have pushed away
+  bool felt;      ///< in contact
+  std::int32_t mode;
+  double radius, place[3];  ///< of the last step; a free tool is outside there, or has been inside since it appeared
+  SurfacePoint at;          ///< the proxy
+  double grip[3];           ///< mode grasp: from the touched point to the centre [m]
+  double displacement[3];   ///< of the touched point [m]
+  double moved[3];          ///< in the last step [m]
+  double given[3];          ///< the last force [N]
+  double taken;             ///< mode press: work done by the tool since contact began [J]
+  double scale;             ///< factor of the force that limits the returned work; 0: not in contact
+  bool alone;               ///< the only tool in contact, so that the energy belongs to it
+  // Quantities of one step.
+  bool active;
+  double normal[3], force[3];
+  double unbalanced;        ///< removed part of the force [N]
+  SurfacePoint before;      ///< the proxy before the latest slide
+  double slide[3], excess;  ///< that slide [m]; force in excess of the cone before it [N], -1: no slide yet
+  std::int32_t n_shortened, n_pulling;
+};
+
+}  // namespace PHN_RUNTIME
+
+struct phn_contact {
+  const phn_model* model;
+  std::int32_t max_tools;
+  bool guarded;  ///< true, except where tests measure what the guard is worth
+  PHN_RUNTIME::ContactSurface surface;
+  PHN_RUNTIME::BoundingVolumes volumes;
+  PHN_RUNTIME::ToolContact tool[PHN_RUNTIME::most_coupled];
+};
+
+namespace PHN_RUNTIME {
+
+/// A sweep may start this far inside the surface, in sizes of the body, and still count as outside: far more than
+/// rounding errors.
+inline constexpr double sweep_slack = 1e-9;
+
+/// Determines whether and where a tool touches, before forces are known.
+void approach(const phn_contact& contact, const ToolInput& input, ToolContact& tool);
+
+/// Moves a free tool beside the surface with the surface, after a refit. @param from  position of `at` before the refit
+void carry(const phn_contact& contact, const SurfacePoint& at, const double* from, ToolContact& tool);
+
+/// The argument of phn_couple for a tool.
+phn_tool held_by(const phn_contact& contact, const ToolContact& tool);
+
+/// Computes the forces of all anchored tools: lets points slide, and ends contacts that would pull.
+/// @return a status of phynness.h
+int balance(phn_contact& contact, phn_data& data, std::int32_t n_tools, const ToolInput* inputs, phn_coupled* result);
+
+}  // namespace PHN_RUNTIME

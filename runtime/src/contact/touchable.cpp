@@ -1,0 +1,242 @@
+#include "contact/touchable.hpp"
+
+#include <algorithm>
+
+#include "core/evaluate.hpp"
+#include "tools/triangle.hpp"
+
+namespace PHN_RUNTIME {
+namespace {
+
+/// Position among the active nodes; -1: fixed; -2: can neither be touched nor is fixed.
+std::int32_t active_of(const phn_model& model, std::int32_t vertex) {
+  const std::int32_t active = find_active(model, vertex_node(model, vertex));
+  if (active < 0) return vertex < model.n_output ? -2 : -1;
+  const ActiveNode& node = model.active[active];
+  return node.output >= 0 && has_deformation(model, node) ? active : -2;
+}
+
+bool touchable(const phn_model& model, const std::int32_t* vertex) {
+  bool moves = false;
+  const double* corner[3];
+  for (int k = 0; k < 3; ++k) {
+    const std::int32_t active = active_of(model, vertex[k]);
+    if (active == -2) return false;
+    moves = moves || active >= 0;
+    corner[k] = vertex_point(model, vertex[k]);
+  }
+  double normal[3];
+  area_normal(corner, normal);
+  return moves && dot(normal, normal) > 0;
+}
+
+/// Half the angle by the series of the arc sine of sin(angle / 2); the error is 0.3 % up to a right angle. The runtime
+/// does not link an arc cosine.
+double angle(double cosine) {
+  const double square = std::fmax(0.0, (1 - cosine) / 2);
+  return std::sqrt(square) * (1 + square * (1.0 / 6 + square * (3.0 / 40 + square * (15.0 / 336))));
+}
+
+void find_neighbors(TouchableEdge* edges, ContactSurface& s) {
+  const std::int32_t n = 3 * s.n_triangles;
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t* v = s.triangle + i / 3 * 3;
+    const std::int32_t a = v[(i % 3 + 1) % 3], b = v[(i % 3 + 2) % 3];
+    edges[i] = {a < b ? a : b, a < b ? b : a, i};
+    s.neighbor[i] = -1;
+  }
+  const auto before = [](const TouchableEdge& a, const TouchableEdge& b) {
+    return a.low != b.low ? a.low < b.low : a.high != b.high ? a.high < b.high : a.at < b.at;
+  };
+  // As fast as needed at start-up, and a third of the code of std::sort.
+  std::make_heap(edges, edges + n, before);
+  std::sort_heap(edges, edges + n, before);
+  const auto same = [&](std::int32_t i, std::int32_t j) {
+    return j < n && edges[i].low == edges[j].low && edges[i].high == edges[j].high;
+  };
+  const auto first_of = [&](std::int32_t at) { return s.triangle[at / 3 * 3 + (at % 3 + 1) % 3]; };
+  for (std::int32_t i = 0, end; i < n; i = end) {
+    for (end = i + 1; same(i, end);) ++end;
+    const std::int32_t a = edges[i].at, b = edges[end - 1].at;
+    // Neighbours are two triangles of consistent orientation. A tool does not slide across an edge of more triangles.
+    if (end - i != 2 || first_of(a) == first_of(b)) continue;
+    s.neighbor[a] = b / 3;
+    s.neighbor[b] = a / 3;
+  }
+}
+
+/// Mean normals, weighted by the angle at the vertex, with a length for which the planes around it move by 1 on
+/// average.
+void find_offsets(const phn_model& model, ContactSurface& s) {
+  for (std::int32_t i = 0; i < 3 * s.n_vertices; ++i) s.offset[i] = 0;
+  const auto each_corner = [&](const auto& visit) {
+    for (std::int32_t t = 0; t < model.n_triangles; ++t) {
+      const std::int32_t* vertex = model.triangles + 3 * static_cast<std::size_t>(t);
+      const double* corner[3];
+      for (int k = 0; k < 3; ++k) corner[k] = vertex_point(model, vertex[k]);
+      double normal[3];
+      area_normal(corner, normal);
+      const double area = norm(normal);
+      if (!(area > 0)) continue;
+      for (double& x : normal) x /= area;
+      for (int k = 0; k < 3; ++k) {
+        double e[3], f[3];
+        subtract(corner[(k + 1) % 3], corner[k], e);
+        subtract(corner[(k + 2) % 3], corner[k], f);
+        visit(vertex[k], normal, angle(dot(e, f) / (norm(e) * norm(f))));
+      }
+    }
+  };
+  each_corner([&](std::int32_t v, const double* normal, double weight) {
+    for (int k = 0; k < 3; ++k) row(s.offset, v)[k] += weight * normal[k];
+  });
+  for (std::int32_t v = 0; v < s.n_vertices; ++v) {
+    double* m = row(s.offset, v);
+    const double size = norm(m);
+    for (int k = 0; k < 3; ++k) m[k] = size > 1e-6 ? m[k] / size : 0;
+  }
+  // Temporary sums use memory that place() overwrites later.
+  for (std::int32_t i = 0; i < 3 * s.n_vertices; ++i) s.placed[i] = 0;
+  each_corner([&](std::int32_t v, const double* normal, double weight) {
+    double *m = row(s.offset, v), *sums = row(s.placed, v);
+    if (!(dot(m, m) > 0)) {
+      for (int k = 0; k < 3; ++k) m[k] = normal[k];  // the normals cancel; use one of them
+    }
+    sums[0] += weight * dot(m, normal);
+    sums[1] += weight;
+  });
+  for (std::int32_t v = 0; v < s.n_vertices; ++v) {
+    const double* sums = row(s.placed, v);
+    const double mitre = sums[0] > sums[1] / longest_offset ? sums[1] / sums[0] : longest_offset;
+    for (int k = 0; k < 3; ++k) row(s.offset, v)[k] *= sums[1] > 0 ? mitre : 0;
+  }
+}
+
+}  // namespace
+
+std::int32_t count_touchable(const phn_model& model) {
+  std::int32_t n = 0;
+  for (std::int32_t t = 0; t < model.n_triangles; ++t)
+    n += touchable(model, model.triangles + 3 * static_cast<std::size_t>(t));
+  return n;
+}
+
+ContactSurface lay_out_contact_surface(Arena& arena, const phn_model& model, std::int32_t n_triangles) {
+  ContactSurface s = {};
+  s.n_vertices = model.n_output + model.n_fixed;
+  s.n_triangles = n_triangles;
+  const auto vertices = static_cast<std::size_t>(s.n_vertices), triangles = static_cast<std::size_t>(n_triangles);
+  s.triangle = arena.take<std::int32_t>(3 * triangles);
+  s.neighbor = arena.take<std::int32_t>(3 * triangles);
+  s.node = arena.take<std::int32_t>(vertices);
+  s.active = arena.take<std::int32_t>(vertices);
+  s.rest = arena.take<double>(3 * vertices);
+  s.placed = arena.take<double>(3 * vertices);
+  s.offset = arena.take<double>(3 * vertices);
+  return s;
+}
+
+int build_contact_surface(const phn_model& model, TouchableEdge* scratch, ContactSurface& s) {
+  double low[3], high[3];
+  for (std::int32_t v = 0; v < s.n_vertices; ++v) {
+    const double* x = vertex_point(model, v);
+    for (int k = 0; k < 3; ++k) {
+      if (!(std::fabs(x[k]) <= largest_coordinate_m)) return PHN_ERROR_GEOMETRY;
+      row(s.rest, v)[k] = x[k];
+      low[k] = v == 0 ? x[k] : std::fmin(low[k], x[k]);
+      high[k] = v == 0 ? x[k] : std::fmax(high[k], x[k]);
+    }
+    s.node[v] = vertex_node(model, v);
+    s.active[v] = active_of(model, v);
+  }
+  double diagonal[3];
+  subtract(high, low, diagonal);
+  s.size = norm(diagonal);
+  for (int k = 0; k < 3; ++k) s.middle[k] = (low[k] + high[k]) / 2;
+  std::int32_t n = 0;
+  for (std::int32_t t = 0; t < model.n_triangles; ++t) {
+    const std::int32_t* vertex = model.triangles + 3 * static_cast<std::size_t>(t);
+    if (!touchable(model, vertex)) continue;
+    for (int k = 0; k < 3; ++k) s.triangle[3 * n + k] = vertex[k];
+    ++n;
+  }
+  find_neighbors(scratch, s);
+  find_offsets(model, s);
+  place(model, nullptr, s);
+  return PHN_OK;
+}
+
+double place(const phn_model& model, const double* field, ContactSurface& s) {
+  const double largest = largest_distance * s.size;
+  double most = 0;
+  for (std::int32_t v = 0; v < s.n_vertices; ++v) {
+    double moved[3];
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t i = 3 * v + k;
+      const double u = field != nullptr && v < model.n_output ? field[i] : 0;
+      const double x = s.rest[i] + std::fmax(-largest, std::fmin(largest, u));
+      moved[k] = x - s.placed[i];
+      s.placed[i] = x;
+    }
+    most = std::fmax(most, dot(moved, moved));
+  }
+  return std::sqrt(most);
+}
+
+void point_at(const ContactSurface& s, const double* points, const SurfacePoint& at, double radius, double* x) {
+  for (int k = 0; k < 3; ++k) x[k] = 0;
+  for (int c = 0; c < 3; ++c) {
+    const std::int32_t v = s.triangle[3 * at.triangle + c];
+    for (int k = 0; k < 3; ++k) x[k] += at.weight[c] * (row(points, v)[k] + radius * row(s.offset, v)[k]);
+  }
+}
+
+void normal_at(const ContactSurface& s, const SurfacePoint& at, double* normal) {
+  for (int k = 0; k < 3; ++k) normal[k] = 0;
+  for (int c = 0; c < 3; ++c) {
+    for (int k = 0; k < 3; ++k) normal[k] += at.weight[c] * row(s.offset, s.triangle[3 * at.triangle + c])[k];
+  }
+  double size = norm(normal);
+  if (!(size > 1e-6)) {
+    const double* corner[3];
+    corners_of(s, s.rest, at.triangle, corner);
+    area_normal(corner, normal);
+    size = norm(normal);
+  }
+  for (int k = 0; k < 3; ++k) normal[k] /= size;
+}
+
+void gradients_at(const ContactSurface& s, const SurfacePoint& at, double* axes, double* offset_gradient,
+                  double* normal_gradient) {
+  const double* corner[3];
+  corners_of(s, s.rest, at.triangle, corner);
+  double gradient[3][3], normal[3], edge[3], m[3] = {0, 0, 0};
+  weight_gradients(corner, gradient, normal);
+  subtract(corner[1], corner[0], edge);
+  const double length_of_edge = norm(edge);
+  for (int k = 0; k < 3; ++k) axes[k] = edge[k] / length_of_edge;
+  cross(normal, axes, axes + 3);
+  for (int i = 0; i < 9; ++i) offset_gradient[i] = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double* offset = row(s.offset, s.triangle[3 * at.triangle + c]);
+    for (int k = 0; k < 3; ++k) {
+      m[k] += at.weight[c] * offset[k];
+      for (int l = 0; l < 3; ++l) offset_gradient[3 * k + l] += offset[k] * gradient[c][l];
+    }
+  }
+  const double size = norm(m);
+  for (int l = 0; l < 3; ++l) {
+    const double along =
+        (m[0] * offset_gradient[l] + m[1] * offset_gradient[3 + l] + m[2] * offset_gradient[6 + l]) / (size * size);
+    for (int k = 0; k < 3; ++k)
+      normal_gradient[3 * k + l] = size > 1e-6 ? (offset_gradient[3 * k + l] - along * m[k]) / size : 0;
+  }
+}
+
+double movable(const ContactSurface& s, const SurfacePoint& at) {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) sum += s.active[s.triangle[3 * at.triangle + c]] >= 0 ? at.weight[c] : 0;
+  return sum;
+}
+
+}  // namespace PHN_RUNTIME

@@ -1,0 +1,75 @@
+// The surface that tools touch: its touchable triangles, offsets by the radius of a tool, neighbours, and motion of
+// points on it.
+#pragma once
+
+#include <cmath>
+
+#include "core/arena.hpp"
+#include "tools/triangle.hpp"
+
+namespace PHN_RUNTIME {
+
+/// Moving corners have at least this weight in a touched point, because the stiffness of a point grows without bound
+/// towards a fixed edge.
+inline constexpr double least_movable = 0.05;
+/// Largest length of an offset in radii; the corner of a cuboid needs sqrt(3).
+inline constexpr double longest_offset = 2;
+inline constexpr double largest_coordinate_m = 1e30;
+inline constexpr double largest_distance = 1e3;  ///< of tools and of displacements, in sizes of the body
+
+struct ContactSurface {
+  std::int32_t n_vertices, n_triangles;
+  double size, middle[3];  ///< diagonal and centre of the bounding box of all vertices [m]
+  std::int32_t* triangle;  ///< n_triangles x 3 vertices, of triangles that can be touched
+  std::int32_t* neighbor;  ///< n_triangles x 3: triangle across the edge opposite to the corner; -1: none
+  std::int32_t* node;      ///< n_vertices: number in the mesh
+  std::int32_t* active;    ///< n_vertices: position among the active nodes, or -1: fixed or unused
+  double *rest, *placed;   ///< n_vertices x 3: positions undeformed and displaced by the last field [m]
+  double* offset;          ///< n_vertices x 3: offset of the vertex per radius of the tool
+};
+
+/// A point of the surface with barycentric weights, >= 0 and of sum 1.
+struct SurfacePoint {
+  std::int32_t triangle;
+  double weight[3];
+};
+
+/// Number of triangles of the model that can be touched.
+std::int32_t count_touchable(const phn_model& model);
+/// An edge of a touchable triangle; 3 n_triangles of them are the working memory of build_contact_surface.
+struct TouchableEdge {
+  std::int32_t low, high, at;  ///< at = 3 triangle + opposite corner
+};
+ContactSurface lay_out_contact_surface(Arena& arena, const phn_model& model, std::int32_t n_triangles);
+/// @return a status of phynness.h
+int build_contact_surface(const phn_model& model, TouchableEdge* scratch, ContactSurface& surface);
+
+/// placed = rest + field, clamped; null: rest. @return largest displacement of a vertex by this call [m]
+double place(const phn_model& model, const double* field, ContactSurface& surface);
+
+/// sum_i w_i (points_i + radius offset_i)
+void point_at(const ContactSurface& surface, const double* points, const SurfacePoint& at, double radius, double* x);
+/// Unit normal: the direction of the interpolated offset, or the triangle's normal where the offsets cancel.
+void normal_at(const ContactSurface& surface, const SurfacePoint& at, double* normal);
+
+/// Derivatives of offset and normal in the triangle: d(offset) = offset_gradient dx, d(normal) = normal_gradient dx for
+/// dx in its plane. @param axes  two unit vectors in that plane
+void gradients_at(const ContactSurface& surface, const SurfacePoint& at, double* axes, double* offset_gradient,
+                  double* normal_gradient);
+
+/// Moves the point by `step` [m] in the plane of the triangle, straight across edges, and along the boundary of an open
+/// surface.
+void walk(const ContactSurface& surface, SurfacePoint& at, const double* step);
+
+/// Sum of the weights of moving corners.
+double movable(const ContactSurface& surface, const SurfacePoint& at);
+
+inline const double* row(const double* rows, std::int32_t i) { return rows + 3 * static_cast<std::size_t>(i); }
+inline double* row(double* rows, std::int32_t i) { return rows + 3 * static_cast<std::size_t>(i); }
+
+/// @param points  placed or rest
+inline void corners_of(const ContactSurface& s, const double* points, std::int32_t triangle, const double* corner[3]) {
+  for (int k = 0; k < 3; ++k) corner[k] = row(points, s.triangle[3 * triangle + k]);
+}
+
+}  // namespace PHN_RUNTIME

@@ -1,0 +1,89 @@
+#include "contact/touchable.hpp"
+
+namespace PHN_RUNTIME {
+namespace {
+
+constexpr int most_crossings = 32;
+
+/// Corrects rounding errors: weights >= 0 with the sum 1, at a distance from fixed edges.
+void tidy(const ContactSurface& s, SurfacePoint& at) {
+  double sum = 0;
+  for (double& w : at.weight) sum += w = w > 0 ? w : 0;
+  for (double& w : at.weight) w = sum > 0 ? w / sum : 1.0 / 3;
+  const double moves = movable(s, at);
+  if (moves >= least_movable) return;
+  int n_moving = 0;
+  for (int c = 0; c < 3; ++c) n_moving += s.active[s.triangle[3 * at.triangle + c]] >= 0;
+  for (int c = 0; c < 3; ++c) {
+    double& w = at.weight[c];
+    if (s.active[s.triangle[3 * at.triangle + c]] < 0) {
+      w *= (1 - least_movable) / (1 - moves);
+    } else {
+      w = moves > 0 ? w * least_movable / moves : least_movable / n_moving;
+    }
+  }
+}
+
+/// Moves the point to the triangle across the edge opposite to corner `behind` and turns the step into its plane.
+void cross_edge(const ContactSurface& s, SurfacePoint& at, int behind, const double* normal, double* step) {
+  const std::int32_t next = s.neighbor[3 * at.triangle + behind];
+  const std::int32_t *from = s.triangle + 3 * at.triangle, *to = s.triangle + 3 * next;
+  SurfacePoint there = {next, {0, 0, 0}};
+  for (int c = 0; c < 3; ++c) {
+    for (int d = 0; d < 3; ++d) {
+      if (c != behind && to[d] == from[c]) there.weight[d] = at.weight[c];
+    }
+  }
+  const double* corner[3];
+  double edge[3], out[3], in[3], next_normal[3];
+  corners_of(s, s.rest, next, corner);
+  area_normal(corner, next_normal);
+  subtract(row(s.rest, from[(behind + 2) % 3]), row(s.rest, from[(behind + 1) % 3]), edge);
+  const double size = norm(edge), area = norm(next_normal);
+  for (double& x : edge) x /= size;
+  for (double& x : next_normal) x /= area;
+  // The two triangles traverse their common edge in opposite directions.
+  cross(edge, normal, out);
+  cross(edge, next_normal, in);
+  const double along = dot(step, edge), across = dot(step, out);
+  for (int k = 0; k < 3; ++k) step[k] = along * edge[k] + across * in[k];
+  at = there;
+}
+
+}  // namespace
+
+void walk(const ContactSurface& s, SurfacePoint& at, const double* step) {
+  double left[3] = {step[0], step[1], step[2]};
+  for (int crossing = 0; crossing < most_crossings; ++crossing) {
+    const double* corner[3];
+    corners_of(s, s.rest, at.triangle, corner);
+    double gradient[3][3], normal[3], change[3], most = 0;
+    weight_gradients(corner, gradient, normal);
+    for (int c = 0; c < 3; ++c) {
+      change[c] = dot(gradient[c], left);
+      most = std::fmax(most, std::fabs(change[c]));
+    }
+    double part = 1;
+    int leaves = -1;
+    for (int c = 0; c < 3; ++c) {
+      if (!(change[c] < -1e-12 * most) || at.weight[c] + part * change[c] >= 0) continue;
+      part = std::fmax(0.0, at.weight[c] / -change[c]);
+      leaves = c;
+    }
+    for (int c = 0; c < 3; ++c) at.weight[c] += part * change[c];
+    if (leaves < 0) break;
+    at.weight[leaves] = 0;
+    for (double& x : left) x *= 1 - part;
+    if (s.neighbor[3 * at.triangle + leaves] >= 0) {
+      cross_edge(s, at, leaves, normal, left);
+      continue;
+    }
+    double edge[3];
+    subtract(corner[(leaves + 2) % 3], corner[(leaves + 1) % 3], edge);
+    const double along = dot(left, edge) / dot(edge, edge);
+    for (int k = 0; k < 3; ++k) left[k] = along * edge[k];
+  }
+  tidy(s, at);
+}
+
+}  // namespace PHN_RUNTIME

@@ -1,0 +1,36 @@
+// Family linear. The basis is the displacement itself.
+#include "core/families.hpp"
+
+namespace PHN_RUNTIME {
+
+void response_derivatives(const LinearResponse& linear, const double* d, double* force, double* energy,
+                          double* stiffness) {
+  double at[3];
+  cut(d, 1, largest_linear, at);
+  multiply_symmetric(linear.stiffness, at, force);
+  if (energy != nullptr) *energy = dot(at, force) / 2;
+  if (stiffness != nullptr) fill_symmetric(linear.stiffness, stiffness);
+}
+
+void response_force(const LinearResponse& linear, const double* d, double* force) {
+  response_derivatives(linear, d, force, nullptr, nullptr);
+}
+
+double response_energy(const LinearResponse& linear, const double* d) {
+  double force[3], energy;
+  response_derivatives(linear, d, force, &energy, nullptr);
+  return energy;
+}
+
+void response_basis(const phn_model&, const LinearResponse&, const double* d, double* basis, double*) {
+  cut(d, 1, largest_linear, basis);
+}
+
+void response_field(const phn_model& model, const LinearResponse& linear, const PreparedNode*, double,
+                    const double* basis, double*, double* field) {
+  const double x = basis[0], y = basis[1], z = basis[2];
+  const double *ux = linear.unit_response[0], *uy = linear.unit_response[1], *uz = linear.unit_response[2];
+  for (std::int32_t i = 0; i < 3 * model.n_output; ++i) field[i] = x * ux[i] + y * uy[i] + z * uz[i];
+}
+
+}  // namespace PHN_RUNTIME

@@ -1,0 +1,109 @@
+// Functions for models in memory and for images: products, clamping, search of a node in a list, trained depth in a
+// direction, overlap of memory. No header of a C++ library is used, because images are evaluated without one.
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "core/arithmetic.hpp"
+
+namespace PHN_RUNTIME {
+
+template <class Real>
+Real dot(const Real* a, const Real* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// K d, with K given as xx xy xz yy yz zz.
+template <class Real>
+void multiply_symmetric(const Real* k, const Real* d, Real* product) {
+  product[0] = k[0] * d[0] + k[1] * d[1] + k[2] * d[2];
+  product[1] = k[1] * d[0] + k[3] * d[1] + k[4] * d[2];
+  product[2] = k[2] * d[0] + k[4] * d[1] + k[5] * d[2];
+}
+
+/// K as 3 x 3.
+template <class Real>
+void fill_symmetric(const Real* k, Real* matrix) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) matrix[3 * i + j] = matrix[3 * j + i] = *k++;
+  }
+}
+
+/// A displacement may exceed the trained depth by this factor and still count as inside, so that the deepest increment
+/// itself is inside despite the rounding of its direction.
+template <class Real>
+inline constexpr Real depth_slack = sizeof(Real) == sizeof(float) ? static_cast<Real>(1 + 1e-6f)
+                                                                  : static_cast<Real>(1 + 1e-9);
+
+/// @pre value is not NaN
+template <class Real>
+Real cut(Real value, Real largest) {
+  return value > largest ? largest : value < -largest ? -largest : value;
+}
+
+template <class Real>
+bool finite(const Real* d) {
+  return d[0] - d[0] == 0 && d[1] - d[1] == 0 && d[2] - d[2] == 0;
+}
+
+/// Position of `node` in an ascending list of n, or -1.
+inline int32_t find_sorted(const int32_t* list, int32_t n, int32_t node) {
+  // Binary search without branches, because the processor could not predict them.
+  const int32_t* at = list;
+  for (int32_t left = n; left > 1;) {
+    const int32_t half = left / 2;
+    at += at[half - 1] < node ? half : 0;
+    left -= half;
+  }
+  return n > 0 && *at == node ? static_cast<int32_t>(at - list) : -1;
+}
+
+/// Whether memory of the caller overlaps. Null and empty ranges do not overlap anything.
+inline bool overlap(const void* a, size_t a_bytes, const void* b, size_t b_bytes) {
+  if (a == nullptr || b == nullptr || a_bytes == 0 || b_bytes == 0) return false;
+  const auto at_a = reinterpret_cast<uintptr_t>(a), at_b = reinterpret_cast<uintptr_t>(b);
+  return at_a < at_b ? at_b - at_a < a_bytes : at_a - at_b < b_bytes;
+}
+
+/// How fast the trained range widens away from a shorter neighbor (formats/model.md, Range).
+template <class Real>
+inline constexpr Real widening = 2;
+
+/// Depth [m] of the trained range in the direction of d; at rest the smallest positive depth. In the middle between two
+/// exploratory directions it is the smaller of their depths, from there on it widens to that of the nearest direction.
+/// @param directions  n x 3 unit vectors
+/// @param depths      n
+/// @param d           3; its products with the directions must be normal numbers or 0
+/// @param size        |d|
+/// @param largest     max_displacement
+template <class Real>
+Real depth_along(const Real* directions, const Real* depths, int32_t n, const Real* d, Real size, Real largest) {
+  const bool moves = d[0] != 0 || d[1] != 0 || d[2] != 0;
+  Real depth = 0, best = 0;
+  const Real* e = directions;
+  for (int32_t i = 0; i < n; ++i, e += 3) {
+    if (moves) {
+      const Real along = dot(d, e);
+      if (i == 0 || along > best) {
+        best = along;
+        depth = depths[i];
+      }
+    } else if (depths[i] > 0 && (depth == 0 || depths[i] < depth)) {
+      depth = depths[i];
+    }
+  }
+  if (!moves) return depth;
+  const Real longest = size > best ? size : best;
+  e = directions;
+  for (int32_t i = 0; i < n; ++i, e += 3) {
+    if (!(depths[i] < depth)) continue;
+    const Real along = dot(d, e);
+    const Real reach = depths[i] + widening<Real> * largest * ((best - along) / (longest - along));
+    // Both are 0 where the directions are parallel. The comparison then is with NaN, and the depth is the smaller one.
+    if (!(reach >= depth)) depth = depths[i] < reach ? reach : depths[i];
+  }
+  return depth;
+}
+
+}  // namespace PHN_RUNTIME

@@ -1,0 +1,264 @@
+#include "core/kernels.hpp"
+
+namespace PHN_RUNTIME {
+namespace {
+
+double coefficient_of(const ModalForce& node, std::int32_t i, int k) {
+  const std::size_t at = 3 * static_cast<std::size_t>(i) + static_cast<std::size_t>(k);
+  return node.short_coefficient ? static_cast<double>(node.short_coefficient[at]) : node.coefficient[at];
+}
+
+/// @param table  6 whole_blocks(n_centers + 1), as ModalForce::table
+void fill_force_table(const ModalForce& node, Real* table) {
+  const std::int32_t n = node.n_centers, n_whole = whole_blocks(n + 1);
+  for (int k = 0; k < 3; ++k) {
+    Real *center = table + k * n_whole, *coefficient = table + (3 + k) * n_whole;
+    for (std::int32_t i = 0; i < n_whole; ++i) {
+      center[i] = coefficient[i] = 0;
+      if (i >= n) continue;
+      center[i] = static_cast<Real>(node.displacements[3 * static_cast<std::size_t>(node.center[i]) + k]);
+      coefficient[i] = static_cast<Real>(coefficient_of(node, i, k));
+    }
+    coefficient[n] = static_cast<Real>(-node.total[k]);
+  }
+}
+
+/// The terms of a force in whole blocks: centers, then coefficients.
+struct ForceTerms {
+  const Real *center[3], *coefficient[3];
+  std::int32_t n;  ///< with the center at 0
+};
+
+/// @param few  for the terms of a node that has no table
+PHN_INLINE ForceTerms terms_of(const ModalForce& node, Real (&few)[6 * (most_gathered + 1)]) {
+  const Real* from = node.table;
+  if (from == nullptr) {
+    fill_force_table(node, few);
+    from = few;
+  }
+  const std::int32_t n_whole = whole_blocks(node.n_centers + 1);
+  return {{from, from + n_whole, from + 2 * n_whole},
+          {from + 3 * n_whole, from + 4 * n_whole, from + 5 * n_whole},
+          node.n_centers + 1};
+}
+
+/// force = K d + total + force_at_rest
+PHN_INLINE void finish_force(const ModalForce& node, const double* x, const double* total, double* force) {
+  const double d[3] = {node.max_displacement * x[0], node.max_displacement * x[1], node.max_displacement * x[2]};
+  multiply_symmetric(node.stiffness, d, force);
+  for (int k = 0; k < 3; ++k) force[k] += total[k] + node.force_at_rest[k];
+}
+
+PHN_INLINE double finish_energy(const ModalForce& node, const double* x, double total) {
+  const double d[3] = {node.max_displacement * x[0], node.max_displacement * x[1], node.max_displacement * x[2]};
+  double kd[3];
+  multiply_symmetric(node.stiffness, d, kd);
+  return dot(d, kd) / 2 + node.max_displacement * ((total + node.energy_at_rest) + dot(node.slope_at_rest, x));
+}
+
+/// Rows of the sums from which force, stiffness and energy are made.
+constexpr std::int32_t stiffness_row = 3, along_row = 9;
+constexpr std::int32_t n_sums(bool with_stiffness, bool with_energy) {
+  return 3 + (with_stiffness ? 7 : 0) + (with_energy ? 1 : 0);
+}
+
+/// @param total  of sum_derivatives
+PHN_INLINE void finish_stiffness(const ModalForce& node, const double* total, double* stiffness) {
+  const double* sum = total + stiffness_row;
+  const double along = total[along_row], by = 1 / node.max_displacement;
+  const double xx = node.stiffness[0] + by * (sum[0] + along), xy = node.stiffness[1] + by * sum[1],
+               xz = node.stiffness[2] + by * sum[2], yy = node.stiffness[3] + by * (sum[3] + along),
+               yz = node.stiffness[4] + by * sum[4], zz = node.stiffness[5] + by * (sum[5] + along);
+  const double rows[9] = {xx, xy, xz, xy, yy, yz, xz, yz, zz};
+  for (int k = 0; k < 9; ++k) stiffness[k] = rows[k];
+}
+
+PHN_INLINE void force_of_centers(const ModalForce& node, const double* x, double* force) {
+  const Real shape = static_cast<Real>(node.shape), s2 = shape * shape;
+  const Real x0 = static_cast<Real>(x[0]), x1 = static_cast<Real>(x[1]), x2 = static_cast<Real>(x[2]);
+  Real few[6 * (most_gathered + 1)];
+  const ForceTerms terms = terms_of(node, few);
+  const Real *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
+             *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
+  Real sum[3][at_once] = {};
+  const std::int32_t n_centers = node.n_centers;
+  for (std::int32_t begin = 0; begin <= n_centers; begin += at_once) {
+    for (std::int32_t i = 0; i < at_once; ++i) {
+      const std::int32_t j = begin + i;
+      const Real y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
+      const Real q = square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2), along = (y0 * b0 + y1 * b1 + y2 * b2) / q;
+      sum[0][i] += q * b0 + along * y0;
+      sum[1][i] += q * b1 + along * y1;
+      sum[2][i] += q * b2 + along * y2;
+    }
+  }
+  double total[3];
+  add_up(sum, total);
+  finish_force(node, x, total, force);
+}
+
+/// Adds the terms of all centers: the force as force_of_centers, in its order, and of the same square roots and
+/// quotients stiffness and energy. With q^2 = |y|^2 + shape^2, a = y . b / q, p = q b - a y the stiffness is the sum of
+///   (p y^T + y (q b)^T) / q^2 + a I
+/// @param lanes  which are summed at once: each lane has a sum of its own, so that the sums do not depend on it
+template <std::int32_t lanes, bool with_stiffness, bool with_energy>
+PHN_INLINE void sum_derivatives(const ForceTerms& terms, const Real* x, Real s2,
+                                Real (&sums)[n_sums(with_stiffness, with_energy)][at_once]) {
+  constexpr std::int32_t n = n_sums(with_stiffness, with_energy);
+  const Real *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
+             *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
+  const Real x0 = x[0], x1 = x[1], x2 = x[2];
+  Real zero = 0;
+  PHN_HIDE(zero);
+  for (std::int32_t first = 0; first < at_once; first += lanes) {
+    Real sum[n][lanes];
+    for (std::int32_t k = 0; k < n; ++k) {
+      for (std::int32_t i = 0; i < lanes; ++i) sum[k][i] = zero;
+    }
+    for (std::int32_t begin = 0; begin < terms.n; begin += at_once) {
+      for (std::int32_t i = 0; i < lanes; ++i) {
+        const std::int32_t j = begin + first + i;
+        const Real y0 = x0 - c0[j], y1 = x1 - c1[j], y2 = x2 - c2[j], b0 = w0[j], b1 = w1[j], b2 = w2[j];
+        const Real square = y0 * y0 + y1 * y1 + y2 * y2 + s2, q = square_root(square);
+        const Real product = y0 * b0 + y1 * b1 + y2 * b2, along = product / q;
+        const Real t0 = q * b0, t1 = q * b1, t2 = q * b2, a0 = along * y0, a1 = along * y1, a2 = along * y2;
+        sum[0][i] += t0 + a0;
+        sum[1][i] += t1 + a1;
+        sum[2][i] += t2 + a2;
+        if constexpr (with_energy) sum[n - 1][i] += q * product;
+        if constexpr (with_stiffness) {
+          const Real inverse = 1 / square, g0 = y0 * inverse, g1 = y1 * inverse, g2 = y2 * inverse;
+          const Real p0 = t0 - a0, p1 = t1 - a1, p2 = t2 - a2;
+          sum[stiffness_row][i] += (p0 + t0) * g0;
+          sum[stiffness_row + 1][i] += p0 * g1 + t1 * g0;
+          sum[stiffness_row + 2][i] += p0 * g2 + t2 * g0;
+          sum[stiffness_row + 3][i] += (p1 + t1) * g1;
+          sum[stiffness_row + 4][i] += p1 * g2 + t2 * g1;
+          sum[stiffness_row + 5][i] += (p2 + t2) * g2;
+          sum[along_row][i] += along;
+        }
+      }
+    }
+    for (std::int32_t k = 0; k < n; ++k) {
+      for (std::int32_t i = 0; i < lanes; ++i) sums[k][first + i] = sum[k][i];
+    }
+  }
+}
+
+/// The energy in double, also where forces are in float: an energy in float would have steps.
+PHN_INLINE double energy_of_centers(const ModalForce& node, const double* x) {
+  Real few[6 * (most_gathered + 1)];
+  const ForceTerms terms = terms_of(node, few);
+  const Real *c0 = terms.center[0], *c1 = terms.center[1], *c2 = terms.center[2], *w0 = terms.coefficient[0],
+             *w1 = terms.coefficient[1], *w2 = terms.coefficient[2];
+  const double x0 = x[0], x1 = x[1], x2 = x[2], s2 = node.shape * node.shape;
+  double sums[1][at_once] = {}, total;
+  for (std::int32_t begin = 0; begin < terms.n; begin += at_once) {
+    for (std::int32_t i = 0; i < at_once; ++i) {
+      const std::int32_t j = begin + i;
+      const double y0 = x0 - static_cast<double>(c0[j]), y1 = x1 - static_cast<double>(c1[j]),
+                   y2 = x2 - static_cast<double>(c2[j]);
+      const double product =
+          y0 * static_cast<double>(w0[j]) + y1 * static_cast<double>(w1[j]) + y2 * static_cast<double>(w2[j]);
+      sums[0][i] += square_root(y0 * y0 + y1 * y1 + y2 * y2 + s2) * product;
+    }
+  }
+  add_up_many(sums, &total);
+  return finish_energy(node, x, total);
+}
+
+template <std::int32_t lanes, bool with_stiffness, bool with_energy>
+PHN_INLINE void derivatives_of_centers(const ModalForce& node, const double* x, double* force, double* energy,
+                                       double* stiffness) {
+  const Real shape = static_cast<Real>(node.shape);
+  const Real at[3] = {static_cast<Real>(x[0]), static_cast<Real>(x[1]), static_cast<Real>(x[2])};
+  constexpr std::int32_t n = n_sums(with_stiffness, with_energy);
+  Real few[6 * (most_gathered + 1)], sums[n][at_once];
+  double total[n];
+  sum_derivatives<lanes, with_stiffness, with_energy>(terms_of(node, few), at, shape * shape, sums);
+  add_up_many(sums, total);
+  finish_force(node, x, total, force);
+  if constexpr (with_energy) *energy = finish_energy(node, x, total[n - 1]);
+  if constexpr (with_stiffness) finish_stiffness(node, total, stiffness);
+}
+
+/// How many sums of stiffnesses stay in registers of so many bytes. GCC takes the loops over fewer lanes than a block
+/// as operations of whole registers; other compilers may not.
+constexpr std::int32_t lanes_of([[maybe_unused]] std::int32_t bytes) {
+#if defined(__GNUC__) && !defined(__clang__)
+  return bytes > 0 ? bytes / static_cast<std::int32_t>(sizeof(Real)) : at_once;
+#else
+  return at_once;
+#endif
+}
+
+/// Code that is optimized for size has one function for stiffness with and without energy. The results have the same
+/// bits.
+#ifdef __OPTIMIZE_SIZE__
+constexpr bool small_code = true;
+#else
+constexpr bool small_code = false;
+#endif
+
+/// @param bytes  of a register that keeps sums; with few registers all sums are kept in memory
+#define PHN_FORCE_KERNELS(name, bytes, attributes)                                                                     \
+  namespace name {                                                                                                     \
+  attributes void force(const ModalForce& node, const double* x, double* sum) { force_of_centers(node, x, sum); }      \
+  attributes double energy(const ModalForce& node, const double* x) { return energy_of_centers(node, x); }             \
+  template <bool with_stiffness, bool with_energy>                                                                     \
+  attributes void derivatives(const ModalForce& node, const double* x, double* sum, double* work, double* stiffness) { \
+    if constexpr (with_energy && !energy_in_pass) {                                                                    \
+      *work = energy(node, x);                                                                                         \
+      if constexpr (with_stiffness) return derivatives<true, false>(node, x, sum, nullptr, stiffness);                 \
+      return force(node, x, sum);                                                                                      \
+    } else {                                                                                                           \
+      constexpr std::int32_t lanes = with_stiffness ? lanes_of(bytes) : at_once;                                       \
+      derivatives_of_centers<lanes, with_stiffness, with_energy>(node, x, sum, work, stiffness);                       \
+    }                                                                                                                  \
+  }                                                                                                                    \
+  constexpr ForceKernels kernels = {#name,                                                                             \
+                                    force,                                                                             \
+                                    energy,                                                                            \
+                                    derivatives<false, true>,                                                          \
+                                    small_code ? derivatives<true, true> : derivatives<true, false>,                   \
+                                    derivatives<true, true>};                                                          \
+  }
+
+PHN_FOR_EACH_SET(PHN_FORCE_KERNELS, ForceKernels)
+
+}  // namespace
+
+const ForceKernels* force_kernels(int set) { return kernels_for(kernels_of_sets, set); }
+const ForceKernels& best_force_kernels() { return best_of(kernels_of_sets); }
+
+void set_rest(ModalForce& node, Real* table) {
+  const double rest[3] = {0, 0, 0};
+  double force[3];
+  for (int k = 0; k < 3; ++k) {
+    node.total[k] = node.force_at_rest[k] = node.slope_at_rest[k] = 0;
+    for (std::int32_t i = 0; i < node.n_centers; ++i) node.total[k] += coefficient_of(node, i, k);
+  }
+  if (table != nullptr) fill_force_table(node, table);
+  // The functions that later add these values also compute them, so that the results at rest are exactly 0.
+  const ForceKernels& kernels = best_force_kernels();
+  kernels.force(node, rest, force);
+  for (int k = 0; k < 3; ++k) node.force_at_rest[k] = -force[k];
+  Real few[6 * (most_gathered + 1)];
+  const ForceTerms terms = terms_of(node, few);
+  const double s2 = node.shape * node.shape;
+  for (std::int32_t i = 0; i < terms.n; ++i) {
+    double c[3], b[3];
+    for (int k = 0; k < 3; ++k) {
+      c[k] = static_cast<double>(terms.center[k][i]);
+      b[k] = static_cast<double>(terms.coefficient[k][i]);
+    }
+    const double q = square_root(dot(c, c) + s2), along = dot(c, b) / q;
+    for (int k = 0; k < 3; ++k) node.slope_at_rest[k] -= q * b[k] + along * c[k];
+  }
+  node.energy_at_rest = 0;
+  ModalForce unit = node;
+  unit.max_displacement = 1;
+  node.energy_at_rest = -kernels.energy(unit, rest);
+}
+
+}  // namespace PHN_RUNTIME

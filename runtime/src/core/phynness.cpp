@@ -1,0 +1,257 @@
+// The C interface of phynness.h: argument checks and statuses. The model is read in load.cpp and evaluated in
+// evaluate.cpp.
+#include <phynness/phynness.h>
+
+#include <cmath>
+
+#include "core/families.hpp"
+
+using namespace PHN_RUNTIME;
+
+namespace {
+
+/// A node at the level of the data, and a copy of its displacement, because an output may overlap the displacement.
+struct Asked {
+  const ActiveNode* node;
+  double d[3];
+};
+
+/// Checks the arguments of a response of one node. @return a status of phynness.h
+int find_node(const phn_model* level, std::int32_t node, const double* d, Asked& asked) {
+  if (level == nullptr || d == nullptr) return PHN_ERROR_ARGUMENT;
+  const std::int32_t at = find_active(*level, node);
+  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
+  if (!finite(d)) return PHN_ERROR_NOT_FINITE;
+  asked = {&level->active[at], {d[0], d[1], d[2]}};
+  return PHN_OK;
+}
+int find_node(const phn_model* model, const phn_data* data, std::int32_t node, const double* d, Asked& asked) {
+  if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
+  return find_node(data->level, node, d, asked);
+}
+
+constexpr std::size_t vector_bytes = 3 * sizeof(double), matrix_bytes = 9 * sizeof(double);
+
+/// Checks the outputs for force, energy and stiffness. @return a status of phynness.h
+int check_derivatives(const phn_model& model, const double* force, const double* energy, const double* stiffness) {
+  if (overlap(force, vector_bytes, energy, sizeof *energy) || overlap(force, vector_bytes, stiffness, matrix_bytes) ||
+      overlap(energy, sizeof *energy, stiffness, matrix_bytes))
+    return PHN_ERROR_OVERLAP;
+  return has_energy(model) ? PHN_OK : PHN_ERROR_UNDEFINED;
+}
+
+/// Force, energy and stiffness of one node, of which any may be null but not all.
+void respond(const phn_model& model, const Asked& asked, double* force, double* energy, double* stiffness) {
+  double unused[3];
+  if (force == nullptr && stiffness == nullptr) {
+    *energy = evaluate_energy(model, *asked.node, asked.d);
+  } else {
+    evaluate_derivatives(model, *asked.node, asked.d, force != nullptr ? force : unused, energy, stiffness);
+  }
+}
+
+/// In a family that is exact at any depth, the distance from the training data is 0.
+void measure_trust(const phn_model& model, const ActiveNode& node, const double* d, phn_trusted& trusted) {
+  trusted.trained_depth = trained_depth(model, node, d);
+  if (phynness::schema::traits(model.family).proportional) return;
+  const double x = trained_distance(model, node, d);
+  trusted.distance = std::fmin(1e300, model.max_displacement * x);
+  trusted.relative = std::fmin(1e300, x / node.fill_distance);
+}
+
+/// In the order of their numbers, up to 5: _UNSETTLED with another warning.
+const char* const messages[] = {
+    "more than 8 tools in one call",
+    "the surface has a triangle with equal corners, or coordinates that are too large for contact",
+    "the result has more bytes or numbers than this machine can address",
+    "an output overlaps another output or a large input in memory",
+    "the model's family is unknown to this version",
+    "a count, index or value of the model is out of range",
+    "a word or number of the model is malformed",
+    "the model is damaged: its checksum is wrong",
+    "the model is incomplete at its end",
+    "the model has another version of the format; train or export it again with this version",
+    "this is not a phynness model",
+    "the clock returns NaN, runs backwards or stands still",
+    "even the smallest level takes more than the given time",
+    "the model's family or the node has no such response, for example no energy or no deformation",
+    "two tools at the same node",
+    "more tools than the phn_data or phn_contact was made for; phn_tools_init makes a phn_data for coupled tools",
+    "the memory is smaller than the size function returned",
+    "a displacement, position or size is NaN or infinite",
+    "the node is not an active node of this model",
+    "a null pointer, a number out of range, or data made for another model",
+    "success",
+    "the displacement is longer than the depth trained in its direction",
+    "this node was not trained to the full depth in all directions",
+    "the displacement is longer than the depth trained in its direction, and this node was not trained to the "
+    "full depth in all directions",
+    "the tools are too close together: their points follow them only in part",
+    "the tools are too close together, and a displacement is outside of the trained range or a node was not "
+    "trained to the full depth in all directions",
+};
+constexpr int first_message = PHN_ERROR_TOO_MANY_TOOLS, last_message = PHN_WARNING_UNSETTLED + 1;
+constexpr int all_warnings = PHN_WARNING_UNSETTLED | PHN_WARNING_OUTSIDE | PHN_WARNING_INCOMPLETE;
+static_assert(sizeof messages / sizeof *messages == last_message - first_message + 1);
+
+}  // namespace
+
+extern "C" {
+
+const char* phn_version(void) { return PHYNNESS_VERSION; }
+
+const char* phn_status_message(int status) {
+  if (status < first_message || status > all_warnings) return "unknown status";
+  return messages[(status < last_message ? status : last_message) - first_message];
+}
+
+int phn_model_size(const char* text, size_t length, size_t* bytes, size_t* wrong_byte) {
+  Arena arena;
+  const phn_model* none = nullptr;
+  std::size_t wrong = 0;
+  int status = PHN_ERROR_ARGUMENT;
+  if (overlap(bytes, sizeof *bytes, wrong_byte, sizeof *wrong_byte)) {
+    status = PHN_ERROR_OVERLAP;
+  } else if (text != nullptr && bytes != nullptr) {
+    status = load_model(text, length, arena, &none, wrong);
+    if (arena.overflow()) status = PHN_ERROR_TOO_LARGE;
+  }
+  if (bytes != nullptr) *bytes = status == PHN_OK ? arena.needed() : 0;
+  if (wrong_byte != nullptr) *wrong_byte = wrong;
+  return status;
+}
+
+int phn_model_init(void* memory, size_t bytes, const char* text, size_t length, const phn_model** model,
+                   size_t* wrong_byte) {
+  const phn_model* loaded = nullptr;
+  std::size_t wrong = 0;
+  int status = PHN_ERROR_ARGUMENT;
+  if (overlap(memory, bytes, text, length) || overlap(memory, bytes, model, sizeof *model) ||
+      overlap(memory, bytes, wrong_byte, sizeof *wrong_byte) ||
+      overlap(model, sizeof *model, wrong_byte, sizeof *wrong_byte)) {
+    status = PHN_ERROR_OVERLAP;
+  } else if (memory != nullptr && text != nullptr && model != nullptr) {
+    Arena arena(memory, bytes);
+    status = load_model(text, length, arena, &loaded, wrong);
+  }
+  if (model != nullptr) *model = loaded;
+  if (wrong_byte != nullptr) *wrong_byte = wrong;
+  return status;
+}
+
+int phn_model_info(const phn_model* model, phn_info* info) {
+  if (info == nullptr) return PHN_ERROR_ARGUMENT;
+  *info = {};
+  info->precision_bits = 8 * static_cast<int32_t>(sizeof(Real));
+  if (model == nullptr) return PHN_ERROR_ARGUMENT;
+  info->family = phynness::schema::word(model->family);
+  info->title = model->title;
+  info->mesh_hash = model->mesh_hash;
+  info->max_displacement_m = model->max_displacement;
+  info->active_nodes = model->active_nodes;
+  info->output_nodes = model->output_nodes;
+  info->fixed_nodes = model->fixed_nodes;
+  info->output_points = model->output_points;
+  info->fixed_points = model->fixed_points;
+  info->triangles = model->triangles;
+  for (std::int32_t f = 0; f < model->n_fields; ++f) {
+    info->field_names[f] = model->fields[f].name;
+    info->field_units[f] = model->fields[f].unit;
+  }
+  info->n_nodes = model->n_nodes;
+  info->n_active = model->n_active;
+  info->n_output = model->n_output;
+  info->n_fixed = model->n_fixed;
+  info->n_triangles = model->n_triangles;
+  info->n_fields = model->n_fields;
+  info->n_levels = model->n_levels;
+  info->has_energy = has_energy(*model) ? 1 : 0;
+  return PHN_OK;
+}
+
+int phn_data_size(const phn_model* model, int32_t max_tools, size_t* bytes) {
+  return data_size(make_data, model, max_tools, bytes);
+}
+
+int phn_data_init(void* memory, size_t bytes, const phn_model* model, int32_t max_tools, phn_data** data) {
+  return data_init(make_data, memory, bytes, model, max_tools, data);
+}
+
+int phn_force(const phn_model* model, phn_data* data, int32_t node, const double d[3], double force[3], double* energy,
+              double stiffness[9]) {
+  Asked asked;
+  int status = find_node(model, data, node, d, asked);
+  const bool derivatives = energy != nullptr || stiffness != nullptr;
+  if (force == nullptr && !derivatives) status = PHN_ERROR_ARGUMENT;
+  if (status == PHN_OK && derivatives) status = check_derivatives(*model, force, energy, stiffness);
+  if (status != PHN_OK) {
+    zero(force, 3);
+    zero(energy, 1);
+    return refuse(status, stiffness, 9);
+  }
+  if (derivatives) {
+    respond(*data->level, asked, force, energy, stiffness);
+  } else {
+    evaluate_force(*data->level, *asked.node, asked.d, force);
+  }
+  return warnings(*model, *asked.node, asked.d);
+}
+
+int phn_deform(const phn_model* model, phn_data* data, int32_t node, const double d[3], double* out) {
+  if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
+  Asked asked;
+  int refused = find_node(model, data, node, d, asked);
+  if (refused == PHN_OK && !has_deformation(*model, *asked.node)) refused = PHN_ERROR_UNDEFINED;
+  if (refused != PHN_OK) return refuse(refused, out, 3 * model->n_output);
+  const auto at = static_cast<std::int32_t>(asked.node - data->level->active);
+  evaluate_deformation(*data->level, *data, at, asked.d, out);
+  return warnings(*model, *asked.node, asked.d);
+}
+
+int phn_prepare(const phn_model* model, phn_data* data, int32_t node) {
+  if (model == nullptr || data == nullptr || data->model != model) return PHN_ERROR_ARGUMENT;
+  const int32_t at = find_active(*model, node);
+  if (at < 0) return PHN_ERROR_NOT_ACTIVE;
+  prepare(*model, data->prepared, at);
+  return PHN_OK;
+}
+
+int phn_field(const phn_model* model, phn_data* data, int32_t node, const double d[3], int32_t field, double* out) {
+  if (model == nullptr || out == nullptr) return PHN_ERROR_ARGUMENT;
+  if (field < 0 || field >= model->n_fields) return refuse(PHN_ERROR_ARGUMENT, out, model->n_output);
+  Asked asked;
+  int refused = find_node(model, data, node, d, asked);
+  if (refused == PHN_OK && asked.node->modal->fields[field].n_modes == 0) refused = PHN_ERROR_UNDEFINED;
+  if (refused != PHN_OK) return refuse(refused, out, model->n_output);
+  modal_field(*data->level, *asked.node->modal, field, asked.d, data->scratch, out);
+  return warnings(*model, *asked.node, asked.d);
+}
+
+int phn_trust(const phn_model* model, int32_t node, const double d[3], phn_trusted* trusted) {
+  if (trusted == nullptr) return PHN_ERROR_ARGUMENT;
+  phn_trusted found = {};
+  Asked asked;
+  int status = find_node(model, node, d, asked);
+  if (status == PHN_OK) {
+    measure_trust(*model, *asked.node, asked.d, found);
+    status = warnings(*model, *asked.node, asked.d) & PHN_WARNING_OUTSIDE;
+  }
+  *trusted = found;
+  return status;
+}
+
+int phn_bound(const phn_model* model, int32_t node, const double d[3], double* bound) {
+  if (bound == nullptr) return PHN_ERROR_ARGUMENT;
+  double found = 0;
+  Asked asked;
+  int status = find_node(model, node, d, asked);
+  if (status == PHN_OK && asked.node->bound == nullptr) status = PHN_ERROR_UNDEFINED;
+  if (status == PHN_OK) {
+    status = warnings(*model, *asked.node, asked.d);
+    found = (status & PHN_WARNING_OUTSIDE) != 0 ? PHN_NO_BOUND : error_bound(*model, *asked.node, asked.d);
+  }
+  *bound = found;
+  return status;
+}
+
+}  // extern "C"

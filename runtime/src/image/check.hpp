@@ -1,0 +1,179 @@
+// The checks of phn_image_open: identity, size and checksum, that every table lies inside of the image and every index
+// inside of its table, that every number is within bounds for which sums are finite, and that the working memory is
+// what the responses need.
+#pragma once
+
+#include "image/image.hpp"
+
+namespace PHN_RUNTIME {
+
+template <class Real>
+class ImageCheck {
+ public:
+  explicit ImageCheck(const ImageHeader<Real>& image) : _image(image) {}
+
+  int status() {
+    header();
+    if (!_good) return PHN_ERROR_RANGE;
+    const auto* node = at<image::ActiveNode<Real>>(_image, _image.active);
+    for (uint32_t i = 0; i < _image.active.n && _good; ++i) active(node[i]);
+    // Not more either: its size in bytes would wrap around where size_t has 32 bits.
+    require(_image.n_scratch == _n_scratch);
+    return _good ? PHN_OK : PHN_ERROR_RANGE;
+  }
+
+ private:
+  void require(bool condition) { _good = _good && condition; }
+  /// Notes the working memory of a deformation. @param n  Reals; bounded by the largest counts
+  void needs(uint32_t n) {
+    if (_n_scratch < n) _n_scratch = n;
+  }
+
+  /// Whether n values of T lie inside of the image.
+  template <class T>
+  bool inside(uint32_t offset, uint32_t n) const {
+    return offset % alignof(T) == 0 && offset <= _image.bytes && n <= (_image.bytes - offset) / sizeof(T);
+  }
+  /// Checks a table of n x per values.
+  template <class T>
+  void table(image::Table found, uint32_t n, uint32_t per = 1) {
+    require(n <= image::largest_table / per && found.n == n * per && inside<T>(found.at, found.n));
+  }
+  void indices(image::Table found, uint32_t below) {
+    require(inside<uint16_t>(found.at, found.n));
+    if (!_good) return;
+    const auto* index = at<uint16_t>(_image, found);
+    for (uint32_t i = 0; i < found.n; ++i) require(index[i] < below);
+  }
+  void ascending(image::Table found) {
+    require(inside<int32_t>(found.at, found.n));
+    if (!_good) return;
+    const auto* node = at<int32_t>(_image, found);
+    for (uint32_t i = 1; i < found.n; ++i) require(node[i] > node[i - 1]);
+  }
+  /// Checks |value| <= bound, which is false for NaN. The bits are compared as integers, of doubles only the upper
+  /// halves, which is fast without a floating-point unit.
+  void within(const Real* value, uint32_t n, double bound) {
+    constexpr uint32_t n_words = sizeof(Real) / sizeof(uint32_t);
+    const auto size = [](const Real* at) {
+      uint32_t word[n_words];
+      __builtin_memcpy(word, at, sizeof word);
+      return word[n_words - 1] & 0x7fffffff;
+    };
+    const Real most = static_cast<Real>(bound);
+    const uint32_t largest = size(&most);
+    for (uint32_t i = 0; i < n; ++i) require(size(value + i) <= largest);
+  }
+  /// Checks a table of n x per numbers.
+  void reals(image::Table found, uint32_t n, uint32_t per = 1, double bound = image::Bounds<Real>::value) {
+    table<Real>(found, n, per);
+    if (_good) within(at<Real>(_image, found), found.n, bound);
+  }
+  void shape(Real value) {
+    require(value >= static_cast<Real>(1 / image::largest_shape) && value <= static_cast<Real>(image::largest_shape));
+  }
+  void scaled(const image::ScaledTable& found, uint32_t n_rows, uint32_t n_columns) {
+    require(n_columns <= image::largest_mode_count);
+    reals(found.scale, n_columns, 1, image::largest_scale);
+    require(n_columns == 0 || n_rows <= image::largest_table / n_columns);
+    table<int16_t>(found.entry, n_rows * n_columns);
+  }
+
+  void header() {
+    ascending(_image.active_nodes);
+    reals(_image.active_points, _image.active_nodes.n, 3);
+    table<image::ActiveNode<Real>>(_image.active, _image.active_nodes.n);
+    ascending(_image.output_nodes);
+    reals(_image.output_points, _image.output_nodes.n, 3);
+    reals(_image.directions, _image.directions.n / 3, 3);
+    _n_displacements = _image.displacements.n / 3;
+    const bool modal = traits(_image).has_modes;
+    reals(_image.displacements, _n_displacements, 3, modal ? image::largest_displacement : image::Bounds<Real>::value);
+    indices(_image.amplitude_center, _n_displacements);
+    require(_image.amplitude_center.n <= image::largest_count);
+    reals(_image.amplitude_at_rest, _image.amplitude_center.n, 1, image::largest_at_rest);
+    scaled(_image.modes, 3 * _image.output_nodes.n, _image.modes.scale.n);
+    constexpr Real largest = image::Bounds<Real>::max_displacement;
+    require(_image.max_displacement >= 1 / largest && _image.max_displacement <= largest);
+    if (modal) shape(_image.amplitude_shape);
+  }
+
+  template <int n_inputs>
+  void network(const image::Network<Real, n_inputs>& net, uint32_t n_outputs) {
+    indices(net.displacement, _n_displacements);
+    require(net.displacement.n <= image::largest_count);
+    reals(net.weight, net.displacement.n, 3);
+    within(net.factor, n_inputs, image::Bounds<Real>::value);
+    within(net.constant, 3, image::Bounds<Real>::value);
+    if (n_inputs == 3) return;
+    indices(net.output, n_outputs);
+    require(net.output.n == net.displacement.n);
+    needs(net.displacement.n);
+  }
+
+  void response(const image::RbfnResponse<Real>& rbfn) {
+    network(rbfn.force, 0);
+    network(rbfn.deformation, _image.output_nodes.n);
+  }
+  void response(const image::LinearResponse<Real>& linear) {
+    within(linear.stiffness, 6, image::Bounds<Real>::value);
+    reals(linear.unit_responses, _image.output_nodes.n, 9);
+  }
+  void response(const image::ModalResponse<Real>& modal) {
+    indices(modal.center, _n_displacements);
+    require(modal.center.n <= image::largest_count);
+    reals(modal.coefficient, modal.center.n, 3);
+    shape(modal.shape);
+    constexpr double value = image::Bounds<Real>::value;
+    within(modal.stiffness, 6, value);
+    within(modal.total, 3, image::largest_total * value);
+    within(modal.force_at_rest, 3, image::largest_force_at_rest * value);
+    within(&modal.energy_at_rest, 1, image::largest_energy_at_rest * value);
+    const uint32_t m = modal.weights.scale.n, n_centers = _image.amplitude_center.n, n_shared = _image.modes.scale.n;
+    scaled(modal.weights, n_centers + 3, m);
+    scaled(modal.mixing, n_shared, m);
+    indices(modal.near, _image.output_nodes.n);
+    scaled(modal.near_modes, 3 * modal.near.n, m);
+    if (m > 0) needs(n_centers + 3 + n_shared + 2 * m);
+  }
+  template <class Response>
+  void response_of(const Response* type, uint32_t offset) {
+    require(inside<Response>(offset, 1));
+    if (_good) response(response_at(_image, offset, type));
+  }
+
+  void active(const image::ActiveNode<Real>& node) {
+    indices(node.prescribed, _image.output_nodes.n);
+    reals(node.prescribed_weight, node.prescribed.n);
+    reals(node.trained_depth, _image.directions.n / 3);
+    if (!_good) return;
+    const Real* depth = at<Real>(_image, node.trained_depth);
+    for (uint32_t i = 0; i < node.trained_depth.n; ++i) require(depth[i] >= 0);
+    with_response_type<Real>(_image.family, [&](const auto* type) { response_of(type, node.response); });
+  }
+
+  const ImageHeader<Real>& _image;
+  uint32_t _n_displacements = 0, _n_scratch = 0;
+  bool _good = true;
+};
+
+template <class Real>
+int open_image(const void* memory, size_t bytes, const ImageHeader<Real>*& opened) {
+  opened = nullptr;
+  if (memory == nullptr || reinterpret_cast<uintptr_t>(memory) % alignof(ImageHeader<Real>) != 0)
+    return PHN_ERROR_ARGUMENT;
+  const auto& image = *static_cast<const ImageHeader<Real>*>(memory);
+  if (bytes < sizeof(uint32_t) || image.magic != image::magic) return PHN_ERROR_NOT_A_MODEL;
+  if (bytes < sizeof(image)) return PHN_ERROR_TRUNCATED;
+  if (image.version != image::version || image.real_bytes != sizeof(Real)) return PHN_ERROR_VERSION;
+  if (image.bytes > bytes || image.bytes < sizeof(image) || image.bytes % 4 != 0 || image.bytes > image::largest_table)
+    return PHN_ERROR_TRUNCATED;
+  const auto* word = static_cast<const uint32_t*>(memory) + image::n_unchecked_words;
+  if (image::checksum(word, image.bytes / 4 - image::n_unchecked_words) != image.checksum) return PHN_ERROR_CHECKSUM;
+  if (static_cast<uint32_t>(image.family) >= schema::n_families) return PHN_ERROR_FAMILY;
+  const int status = ImageCheck<Real>(image).status();
+  if (status == PHN_OK) opened = &image;
+  return status;
+}
+
+}  // namespace PHN_RUNTIME

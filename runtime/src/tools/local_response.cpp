@@ -1,0 +1,121 @@
+#include "tools/local_response.hpp"
+
+#include <cmath>
+
+#include "tools/family_sums.hpp"
+
+namespace PHN_RUNTIME {
+namespace {
+
+std::int32_t position_of(const std::int32_t* list, std::int32_t n, std::int32_t value) {
+  for (std::int32_t i = 0; i < n; ++i) {
+    if (list[i] == value) return i;
+  }
+  return -1;
+}
+
+/// Smallest determinant of a stiffness at rest over the cube of its mean diagonal. Values from 0 to 0.05 give the same
+/// forces between nodes.
+constexpr double least_determinant = 0.01;
+
+/// Adds a multiple of the identity to a symmetric matrix until it is positive definite. Near a snap-through fits at
+/// rest are not, and the response of a point between such nodes would be a difference of large numbers.
+void stiffen(Matrix& stiffness) {
+  double* k = stiffness.a;
+  const double mean = (std::fabs(k[0]) + std::fabs(k[4]) + std::fabs(k[8])) / 3, shift = mean / 16;
+  const double d[3] = {k[0], k[4], k[8]};
+  for (int step = 0; step < 64; ++step) {
+    const double second = k[0] * k[4] - k[1] * k[1];
+    const double third =
+        k[0] * (k[4] * k[8] - k[5] * k[5]) - k[1] * (k[1] * k[8] - k[5] * k[2]) + k[2] * (k[1] * k[5] - k[4] * k[2]);
+    if (k[0] > 0 && second > 0 && third > least_determinant * mean * mean * mean) return;
+    for (int i = 0; i < 3; ++i) k[4 * i] = d[i] + (step + 1) * shift;
+  }
+}
+
+}  // namespace
+
+void basis_gradient_at_rest(const phn_model& model, const ActiveNode& node, double* gradient, double* scratch,
+                            double* other) {
+  const std::int32_t n = basis_size(model, node);
+  const double h = schema::traits(model.family).proportional ? 1 : model.first_increment;
+  for (int k = 0; k < 3; ++k) {
+    basis_of(model, node, unit_vector(k, h).x, gradient + k * n, scratch);
+    basis_of(model, node, (-1 * unit_vector(k, h)).x, other, scratch);
+    for (std::int32_t j = 0; j < n; ++j) gradient[k * n + j] = (gradient[k * n + j] - other[j]) / (2 * h);
+  }
+}
+
+void basis_and_gradient(const phn_model& model, const ActiveNode& node, const double* d, double* basis,
+                        double* gradient, double* scratch) {
+  with_response(model, node,
+                [&](const auto& response) { response_gradient(model, response, d, basis, gradient, scratch); });
+}
+
+void clear_local(const phn_model& model, const ActiveNode& node, LocalResponse& local) {
+  local.constant = {};
+  local.direct = {};
+  for (std::int32_t i = 0; i < 3 * basis_size(model, node); ++i) local.rows[i] = 0;
+}
+
+void add_local(const phn_model& model, const ActiveNode& node, std::int32_t n, const std::int32_t* vertices,
+               const Matrix* maps, double* scratch, LocalResponse& local) {
+  with_response(model, node, [&](const auto& response) {
+    auto sum = vertex_sum(model, response, scratch);
+    for (std::int32_t i = 0; i < n; ++i) {
+      const std::int32_t vertex = vertices[i];
+      if (vertex < 0 || vertex >= model.n_output) continue;
+      const std::int32_t moved = node.moves_mean ? -1 : position_of(node.prescribed, node.n_prescribed, vertex);
+      if (moved >= 0) {
+        local.direct += node.prescribed_weight[moved] * maps[i];
+      } else {
+        sum.add(vertex, maps[i], local);
+      }
+    }
+    sum.finish(local);
+  });
+}
+
+Vector local_displacement(const LocalResponse& local, double share, const Vector& d, std::int32_t n_basis,
+                          const double* basis) {
+  Vector u = local.direct * d;
+  for (int i = 0; i < 3; ++i) {
+    u[i] += share * local.constant[i];
+    for (std::int32_t j = 0; j < n_basis; ++j) u[i] += local.rows[i * n_basis + j] * basis[j];
+  }
+  return u;
+}
+
+double curvature(const phn_model& model, const ActiveNode& node, const Matrix& stiffness) {
+  double apart = 0, all = 0;
+  for (int k = 0; k < 6; ++k) {
+    const Vector d = unit_vector(k / 2, (k % 2 - 0.5) * 2 * model.max_displacement), linear = stiffness * d;
+    Vector force;
+    evaluate_force(model, node, d.x, force.x);
+    force -= linear;
+    apart += dot(force, force);
+    all += dot(linear, linear);
+  }
+  return all > 0 ? apart / all : 0;
+}
+
+Matrix stiffness_at_rest(const phn_model& model, const ActiveNode& node) {
+  Matrix secant;
+  if (schema::traits(model.family).proportional) {
+    Vector none;
+    evaluate_derivatives(model, node, Vector{}.x, none.x, nullptr, secant.a);
+    return secant;
+  }
+  const double h = model.first_increment;
+  for (int k = 0; k < 3; ++k) {
+    Vector f, g;
+    evaluate_force(model, node, unit_vector(k, h).x, f.x);
+    evaluate_force(model, node, (-1 * unit_vector(k, h)).x, g.x);
+    for (int i = 0; i < 3; ++i) secant(i, k) = (f[i] - g[i]) / (2 * h);
+  }
+  Matrix stiffness = symmetric_part(secant);
+  stiffen(stiffness);
+  return stiffness;
+}
+
+}  // namespace PHN_RUNTIME

@@ -1,0 +1,75 @@
+#include "tools/surface_turn.hpp"
+
+#include "tools/triangle.hpp"
+
+namespace PHN_RUNTIME {
+namespace {
+
+/// One triangle's part of the rotation, times its area.
+/// @param vertex, maps  3. @return area [m^2]
+double triangle_turn(const phn_model& model, const std::int32_t* vertex, Matrix* maps) {
+  const double* corner[3];
+  for (int k = 0; k < 3; ++k) corner[k] = vertex_point(model, vertex[k]);
+  Vector normal;
+  double gradient[3][3];
+  area_normal(corner, normal.x);
+  const double area = norm(normal.x) / 2;
+  if (!(area > 0)) return 0;
+  weight_gradients(corner, gradient, normal.x);
+  for (int i = 0; i < 3; ++i) {
+    const Vector tilt = cross(vector_at(gradient[i]), normal), spin = cross(normal, vector_at(gradient[i]));
+    for (int k = 0; k < 9; ++k) maps[i].a[k] = area * (tilt[k / 3] * normal[k % 3] + normal[k / 3] * spin[k % 3] / 2);
+  }
+  return area;
+}
+
+/// Adds weight * map to the entry of `vertex`, which is created if missing. @pre turn.n < SurfaceTurn::most
+void add_turn(SurfaceTurn& turn, std::int32_t vertex, double weight, const Matrix& map) {
+  std::int32_t at = 0;
+  while (at < turn.n && turn.vertex[at] != vertex) ++at;
+  if (at == turn.n) {
+    turn.vertex[turn.n++] = vertex;
+    turn.map[at] = {};
+  }
+  turn.map[at] += weight * map;
+}
+
+}  // namespace
+
+bool next_turn(const phn_model& model, std::int32_t n_vertices, const std::int32_t* vertex, const double* weight,
+               SurfaceTurn& turn) {
+  Matrix maps[3];
+  turn.n = 0;
+  for (; turn.triangle < model.n_triangles && turn.n + 3 <= SurfaceTurn::most; ++turn.triangle) {
+    const std::int32_t* corner = model.triangles + 3 * static_cast<std::size_t>(turn.triangle);
+    double part = 0;
+    for (std::int32_t v = 0; v < n_vertices; ++v) {
+      if (corner[0] == vertex[v] || corner[1] == vertex[v] || corner[2] == vertex[v]) part += weight[v];
+    }
+    if (!(part > 0)) continue;
+    const double area = triangle_turn(model, corner, maps);
+    turn.area += part * area;
+    for (int k = 0; k < 3 && area > 0; ++k) add_turn(turn, corner[k], part, maps[k]);
+  }
+  return turn.n > 0;
+}
+
+namespace {
+
+Vector turned(const Vector& v, double sign, const Vector& x) {
+  const double square = dot(v, v), along = dot(v, x);
+  return ((1 - square) * x + (2 * along) * v + (sign * 2) * cross(v, x)) / (1 + square);
+}
+
+}  // namespace
+
+Vector rotated(const Vector& v, const Vector& x) { return turned(v, 1, x); }
+Vector rotated_back(const Vector& v, const Vector& x) { return turned(v, -1, x); }
+
+Vector rotation_gradient(const Vector& v, const Vector& g, const Vector& x) {
+  const double square = dot(v, v), value = dot(g, rotated_back(v, x));
+  const Vector sum = dot(v, x) * g + dot(g, v) * x - dot(g, x) * v - cross(x, g) - value * v;
+  return (2 * sum) / (1 + square);
+}
+
+}  // namespace PHN_RUNTIME

@@ -1,0 +1,80 @@
+// Responses to each tool alone, at its own point and at the points of the other tools.
+#pragma once
+
+#include "tools/coupled.hpp"
+
+namespace PHN_RUNTIME {
+
+/// Response to one tool at a time, computed from the responses of the nodes around its point.
+class ToolResponses {
+ protected:
+  ToolResponses(const phn_model& model, Coupling& coupling) : _model(model), _c(coupling) {}
+
+  std::size_t at(std::int32_t t, std::int32_t s, std::int32_t i) const {
+    return 3 * (static_cast<std::size_t>(t) * static_cast<std::size_t>(_c.max_tools) + static_cast<std::size_t>(s)) +
+           static_cast<std::size_t>(i);
+  }
+  std::size_t at(std::int32_t t, std::int32_t s) const { return at(t, s, 0) / 3; }
+  const ActiveNode& node(const HeldPoint& point, std::int32_t i) const { return _model.active[point.active[i]]; }
+  double* gradient_at_rest(std::int32_t s, std::int32_t i) const {
+    return _c.rest_gradient + 3 * static_cast<std::size_t>(3 * s + i) * _model.n_basis;
+  }
+  double* node_basis(std::int32_t s, std::int32_t i) const {
+    return _c.node_basis + static_cast<std::size_t>(3 * s + i) * _model.n_basis;
+  }
+  /// Whether rotations caused by one tool are taken into account for the others.
+  bool turns() const { return _c.n_sets > 1; }
+  /// Index of place k of 2 n: displacements of the points, then rotations of the surface around them.
+  std::int32_t place(std::int32_t k) const { return k < _c.n_tools ? k : _c.max_tools + k - _c.n_tools; }
+  std::int32_t n_places() const { return turns() ? 2 * _c.n_tools : _c.n_tools; }
+
+  /// Computes force and response of tool s at p. @return energy
+  double respond(std::int32_t s, const Vector& p);
+  /// Computes the quantities of a tool that do not depend on its displacement.
+  void prepare(std::int32_t s);
+  /// Computes the rotation of the surface around tool t's point by the nodes of the other tools; the rotation by its
+  /// own nodes is not needed.
+  /// @pre prepare of all tools
+  void prepare_turn(std::int32_t t);
+  /// Derivatives of all places by the p in the undeformed body.
+  void set_rest_matrix();
+  /// Derivatives of all places by the p of tool t, at the p of its latest response.
+  void find_derivatives(std::int32_t t);
+  /// Displacement or rotation of place t in the latest response of tool s.
+  Vector displaced(std::int32_t t, std::int32_t s) const;
+  /// Derivative of place t of 2 n by the p of tool s in the undeformed body. @pre set_rest_matrix
+  Matrix rest_block(std::int32_t t, std::int32_t s) const;
+  /// Adds `weight` times node i's part of the response of the undeformed body that moves tool s's point.
+  /// @param r    displacement of the point [m]
+  /// @param own  see HeldPoint::node_own
+  void move_at_rest(std::int32_t s, std::int32_t i, const Vector& r, double weight, double* basis, Vector& own) const;
+
+  const phn_model& _model;
+  Coupling& _c;
+
+ private:
+  /// Adds node i's part of the derivatives of all places by the p of tool t.
+  void add_derivatives(std::int32_t t, std::int32_t i);
+  /// Derivative of a local response at rest.
+  Matrix rest_response(const LocalResponse& local, std::int32_t n, const double* gradient) const;
+  /// The displacement that tools at up to three active nodes would have: of the vertex, or of the mean that they move.
+  void prepare_local(const ActiveNode& by, std::int32_t n, const std::int32_t* active, const double* weight,
+                     LocalResponse& local) const;
+  /// Square root of the stiffness at rest, its inverse, and the compliance. The stiffness is made positive definite
+  /// first.
+  static void find_roots(HeldPoint& point);
+  /// Contributions of tool s's nodes at p: node i's response at e_i, scaled to q_i. The remaining displacement of the
+  /// tool's point is added as in the undeformed body.
+  void take_response(std::int32_t s);
+  /// sum_i s_i E_i(e_i) at p; 0 in families without energy.
+  double energy_of_nodes(const HeldPoint& point) const;
+  /// Force and energy of tool s at its p. The force is the gradient of
+  ///   p . A p / 2 + sum_i s_i [E_i(e_i) - e_i . K_i e_i / 2] - sum_g w_g / x_g psi(x_g p),
+  ///   psi(p) = sum_i s_i A p . z_i(M_i p),  z_i(e) = u_i(e) - u_i'(0) e at the point.
+  /// The energy is computed without the E_i.
+  void pull(std::int32_t s);
+  /// The part of psi that belongs to node i, at x p. @return w / x times this part
+  double pull_of_coupling(std::int32_t s, std::int32_t i, const Vector& e, const Vector& linear, double x, double w);
+};
+
+}  // namespace PHN_RUNTIME
