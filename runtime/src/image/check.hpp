@@ -5,6 +5,12 @@
 
 #include "image/image.hpp"
 
+// What follows runs once and is optimized for size, up to the end of open.cpp. It computes nothing but comparisons.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC push_options
+#pragma GCC optimize("Os")
+#endif
+
 namespace PHN_RUNTIME {
 
 template <class Real>

@@ -1,18 +1,12 @@
-// phn_image_open. It runs once and is optimized for size.
+// phn_image_open.
 #include "image/check.hpp"
 
 using namespace PHN_RUNTIME;
 
-#ifdef __GNUC__
-#define PHN_ONCE __attribute__((cold))
-#else
-#define PHN_ONCE
-#endif
-
 namespace {
 
 template <class Real, class Image>
-PHN_ONCE int open(const void* memory, size_t bytes, const Image** image) {
+int open(const void* memory, size_t bytes, const Image** image) {
   if (image == nullptr) return PHN_ERROR_ARGUMENT;
   const ImageHeader<Real>* opened = nullptr;
   const int status =
@@ -24,10 +18,14 @@ PHN_ONCE int open(const void* memory, size_t bytes, const Image** image) {
 }  // namespace
 
 extern "C" {
-PHN_ONCE int phn_image_open(const void* memory, size_t bytes, const phn_image** image) {
+int phn_image_open(const void* memory, size_t bytes, const phn_image** image) {
   return open<double>(memory, bytes, image);
 }
-PHN_ONCE int phn_imagef_open(const void* memory, size_t bytes, const phn_imagef** image) {
+int phn_imagef_open(const void* memory, size_t bytes, const phn_imagef** image) {
   return open<float>(memory, bytes, image);
 }
 }
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC pop_options
+#endif

@@ -73,35 +73,29 @@ void check_cycle(phn_loop& loop, double now) {
 
 }  // namespace phynness::loop
 
+namespace {
+
+/// In the order of the reasons.
+const char* const messages[] = {
+    "The loop has not tripped.",
+    "The loop delivered more energy than it took from the device and the device dissipated.",
+    "The force of the coupling was larger than trip_force_N.",
+    "The device moved faster than trip_speed_m_per_s.",
+    "The position of the device jumped by more than trip_jump_m.",
+    "No new position arrived for trip_stale_s.",
+    "The position did not change any more after the device had moved, or while a force faded to zero.",
+    "A cycle took longer than trip_overrun_s.",
+    "A position or a response of the body was NaN or infinite.",
+    "The clock ran backwards, stood still or was not finite, or a position was younger than latency_s.",
+    "The device did not move along the test pulses: it is blocked, gripped too firmly or moved too much (hold "
+    "it loosely and still, and engage again), or an axis, a sign or a unit of its positions or forces is "
+    "wrong.",
+    "The response of the body was refused.",
+};
+
+}  // namespace
+
 extern "C" const char* phn_loop_trip_message(int trip) {
-  switch (trip) {
-    case PHN_TRIP_NONE:
-      return "The loop has not tripped.";
-    case PHN_TRIP_ENERGY:
-      return "The loop delivered more energy than it took from the device and the device dissipated.";
-    case PHN_TRIP_FORCE:
-      return "The force of the coupling was larger than trip_force_N.";
-    case PHN_TRIP_SPEED:
-      return "The device moved faster than trip_speed_m_per_s.";
-    case PHN_TRIP_JUMP:
-      return "The position of the device jumped by more than trip_jump_m.";
-    case PHN_TRIP_STALE:
-      return "No new position arrived for trip_stale_s.";
-    case PHN_TRIP_FROZEN:
-      return "The position did not change any more after the device had moved, or while a force faded to zero.";
-    case PHN_TRIP_OVERRUN:
-      return "A cycle took longer than trip_overrun_s.";
-    case PHN_TRIP_NOT_FINITE:
-      return "A position or a response of the body was NaN or infinite.";
-    case PHN_TRIP_CLOCK:
-      return "The clock ran backwards, stood still or was not finite, or a position was younger than latency_s.";
-    case PHN_TRIP_CHECK:
-      return "The device did not move along the test pulses: it is blocked, gripped too firmly or moved too much (hold "
-             "it loosely and still, and engage again), or an axis, a sign or a unit of its positions or forces is "
-             "wrong.";
-    case PHN_TRIP_BODY:
-      return "The response of the body was refused.";
-    default:
-      return "This is not a reason of a trip.";
-  }
+  const bool known = trip >= 0 && trip < static_cast<int>(sizeof messages / sizeof *messages);
+  return known ? messages[trip] : "This is not a reason of a trip.";
 }
