@@ -2,6 +2,7 @@
 
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/calibrate.hpp>
+#include <phynness/validation/figures.hpp>
 #include <phynness/validation/force_unit.hpp>
 
 #include "command_files.hpp"
@@ -37,22 +38,10 @@ void print(const BoundReport& report, const Options& options) {
   print_result("model with bounds -> {}\n", options.output.string());
 }
 
-json to_json(const BoundReport& report, const Model& model) {
-  const auto& c = report.left_out;
-  return {{"coverage", model.bounds.at(0).coverage},
-          {"rays", report.rays},
-          {"failed_rays", report.failed_rays},
-          {"nodes", report.nodes},
-          {"planned_nodes", report.planned_nodes},
-          {"all_nodes", report.all_nodes},
-          {"states", report.states},
-          {"median_bound_N", report.median_bound_N},
-          {"left_out",
-           {{"coverage", c.all},
-            {"thirds_of_depth", c.thirds},
-            {"quarters_of_nodes", c.quarters},
-            {"width_over_constant", c.width}}},
-          {"seconds", report.seconds}};
+json as_json(const BoundReport& report, const Model& model) {
+  json out{{"coverage", model.bounds.at(0).coverage}};
+  out.update(figures(report));
+  return out;
 }
 
 void run(const Options& options) {
@@ -82,7 +71,7 @@ void run(const Options& options) {
     if (session.rank() != 0) return;
     write_model_dir(options.output, bounded, model->mesh());
     print(report, options);
-    write_json(options.json_file, to_json(report, bounded));
+    write_json(options.json_file, as_json(report, bounded));
     if (report.interrupted())
       throw failure(
           "calibrate was interrupted; the bounds are those of the finished nodes, and hold, but are less exact",

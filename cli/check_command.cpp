@@ -6,11 +6,11 @@
 #include <phynness/formats/locking.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/discretization.hpp>
+#include <phynness/validation/figures.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
-#include "error_json.hpp"
 #include "output_places.hpp"
 #include "streams.hpp"
 
@@ -100,55 +100,14 @@ void print(const Scene& scene, const DiscretizationReport& report) {
   print_result("{}\n", duration(report.seconds));
 }
 
-json as_json(const VariantForces& forces) {
-  json status = json::array(), sizes = json::array();
-  for (std::size_t i = 0; i < forces.status.size(); ++i) {
-    status.push_back(name(forces.status[i]));
-    sizes.push_back(forces.converged(i) ? json(forces.force_N[i]) : json(nullptr));
-  }
-  return {{"status", status}, {"force", sizes}};
-}
-
 json as_json(const Scene& scene, const DiscretizationReport& report) {
   Scene checked = scene;
   checked.probe.kind = ProbeKind::patch;
   const double expected = expected_force_ratio(checked, report.mean_edge_m);
   json out{{"element", name(scene.solver.element)},
            {"bulk_to_shear", scene.material.bulk_to_shear()},
-           {"expected_ratio", expected > 1 ? json(expected) : json(nullptr)},
-           {"tool_radius_m", report.tool_radius_m},
-           {"tool_edges", report.tool_edges},
-           {"patch_for_node", report.patch_for_node},
-           {"mean_edge_m", report.mean_edge_m},
-           {"depth_m", report.depth_m}};
-  for (const auto v : references) {
-    const auto& cost = report.cost(v);
-    json ratios = json::array();
-    for (std::size_t i = 0; i < report.depth_m.size(); ++i) {
-      const auto r = report.ratios(v, i);
-      ratios.push_back({{"depth_m", report.depth_m[i]},
-                        {"median", r.n > 0 ? json(r.median) : json(nullptr)},
-                        {"min", r.n > 0 ? json(r.min) : json(nullptr)},
-                        {"max", r.n > 0 ? json(r.max) : json(nullptr)},
-                        {"n", r.n}});
-    }
-    out["against"][name(v)] = {
-        {"ratios", ratios},
-        {"possible", cost.possible},
-        {"left_out", cost.left_out.empty() ? json(nullptr) : json(cost.left_out)},
-        {"predicted_seconds_per_probe", cost.predicted_s > 0 ? json(cost.predicted_s) : json(nullptr)},
-        {"seconds", cost.seconds},
-        {"nodes", cost.n_nodes}};
-  }
-  out["probes"] = json::array();
-  for (const auto& probe : report.probes) {
-    json row{{"node", probe.node}, {"direction", probe.direction}, {"inward", probe.inward}};
-    for (const auto v : variants) row[name(v)] = as_json(probe.of(v));
-    out["probes"].push_back(row);
-  }
-  out["interrupted"] = report.interrupted;
-  out["seconds"] = report.seconds;
-  out["sufficient_seconds"] = report.sufficient_s;
+           {"expected_ratio", expected > 1 ? json(expected) : json(nullptr)}};
+  out.update(figures(report));
   return out;
 }
 

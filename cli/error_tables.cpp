@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <phynness/validation/force_unit.hpp>
 
 #include "console.hpp"
@@ -18,12 +17,6 @@ std::string percent(double fraction) { return fmt::format("{:>5}", in_percent(fr
 /// A rank correlation, or the reason why it is missing.
 std::string told(const std::optional<double>& correlation) {
   return correlation ? fmt::format("{:.2f}", *correlation) : "too few probes";
-}
-
-void print_range(const ErrorsToRange& errors, const std::string& nodes) {
-  if (errors.all.overall.probes == 0) return;
-  print_cells(table_cells(errors, nodes));
-  for (const auto& remark : remarks(errors, nodes)) print_result("{}\n", remark);
 }
 
 }  // namespace
@@ -53,14 +46,17 @@ void print_cells(const TableCells& rows) {
   }
 }
 
-void print_to_range(const ErrorsToRange& errors) { print_range(errors, "nodes"); }
+void print_to_range(const ErrorsToRange& errors) {
+  if (errors.all.overall.probes == 0) return;
+  print_cells(table_cells(errors));
+  for (const auto& remark : remarks(errors)) print_result("{}\n", remark);
+}
 
-void print_table(const ValidationReport& report, const std::vector<FieldModes>& fields) {
-  using Member = std::function<const ErrorStatistics&(const GroupErrors&)>;
-  const auto row = [&](const std::string& what, const Member& member, GroupErrors PredictorErrors::*group) {
-    print_result("  {:<22}", what);
+void print_table(const ValidationReport& report) {
+  const auto row = [&](std::size_t i, GroupErrors PredictorErrors::*group) {
+    print_result("  {:<22}", (report.of(Predictor::model).*group).rows()[i].first);
     for (const auto p : predictors) {
-      const auto& s = member(report.of(p).*group);
+      const auto s = (report.of(p).*group).rows()[i].second;
       if (s.n == 0)
         print_result(" | {:>5} {:>5} {:>5}", "-", "-", "-");
       else
@@ -74,16 +70,7 @@ void print_table(const ValidationReport& report, const std::vector<FieldModes>& 
     print_result("{:<24}", "  error in %");
     for (std::size_t i = 0; i < predictors.size(); ++i) print_result(" | {:>5} {:>5} {:>5}", "mean", "p95", "max");
     print_result("\n");
-    row("force, eq. (17)", &GroupErrors::force, group);
-    row("displacement, eq. (17)", &GroupErrors::displacement, group);
-    row("  most moved tenth", &GroupErrors::displacement_moving, group);
-    row("field, relative L2", &GroupErrors::field_l2, group);
-    for (std::size_t f = 0; f < fields.size(); ++f) {
-      row(
-          fields[f].name + " (17)", [f](const GroupErrors& e) -> const auto& { return e.fields[f].nodal; }, group);
-      row(
-          "  relative L2", [f](const GroupErrors& e) -> const auto& { return e.fields[f].l2; }, group);
-    }
+    for (std::size_t i = 0; i < (report.of(Predictor::model).*group).rows().size(); ++i) row(i, group);
   }
 }
 
@@ -128,18 +115,16 @@ void print_points(const PointReport& report) {
     print_result("  {} of those not solved did not converge; --increments of phynness solve helps to see why\n",
                  report.failed - report.refused);
   TableCells rows{{"tools between nodes, error in %", "mean", "median", "p95", "max"}};
-  for (const auto& [what, member] :
-       {std::pair{"force, as eq. (17)", &PointErrors::force}, std::pair{"displacement", &PointErrors::displacement},
-        std::pair{"field, relative L2", &PointErrors::field_l2}})
-    for (const auto& [who, errors] :
-         {std::pair{"coupled model", &report.coupled}, std::pair{"linear predictor", &report.linear},
-          std::pair{"model at the nearest nodes", &report.at_nodes}}) {
-      const ErrorStatistics& s = errors->*member;
+  const auto coupled = titled(report.coupled), linear = titled(report.linear), at_nodes = titled(report.at_nodes);
+  for (std::size_t i = 0; i < coupled.size(); ++i)
+    for (const auto& [who, errors] : {std::pair{"coupled model", &coupled}, std::pair{"linear predictor", &linear},
+                                      std::pair{"model at the nearest nodes", &at_nodes}}) {
+      const auto& [what, s] = (*errors)[i];
       rows.push_back({fmt::format("  {}, {}", what, who), in_percent(s.mean), in_percent(s.median), in_percent(s.p95),
                       in_percent(s.max)});
     }
   print_cells(rows);
-  print_range(report.to_range, "points");
+  print_to_range(report.to_range);
   print_result("largest distance of a tool from its point in the field: {:.1e} m; {}\n", report.largest_residual_m,
                duration(report.seconds));
 }
@@ -156,10 +141,11 @@ void print_pairs(const PairReport& report) {
   print_result("{:<24} | {:>5} {:>6} {:>5} {:>5}", "", "mean", "median", "p95", "max");
   for (int i = 0; i < 3; ++i) print_result(" | {:>5} {:>6}", "mean", "median");
   print_result("\n");
-  const auto block = [&](const char* what, const ErrorStatistics PairStatistics::*measure) {
-    print_result("  {}\n", what);
+  for (std::size_t i = 0; i < titled(PairStatistics{}).size(); ++i) {
+    const auto measure = [i](const PairGroup& group, PairPredictor p) { return titled(group.of(p))[i].second; };
+    print_result("  {}\n", titled(PairStatistics{})[i].first);
     for (const auto p : pair_predictors) {
-      const auto& all = report.all.of(p).*measure;
+      const auto all = measure(report.all, p);
       if (all.n == 0) continue;
       const char* who = p == PairPredictor::coupled ? "coupled model"
                         : p == PairPredictor::alone ? "each tool alone"
@@ -168,7 +154,7 @@ void print_pairs(const PairReport& report) {
       print_result("    {:<20} | {}  {} {} {}", who, percent(all.mean), percent(all.median), percent(all.p95),
                    percent(all.max));
       for (const auto* group : {&report.near, &report.far, &report.right}) {
-        const auto& s = group->of(p).*measure;
+        const auto s = measure(*group, p);
         if (s.n == 0)
           print_result(" | {:>5} {:>6}", "-", "-");
         else
@@ -176,12 +162,7 @@ void print_pairs(const PairReport& report) {
       }
       print_result("\n");
     }
-  };
-  block("force of the worse tool, relative to the larger force", &PairStatistics::force);
-  block("force of the worse tool, relative to its own force", &PairStatistics::force_own);
-  block("displacement, mean of all nodes, relative to the largest", &PairStatistics::displacement_all);
-  block("displacement as in eq. (17), without touched nodes", &PairStatistics::displacement);
-  block("field, relative L2", &PairStatistics::field_l2);
+  }
   print_cells(table_cells("two tools, in %", report.by_warning));
   if (const auto why = reasons(report.by_warning.unreached); !why.empty())
     print_result("not reached by the finite elements: {}\n", why);

@@ -13,7 +13,7 @@ void print_verdict(const Validated& validated);
 /// The first column to the left, the others to the right.
 void print_cells(const TableCells& rows);
 /// Errors of the model, the linear predictor and the zero predictor, inside and outside of the trained range.
-void print_table(const ValidationReport& report, const std::vector<FieldModes>& fields);
+void print_table(const ValidationReport& report);
 /// Errors of probes up to R by warnings, depth and nodes.
 void print_to_range(const ErrorsToRange& errors);
 /// Median errors, and the correlation of the error with the distance from the training data.

@@ -4,19 +4,18 @@
 #include <charconv>
 #include <limits>
 #include <map>
-#include <phynness/drawing/html.hpp>
-#include <phynness/drawing/plots.hpp>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
+#include <phynness/pages/report.hpp>
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/training/families.hpp>
 #include <phynness/tuning/tuning.hpp>
+#include <phynness/validation/figures.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"
 #include "console.hpp"
-#include "error_json.hpp"
 #include "output_places.hpp"
 #include "streams.hpp"
 
@@ -80,12 +79,11 @@ void print_table(const TuningReport& report, const std::optional<std::size_t>& c
 void plot(const std::filesystem::path& file, const TuningReport& report, const std::string& title,
           const std::optional<std::size_t>& chosen, ErrorStatistic statistic) {
   using report::Curve;
-  using report::Mark;
   const auto curves = [&](auto&& abscissa) {
     std::vector<Curve> all;
     for (const auto* each : every_family())
-      all.push_back({name(each->family), Mark::points, static_cast<int>(all.size()) + 3, {}});
-    Curve front{"on the front", Mark::joined_points, 2, {}}, best{"chosen", Mark::points, 1, {}};
+      all.push_back({name(each->family), "points", static_cast<int>(all.size()) + 3, {}});
+    Curve front{"on the front", "joined", 2, {}}, best{"chosen", "points", 1, {}};
     for (std::size_t i = 0; i < report.models.size(); ++i) {
       const auto& m = report.models[i];
       const std::pair<double, double> at{abscissa(m), 100 * m.error(statistic)};
@@ -100,16 +98,12 @@ void plot(const std::filesystem::path& file, const TuningReport& report, const s
     return all;
   };
   const auto error = fmt::format("larger {} error of force and displacement, %", statistic_names.at(statistic));
-  std::string body = "<h1>" + report::escaped(title) + "</h1>\n<div class=\"plots\">\n";
-  body += "<figure>" +
-          report::plot({"Error against time", "one deformation, us", error, true,
-                        curves([](const auto& m) { return m.speed.deformation_us; }), true}) +
-          "</figure>\n";
-  body += "<figure>" +
-          report::plot({"Error against memory", "memory, MB", error, true,
-                        curves([](const auto& m) { return m.memory_bytes / 1e6; }), true}) +
-          "</figure>\n</div>\n";
-  write_text_file(file, report::page(title, body));
+  const json logarithmic{{"log_x", true}, {"log_y", true}};
+  const json charts{report::chart("Error against time", "one deformation, us", error,
+                                  curves([](const auto& m) { return m.speed.deformation_us; }), logarithmic),
+                    report::chart("Error against memory", "memory, MB", error,
+                                  curves([](const auto& m) { return m.memory_bytes / 1e6; }), logarithmic)};
+  write_text_file(file, report::page(title, {report::section("", {{{"charts", charts}}})}));
   print_result("plot: {}\n", file.string());
 }
 
@@ -129,7 +123,8 @@ TuningLimits limits_of(const Options& options) {
   return limits;
 }
 
-void check_plot_name(const Options& options) {
+void check_plot(const Options& options) {
+  if (options.plot_file) report::require_page();
   if (options.plot_file && options.plot_file->extension() != ".html")
     throw input_error("the format of the plot is unknown", options.plot_file->string(),
                       "give --plot a name that ends in .html");
@@ -161,7 +156,7 @@ json as_json(const TuningReport& report, const TuningChoice& choice, const Tunin
   json models = json::array();
   for (const auto& m : report.models) {
     json entry{{"name", m.candidate.name},           {"family", name(m.trained.family)},
-               {"inside", to_json(m.errors.inside)}, {"outside", to_json(m.errors.outside)},
+               {"inside", figures(m.errors.inside)}, {"outside", figures(m.errors.outside)},
                {"force_us", m.speed.force_us},       {"deformation_us", m.speed.deformation_us},
                {"memory_bytes", m.memory_bytes},     {"model_text_bytes", m.text_bytes},
                {"training_s", m.training_s},         {"on_front", m.on_front}};
@@ -175,14 +170,14 @@ json as_json(const TuningReport& report, const TuningChoice& choice, const Tunin
   json out{{"models", models},        {"chosen", nullptr},
            {"missed", choice.missed}, {"error_by", statistic_names.at(limits.statistic)},
            {"probes", report.probes}, {"failed", report.failed},
-           {"nodes", report.nodes},   {"linear", to_json(report.linear)}};
+           {"nodes", report.nodes},   {"linear", figures(report.linear)}};
   if (choice.chosen) out["chosen"] = report.models[*choice.chosen].candidate.name;
   return out;
 }
 
 void run(const Options& options) {
   const TuningLimits limits = limits_of(options);
-  check_plot_name(options);
+  check_plot(options);
   const SolverSession session;
   const Scene scene = open_scene(options.scene);
   const auto database = Database::open(options.database);

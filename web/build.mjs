@@ -1,6 +1,6 @@
 // Builds the npm package `phynness` of web/runtime, and the pages.
 // Usage: node build.mjs --wasm phynness.wasm --out FOLDER
-// Writes FOLDER/phynness, ready for npm pack, FOLDER/view.html, and FOLDER/report.js and .css.
+// Writes FOLDER/phynness, ready for npm pack, FOLDER/view.html and FOLDER/report.html.
 import { execFileSync } from 'node:child_process';
 import { copyFileSync, mkdirSync, rmSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -8,8 +8,7 @@ import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import { build } from 'esbuild';
-import { buildReport } from './report/build.mjs';
-import { buildView } from './view/build.mjs';
+import { buildPage } from './build_page.mjs';
 
 const here = dirname(fileURLToPath(import.meta.url));
 const { values } = parseArgs({ options: { wasm: { type: 'string' }, out: { type: 'string' } } });
@@ -36,6 +35,7 @@ copyFileSync(resolve(values.wasm), join(out, 'phynness.wasm'));
 for (const file of ['package.json', 'README.md']) copyFileSync(join(here, 'runtime', file), join(out, file));
 copyFileSync(join(here, '../LICENSE'), join(out, 'LICENSE'));
 console.log(`${out}: the npm package phynness`);
-const page = join(resolve(values.out), 'view.html');
-console.log(`${page}: ${await buildView(values.wasm, page)} bytes`);
-console.log(`${resolve(values.out)}/report.js and .css: ${await buildReport(resolve(values.out))} bytes`);
+for (const folder of ['view', 'report']) {
+  const page = join(resolve(values.out), `${folder}.html`);
+  console.log(`${page}: ${await buildPage(folder, page, values.wasm)} bytes`);
+}

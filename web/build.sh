@@ -12,7 +12,7 @@ if [ ! -f "$work/node_modules/installed" ] || [ "$(cat "$work/node_modules/insta
   if ! (cd "$work" && npm ci --no-progress --no-audit --no-fund --loglevel=error > "$build/npm.log" 2>&1); then
     echo "warning: the packages of web/package-lock.json cannot be installed: $(tail -n 3 "$build/npm.log" | tr '\n' ' ')" >&2
     echo "  remedy: give npm a registry (npm config set registry URL), and build again; without them phynness view and" >&2
-    echo "  the interactive part of reports are left out. All messages: $build/npm.log" >&2
+    echo "  reports are left out. All messages: $build/npm.log" >&2
     cp "$source/pages/no_files.cpp" "$build/embedded_pages.cpp"
     exit 0
   fi
@@ -23,12 +23,12 @@ for folder in runtime wasm shared view report browser_tests; do
   rm -rf "${work:?}/$folder"
   [ ! -d "$source/$folder" ] || cp -r "$source/$folder" "$work"
 done
-cp "$source"/{build.mjs,embed.mjs,tsconfig.json,vitest.config.ts} "$work"
+cp "$source"/{build.mjs,build_page.mjs,embed.mjs,tsconfig.json,vitest.config.ts} "$work"
 cp "$source/../LICENSE" "$build"
 cd "$work"
 node build.mjs --wasm "$build/wasm/phynness.wasm" --out "$out"
 pages=()
-for page in view.html report.js report.css; do
+for page in view.html report.html; do
   [ ! -f "$out/$page" ] || pages+=("$out/$page")
 done
 node embed.mjs "$build/embedded_pages.cpp" "${pages[@]}"

@@ -8,9 +8,8 @@
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <phynness/drawing/html.hpp>
-#include <phynness/drawing/plots.hpp>
 #include <phynness/formats/text_file.hpp>
+#include <phynness/pages/report.hpp>
 #include <string>
 #include <vector>
 
@@ -171,18 +170,17 @@ nlohmann::json compare_with_limits() {
 }
 
 void plot(const std::string& file, const std::vector<Series>& all) {
-  std::string body = "<h1>Time of the runtime</h1>\n<div class=\"plots\">\n";
+  report::Json charts = report::Json::array();
   for (const Series& series : all) {
     const auto [constant, slope] = series.line();
-    report::Curve measured{"measured", report::Mark::points, 0, {}},
-        line{"line", report::Mark::line, 1, {{0, constant}}};
+    report::Curve measured{"measured", "points", 0, {}}, line{"line", "line", 1, {{0, constant}}};
     for (std::size_t k = 0; k < series.n.size(); ++k) {
       measured.at.emplace_back(series.n[k], series.time[k]);
       line.at.emplace_back(series.n[k], constant + slope * series.n[k]);
     }
-    body += "<figure>" + report::plot({series.name, series.axis, series.unit, false, {line, measured}}) + "</figure>\n";
+    charts.push_back(report::chart(series.name, series.axis, series.unit, {line, measured}));
   }
-  write_text_file(file, report::page("Time of the runtime", body + "</div>\n"));
+  write_text_file(file, report::page("Time of the runtime", {report::section("", {{{"charts", charts}}})}));
 }
 
 int run(int argc, char** argv) {
@@ -191,6 +189,7 @@ int run(int argc, char** argv) {
   app.add_option("--plot", plot_file, "draw the lines (HTML)");
   app.add_option("--json", json_file, "write the figures for machines");
   CLI11_PARSE(app, argc, argv);
+  if (!plot_file.empty()) report::require_page();
   std::printf("one core, medians of processor time; arbitrary coefficients\n");
   const auto all = measure();
   auto json = compare_with_limits();

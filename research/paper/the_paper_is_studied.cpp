@@ -177,7 +177,7 @@ void Study::expect_page() const {
                            "not run: there is no scenes/liver_case2.toml", "Errata"})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(page.find("Quick study"), std::string::npos);
-  EXPECT_GE(count("class=\"chart\""), 20U);
+  EXPECT_GE(count("\"curves\""), 20U);
   const auto own = page.substr(0, page.find("<script"));
   EXPECT_FALSE(std::regex_search(own, std::regex("(src|href)=[\"'](?!#)"))) << "nothing from elsewhere";
   EXPECT_FALSE(std::regex_search(own, std::regex("[ >(,-](nan|inf)[ <),]")));

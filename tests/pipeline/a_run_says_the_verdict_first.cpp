@@ -76,9 +76,9 @@ TEST_F(Verdict, IsFirstAndNarrow) {
   expect_narrow(brief.out);
   EXPECT_LE(lines_of(brief.out).size(), 24U) << brief.out;  // verdict of at most 11 lines, table, file
   const auto page = read_file(folder / "r.html");
-  EXPECT_LT(page.find("<strong>Worst node</strong>"), page.find("<table"));
-  EXPECT_LT(page.find("<table"), page.find("<h2>"));
-  EXPECT_EQ(page.find("<td>unflagged</td>"), std::string::npos);
+  EXPECT_LT(page.find("[\"Worst node\","), page.find("\"table\":"));
+  EXPECT_LT(page.find("\"table\":"), page.find("\"title\":\"Scene\""));
+  EXPECT_EQ(page.find("\"unflagged\""), std::string::npos);
 
   const auto details = phynness("validate scene.toml out/model --details --points 2 --pairs 2");
   ASSERT_EQ(details.exit_status, 0) << details.err;

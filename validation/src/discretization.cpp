@@ -35,10 +35,16 @@ RatioStatistics DiscretizationReport::ratios(Variant other, std::size_t depth) c
   std::vector<double> all;
   for (const auto& probe : probes)
     if (const auto ratio = probe.ratio(other, depth)) all.push_back(*ratio);
-  if (all.empty()) return {};
+  if (all.empty()) return {depth_m[depth]};
   std::sort(all.begin(), all.end());
   const std::size_t n = all.size();
-  return {(all[(n - 1) / 2] + all[n / 2]) / 2, all.front(), all.back(), static_cast<std::int64_t>(n)};
+  return {depth_m[depth], (all[(n - 1) / 2] + all[n / 2]) / 2, all.front(), all.back(), static_cast<std::int64_t>(n)};
+}
+
+VariantComparison DiscretizationReport::comparison(Variant other) const {
+  VariantComparison comparison{{}, cost(other)};
+  for (std::size_t i = 0; i < depth_m.size(); ++i) comparison.ratios.push_back(ratios(other, i));
+  return comparison;
 }
 
 double patch_radius_for_node(double edge_m, double max_displacement_m) {

@@ -9,6 +9,7 @@
 namespace phynness {
 
 std::string in_percent(double fraction) {
+  if (std::isnan(fraction)) return "-";
   const double value = 100 * fraction;
   if ((value > 0 && value < 0.005) || value >= 99999.5) return fmt::format("{:.0e}", value);
   return value < 9.995   ? fmt::format("{:.2f}", value)
@@ -18,13 +19,29 @@ std::string in_percent(double fraction) {
 
 namespace {
 
-constexpr std::size_t n_columns = 15;
+struct Cell {
+  std::string heading, text;
+};
 
-void append_errors(std::vector<std::string>& row, const PredictionErrors& errors) {
-  for (const auto* s : {&errors.force, &errors.displacement}) {
-    for (const double value : {s->mean, s->median, s->p95, s->max}) row.push_back(s->n > 0 ? in_percent(value) : "-");
-    if (s == &errors.force) row.push_back(s->n > 0 ? in_percent(errors.wrong) : "-");
-  }
+/// Headings and cells of what PredictionErrors describes.
+/// @param brief  only means of statistics
+std::vector<Cell> cells_of(const PredictionErrors& errors, bool brief) {
+  std::vector<Cell> cells;
+  PredictionErrors::describe(errors, [&]<class Value>(const auto&, const Value& value, const char* title) {
+    if constexpr (std::is_same_v<Value, ErrorStatistics>) {
+      ErrorStatistics::describe(value, [&](const std::string& key, auto statistic, const char* name = nullptr) {
+        const bool mean = key == "mean";
+        if (name != nullptr && (mean || !brief))
+          cells.push_back({brief  ? title
+                           : mean ? title + std::string(": mean")
+                                  : name,
+                           in_percent(static_cast<double>(statistic))});
+      });
+    } else {
+      cells.push_back({title, in_percent(value)});
+    }
+  });
+  return cells;
 }
 
 }  // namespace
@@ -72,23 +89,22 @@ std::string sentence(const ErrorsAndBounds& bounds) {
 }  // namespace
 
 TableCells table_cells(const std::string& title, const std::vector<NamedErrors>& rows) {
-  TableCells out{{title, "probes", "share", "force: mean", "median", "p95", "max", "over 10 %", "displ.: mean",
-                  "median", "p95", "max", "linear: force", "over 10 %", "displ."}};
+  TableCells out{{title, "probes", "share"}};
   for (const auto& [name, errors, part_of] : rows) {
     if (part_of != nullptr && (errors->probes == 0 || errors->probes == part_of->probes)) continue;
-    std::vector<std::string> row{name, fmt::format("{} of {}", errors->solved, errors->probes),
-                                 in_percent(errors->share)};
-    append_errors(row, errors->model);
-    std::vector<std::string> linear;
-    append_errors(linear, errors->linear);
-    for (const std::size_t column : {0, 4, 5}) row.push_back(linear[column]);
-    row.resize(n_columns);
-    out.push_back(std::move(row));
+    auto cells = cells_of(errors->model, false), linear = cells_of(errors->linear, true);
+    linear.front().heading.insert(0, "linear: ");
+    cells.insert(cells.end(), linear.begin(), linear.end());
+    out.push_back({name, fmt::format("{} of {}", errors->solved, errors->probes), in_percent(errors->share)});
+    for (const auto& [heading, text] : cells) {
+      if (out.size() == 2) out.front().push_back(heading);
+      out.back().push_back(text);
+    }
   }
   return out;
 }
 
-TableCells table_cells(const ErrorsToRange& errors, const std::string& nodes) {
+TableCells table_cells(const ErrorsToRange& errors) {
   std::vector<NamedErrors> rows;
   const JudgedErrors& all = errors.all.overall;
   for (const auto& [name, group] : {std::pair{"all", &errors.all}, std::pair{"unflagged", &errors.unflagged},
@@ -98,7 +114,7 @@ TableCells table_cells(const ErrorsToRange& errors, const std::string& nodes) {
     constexpr std::array thirds{"  0 to R/3", "  R/3 to 2R/3", "  2R/3 to R"};
     for (std::size_t third = 0; third < 3; ++third)
       rows.push_back({thirds[third], &group->by_depth[third], &group->overall});
-    rows.push_back({"  worst tenth of " + nodes, &group->worst_nodes, &group->overall});
+    rows.push_back({"  worst tenth of " + errors.counted, &group->worst_nodes, &group->overall});
   }
   if (errors.beyond.probes > 0) rows.push_back({"beyond R, to 1.43 R", &errors.beyond});
   std::vector<std::string> names;
@@ -117,17 +133,18 @@ TableCells table_cells(const std::string& title, const ErrorsByWarning& errors) 
       {{"all", &errors.all}, {"unflagged", &errors.unflagged, &errors.all}, {"flagged", &errors.flagged, &errors.all}});
 }
 
-std::vector<std::string> remarks(const ErrorsToRange& errors, const std::string& nodes) {
+std::vector<std::string> remarks(const ErrorsToRange& errors) {
   std::vector<std::string> out;
   if (errors.all.overall.probes == 0) return out;
+  const std::string one = errors.counted == "nodes" ? "node" : "point";
   out.push_back(
       fmt::format("errors are divided by the largest finite element response to R of the {}; over 10 %: forces "
                   "that are off by more than a tenth of their own size",
-                  nodes == "nodes" ? "node" : "point"));
+                  one));
   out.push_back(
       fmt::format("the runtime does not warn of {} % of the probes to R; at the tenth of the {} with the most "
                   "warnings, of {} %",
-                  in_percent(errors.unflagged.overall.share), nodes, in_percent(errors.least_unflagged)));
+                  in_percent(errors.unflagged.overall.share), errors.counted, in_percent(errors.least_unflagged)));
   if (errors.bounds) {
     out.push_back("bound to 10 %: probes whose bound is at most 10 % of the largest force of the node");
     out.push_back(sentence(*errors.bounds));
@@ -140,7 +157,7 @@ std::vector<std::string> remarks(const ErrorsToRange& errors, const std::string&
                                 : ""));
   constexpr std::size_t most_named = 10;
   for (std::size_t i = 0; i < std::min(most_named, errors.unreached.size()); ++i)
-    out.push_back(sentence(errors.unreached[i], nodes == "nodes" ? "node" : "point"));
+    out.push_back(sentence(errors.unreached[i], one));
   if (errors.unreached.size() > most_named)
     out.push_back(fmt::format("... and {} more, all of them in the JSON", errors.unreached.size() - most_named));
   return out;

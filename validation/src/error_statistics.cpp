@@ -54,6 +54,15 @@ std::vector<double> centered_ranks(const std::vector<double>& values) {
 
 }  // namespace
 
+ByName<ErrorStatistics> GroupErrors::rows() const {
+  auto rows = titled(*this);
+  for (const auto& [name, errors] : fields) {
+    rows.emplace_back(name + " (17)", errors.nodal);
+    rows.emplace_back("  relative L2", errors.l2);
+  }
+  return rows;
+}
+
 std::string WorseThanLinear::sentence() const {
   const std::string_view of = range;
   const char* where = of == "inside"    ? "inside the trained range"

@@ -135,9 +135,10 @@ JudgedErrors judged(const std::vector<JudgedProbe>& probes, const Belongs& group
   return out;
 }
 
-ErrorsToRange errors_to_range(const std::vector<JudgedProbe>& probes, double range_m) {
+ErrorsToRange errors_to_range(const std::vector<JudgedProbe>& probes, double range_m, const std::string& counted) {
   ErrorsToRange out;
   out.range_m = range_m;
+  out.counted = counted;
   std::map<std::int32_t, std::vector<const JudgedProbe*>> by_node;
   for (const auto& probe : probes) {
     if (!probe.beyond) by_node[probe.node].push_back(&probe);
@@ -154,6 +155,7 @@ ErrorsToRange errors_to_range(const std::vector<JudgedProbe>& probes, double ran
     const auto over = [&](const Belongs& part) {
       return judged(probes, in_group, [&](const JudgedProbe& p) { return !p.beyond && part(p); });
     };
+    group.counted = counted;
     group.overall = over(any);
     for (int third = 0; third < 3; ++third)
       group.by_depth[static_cast<std::size_t>(third)] = over([&](const JudgedProbe& p) {

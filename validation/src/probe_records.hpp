@@ -14,7 +14,6 @@ class ProbeRecords {
 
  private:
   void add_group(const NodeProbes& probes, std::size_t group);
-  void add_curve(const ForceCurve& curve);
   void keep(ShownState&& state);
   std::vector<ShownState> gathered_states(const SolverSession& session) const;
 

@@ -4,12 +4,10 @@
 #include <limits>
 #include <phynness/precompute/precompute.hpp>
 
+#include "packed.hpp"
+
 namespace phynness {
 namespace {
-
-/// Order, node, displacement, beyond, flagged, status, reached depth, four errors of force, error, largest force,
-/// force, weight, bound, two counts.
-constexpr std::size_t judged_head = 20;
 
 double length_of(const Vec3& v) { return to_eigen(v).norm(); }
 
@@ -17,64 +15,20 @@ bool counts_at(const std::vector<char>& counts, Eigen::Index i) {
   return counts.empty() || counts[static_cast<std::size_t>(i)] != 0;
 }
 
-JudgedProbe read_judged(const double* row) {
-  JudgedProbe p;
-  p.node = static_cast<std::int32_t>(row[1]);
-  p.displacement_m = {row[2], row[3], row[4]};
-  p.beyond = row[5] > 0;
-  p.flagged = row[6] > 0;
-  p.status = static_cast<Status>(static_cast<int>(row[7]));
-  p.reached_m = row[8];
-  const auto n_model = static_cast<std::ptrdiff_t>(row[18]), n_linear = static_cast<std::ptrdiff_t>(row[19]);
-  const double* u = row + judged_head;
-  p.model = {row[9], row[10], {u, u + n_model}};
-  p.linear = {row[11], row[12], {u + n_model, u + n_model + n_linear}};
-  p.error_N = row[13];
-  p.largest_N = row[14];
-  p.force_N = row[15];
-  p.weight = row[16];
-  p.bound_N = row[17];
-  return p;
-}
+/// A probe and its place in the order.
+struct Ordered {
+  std::int64_t order = 0;
+  JudgedProbe probe;
+  static void members(auto& o, auto&& each) { each(o.order, o.probe); }
+};
 
 }  // namespace
 
-void JudgedRows::add(std::int64_t order, const JudgedProbe& p) {
-  const auto& d = p.displacement_m;
-  const auto &u = p.model.displacement, &linear = p.linear.displacement;
-  _rows.insert(_rows.end(), {static_cast<double>(order),
-                             static_cast<double>(p.node),
-                             d[0],
-                             d[1],
-                             d[2],
-                             p.beyond ? 1.0 : 0.0,
-                             p.flagged ? 1.0 : 0.0,
-                             static_cast<double>(p.status),
-                             p.reached_m,
-                             p.model.force,
-                             p.model.force_own,
-                             p.linear.force,
-                             p.linear.force_own,
-                             p.error_N,
-                             p.largest_N,
-                             p.force_N,
-                             p.weight,
-                             p.bound_N,
-                             static_cast<double>(u.size()),
-                             static_cast<double>(linear.size())});
-  _rows.insert(_rows.end(), u.begin(), u.end());
-  _rows.insert(_rows.end(), linear.begin(), linear.end());
-}
+void JudgedRows::add(std::int64_t order, const JudgedProbe& probe) { pack(_rows, Ordered{order, probe}); }
 
 std::vector<JudgedProbe> JudgedRows::gathered(const SolverSession& session) const {
-  const auto rows = session.gather(_rows);
-  std::vector<std::pair<double, JudgedProbe>> ordered;
-  for (std::size_t at = 0; at + judged_head <= rows.size();) {
-    const double* row = rows.data() + at;
-    ordered.emplace_back(row[0], read_judged(row));
-    at += judged_head + static_cast<std::size_t>(row[18]) + static_cast<std::size_t>(row[19]);
-  }
-  std::stable_sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  auto ordered = unpacked<Ordered>(session.gather(_rows));
+  std::stable_sort(ordered.begin(), ordered.end(), [](const auto& a, const auto& b) { return a.order < b.order; });
   std::vector<JudgedProbe> probes;
   probes.reserve(ordered.size());
   for (auto& [order, probe] : ordered) probes.push_back(std::move(probe));

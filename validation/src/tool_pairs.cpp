@@ -8,6 +8,8 @@
 #include <phynness/validation/probed_states.hpp>
 #include <phynness/validation/tool_pairs.hpp>
 
+#include "measures.hpp"
+#include "packed.hpp"
 #include "shared_work.hpp"
 
 namespace phynness {
@@ -28,11 +30,7 @@ const char* name(PairPredictor p) {
 
 namespace {
 
-constexpr std::size_t n_pair_predictors = pair_predictors.size();
 constexpr double none = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
-/// Index, two nodes, two displacements, distance, end, status, residual, error of a tool alone; then the errors of
-/// each predictor.
-constexpr std::size_t pair_row_head = 14, n_errors = 6, pair_row_size = pair_row_head + n_errors * n_pair_predictors;
 
 /// Whether a tool moves the node that another one touches.
 bool moves(const ActiveNodeModel& tool, std::int32_t other) {
@@ -170,46 +168,23 @@ class PairComparison {
   ProbeSolver _solver;
 };
 
-void append(std::vector<double>& rows, std::size_t index, const PairRecord& pair) {
-  rows.insert(rows.end(),
-              {static_cast<double>(index), static_cast<double>(pair.nodes[0]), static_cast<double>(pair.nodes[1])});
-  for (const auto& d : pair.displacement_m) rows.insert(rows.end(), d.begin(), d.end());
-  rows.insert(rows.end(), {pair.distance_m, static_cast<double>(pair.ended), static_cast<double>(pair.status),
-                           pair.residual_m, pair.single_force});
-  for (const auto& e : pair.errors)
-    rows.insert(rows.end(), {e.force, e.force_own, e.displacement, e.field_l2, e.displacement_all, e.force_floored});
-}
-
-PairRecord read(const double* row) {
+/// A pair and its place in the order of the seed.
+struct Numbered {
+  std::size_t number = 0;
   PairRecord pair;
-  pair.nodes = {static_cast<std::int32_t>(row[1]), static_cast<std::int32_t>(row[2])};
-  pair.displacement_m = {Vec3{row[3], row[4], row[5]}, Vec3{row[6], row[7], row[8]}};
-  pair.distance_m = row[9];
-  pair.ended = static_cast<Status>(static_cast<int>(row[10]));
-  pair.solved = pair.ended == Status::converged;
-  pair.status = static_cast<int>(row[11]);
-  pair.residual_m = row[12];
-  pair.single_force = row[13];
-  for (std::size_t p = 0; p < n_pair_predictors; ++p) {
-    const double* e = row + pair_row_head + n_errors * p;
-    pair.errors[p] = {e[0], e[1], e[2], e[3], e[4], e[5]};
-  }
-  return pair;
-}
+};
 
 PairGroup group_of(const std::vector<PairRecord>& records, const std::function<bool(const PairRecord&)>& belongs) {
   PairGroup group;
   for (const auto& pair : records) group.pairs += pair.solved && belongs(pair);
-  for (std::size_t p = 0; p < n_pair_predictors; ++p) {
-    const auto over = [&](double PairErrors::*measure) {
-      std::vector<double> samples;
-      for (const auto& pair : records)
-        if (pair.solved && belongs(pair) && !std::isnan(pair.errors[p].*measure))
-          samples.push_back(pair.errors[p].*measure);
-      return ErrorStatistics::of(std::move(samples));
-    };
-    group.errors[p] = {over(&PairErrors::force), over(&PairErrors::force_own), over(&PairErrors::displacement),
-                       over(&PairErrors::field_l2), over(&PairErrors::displacement_all)};
+  for (std::size_t p = 0; p < pair_predictors.size(); ++p) {
+    PairMeasures<std::vector<double>> samples;
+    for (const auto& pair : records)
+      if (pair.solved && belongs(pair))
+        member_by_member(samples, pair.errors[p], [](auto& list, double error) {
+          if (!std::isnan(error)) list.push_back(error);
+        });
+    group.errors[p] = statistics(samples);
   }
   return group;
 }
@@ -254,14 +229,12 @@ PairReport validate_pairs(const SolverSession& session, const Scene& scene, cons
     PairComparison comparison(scene, model, stop);
     finished = share_out(session, pairs, progress, stop, [&](std::size_t i) {
       comparison.at(chosen[i]);
-      append(rows, i, chosen[i]);
+      pack(rows, Numbered{i, chosen[i]});
     });
   });
-  rows = session.gather(rows);
-  std::vector<const double*> in_order;
-  for (std::size_t at = 0; at + pair_row_size <= rows.size(); at += pair_row_size) in_order.push_back(&rows[at]);
-  std::sort(in_order.begin(), in_order.end(), [](const double* a, const double* b) { return a[0] < b[0]; });
-  for (const double* row : in_order) report.records.push_back(read(row));
+  auto in_order = unpacked<Numbered>(session.gather(rows));
+  std::sort(in_order.begin(), in_order.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
+  for (const auto& [number, pair] : in_order) report.records.push_back(pair);
   report.finished = static_cast<std::int64_t>(session.sum(static_cast<double>(finished)));
   for (const auto& pair : report.records) {
     report.failed += !pair.solved;

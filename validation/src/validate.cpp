@@ -5,6 +5,8 @@
 #include <phynness/precompute/precompute.hpp>
 #include <phynness/validation/probed_states.hpp>
 
+#include "measures.hpp"
+#include "packed.hpp"
 #include "probe_records.hpp"
 #include "range_records.hpp"
 
@@ -13,16 +15,16 @@ namespace {
 
 constexpr std::size_t n_predictors = predictors.size();
 enum Group : std::size_t { inside = 0, outside = 1 };
-/// Two measures for each field follow: nodal and l2 of field f at n_measures + 2 f.
-enum Measure : std::size_t { force, displacement, moving, field_l2, force_relative, n_measures };
 
-/// Normalized errors of one predictor, by group and measure.
-using GroupSamples = std::vector<std::vector<double>>;
-using Samples = std::array<GroupSamples, 2>;
+/// Normalized errors of one predictor.
+struct GroupSamples : GroupMeasures<std::vector<double>> {
+  std::vector<FieldMeasures<std::vector<double>>> fields;
+};
+using Samples = std::array<GroupSamples, 2>;  ///< by Group
 
 Samples no_samples(std::size_t n_fields) {
   Samples samples;
-  samples.fill(GroupSamples(n_measures + 2 * n_fields));
+  for (auto& group : samples) group.fields.resize(n_fields);
   return samples;
 }
 
@@ -58,27 +60,13 @@ void check_same_scene(const Scene& scene, const LoadedModel& model) {
                       "validate with the scene of the model's database, or precompute and train again");
 }
 
-/// Examples are exchanged between ranks as rows of 13 numbers.
-constexpr std::size_t max_examples = 5, example_size = 13;
+constexpr std::size_t max_examples = 5;
 
-void add_example(const LoadedModel& model, std::int32_t node, const ProbedState& state, std::vector<double>& rows) {
-  const Vec3 said = model.force(node, state.d);
-  rows.push_back(node);
-  for (const auto* v : {&state.d, &state.force_FE, &said, &state.force_linear})
-    rows.insert(rows.end(), v->begin(), v->end());
+ForceExample example(const LoadedModel& model, std::int32_t node, const ProbedState& state) {
+  return {node, state.d, state.force_FE, model.force(node, state.d), state.force_linear};
 }
 
-std::vector<ForceExample> read_examples(const std::vector<double>& rows) {
-  std::vector<ForceExample> examples;
-  for (std::size_t at = 0; at + example_size <= rows.size(); at += example_size) {
-    const auto vector = [&](std::size_t i) { return Vec3{rows[at + i], rows[at + i + 1], rows[at + i + 2]}; };
-    examples.push_back({static_cast<std::int32_t>(rows[at]), vector(1), vector(4), vector(7), vector(10)});
-  }
-  std::sort(examples.begin(), examples.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
-  return examples;
-}
-
-/// The same for fields. @param said  response of the predictor for each state
+/// Normalized errors of fields. @param said  response of the predictor for each state
 void collect_fields(const std::vector<ProbedState>& states, const std::vector<Eigen::MatrixXd>& said,
                     GroupSamples& samples) {
   const Eigen::Index n_fields = states.empty() ? 0 : states.front().fields_FE.cols();
@@ -88,9 +76,9 @@ void collect_fields(const std::vector<ProbedState>& states, const std::vector<Ei
     for (std::size_t s = 0; s < states.size(); ++s) {
       if (said[s].size() == 0) continue;  // the node has forces only
       const Eigen::VectorXd FE = states[s].fields_FE.col(f), error = said[s].col(f) - FE;
-      auto* out = &samples[n_measures + 2 * static_cast<std::size_t>(f)];
-      for (Eigen::Index i = 0; largest > 0 && i < error.size(); ++i) out[0].push_back(std::abs(error[i]) / largest);
-      if (FE.norm() > 0) out[1].push_back(error.norm() / FE.norm());
+      auto& out = samples.fields[static_cast<std::size_t>(f)];
+      for (Eigen::Index i = 0; largest > 0 && i < error.size(); ++i) out.nodal.push_back(std::abs(error[i]) / largest);
+      if (FE.norm() > 0) out.l2.push_back(error.norm() / FE.norm());
     }
   }
 }
@@ -115,33 +103,36 @@ void collect(const Predict& predict, const NodeProbes& probes, Group group, Samp
     const Prediction said = predict(probes.node, state);
     fields_said.push_back(said.fields);
     const double force_error = distance(said.force, state.force_FE);
-    if (largest_force > 0) out[force].push_back(force_error / largest_force);
-    if (norm(state.force_FE) > 0) out[force_relative].push_back(force_error / norm(state.force_FE));
+    if (largest_force > 0) out.force.push_back(force_error / largest_force);
+    if (norm(state.force_FE) > 0) out.force_relative.push_back(force_error / norm(state.force_FE));
     if (said.u.rows() == 0) continue;
     double error2 = 0, norm2 = 0;
     for (std::size_t rank = 0; rank < by_motion.size(); ++rank) {
       const auto i = by_motion[rank].second;
       const double error = (said.u.row(i) - state.u_FE.row(i)).norm();
-      if (largest_u > 0) out[displacement].push_back(error / largest_u);
-      if (largest_u > 0 && rank < n_moving) out[moving].push_back(error / largest_u);
+      if (largest_u > 0) out.displacement.push_back(error / largest_u);
+      if (largest_u > 0 && rank < n_moving) out.displacement_moving.push_back(error / largest_u);
       error2 += error * error;
       norm2 += by_motion[rank].first * by_motion[rank].first;
     }
-    if (norm2 > 0) out[field_l2].push_back(std::sqrt(error2 / norm2));
+    if (norm2 > 0) out.field_l2.push_back(std::sqrt(error2 / norm2));
   }
   collect_fields(probes.states[group], fields_said, out);
 }
 
-PredictorErrors statistics(const Samples& samples) {
-  const auto of = [](const GroupSamples& group) {
-    GroupErrors errors;
-    errors.force = ErrorStatistics::of(group[force]);
-    errors.displacement = ErrorStatistics::of(group[displacement]);
-    errors.displacement_moving = ErrorStatistics::of(group[moving]);
-    errors.field_l2 = ErrorStatistics::of(group[field_l2]);
-    errors.force_relative = ErrorStatistics::of(group[force_relative]);
-    for (std::size_t at = n_measures; at < group.size(); at += 2)
-      errors.fields.push_back({ErrorStatistics::of(group[at]), ErrorStatistics::of(group[at + 1])});
+/// The samples of all ranks, on rank 0. Collective.
+void gather(const SolverSession& session, GroupSamples& samples) {
+  const auto of_all = [&](const auto&, auto& list, const char* = nullptr) { list = session.gather(list); };
+  GroupMeasures<std::vector<double>>::describe(samples, of_all);
+  for (auto& field : samples.fields) FieldMeasures<std::vector<double>>::describe(field, of_all);
+}
+
+/// @param fields  of the model; empty: without their errors
+PredictorErrors statistics(const Samples& samples, const std::vector<FieldModes>& fields = {}) {
+  const auto of = [&](const GroupSamples& group) {
+    GroupErrors errors{statistics(group), {}};
+    for (std::size_t f = 0; f < fields.size(); ++f)
+      errors.fields.emplace_back(fields[f].name, statistics(group.fields[f]));
     return errors;
   };
   return {of(samples[inside]), of(samples[outside])};
@@ -193,7 +184,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
         for (std::size_t p = 0; p < n_predictors; ++p) collect(predict[p], found, g, samples[p]);
         // Only for errors of forces: a node without any force has none.
         for (const auto& state : found.states[g])
-          if (distances[g].size() < samples[0][g][force].size())
+          if (distances[g].size() < samples[0][g].force.size())
             distances[g].push_back(model.trained_distance(found.node, state.d));
         solved[g] += static_cast<double>(found.states[g].size());
       }
@@ -203,7 +194,7 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
       increments += static_cast<double>(found.increments);
       cpu_s += found.cpu_s;
       if (e < max_examples && !found.states[inside].empty())
-        add_example(model, found.node, found.states[inside].front(), examples);
+        pack(examples, example(model, found.node, found.states[inside].front()));
     });
   });
 
@@ -220,15 +211,16 @@ ValidationReport validate(const SolverSession& session, const Scene& scene, cons
     report.fixed_distance_m.push_back(entry.fixed_distance_m);
   }
   for (std::size_t p = 0; p < n_predictors; ++p) {
-    for (auto& group : samples[p])
-      for (auto& list : group) list = session.gather(list);
-    report.errors[p] = statistics(samples[p]);
+    for (auto& group : samples[p]) gather(session, group);
+    report.errors[p] = statistics(samples[p], model.model().fields);
   }
   for (const Group g : {inside, outside}) {
-    const auto correlation = rank_correlation(session.gather(distances[g]), samples[0][g][force]);
+    const auto correlation = rank_correlation(session.gather(distances[g]), samples[0][g].force);
     (g == inside ? report.distance_correlation_inside : report.distance_correlation_outside) = correlation;
   }
-  report.examples = read_examples(session.gather(examples));
+  report.examples = unpacked<ForceExample>(session.gather(examples));
+  std::sort(report.examples.begin(), report.examples.end(),
+            [](const auto& a, const auto& b) { return a.node < b.node; });
   records.finish(session, report);
   report.to_range = errors_to_range(range.gathered(session), scene.probe.max_displacement_m);
   if (session.rank() == 0) report.speed = measure_speed(model);

@@ -7,6 +7,7 @@
 #include <phynness/validation/surface_points.hpp>
 #include <random>
 
+#include "measures.hpp"
 #include "range_records.hpp"
 #include "shared_work.hpp"
 
@@ -64,9 +65,7 @@ struct Compared {
   Points u, u_FE;  ///< n_output x 3
 };
 
-struct PointSamples {
-  std::vector<double> force, displacement, field_l2;
-};
+using PointSamples = PointMeasures<std::vector<double>>;
 
 /// @param without  position of the output node that does not count; -1: all count
 void collect(const std::vector<Compared>& compared, Eigen::Index without, PointSamples& samples) {
@@ -88,11 +87,6 @@ void collect(const std::vector<Compared>& compared, Eigen::Index without, PointS
     }
     if (norm2 > 0) samples.field_l2.push_back(std::sqrt(error2 / norm2));
   }
-}
-
-PointErrors statistics(const SolverSession& session, const PointSamples& samples) {
-  return {ErrorStatistics::of(session.gather(samples.force)), ErrorStatistics::of(session.gather(samples.displacement)),
-          ErrorStatistics::of(session.gather(samples.field_l2))};
 }
 
 Points rows_of(const Points& all, const std::vector<std::int32_t>& nodes) {
@@ -215,7 +209,7 @@ class PointComparison {
 
  public:
   void finish(const SolverSession& session, double range_m, PointReport& report) const {
-    report.to_range = errors_to_range(_rows.gathered(session), range_m);
+    report.to_range = errors_to_range(_rows.gathered(session), range_m, "points");
     report.coupled = statistics(session, _coupled);
     report.linear = statistics(session, _linear);
     report.at_nodes = statistics(session, _at_nodes);

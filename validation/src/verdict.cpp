@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <phynness/formats/locking.hpp>
 #include <phynness/validation/force_unit.hpp>
 #include <phynness/validation/trained_share.hpp>
@@ -10,8 +9,6 @@
 
 namespace phynness {
 namespace {
-
-constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
 VerdictLine worst_node(const Validated& v) {
   VerdictLine line{"worst_node", "Worst node", "no probe was solved", {}};
@@ -93,6 +90,13 @@ VerdictLine mesh_and_element(const Validated& v) {
 }
 
 }  // namespace
+
+std::vector<std::string> Validated::not_done() const {
+  std::vector<std::string> parts;
+  for (const auto& [part, reason] : {std::pair{"--points", &no_points}, std::pair{"--pairs", &no_pairs}})
+    if (*reason) parts.push_back(fmt::format("{} was not done: {}", part, (*reason)->what()));
+  return parts;
+}
 
 std::vector<VerdictLine> verdict(const Validated& v) {
   return {worst_node(v), off_by_a_tenth(v), out_of_reach(v), left_out(v), mesh_and_element(v)};

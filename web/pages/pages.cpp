@@ -43,7 +43,7 @@ std::string page_with_data(const std::string& page, const std::string& json) {
   const std::string element = R"(<script type="application/json" id="phynness-data">)", empty = "{}</script>";
   const auto at = page.find(element + empty);
   if (at == std::string::npos)
-    throw failure("the embedded page has no place for its data", "web/view/page.html", "this is a defect; report it");
+    throw failure("the embedded page has no place for its data", "web/*/page.html", "this is a defect; report it");
   std::string text = page.substr(0, at + element.size());
   text += json_for_html(json);
   text += page.substr(at + element.size() + 2);

@@ -82,6 +82,7 @@ void declare_files(const StudyRun& run) {
 }
 
 void run_study(Options options) {
+  report::require_page();
   auto& run = options.run;
   const auto start = std::chrono::steady_clock::now();
   install_stop_handler(false);

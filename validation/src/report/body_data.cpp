@@ -5,13 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <phynness/validation/trained_share.hpp>
 
 namespace phynness::report {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Rounded to a millionth of the body's size, which is a thousandth of what a picture can show.
 Json rounded(const Points& points, double size_m) {
@@ -56,7 +53,7 @@ Json not_trained(const Model& model, const std::map<std::int32_t, std::int32_t>&
 
 }  // namespace
 
-std::string body_data(const ReportInput& in) {
+Json body_data(const Validated& in) {
   const Model& model = in.model.model();
   if (model.surface.rows() == 0 || in.report.shown.empty()) return {};
   const auto rows = rows_of(model);
@@ -82,8 +79,7 @@ std::string body_data(const ReportInput& in) {
               {"displacement_error", errors},
               {"nodes", node_errors(in.report, rows)},
               {"not_trained", not_trained(model, rows)},
-              {"cases", cases}}
-      .dump();
+              {"cases", cases}};
 }
 
 }  // namespace phynness::report

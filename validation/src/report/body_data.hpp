@@ -1,12 +1,11 @@
-// What the script of a report needs to draw the body (web/report/src/data.ts).
+// What the script of a report needs to draw the body.
 #pragma once
 
 #include <phynness/validation/report.hpp>
-#include <string>
 
 namespace phynness::report {
 
-/// JSON; empty if the model has no surface or no displacements.
-std::string body_data(const ReportInput& input);
+/// BodyData of web/report/src/data.ts; null if the model has no surface or no displacements.
+Json body_data(const Validated& validated);
 
 }  // namespace phynness::report

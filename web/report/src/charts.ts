@@ -34,7 +34,7 @@ function made(element: HTMLElement, chart: Chart): uPlot {
       x: { time: false, distr: chart.log_x ? 3 : 1 },
       y: { distr: chart.log_y ? 3 : 1, ...(chart.range ? { range: [chart.range[0], chart.range[1]] as [number, number] } : chart.log_y ? {} : { range: (_: uPlot, low: number, high: number): [number, number] => [Math.min(0, low), high > 0 ? 1.05 * high : 1] }) },
     },
-    axes: [axis(chart.x, chart.log_x, 34), axis(chart.y, chart.log_y, 52)],
+    axes: [axis(chart.x, chart.log_x ?? false, 34), axis(chart.y, chart.log_y ?? false, 52)],
     series: [{ label: chart.x, value: (_, x) => (x === null || x === undefined ? '' : `${Number(x.toPrecision(4))}`) }, ...series],
     cursor: { drag: { x: true, y: false } },
   }, data as uPlot.AlignedData, element);
@@ -52,20 +52,18 @@ function ascending(chart: Chart): Chart {
   };
 }
 
-export function drawCharts(): void {
-  for (const element of document.querySelectorAll<HTMLElement>('.chart[data-chart]')) {
-    const chart = ascending(JSON.parse(element.dataset['chart']!) as Chart);
-    element.setAttribute('role', 'img');
-    element.setAttribute('aria-label', `${chart.title}: ${chart.y} against ${chart.x}; ${chart.curves.map(({ title }) => title).join(', ')}`);
-    let plot = made(element, chart);
-    new ResizeObserver(() => plot.setSize({ width: Math.max(240, element.clientWidth), height: 280 })).observe(element);
-    const again = () => {
-      plot.destroy();
-      plot = made(element, chart);
-    };
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', again);
-    // Paper is white, and two charts stand side by side on it.
-    addEventListener('beforeprint', again);
-    addEventListener('afterprint', again);
-  }
+export function drawChart(element: HTMLElement, given: Chart): void {
+  const chart = ascending(given);
+  element.setAttribute('role', 'img');
+  element.setAttribute('aria-label', `${chart.title}: ${chart.y} against ${chart.x}; ${chart.curves.map(({ title }) => title).join(', ')}`);
+  let plot = made(element, chart);
+  new ResizeObserver(() => plot.setSize({ width: Math.max(240, element.clientWidth), height: 280 })).observe(element);
+  const again = () => {
+    plot.destroy();
+    plot = made(element, chart);
+  };
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', again);
+  // Paper is white, and two charts stand side by side on it.
+  addEventListener('beforeprint', again);
+  addEventListener('afterprint', again);
 }

@@ -1,4 +1,34 @@
-// What `phynness validate --report` writes into its page (validation/src/report/body_data.cpp, drawing/src/plots.cpp).
+// What the commands write into a report (web/pages/include/phynness/pages/report.hpp).
+export interface PageData {
+  readonly title: string;
+  readonly sections: readonly Section[];
+}
+export interface Section {
+  /** empty: the section at the beginning */
+  readonly title: string;
+  readonly blocks: readonly Block[];
+}
+/** Each has one of these. */
+export interface Block {
+  readonly text?: string;
+  readonly warning?: string;
+  /** of less weight */
+  readonly remark?: string;
+  /** titles and sentences */
+  readonly list?: readonly (readonly [string, string])[];
+  /** the first row is the head */
+  readonly table?: readonly (readonly Cell[])[];
+  readonly charts?: readonly Chart[];
+  readonly pictures?: readonly { readonly svg: string; readonly caption: string }[];
+  readonly body?: BodyData;
+  /** the title under which a table is folded */
+  readonly folded?: string;
+  /** of a table: its cells hold words, which are broken across lines */
+  readonly words?: boolean;
+}
+/** A cell with a case shows this case on the body. */
+export type Cell = string | { readonly text: string; readonly case: number };
+
 export interface BodyCase {
   readonly node: number;
   /** index of the touched node among the points */
@@ -23,20 +53,22 @@ export interface BodyData {
   readonly cases: readonly BodyCase[];
 }
 
+export interface Curve {
+  readonly title: string;
+  readonly mark: 'line' | 'dashes' | 'dotted' | 'points' | 'joined';
+  /** index of the page's colours: 0 model, 1 linear predictor, 2 finite elements and text, 3 ... 7 others */
+  readonly color: number;
+  readonly x: readonly number[];
+  readonly y: readonly number[];
+}
 export interface Chart {
   readonly title: string;
   readonly x: string;
   readonly y: string;
-  readonly log_x: boolean;
-  readonly log_y: boolean;
+  readonly curves: readonly Curve[];
+  readonly log_x?: boolean;
+  readonly log_y?: boolean;
   /** of the vertical axis */
   readonly range?: readonly [number, number];
-  readonly curves: readonly {
-    readonly title: string;
-    readonly mark: 'line' | 'dashes' | 'dotted' | 'points' | 'joined';
-    /** index of the page's colours */
-    readonly color: number;
-    readonly x: readonly number[];
-    readonly y: readonly number[];
-  }[];
+  readonly caption?: string;
 }

@@ -16,8 +16,7 @@ constexpr int n_shades = 12;
 
 }  // namespace
 
-std::string mesh_picture(const Points& points, const Triangles& triangles, const std::string& caption) {
-  if (points.rows() == 0 || triangles.rows() == 0) return "<p>The surface has no triangles.</p>";
+std::string mesh_picture(const Points& points, const Triangles& triangles) {
   const Eigen::RowVector3d low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
   std::array<int, 3> axes{0, 1, 2};
   std::sort(axes.begin(), axes.end(), [&](int a, int b) { return high[a] - low[a] > high[b] - low[b]; });
@@ -41,8 +40,7 @@ std::string mesh_picture(const Points& points, const Triangles& triangles, const
   }
   // Lines are limited to a fifth of the mean edge length, because they would cover a fine mesh.
   const double edge = width / std::sqrt(static_cast<double>(triangles.rows()));
-  std::string out =
-      fmt::format("<figure><svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"surface mesh\">\n", width, height);
+  std::string out = fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\">\n", width, height);
   for (int s = 0; s < n_shades; ++s) {
     const int grey = 110 + 130 * s / (n_shades - 1);
     out += fmt::format(
@@ -50,7 +48,7 @@ std::string mesh_picture(const Points& points, const Triangles& triangles, const
         "stroke-linejoin=\"round\"/>\n",
         paths[static_cast<std::size_t>(s)], grey - 20, grey - 10, grey, std::min(8.0, 0.06 * edge));
   }
-  return out + "</svg><figcaption>" + caption + "</figcaption></figure>\n";
+  return out + "</svg>";
 }
 
 }  // namespace phynness::report

@@ -1,6 +1,5 @@
 // The report as JSON and as a page.
-#include <phynness/drawing/html.hpp>
-#include <phynness/drawing/plots.hpp>
+#include <phynness/pages/report.hpp>
 #include <phynness/studies/json.hpp>
 
 #include "mesh_picture.hpp"
@@ -12,69 +11,71 @@ namespace {
 using json = nlohmann::ordered_json;
 using namespace report;
 
-report::Mark mark(LineStyle style) {
+const char* mark(LineStyle style) {
   switch (style) {
     case LineStyle::line:
-      return Mark::line;
+      return "line";
     case LineStyle::dashes:
-      return Mark::dashes;
+      return "dashes";
     case LineStyle::dots:
-      return Mark::dotted;
+      return "dotted";
     case LineStyle::points:
-      return Mark::points;
+      return "points";
     case LineStyle::joined:
-      return Mark::joined_points;
+      return "joined";
   }
-  return Mark::line;
+  return "line";
 }
 
-std::string drawn(const Panel& panel) {
-  PlotSpec spec{panel.title, panel.x, panel.y, panel.log_x, {}, panel.log_y, panel.low, panel.high};
+json drawn(const Panel& panel) {
+  std::vector<Curve> curves;
   for (const auto& series : panel.series) {
     Curve curve{series.name, mark(series.style), series.color, {}};
     for (std::size_t i = 0; i < series.x.size(); ++i)
       if (!panel.log_y || series.y[i] > 0) curve.at.emplace_back(series.x[i], series.y[i]);
-    spec.curves.push_back(std::move(curve));
+    curves.push_back(std::move(curve));
   }
-  return "<figure>" + plot(spec) + "</figure>\n";
+  json more{{"log_x", panel.log_x}, {"log_y", panel.log_y}};
+  if (panel.high > panel.low) more["range"] = {panel.low, panel.high};
+  return chart(panel.title, panel.x, panel.y, curves, more);
 }
 
-std::string said(const char* who, const std::string& what) {
-  return what.empty() ? "" : fmt::format("<p><b>{}</b> {}</p>\n", who, escaped(what));
-}
+json text(const std::string& words) { return {{"text", words}}; }
+json remark(const std::string& words) { return {{"remark", words}}; }
 
-std::string escaped_table(const TextTable& rows) {
-  if (rows.size() < 2) return "";
-  TextTable cells = rows;
-  for (auto& row : cells)
-    for (auto& cell : row) cell = escaped(cell);
-  return table(cells, CellKind::words);
+/// A section that leaves out what is empty. @param what  texts, tables and pictures
+json section_of(const std::string& title, const std::vector<json>& what) {
+  std::vector<json> blocks;
+  for (const auto& block : what)
+    if (!block.is_null()) blocks.push_back(block);
+  return section(title, blocks);
 }
+json said(const char* who, const std::string& what) {
+  return what.empty() ? json() : json{{"text", fmt::format("{} {}", who, what)}};
+}
+json words_table(const TextTable& rows) { return rows.size() < 2 ? json() : json{{"table", rows}, {"words", true}}; }
 
-std::string figure_section(const PaperStudy& study, const PaperFigure& figure) {
-  std::string body = said("Paper:", figure.paper);
-  if (!figure.panels.empty()) {
-    body += "<div class=\"plots\">\n";
-    for (const auto& panel : figure.panels) body += drawn(panel);
-    body += "</div>\n";
-  }
-  if (figure.number == "13")
-    if (const auto* liver = study::ran(study, "3"); liver != nullptr) {
-      body += "<div class=\"plots\">\n";
-      for (std::size_t l = 0; l < liver->surfaces.size(); ++l)
-        body += mesh_picture(liver->surfaces[l].points, liver->surfaces[l].triangles,
-                             fmt::format("Level {}: {} vertices, {} triangles", l, liver->surfaces[l].points.rows(),
-                                         liver->surfaces[l].triangles.rows()));
-      body += "</div>\n";
-    }
-  body += escaped_table(figure.table) + said("This run:", figure.found);
-  if (!figure.conditions.empty()) body += "<p class=\"key\">Conditions: " + escaped(figure.conditions) + "</p>\n";
+json figure_section(const PaperStudy& study, const PaperFigure& figure) {
+  std::vector<json> blocks{said("Paper:", figure.paper)};
+  json panels = json::array(), pictures = json::array();
+  for (const auto& panel : figure.panels) panels.push_back(drawn(panel));
+  if (!panels.empty()) blocks.push_back({{"charts", panels}});
+  if (const auto* liver = study::ran(study, "3"); figure.number == "13" && liver != nullptr)
+    for (std::size_t l = 0; l < liver->surfaces.size(); ++l)
+      pictures.push_back(
+          {{"svg", mesh_picture(liver->surfaces[l].points, liver->surfaces[l].triangles)},
+           {"caption", fmt::format("Level {}: {} vertices, {} triangles", l, liver->surfaces[l].points.rows(),
+                                   liver->surfaces[l].triangles.rows())}});
+  if (!pictures.empty()) blocks.push_back({{"pictures", pictures}});
+  blocks.push_back(words_table(figure.table));
+  blocks.push_back(said("This run:", figure.found));
+  if (!figure.conditions.empty()) blocks.push_back(remark("Conditions: " + figure.conditions));
   const bool numbered = figure.number.find_first_not_of("0123456789") == std::string::npos;
-  return section((numbered ? "Figure " : "") + figure.number + ": " + figure.title, body);
+  return section_of((numbered ? "Figure " : "") + figure.number + ": " + figure.title, blocks);
 }
 
 /// Results of phynness validate for both models of a case.
-std::string validations(const PaperStudy& study) {
+json validations(const PaperStudy& study) {
   TextTable rows{{"case, error % (17)", "model", "force: mean", "p95", "max", "displacement: mean", "p95",
                   "beyond R: force", "displacement", "solved: inside, beyond"}};
   for (const auto& result : study.cases) {
@@ -101,16 +102,16 @@ std::string validations(const PaperStudy& study) {
     add("linear predictor", result.facts.ours_errors.at("linear"));
     add("zero", result.facts.ours_errors.at("zero"));
   }
-  return rows.size() < 2 ? ""
-                         : section("Whole models compared with new solves",
-                                   "<p>Every free node has its networks. Probes are in random directions, half of "
-                                   "them outside of the trained range (phynness validate). Errors are those of "
-                                   "the probes with an equilibrium. The two trivial predictors are listed for "
-                                   "comparison.</p>\n" +
-                                       escaped_table(rows));
+  if (rows.size() < 2) return {};
+  return section_of(
+      "Whole models compared with new solves",
+      {text("Every free node has its networks. Probes are in random directions, half of them outside of the "
+            "trained range (phynness validate). Errors are those of the probes with an equilibrium. The two "
+            "trivial predictors are listed for comparison."),
+       words_table(rows)});
 }
 
-std::string what_ran(const PaperStudy& study) {
+json what_ran(const PaperStudy& study) {
   TextTable rows{{"case", "scene", "rays", "increments", "no equilibrium", "solving, CPU min"}};
   for (const auto& result : study.cases) {
     if (!result.missing.empty()) {
@@ -121,11 +122,10 @@ std::string what_ran(const PaperStudy& study) {
                     std::to_string(result.facts.increments), std::to_string(result.facts.failed),
                     fmt::format("{:.1f}", result.facts.solve_cpu_s / 60)});
   }
-  return section("Cases",
-                 escaped_table(rows) +
-                     fmt::format("<p class=\"key\">{}; {}. This run took {:.1f} min; stages that were already finished "
-                                 "were kept.</p>\n",
-                                 escaped(study.software), escaped(study.machine), study.seconds / 60));
+  return section_of("Cases",
+                    {words_table(rows), remark(fmt::format("{}; {}. This run took {:.1f} min; stages that were "
+                                                           "already finished were kept.",
+                                                           study.software, study.machine, study.seconds / 60))});
 }
 
 json numbers_or_null(const std::vector<double>& values) {
@@ -189,39 +189,40 @@ nlohmann::ordered_json to_json(const PaperStudy& study, const PaperReport& repor
 }
 
 std::string html_page(const PaperStudy& study, const PaperReport& report) {
-  std::string body = "<h1>The paper's tables and figures, from our runs</h1>\n";
+  json quick;
   if (study.quick)
-    body += "<p class=\"warning\"><b>Quick study</b>, a check of all parts whose numbers should not be quoted: " +
-            escaped(quick_words()) + ". Without --quick the study has the sizes of the paper.</p>\n";
-  body +=
-      "<p>D. Deo and S. De, PhyNNeSS (2011), Cases 1 to 4, computed anew. Errors are the paper's (17): the "
-      "difference over the largest finite element response of the same node and group. Two predictors that the "
-      "paper does not have are shown for comparison: the linear predictor, which uses three unit responses at "
-      "rest, and the default family of this software (modal; linear for the linear case). Figures 1 to 5 of the "
-      "paper have no measurements.</p>\n";
-  if (report.summary.size() > 1) body += section("The paper's numbers and ours", escaped_table(report.summary));
-  body += what_ran(study);
-  body += section("Table 1: model data", said("Paper:", report.table1_paper) + escaped_table(report.table1) +
-                                             said("This run:", report.table1_found));
-  body += validations(study);
+    quick = {{"warning", "Quick study, a check of all parts whose numbers should not be quoted: " + quick_words() +
+                             ". Without --quick the study has the sizes of the paper."}};
+  std::vector<json> sections{section_of(
+      "",
+      {quick, text("D. Deo and S. De, PhyNNeSS (2011), Cases 1 to 4, computed anew. Errors are the paper's (17): the "
+                   "difference over the largest finite element response of the same node and group. Two predictors "
+                   "that the paper does not have are shown for comparison: the linear predictor, which uses three "
+                   "unit responses at rest, and the default family of this software (modal; linear for the linear "
+                   "case). Figures 1 to 5 of the paper have no measurements.")})};
+  if (report.summary.size() > 1)
+    sections.push_back(section_of("The paper's numbers and ours", {words_table(report.summary)}));
+  sections.push_back(what_ran(study));
+  sections.push_back(section_of("Table 1: model data", {said("Paper:", report.table1_paper), words_table(report.table1),
+                                                        said("This run:", report.table1_found)}));
+  if (auto whole = validations(study); !whole.is_null()) sections.push_back(std::move(whole));
   for (const auto& figure : report.figures) {
     if (figure.number == "13")
-      body += section(
+      sections.push_back(section_of(
           "Table 2: successive subdivision",
-          said("Paper:", report.table2_paper) + escaped_table(report.table2) + said("This run:", report.table2_found));
-    body += figure_section(study, figure);
+          {said("Paper:", report.table2_paper), words_table(report.table2), said("This run:", report.table2_found)}));
+    sections.push_back(figure_section(study, figure));
   }
-  body += section("Errata of the paper that matter here",
-                  "<ul><li>(9) is printed with a minus sign, with which a positive C01 would soften; its II "
-                  "is tr(C<sup>2</sup>). We use the "
-                  "usual nearly incompressible law.</li><li>(12) sums to m but means the neurons. Algorithm "
-                  "1 loops while the displacement is "
-                  "at most n times delta.</li><li>(17) divides by the network's largest output; we divide by "
-                  "the finite elements'.</li>"
-                  "<li>Case 1's E = 20 is in kPa. D1 = 1e-5 per Pa is taken as K = 1/D1 = 100 "
-                  "kPa.</li><li>The paper's mesh and shell thickness "
-                  "are not published.</li></ul>\n");
-  return page("The paper's tables and figures", body);
+  sections.push_back(section_of(
+      "Errata of the paper that matter here",
+      {text("(9) is printed with a minus sign, with which a positive C01 would soften; its II is tr(C^2). We use the "
+            "usual "
+            "nearly incompressible law."),
+       text("(12) sums to m but means the neurons. Algorithm 1 loops while the displacement is at most n times delta."),
+       text("(17) divides by the network's largest output; we divide by the finite elements'."),
+       text("Case 1's E = 20 is in kPa. D1 = 1e-5 per Pa is taken as K = 1/D1 = 100 kPa."),
+       text("The paper's mesh and shell thickness are not published.")}));
+  return page("The paper's tables and figures, from our runs", sections);
 }
 
 }  // namespace phynness

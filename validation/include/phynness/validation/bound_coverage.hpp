@@ -22,6 +22,12 @@ struct BoundCoverage {
   std::array<double, 3> thirds{};    ///< of the depth; nan without states
   std::array<double, 4> quarters{};  ///< of the nodes, by the mean of bound over largest force; nan without states
   double width = 0;                  ///< mean bound over the best constant bound of the same coverage
+  static void describe(const auto& c, auto&& see) {
+    see("coverage", c.all);
+    see("thirds_of_depth", c.thirds);
+    see("quarters_of_nodes", c.quarters);
+    see("width_over_constant", c.width);
+  }
 };
 
 /// @param range_m  length of which thirds are taken

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <phynness/precompute/probe_solver.hpp>
+#include <phynness/validation/described.hpp>
 #include <phynness/validation/error_bounds.hpp>
 
 namespace phynness {
@@ -23,6 +24,7 @@ struct BoundReport {
   double seconds = 0;
 
   bool interrupted() const { return nodes < planned_nodes; }
+  PHYNNESS_FIGURES(rays, failed_rays, nodes, planned_nodes, all_nodes, states, median_bound_N, left_out, seconds)
 };
 
 /// Solves random rays of the body and calibrates bounds. Collective; only rank 0 gets a result.

@@ -10,6 +10,7 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
+#include <phynness/validation/described.hpp>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,16 @@ struct VariantForces {
   std::vector<Status> status;   ///< per depth; empty: not solved
   std::vector<double> force_N;  ///< size of the force per depth, if it converged
   bool converged(std::size_t depth) const { return depth < status.size() && status[depth] == Status::converged; }
+  static void describe(const auto& forces, auto&& see) {
+    std::vector<const char*> names;
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < forces.status.size(); ++i) {
+      names.push_back(name(forces.status[i]));
+      sizes.push_back(forces.converged(i) ? forces.force_N[i] : undefined);
+    }
+    see("status", names);
+    see("force", sizes);
+  }
 };
 
 struct CheckedProbe {
@@ -34,12 +45,24 @@ struct CheckedProbe {
   const VariantForces& of(Variant v) const { return forces[static_cast<std::size_t>(v)]; }
   /// Size of the scene's force over that of `other`; empty unless both converged.
   std::optional<double> ratio(Variant other, std::size_t depth) const;
+  static void describe(const auto& result, auto&& see) {
+    PHYNNESS_SEE(node, direction, inward);
+    for (const auto v : variants) see(name(v), result.of(v));
+  }
 };
 
 /// Statistics of one comparison at one depth, over the probes with a ratio.
 struct RatioStatistics {
-  double median = 0, min = 0, max = 0;
+  double depth_m = 0, median = 0, min = 0, max = 0;
   std::int64_t n = 0;
+  static void describe(const auto& result, auto&& see) {
+    const auto known = [&](double value) { return result.n > 0 ? value : undefined; };
+    see("depth_m", result.depth_m);
+    see("median", known(result.median));
+    see("min", known(result.min));
+    see("max", known(result.max));
+    see("n", result.n);
+  }
 };
 
 struct VariantCost {
@@ -48,6 +71,23 @@ struct VariantCost {
   double predicted_s = 0;    ///< predicted time of one probe that was omitted because of its time
   double seconds = 0;        ///< wall time spent
   std::int32_t n_nodes = 0;  ///< of the mesh
+  static void describe(const auto& result, auto&& see) {
+    see("possible", result.possible);
+    see("left_out", result.left_out.empty() ? std::nullopt : std::optional(result.left_out));
+    see("predicted_seconds_per_probe", result.predicted_s > 0 ? result.predicted_s : undefined);
+    see("seconds", result.seconds);
+    see("nodes", result.n_nodes);
+  }
+};
+
+/// The scene's forces over those of a reference at each depth, and what the reference costs.
+struct VariantComparison {
+  std::vector<RatioStatistics> ratios;
+  VariantCost cost;
+  static void describe(const auto& result, auto&& see) {
+    see("ratios", result.ratios);
+    VariantCost::describe(result.cost, see);
+  }
 };
 
 struct DiscretizationReport {
@@ -64,6 +104,14 @@ struct DiscretizationReport {
 
   const VariantCost& cost(Variant v) const { return costs[static_cast<std::size_t>(v)]; }
   RatioStatistics ratios(Variant other, std::size_t depth) const;
+  VariantComparison comparison(Variant other) const;
+  static void describe(const auto& result, auto&& see) {
+    PHYNNESS_SEE(tool_radius_m, tool_edges, patch_for_node, mean_edge_m, depth_m);
+    see("against", ByName<VariantComparison>{{name(Variant::taylor_hood), result.comparison(Variant::taylor_hood)},
+                                             {name(Variant::half_size), result.comparison(Variant::half_size)}});
+    PHYNNESS_SEE(probes, interrupted, seconds);
+    see("sufficient_seconds", result.sufficient_s);
+  }
 };
 
 struct DiscretizationOptions {

@@ -9,10 +9,18 @@
 
 namespace phynness {
 
-/// Normalized as in (17), by the largest finite element response to the displacements of the same point.
-struct PointErrors {
-  ErrorStatistics force, displacement, field_l2;
+/// Samples or their statistics, normalized as in (17), by the largest finite element response to the displacements of
+/// the same point.
+template <class Errors>
+struct PointMeasures {
+  Errors force, displacement, field_l2;
+  static void describe(auto& e, auto&& see) {
+    see("force", e.force, "force, as eq. (17)");
+    see("displacement", e.displacement, "displacement");
+    see("field_l2", e.field_l2, "field, relative L2");
+  }
 };
+using PointErrors = PointMeasures<ErrorStatistics>;
 
 struct PointReport {
   std::int64_t points = 0, displacements = 0;  ///< requested points, and displacements of each
@@ -28,6 +36,12 @@ struct PointReport {
   ErrorsToRange to_range;  ///< the model at the points, by warnings of phn_couple; its nodes are points, by number
   double seconds = 0;
   bool interrupted() const { return finished < points; }
+  static void describe(const auto& result, auto&& see) {
+    PHYNNESS_SEE(points, finished, displacements, failed, refused);
+    see("first_refusal", result.refused > 0 ? std::optional(result.first_refusal) : std::nullopt);
+    PHYNNESS_SEE(unsettled, largest_residual_m, coupled, linear, at_nodes);
+    ErrorsToRange::describe(result.to_range, see);
+  }
 };
 
 /// Random points are distributed uniformly in triangles whose corners are all active; each such triangle has the same

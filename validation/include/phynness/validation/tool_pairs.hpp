@@ -16,14 +16,25 @@ inline constexpr std::array<PairPredictor, 4> pair_predictors{PairPredictor::cou
                                                               PairPredictor::paper, PairPredictor::linear};
 const char* name(PairPredictor);
 
-/// Fractions. Of the errors of force of the two tools the larger one counts.
-struct PairErrors {
-  double force = 0;             ///< difference over the larger one of the two finite element forces
-  double force_own = 0;         ///< difference over the finite element force of the same tool
-  double displacement = 0;      ///< as (17): mean difference over the largest displacement, without touched nodes
-  double field_l2 = 0;          ///< ratio of Euclidean norms over the same nodes
-  double displacement_all = 0;  ///< mean difference over the largest displacement, with touched nodes
-  double force_floored = 0;     ///< force_own with a denominator of at least force_floor * the larger force
+/// Fractions of one pair, or their statistics. Of the errors of force of the two tools the larger one counts.
+template <class Error>
+struct PairMeasures {
+  Error force{};             ///< difference over the larger one of the two finite element forces
+  Error force_own{};         ///< difference over the finite element force of the same tool
+  Error displacement_all{};  ///< mean difference over the largest displacement, with touched nodes
+  Error displacement{};      ///< as (17): mean difference over the largest displacement, without touched nodes
+  Error field_l2{};          ///< ratio of Euclidean norms over the same nodes
+  static void describe(auto& e, auto&& see) {
+    see("force", e.force, "force of the worse tool, relative to the larger force");
+    see("force_own", e.force_own, "force of the worse tool, relative to its own force");
+    see("displacement_all", e.displacement_all, "displacement, mean of all nodes, relative to the largest");
+    see("displacement", e.displacement, "displacement as in eq. (17), without touched nodes");
+    see("field_l2", e.field_l2, "field, relative L2");
+  }
+};
+using PairStatistics = PairMeasures<ErrorStatistics>;
+struct PairErrors : PairMeasures<double> {
+  double force_floored = 0;  ///< force_own with a denominator of at least force_floor * the larger force
 };
 
 struct PairRecord {
@@ -39,10 +50,18 @@ struct PairRecord {
   double single_force = 0;
   std::array<PairErrors, pair_predictors.size()> errors;  ///< by PairPredictor
   const PairErrors& of(PairPredictor p) const { return errors[static_cast<std::size_t>(p)]; }
-};
-
-struct PairStatistics {
-  ErrorStatistics force, force_own, displacement, field_l2, displacement_all;
+  static void describe(const auto& result, auto&& see) {
+    see("nodes", result.nodes);
+    see("displacement", result.displacement_m);
+    see("distance", result.distance_m);
+    see("solved", result.solved);
+    see("flagged", is_flagged(result.status));
+    if (!result.solved) return see("reason", name(result.ended));
+    see("unsettled", (result.status & PHN_WARNING_UNSETTLED) != 0);
+    see("outside", (result.status & PHN_WARNING_OUTSIDE) != 0);
+    see("single_force", result.single_force);
+    for (const auto p : pair_predictors) see(name(p), result.of(p));
+  }
 };
 
 /// Pairs of one kind: all pairs, pairs of a range of distance, or pairs by convergence of the model.
@@ -50,6 +69,10 @@ struct PairGroup {
   std::int64_t pairs = 0;
   std::array<PairStatistics, pair_predictors.size()> errors;  ///< by PairPredictor
   const PairStatistics& of(PairPredictor p) const { return errors[static_cast<std::size_t>(p)]; }
+  static void describe(const auto& result, auto&& see) {
+    see("pairs", result.pairs);
+    for (const auto p : pair_predictors) see(name(p), result.of(p));
+  }
 };
 
 struct PairReport {
@@ -66,6 +89,11 @@ struct PairReport {
   std::vector<PairRecord> records;  ///< finished pairs, in the order of the seed
   double seconds = 0;
   bool interrupted() const { return finished < pairs; }
+  static void describe(const auto& result, auto&& see) {
+    PHYNNESS_SEE(pairs, finished, failed, unsettled, outside, depth_m, far_m, largest_residual_m, all, near, far);
+    see("right_alone", result.right);
+    PHYNNESS_SEE(single_force, records, by_warning);
+  }
 };
 
 /// Default depth of both tools as a fraction of the trained depth: 12 mm of the paper's 28.

@@ -16,24 +16,43 @@ namespace phynness {
 /// fewer than three pairs, or if a or b is constant.
 std::optional<double> rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
 
-/// Errors of one scalar field at all output nodes, including those that the tool holds.
-struct FieldErrors {
-  ErrorStatistics nodal;  ///< (17): |prediction - FE| over the largest FE value of the active node and group
-  ErrorStatistics l2;     ///< per probe: Euclidean norm over the output nodes of the difference, over that of FE
+/// Errors of one scalar field at all output nodes, including those that the tool holds: samples, or their statistics.
+template <class Errors>
+struct FieldMeasures {
+  Errors nodal;  ///< (17): |prediction - FE| over the largest FE value of the active node and group
+  Errors l2;     ///< per probe: Euclidean norm over the output nodes of the difference, over that of FE
+  static void describe(auto& result, auto&& see) { PHYNNESS_SEE(nodal, l2); }
 };
 
 /// (17): |prediction - FE| over the largest FE norm of the probes of the same active node and group (inside, outside).
-struct GroupErrors {
-  ErrorStatistics force;
-  ErrorStatistics displacement;         ///< all output nodes except the prescribed ones
-  ErrorStatistics displacement_moving;  ///< per probe, the tenth of these nodes with the largest displacements
-  ErrorStatistics field_l2;             ///< per probe: |u - u_FE| / |u_FE| Euclidean norms over the same nodes
-  ErrorStatistics force_relative;       ///< per probe: |f - f_FE| / |f_FE|
-  std::vector<FieldErrors> fields;      ///< one for each of Model::fields
+template <class Errors>
+struct GroupMeasures {
+  Errors force;
+  Errors displacement;         ///< all output nodes except the prescribed ones
+  Errors displacement_moving;  ///< per probe, the tenth of these nodes with the largest displacements
+  Errors field_l2;             ///< per probe: |u - u_FE| / |u_FE| Euclidean norms over the same nodes
+  Errors force_relative;       ///< per probe: |f - f_FE| / |f_FE|
+  static void describe(auto& result, auto&& see) {
+    see("force", result.force, "force, eq. (17)");
+    see("displacement", result.displacement, "displacement, eq. (17)");
+    see("displacement_moving", result.displacement_moving, "  most moved tenth");
+    see("field_l2", result.field_l2, "field, relative L2");
+    see("force_relative", result.force_relative);
+  }
+};
+struct GroupErrors : GroupMeasures<ErrorStatistics> {
+  ByName<FieldMeasures<ErrorStatistics>> fields;  ///< one for each of Model::fields
+  static void describe(const auto& e, auto&& see) {
+    GroupMeasures::describe(e, see);
+    if (!e.fields.empty()) see("fields", e.fields);
+  }
+  /// What tables show, with titles.
+  ByName<ErrorStatistics> rows() const;
 };
 
 struct PredictorErrors {
   GroupErrors inside, outside;
+  PHYNNESS_FIGURES(inside, outside)
 };
 
 enum class Predictor { model, linear, zero };
@@ -44,6 +63,13 @@ const char* name(Predictor);
 struct ForceExample {
   std::int32_t node = 0;
   Vec3 displacement_m{}, finite_elements_N{}, model_N{}, linear_N{};
+  static void describe(const auto& result, auto&& see) {
+    see("node", result.node);
+    see("displacement", result.displacement_m);
+    see("force_finite_elements", result.finite_elements_N);
+    see("force_model", result.model_N);
+    see("force_linear", result.linear_N);
+  }
 };
 
 /// A solved probe and its errors. Errors of displacement are means over the output nodes that count in (17); 0 if the
@@ -62,6 +88,9 @@ struct ShownState {
   Vec3 displacement_m{};
   double force_error = 0;  ///< (17)
   Points finite_elements_m, model_m;
+  static void members(auto& s, auto&& each) {
+    each(s.node, s.displacement_m, s.force_error, s.finite_elements_m, s.model_m);
+  }
 };
 inline constexpr std::size_t most_shown_states = 10;
 
@@ -71,6 +100,7 @@ struct ForceCurve {
   Vec3 direction{};
   std::vector<double> depth_m;
   std::vector<Vec3> force_N;
+  static void members(auto& c, auto&& each) { each(c.node, c.direction, c.depth_m, c.force_N); }
 };
 
 struct ValidationReport {
@@ -97,6 +127,22 @@ struct ValidationReport {
   double solve_ms_per_increment = 0;
   bool interrupted() const { return rays_finished < rays; }
   const PredictorErrors& of(Predictor p) const { return errors[static_cast<std::size_t>(p)]; }
+  static void describe(const auto& result, auto&& see) {
+    PHYNNESS_SEE(probes, failed, rays, rays_finished, solved_inside, solved_outside);
+    PredictorErrors::describe(result.of(Predictor::model), see);
+    see("linear", result.of(Predictor::linear));
+    see("zero", result.of(Predictor::zero));
+    see("distance_correlation", ByName<std::optional<double>>{{"inside", result.distance_correlation_inside},
+                                                              {"outside", result.distance_correlation_outside}});
+    see("examples", result.examples);
+    see("force_us", result.speed.force_us);
+    see("deformation_us", result.speed.deformation_us);
+    see("field_us", result.speed.field_us);
+    PHYNNESS_SEE(seconds, solve_ms_per_increment);
+    ErrorsToRange::describe(result.to_range, see);
+    see("beyond", result.to_range.beyond);
+    see("unreached_beyond", result.to_range.unreached_beyond);
+  }
 };
 
 /// Where the model's mean error (17) is larger than that of the linear predictor, and not negligible.
@@ -107,6 +153,10 @@ struct WorseThanLinear {
   double model = 0, linear = 0;
   /// One sentence, without a full stop.
   std::string sentence() const;
+  static void describe(const auto& result, auto&& see) {
+    see("error", result.what);
+    PHYNNESS_SEE(range, model, linear);
+  }
 };
 std::vector<WorseThanLinear> worse_than_linear(const ValidationReport& report);
 

@@ -1,10 +1,10 @@
 // What a validation says first: the figures by which a model is accepted or refused, once for text, HTML and JSON.
 #pragma once
 
+#include <phynness/formats/error.hpp>
 #include <phynness/validation/surface_points.hpp>
 #include <phynness/validation/tool_pairs.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace phynness {
@@ -12,16 +12,21 @@ namespace phynness {
 struct VerdictLine {
   std::string key;  ///< of its figures in the JSON
   std::string title, sentence;
-  std::vector<std::pair<std::string, double>> figures;  ///< not a number: not defined
+  ByName<double> figures;
 };
 
 /// A validation with its parts; points and pairs that were not requested have finished = 0.
 struct Validated {
-  const Scene& scene;
-  const LoadedModel& model;
-  const ValidationReport& report;
-  const PointReport& points;
-  const PairReport& pairs;
+  Scene scene;
+  LoadedModel model;
+  std::uint64_t seed = 0;
+  ValidationReport report{};
+  PointReport points{};
+  PairReport pairs{};
+  std::optional<Error> no_points{}, no_pairs{};  ///< why this requested part was not done
+  bool interrupted() const { return report.interrupted() || points.interrupted() || pairs.interrupted(); }
+  /// Requested parts that were not done, and why.
+  std::vector<std::string> not_done() const;
 };
 
 std::vector<VerdictLine> verdict(const Validated& validated);

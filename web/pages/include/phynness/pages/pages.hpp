@@ -7,7 +7,7 @@
 
 namespace phynness {
 
-/// A file that the build has made: "view.html" (the page of `phynness view`), "report.js" or "report.css".
+/// A file that the build has made: "view.html" (the page of `phynness view`) or "report.html".
 /// @return nothing in a build without Node
 std::optional<std::string> embedded_page(const std::string& name);
 

@@ -1,0 +1,103 @@
+// Claims: formats/validation.md names every key of the figures of a validation, and its tables name no other; the
+// report of the same results is one page that holds them. Nothing is solved: the results are made up, one of each kind.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+#include <phynness/formats/scene.hpp>
+#include <phynness/validation/report.hpp>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace phynness {
+namespace {
+
+const std::string source = PHYNNESS_SOURCE_DIR;
+
+JudgedProbe probe(std::int32_t node, Status status) {
+  JudgedProbe p;
+  p.node = node;
+  p.displacement_m = {0, 0, -0.01};
+  p.status = status;
+  p.model = p.linear = {0.1, 0.2, {0.1}};
+  p.error_N = 0.1;
+  p.largest_N = p.force_N = 1;
+  p.bound_N = 0.05;
+  return p;
+}
+
+Validated results() {
+  Validated v{read_scene(source + "/scenes/demo.toml"), LoadedModel(source + "/examples/model")};
+  const auto node = v.model.model().nodes.front().node;
+  const std::vector<JudgedProbe> probes{probe(node, Status::converged), probe(node, Status::diverged)};
+  v.report.nodes = {node};
+  v.report.fixed_distance_m = {0.02};
+  v.report.examples.emplace_back();
+  for (auto& errors : v.report.errors)
+    for (auto* group : {&errors.inside, &errors.outside})
+      group->fields.emplace_back("a field", FieldMeasures<ErrorStatistics>{});
+  v.report.to_range = errors_to_range(probes, 0.02);
+  v.points.points = v.points.finished = 1;
+  v.points.to_range = errors_to_range(probes, 0.02, "points");
+  v.points.coupled.force = ErrorStatistics::of({0.5});  // worse than linear
+  v.points.linear.force = ErrorStatistics::of({0.1});
+  v.pairs.pairs = v.pairs.finished = 2;
+  v.pairs.records.resize(2);
+  v.pairs.records[0].solved = true;
+  return v;
+}
+
+/// @param names  of fields and the like, which are no keys
+void collect(const Json& json, const std::set<std::string>& names, std::set<std::string>& keys) {
+  if (json.is_object())
+    for (const auto& [key, value] : json.items()) {
+      if (names.count(key) == 0) keys.insert(key);
+      collect(value, names, keys);
+    }
+  if (json.is_array())
+    for (const auto& value : json) collect(value, names, keys);
+}
+
+std::set<std::string> words(const std::string& text, const char* pattern) {
+  std::set<std::string> found;
+  const std::regex word(pattern);
+  for (std::sregex_iterator at(text.begin(), text.end(), word), end; at != end; ++at) found.insert((*at)[1]);
+  return found;
+}
+
+TEST(ValidationFigures, HaveTheKeysOfTheContract) {
+  std::ifstream file(source + "/formats/validation.md");
+  std::stringstream all;
+  all << file.rdbuf();
+  const std::string text = all.str();
+  ASSERT_FALSE(text.empty());
+  std::set<std::string> keys;
+  auto v = results();
+  collect(validation_figures(v), {"a field"}, keys);
+  v.no_points = failure("not done", "a test", "none");
+  collect(validation_figures(v), {"a field"}, keys);
+  const auto named = words(text, "[`\"]([a-z0-9_]+)[`\"]");
+  for (const auto& key : keys) EXPECT_TRUE(named.count(key)) << key << " is not in formats/validation.md";
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind("| `", 0) == 0)
+      for (const auto& key : words(line.substr(0, line.find('|', 1)), "`([a-z0-9_]+)`"))
+        EXPECT_TRUE(keys.count(key)) << key << " of formats/validation.md is no key";
+}
+
+TEST(ValidationFigures, AreNullWhereNothingIsKnown) {
+  const auto v = results();
+  const auto json = Json::parse(validation_figures(v).dump());
+  EXPECT_TRUE(json.at("inside").at("force").at("mean").is_null());
+  EXPECT_EQ(json.at("inside").at("force").at("n"), 0);
+  EXPECT_EQ(json.at("all").at("wrong"), 1);
+  EXPECT_TRUE(json.at("flagged").at("wrong").is_null());
+  EXPECT_EQ(json.at("by_node").at("solved"), Json::array({0.5}));
+  EXPECT_TRUE(json.at("points").contains("worst_points"));
+  EXPECT_FALSE(json.at("points").contains("worst_nodes"));
+  EXPECT_EQ(json.at("pairs").at("records").at(1).at("reason"), "not_solved");
+}
+
+}  // namespace
+}  // namespace phynness

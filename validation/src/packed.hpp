@@ -1,0 +1,57 @@
+// Records as rows of numbers, which ranks can exchange.
+#pragma once
+
+#include <cstring>
+#include <phynness/formats/mesh.hpp>
+#include <type_traits>
+#include <vector>
+
+namespace phynness {
+
+/// A record is one of: what can be copied as bytes; a vector of records; rows of points; a struct with
+/// members(record, each), which calls each(member, ...) with all of them.
+template <class T>
+void pack(std::vector<double>& rows, const T& record) {
+  if constexpr (requires { T::members(record, [](auto&&...) {}); }) {
+    T::members(record, [&](const auto&... member) { (pack(rows, member), ...); });
+  } else if constexpr (std::is_same_v<T, Points>) {
+    pack(rows, std::vector<double>(record.data(), record.data() + record.size()));
+  } else if constexpr (requires { typename T::allocator_type; }) {
+    rows.push_back(static_cast<double>(record.size()));
+    for (const auto& one : record) pack(rows, one);
+  } else {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const std::size_t at = rows.size();
+    rows.resize(at + (sizeof(T) + sizeof(double) - 1) / sizeof(double));
+    std::memcpy(&rows[at], &record, sizeof(T));
+  }
+}
+
+/// Reads a record. @param at  is moved to the next one
+template <class T>
+void unpack(const double*& at, T& record) {
+  if constexpr (requires { T::members(record, [](auto&&...) {}); }) {
+    T::members(record, [&](auto&... member) { (unpack(at, member), ...); });
+  } else if constexpr (std::is_same_v<T, Points>) {
+    std::vector<double> all;
+    unpack(at, all);
+    record = Eigen::Map<const Points>(all.data(), static_cast<Eigen::Index>(all.size()) / 3, 3);
+  } else if constexpr (requires { typename T::allocator_type; }) {
+    record.resize(static_cast<std::size_t>(*at++));
+    for (auto& one : record) unpack(at, one);
+  } else {
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::memcpy(static_cast<void*>(&record), at, sizeof(T));
+    at += (sizeof(T) + sizeof(double) - 1) / sizeof(double);
+  }
+}
+
+/// All records of these rows.
+template <class T>
+std::vector<T> unpacked(const std::vector<double>& rows) {
+  std::vector<T> records;
+  for (const double *at = rows.data(), *end = at + rows.size(); at != end;) unpack(at, records.emplace_back());
+  return records;
+}
+
+}  // namespace phynness
