@@ -77,12 +77,12 @@ TEST(ValidationFigures, HaveTheKeysOfTheContract) {
   collect(validation_figures(v), {"a field"}, keys);
   v.no_points = failure("not done", "a test", "none");
   collect(validation_figures(v), {"a field"}, keys);
-  const auto named = words(text, "[`\"]([a-z0-9_]+)[`\"]");
+  const auto named = words(text, "[`\"]([a-zA-Z0-9_]+)[`\"]");
   for (const auto& key : keys) EXPECT_TRUE(named.count(key)) << key << " is not in formats/validation.md";
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
     if (line.rfind("| `", 0) == 0) {
-      for (const auto& key : words(line.substr(0, line.find('|', 1)), "`([a-z0-9_]+)`"))
+      for (const auto& key : words(line.substr(0, line.find('|', 1)), "`([a-zA-Z0-9_]+)`"))
         EXPECT_TRUE(keys.count(key)) << key << " of formats/validation.md is no key";
     }
 }
