@@ -100,8 +100,8 @@ TEST(Text, IsPrintedInOnePlace) {
   // What throws or aborts where a stream cannot be written is in no source of the command and its libraries.
   const std::regex printing(R"((fmt::(v?print|vprint)\(|std::(cout|cerr|clog)\b|\bstd::(printf|puts|putchar)\())");
   int sources = 0;
-  for (const char* part : {"cli", "embedding", "evaluation", "formats", "meshes", "planning",
-                           "precompute_dolfinx", "runtime", "training", "tuning", "validation"})
+  for (const char* part : {"cli", "embedding", "evaluation", "formats", "meshes", "planning", "precompute_dolfinx",
+                           "runtime", "training", "tuning", "validation"})
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(PHYNNESS_SOURCE_DIR) / part)) {
       const auto extension = entry.path().extension();
       if (extension != ".cpp" && extension != ".hpp" && extension != ".h") continue;
