@@ -303,24 +303,22 @@ inline std::vector<double> packed_constants(const ufcx_expression& expression,
   return packed;
 }
 
-/// The integral of a functional over one cell.
-/// @param w  dofs of the cell
+/// Adds the integral of a form over one cell to `values`.
+/// @param w  values of its coefficients in the cell
 /// @param c  packed_constants()
 /// @param x  cell_coordinates()
-inline double tabulate_cell(const ufcx_form& functional, std::span<const double> w, std::span<const double> c,
-                            std::span<const double, 12> x) {
-  double value = 0;
+inline void tabulate(const ufcx_form& form, std::span<double> values, std::span<const double> w,
+                     std::span<const double> c, std::span<const double, 12> x) {
 #if PHYNNESS_DOLFINX == 5
-  const ufcx_integral& integral = *functional.integrals(ufcx_integral_type::cell)[0];
+  const ufcx_integral& integral = *form.integrals(ufcx_integral_type::cell)[0];
 #else
-  const ufcx_integral& integral = *functional.form_integrals[functional.form_integral_offsets[cell]];
+  const ufcx_integral& integral = *form.form_integrals[form.form_integral_offsets[cell]];
 #endif
 #if PHYNNESS_DOLFINX <= 9
-  integral.tabulate_tensor_float64(&value, w.data(), c.data(), x.data(), nullptr, nullptr);
+  integral.tabulate_tensor_float64(values.data(), w.data(), c.data(), x.data(), nullptr, nullptr);
 #else
-  integral.tabulate_tensor_float64(&value, w.data(), c.data(), x.data(), nullptr, nullptr, nullptr);
+  integral.tabulate_tensor_float64(values.data(), w.data(), c.data(), x.data(), nullptr, nullptr, nullptr);
 #endif
-  return value;
 }
 
 /// Edges of the reference tetrahedron (4 vertices) or triangle (3) as pairs of local vertices, in the order of their

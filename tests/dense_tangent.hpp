@@ -11,12 +11,13 @@ namespace phynness::test {
 /// d(residual)/d(state), n_dofs x n_dofs.
 inline Eigen::MatrixXd dense_tangent(Discretization& body, const std::vector<double>& state) {
   Eigen::MatrixXd K = Eigen::MatrixXd::Zero(body.n_dofs(), body.n_dofs());
-  const int m = body.n_element_dofs();
-  body.element_tangents(state, [&](std::int32_t cell, std::span<const double> values) {
-    const auto dofs = body.element_dofs(cell);
-    for (int i = 0; i < m; ++i)
-      for (int j = 0; j < m; ++j) K(dofs[i], dofs[j]) += values[i * m + j];
-  });
+  body.block_tangents(state, Convexity::none,
+                      [&](std::int32_t block, std::span<const double> values, std::span<const double>) {
+                        const auto dofs = body.block_dofs(block);
+                        for (std::size_t i = 0; i < dofs.size(); ++i)
+                          for (std::size_t j = 0; j < dofs.size(); ++j)
+                            K(dofs[i], dofs[j]) += values[i * dofs.size() + j];
+                      });
   return K;
 }
 

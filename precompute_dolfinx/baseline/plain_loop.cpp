@@ -77,11 +77,12 @@ struct PlainLoop::Impl {
     auto& self = *static_cast<Impl*>(context);
     read(x, self.state);
     PetscCall(MatZeroEntries(matrix));
-    const int m = self.body.n_element_dofs();
-    self.body.element_tangents(self.state, [&](std::int32_t cell, std::span<const double> element) {
-      const auto dofs = self.body.element_dofs(cell);
-      PHYNNESS_PETSC(MatSetValues(matrix, m, dofs.data(), m, dofs.data(), element.data(), ADD_VALUES));
-    });
+    self.body.block_tangents(
+        self.state, Convexity::none, [&](std::int32_t block, std::span<const double> tangent, std::span<const double>) {
+          const auto dofs = self.body.block_dofs(block);
+          const auto m = static_cast<PetscInt>(dofs.size());
+          PHYNNESS_PETSC(MatSetValues(matrix, m, dofs.data(), m, dofs.data(), tangent.data(), ADD_VALUES));
+        });
     PetscCall(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
     PetscCall(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
     PetscCall(

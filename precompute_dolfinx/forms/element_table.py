@@ -19,6 +19,7 @@ class Element:
     # polynomials; degree 4 integrates p (J - 1) of Taylor-Hood exactly.
     quadrature_degree: int
     stabilized: bool = False  # equal order of displacement and pressure
+    edge_smoothed: bool = False  # the shear energy is a function of mean gradients at edges (edges() of mechanics.py)
     is_shell: bool = False
     # Of an element that locks: rows of K/mu, ascending, and its force over that of Taylor-Hood on the same mesh, in the
     # mean over patch probes to 0.15 edges and to one edge; over that of the mixed element that holds the same points in
@@ -35,9 +36,12 @@ ELEMENTS = (
         (100, 1.8, 2.1, 2.1), (200, 2.2, 2.9, 2.5))),
     Element("th", "taylor-hood", 2, 1, 4),
     Element("p1p1", "p1-p1", 1, 1, 1, stabilized=True),
+    Element("esp1p1", "es-p1-p1", 1, 1, 1, stabilized=True, edge_smoothed=True),
     Element("shell", "shell", 2, None, 2, is_shell=True),
 )
 SOLIDS = tuple(e for e in ELEMENTS if not e.is_shell)
+# Solids by their spaces, which determine J. ffcx accepts an expression only once; the last one is of edges.
+JACOBIANS = tuple(dict.fromkeys((e.displacement_degree, e.pressure_degree) for e in SOLIDS)) + ("edge",)
 
 # The functionals of fields, in the order of formats/include/phynness/formats/fields.hpp: displacement() and mixed() of
 # mechanics.py return them behind the tangent. Shells have none.

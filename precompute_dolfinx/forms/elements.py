@@ -8,7 +8,7 @@ from ufl import FunctionSpace, Mesh, tetrahedron
 try:
     from basix.ufl import element as _element, mixed_element as _mixed
 except ImportError:
-    from ufl import FiniteElement, MixedElement as _MixedElement, VectorElement
+    from ufl import FiniteElement, MixedElement as _MixedElement, TensorElement, VectorElement
 
     def _scalar(degree):
         return FiniteElement("Lagrange", tetrahedron, degree)
@@ -18,6 +18,8 @@ except ImportError:
 
     def _mixed(elements):
         return _MixedElement(*elements)
+
+    _tensor = TensorElement("DG", tetrahedron, 0)
 else:
 
     def _scalar(degree):
@@ -25,6 +27,8 @@ else:
 
     def _vector(degree):
         return _element("Lagrange", "tetrahedron", degree, shape=(3,))
+
+    _tensor = _element("DG", "tetrahedron", 0, shape=(3, 3))
 
 
 # Affine tetrahedra.
@@ -37,3 +41,8 @@ def displacement_space(degree):
 
 def mixed_space(displacement_degree, pressure_degree):
     return FunctionSpace(domain, _mixed([_vector(displacement_degree), _scalar(pressure_degree)]))
+
+
+def gradient_space():
+    """Constant 3 x 3 tensors, row by row."""
+    return FunctionSpace(domain, _tensor)

@@ -19,13 +19,13 @@ def solids(identifier):
     import mechanics
 
     law = load(identifier)
-    names = [p.symbol for p in law.parameters] + ["alpha"] + [f.__name__ for f in law.derived]
+    names = [p.symbol for p in law.parameters] + ["alpha", "cell_share"] + [f.__name__ for f in law.derived]
     constants = _constants(names, mechanics.domain)
     mu = call(law.shear_modulus, **constants)
     forms = mechanics.every_element(
         _bound(law.shape, constants), _bound(law.volumetric, constants), constants[law.kappa],
-        mechanics.klaas(constants["alpha"], mu, law.finite), _bound(law.coupling, constants), law.finite,
-        _bound(law.inside, constants),
+        mechanics.klaas(constants["alpha"], mu, law.finite), constants["cell_share"], _bound(law.coupling, constants),
+        law.finite, _bound(law.inside, constants),
     )  # fmt: skip
     return constants | forms
 

@@ -24,12 +24,16 @@ addition the stabilization of Klaas, Maniatty & Shephard (1999), doi 10.1016/S00
 
     - alpha h^2 / (2 mu) |F^-T grad p|^2,   h the cell diameter.
 
+In the edge-smoothed element (es-p1-p1) shape is a function of the mean gradients F_e of the cells at each edge, and only
+its part cell_share of the gradients of the cells. Its forms of edges, edge_energy and so on, are functions of F_e;
+src/edge_patches.hpp sums them.
+
 All lengths and moduli are dimensionless (see scaling.hpp).
 """
 
 import basix
-from element_table import FIELDS, SOLIDS
-from elements import displacement_space, domain, mixed_space
+from element_table import FIELDS, JACOBIANS, SOLIDS
+from elements import displacement_space, domain, gradient_space, mixed_space
 from ufl import (
     CellDiameter, Coefficient, Identity, Jacobian, TestFunction, TrialFunction, conditional, cross, derivative, det, dev, diff, dot,
     dx, grad, gt, inner, split, sqrt, sym, variable,
@@ -85,7 +89,7 @@ def quadratic(volumetric, kappa):
     return lambda F, p: p * volumetric(F) - p**2 / (2 * kappa)
 
 
-def mixed(element, shape, coupling, kappa, stabilization, finite=True, inside=None):
+def mixed(element, shape, coupling, kappa, stabilization, finite=True, inside=None, cell_share=None):
     """Forms of a displacement-pressure element. `coupling(F, p)` and `stabilization(F, p)` are energy densities.
 
     In the equal-order element F is constant in a cell, and all terms except -p^2 / (2 kappa) are linear in p. With
@@ -104,7 +108,7 @@ def mixed(element, shape, coupling, kappa, stabilization, finite=True, inside=No
     w = Coefficient(space)
     u, p = split(w)
     F = I + grad(u)
-    density = shape(F) + coupling(F, p)
+    density = (cell_share * shape(F) if element.edge_smoothed else shape(F)) + coupling(F, p)
     q = variable(p)
     stored = density - p * diff(coupling(F, q), q)
     if element.stabilized:
@@ -116,6 +120,15 @@ def mixed(element, shape, coupling, kappa, stabilization, finite=True, inside=No
     # The stabilization belongs to the element, not to the material, and does not contribute to the stress.
     stress = von_mises(lambda F: shape(F) + coupling(F, p), F, finite) * measure
     return (*_chain(density * measure, w, space), stress, stored * measure, (_jacobian(F, inside), _points(degree)))
+
+
+def edges(shape, inside, cell_share):
+    """Forms of the edges of an edge-smoothed element: (energy, residual, tangent, (jacobian, points)) as functions of
+    the mean gradient F of the cells at an edge."""
+    space = gradient_space()
+    F = Coefficient(space)
+    measure = dx(metadata={"quadrature_degree": 0})
+    return (*_chain((1 - cell_share) * shape(F) * measure, F, space), (_jacobian(F, inside), _points(0)))
 
 
 def variance(p):
@@ -142,7 +155,7 @@ def klaas(alpha, mu, finite=True):
     return density
 
 
-def every_element(shape, volumetric, kappa, stabilization, coupling=None, finite=True, inside=None):
+def every_element(shape, volumetric, kappa, stabilization, cell_share, coupling=None, finite=True, inside=None):
     """The objects that ffcx compiles: {p1,p2,...}_{energy,residual,tangent,von_mises,stored,jacobian}, and lists of
     them.
 
@@ -156,8 +169,11 @@ def every_element(shape, volumetric, kappa, stabilization, coupling=None, finite
         if element.pressure_degree is None:
             built = displacement(element, shape, volumetric, kappa, finite, inside)
         else:
-            built = mixed(element, shape, coupling, kappa, stabilization, finite, inside)
+            built = mixed(element, shape, coupling, kappa, stabilization, finite, inside, cell_share)
         names |= {f"{element.identifier}_{q}": value for q, value in zip(quantities, built, strict=True)}
+    built = edges(shape, inside, cell_share)
+    names |= {f"edge_{q}": value for q, value in zip(("energy", "residual", "tangent", "jacobian"), built, strict=True)}
     names["forms"] = [v for n, v in names.items() if not n.endswith("_jacobian")]
-    names["expressions"] = [v for n, v in names.items() if n.endswith("_jacobian")]
+    spaces = {(e.displacement_degree, e.pressure_degree): e.identifier for e in reversed(SOLIDS)} | {"edge": "edge"}
+    names["expressions"] = [names[f"{spaces[key]}_jacobian"] for key in JACOBIANS]
     return names

@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 
 from cpp import Formula, code, literal, number
-from element_table import ELEMENTS, FIELDS, SOLIDS
+from element_table import ELEMENTS, FIELDS, JACOBIANS, SOLIDS
 from law import LawError, call, every_law
 
 NOTE = "// Made by precompute_dolfinx/forms/tables.py; law files and element_table.py are what to edit.\n"
@@ -131,17 +131,21 @@ def compiled_forms(laws):
     for law in laws:
         includes.append(f"#include <{law.identifier}.h>")
         rows = []
-        for i, e in enumerate(SOLIDS):
+        J = {key: f"expression_{law.identifier}_{i}" for i, key in enumerate(JACOBIANS)}
+        for e in SOLIDS:
             form = f"form_{law.identifier}_{e.identifier}_"
             fields = ", ".join(form + name for name in FIELDS)
+            edge = f"form_{law.identifier}_edge_"
+            edges = f"{edge}energy, {edge}residual, {edge}tangent, {J['edge']}"
             rows.append(f"{{{form}energy, {form}residual, {form}tangent, {{{{{fields}}}}}, "
-                        f"expression_{law.identifier}_{i}, nullptr, nullptr, nullptr}}")  # fmt: skip
+                        f"{J[e.displacement_degree, e.pressure_degree]}, nullptr, nullptr, nullptr, "
+                        f"{{{edges if e.edge_smoothed else ''}}}}}")  # fmt: skip
         if law.plane_stress:
             includes.append(f"#include <shell_{law.identifier}.h>")
             form = f"form_shell_{law.identifier}_"
             rows.append(f"{{{form}energy, {form}residual, {form}tangent, {{}}, "
                         f"expression_shell_{law.identifier}_orientation, {form}gauge_energy, {form}gauge_residual, "
-                        f"{form}gauge_tangent}}")  # fmt: skip
+                        f"{form}gauge_tangent, {{}}}}")  # fmt: skip
         else:
             rows.append("{}")
         cases.append("{{\n    " + ",\n    ".join(rows) + "}}")

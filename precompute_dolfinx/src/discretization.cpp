@@ -73,6 +73,7 @@ Discretization::Discretization(const Mesh& mesh, const FormSet& forms) : _dolfin
       for (int k = 0; k < block; ++k) _element_dofs.push_back(block * b + k);
   _n_element_dofs = static_cast<int>(_element_dofs.size()) / _n_cells;
   number_points(mesh);
+  if (forms.edges.energy) find_edge_patches();
   if (forms.element->is_shell) {
     d.rest_values = at_rest(mesh);
     api::set_values(*d.rest, d.rest_values);
@@ -167,6 +168,8 @@ double Discretization::energy(std::span<const double> state) {
   _dolfinx->set(state);
   double sum = 0;
   for (const auto& pass : _dolfinx->passes) sum += api::assemble_scalar(pass.energy);
+  for (int e = 0; e < _edge_patches.size(); ++e)
+    sum += _edge_patches.volume(e) * _edge_patches.energy_density(e, state);
   return sum;
 }
 
@@ -174,6 +177,7 @@ void Discretization::residual(std::span<const double> state, std::span<double> o
   _dolfinx->set(state);
   std::fill(out.begin(), out.end(), 0.0);
   for (const auto& pass : _dolfinx->passes) api::assemble_vector(out, pass.residual);
+  _edge_patches.add_residual(state, out);
   if (injected_fault(FaultSite::residual) == Fault::not_finite) out[out.size() / 2] = std::nan("");
 }
 
@@ -181,12 +185,12 @@ double Discretization::min_jacobian(std::span<const double> state) {
   const auto& forms = _dolfinx->forms;
   std::vector<double> w, values(forms.jacobian->num_points);
   std::array<double, 12> x;
-  double least = std::numeric_limits<double>::infinity();
+  double least = _edge_patches.min_jacobian(state);
   for (auto constants : forms.jacobian_passes) {
     constants.insert(forms.constants.begin(), forms.constants.end());
     const auto c = api::packed_constants(*forms.jacobian, constants);
     for (int cell = 0; cell < _n_cells; ++cell) {
-      _dolfinx->gather(element_dofs(cell), state, w);
+      _dolfinx->gather(block_dofs(cell), state, w);
       api::cell_coordinates(*_dolfinx->mesh, cell, x);
       std::fill(values.begin(), values.end(), 0.0);
       api::tabulate(*forms.jacobian, values, w, c, x);
@@ -197,16 +201,33 @@ double Discretization::min_jacobian(std::span<const double> state) {
   return least;
 }
 
-void Discretization::cell_integrals(const ufcx_form& functional, std::span<const double> state,
-                                    std::span<double> out) const {
+void Discretization::field_integrals(Field field, std::span<const double> state, std::span<double> out) const {
+  const auto& functional = *_dolfinx->forms.fields[static_cast<std::size_t>(field)];
   const auto constants = api::packed_constants(functional, _dolfinx->forms.constants);
   std::vector<double> w(_n_element_dofs);
   std::array<double, 12> x;
+  const auto integral = [&] {
+    double value = 0;
+    api::tabulate(functional, {&value, 1}, w, constants, x);
+    return value;
+  };
   for (int cell = 0; cell < _n_cells; ++cell) {
-    const auto dofs = element_dofs(cell);
-    std::transform(dofs.begin(), dofs.end(), w.begin(), [&](auto i) { return state[i]; });
+    _dolfinx->gather(block_dofs(cell), state, w);
     api::cell_coordinates(*_dolfinx->mesh, cell, x);
-    out[cell] = api::tabulate_cell(functional, w, constants, x);
+    if (_edge_patches.size() == 0) {
+      out[cell] = integral();
+    } else if (field == Field::energy_density) {
+      out[cell] = integral();
+      for (const auto e : _edge_patches.of_cell(cell))
+        out[cell] += cell_volume(cell) / 6 * _edge_patches.energy_density(e, state);
+    } else {
+      // The sixths of the cell at its edges have the gradients of the edges and the pressure of the cell.
+      out[cell] = 0;
+      for (const auto e : _edge_patches.of_cell(cell)) {
+        put_gradient(cell, _edge_patches.gradient(e, state), x, w);
+        out[cell] += integral() / 6;
+      }
+    }
   }
 }
 
@@ -223,20 +244,77 @@ double Discretization::cell_volume(int cell) const {
   return std::abs(edges.determinant()) / 6;
 }
 
-void Discretization::element_tangents(std::span<const double> state,
-                                      const std::function<void(std::int32_t, std::span<const double>)>& take) {
+void Discretization::put_gradient(int cell, const EdgePatches::Gradient& F, std::span<const double, 12> x,
+                                  std::vector<double>& w) const {
+  const auto dofs = block_dofs(cell);
+  const auto nodes = cell_nodes(cell);
+  for (std::size_t a = 0; a < 4; ++a) {
+    const Eigen::Vector3d X(x[3 * a], x[3 * a + 1], x[3 * a + 2]), u = F * X - X;
+    for (std::size_t k = 0; k < 3; ++k)
+      w[std::find(dofs.begin(), dofs.end(), _point_dofs[nodes[a]][k]) - dofs.begin()] = u[k];
+  }
+}
+
+void Discretization::find_edge_patches() {
+  std::vector<std::array<std::int32_t, 4>> nodes;
+  std::vector<double> volumes;
+  std::vector<Eigen::Matrix<double, 4, 3>> slopes;
+  std::array<double, 12> x;
+  for (int cell = 0; cell < _n_cells; ++cell) {
+    nodes.push_back(cell_nodes(cell));
+    volumes.push_back(cell_volume(cell));
+    api::cell_coordinates(*_dolfinx->mesh, cell, x);
+    const auto corner = Eigen::Map<const Points>(x.data(), 4, 3);
+    const Eigen::Matrix3d sides = corner.bottomRows<3>().rowwise() - corner.row(0);
+    Eigen::Matrix<double, 4, 3> slope;
+    slope.bottomRows<3>() = sides.inverse().transpose();
+    slope.row(0) = -slope.bottomRows<3>().colwise().sum();
+    slopes.push_back(slope);
+  }
+  _edge_patches = EdgePatches(nodes, volumes, slopes, _point_dofs, _dolfinx->forms);
+}
+
+void Discretization::block_tangents(std::span<const double> state, Convexity convexity, const TakeTangent& take) {
   _dolfinx->set(state);
+  const auto m = static_cast<Eigen::Index>(_n_element_dofs);
+  const auto size = static_cast<std::size_t>(m * m);
+  // Only the block of the displacements, which come first, is made convex. Without the shear energy the tangent of a
+  // cell is indefinite, but the sum over cells is zero for constant pressure.
+  const Eigen::Index n_u = m - (_pressure_dofs.empty() ? 0 : 4);
+  const bool convex = convexity == Convexity::strictly || (convexity == Convexity::nearly && _edge_patches.size() == 0);
+  Eigen::Matrix<double, 12, 12> linear;
+  Eigen::MatrixXd quadratic, nearest;
+  const auto take_cell = [&](std::int32_t cell, std::span<const double> values) {
+    if (!convex) return take(cell, values, convexity == Convexity::none ? std::span<const double>{} : values);
+    nearest = Eigen::Map<const Eigen::MatrixXd>(values.data(), m, m);
+    if (n_u == 12) {
+      linear = nearest.topLeftCorner<12, 12>();
+      if (make_convex(linear, convexity)) nearest.topLeftCorner<12, 12>() = linear;
+    } else {
+      quadratic = nearest.topLeftCorner(n_u, n_u);
+      if (make_convex(quadratic, convexity)) nearest.topLeftCorner(n_u, n_u) = quadratic;
+    }
+    take(cell, values, {nearest.data(), size});
+  };
+
   const auto& passes = _dolfinx->passes;
-  if (passes.size() == 1) return api::for_each_element_matrix(passes.front().tangent, take);
-  const auto size = static_cast<std::size_t>(_n_element_dofs) * static_cast<std::size_t>(_n_element_dofs);
-  std::vector<double> sums(size * static_cast<std::size_t>(_n_cells), 0.0);
-  for (const auto& pass : passes)
-    api::for_each_element_matrix(pass.tangent, [&](std::int32_t cell, std::span<const double> values) {
-      double* sum = sums.data() + size * static_cast<std::size_t>(cell);
-      for (std::size_t i = 0; i < size; ++i) sum[i] += values[i];
-    });
-  for (std::int32_t cell = 0; cell < _n_cells; ++cell)
-    take(cell, {sums.data() + size * static_cast<std::size_t>(cell), size});
+  if (passes.size() == 1) {
+    api::for_each_element_matrix(passes.front().tangent, take_cell);
+  } else {
+    std::vector<double> sums(size * static_cast<std::size_t>(_n_cells), 0.0);
+    for (const auto& pass : passes)
+      api::for_each_element_matrix(pass.tangent, [&](std::int32_t cell, std::span<const double> values) {
+        double* sum = sums.data() + size * static_cast<std::size_t>(cell);
+        for (std::size_t i = 0; i < size; ++i) sum[i] += values[i];
+      });
+    for (std::int32_t cell = 0; cell < _n_cells; ++cell)
+      take_cell(cell, {sums.data() + size * static_cast<std::size_t>(cell), size});
+  }
+  std::vector<double> exact_edge, convex_edge;
+  for (int e = 0; e < _edge_patches.size(); ++e) {
+    _edge_patches.tangent(e, state, convexity, exact_edge, convex_edge);
+    take(_n_cells + e, exact_edge, convex_edge);
+  }
 }
 
 }  // namespace phynness

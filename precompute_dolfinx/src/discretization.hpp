@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <phynness/formats/fields.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <span>
 #include <vector>
 
+#include "convexity.hpp"
+#include "edge_patches.hpp"
 #include "form_set.hpp"
 
 namespace phynness {
@@ -46,12 +49,16 @@ class Discretization {
   bool on_surface(int point) const { return _on_surface[point] != 0; }
 
   int n_cells() const { return _n_cells; }
-  int n_element_dofs() const { return _n_element_dofs; }
-  /// Dofs of a cell in element order, n_element_dofs() of them.
-  std::span<const std::int32_t> element_dofs(int cell) const {
-    return {_element_dofs.data() + static_cast<std::size_t>(cell) * _n_element_dofs,
+  /// The energy and its tangent are sums over blocks: the cells and, for an edge-smoothed element, the edges.
+  int n_blocks() const { return _n_cells + _edge_patches.size(); }
+  /// Dofs of a block, of a cell in element order.
+  std::span<const std::int32_t> block_dofs(int block) const {
+    if (block >= _n_cells) return _edge_patches.dofs(block - _n_cells);
+    return {_element_dofs.data() + static_cast<std::size_t>(block) * _n_element_dofs,
             static_cast<std::size_t>(_n_element_dofs)};
   }
+  /// Edges of an edge-smoothed element; other elements have none.
+  const EdgePatches& edge_patches() const { return _edge_patches; }
 
   /// Stored energy.
   double energy(std::span<const double> state);
@@ -59,11 +66,13 @@ class Discretization {
   void residual(std::span<const double> state, std::span<double> out);
   /// Smallest J over all quadrature points.
   double min_jacobian(std::span<const double> state);
-  /// Calls `take` with the element tangent, row-major n_element_dofs x n_element_dofs, of each cell in order.
-  void element_tangents(std::span<const double> state,
-                        const std::function<void(std::int32_t, std::span<const double>)>& take);
-  /// Integrals of a functional (a form without arguments) over each cell. @param out  n_cells, overwritten
-  void cell_integrals(const ufcx_form& functional, std::span<const double> state, std::span<double> out) const;
+  /// The number of a block, its tangent, and the nearest positive semidefinite one (displacements only). Matrices have
+  /// the dofs of the block as rows and columns and are row-major; the second is empty without convexity.
+  using TakeTangent = std::function<void(std::int32_t, std::span<const double>, std::span<const double>)>;
+  /// Calls `take` with the tangents of all blocks in order.
+  void block_tangents(std::span<const double> state, Convexity convexity, const TakeTangent& take);
+  /// Integrals of a field over each cell. @param out  n_cells, overwritten
+  void field_integrals(Field field, std::span<const double> state, std::span<double> out) const;
   /// Node numbers of a cell, and its volume at rest in units of length_m^3. @pre not a shell
   std::array<std::int32_t, 4> cell_nodes(int cell) const;
   double cell_volume(int cell) const;
@@ -72,6 +81,10 @@ class Discretization {
  private:
   struct Dolfinx;
   void number_points(const Mesh& mesh);
+  void find_edge_patches();
+  /// Replaces the displacements of a cell by F X - X. @param x  coordinates of the cell; @param w  its dofs
+  void put_gradient(int cell, const EdgePatches::Gradient& F, std::span<const double, 12> x,
+                    std::vector<double>& w) const;
   std::vector<double> at_rest(const Mesh& mesh) const;
 
   std::unique_ptr<Dolfinx> _dolfinx;
@@ -82,6 +95,7 @@ class Discretization {
   std::vector<char> _on_surface;
   Points _points;
   Triangles _surface;
+  EdgePatches _edge_patches;
 };
 
 }  // namespace phynness

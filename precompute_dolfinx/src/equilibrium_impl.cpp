@@ -91,12 +91,13 @@ void Equilibrium::Impl::set_up_solver() {
 /// point of 1e-16 of the body's size. Without this lower bound a displacement of a millionth of the body could not meet
 /// a tolerance that is relative to its small forces.
 double Equilibrium::Impl::residual_of_rounding() {
-  const int m = body.n_element_dofs();
   Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(body.n_dofs());
-  body.element_tangents(std::vector<double>(body.n_dofs(), 0.0),
-                        [&](std::int32_t cell, std::span<const double> element) {
-                          for (int i = 0; i < m; ++i) diagonal[body.element_dofs(cell)[i]] += element[i * m + i];
-                        });
+  body.block_tangents(std::vector<double>(body.n_dofs(), 0.0), Convexity::none,
+                      [&](std::int32_t block, std::span<const double> tangent, std::span<const double>) {
+                        const auto dofs = body.block_dofs(block);
+                        for (std::size_t i = 0; i < dofs.size(); ++i)
+                          diagonal[dofs[i]] += tangent[i * (dofs.size() + 1)];
+                      });
   const Eigen::RowVector3d extent = body.points().colwise().maxCoeff() - body.points().colwise().minCoeff();
   return std::numeric_limits<double>::epsilon() / 2 * diagonal.norm() * extent.norm();
 }

@@ -29,7 +29,8 @@ FormSet form_set(const Material& material, Element element, double modulus_Pa, d
     set.passes.clear();
     set_passes(set, thickness);
   }
-  set.constants["alpha"] = stabilization_alpha;
+  set.constants["alpha"] = set.edges.energy ? smoothed_alpha : stabilization_alpha;
+  set.constants["cell_share"] = cell_share;
   const LawRow& law = *material.law;
   for (std::size_t i = 0; i < law.parameters.size(); ++i)
     set.constants[law.parameters[i].constant] =

@@ -14,6 +14,12 @@ namespace phynness {
 /// Dimensionless constants by their names in the UFL file.
 using FormConstants = std::map<std::string, double>;
 
+/// Forms of the edges of an edge-smoothed element (edge_patches.hpp), functions of a mean deformation gradient.
+struct EdgeForms {
+  const ufcx_form *energy = nullptr, *residual = nullptr, *tangent = nullptr;
+  const ufcx_expression* jacobian = nullptr;
+};
+
 /// Forms compiled by ffcx; the build generates their table (forms/tables.py).
 struct CompiledForms {
   const ufcx_form* energy = nullptr;
@@ -23,6 +29,7 @@ struct CompiledForms {
   const ufcx_expression* jacobian = nullptr;                  ///< J = det F at the quadrature points
   /// Shells only, added to the first three: penalty that keeps the length of directors.
   const ufcx_form *gauge_energy = nullptr, *gauge_residual = nullptr, *gauge_tangent = nullptr;
+  EdgeForms edges;  ///< added to the first three; null for elements that are not edge-smoothed
 };
 
 /// @pre the law is available for shells if the element is a shell
@@ -37,9 +44,15 @@ struct FormSet : CompiledForms {
   bool checks_jacobian = true;  ///< false for the linear theory, in which J has no meaning
 };
 
-/// Coefficient alpha of the p1-p1 stabilization (formula: forms/mechanics.py). The stiffness depends little on it: 16.2
-/// to 13.3 N/m for alpha from 0.005 to 0.3.
+/// Coefficient alpha of the p1-p1 stabilization (formula: forms/mechanics.py). On coarse meshes forces depend on it:
+/// those of round tools are off by 15 % in the median, with 0.5 by 7 %, but pressures and displacements by more than
+/// with 0.05 (docs/decisions/element.md).
 inline constexpr double stabilization_alpha = 0.05;
+
+/// Of edge-smoothed elements: alpha, and the share of the shear energy that remains in the cells. Without it one deep
+/// ray of nine ends in crushed cells, whose neighbors keep the mean gradients regular; with it forces at rest are 1 %
+/// larger (docs/decisions/element.md).
+inline constexpr double smoothed_alpha = 0.1, cell_share = 0.1;
 
 /// @param modulus_Pa  the unit of moduli (Scaling::modulus_Pa)
 /// @param thickness   of a shell, in units of length (Scaling::length_m)

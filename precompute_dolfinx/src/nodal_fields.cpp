@@ -19,11 +19,9 @@ NodalFields::NodalFields(const Discretization& body, std::vector<Field> fields) 
 Eigen::MatrixXd NodalFields::in_cells(const Discretization& body, std::span<const double> state) const {
   Eigen::MatrixXd means(body.n_cells(), static_cast<Eigen::Index>(_fields.size()));
   for (std::size_t f = 0; f < _fields.size(); ++f) {
-    const auto& forms = body.forms();
-    assert(forms.fields[static_cast<std::size_t>(_fields[f])]);  // shells have no fields and are refused earlier
+    assert(body.forms().fields[static_cast<std::size_t>(_fields[f])]);  // shells have no fields and are refused earlier
     auto mean = means.col(static_cast<Eigen::Index>(f));
-    body.cell_integrals(*forms.fields[static_cast<std::size_t>(_fields[f])], state,
-                        {mean.data(), static_cast<std::size_t>(mean.size())});
+    body.field_integrals(_fields[f], state, {mean.data(), static_cast<std::size_t>(mean.size())});
     for (int cell = 0; cell < body.n_cells(); ++cell) mean[cell] /= _volume[static_cast<std::size_t>(cell)];
   }
   return means;

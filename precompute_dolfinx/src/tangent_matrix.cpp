@@ -1,36 +1,11 @@
 #include "tangent_matrix.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "fault_injection.hpp"
 
 namespace phynness {
-namespace {
-
-/// Replaces negative eigenvalues of a matrix by zero (Teran et al. 2005, doi:10.1145/1073368.1073394).
-/// @return true if there were negative eigenvalues
-template <typename Matrix>
-bool make_convex(Matrix& matrix, Convexity convexity) {
-  // A Cholesky factorization, which takes a twentieth of the time of an eigenvalue decomposition, shows whether there
-  // are negative eigenvalues. The shift accepts rigid motions, whose eigenvalues are zero up to rounding.
-  Matrix shifted = matrix;
-  shifted.diagonal().array() += 1e-3 * matrix.trace();
-  if (convexity == Convexity::nearly && Eigen::LLT<Matrix>(shifted).info() == Eigen::Success) return false;
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(matrix);
-  if (eigen.info() != Eigen::Success || eigen.eigenvalues()[0] >= 0) return false;
-  Eigen::Index n = 0;
-  while (n < matrix.rows() && eigen.eigenvalues()[n] < 0) ++n;
-  // Usually there are few negative eigenvalues, which are subtracted.
-  matrix -= eigen.eigenvectors().leftCols(n) * eigen.eigenvalues().head(n).asDiagonal() *
-            eigen.eigenvectors().leftCols(n).transpose();
-  return true;
-}
-
-}  // namespace
-
 TangentMatrix::TangentMatrix(Discretization& body, const std::vector<std::int32_t>& fixed_dofs) {
   _unknown_of.assign(body.n_dofs(), 0);
   for (const auto dof : fixed_dofs) _unknown_of[dof] = -1;
@@ -40,20 +15,20 @@ TangentMatrix::TangentMatrix(Discretization& body, const std::vector<std::int32_
       _dof_of.push_back(dof);
     }
 
-  const int n = n_unknowns(), m = body.n_element_dofs();
+  const int n = n_unknowns();
   std::vector<std::vector<PetscInt>> rows(n);
   for (int i = 0; i < n; ++i) rows[i].push_back(i);
-  for (int cell = 0; cell < body.n_cells(); ++cell) {
-    const auto dofs = body.element_dofs(cell);
+  for (int block = 0; block < body.n_blocks(); ++block) {
+    const auto dofs = body.block_dofs(block);
     for (const auto a : dofs)
       if (const auto i = _unknown_of[a]; i >= 0)
         for (const auto b : dofs)
           if (const auto j = _unknown_of[b]; j >= 0) rows[i].push_back(j);
   }
   _free = pattern_of(std::move(rows));
-  _position.reserve(static_cast<std::size_t>(body.n_cells()) * m * m);
-  for (int cell = 0; cell < body.n_cells(); ++cell) {
-    const auto dofs = body.element_dofs(cell);
+  for (int block = 0; block < body.n_blocks(); ++block) {
+    const auto dofs = body.block_dofs(block);
+    _block_start.push_back(_position.size());
     for (const auto a : dofs)
       for (const auto b : dofs) {
         const auto i = _unknown_of[a], j = _unknown_of[b];
@@ -146,29 +121,15 @@ TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<
   const bool convex = convexity != Convexity::none;
   _true.assign(_free.size(), 0.0);
   if (convex) _convex.assign(_free.size(), 0.0);
-  using Fixed = Eigen::Matrix<double, 12, 12>;
-  const int m = body.n_element_dofs();
-  // Only the block of the displacements, which come first, is made convex.
-  const int n_u = m - (body.pressure_dofs().empty() ? 0 : 4);
-  Fixed linear;
-  Eigen::MatrixXd quadratic, nearest;
-  const auto per_cell = static_cast<std::size_t>(m) * m;
-  body.element_tangents(state, [&](std::int32_t cell, std::span<const double> element) {
-    const std::int32_t* position = _position.data() + per_cell * cell;
-    for (std::size_t e = 0; e < per_cell; ++e)
-      if (position[e] >= 0) _true[position[e]] += element[e];
-    if (!convex) return;
-    nearest = Eigen::Map<const Eigen::MatrixXd>(element.data(), m, m);
-    if (n_u == 12) {
-      linear = nearest.topLeftCorner<12, 12>();
-      if (make_convex(linear, convexity)) nearest.topLeftCorner<12, 12>() = linear;
-    } else {
-      quadratic = nearest.topLeftCorner(n_u, n_u);
-      if (make_convex(quadratic, convexity)) nearest.topLeftCorner(n_u, n_u) = quadratic;
-    }
-    for (std::size_t e = 0; e < per_cell; ++e)
-      if (position[e] >= 0) _convex[position[e]] += nearest.data()[e];
-  });
+  body.block_tangents(state, convexity,
+                      [&](std::int32_t block, std::span<const double> exact, std::span<const double> nearest) {
+                        const std::int32_t* position = _position.data() + _block_start[block];
+                        for (std::size_t e = 0; e < exact.size(); ++e)
+                          if (position[e] >= 0) _true[position[e]] += exact[e];
+                        if (!convex) return;
+                        for (std::size_t e = 0; e < nearest.size(); ++e)
+                          if (position[e] >= 0) _convex[position[e]] += nearest[e];
+                      });
   const Coupling contributions = coupling(_true);
   if (injected_fault(FaultSite::tangent) == Fault::not_finite)
     (convex ? _convex : _true)[_free.size() / 2] = std::nan("");

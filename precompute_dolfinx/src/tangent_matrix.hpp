@@ -11,10 +11,6 @@
 
 namespace phynness {
 
-/// The negative eigenvalues that are removed from an element tangent: none, those larger than a thousandth of its trace
-/// (which can be detected quickly), or all.
-enum class Convexity { none, nearly, strictly };
-
 /// Rows are the dofs that are not fixed, the "unknowns". Dependent dofs of a constraint remain as rows of the identity,
 /// so that the pattern and the symbolic factorization are the same for every node that a tool prescribes. A constraint
 /// with masters has a pattern of its own: its masters and their neighbours are a dense block.
@@ -63,10 +59,11 @@ class TangentMatrix {
 
   PetscMat _matrix, _exact;
   std::vector<std::int32_t> _dof_of, _unknown_of;
-  Pattern _free;                        ///< of K
-  Pattern _own;                         ///< of matrix()
-  std::vector<std::int32_t> _position;  ///< per cell and entry of its element matrix: position in the values, or -1
-  std::vector<double> _true, _convex;   ///< values of K
+  Pattern _free;                          ///< of K
+  Pattern _own;                           ///< of matrix()
+  std::vector<std::int32_t> _position;    ///< per block and entry of its tangent: position in the values, or -1
+  std::vector<std::size_t> _block_start;  ///< of each block in _position
+  std::vector<double> _true, _convex;     ///< values of K
   Eigen::MatrixXd _G;
   /// A dependent unknown: its row of the constraint, and its masters with their factors.
   struct Dependent {

@@ -39,9 +39,10 @@ def each(blocks, factors):
 
 
 class Smoothed:
-    """Neo-Hookean at large strains, coupling and one quadrature point of p1-p1, stabilization with the gradient of p at rest."""
+    """Neo-Hookean at large strains, coupling and one quadrature point of p1-p1; share: of the shear energy, in the cells;
+    current: the stabilization has F^-T grad p, as in the product, else grad p."""
 
-    def __init__(self, spaces, K, alpha):
+    def __init__(self, spaces, K, alpha, share=0.0, current=False):
         self.spaces, self.l, self.n = spaces, K - 2 / 3, 3 * len(spaces.x)
         nodes, self.V, self.G = cells(spaces)
         self.Ve, self.Ge = edges(nodes, self.V, self.G)
@@ -49,7 +50,14 @@ class Smoothed:
         cell = np.repeat(np.arange(len(nodes)), 4)
         self.Q = scipy.sparse.csr_matrix((np.full(len(cell), 0.25), (cell, here.ravel())), (len(nodes), len(spaces.xp)))
         variance = spaces.M - self.Q.T @ scipy.sparse.diags(self.V) @ self.Q
-        self.pp = variance / self.l + alpha * spaces.stabilization("diameter")
+        self.pp = variance / self.l + (0 if current else alpha) * spaces.stabilization("diameter")
+        self.share, self.current = share, current
+        h = np.array([np.linalg.norm(x[:, None] - x[None], axis=2).max() for x in spaces.x[nodes]])  # the longest edge
+        self.a = alpha * h**2 * self.V  # times |F^-T grad p|^2 / 2
+        slopes = np.linalg.inv(np.swapaxes(spaces.x[nodes[:, 1:]] - spaces.x[nodes[:, :1]], 1, 2))
+        slopes = np.concatenate([-slopes.sum(1, keepdims=True), slopes], axis=1)
+        c, k, b = [i.ravel() for i in np.meshgrid(np.arange(len(nodes)), range(4), range(3), indexing="ij")]
+        self.Gp = scipy.sparse.csr_matrix((slopes[c, k, b], (3 * c + b, here[c, k])), (3 * len(nodes), len(spaces.xp)))
         self.free = np.concatenate([spaces.free, self.n + np.arange(len(spaces.xp))])
 
     def gradients(self, w):
@@ -61,26 +69,44 @@ class Smoothed:
         inverse, f, J, q = np.linalg.inv(Fe), np.linalg.inv(F), np.linalg.det(F), self.Q @ p
         P = Fe - np.swapaxes(inverse, 1, 2)
         H = np.einsum("ik,jl->ijkl", I3, I3) + np.einsum("nli,njk->nijkl", inverse, inverse)
+        of_edges, of_cells = (1 - self.share) * self.Ve, self.share * self.V
         e0, e1, e2 = q * np.exp(-q / l), (1 - q / l) * np.exp(-q / l), (q / l - 2) / l * np.exp(-q / l)
         cof = J[:, None, None] * np.swapaxes(f, 1, 2)
         C = np.einsum("nji,nlk->nijkl", f, f) - np.einsum("nli,njk->nijkl", f, f)
-        uu = self.Ge.T @ each(H, self.Ve) @ self.Ge + self.G.T @ each(C, e0 * J * self.V) @ self.G
+        uu = self.Ge.T @ each(H, of_edges) @ self.Ge + self.G.T @ each(C, e0 * J * self.V) @ self.G
         slopes = (cof * (e1 * self.V)[:, None, None]).ravel()
         up = self.G.T @ scipy.sparse.csr_matrix((slopes, (np.arange(len(slopes)), np.arange(len(slopes)) // 9))) @ self.Q
         pp = self.Q.T @ scipy.sparse.diags(self.V * (e2 * J + 1 / l)) @ self.Q - self.pp
-        u = self.Ge.T @ (P * self.Ve[:, None, None]).ravel() + self.G.T @ (cof * (e0 * self.V)[:, None, None]).ravel()
-        r = np.concatenate([u, self.Q.T @ (self.V * (e1 * J - 1 + q / l)) - self.pp @ p])
+        u = self.Ge.T @ (P * of_edges[:, None, None]).ravel() + self.G.T @ (cof * (e0 * self.V)[:, None, None]).ravel()
+        rp = self.Q.T @ (self.V * (e1 * J - 1 + q / l)) - self.pp @ p
+        if self.share:
+            H = np.einsum("ik,jl->ijkl", I3, I3) + np.einsum("nli,njk->nijkl", f, f)
+            uu += self.G.T @ each(H, of_cells) @ self.G
+            u += self.G.T @ ((F - np.swapaxes(f, 1, 2)) * of_cells[:, None, None]).ravel()
+        if self.current:  # minus a/2 |g|^2 with g = F^-T grad p, k = F^-1 g
+            g = np.einsum("nji,nj->ni", f, (self.Gp @ p).reshape(-1, 3))
+            k, metric = np.einsum("nij,nj->ni", f, g), np.einsum("nik,njk->nij", f, f)
+            H = (np.einsum("nmi,nl,nj->nijlm", f, g, k) + np.einsum("ni,njl,nm->nijlm", g, f, k)
+                 + np.einsum("ni,njm,nl->nijlm", g, metric, g))
+            dk = -np.einsum("njl,nm->njlm", f, k) - np.einsum("njm,nl->njlm", metric, g)
+            block = lambda values, n: scipy.sparse.block_diag(list(values.reshape(len(values), n, -1) * self.a[:, None, None]), format="csr")
+            uu -= self.G.T @ block(H, 9) @ self.G
+            up -= (self.Gp.T @ block(dk, 3) @ self.G).T
+            pp -= self.Gp.T @ block(metric, 3) @ self.Gp
+            u += self.G.T @ (np.einsum("ni,nj->nij", g, k) * self.a[:, None, None]).ravel()
+            rp -= self.Gp.T @ (k * self.a[:, None]).ravel()
+        r = np.concatenate([u, rp])
         return r[self.free], scipy.sparse.bmat([[uu, up], [up.T, pp]]).tocsr()[self.free][:, self.free]
 
     def J(self, w):
         return min(np.linalg.det(F).min() for F in self.gradients(w))
 
-    def newton(self, w, m, rows, target):
+    def newton(self, w, m, rows, target, tolerance=1e-8):
         """State and multipliers with rows u = target, or None."""
         for iteration in range(25):
             r, A = self.system(w)
             r = np.concatenate([r - rows.T @ m, rows @ w[self.free] - target])
-            if iteration and np.abs(r).max() < 1e-8:
+            if iteration and np.abs(r).max() < tolerance:
                 return w, m
             step = scipy.sparse.linalg.spsolve(scipy.sparse.bmat([[A, -rows.T], [rows, None]]).tocsc(), -r)
             move = np.zeros(len(w))

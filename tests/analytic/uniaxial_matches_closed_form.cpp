@@ -107,7 +107,9 @@ TEST_P(UniaxialOfMixedElement, MooneyRivlinCubeReachesTheIncompressibleLimit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, UniaxialOfMixedElement,
-                         ::testing::Values(element_named("taylor-hood"), element_named("p1-p1")), element_name);
+                         ::testing::Values(element_named("taylor-hood"), element_named("p1-p1"),
+                                           element_named("es-p1-p1")),
+                         element_name);
 
 class Uniaxial : public ::testing::TestWithParam<Case> {};
 

@@ -19,7 +19,7 @@ def nothing(F):
     return 0
 
 
-P1, P2, _, _ = SOLIDS
+P1, P2, *_ = SOLIDS
 p1_energy, p1_residual, p1_tangent, *_, p1_jacobian = displacement(P1, energy_density, nothing, kappa)
 p2_energy, p2_residual, p2_tangent, *_, p2_jacobian = displacement(P2, energy_density, nothing, kappa)
 forms = [p1_energy, p1_residual, p1_tangent, p2_energy, p2_residual, p2_tangent]

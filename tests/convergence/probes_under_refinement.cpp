@@ -48,7 +48,8 @@ TEST_P(ForceOfANode, FallsWithoutEndUnderRefinement) {
   EXPECT_LT(at_quarter, 0.6 * at_half);
 }
 
-INSTANTIATE_TEST_SUITE_P(Elements, ForceOfANode, ::testing::Values(element_named("P1"), element_named("p1-p1")),
+INSTANTIATE_TEST_SUITE_P(Elements, ForceOfANode,
+                         ::testing::Values(element_named("P1"), element_named("p1-p1"), element_named("es-p1-p1")),
                          element_name);
 
 TEST(StiffnessAtANode, ShowsP1LockedAtTheLiversIncompressibility) {

@@ -80,8 +80,10 @@ INSTANTIATE_TEST_SUITE_P(
                                          Case{law_named("neo-hookean"), element_named("P2")},
                                          Case{law_named("neo-hookean"), element_named("taylor-hood")},
                                          Case{law_named("neo-hookean"), element_named("p1-p1")},
+                                         Case{law_named("neo-hookean"), element_named("es-p1-p1")},
                                          Case{law_named("st-venant-kirchhoff"), element_named("P1")},
                                          Case{law_named("mooney-rivlin"), element_named("p1-p1")},
+                                         Case{law_named("mooney-rivlin"), element_named("es-p1-p1")},
                                          Case{law_named("linear"), element_named("P2")}),
                        ::testing::Values(ProbeKind::node, ProbeKind::patch)),
     probe_name);

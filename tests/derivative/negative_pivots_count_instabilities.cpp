@@ -119,7 +119,8 @@ TEST_P(Column, CompressedBeyondBucklingLeavesTheStraightStateThatIsUnstable) {
   const std::map<Element, Eigen::Vector2d> expected{{element_named("P1"), {1.25744, -1.16589}},
                                                     {element_named("P2"), {2.20826, -0.58552}},
                                                     {element_named("taylor-hood"), {-0.27541, 2.25649}},
-                                                    {element_named("p1-p1"), {1.44845, -1.44845}}};
+                                                    {element_named("p1-p1"), {1.44845, -1.44845}},
+                                                    {element_named("es-p1-p1"), {1, 1}}};
   const auto& there = expected.at(GetParam());
   EXPECT_NEAR(sideways[0], there[0], 1e-4 * there.norm());
   EXPECT_NEAR(sideways[1], there[1], 1e-4 * there.norm());
@@ -170,7 +171,8 @@ TEST_P(UnderTension, ThereAreNoneThatTheBodyDoesNotHave) {
 TEST(UnderTensionOfASoftBulk, ThereAreNoneBeyondJEqualToE) {
   // lambda = mu/3 and J = 3 > e, where a pressure that multiplies J has lost its concavity and the
   // displacement element is stable: below lambda = 2 mu the pressure multiplies ln J.
-  for (const auto element : {element_named("P2"), element_named("taylor-hood"), element_named("p1-p1")}) {
+  for (const auto element :
+       {element_named("P2"), element_named("taylor-hood"), element_named("p1-p1"), element_named("es-p1-p1")}) {
     SolverSpec spec;
     spec.element = element;
     Random random(5);
@@ -192,8 +194,10 @@ INSTANTIATE_TEST_SUITE_P(Laws, UnderTension,
                                            Case{law_named("neo-hookean"), element_named("P2")},
                                            Case{law_named("neo-hookean"), element_named("taylor-hood")},
                                            Case{law_named("neo-hookean"), element_named("p1-p1")},
+                                           Case{law_named("neo-hookean"), element_named("es-p1-p1")},
                                            Case{law_named("mooney-rivlin"), element_named("taylor-hood")},
-                                           Case{law_named("mooney-rivlin"), element_named("p1-p1")}),
+                                           Case{law_named("mooney-rivlin"), element_named("p1-p1")},
+                                           Case{law_named("mooney-rivlin"), element_named("es-p1-p1")}),
                          case_name);
 
 }  // namespace

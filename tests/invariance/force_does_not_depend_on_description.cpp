@@ -96,9 +96,12 @@ INSTANTIATE_TEST_SUITE_P(Laws, SameScene,
                                            Case{law_named("neo-hookean"), element_named("P2")},
                                            Case{law_named("neo-hookean"), element_named("taylor-hood")},
                                            Case{law_named("neo-hookean"), element_named("p1-p1")},
+                                           Case{law_named("neo-hookean"), element_named("es-p1-p1")},
                                            Case{law_named("st-venant-kirchhoff"), element_named("P1")},
                                            Case{law_named("mooney-rivlin"), element_named("p1-p1")},
-                                           Case{law_named("linear"), element_named("p1-p1")}),
+                                           Case{law_named("mooney-rivlin"), element_named("es-p1-p1")},
+                                           Case{law_named("linear"), element_named("p1-p1")},
+                                           Case{law_named("linear"), element_named("es-p1-p1")}),
                          case_name);
 
 }  // namespace

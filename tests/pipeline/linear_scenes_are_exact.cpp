@@ -36,7 +36,7 @@ class LinearScenes : public CommandLine {
 };
 
 TEST_F(LinearScenes, ModelRepeatsTheFiniteElements) {
-  for (const char* element : {"P1", "P2", "p1-p1"}) {
+  for (const char* element : {"P1", "P2", "p1-p1", "es-p1-p1"}) {
     write_file(folder / "scene.toml", linear_scene(element));
     std::filesystem::remove_all(folder / "out");
     const auto run = phynness("run scene.toml -o out --details");
@@ -78,7 +78,7 @@ TEST_F(LinearScenes, EvalWarnsOfNothingAtAnyDepth) {
 
 // Claim: round tools superpose. Two of them at nodes repeat the solve, also where they overlap but are not flagged.
 TEST_F(LinearScenes, RoundToolsSuperpose) {
-  for (const char* element : {"P1", "p1-p1"}) {
+  for (const char* element : {"P1", "p1-p1", "es-p1-p1"}) {
     const auto scene = changed(linear_scene(element), "[probe]\n", "[probe]\nkind = \"patch\"\ntool_radius_m = 0.02\n");
     run_with_active_top(scene);
     ASSERT_EQ(phynness("validate scene.toml out/model --probes 2 --pairs 12 --json v.json").exit_status, 0);
@@ -96,7 +96,7 @@ TEST_F(LinearScenes, RoundToolsSuperpose) {
 // constrained solve. (Where probes move midside points with the node, several nodes held at once are another
 // problem than their sum: docs/theory.md.) 1e-6: float32 in the database.
 TEST_F(LinearScenes, CoupledToolsRepeatTheFiniteElements) {
-  for (const char* element : {"P1", "p1-p1"}) {
+  for (const char* element : {"P1", "p1-p1", "es-p1-p1"}) {
     run_with_active_top(linear_scene(element));
     for (const std::string tools : {"--point 0.041,0.033,0.05 --displacement 0.002,0.001,-0.004",
                                     "--point 0.021,0.033,0.05 --displacement 0.002,0.001,-0.004 --point "

@@ -46,8 +46,10 @@ TEST_P(Incompressible, ForceHasALimit) {
 
 INSTANTIATE_TEST_SUITE_P(Mixed, Incompressible,
                          ::testing::Values(Case{law_named("neo-hookean"), element_named("p1-p1")},
+                                           Case{law_named("neo-hookean"), element_named("es-p1-p1")},
                                            Case{law_named("neo-hookean"), element_named("taylor-hood")},
                                            Case{law_named("mooney-rivlin"), element_named("p1-p1")},
+                                           Case{law_named("mooney-rivlin"), element_named("es-p1-p1")},
                                            Case{law_named("mooney-rivlin"), element_named("taylor-hood")}),
                          case_name);
 

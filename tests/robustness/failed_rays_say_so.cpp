@@ -74,7 +74,9 @@ TEST_P(DeepPushOfMixed, OfStVenantKirchhoffFailsWithAReason) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Elements, DeepPushOfMixed,
-                         ::testing::Values(element_named("taylor-hood"), element_named("p1-p1")), element_name);
+                         ::testing::Values(element_named("taylor-hood"), element_named("p1-p1"),
+                                           element_named("es-p1-p1")),
+                         element_name);
 
 TEST(FailedSolve, ReportsTheFailureInsteadOfTheLastGoodState) {
   // solve() asks for one displacement: a state short of it is not an answer.

@@ -102,7 +102,8 @@ TEST_P(Asked, ARayThatCannotBeHalvedEnds) {
   EXPECT_EQ(outcomes.size(), 2u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Elements, Asked, ::testing::Values(element_named("P1"), element_named("p1-p1")),
+INSTANTIATE_TEST_SUITE_P(Elements, Asked,
+                         ::testing::Values(element_named("P1"), element_named("p1-p1"), element_named("es-p1-p1")),
                          [](const auto& info) {
                            return element_name({info.param, 0});
                          });

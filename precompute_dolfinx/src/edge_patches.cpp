@@ -1,0 +1,130 @@
+#include "edge_patches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "../dolfinx_api.hpp"
+
+namespace phynness {
+namespace {
+
+namespace api = dolfinx_api;
+
+/// A tetrahedron of volume 1: the integral of a constant function is its value.
+constexpr std::array<double, 12> unit_volume{0, 0, 0, 6, 0, 0, 0, 1, 0, 0, 0, 1};
+
+}  // namespace
+
+EdgePatches::EdgePatches(const std::vector<std::array<std::int32_t, 4>>& cells, const std::vector<double>& volumes,
+                         const std::vector<Eigen::Matrix<double, 4, 3>>& slopes,
+                         const std::vector<std::array<std::int32_t, 3>>& dofs, const FormSet& forms)
+    : _forms(forms.edges),
+      _energy_constants(api::packed_constants(*_forms.energy, forms.constants)),
+      _residual_constants(api::packed_constants(*_forms.residual, forms.constants)),
+      _tangent_constants(api::packed_constants(*_forms.tangent, forms.constants)),
+      _jacobian_constants(api::packed_constants(*_forms.jacobian, forms.constants)) {
+  std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> number;
+  std::vector<std::map<std::int32_t, Eigen::Vector3d>>
+      integrals;  // per edge and node: sum_c (V_c / 6) of the gradients
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    auto& edges = _of_cell.emplace_back();
+    for (std::size_t e = 0; e < 6; ++e) {
+      const auto& [a, b] = api::edge_vertices(4)[e];
+      const auto [entry, is_new] = number.try_emplace(std::minmax(cells[c][a], cells[c][b]), size());
+      if (is_new) {
+        _volume.push_back(0);
+        integrals.emplace_back();
+      }
+      edges[e] = entry->second;
+      _volume[edges[e]] += volumes[c] / 6;
+      for (int k = 0; k < 4; ++k)
+        integrals[edges[e]].try_emplace(cells[c][k], Eigen::Vector3d::Zero()).first->second +=
+            volumes[c] / 6 * slopes[c].row(k).transpose();
+    }
+  }
+  for (int e = 0; e < size(); ++e) {
+    for (int k = 0; k < 3; ++k)
+      for (const auto& [node, integral] : integrals[e]) {
+        _dofs.push_back(dofs[node][k]);
+        _slope.push_back(integral[k] / _volume[e]);
+      }
+    _start.push_back(_start.back() + integrals[e].size());
+  }
+}
+
+EdgePatches::Gradient EdgePatches::gradient(int edge, std::span<const double> state) const {
+  const std::size_t n = _start[edge + 1] - _start[edge];
+  const double* g = _slope.data() + 3 * _start[edge];
+  const std::int32_t* dof = _dofs.data() + 3 * _start[edge];
+  Gradient F = Gradient::Identity();
+  for (int i = 0; i < 3; ++i)
+    for (std::size_t a = 0; a < n; ++a) {
+      const double u = state[*dof++];
+      for (int j = 0; j < 3; ++j) F(i, j) += u * g[j * n + a];
+    }
+  return F;
+}
+
+double EdgePatches::energy_density(int edge, std::span<const double> state) const {
+  const Gradient F = gradient(edge, state);
+  double energy = 0;
+  api::tabulate(*_forms.energy, {&energy, 1}, {F.data(), 9}, _energy_constants, unit_volume);
+  return energy;
+}
+
+void EdgePatches::add_residual(std::span<const double> state, std::span<double> out) const {
+  for (int edge = 0; edge < size(); ++edge) {
+    const Gradient F = gradient(edge, state);
+    Gradient P = Gradient::Zero();
+    api::tabulate(*_forms.residual, {P.data(), 9}, {F.data(), 9}, _residual_constants, unit_volume);
+    P *= _volume[edge];
+    const std::size_t n = _start[edge + 1] - _start[edge];
+    const double* g = _slope.data() + 3 * _start[edge];
+    const std::int32_t* dof = _dofs.data() + 3 * _start[edge];
+    for (int i = 0; i < 3; ++i)
+      for (std::size_t a = 0; a < n; ++a) out[*dof++] += P(i, 0) * g[a] + P(i, 1) * g[n + a] + P(i, 2) * g[2 * n + a];
+  }
+}
+
+double EdgePatches::min_jacobian(std::span<const double> state) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (int edge = 0; edge < size(); ++edge) {
+    const Gradient F = gradient(edge, state);
+    double J = 0;
+    api::tabulate(*_forms.jacobian, {&J, 1}, {F.data(), 9}, _jacobian_constants, unit_volume);
+    least = std::isnan(J) ? -std::numeric_limits<double>::infinity() : std::min(least, J);
+  }
+  return least;
+}
+
+void EdgePatches::tangent(int edge, std::span<const double> state, Convexity convexity, std::vector<double>& exact,
+                          std::vector<double>& convex) const {
+  const Gradient F = gradient(edge, state);
+  Tangent A = Tangent::Zero();
+  api::tabulate(*_forms.tangent, {A.data(), 81}, {F.data(), 9}, _tangent_constants, unit_volume);
+  A *= _volume[edge];
+  expand(edge, A, exact);
+  if (convexity == Convexity::none) return;
+  make_convex(A, convexity);
+  expand(edge, A, convex);
+}
+
+void EdgePatches::expand(int edge, const Tangent& of_gradient, std::vector<double>& out) const {
+  const std::size_t n = _start[edge + 1] - _start[edge], m = 3 * n;
+  const double* g = _slope.data() + 3 * _start[edge];
+  out.resize(m * m);
+  for (int i = 0; i < 3; ++i)
+    for (int k = i; k < 3; ++k) {
+      const Eigen::Matrix3d A = of_gradient.block<3, 3>(3 * i, 3 * k);
+      for (std::size_t a = 0; a < n; ++a) {
+        const Eigen::RowVector3d row = Eigen::RowVector3d(g[a], g[n + a], g[2 * n + a]) * A;
+        double* to = out.data() + (i * n + a) * m + k * n;
+        for (std::size_t b = 0; b < n; ++b) to[b] = row[0] * g[b] + row[1] * g[n + b] + row[2] * g[2 * n + b];
+        if (k > i)
+          for (std::size_t b = 0; b < n; ++b) out[(k * n + b) * m + i * n + a] = to[b];
+      }
+    }
+}
+
+}  // namespace phynness

@@ -1,0 +1,79 @@
+// Claim: an edge of the edge-smoothed element has a sixth of the volume of each of its cells, the mean gradient of
+// these cells weighted by volume, and the dofs of their nodes. The shear energy is that of these gradients, except for
+// the share that is that of the cells: with the linear law and zero pressure, sums of mu e : e. The edges and cells are
+// found here in the mesh that went in; both sums round in a different order.
+#include <set>
+
+#include "block_mesh.hpp"
+#include "body_states.hpp"
+#include "solver_cases.hpp"
+
+namespace phynness::test {
+namespace {
+
+constexpr double rounding = 1e-12;
+
+struct Sum {
+  double volume = 0;
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();  ///< times the volume
+  std::set<std::int32_t> nodes;
+};
+
+TEST(Edges, HaveTheMeanGradientAndASixthOfTheVolumeOfTheirCells) {
+  Random random(3);
+  const auto mesh = irregular(block_mesh({3, 2, 2}, {1, 1.2, 0.9}), 0.08, random);
+  Discretization body(mesh, form_set(unit_material(law_named("linear"), 10), element_named("es-p1-p1"), 1));
+  const auto state = state_of(body, [&](const Vector3&) { return Vector3(random(), random(), random()); });
+
+  double energy = 0;
+  const auto shear = [](const Eigen::Matrix3d& H) { return ((H + H.transpose()) / 2).eval().squaredNorm(); };
+  std::map<std::set<std::int32_t>, Sum> by_nodes;  // the pair of nodes of an edge
+  for (Eigen::Index c = 0; c < mesh.cells.rows(); ++c) {
+    Eigen::Matrix3d sides, moved;
+    for (int i = 0; i < 3; ++i) {
+      sides.col(i) = (mesh.nodes.row(mesh.cells(c, i + 1)) - mesh.nodes.row(mesh.cells(c, 0))).transpose();
+      moved.col(i) = value_at(body, state, mesh.cells(c, i + 1)) - value_at(body, state, mesh.cells(c, 0));
+    }
+    energy += cell_share * sides.determinant() / 6 * shear(moved * sides.inverse());
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < i; ++j) {
+        auto& sum = by_nodes[{mesh.cells(c, i), mesh.cells(c, j)}];
+        sum.volume += sides.determinant() / 36;
+        sum.gradient += sides.determinant() / 36 * moved * sides.inverse();
+        for (int k = 0; k < 4; ++k) sum.nodes.insert(mesh.cells(c, k));
+      }
+  }
+  std::map<std::set<std::int32_t>, Sum> by_dofs;  // an edge is known by the dofs of the nodes around it
+  for (const auto& [nodes, sum] : by_nodes) {
+    std::set<std::int32_t> dofs;
+    for (const auto node : sum.nodes) dofs.insert(body.dofs(node).begin(), body.dofs(node).end());
+    EXPECT_TRUE(by_dofs.emplace(dofs, sum).second);
+    energy += (1 - cell_share) * sum.volume * shear(sum.gradient / sum.volume);
+  }
+  const auto& edges = body.edge_patches();
+  ASSERT_EQ(edges.size(), static_cast<int>(by_dofs.size()));
+  double total = 0;
+  for (int i = 0; i < edges.size(); ++i) {
+    const auto dofs = edges.dofs(i);
+    const auto found = by_dofs.find(std::set<std::int32_t>(dofs.begin(), dofs.end()));
+    ASSERT_NE(found, by_dofs.end());
+    const auto& sum = found->second;
+    EXPECT_NEAR(edges.volume(i), sum.volume, rounding * sum.volume);
+    const Eigen::Matrix3d F = Eigen::Matrix3d::Identity() + sum.gradient / sum.volume;
+    EXPECT_LT((edges.gradient(i, state) - F).norm(), rounding * F.norm());
+    total += edges.volume(i);
+  }
+  EXPECT_NEAR(total, 1 * 1.2 * 0.9, rounding);
+  EXPECT_NEAR(body.energy(state), energy, rounding * energy);
+}
+
+TEST(Edges, OtherElementsHaveNone) {
+  for (const auto element : every_element) {
+    const Discretization body(block_mesh({1, 1, 1}, {1, 1, 1}),
+                              form_set(unit_material(law_named("linear"), 10), element, 1));
+    EXPECT_EQ(body.edge_patches().size() > 0, element == element_named("es-p1-p1"));
+  }
+}
+
+}  // namespace
+}  // namespace phynness::test
