@@ -43,11 +43,12 @@ TEST(Edges, HaveTheMeanGradientAndASixthOfTheVolumeOfTheirCells) {
         for (int k = 0; k < 4; ++k) sum.nodes.insert(mesh.cells(c, k));
       }
   }
-  std::map<std::set<std::int32_t>, Sum> by_dofs;  // an edge is known by the dofs of the nodes around it
+  // By the dofs of the nodes around an edge; edges of one cell only have the same.
+  std::multimap<std::set<std::int32_t>, Sum> by_dofs;
   for (const auto& [nodes, sum] : by_nodes) {
     std::set<std::int32_t> dofs;
     for (const auto node : sum.nodes) dofs.insert(body.dofs(node).begin(), body.dofs(node).end());
-    EXPECT_TRUE(by_dofs.emplace(dofs, sum).second);
+    by_dofs.emplace(dofs, sum);
     energy += (1 - cell_share) * sum.volume * shear(sum.gradient / sum.volume);
   }
   const auto& edges = body.edge_patches();
@@ -55,12 +56,14 @@ TEST(Edges, HaveTheMeanGradientAndASixthOfTheVolumeOfTheirCells) {
   double total = 0;
   for (int i = 0; i < edges.size(); ++i) {
     const auto dofs = edges.dofs(i);
-    const auto found = by_dofs.find(std::set<std::int32_t>(dofs.begin(), dofs.end()));
-    ASSERT_NE(found, by_dofs.end());
-    const auto& sum = found->second;
-    EXPECT_NEAR(edges.volume(i), sum.volume, rounding * sum.volume);
-    const Eigen::Matrix3d F = Eigen::Matrix3d::Identity() + sum.gradient / sum.volume;
-    EXPECT_LT((edges.gradient(i, state) - F).norm(), rounding * F.norm());
+    const auto [first, last] = by_dofs.equal_range(std::set<std::int32_t>(dofs.begin(), dofs.end()));
+    const auto found = std::find_if(first, last, [&](const auto& entry) {
+      const Eigen::Matrix3d F = Eigen::Matrix3d::Identity() + entry.second.gradient / entry.second.volume;
+      return std::abs(edges.volume(i) - entry.second.volume) < rounding * entry.second.volume &&
+             (edges.gradient(i, state) - F).norm() < rounding * F.norm();
+    });
+    ASSERT_NE(found, last) << "edge " << i;
+    by_dofs.erase(found);
     total += edges.volume(i);
   }
   EXPECT_NEAR(total, 1 * 1.2 * 0.9, rounding);
