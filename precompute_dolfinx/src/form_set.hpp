@@ -50,7 +50,7 @@ struct FormSet : CompiledForms {
 inline constexpr double stabilization_alpha = 0.05;
 
 /// Of edge-smoothed elements: alpha, and the share of the shear energy that remains in the cells. Without it one deep
-/// ray of nine ends in crushed cells, whose neighbors keep the mean gradients regular; with it forces at rest are 1 %
+/// ray of nine ends in crushed cells, whose neighbors keep the mean gradients regular; with it forces at rest are 2 %
 /// larger (docs/decisions/element.md).
 inline constexpr double smoothed_alpha = 0.1, cell_share = 0.1;
 
