@@ -3,10 +3,12 @@
     python3 research/element_reference/held_out.py bodies FOLDER              kidney.stl, spleen.stl, stomach.stl, bladder.stl
     python3 research/element_reference/held_out.py rest NAME.msh ...          even pressure, shares of the cells and alphas
     python3 research/element_reference/held_out.py depth NAME.msh ...         to the tool's radius, by `phynness precompute`
+    python3 research/element_reference/held_out.py reproduce NAME.msh ...     `phynness solve` against edges.py
 
 The meshes are those of `phynness mesh` with target_size_m of 12.5 mm (bladder 13.5, stomach 19) and the first quarter along x fixed.
 Packages, and the rest, as in study.py.
 """
+import json
 import pathlib
 import struct
 import subprocess
@@ -191,6 +193,33 @@ def depth(paths, program="build/release/phynness"):
               np.isnan(errors).sum(axis=0), flush=True)
 
 
+def reproduce(paths, program="build/release/phynness", K=200):
+    """The force at a node, one edge deep, from edges.py and from `phynness solve`."""
+    from edges import Smoothed, scipy
+    from rest import Organ, Spaces
+
+    for path in map(pathlib.Path, paths):
+        organ = Organ(path)
+        spaces = Spaces(organ, organ.domain, 1)
+        element = Smoothed(spaces, K, 0.1, 0.1, current=True)
+        i = int(np.argmin(np.linalg.norm(spaces.x - organ.places[1][0], axis=1)))
+        rows, d = np.zeros((3, element.n + len(spaces.xp))), np.array([0.5, -0.3, 0.8])
+        rows[range(3), range(3 * i, 3 * i + 3)] = 1
+        rows, state = scipy.sparse.csr_matrix(rows[:, element.free]), (np.zeros(rows.shape[1]), np.zeros(3))
+        for step in range(1, 9):
+            state = element.newton(*state, rows, d * step / 8, 1e-12)
+        force, text = state[1] * 500 * organ.edge**2, lambda v: ",".join(map(repr, (v * organ.edge).tolist()))
+        with tempfile.TemporaryDirectory() as folder:
+            scene = SCENE.format(msh=path.resolve(), bulk=500.0 * K, element='es-p1-p1"\nrelative_tolerance = 1e-12 #', nodes="[0]",
+                                 radius=organ.edge, ways=WAYS, increments=INCREMENTS)
+            scene = scene.replace('kind = "patch"\ntool_radius_m', 'kind = "node"\n# tool_radius_m').replace("{ nodes = [0] }", '"free-surface"')
+            pathlib.Path(f"{folder}/scene.toml").write_text(scene)
+            subprocess.run([program, "solve", f"{folder}/scene.toml", "--point", text(spaces.x[i]), "--displacement", text(d),
+                            "--increments", "8", "--json", f"{folder}/s.json"], check=True, capture_output=True)
+            other = np.array(json.loads(pathlib.Path(f"{folder}/s.json").read_text())["tools"][0]["force"])
+        print(path.stem, force, other, "difference", np.abs(force - other).max() / np.linalg.norm(force), flush=True)
+
+
 if __name__ == "__main__":
     word, *files = sys.argv[1:]
-    bodies(*files) if word == "bodies" else {"rest": rest, "depth": depth}[word](files)
+    bodies(*files) if word == "bodies" else {"rest": rest, "depth": depth, "reproduce": reproduce}[word](files)
