@@ -1,5 +1,5 @@
-// Writes a small packed database, for tests in other languages; with "symmetric", one with a mirror plane and all fields.
-// Usage: write_database FILE [symmetric | OUTPUT_NODE ...]
+// Writes a small packed database, for tests in other languages; with "symmetric", one with a mirror plane and all
+// fields. Usage: write_database FILE [symmetric | OUTPUT_NODE ...]
 #include <cstdlib>
 #include <cstring>
 
