@@ -38,10 +38,10 @@ inline std::vector<Ray> small_rays(const DatabaseHeader& header, std::int32_t ac
   std::vector<Ray> rays;
   const Eigen::RowVector3d touched = header.mesh.nodes.row(header.sets.active[active]);
   for (std::size_t k = 0; k < header.directions.size(); ++k) {
-    Ray ray = empty_ray(header, active, static_cast<std::int32_t>(k));
+    Ray ray;
+    ray.active = active;
+    ray.direction = static_cast<std::int32_t>(k);
     ray.status.assign(header.magnitudes_m.size(), Status::converged);
-    ray.force.clear();
-    ray.displacement.clear();
     for (const double magnitude : header.magnitudes_m) {
       const Vec3& e = header.directions[k];
       const Eigen::RowVector3d d(magnitude * e[0], magnitude * e[1], magnitude * e[2]);

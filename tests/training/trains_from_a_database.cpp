@@ -50,7 +50,13 @@ class FromDatabase : public testing::Test {
     {
       DatabaseWriter writer(file, header, 0);
       for (std::int32_t active = 0; active < static_cast<std::int32_t>(header.sets.active.size()); ++active) {
-        for (const Ray& ray : small_rays(header, active)) writer.append(ray);
+        for (const Ray& small : small_rays(header, active)) {
+          Ray ray = empty_ray(header, active, small.direction);
+          ray.status = small.status;
+          ray.force = small.force;
+          ray.displacement = small.displacement;
+          writer.append(ray);
+        }
       }
     }
     DatabaseWriter::pack(file, header);
