@@ -84,7 +84,10 @@ bool TangentMatrix::constrain(const Constraint& constraint) {
     _dependent_of[dependent.unknown] = static_cast<std::int32_t>(c);
     _dependent.push_back(std::move(dependent));
   }
-  if (!had_masters && !_has_masters) return false;
+  if (!had_masters && !_has_masters) {
+    find_terms();
+    return false;
+  }
   _own = _free;
   if (_has_masters) {
     std::vector<std::vector<PetscInt>> rows(n_unknowns());
@@ -104,6 +107,7 @@ bool TangentMatrix::constrain(const Constraint& constraint) {
       }
     _own = pattern_of(std::move(rows));
   }
+  find_terms();
   create_matrix();
   return true;
 }
@@ -159,6 +163,43 @@ TangentMatrix::Coupling TangentMatrix::coupling(const std::vector<double>& K) co
   return coupling;
 }
 
+void TangentMatrix::find_terms() {
+  _own_of_free.clear();
+  _terms.clear();
+  _zeros.clear();
+  _ones.clear();
+  if (_has_masters)
+    for (int i = 0; i < n_unknowns(); ++i)
+      for (auto k = _free.row_start[i], at = _own.row_start[i]; k < _free.row_start[i + 1]; ++k) {
+        while (_own.column[at] != _free.column[k]) ++at;
+        _own_of_free.push_back(at);
+      }
+  for (const auto& dependent : _dependent)
+    for (auto k = _free.row_start[dependent.unknown]; k < _free.row_start[dependent.unknown + 1]; ++k) {
+      const auto j = _free.column[k];
+      for (const auto& [i, factor] : dependent.masters) {
+        if (_dependent_of[j] < 0) {
+          _terms.push_back({k, _own.position(i, j), factor, 1});
+          _terms.push_back({k, _own.position(j, i), factor, 1});
+        } else {
+          for (const auto& [other, other_factor] : _dependent[_dependent_of[j]].masters)
+            _terms.push_back({k, _own.position(i, other), factor, other_factor});
+        }
+      }
+    }
+  for (const auto& dependent : _dependent) {
+    const auto c = dependent.unknown;
+    for (auto k = _own.row_start[c]; k < _own.row_start[c + 1]; ++k) {
+      if (_own.column[k] == c) {
+        _ones.push_back(k);
+      } else {
+        _zeros.push_back(k);
+        _zeros.push_back(_own.position(_own.column[k], c));
+      }
+    }
+  }
+}
+
 void TangentMatrix::store(const std::vector<double>& K, Mat matrix) const {
   PetscScalar* values = nullptr;
   PHYNNESS_PETSC(MatSeqAIJGetArray(matrix, &values));
@@ -166,34 +207,11 @@ void TangentMatrix::store(const std::vector<double>& K, Mat matrix) const {
     std::copy(K.begin(), K.end(), values);
   } else {
     std::fill_n(values, _own.size(), 0.0);
-    for (int i = 0; i < n_unknowns(); ++i)
-      for (auto k = _free.row_start[i], at = _own.row_start[i]; k < _free.row_start[i + 1]; ++k) {
-        while (_own.column[at] != _free.column[k]) ++at;
-        values[at] = K[k];
-      }
-    for (const auto& dependent : _dependent)
-      for (auto k = _free.row_start[dependent.unknown]; k < _free.row_start[dependent.unknown + 1]; ++k) {
-        const auto j = _free.column[k];
-        for (const auto& [i, factor] : dependent.masters) {
-          const double value = factor * K[k];
-          if (_dependent_of[j] < 0) {
-            values[_own.position(i, j)] += value;
-            values[_own.position(j, i)] += value;
-          } else {
-            for (const auto& other : _dependent[_dependent_of[j]].masters)
-              values[_own.position(i, other.first)] += value * other.second;
-          }
-        }
-      }
+    for (std::size_t k = 0; k < K.size(); ++k) values[_own_of_free[k]] = K[k];
   }
-  for (const auto& dependent : _dependent) {
-    const auto c = dependent.unknown;
-    for (auto k = _own.row_start[c]; k < _own.row_start[c + 1]; ++k) {
-      const double identity = _own.column[k] == c ? 1.0 : 0.0;
-      values[k] = identity;
-      values[_own.position(_own.column[k], c)] = identity;
-    }
-  }
+  for (const auto& term : _terms) values[term.to] += term.factor * K[term.from] * term.other;
+  for (const auto k : _zeros) values[k] = 0;
+  for (const auto k : _ones) values[k] = 1;
   PHYNNESS_PETSC(MatSeqAIJRestoreArray(matrix, &values));
   PHYNNESS_PETSC(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
   PHYNNESS_PETSC(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));

@@ -54,6 +54,8 @@ class TangentMatrix {
   static Pattern pattern_of(std::vector<std::vector<PetscInt>> rows);
   void create_matrix();
   Coupling coupling(const std::vector<double>& K) const;
+  /// Finds where the entries of K go in matrix().
+  void find_terms();
   /// T^T K T, with rows of the identity, in the values of a matrix.
   void store(const std::vector<double>& K, Mat matrix) const;
 
@@ -73,6 +75,14 @@ class TangentMatrix {
   std::vector<Dependent> _dependent;
   std::vector<std::int32_t> _dependent_of;  ///< per unknown: position in _dependent, or -1
   bool _has_masters = false;
+  std::vector<std::int32_t> _own_of_free;  ///< per entry of K: position in matrix(); empty without masters
+  /// A product of factors of masters and an entry of K, and where it is added.
+  struct Term {
+    std::int32_t from, to;
+    double factor, other;
+  };
+  std::vector<Term> _terms;
+  std::vector<std::int32_t> _zeros, _ones;  ///< of dependent rows and columns
 };
 
 }  // namespace phynness
