@@ -7,10 +7,12 @@ Packages as in ../tool_reference/study.py. Run with /usr/bin/python3; the meshes
     python3 research/element_reference/study.py order resolved stable depth demo.msh ...
 
 `reproduce` compares the force at a node with `phynness solve`. At rest: `rest` gives the errors of the force of all candidates,
-`order` the uncertainty of the references, `resolved` the errors on cells of half the size, `fields` displacements, pressures and
-their oscillation, `rigid` a rigid patch for comparison, `stable` the inf-sup constant, `cost` the time of a factorization. `depth`
+`chosen` those of p1-p1 and es-p1-p1 under the product's tool, `order` the uncertainty of the references, `resolved` the errors on
+cells of half the size, `fields` displacements, pressures and their oscillation, `rigid` a rigid patch for comparison, `stable` the
+inf-sup constant, `cost` the time of a factorization. `depth`
 presses, pulls and slides up to the tool's radius. Surface nodes are fixed in the first quarter along x (the paper's liver: a fifth;
-cylinder and tube: a fifth along z). The liver181 and liver507 of the results are those of SOFA (share/mesh). Figures are kept in results.json beside this file by section and mesh. OMP_NUM_THREADS=1; about 20 minutes.
+cylinder and tube: a fifth along z). The liver181 and liver507 of the results are those of SOFA (share/mesh). Figures are kept in results.json beside this file by section and mesh.
+OMP_NUM_THREADS=1; about 20 minutes.
 """
 import argparse
 import json
@@ -66,6 +68,18 @@ def rest(path, phi="Hertz"):
     out |= candidates(spaces.condense(), organ, limit, DIAMETER + OTHER + [MINI, MODES])
     spaces.A = smoothed(spaces)
     return out | candidates(spaces.condense(), organ, limit, SMOOTHED, "edge-smoothed, ")
+
+
+def chosen(path):
+    """p1-p1 and es-p1-p1 as in the product, with an even pressure."""
+    organ = Organ(path)
+    limit, coarse, _ = references(organ, "even")
+    out = {"TH": {K: sample(coarse[K], limit[K], organ) for K in RATIOS}}
+    spaces = Spaces(organ, organ.domain, 1, "even")
+    cells_only = spaces.A
+    out |= candidates(spaces.condense(), organ, limit, [("diameter", 0.05)], "p1-p1, ")
+    spaces.A = 0.9 * smoothed(spaces) + 0.1 * cells_only
+    return out | candidates(spaces.condense(), organ, limit, [("diameter", 0.1)], "es-p1-p1, ")
 
 
 def order(path):
@@ -279,12 +293,12 @@ def summary(samples):
         e, size = np.concatenate([np.array(r) for r in rows], axis=1)
         return [round(float(v), 3) for v in (np.median(e), np.percentile(e, 95), e.max(), np.median(size))]
     out = {n: figures([r for body in samples.values() for r in body[n].values()]) for n in next(iter(samples.values()))}
-    kept = ["TH"] + [label(c) for c in LEADING] + ["edge-smoothed, diameter 0.05"]
+    kept = ["TH", "edge-smoothed, diameter 0.05", "p1-p1, diameter 0.05", "es-p1-p1, diameter 0.1"] + [label(c) for c in LEADING]
     return {"all": out, "by body and K/mu": {n: {b: {K: figures([r])[:3] for K, r in body[n].items()} for b, body in samples.items()} for n in kept if n in out}}
 
 
 def main():
-    sections = {f.__name__: f for f in (rest, order, resolved, fields, rigid, stable, cost, depth)}
+    sections = {f.__name__: f for f in (rest, chosen, order, resolved, fields, rigid, stable, cost, depth)}
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("words", nargs="+", help="sections, then meshes (a scene after `reproduce`)")
     parser.add_argument("--phynness", default="build/release/phynness")
@@ -298,11 +312,11 @@ def main():
             result = reproduce(file, options.phynness) if name == "reproduce" else sections[name](file)
             result["cpu_s"] = round(time.process_time() - start)
             kept, samples, body = load(path), load(raw), pathlib.Path(file).stem
-            if name in ("rest", "resolved"):
+            if name in ("rest", "chosen", "resolved"):
                 del result["cpu_s"]
                 samples.setdefault(name, {})[body] = result
                 raw.write_text(json.dumps(samples))
-                kept[name] = summary(samples[name]) if name == "rest" else summary(samples[name])["all"]
+                kept[name] = summary(samples[name])["all"] if name == "resolved" else summary(samples[name])
             else:
                 kept.setdefault(name, {})[body] = result
             path.write_text(json.dumps(kept).replace("NaN", "null").replace("}, ", "},\n") + "\n")
