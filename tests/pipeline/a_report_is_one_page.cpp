@@ -22,7 +22,8 @@ class Report : public CommandLine {
     const std::string start = R"(id="phynness-data">)";
     const auto at = page.find(start) + start.size();
     data = page.substr(at, page.find("</script>", at) - at);
-    for (const auto& section : nlohmann::json::parse(data).at("sections"))
+    const auto parsed = nlohmann::json::parse(data);
+    for (const auto& section : parsed.at("sections"))
       for (const auto& block : section.at("blocks")) blocks.push_back(block);
   }
   std::size_t count(const std::string& what) const {
