@@ -59,9 +59,13 @@ DatabaseLock::DatabaseLock(const std::filesystem::path& file) : _impl(std::make_
   make_log_folder(file);
   const auto path = database_log::folder(file) / "lock";
   Descriptor lock = open_lock(path, O_RDWR | O_CREAT);
-  if (!lock.is_open())
-    throw failure("cannot create the lock " + path.string(), std::generic_category().message(errno),
-                  "make the folder of logs writable, and remove what else lies in the place of the lock");
+  if (!lock.is_open()) {
+    const bool is_other = errno == ELOOP || errno == EISDIR;  // a link or a folder
+    throw(is_other ? input_error : failure)("cannot create the lock " + path.string(),
+                                            std::generic_category().message(errno),
+                                            "make the folder of logs writable, and remove what else lies in the place "
+                                            "of the lock");
+  }
   int code = 0;
   while (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 && (code = errno) == EINTR) code = 0;
   if (code == EWOULDBLOCK)

@@ -179,6 +179,9 @@ struct Section {
   }
 };
 
+template <class Of>
+Section(std::string_view, Of) -> Section<Of>;  // clang 14 does not deduce it
+
 template <class Spec>
 auto section(std::string_view name, Spec Scene::*spec) {
   return Section{name, [spec](auto& scene) -> decltype(auto) { return (scene.*spec); }};
