@@ -223,8 +223,9 @@ void answer_queries(const QueryOptions& options, const QueryAnswers& answers) {
   if (table.is_lost()) return;  // finish_streams() reports it
   if (stop_requested() && finished < total) {
     const auto how_much = fmt::format("{} of {} rows are finished", finished, total);
-    throw failure(answers.command + " was interrupted", fmt::format("{}, {}", how_much, table.leave(how_much)),
-                  "run the command again, with the other rows only if you keep these");
+    throw failure(
+        answers.command + " was interrupted", fmt::format("{}, {}", how_much, table.leave(how_much)),
+        "run the command again; to keep these rows, give that file another name and the command the other rows");
   }
   if (finished != total)
     throw failure("the file of queries was changed while it was read", options.file->string(),

@@ -89,6 +89,10 @@ void refuse_files_of_others(const Options& options) {
       throw input_error("a run would replace a file", "--output " + file.string(),
                         "give another folder, or --resume if an earlier run has left it");
   }
+  const auto model = options.output / "model";
+  if (std::filesystem::exists(std::filesystem::symlink_status(model)) && !std::filesystem::is_directory(model))
+    throw input_error("a run needs a folder in the place of a file", "--output " + model.string(),
+                      "give another folder, or move the file");
 }
 
 /// The figures of all stages in one file.

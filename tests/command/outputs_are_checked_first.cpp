@@ -206,7 +206,7 @@ TEST_F(Outputs, OfAModelNeverReplaceAnotherProgramsFiles) {
 
 TEST_F(Outputs, OfARunNeverReplaceOtherFiles) {
   for (const char* name : {"mesh.msh", "mesh.json", "precompute.json", "train.json", "calibrate.json", "validate.json",
-                           "organ.html", "model/model.txt", "model/mesh.txt"}) {
+                           "organ.html", "model/model.txt", "model/mesh.txt", "model"}) {
     const auto file = folder / "fresh/out" / name;
     fs::create_directories(file.parent_path());
     write_file(file, "{\n  \"notes\": \"of somebody\"\n}\n");
