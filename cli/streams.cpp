@@ -53,8 +53,9 @@ std::string in_lines(std::string text) {
       auto space = text.rfind(' ', begin + width);
       if (space == std::string::npos || space < begin + indent) space = text.find(' ', begin + width);
       if (space >= end) break;
-      text.replace(space, 1, "\n" + std::string(indent, ' '));
+      text[space] = '\n';
       begin = space + 1;
+      text.insert(begin, indent, ' ');
     }
     begin = std::min(text.find('\n', begin), text.size()) + 1;
   }

@@ -49,9 +49,10 @@ TrainingSpec training_of(const Scene& scene, Family family) {
 
 LoadedModel train_on(const study::StudyData& data, const TrainingSpec& spec) {
   TrainingReport report;
-  const ResponseSource source{&data.header,
-                              [&](std::int32_t a) { return data.probed[static_cast<std::size_t>(a)].rays; }, 0,
-                              "the study's body"};
+  ResponseSource source;
+  source.header = &data.header;
+  source.rays = [&](std::int32_t a) { return data.probed[static_cast<std::size_t>(a)].rays; };
+  source.title = "the study's body";
   return LoadedModel(train(source, spec, report), data.header.mesh, "the study's model");
 }
 

@@ -22,8 +22,6 @@ SurfacePoint held(const phn_tool& tool) {
   }
   return point;
 }
-return point;
-}
 
 Vector3d total(const std::vector<std::optional<Vec3>>& forces) {
   Vector3d sum(0, 0, 0);

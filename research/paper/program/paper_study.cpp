@@ -7,6 +7,7 @@
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <phynness/formats/version.hpp>
+#include <phynness/pages/report.hpp>
 #include <phynness/studies/json.hpp>
 #include <phynness/validation/report.hpp>
 #include <sstream>
@@ -99,7 +100,6 @@ void run_study(Options options) {
   if (run.output.empty()) run.output = run.quick ? "out/paper-quick" : "out/paper";
   const auto cases = options.cases ? chosen_cases(*options.cases) : paper_cases();
   declare_files(run);
-  require_plots();
   std::error_code code;
   std::filesystem::create_directories(run.output, code);
   if (code)

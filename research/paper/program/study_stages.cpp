@@ -104,7 +104,7 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
                          int ranks) {
     if (there && journal.has(name, key)) return;
     announce(name);
-    run_child(std::string(name) + " of " + of.title, std::move(arguments), ranks);
+    run_child(std::string(name) + " of " + of.title, std::move(arguments), ranks, false);
     journal.add(name, key);
   };
   const auto exists = [&](const char* name) { return std::filesystem::exists(folder / name); };
@@ -118,7 +118,7 @@ void run_case(const StudyRun& run, const PaperCase& of, const std::function<std:
     std::vector<std::string> precompute{phynness,          "precompute", in("scene.toml"),     "-o",
                                         in("database.h5"), "--json",     in("precompute.json")};
     if (exists("database.h5")) precompute.push_back("--resume");
-    run_child("precompute of " + of.title, precompute, run.ranks);
+    run_child("precompute of " + of.title, precompute, run.ranks, false);
   }
   if (read_database_header(folder / "database.h5").physics_hash != physics)
     throw input_error("the folder holds the database of another scene", in("database.h5"),

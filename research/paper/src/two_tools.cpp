@@ -11,8 +11,8 @@ namespace phynness::study {
 namespace {
 
 Vec3 scaled(const Vec3& v, double s) { return {s * v[0], s * v[1], s * v[2]}; }
-double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-double distance(const Vec3& a, const Vec3& b) { return norm({a[0] - b[0], a[1] - b[1], a[2] - b[2]}); }
+double length_of(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+double distance(const Vec3& a, const Vec3& b) { return length_of({a[0] - b[0], a[1] - b[1], a[2] - b[2]}); }
 
 /// All predictions for one depth, at the output nodes that count.
 struct State {
@@ -69,7 +69,7 @@ ToolPair measure_pair(ProbeSolver& solver, const PairDraw& pair, const std::vect
       state.force_coupled[t] = *coupled.force_N[t];
       state.force_linear[t] = {f[at], f[at + 1], f[at + 2]};
       state.force_alone[t] = ours.force(t == 0 ? pair.a : pair.b, d[t]);
-      largest_force = std::max(largest_force, norm(state.force_FE[t]));
+      largest_force = std::max(largest_force, length_of(state.force_FE[t]));
     }
     for (Eigen::Index k = 0; k < state.finite_elements.rows(); ++k)
       if (counts[static_cast<std::size_t>(k)]) largest_u = std::max(largest_u, state.finite_elements.row(k).norm());

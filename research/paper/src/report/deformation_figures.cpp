@@ -18,7 +18,7 @@ std::vector<const CaseResult*> studied(const PaperStudy& study) {
   return found;
 }
 
-std::string all_conditions(const std::vector<const CaseResult*>& cases) {
+std::string conditions_of_studied(const std::vector<const CaseResult*>& cases) {
   std::string out;
   for (const auto* result : cases) out += (out.empty() ? "" : ". ") + conditions(*result);
   return out.empty() ? "Case 3 and Case 4 were not run." : out + ".";
@@ -72,7 +72,7 @@ void add_rows(TextTable& table, const CaseResult& result, NodeCurve curve, const
 
 PaperFigure swept(const PaperStudy& study, const char* number, const char* title, NodeCurve curve, const std::string& x,
                   const std::vector<double>& at) {
-  PaperFigure figure{number, title, all_conditions(studied(study)), "", "", {}, {}};
+  PaperFigure figure{number, title, conditions_of_studied(studied(study)), "", "", {}, {}};
   figure.table = {{"case", x, "as the paper: mean %, median of nodes (range)", "fresh", "beyond R"}};
   for (const auto* result : studied(study)) {
     if (result == studied(study).front()) figure.conditions += test_words(*result);
@@ -85,7 +85,8 @@ PaperFigure swept(const PaperStudy& study, const char* number, const char* title
 }  // namespace
 
 PaperFigure figure_7(const PaperStudy& study) {
-  PaperFigure figure{"7", "Histograms of the displacement's error", all_conditions(studied(study)), "", "", {}, {}};
+  PaperFigure figure{"7", "Histograms of the displacement's error", conditions_of_studied(studied(study)), "", "", {},
+                     {}};
   figure.paper =
       "Case 3, 3,000 pairs: the peak lies at 5 % with 20 neurons, at 2 % with 100 and below 2 % with 300, "
       "where very "
