@@ -3,7 +3,6 @@
 #include <map>
 #include <phynness/evaluation/database_errors.hpp>
 #include <phynness/formats/error.hpp>
-#include <phynness/formats/model_dir.hpp>
 #include <phynness/training/families.hpp>
 
 #include "command_files.hpp"

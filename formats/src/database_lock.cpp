@@ -15,11 +15,13 @@
 namespace phynness {
 namespace {
 
-/// Name of this process, for messages of other processes.
+constexpr char own_words[] = "process ";
+
+/// Name of this process, for messages of other processes. A lock begins with it.
 std::string own_name() {
   char host[256] = "";
   ::gethostname(host, sizeof host - 1);
-  return "process " + std::to_string(::getpid()) + " on " + host;
+  return own_words + std::to_string(::getpid()) + " on " + host;
 }
 
 std::string read_name(const Descriptor& lock, const std::filesystem::path& path) {
@@ -59,18 +61,21 @@ DatabaseLock::DatabaseLock(const std::filesystem::path& file) : _impl(std::make_
   make_log_folder(file);
   const auto path = database_log::folder(file) / "lock";
   Descriptor lock = open_lock(path, O_RDWR | O_CREAT);
+  constexpr const char* remedy = "move what lies in the place of the lock to another folder";
   if (!lock.is_open()) {
-    const bool is_other = errno == ELOOP || errno == EISDIR;  // a link or a folder
-    throw(is_other ? input_error : failure)("cannot create the lock " + path.string(),
-                                            std::generic_category().message(errno),
-                                            "make the folder of logs writable, and remove what else lies in the place "
-                                            "of the lock");
+    const auto reason = std::generic_category().message(errno);
+    if (errno == ELOOP || errno == EISDIR) throw input_error("no lock can be made: " + path.string(), reason, remedy);
+    throw failure("cannot create the lock " + path.string(), reason, "make the folder of logs writable");
   }
   int code = 0;
   while (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0 && (code = errno) == EINTR) code = 0;
   if (code == EWOULDBLOCK)
     throw input_error("the database " + file.string() + " is in use", read_name(lock, path),
                       "wait until this process ends, or stop it, and run again with --resume");
+  char begin[sizeof own_words - 1];
+  const auto size = read_at(lock, path, 0, begin, sizeof begin);
+  if (!std::string_view(own_words).starts_with(std::string_view(begin, size)))
+    throw input_error("no lock can be made: " + path.string(), "the file is not one of this program", remedy);
   _impl->path = path;
   _impl->file = std::move(lock);
   if (code != 0)

@@ -1,7 +1,7 @@
 // MODEL_DIR with model.txt and mesh.txt, which are replaced completely or not at all.
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/input_file.hpp>
-#include <phynness/formats/model_dir.hpp>
+#include <phynness/formats/model.hpp>
 #include <phynness/formats/text_file.hpp>
 #include <system_error>
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <phynness/formats/probe_volume.hpp>
 
 namespace phynness {
 
@@ -28,6 +27,8 @@ double EndSummary::share_of_volume() const {
   for (const auto& [reason, part] : volume) share += part;
   return share;
 }
+
+double part_of_volume(double depth_m, double range_m) { return std::pow(std::min(1.0, depth_m / range_m), 3); }
 
 EndSummary summarize_ends(const DatabaseHeader& header, const std::vector<RayEnd>& ends) {
   EndSummary summary;

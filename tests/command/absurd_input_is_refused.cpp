@@ -155,6 +155,10 @@ TEST_F(AbsurdInput, FilesOfOthersInAFolderOfLogsAreKept) {
   fs::create_directories(folder / "e.h5.log");
   fs::create_symlink("/nowhere/lock", folder / "e.h5.log/lock");
   expect_refused("precompute scene.toml -o e.h5", {"e.h5.log/lock"});
+  fs::create_directories(folder / "f.h5.log");
+  write_file(folder / "f.h5.log/lock", "of somebody");
+  expect_refused("precompute scene.toml -o f.h5", {"f.h5.log/lock", "is not one of this program"});
+  EXPECT_EQ(read_file(folder / "f.h5.log/lock"), "of somebody");
 }
 
 TEST_F(AbsurdInput, AResumeOfOtherWorkIsRefusedBeforeItIsAnnounced) {

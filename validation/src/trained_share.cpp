@@ -1,7 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <phynness/formats/probe_volume.hpp>
+#include <phynness/formats/database.hpp>
 #include <phynness/validation/trained_share.hpp>
 
 namespace phynness {

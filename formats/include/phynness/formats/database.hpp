@@ -104,6 +104,8 @@ class Database {
 DatabaseSummary summarize(const Database& database);
 
 /// @param ends  of all rays, [active][direction] flattened
+/// Part of the probes of a direction up to `range_m` that lie before a depth: they fill a cone around it.
+double part_of_volume(double depth_m, double range_m);
 EndSummary summarize_ends(const DatabaseHeader& header, const std::vector<RayEnd>& ends);
 EndSummary summarize_ends(const Database& database);
 

@@ -185,6 +185,8 @@ void write_model_dir(const std::filesystem::path& dir, const Model& model, const
 struct ModelTexts {
   std::string model, mesh;
 };
+/// As write_model_dir(). @pre the mesh is that of the model
+void write_model_texts(const std::filesystem::path& dir, const ModelTexts& texts);
 /// @throws Error (input) if a file is missing
 ModelTexts read_model_texts(const std::filesystem::path& dir);
 /// @param hash  mesh hash of a model. @throws Error (input) if it is not the hash of the mesh
