@@ -10,7 +10,7 @@ namespace {
 /// Two nodes, the second beside the fixed nodes, with the same errors [fractions] at each x.
 CaseResult measured(const std::vector<double>& x, const std::vector<double>& held, const std::vector<double>& fresh) {
   CaseResult result;
-  result.of = {"3", "Case 3", "", "", false, false, true};
+  result.of = {"3", "Case 3", "", false, true};
   result.measured.element = "P1";
   for (const bool beside : {false, true}) {
     auto& node = result.measured.nodes.emplace_back();

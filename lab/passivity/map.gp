@@ -1,5 +1,5 @@
-# Draws the map of tools/study-passivity --section map:
-#   gnuplot -d -e "csv='passivity_map.csv'; out='map.svg'" research/passivity/map.gp
+# Draws the map of lab/study passivity --section map:
+#   gnuplot -d -e "csv='passivity_map.csv'; out='map.svg'" lab/passivity/map.gp
 set terminal svg size 900,360 font 'sans-serif,12' background 'white'
 set output out
 set datafile separator ','

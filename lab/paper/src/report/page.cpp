@@ -80,7 +80,7 @@ json validations(const PaperStudy& study) {
                   "beyond R: force", "displacement", "solved: inside, beyond"}};
   for (const auto& result : study.cases) {
     if (!result.missing.empty()) continue;
-    const auto& probes = result.facts.ours_errors;
+    const auto& probes = result.ours_errors;
     const std::string solved =
         probes.is_object() && probes.contains("solved_inside")
             ? fmt::format("{}, {} of {}", probes.at("solved_inside").get<std::int64_t>(),
@@ -96,11 +96,11 @@ json validations(const PaperStudy& study) {
                       cell("inside", "displacement", "p95"), cell("outside", "force", "mean"),
                       cell("outside", "displacement", "mean"), solved});
     };
-    if (!result.facts.networks_errors.is_null()) add("the paper's networks", result.facts.networks_errors);
-    if (result.facts.ours_errors.is_null()) continue;
-    add(result.measured.ours.c_str(), result.facts.ours_errors);
-    add("linear predictor", result.facts.ours_errors.at("linear"));
-    add("zero", result.facts.ours_errors.at("zero"));
+    if (!result.networks_errors.is_null()) add("the paper's networks", result.networks_errors);
+    if (result.ours_errors.is_null()) continue;
+    add(result.measured.ours.c_str(), result.ours_errors);
+    add("linear predictor", result.ours_errors.at("linear"));
+    add("zero", result.ours_errors.at("zero"));
   }
   if (rows.size() < 2) return {};
   return section_of(
@@ -138,11 +138,11 @@ json numbers_or_null(const std::vector<double>& values) {
 
 nlohmann::ordered_json to_json(const PaperStudy& study, const PaperReport& report) {
   json out{{"study", "paper"},
-           {"quick", study.quick},
+           {"quick", !study.less_than_full.empty()},
            {"software", study.software},
            {"machine", study.machine},
            {"seconds", study.seconds}};
-  if (study.quick) out["less_than_full"] = quick_words();
+  if (!study.less_than_full.empty()) out["less_than_full"] = study.less_than_full;
   out["summary"] = report.summary;
   out["tables"] = {{"1", report.table1}, {"2", report.table2}};
   for (const auto& figure : report.figures) {
@@ -164,24 +164,8 @@ nlohmann::ordered_json to_json(const PaperStudy& study, const PaperReport& repor
       entry["not_run"] = result.missing;
       continue;
     }
-    const auto& f = result.facts;
-    entry["facts"] = {{"nodes", f.nodes},
-                      {"free_nodes", f.free_nodes},
-                      {"surface_nodes", f.surface_nodes},
-                      {"cells", f.cells},
-                      {"rays", f.rays},
-                      {"increments", f.increments},
-                      {"failed", f.failed},
-                      {"setup_s", f.setup_s},
-                      {"solve_cpu_s", f.solve_cpu_s},
-                      {"networks_train_s", f.networks_train_s},
-                      {"ours_train_s", f.ours_train_s},
-                      {"database_bytes", f.database_bytes},
-                      {"model_bytes", f.model_bytes},
-                      {"ours_bytes", f.ours_bytes},
-                      {"samples", f.samples},
-                      {"networks", f.networks}};
-    entry["validate"] = {{"networks", f.networks_errors}, {"ours", f.ours_errors}};
+    entry["facts"] = nlohmann::json(result.facts);
+    entry["validate"] = {{"networks", result.networks_errors}, {"ours", result.ours_errors}};
     entry["measured"] = nlohmann::json(result.measured);
     if (result.times) entry["runtime"] = nlohmann::json(*result.times);
   }
@@ -190,8 +174,9 @@ nlohmann::ordered_json to_json(const PaperStudy& study, const PaperReport& repor
 
 std::string html_page(const PaperStudy& study, const PaperReport& report) {
   json quick;
-  if (study.quick)
-    quick = {{"warning", "Quick study, a check of all parts whose numbers should not be quoted: " + quick_words() +
+  if (!study.less_than_full.empty())
+    quick = {{"warning", "Quick study, a check of all parts whose numbers should not be quoted: " +
+                             study.less_than_full +
                              ". Without --quick the study has the sizes of the paper."}};
   std::vector<json> sections{section_of(
       "",

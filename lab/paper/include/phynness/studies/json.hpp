@@ -1,17 +1,15 @@
-// Conversion of measurements to and from JSON, with which an interrupted study can be resumed.
+// Conversion of measurements to and from JSON, through which the parts of the study exchange them.
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <phynness/studies/measurements.hpp>
+#include <phynness/studies/report.hpp>
 
 namespace phynness {
 
-/// Version of this format. Measurements of another version are repeated.
-inline constexpr int measurements_version = 1;
-
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StudySizes, nodes, probes_per_node, neurons, histogram_neurons, spreads, samples,
-                                   force_neurons, curve_neurons, study_neurons, training_pairs, test_pairs,
-                                   force_training_pairs, force_test_pairs, curve_points, tool_pairs, seed)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(StudySizes, nodes, probes_per_node, neurons, histogram_neurons, spreads,
+                                                samples, force_neurons, curve_neurons, study_neurons, training_pairs,
+                                                test_pairs, force_training_pairs, force_test_pairs, curve_points,
+                                                tool_pairs, seed)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NetworkErrors, x, neurons, held_mean, held_max, fresh_mean, fresh_max, beyond_mean,
                                    beyond_max)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ErrorHistogram, neurons, held, fresh)
@@ -30,5 +28,16 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CaseMeasurements, law, element, bulk_to_shear
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SurfaceLevel, vertices, triangles, network_us, every_vertex_us, ours_us)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RuntimeTimes, force_us, deformation_us, deformation_plain_us, ours_force_us,
                                    ours_deformation_us, neurons, force_neurons, levels)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PaperCase, id, title, scene, linear, liver)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(CaseFacts, nodes, free_nodes, surface_nodes, cells, corners, rays,
+                                                increments, failed, setup_s, solve_cpu_s, networks_train_s,
+                                                ours_train_s, database_bytes, model_bytes, ours_bytes, samples,
+                                                networks)
+inline void from_json(const nlohmann::json& from, PaperStudy& study) {
+  from.at("less_than_full").get_to(study.less_than_full);
+  from.at("software").get_to(study.software);
+  from.at("machine").get_to(study.machine);
+  from.at("seconds").get_to(study.seconds);
+}
 
 }  // namespace phynness

@@ -4,12 +4,19 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <phynness/formats/mesh.hpp>
-#include <phynness/studies/cases.hpp>
+#include <phynness/studies/measurements.hpp>
 #include <phynness/validation/validation.hpp>
 #include <string>
 #include <vector>
 
 namespace phynness {
+
+/// A case of lab/paper/study.py.
+struct PaperCase {
+  std::string id, title, scene;
+  bool linear = false;  ///< three unit responses instead of networks
+  bool liver = true;    ///< column of Table 1
+};
 
 /// Results of the stages of a case.
 struct CaseFacts {
@@ -19,7 +26,6 @@ struct CaseFacts {
   double networks_train_s = 0, ours_train_s = 0;  ///< wall time of all nodes, all threads
   double database_bytes = 0, model_bytes = 0, ours_bytes = 0;
   int samples = 0, networks = 0;
-  nlohmann::json networks_errors, ours_errors;  ///< of phynness validate; null if there is no such model
 };
 
 struct SurfaceShape {
@@ -31,13 +37,14 @@ struct CaseResult {
   PaperCase of;
   std::string missing;  ///< reason why it was not run; empty if it was run
   CaseFacts facts;
+  nlohmann::json networks_errors, ours_errors;  ///< of phynness validate; null if there is no such model
   CaseMeasurements measured;
   std::optional<RuntimeTimes> times;
   std::vector<SurfaceShape> surfaces;  ///< by level of subdivision
 };
 
 struct PaperStudy {
-  bool quick = false;
+  std::string less_than_full;  ///< what a quick study reduces; empty: nothing
   std::string software, machine;
   double seconds = 0;  ///< of this run
   std::vector<CaseResult> cases;

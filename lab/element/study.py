@@ -1,10 +1,10 @@
 """Which stabilization should the equal-order element p1-p1 have, if a round tool moves a weighted mean of the surface?
 
-Packages as in ../tool_reference/study.py. Run with /usr/bin/python3; the meshes are those of `phynness mesh SCENE -o NAME.msh`:
+Packages (Debian): python3-dolfinx-real, python3-gmsh, python3-scipy. The meshes are those of `phynness mesh SCENE -o NAME.msh`:
 
-    python3 research/element_reference/study.py reproduce demo.toml --phynness build/release/phynness
-    python3 research/element_reference/study.py rest fields rigid demo.msh liver736.msh ...
-    python3 research/element_reference/study.py order resolved stable depth demo.msh ...
+    lab/study element reproduce demo.toml --phynness build/release/phynness
+    lab/study element rest fields rigid demo.msh liver736.msh ...
+    lab/study element order resolved stable depth demo.msh ...
 
 `reproduce` compares the force at a node with `phynness solve`. At rest: `rest` gives the errors of the force of all candidates,
 `chosen` those of p1-p1 and es-p1-p1 under the product's tool, `order` the uncertainty of the references, `resolved` the errors on
@@ -202,7 +202,7 @@ def stable(path):
 
 
 def finite(organ, level, element, K, current=True):
-    """A body of ../tool_reference, with the stabilization of the diameter; current: with F^-T grad p, as today."""
+    """A body with the stabilization of the diameter; current: with F^-T grad p, as today."""
     domain = organ.refined(level)
     alpha = fem.Constant(domain, 0.05)
 
@@ -210,7 +210,7 @@ def finite(organ, level, element, K, current=True):
         g = ufl.dot(ufl.inv(F).T, ufl.grad(p)) if current else ufl.grad(p)
         return alpha * ufl.CellDiameter(domain) ** 2 / 2 * ufl.inner(g, g)
 
-    body = tool.Body(domain, lambda x: organ.is_fixed(x.T), K=K, element=element, reach=1e9,
+    body = tool.Body(domain, lambda x: organ.is_fixed(x.T), K=K, element=element,
                      stabilization=klaas if element == "p1-p1" else None)
     body.alpha, body.skin, body.degree = alpha, surface(domain), 1 if element == "p1-p1" else 2
     return body

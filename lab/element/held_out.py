@@ -1,9 +1,9 @@
 """p1-p1 and es-p1-p1 on bodies that were not used to choose the element: maps of a sphere that look like organs.
 
-    python3 research/element_reference/held_out.py bodies FOLDER              kidney.stl, spleen.stl, stomach.stl, bladder.stl
-    python3 research/element_reference/held_out.py rest NAME.msh ...          even pressure, shares of the cells and alphas
-    python3 research/element_reference/held_out.py depth NAME.msh ...         to the tool's radius, by `phynness precompute`
-    python3 research/element_reference/held_out.py reproduce NAME.msh ...     `phynness solve` against edges.py
+    lab/study held-out bodies FOLDER              kidney.stl, spleen.stl, stomach.stl, bladder.stl
+    lab/study held-out rest NAME.msh ...          even pressure, shares of the cells and alphas
+    lab/study held-out depth NAME.msh ...         to the tool's radius, by `phynness precompute`
+    lab/study held-out reproduce NAME.msh ...     `phynness solve` against edges.py
 
 The meshes are those of `phynness mesh` with target_size_m of 12.5 mm (bladder 13.5, stomach 19) and the first quarter along x fixed.
 Packages, and the rest, as in study.py.
@@ -16,6 +16,9 @@ import sys
 import tempfile
 
 import numpy as np
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
+from commands import read_msh, surface_faces, write_msh  # noqa: E402
 
 WAYS, INCREMENTS, RATIOS = 3, 4, (5, 50, 200)  # +x, +y, +z
 RADII = {"kidney": 3.0, "spleen": 2.5, "stomach": 3.5, "bladder": 2.0}  # in mean edges of the surface
@@ -106,21 +109,6 @@ def rest(paths):
         show(name, np.concatenate(errors))
 
 
-def read(path):
-    """Nodes, tetrahedra and fixed nodes of a file of `phynness mesh`."""
-    import gmsh
-
-    gmsh.initialize()
-    gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.open(str(path))
-    tags, x, _ = gmsh.model.mesh.getNodes()
-    order = np.argsort(tags)
-    x, tags = x.reshape(-1, 3)[order], tags[order]
-    cells = np.searchsorted(tags, gmsh.model.mesh.getElementsByType(4)[1]).reshape(-1, 4)
-    (group,) = [t for d, t in gmsh.model.getPhysicalGroups(0) if gmsh.model.getPhysicalName(d, t) == "phynness_fixed"]
-    return x, cells, np.unique(np.searchsorted(tags, gmsh.model.mesh.getNodesForPhysicalGroup(0, group)[0]))
-
-
 def halved(x, cells, fixed):
     """Each cell in eight; a middle is fixed if both of its ends are."""
     pairs = np.sort(np.concatenate([cells[:, p] for p in ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))]), axis=1)
@@ -139,19 +127,9 @@ def halved(x, cells, fixed):
     return x, out, np.concatenate([fixed, len(is_fixed) + np.flatnonzero(is_fixed[edges].all(1))])
 
 
-def write(path, x, cells, fixed):
-    lines = ["$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n0 1 \"phynness_fixed\"\n3 2 \"body\"\n$EndPhysicalNames\n$Nodes",
-             str(len(x)), *("{} {!r} {!r} {!r}".format(i + 1, *map(float, p)) for i, p in enumerate(x)), "$EndNodes\n$Elements",
-             str(len(fixed) + len(cells)), *(f"{i + 1} 15 2 1 1 {n + 1}" for i, n in enumerate(fixed)),
-             *("{} 4 2 2 1 {} {} {} {}".format(len(fixed) + i + 1, *(c + 1)) for i, c in enumerate(cells)), "$EndElements\n"]
-    pathlib.Path(path).write_text("\n".join(lines))
-
-
 def places(x, cells, fixed, radius_in_edges, number=3):
     """Free nodes of the surface farther than the tool's radius from the fixed ones, and far from each other; the radius."""
-    faces = np.sort(np.concatenate([cells[:, k] for k in ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))]), axis=1)
-    faces, count = np.unique(faces, axis=0, return_counts=True)
-    faces = faces[count == 1]
+    faces = surface_faces(cells)
     radius = radius_in_edges * np.mean([np.linalg.norm(x[faces[:, a]] - x[faces[:, b]], axis=1) for a, b in ((0, 1), (1, 2), (2, 0))])
     nodes = np.setdiff1d(faces, fixed)
     nodes = nodes[np.linalg.norm(x[nodes][:, None] - x[fixed], axis=2).min(1) > 1.1 * radius]
@@ -166,10 +144,10 @@ def depth(paths, program="build/release/phynness"):
 
     found = {}
     for path in map(pathlib.Path, paths):
-        body = read(path)
+        body = read_msh(path)
         nodes, radius = places(*body, RADII[path.stem])
         with tempfile.TemporaryDirectory() as folder:
-            write(f"{folder}/fine.msh", *halved(*body))
+            write_msh(f"{folder}/fine.msh", *halved(*body))
 
             def solve(element, msh, K):
                 scene = SCENE.format(msh=msh, bulk=500.0 * K, element=element, nodes=nodes, radius=radius, ways=WAYS, increments=INCREMENTS)
