@@ -333,7 +333,7 @@ TEST(Faults, OfLimitsAndTimeTrip) {
   }
 }
 
-// Claim: an hour at a normal coupling does not trip. The 10^7 cycles are tools/study-passivity's.
+// Claim: an hour at a normal coupling does not trip. The 10^7 cycles are lab/study passivity's.
 TEST(Faults, NothingElseTrips) {
   Body body(small_model_of(Family::modal), 3);
   Rig rig(body, {}, 0.01, [](phn_loop_settings& s) { s.check_force_N = 0.4; });

@@ -1,5 +1,5 @@
 // Claim: the loop delivers at most 0.1 mJ more than it has taken, at the device and at the hand, at every point of the
-// list. tools/study-passivity runs the whole list with 100 s each. 0.1 mJ is a tenth of the energy at which the loop
+// list. lab/study passivity runs the whole list with 100 s each. 0.1 mJ is a tenth of the energy at which the loop
 // ends.
 #include <gtest/gtest.h>
 
