@@ -67,22 +67,24 @@ function(phynness_compile_forms target)
   set(generated "${CMAKE_CURRENT_BINARY_DIR}/forms")
   file(MAKE_DIRECTORY "${generated}")
   set(forms "${PROJECT_SOURCE_DIR}/precompute_dolfinx/forms")
+  set(tables "${PROJECT_SOURCE_DIR}/laws/tables")
   foreach(form IN LISTS ARGN)
     get_filename_component(name "${form}" NAME_WE)
-    set(modules law hooke law_forms mechanics elements element_table)
+    set(modules law_forms mechanics elements)
     if(name MATCHES "^shell_")
-      set(modules law hooke law_forms shell shell_elements)
+      set(modules law_forms shell shell_elements)
     endif()
     list(TRANSFORM modules REPLACE "(.+)" "${forms}/\\1.py")
+    list(APPEND modules "${tables}/law.py" "${tables}/hooke.py" "${tables}/element_table.py")
     # The law of a form file that tables.py made.
     string(REGEX REPLACE "^shell_" "" law "${name}")
-    set(law "${PROJECT_SOURCE_DIR}/precompute_dolfinx/laws/${law}.py")
+    set(law "${PROJECT_SOURCE_DIR}/laws/${law}.py")
     if(EXISTS "${law}")
       list(APPEND modules "${law}")
     endif()
     add_custom_command(
       OUTPUT "${generated}/${name}.c" "${generated}/${name}.h"
-      COMMAND ${CMAKE_COMMAND} -E env "PYTHONPATH=${forms}" PYTHONDONTWRITEBYTECODE=1
+      COMMAND ${CMAKE_COMMAND} -E env "PYTHONPATH=${forms}:${tables}" PYTHONDONTWRITEBYTECODE=1
               ${PHYNNESS_PYTHON} -m ffcx "${form}"
       WORKING_DIRECTORY "${generated}"  # the option for this folder has another name since ffcx 0.11
       DEPENDS "${form}" ${modules}

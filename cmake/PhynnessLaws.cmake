@@ -1,17 +1,17 @@
-# Makes tables of laws and elements from precompute_dolfinx/laws/*.py when CMake runs and whenever one of these files
+# Makes tables of laws and elements from laws/*.py when CMake runs and whenever one of these files
 # changes. Only the standard library of Python is needed. The tables are not part of the repository, because they could then
 # be out of date. Sets
-#   PHYNNESS_LAWS_FOLDER   tables.cpp, compiled_forms.cpp, declared_laws.cpp, forms/*.py (described in forms/tables.py)
+#   PHYNNESS_LAWS_FOLDER   tables.cpp, compiled_forms.cpp, declared_laws.cpp, forms/*.py (described in laws/tables/tables.py)
 #   PHYNNESS_LAWS          identifiers of the laws
 #   PHYNNESS_SHELL_LAWS    shell_IDENTIFIER of the laws that have a shell
 find_package(Python3 COMPONENTS Interpreter REQUIRED)
-set(forms "${PROJECT_SOURCE_DIR}/precompute_dolfinx/forms")
-file(GLOB law_files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/precompute_dolfinx/laws/*.py")
+file(GLOB law_files CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/laws/*.py")
+file(GLOB law_tables "${PROJECT_SOURCE_DIR}/laws/tables/*.py")
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS
-  ${law_files} ${forms}/law.py ${forms}/hooke.py ${forms}/cpp.py ${forms}/tables.py ${forms}/element_table.py)
+  ${law_files} ${law_tables})
 set(PHYNNESS_LAWS_FOLDER "${PROJECT_BINARY_DIR}/laws")
 execute_process(
-  COMMAND ${CMAKE_COMMAND} -E env PYTHONDONTWRITEBYTECODE=1 ${Python3_EXECUTABLE} "${forms}/tables.py" "${PHYNNESS_LAWS_FOLDER}"
+  COMMAND ${CMAKE_COMMAND} -E env PYTHONDONTWRITEBYTECODE=1 ${Python3_EXECUTABLE} "${PROJECT_SOURCE_DIR}/laws/tables/tables.py" "${PHYNNESS_LAWS_FOLDER}"
   OUTPUT_VARIABLE written ERROR_VARIABLE laws_error RESULT_VARIABLE laws_result OUTPUT_STRIP_TRAILING_WHITESPACE)
 if(NOT laws_result EQUAL 0)
   message(FATAL_ERROR "The tables of laws were not made: ${laws_error}")

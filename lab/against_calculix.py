@@ -20,7 +20,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "precompute_dolfinx" / "forms"))
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "laws" / "tables"))
 sys.dont_write_bytecode = True
 from law import Law, call, every_law  # noqa: E402
 

@@ -18,7 +18,7 @@ struct DeclaredLaw {
   double (*inside)(const Eigen::Matrix3d& F, const double* parameters);
   std::vector<double> (*example)(double K);  ///< parameters with mu = 1
 };
-/// The build makes them: declared_laws.cpp of precompute_dolfinx/forms/tables.py.
+/// The build makes them: declared_laws.cpp of laws/tables/tables.py.
 const DeclaredLaw& declared(Law law);
 
 /// The pressure unknown of mixed elements in a homogeneous state: kappa g(F) of forms/mechanics.py.

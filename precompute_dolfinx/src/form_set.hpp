@@ -20,7 +20,7 @@ struct EdgeForms {
   const ufcx_expression* jacobian = nullptr;
 };
 
-/// Forms compiled by ffcx; the build generates their table (forms/tables.py).
+/// Forms compiled by ffcx; the build generates their table (laws/tables/tables.py).
 struct CompiledForms {
   const ufcx_form* energy = nullptr;
   const ufcx_form* residual = nullptr;

@@ -1,4 +1,4 @@
-"""Claim: the recipe "Add a material" of CONTRIBUTING.md holds: in a copy of precompute_dolfinx/forms and laws one new file is
+"""Claim: the recipe "Add a material" of CONTRIBUTING.md holds: in a copy of laws/ and precompute_dolfinx/forms one new file is
 enough for the tables, the parser, the hash, the page of keys and, where UFL is there, the forms.
 
 Usage: recipe_in_a_scratch_copy.py SOURCE COMPILER FORMATS_LIBRARY [PYTHON_WITH_UFL]
@@ -71,7 +71,7 @@ max_displacement_m = 0.01
 # What a law file may have wrong: (text, replacement, words of the message).
 WRONG_LAWS = [
     ("exp(-2 / 3 * ln(det(F)))", "det(F) ** (-2 / 3)", ["demiray.py:24", "shape", "-0.66", "exp(a * ln(x))"]),
-    ("import BULK, ", "import BULK, cos, ", ["demiray.py:3", "cos", "forms/law.py"]),
+    ("import BULK, ", "import BULK, cos, ", ["demiray.py:3", "cos", "laws/tables/law.py"]),
     ("def shape(F, mu, b):", "def shape(F, mu, b):\n    return F @ F", ["demiray.py:24", "shape", "@"]),
     ('Quantity("b", "stiffening", "b", high=100', 'Quantity("b", "poisson_ratio", "nu", high=0.5',
      ["poisson_ratio", "demiray.py", "linear.py", "from hooke import POISSON"]),
@@ -93,15 +93,15 @@ def main(source, compiler, libraries, python_with_ufl=None):
     source = Path(source)
     with tempfile.TemporaryDirectory() as temporary:
         copy = Path(temporary)
-        for folder in ("forms", "laws"):
-            shutil.copytree(source / "precompute_dolfinx" / folder, copy / "precompute_dolfinx" / folder)
+        for folder in ("precompute_dolfinx/forms", "laws"):
+            shutil.copytree(source / folder, copy / folder)
         for page in ("formats/scene.md", "docs/theory.md", "README.md"):
             (copy / page).parent.mkdir(exist_ok=True)
             shutil.copy(source / page, copy / page)
-        (copy / "precompute_dolfinx" / "laws" / "demiray.py").write_text(LAW)
-        forms = copy / "precompute_dolfinx" / "forms"
+        (copy / "laws" / "demiray.py").write_text(LAW)
+        tables, forms = copy / "laws" / "tables", copy / "precompute_dolfinx" / "forms"
 
-        listed = run(sys.executable, forms / "tables.py", copy / "made")
+        listed = run(sys.executable, tables / "tables.py", copy / "made")
         expect(listed, ["demiray", "mooney_rivlin"])
         expect((copy / "made" / "compiled_forms.cpp").read_text(), ["form_demiray_p1p1_tangent"])
         expect((copy / "made" / "declared_laws.cpp").read_text(), ["energy_of_demiray"])
@@ -117,11 +117,11 @@ def main(source, compiler, libraries, python_with_ufl=None):
         expect(run(copy / "recipe", SCENE.replace("stiffening = 0.7", "stiffenin = 0.7")), ["did you mean stiffening?"])
         expect(run(copy / "recipe", SCENE.replace("= 0.7", "= 700")), ["recipe.toml:6", "stiffening", "700"])
 
-        missing = run(sys.executable, forms / "doc_tables.py", "--write", cwd=copy, status=1)
+        missing = run(sys.executable, tables / "doc_tables.py", "--write", cwd=copy, status=1)
         expect(missing, ["README.md:", "demiray"])
         readme = copy / "README.md"
         readme.write_text(readme.read_text().replace("Laws: ", "Laws: Demiray, "))
-        assert run(sys.executable, forms / "doc_tables.py", cwd=copy) == ""
+        assert run(sys.executable, tables / "doc_tables.py", cwd=copy) == ""
         expect((copy / "formats" / "scene.md").read_text(), ["| `stiffening` | number | > 0; b no unit |"])
 
         if python_with_ufl:
@@ -129,16 +129,16 @@ def main(source, compiler, libraries, python_with_ufl=None):
             made = run(python_with_ufl, "-c", "import sys, runpy; names = runpy.run_path(sys.argv[1]);"
                        "print(len(names['forms']), len(names['expressions']))",
                        copy / "made" / "forms" / "demiray.py",
-                       env={**os.environ, "PYTHONPATH": str(forms), "PYTHONDONTWRITEBYTECODE": "1"})  # fmt: skip
-            sys.path.insert(0, str(forms))
+                       env={**os.environ, "PYTHONPATH": f"{forms}:{tables}", "PYTHONDONTWRITEBYTECODE": "1"})  # fmt: skip
+            sys.path.insert(0, str(tables))
             from element_table import FIELDS, JACOBIANS, SOLIDS
 
             expect(made, [f"{len(SOLIDS) * (3 + len(FIELDS)) + 3} {len(JACOBIANS)}"])
 
         for text, replacement, words in WRONG_LAWS:
             assert text in LAW
-            (copy / "precompute_dolfinx" / "laws" / "demiray.py").write_text(LAW.replace(text, replacement))
-            message = run(sys.executable, forms / "tables.py", copy / "wrong", status=1)
+            (copy / "laws" / "demiray.py").write_text(LAW.replace(text, replacement))
+            message = run(sys.executable, tables / "tables.py", copy / "wrong", status=1)
             expect(message, words)
             assert "Traceback" not in message, message
 

@@ -1,5 +1,5 @@
-// Tables of material laws and elements. The build generates the rows from precompute_dolfinx/laws/*.py and
-// precompute_dolfinx/forms/element_table.py; no other code depends on their number.
+// Tables of material laws and elements. The build generates the rows from laws/*.py and
+// laws/tables/element_table.py; no other code depends on their number.
 #pragma once
 
 #include <span>

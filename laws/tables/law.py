@@ -1,4 +1,4 @@
-"""Definitions for the law files in ../laws, and functions that read them. Needs Python's standard library only.
+"""Definitions for the law files in the folder above, and functions that read them. Needs Python's standard library only.
 
 A law is a file laws/IDENTIFIER.py. It defines
 
@@ -19,7 +19,7 @@ and optionally
     derived             functions of the parameters that become dimensionless constants of the forms
     coupling(F, p)      coupling of displacement and pressure in mixed elements; default: p g - p^2 / (2 kappa)
     inside(F)           positive where the energy is defined, in addition to J > 0; other states count as J <= 0
-    plane_stress(metric)        energy density of a shell's layer with S^33 condensed (forms/shell.py)
+    plane_stress(metric)        energy density of a shell's layer with S^33 condensed (precompute_dolfinx/forms/shell.py)
     squared_thickness(metric)   for laws that are defined for J <= 0: positive unless the wall is turned inside out
     calculix()          (card, numbers) of CalculiX's material, moduli in the same unit (lab/against_calculix.py)
     shell_from = 2      smallest K/mu at which plane_stress is accurate enough; default: 0
@@ -42,7 +42,7 @@ import traceback
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
-LAWS = Path(__file__).resolve().parent.parent / "laws"
+LAWS = Path(__file__).resolve().parent.parent
 
 
 def _function(name):
@@ -135,7 +135,7 @@ def call(function, *leading, **symbols):
     except Exception as error:
         place = _place(error, function.__code__.co_filename)
         raise LawError(
-            f"{place}: {function.__name__} cannot be evaluated: {error}; forms/law.py lists what formulas consist of"
+            f"{place}: {function.__name__} cannot be evaluated: {error}; laws/tables/law.py lists what formulas consist of"
         ) from error
 
 
@@ -150,10 +150,10 @@ class Law:
         try:
             spec.loader.exec_module(module)
         except Exception as error:
-            raise LawError(f"{_place(error, path)}: {error}; forms/law.py lists what a law file may use") from error
+            raise LawError(f"{_place(error, path)}: {error}; laws/tables/law.py lists what a law file may use") from error
         for word in ("name", "parameters", "kappa", "formulas", "shape", "volumetric", "shear_modulus", "bulk_modulus", "example"):
             if not hasattr(module, word):
-                raise self._error(f"a law must define {word}", "it is missing", "see forms/law.py for its meaning")
+                raise self._error(f"a law must define {word}", "it is missing", "see laws/tables/law.py for its meaning")
             setattr(self, word, getattr(module, word))
         self.finite = getattr(module, "finite", True)
         self.derived = tuple(getattr(module, "derived", ()))

@@ -3,7 +3,7 @@
 Usage: tables.py FOLDER
 
     FOLDER/tables.cpp           laws() and elements() of formats/include/phynness/formats/law.hpp
-    FOLDER/compiled_forms.cpp   compiled_forms() of src/form_set.hpp: the forms that ffcx compiles from the files below
+    FOLDER/compiled_forms.cpp   compiled_forms() of precompute_dolfinx/src/form_set.hpp: the forms that ffcx compiles from the files below
     FOLDER/declared_laws.cpp    energies and examples with which tests compare the compiled forms
     FOLDER/forms/*.py           a file for ffcx for each law, and one for each law of shells
 
@@ -18,7 +18,7 @@ from cpp import Formula, code, literal, number
 from element_table import ELEMENTS, FIELDS, JACOBIANS, SOLIDS
 from law import LawError, call, every_law
 
-NOTE = "// Made by precompute_dolfinx/forms/tables.py; law files and element_table.py are what to edit.\n"
+NOTE = "// Made by laws/tables/tables.py; law files and element_table.py are what to edit.\n"
 DOUBLE = "[[maybe_unused]] const double "
 
 

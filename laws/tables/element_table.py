@@ -1,6 +1,6 @@
 """The tables of elements and of the functionals of fields, in the order in which ffcx compiles their forms. Needs Python's standard library only.
 
-The row of a tetrahedron determines its forms (mechanics.py) and spaces (elements.py, dolfinx_api.hpp). The shell has
+The row of a tetrahedron determines its forms (precompute_dolfinx/forms/mechanics.py) and spaces (elements.py, dolfinx_api.hpp). The shell has
 separate forms and spaces (shell.py, shell_elements.py).
 """
 

@@ -54,7 +54,7 @@ def energies(laws):
     for law in laws:
         f = law.formulas
         rows.append(f"| `{law.name}` | {f['shape']} | {f['volumetric']} | {_text_of(law, law.kappa)} | {f['equation']} | "
-                    f"`precompute_dolfinx/laws/{law.identifier}.py` |")  # fmt: skip
+                    f"`laws/{law.identifier}.py` |")  # fmt: skip
     return rows
 
 
