@@ -1,6 +1,7 @@
-// The parts of the study of the paper that use the libraries; lab/paper/study.py runs them between commands of phynness.
-//   phynness_paper_study measure FOLDER             measures the case in a folder, on the ranks of mpirun -> measured.json
-//   phynness_paper_study report STUDY.json FOLDER   measures times and writes paper.json and paper.html
+// The parts of the study of the paper that use the libraries; lab/paper/study.py runs them between commands of
+// phynness.
+//   phynness_paper_study measure FOLDER             measures the case in a folder, on the ranks of mpirun ->
+//   measured.json phynness_paper_study report STUDY.json FOLDER   measures times and writes paper.json and paper.html
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -38,13 +39,12 @@ void measure(const path& folder) {
     const auto database = Database::open(folder / "database.h5");
     std::optional<LoadedModel> networks;
     if (std::filesystem::exists(folder / "networks/model.txt")) networks.emplace(folder / "networks");
-    const auto measured =
-        measure_case(session, read_scene(folder / "scene.toml"), database, networks ? &*networks : nullptr,
-                     LoadedModel(folder / "ours"), settings.at("sizes").get<StudySizes>(),
-                     settings.at("two_tools").get<bool>(), [](const std::string& what, auto done, auto total) {
-                       std::fprintf(stderr, "\r%s: %ld of %ld ", what.c_str(), static_cast<long>(done),
-                                    static_cast<long>(total));
-                     });
+    const auto measured = measure_case(
+        session, read_scene(folder / "scene.toml"), database, networks ? &*networks : nullptr,
+        LoadedModel(folder / "ours"), settings.at("sizes").get<StudySizes>(), settings.at("two_tools").get<bool>(),
+        [](const std::string& what, auto done, auto total) {
+          std::fprintf(stderr, "\r%s: %ld of %ld ", what.c_str(), static_cast<long>(done), static_cast<long>(total));
+        });
     write_text_file(part(session.rank()), json(measured).dump());
   });
   session.sum(0);  // all ranks have finished

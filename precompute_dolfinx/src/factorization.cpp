@@ -3,23 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "fault_injection.hpp"
-
 namespace phynness {
-namespace {
-
-/// A copy of the matrix in which one row and column are zero.
-PetscMat made_singular(Mat matrix) {
-  PetscMat copy;
-  PetscInt n = 0;
-  PHYNNESS_PETSC(MatDuplicate(matrix, MAT_COPY_VALUES, copy.address()));
-  PHYNNESS_PETSC(MatGetSize(matrix, &n, nullptr));
-  const PetscInt row = n / 2;
-  PHYNNESS_PETSC(MatZeroRowsColumns(copy, 1, &row, 0.0, nullptr, nullptr));
-  return copy;
-}
-
-}  // namespace
 
 void Factorization::analyse(Mat matrix) {
   // Options of MUMPS in PETSC_OPTIONS have this prefix.
@@ -39,13 +23,6 @@ void Factorization::analyse(Mat matrix) {
 
 bool Factorization::refactorize(Mat matrix) {
   if (!_factors) analyse(matrix);
-  const auto fault = injected_fault(FaultSite::factorization);
-  PetscMat singular;
-  if (fault == Fault::singular) {
-    singular = made_singular(matrix);
-    matrix = singular;
-  }
-  if (fault == Fault::out_of_memory) PHYNNESS_PETSC(MatMumpsSetIcntl(_factors, 23, 1));  // 1 MB
   MatFactorInfo info;
   MatFactorError error = MAT_FACTOR_NOERROR;
   PHYNNESS_PETSC(MatFactorInfoInitialize(&info));
@@ -83,7 +60,6 @@ bool Factorization::solve(Vec b, Vec x) {
     reset();
     throw;
   }
-  if (injected_fault(FaultSite::substitution) == Fault::not_finite) PHYNNESS_PETSC(VecSet(x, std::nan("")));
   PetscReal norm = 0;
   PHYNNESS_PETSC(VecNorm(x, NORM_1, &norm));
   return std::isfinite(norm);

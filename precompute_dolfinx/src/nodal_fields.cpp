@@ -1,9 +1,6 @@
 #include "nodal_fields.hpp"
 
 #include <cassert>
-#include <cmath>
-
-#include "fault_injection.hpp"
 
 namespace phynness {
 
@@ -30,7 +27,6 @@ Eigen::MatrixXd NodalFields::in_cells(const Discretization& body, std::span<cons
 Eigen::MatrixXd NodalFields::at_nodes(const Discretization& body, std::span<const double> state) const {
   Eigen::MatrixXd values = Eigen::MatrixXd::Zero(body.n_nodes(), static_cast<Eigen::Index>(_fields.size()));
   if (_fields.empty()) return values;
-  if (injected_fault(FaultSite::fields) == Fault::not_finite) values(0, 0) = std::nan("");
   const Eigen::MatrixXd means = in_cells(body, state);
   for (int cell = 0; cell < body.n_cells(); ++cell)
     for (const auto node : body.cell_nodes(cell))

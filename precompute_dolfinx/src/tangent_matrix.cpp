@@ -1,9 +1,6 @@
 #include "tangent_matrix.hpp"
 
 #include <algorithm>
-#include <cmath>
-
-#include "fault_injection.hpp"
 
 namespace phynness {
 TangentMatrix::TangentMatrix(Discretization& body, const std::vector<std::int32_t>& fixed_dofs) {
@@ -135,8 +132,6 @@ TangentMatrix::Coupling TangentMatrix::assemble(Discretization& body, std::span<
                           if (position[e] >= 0) _convex[position[e]] += nearest[e];
                       });
   const Coupling contributions = coupling(_true);
-  if (injected_fault(FaultSite::tangent) == Fault::not_finite)
-    (convex ? _convex : _true)[_free.size() / 2] = std::nan("");
   if (convex && !_exact) PHYNNESS_PETSC(MatDuplicate(_matrix, MAT_DO_NOT_COPY_VALUES, _exact.address()));
   store(_true, convex ? _exact : _matrix);
   if (convex) store(_convex, _matrix);

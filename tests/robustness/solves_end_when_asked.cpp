@@ -10,7 +10,7 @@
 #include <phynness/precompute/precompute.hpp>
 #include <thread>
 
-#include "fault_injection.hpp"
+#include "petsc_faults.hpp"
 #include "probe_block.hpp"
 #include "solver_test_session.hpp"
 
@@ -19,17 +19,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Every residual takes half a second, for the life of this object.
-class SlowResiduals {
+/// Every substitution takes half a second, for the life of this object.
+class SlowSolves {
  public:
-  SlowResiduals() {
+  SlowSolves() {
     fault_hook = [](FaultSite site) {
-      if (site == FaultSite::residual) std::this_thread::sleep_for(std::chrono::milliseconds(500));
+      if (site == FaultSite::substitution) std::this_thread::sleep_for(std::chrono::milliseconds(500));
       return Fault::none;
     };
   }
-  ~SlowResiduals() { fault_hook = {}; }
-  SlowResiduals(const SlowResiduals&) = delete;
+  ~SlowSolves() { fault_hook = {}; }
+  SlowSolves(const SlowSolves&) = delete;
 };
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -43,7 +43,7 @@ TEST_P(Asked, ASolveEndsWithinSecondsAndTheNextOneIsAsGoodAsEver) {
   auto solver = _block.touched();
   const auto before = solver.solve({{0, 0, -0.01}}, 50);
   {
-    const SlowResiduals slow;
+    const SlowSolves slow;
     const auto start = Clock::now();
     solver.set_stop([] { return true; });
     EXPECT_THROW(solver.solve({{0, 0, -0.01}}, 50), Interrupted);
@@ -75,7 +75,7 @@ TEST_P(Asked, ARunKeepsItsFinishedRaysAndGoesOnLater) {
   PrecomputeReport report;
   {
     // Not slow until the first ray is finished.
-    std::optional<SlowResiduals> slow;
+    std::optional<SlowSolves> slow;
     int asked = 0;
     report = run("part.h5", false, [&] {
       if (finished == 0) return false;

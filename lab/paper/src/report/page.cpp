@@ -176,8 +176,7 @@ std::string html_page(const PaperStudy& study, const PaperReport& report) {
   json quick;
   if (!study.less_than_full.empty())
     quick = {{"warning", "Quick study, a check of all parts whose numbers should not be quoted: " +
-                             study.less_than_full +
-                             ". Without --quick the study has the sizes of the paper."}};
+                             study.less_than_full + ". Without --quick the study has the sizes of the paper."}};
   std::vector<json> sections{section_of(
       "",
       {quick, text("D. Deo and S. De, PhyNNeSS (2011), Cases 1 to 4, computed anew. Errors are the paper's (17): the "
