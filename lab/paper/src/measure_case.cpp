@@ -46,15 +46,11 @@ double chosen_force_spread(const NodeData& data, const std::vector<NodePlan>& pl
   return spread;
 }
 
-void check(const std::function<bool()>& stop) {
-  if (stop && stop()) throw failure("the study was interrupted", "measuring", "run it again: finished stages are kept");
-}
-
 }  // namespace
 
 CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, const Database& database,
                               const LoadedModel* networks, const LoadedModel& ours, const StudySizes& sizes,
-                              bool two_tools, const StudyProgress& progress, const std::function<bool()>& stop) {
+                              bool two_tools, const StudyProgress& progress) {
   const auto start = std::chrono::steady_clock::now();
   if (physics_hash(scene) != database.header().physics_hash)
     throw input_error("the database belongs to another scene", scene.source_name,
@@ -62,7 +58,7 @@ CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, 
   const bool linear = scene.material.law->linear;
   const NodeData data(database, linear, scene.probe.kind == ProbeKind::patch ? scene.probe.tool_radius_m : 0);
   const auto say = [&](const char* what, std::int64_t done, std::int64_t total) {
-    if (progress && session.rank() == 0) progress(what, done, total);
+    if (session.rank() == 0) progress(what, done, total);
   };
   CaseMeasurements out;
   out.law = name(scene.material.law);
@@ -85,9 +81,8 @@ CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, 
   std::int64_t measured = 0;
   solve_probes(
       session, scene, ours, plan,
-      [&](std::int64_t done, std::int64_t total) { say("probes and networks", done, total); }, stop,
+      [&](std::int64_t done, std::int64_t total) { say("probes and networks", done, total); }, {},
       [&](std::size_t entry, NodeProbes&& probes) {
-        check(stop);
         const auto node = plan[entry].node;
         const NodeUnderStudy study{
             data, probes, data.touched(node), data.rays(node), out.deformation_spread, out.force_spread};
@@ -111,7 +106,6 @@ CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, 
     for (int p = 0; p < sizes.tool_pairs; ++p) {
       const auto pair = draw_pair(networks->model(), random);  // every rank draws all
       if (p % session.size() != session.rank()) continue;
-      check(stop);
       out.pairs.push_back(measure_pair(solver, pair, magnitudes, *networks, ours));
       say("two tools", p + 1, sizes.tool_pairs);
     }

@@ -17,11 +17,10 @@ using StudyProgress = std::function<void(const std::string&, std::int64_t, std::
 /// that merged() expects.
 /// @param networks  the paper's networks of the whole scene, for two tools; null if there are none
 /// @param ours      a model of the family that is compared with the networks
-/// @throws Error if the database belongs to another scene, or if `stop` returns true
+/// @throws Error if the database belongs to another scene
 CaseMeasurements measure_case(const SolverSession& session, const Scene& scene, const Database& database,
                               const LoadedModel* networks, const LoadedModel& ours, const StudySizes& sizes,
-                              bool two_tools, const StudyProgress& progress = {},
-                              const std::function<bool()>& stop = {});
+                              bool two_tools, const StudyProgress& progress);
 /// Combines the parts of all ranks. @pre parts is not empty and in the order of the ranks
 CaseMeasurements merged(const std::vector<CaseMeasurements>& parts);
 
