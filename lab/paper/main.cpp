@@ -81,9 +81,11 @@ void write_report(const path& file, const path& folder) {
   const auto report = paper_report(study);
   write_text_file(folder / "paper.json", to_json(study, report).dump(1) + "\n");
   write_text_file(folder / "paper.html", html_page(study, report));
-  for (const auto& row : report.summary)
-    for (std::size_t c = 0; c < row.size(); ++c)
-      std::printf(c == 0 ? "%-62s" : " | %s%s", row[c].c_str(), c + 1 == row.size() ? "\n" : "");
+  for (const auto& row : report.summary) {
+    std::printf("%-62s", row.front().c_str());
+    for (std::size_t c = 1; c < row.size(); ++c) std::printf(" | %s", row[c].c_str());
+    std::printf("\n");
+  }
 }
 
 int run(int argc, char** argv) {
