@@ -69,7 +69,11 @@ void add_measurements(CaseResult& result, const path& folder) {
 
 void write_report(const path& file, const path& folder) {
   const auto in = read_json(file);
-  auto study = in.get<PaperStudy>();
+  PaperStudy study;
+  in.at("less_than_full").get_to(study.less_than_full);
+  in.at("software").get_to(study.software);
+  in.at("machine").get_to(study.machine);
+  in.at("seconds").get_to(study.seconds);
   for (const auto& entry : in.at("cases")) {
     auto& result = study.cases.emplace_back();
     entry.at("of").get_to(result.of);

@@ -33,11 +33,5 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(CaseFacts, nodes, free_nodes, su
                                                 increments, failed, setup_s, solve_cpu_s, networks_train_s,
                                                 ours_train_s, database_bytes, model_bytes, ours_bytes, samples,
                                                 networks)
-inline void from_json(const nlohmann::json& from, PaperStudy& study) {
-  from.at("less_than_full").get_to(study.less_than_full);
-  from.at("software").get_to(study.software);
-  from.at("machine").get_to(study.machine);
-  from.at("seconds").get_to(study.seconds);
-}
 
 }  // namespace phynness
