@@ -176,7 +176,7 @@ def tools(folder):
                 said, true = answer("eval", model, *words), answer("solve", demo.scene, *words, "--increments", 4)
                 if said is None:
                     continue  # a point beside the active nodes
-                unsettled += any("settle" in str(v) for v in said.get("warnings", []))
+                unsettled += bool(said["status"] & 4)  # PHN_WARNING_UNSETTLED
                 if true is not None:
                     f, g = (np.sum([t["force"] for t in a["tools"]], axis=0) for a in (said, true))
                     errors.append(100 * np.linalg.norm(f - g) / np.linalg.norm(g))
