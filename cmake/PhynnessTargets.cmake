@@ -33,18 +33,27 @@ function(phynness_library name)
   phynness_warnings(phynness_${name})
 endfunction()
 
-# phynness_test(NAME SOURCES ... LIBRARIES ...): a Google Test program whose cases CTest discovers.
+# phynness_test(NAME SOURCES ... LIBRARIES ... [TIMEOUT seconds]): a Google Test program whose cases CTest discovers.
 function(phynness_test name)
+  phynness_test_program(${name} ${ARGN})
+  phynness_discover_tests(${name} PREFIX ${name}/ ${ARGN})
+endfunction()
+
+function(phynness_test_program name)
   cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LIBRARIES" ${ARGN})
-  if(NOT arg_TIMEOUT)
-    set(arg_TIMEOUT 300)
-  endif()
   add_executable(test_${name} ${arg_SOURCES})
   target_link_libraries(test_${name} PRIVATE ${arg_LIBRARIES} GTest::gtest_main)
   target_compile_features(test_${name} PRIVATE cxx_std_20)
   phynness_warnings(test_${name})
   phynness_quick_to_compile(test_${name})
   target_compile_definitions(test_${name} PRIVATE PHYNNESS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  gtest_discover_tests(test_${name} TEST_PREFIX "${name}/" DISCOVERY_TIMEOUT 60
-    PROPERTIES TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1")
+endfunction()
+
+function(phynness_discover_tests name)
+  cmake_parse_arguments(arg "" "TIMEOUT;PREFIX" "SOURCES;LIBRARIES;ENVIRONMENT" ${ARGN})
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 300)
+  endif()
+  gtest_discover_tests(test_${name} TEST_PREFIX ${arg_PREFIX} DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1;${arg_ENVIRONMENT}")
 endfunction()

@@ -4,16 +4,25 @@
 # them by processor, and they round differently: what a test claims must not hang on that.
 function(phynness_solver_test name)
   cmake_parse_arguments(arg "EVERY_BLAS" "" "" ${ARGN})
-  phynness_test(${name}
+  phynness_test_program(${name}
     SOURCES ${arg_UNPARSED_ARGUMENTS} ${PROJECT_SOURCE_DIR}/tests/solver_test_main.cpp
     LIBRARIES phynness::precompute phynness_dolfinx phynness_declared_laws)
   target_include_directories(test_${name} PRIVATE
     ${PROJECT_SOURCE_DIR}/tests ${PROJECT_SOURCE_DIR}/precompute_dolfinx/src)
+  # The headers of dolfinx take most of a test's compilation; the first program compiles them for all.
+  get_property(first GLOBAL PROPERTY phynness_first_solver_test)
+  if(first)
+    target_precompile_headers(test_${name} REUSE_FROM ${first})
+  else()
+    target_precompile_headers(test_${name} PRIVATE <gtest/gtest.h> ${PROJECT_SOURCE_DIR}/tests/body_states.hpp
+      ${PROJECT_SOURCE_DIR}/tests/solver_cases.hpp)
+    set_property(GLOBAL PROPERTY phynness_first_solver_test test_${name})
+  endif()
   if(arg_EVERY_BLAS)
     foreach(kernels SkylakeX Haswell Prescott)
-      gtest_discover_tests(test_${name} TEST_PREFIX "${name}/${kernels}/" DISCOVERY_TIMEOUT 60
-        PROPERTIES TIMEOUT 300
-        ENVIRONMENT "OMP_NUM_THREADS=1;OPENBLAS_NUM_THREADS=1;OPENBLAS_CORETYPE=${kernels}")
+      phynness_discover_tests(${name} PREFIX ${name}/${kernels}/ ENVIRONMENT OPENBLAS_CORETYPE=${kernels})
     endforeach()
+  else()
+    phynness_discover_tests(${name} PREFIX ${name}/)
   endif()
 endfunction()
