@@ -8,7 +8,6 @@
 #include "database_folder.hpp"
 #include "database_layout.hpp"
 #include "database_pack.hpp"
-#include "database_resume.hpp"
 #include "database_scan.hpp"
 
 namespace phynness {

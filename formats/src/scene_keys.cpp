@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <numeric>
+#include <phynness/formats/hash.hpp>
 #include <phynness/formats/scene.hpp>
 
 #include "selectors.hpp"
@@ -160,6 +161,37 @@ std::vector<std::string> scene_keys() {
     for (auto key : table.keys)
       keys.push_back((table.name.empty() ? "" : std::string(table.name) + ".") + std::string(key));
   return keys;
+}
+
+namespace {
+
+std::string line(const Scene& scene, const scene_detail::SceneKey& key) {
+  return std::string(key.section).append(".").append(key.name).append(" = ").append(key.text(scene)).append("\n");
+}
+
+}  // namespace
+
+std::string physics_summary(const Scene& scene) {
+  std::string lines;
+  for (const auto& key : scene_detail::key_rows()) {
+    if (key.is_hashed && key.is_hashed(scene, key)) lines += line(scene, key);
+    // The patches of older databases are rigid; their hash does not have this line.
+    if (key.name == "tool_radius_m" && scene.probe.kind == ProbeKind::patch) lines += "probe.tool = mean\n";
+  }
+  return lines;
+}
+
+std::string other_settings(const Scene& scene) {
+  std::string lines;
+  for (const auto& key : scene_detail::key_rows())
+    if (!key.is_hashed && !key.section.empty()) lines += line(scene, key);
+  return lines;
+}
+
+std::string physics_hash(const Scene& scene) {
+  Fnv1a64 hash;
+  hash.add(physics_summary(scene));
+  return hash.hex();
 }
 
 }  // namespace phynness
