@@ -3,7 +3,6 @@
 #include <phynness/formats/error.hpp>
 
 #include "database_checks.hpp"
-#include "database_folder.hpp"
 #include "database_pack.hpp"
 #include "database_scan.hpp"
 

@@ -5,8 +5,6 @@
 #include <phynness/formats/error.hpp>
 #include <system_error>
 
-#include "hdf5_steady_driver.hpp"
-
 namespace phynness::hdf5 {
 namespace {
 

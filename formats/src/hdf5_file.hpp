@@ -13,9 +13,16 @@
 #include <vector>
 
 #include "durable_file.hpp"
-#include "hdf5_steady_driver.hpp"
 
 namespace phynness::hdf5 {
+
+/// Sets the driver of hdf5_steady_driver.cpp, for writing, in a file access property list.
+/// @param path  of a writable file
+/// @return negative on failure
+herr_t use_steady_driver(hid_t access, const char* path);
+/// errno of the first failed write since forget_write_error(); 0: none. Only one file may be written at a time.
+int write_error();
+void forget_write_error();
 
 /// HDF5's message about the last failure, from the innermost frame that has one.
 std::string last_message();
