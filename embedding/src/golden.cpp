@@ -1,13 +1,14 @@
 // Queries with responses, with which a device compares its own.
-#include <phynness/phynness_image.h>
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <phynness/embedding/embedding.hpp>
 #include <phynness/evaluation/loaded_model.hpp>
 #include <phynness/formats/error.hpp>
 #include <random>
+
+#include "image_functions.hpp"
 
 namespace phynness {
 namespace {
@@ -48,17 +49,15 @@ Vec3 displacement(const LoadedModel& model, std::int32_t node, std::size_t i, Nu
 }
 
 /// An image with the functions for its type of numbers.
+template <class Functions>
 class Device {
+  using Real = typename Functions::Real;
+
  public:
   explicit Device(const ModelImage& image)
-      : _words(image.bytes.size() / 8),
-        _scratch_f(image.n_scratch),
-        _field_f(3 * image.n_output),
-        _scratch(image.n_scratch),
-        _field(3 * image.n_output) {
+      : _words(image.bytes.size() / 8), _scratch(image.n_scratch), _field(3 * image.n_output) {
     std::memcpy(_words.data(), image.bytes.data(), image.bytes.size());
-    const int status = image.options.floats ? phn_imagef_open(_words.data(), image.bytes.size(), &_floats)
-                                            : phn_image_open(_words.data(), image.bytes.size(), &_doubles);
+    const int status = Functions::open(_words.data(), image.bytes.size(), &_image);
     if (status != PHN_OK)
       throw failure("the loader refuses the exported image", std::to_string(status),
                     "this is a defect; please report it");
@@ -66,35 +65,29 @@ class Device {
 
   /// d with the precision of the image.
   Vec3 held(const Vec3& d) const {
-    if (_doubles) return d;
-    return {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
+    const auto at = rounded(d);
+    return {at[0], at[1], at[2]};
   }
   int force(std::int32_t node, const Vec3& d, Vec3& force) const {
-    if (_doubles) return phn_image_force(_doubles, node, d.data(), force.data());
-    const float at[3] = {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
-    float out[3];
-    const int status = phn_imagef_force(_floats, node, at, out);
+    Real out[3];
+    const int status = Functions::force(_image, node, rounded(d).data(), out);
     std::copy_n(out, 3, force.begin());
     return status;
   }
   void deformation(std::int32_t node, const Vec3& d, std::int32_t output, Vec3& u) {
     if (_field.empty()) return;
-    if (_doubles) {
-      phn_image_deform(_doubles, _scratch.data(), node, d.data(), _field.data());
-      std::copy_n(&_field[3 * static_cast<std::size_t>(output)], 3, u.begin());
-    } else {
-      const float at[3] = {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
-      phn_imagef_deform(_floats, _scratch_f.data(), node, at, _field_f.data());
-      std::copy_n(&_field_f[3 * static_cast<std::size_t>(output)], 3, u.begin());
-    }
+    Functions::deform(_image, _scratch.data(), node, rounded(d).data(), _field.data());
+    std::copy_n(&_field[3 * static_cast<std::size_t>(output)], 3, u.begin());
   }
 
  private:
+  static std::array<Real, 3> rounded(const Vec3& d) {
+    return {static_cast<Real>(d[0]), static_cast<Real>(d[1]), static_cast<Real>(d[2])};
+  }
+
   std::vector<std::uint64_t> _words;
-  const phn_image* _doubles = nullptr;
-  const phn_imagef* _floats = nullptr;
-  std::vector<float> _scratch_f, _field_f;
-  std::vector<double> _scratch, _field;
+  const typename Functions::Image* _image = nullptr;
+  std::vector<Real> _scratch, _field;
 };
 
 /// Largest difference over the largest value.
@@ -112,12 +105,11 @@ class Deviation {
   double _largest = 0, _difference = 0;
 };
 
-}  // namespace
-
-GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, std::size_t n) {
+template <class Functions>
+GoldenQueries queries(const LoadedModel& model, const ModelImage& image, std::size_t n) {
   const auto nodes = model.runtime().active_nodes();
   if (nodes.empty()) throw input_error("the model has no active nodes", "", "train it with active nodes");
-  Device device(image);
+  Device<Functions> device(image);
   Numbers numbers;
   GoldenQueries all;
   Deviation force, deformation;
@@ -143,6 +135,12 @@ GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, 
   all.force_deviation = force.relative();
   all.deformation_deviation = deformation.relative();
   return all;
+}
+
+}  // namespace
+
+GoldenQueries golden_queries(const LoadedModel& model, const ModelImage& image, std::size_t n) {
+  return image.options.floats ? queries<FloatImage>(model, image, n) : queries<DoubleImage>(model, image, n);
 }
 
 }  // namespace phynness

@@ -1,6 +1,4 @@
 // Conversion of a model to an image, whose layout is in runtime/include/phynness/image_layout.hpp.
-#include <phynness/phynness_image.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,31 +8,12 @@
 #include <phynness/image_layout.hpp>
 #include <phynness/schema/model_grammar.hpp>
 
+#include "image_functions.hpp"
+
 namespace phynness {
 namespace {
 
 constexpr std::size_t largest_index = 65535;
-
-struct Functions {
-  static int open(const void* memory, std::size_t bytes, const phn_image** image) {
-    return phn_image_open(memory, bytes, image);
-  }
-  static int open(const void* memory, std::size_t bytes, const phn_imagef** image) {
-    return phn_imagef_open(memory, bytes, image);
-  }
-  static int force(const phn_image* image, std::int32_t node, const double* d, double* out) {
-    return phn_image_force(image, node, d, out);
-  }
-  static int force(const phn_imagef* image, std::int32_t node, const float* d, float* out) {
-    return phn_imagef_force(image, node, d, out);
-  }
-  static int energy(const phn_image* image, std::int32_t node, const double* d, double* out) {
-    return phn_image_energy(image, node, d, out);
-  }
-  static int energy(const phn_imagef* image, std::int32_t node, const float* d, float* out) {
-    return phn_imagef_energy(image, node, d, out);
-  }
-};
 
 template <class Real>
 class ImageWriter {
@@ -253,9 +232,9 @@ class ImageWriter {
     const Real R = _header.max_displacement;
     _header.max_displacement = 1;
     seal();
-    using Image = std::conditional_t<std::is_same_v<Real, float>, phn_imagef, phn_image>;
+    using Functions = std::conditional_t<std::is_same_v<Real, float>, FloatImage, DoubleImage>;
     const auto copy = aligned();
-    const Image* opened = nullptr;
+    const typename Functions::Image* opened = nullptr;
     const int status = Functions::open(copy.data(), _bytes.size(), &opened);
     if (status != PHN_OK)
       throw failure("the loader refuses the exported image", phn_status_message(status),

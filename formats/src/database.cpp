@@ -1,5 +1,6 @@
 // Reading a finished database.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/error.hpp>
@@ -9,12 +10,25 @@
 #include "database_layout.hpp"
 #include "database_log.hpp"
 #include "database_scan.hpp"
-#include "ray_checks.hpp"
-#include "ray_ends.hpp"
 
 namespace phynness {
 namespace layout = database_layout;
 namespace path = database_layout::path;
+
+namespace {
+
+/// The end of a ray as far as the outcomes of its increments tell it, for files that do not record it.
+RayEnd end_of(const std::vector<Status>& statuses, const std::vector<double>& magnitudes_m) {
+  RayEnd end;
+  const auto stop = std::find_if(statuses.begin(), statuses.end(), [](Status s) { return s != Status::converged; });
+  if (stop != statuses.begin()) end.depth_m = magnitudes_m[static_cast<std::size_t>(stop - statuses.begin()) - 1];
+  if (stop == statuses.end()) return end;
+  if (static_cast<int>(*stop) < 0) end.reason = EndReason::solver;
+  if (*stop == Status::not_requested) end.reason = EndReason::not_requested;
+  return end;
+}
+
+}  // namespace
 
 struct Database::Impl {
   hdf5::File file;
@@ -26,72 +40,64 @@ struct Database::Impl {
   bool records_ends() const { return minor > 0; }
   std::vector<StoredColumn> columns_with(ColumnOf of) const { return columns_of(header, of, minor); }
   /// Reads a column of `count` active nodes into rays that have room for it.
-  void read(const StoredColumn& column, std::int32_t first, std::size_t count, std::span<Ray> rays) const;
-  void check_shapes() const;
-  void check_mirror() const;
-  /// Some columns of all increments of the database as one ray, checked. @pre the first column is that of the outcomes
-  Ray all_increments(const std::vector<StoredColumn>& wanted) const;
+  void read(const StoredColumn& column, std::int32_t first, std::size_t count, std::span<Ray> rays) const {
+    std::visit(
+        [&](auto member) {
+          std::vector<ValueOf<decltype(member)>> values(count * header.directions.size() * column.count);
+          file.read_slab(column.path, static_cast<hsize_t>(first), count, values.data());
+          auto from = values.begin();
+          for (Ray& ray : rays) {
+            const auto to = values_of(ray, member);
+            std::copy_n(from, to.size(), to.begin());
+            from += static_cast<std::ptrdiff_t>(to.size());
+          }
+        },
+        column.member);
+  }
+
+  void check_shapes() const {
+    for (const auto& column : columns) {
+      hdf5::Shape expected{header.sets.active.size(), header.directions.size()};
+      expected.insert(expected.end(), column.shape.begin(), column.shape.end());
+      file.check_shape(column.path, expected);
+    }
+  }
+
+  void check_mirror() const {
+    if (!header.sets.mirror) return;
+    const MirroredRays mirrored(header);  // throws for sets that the mirror plane does not map onto themselves
+    const auto solved_as =
+        file.read<std::int32_t>(path::solved_as, {header.sets.active.size(), header.directions.size()});
+    const auto n = static_cast<std::int64_t>(solved_as.size());
+    for (std::int64_t ray = 0; ray < n; ++ray) {
+      const std::int64_t source = solved_as[static_cast<std::size_t>(ray)];
+      if (source < 0 || source >= n || solved_as[static_cast<std::size_t>(source)] != source)
+        throw input_error(
+            "the database " + file.path().string() + ": " + path::solved_as + " must name rays that were solved",
+            "ray " + std::to_string(ray) + " names ray " + std::to_string(source), hdf5::damaged);
+    }
+  }
+
   /// @throws Error (input) if a number of these columns is impossible
-  void refuse_damaged(const Ray& ray, const std::vector<StoredColumn>& wanted, const std::string& whose) const;
+  void refuse_damaged(const Ray& ray, const std::vector<StoredColumn>& wanted, const std::string& whose) const {
+    const auto defect = ray_defect(ray, wanted, farthest_m);
+    if (!defect.empty())
+      throw input_error("the database " + file.path().string() + " has an impossible number in " + whose, defect,
+                        hdf5::damaged);
+  }
+
+  /// Some columns of all increments of the database as one ray, checked. @pre the first column is that of the outcomes
+  Ray all_increments(const std::vector<StoredColumn>& wanted) const {
+    Ray all;
+    const std::size_t n_active = header.sets.active.size();
+    for (const auto& column : wanted) {
+      clear_values(all, column, n_active * header.directions.size() * column.count);
+      read(column, 0, n_active, {&all, 1});
+    }
+    refuse_damaged(all, wanted, "the list of all increments");
+    return all;
+  }
 };
-
-void Database::Impl::read(const StoredColumn& column, std::int32_t first, std::size_t count,
-                          std::span<Ray> rays) const {
-  std::visit(
-      [&](auto member) {
-        std::vector<ValueOf<decltype(member)>> values(count * header.directions.size() * column.count);
-        file.read_slab(column.path, static_cast<hsize_t>(first), count, values.data());
-        auto from = values.begin();
-        for (Ray& ray : rays) {
-          const auto to = values_of(ray, member);
-          std::copy_n(from, to.size(), to.begin());
-          from += static_cast<std::ptrdiff_t>(to.size());
-        }
-      },
-      column.member);
-}
-
-void Database::Impl::check_shapes() const {
-  for (const auto& column : columns) {
-    hdf5::Shape expected{header.sets.active.size(), header.directions.size()};
-    expected.insert(expected.end(), column.shape.begin(), column.shape.end());
-    file.require_shape(column.path, expected);
-  }
-}
-
-void Database::Impl::check_mirror() const {
-  if (!header.sets.mirror) return;
-  const MirroredRays mirrored(header);  // throws for sets that the mirror plane does not map onto themselves
-  const auto solved_as =
-      file.read<std::int32_t>(path::solved_as, {header.sets.active.size(), header.directions.size()});
-  const auto n = static_cast<std::int64_t>(solved_as.size());
-  for (std::int64_t ray = 0; ray < n; ++ray) {
-    const std::int64_t source = solved_as[static_cast<std::size_t>(ray)];
-    if (source < 0 || source >= n || solved_as[static_cast<std::size_t>(source)] != source)
-      throw input_error(
-          "the database " + file.path().string() + ": " + path::solved_as + " must name rays that were solved",
-          "ray " + std::to_string(ray) + " names ray " + std::to_string(source), hdf5::damaged);
-  }
-}
-
-void Database::Impl::refuse_damaged(const Ray& ray, const std::vector<StoredColumn>& wanted,
-                                    const std::string& whose) const {
-  const auto defect = ray_defect(ray, wanted, farthest_m);
-  if (!defect.empty())
-    throw input_error("the database " + file.path().string() + " has an impossible number in " + whose, defect,
-                      hdf5::damaged);
-}
-
-Ray Database::Impl::all_increments(const std::vector<StoredColumn>& wanted) const {
-  Ray all;
-  const std::size_t n_active = header.sets.active.size();
-  for (const auto& column : wanted) {
-    clear_values(all, column, n_active * header.directions.size() * column.count);
-    read(column, 0, n_active, {&all, 1});
-  }
-  refuse_damaged(all, wanted, "the list of all increments");
-  return all;
-}
 
 Database::Database(std::unique_ptr<Impl> impl) : _impl(std::move(impl)) {}
 Database::~Database() = default;
@@ -218,6 +224,56 @@ std::vector<RayEnd> Database::ends() const {
   }
   return ends;
 }
+
+double EndSummary::share_of_rays() const {
+  std::int64_t n = 0;
+  for (const auto& [reason, count] : reasons)
+    if (RayEnd{reason}.is_early()) n += count;
+  return rays == 0 ? 0 : static_cast<double>(n) / static_cast<double>(rays);
+}
+
+double EndSummary::share_of_volume() const {
+  double share = 0;
+  for (const auto& [reason, part] : volume) share += part;
+  return share;
+}
+
+double part_of_volume(double depth_m, double range_m) { return std::pow(std::min(1.0, depth_m / range_m), 3); }
+
+EndSummary summarize_ends(const DatabaseHeader& header, const std::vector<RayEnd>& ends) {
+  EndSummary summary;
+  const double full = header.magnitudes_m.back();
+  const std::size_t n_directions = header.directions.size();
+  // A model is trained up to the last increment before the end; the depths of both may differ by roundings.
+  const auto trained_m = [&](double depth_m) {
+    const auto beyond = std::upper_bound(header.magnitudes_m.begin(), header.magnitudes_m.end(), depth_m * (1 + 1e-9));
+    return beyond == header.magnitudes_m.begin() ? 0.0 : *(beyond - 1);
+  };
+  for (std::size_t first = 0; first < ends.size(); first += n_directions) {
+    double reached = 0;
+    std::int32_t requested = 0, early = 0;
+    for (std::size_t i = first; i < first + n_directions; ++i) {
+      const RayEnd& end = ends[i];
+      if (end.reason == EndReason::not_requested) continue;
+      ++requested;
+      ++summary.reasons[end.reason];
+      summary.folds += end.fold_depth_m > 0;
+      if (end.fold_depth_m > 0) summary.largest_loss_J = std::max(summary.largest_loss_J, std::abs(end.energy_lost_J));
+      summary.is_recorded &= end.reason != EndReason::not_recorded;
+      const double part = end.is_early() ? part_of_volume(trained_m(end.depth_m), full) : 1.0;
+      if (end.is_early()) summary.volume[end.reason] += 1 - part;
+      early += end.is_early();
+      reached += part;
+    }
+    summary.rays += requested;
+    summary.early.push_back(early);
+    summary.reached.push_back(requested > 0 ? reached / requested : 1.0);
+  }
+  for (auto& entry : summary.volume) entry.second /= static_cast<double>(summary.rays);
+  return summary;
+}
+
+EndSummary summarize_ends(const Database& database) { return summarize_ends(database.header(), database.ends()); }
 
 DatabaseHeader read_database_header(const std::filesystem::path& file) {
   try {

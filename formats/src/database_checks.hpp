@@ -1,7 +1,8 @@
-// Checks of the numbers in the header of a database, when it is read and when it is written. Other code uses these
-// numbers as indices, counts and divisors.
+// Checks of the header of a database: of its numbers, when it is read and when it is written, because other code uses
+// them as indices, counts and divisors; and whether the present run can continue it.
 #pragma once
 
+#include <filesystem>
 #include <phynness/formats/database.hpp>
 #include <string>
 
@@ -13,5 +14,13 @@ void check_header(const DatabaseHeader& header, const std::string& where);
 
 /// Largest plausible displacement [m] of a point of the body: a hundred diagonals of its bounding box.
 double largest_displacement(const Mesh& mesh);
+
+/// @param other  origin of `wanted` in messages, such as "now" in "500 in the file, 600 now"
+/// @throws Error (input) unless both have the same physics, mesh, node sets, directions, increments and stored arrays.
+/// Differences of the physics are listed key by key.
+void refuse_other_work(
+    const DatabaseHeader& on_disk, const DatabaseHeader& wanted, const std::filesystem::path& file,
+    const std::string& other = "now",
+    const std::string& remedy = "use the scene with which the database was begun, or write to another file");
 
 }  // namespace phynness

@@ -1,5 +1,3 @@
-#include "database_folder.hpp"
-
 #include <unistd.h>
 
 #include <algorithm>

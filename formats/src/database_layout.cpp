@@ -20,7 +20,7 @@ void write_array(hdf5::File& file, const char* name, const hdf5::Shape& shape, c
   // A single chunk, because only chunked datasets have checksums.
   const bool empty = std::find(shape.begin(), shape.end(), hsize_t{0}) != shape.end();
   file.create_dataset(name, hdf5::type_of(T{}).stored, shape, empty ? hdf5::Shape{} : shape, unit, description);
-  if (!empty) file.write(name, values);
+  if (!empty) file.write_slab(name, 0, shape[0], values);
 }
 
 void write_set(hdf5::File& file, const char* name, const std::vector<std::int32_t>& nodes, const char* description) {
@@ -32,8 +32,7 @@ void write_set(hdf5::File& file, const char* name, const std::vector<std::int32_
 void check_rows(const hdf5::File& file, const std::string& name, hsize_t rows, hsize_t bytes_per_row) {
   constexpr hsize_t most_bytes = 256 << 20;
   if (rows > static_cast<hsize_t>(std::numeric_limits<std::int32_t>::max()) || rows > most_bytes / bytes_per_row)
-    throw input_error("cannot read the database " + file.path().string() + ": " + name + " has too many entries",
-                      std::to_string(rows), hdf5::damaged);
+    file.refuse(name + " has too many entries", std::to_string(rows));
 }
 
 template <class T>
@@ -56,29 +55,8 @@ std::vector<T> read_rows(const hdf5::File& file, const char* name, hsize_t colum
 bool read_flag(const hdf5::File& file, const char* object, const char* name) {
   const auto value = file.read_int_attribute(object, name);
   if (value != 0 && value != 1)
-    throw input_error("cannot read the database " + file.path().string() + ": attribute " + name + " of " + object +
-                          " is neither 0 nor 1",
-                      std::to_string(value), hdf5::damaged);
+    file.refuse(std::string("attribute ") + name + " of " + object + " is neither 0 nor 1", std::to_string(value));
   return value == 1;
-}
-
-std::string read_precision(const hdf5::File& file) {
-  const auto word = file.read_text_attribute("/", "displacement_precision");
-  if (word != "float32" && word != "float64")
-    throw input_error("cannot read the database " + file.path().string() +
-                          ": attribute displacement_precision is neither float32 nor float64",
-                      word, hdf5::damaged);
-  return word;
-}
-
-/// "von-mises-stress energy-density"
-std::string listed(const std::vector<Field>& fields) {
-  std::string text;
-  for (const auto field : fields) {
-    if (!text.empty()) text += ' ';
-    text += name(field);
-  }
-  return text;
 }
 
 /// @throws Error (input) if a name is unknown, repeated or out of order
@@ -155,7 +133,7 @@ void write_header(hdf5::File& file, const DatabaseHeader& header, bool complete)
   file.write_attribute("/", "tangents", std::int32_t{header.tangents});
   file.write_attribute("/", "displacement_precision", std::string(header.float64 ? "float64" : "float32"));
   // Omitted if there are no fields, as in files of versions without fields.
-  if (!header.fields.empty()) file.write_attribute("/", "fields", listed(header.fields));
+  if (!header.fields.empty()) file.write_attribute("/", "fields", names(header.fields, " "));
   file.write_attribute("/", "scene_name", header.scene_name);
   file.write_attribute("/", "scene_folder", header.scene_folder);
   if (header.shard && !complete) {
@@ -218,9 +196,7 @@ bool read_complete(const hdf5::File& file) {
 std::int32_t read_minor(const hdf5::File& file) {
   if (!file.has_attribute("/", "format_minor")) return 0;
   const auto minor = file.read_int_attribute("/", "format_minor");
-  if (minor < 1)
-    throw input_error("cannot read the database " + file.path().string() + ": attribute format_minor is less than 1",
-                      std::to_string(minor), hdf5::damaged);
+  if (minor < 1) file.refuse("attribute format_minor is less than 1", std::to_string(minor));
   return minor;
 }
 
@@ -231,7 +207,10 @@ DatabaseHeader read_header(const hdf5::File& file) {
   header.physics_hash = file.read_text_attribute("/", "physics_hash");
   header.mesh_hash = file.read_text_attribute("/", "mesh_hash");
   header.tangents = read_flag(file, "/", "tangents");
-  header.float64 = read_precision(file) == "float64";
+  const auto precision = file.read_text_attribute("/", "displacement_precision");
+  if (precision != "float32" && precision != "float64")
+    file.refuse("attribute displacement_precision is neither float32 nor float64", precision);
+  header.float64 = precision == "float64";
   if (file.has_attribute("/", "fields")) header.fields = fields_of(file.read_text_attribute("/", "fields"));
   header.scene_name = file.read_text_attribute("/", "scene_name");
   header.scene_folder = file.read_text_attribute("/", "scene_folder");
@@ -254,8 +233,7 @@ DatabaseHeader read_header(const hdf5::File& file) {
     if (!file.exists(name)) break;
     const auto group = file.read_text_attribute(name, "name");
     if (!header.mesh.groups.emplace(group, read_list<std::int32_t>(file, name)).second)
-      throw input_error("cannot read the database " + file.path().string() + ": two groups have the same name", group,
-                        hdf5::damaged);
+      file.refuse("two groups have the same name", group);
   }
 
   header.sets.fixed = read_list<std::int32_t>(file, path::fixed);

@@ -8,7 +8,6 @@
 #include <phynness/formats/error.hpp>
 #include <system_error>
 
-#include "database_folder.hpp"
 #include "database_log.hpp"
 #include "durable_file.hpp"
 

@@ -1,8 +1,6 @@
 #include "database_log.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/hash.hpp>
 #include <phynness/formats/ray_tasks.hpp>
@@ -10,29 +8,18 @@
 namespace phynness::database_log {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "logs are little-endian; byte swaps for this host are not implemented");
-
 constexpr std::size_t hash_bytes = 16;
 
-class Bytes {
- public:
-  template <class T>
-  void put(const T& value) {
-    put(&value, 1);
-  }
-  template <class T>
-  void put(const T* values, std::size_t n) {
-    const auto* p = reinterpret_cast<const unsigned char*>(values);
-    _bytes.insert(_bytes.end(), p, p + n * sizeof(T));
-  }
-  void reserve(std::size_t n) { _bytes.reserve(n); }
-  const std::vector<unsigned char>& get() const { return _bytes; }
-  std::vector<unsigned char> take() { return std::move(_bytes); }
-
- private:
-  std::vector<unsigned char> _bytes;
-};
+using Bytes = std::vector<unsigned char>;
+template <class T>
+void put(Bytes& bytes, const T* values, std::size_t n) {
+  const auto* p = reinterpret_cast<const unsigned char*>(values);
+  bytes.insert(bytes.end(), p, p + n * sizeof(T));
+}
+template <class T>
+void put(Bytes& bytes, const T& value) {
+  put(bytes, &value, 1);
+}
 
 /// Reads the next values, which are float32 or of the type of `to`.
 template <class T>
@@ -48,11 +35,9 @@ void take(const unsigned char*& from, bool float32, std::span<T> to) {
 }
 
 template <class T>
-void put(Bytes& bytes, bool float32, std::span<const T> values) {
-  if (!float32) return bytes.put(values.data(), values.size());
-  std::vector<float> rounded(values.size());
-  std::transform(values.begin(), values.end(), rounded.begin(), [](T value) { return static_cast<float>(value); });
-  bytes.put(rounded.data(), rounded.size());
+void put_column(Bytes& bytes, bool float32, std::span<const T> values) {
+  if (!float32) return put(bytes, values.data(), values.size());
+  for (const T value : values) put(bytes, static_cast<float>(value));
 }
 
 std::size_t bytes_of(const StoredColumn& column) {
@@ -62,12 +47,6 @@ std::size_t bytes_of(const StoredColumn& column) {
 
 std::size_t number_of_values(const Ray& ray, const StoredColumn& column) {
   return std::visit([&](auto member) { return values_of(ray, member).size(); }, column.member);
-}
-
-std::uint64_t checksum(const unsigned char* bytes, std::size_t n) {
-  Fnv1a64 hash;
-  hash.add(bytes, n);
-  return hash.value();
 }
 
 }  // namespace
@@ -92,20 +71,20 @@ std::filesystem::path folder(const std::filesystem::path& file) { return file.st
 
 std::vector<unsigned char> encode_opening(const DatabaseHeader& header) {
   Bytes bytes;
-  bytes.put(log_magic.data(), log_magic.size());
+  put(bytes, log_magic);
   for (std::string hash : {header.physics_hash, header.mesh_hash}) {
     hash.resize(hash_bytes, ' ');
-    bytes.put(hash.data(), hash_bytes);
+    put(bytes, hash.data(), hash_bytes);
   }
   for (const std::size_t n :
        {header.sets.active.size(), header.directions.size(), header.magnitudes_m.size(), header.sets.output.size()})
-    bytes.put(static_cast<std::int32_t>(n));
+    put(bytes, static_cast<std::int32_t>(n));
   std::int32_t stored = header.tangents ? 1 : 0;
   for (const auto field : header.fields) stored |= 2 << static_cast<int>(field);
-  bytes.put(stored);
-  bytes.put(std::int32_t{header.float64});
-  bytes.put(checksum(bytes.get().data(), bytes.get().size()));
-  return bytes.take();
+  put(bytes, stored);
+  put(bytes, std::int32_t{header.float64});
+  put(bytes, record_checksum({}, bytes.data(), bytes.size()));
+  return bytes;
 }
 
 std::vector<unsigned char> encode(const Ray& ray, const Layout& layout, const std::vector<unsigned char>& opening) {
@@ -122,15 +101,16 @@ std::vector<unsigned char> encode(const Ray& ray, const Layout& layout, const st
                   "this is a defect of the program; please report it");
   Bytes bytes;
   bytes.reserve(layout.record_bytes());
-  bytes.put(record_magic.data(), record_magic.size());
-  bytes.put(static_cast<std::uint32_t>(layout.payload_bytes));
-  bytes.put(ray.active);
-  bytes.put(ray.direction);
+  put(bytes, record_magic);
+  put(bytes, static_cast<std::uint32_t>(layout.payload_bytes));
+  put(bytes, ray.active);
+  put(bytes, ray.direction);
   for (const auto& column : layout.columns)
-    std::visit([&](auto member) { put<ValueOf<decltype(member)>>(bytes, column.float32, values_of(ray, member)); },
-               column.member);
-  bytes.put(record_checksum(opening, bytes.get().data(), bytes.get().size()));
-  return bytes.take();
+    std::visit(
+        [&](auto member) { put_column<ValueOf<decltype(member)>>(bytes, column.float32, values_of(ray, member)); },
+        column.member);
+  put(bytes, record_checksum(opening, bytes.data(), bytes.size()));
+  return bytes;
 }
 
 Ray decode(const unsigned char* payload, const Layout& layout) {

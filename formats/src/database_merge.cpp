@@ -2,9 +2,8 @@
 #include <phynness/formats/database_merge.hpp>
 #include <phynness/formats/error.hpp>
 
-#include "database_folder.hpp"
+#include "database_checks.hpp"
 #include "database_pack.hpp"
-#include "database_resume.hpp"
 #include "database_scan.hpp"
 
 namespace phynness {

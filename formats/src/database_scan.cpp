@@ -1,111 +1,98 @@
 #include "database_scan.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <phynness/formats/error.hpp>
 #include <phynness/formats/hash.hpp>
 #include <string_view>
 
 #include "database_checks.hpp"
-#include "ray_checks.hpp"
 
 namespace phynness::database_log {
 namespace {
 
-template <class T>
-T value_at(const unsigned char* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof(T));
-  return value;
-}
-
 /// Reads one log record by record.
-class LogScan {
- public:
-  LogScan(std::filesystem::path path, std::int32_t number, const std::vector<unsigned char>& opening,
-          const Layout& layout, double farthest_m, Index& index)
-      : _path(std::move(path)),
-        _number(number),
-        _opening(opening),
-        _layout(layout),
-        _farthest_m(farthest_m),
-        _index(index),
-        _file(open_for_reading(_path)),
-        _size(static_cast<std::int64_t>(std::filesystem::file_size(_path))),
-        _record(layout.record_bytes()) {}
+struct LogScan {
+  const std::filesystem::path& path;
+  std::int32_t number;
+  const std::vector<unsigned char>& opening;
+  const Layout& layout;
+  double farthest_m;
+  Index& index;
+  Descriptor file = open_for_reading(path);
+  std::int64_t size = static_cast<std::int64_t>(std::filesystem::file_size(path));
+  std::vector<unsigned char> record = std::vector<unsigned char>(layout.record_bytes());
 
   void run() {
     std::int64_t at = read_opening();
-    while (at < _size) {
+    while (at < size) {
       const char* defect = take(at);
       if (defect == nullptr) {
-        at += static_cast<std::int64_t>(_record.size());
+        at += static_cast<std::int64_t>(record.size());
         continue;
       }
       const auto next = next_whole_record(at + 1);
-      _index.damage.push_back({_path, defect, next - at});
+      index.damage.push_back({path, defect, next - at});
       at = next;
     }
   }
 
- private:
   /// @return offset of the first record. @throws Error (input) if the log belongs to another physics or mesh
   std::int64_t read_opening() {
-    if (_size == 0) return 0;
-    std::vector<unsigned char> found(_opening.size());
-    if (read_at(_file, _path, 0, found.data(), found.size()) < found.size()) {
-      _index.damage.push_back({_path, "torn opening", _size});
-      return _size;
+    if (size == 0) return 0;
+    std::vector<unsigned char> found(opening.size());
+    if (read_at(file, path, 0, found.data(), found.size()) < found.size()) {
+      index.damage.push_back({path, "torn opening", size});
+      return size;
     }
-    if (found == _opening) return static_cast<std::int64_t>(found.size());
+    if (found == opening) return static_cast<std::int64_t>(found.size());
     const std::size_t body = found.size() - checksum_bytes;
     Fnv1a64 hash;
     hash.add(found.data(), body);
     if (value_at<std::uint64_t>(found.data() + body) != hash.value()) {
       // Checksums of the records identify their physics and mesh.
       const auto first = next_whole_record(1);
-      _index.damage.push_back({_path, "corrupted opening", first});
+      index.damage.push_back({path, "corrupted opening", first});
       return first;
     }
     if (!std::equal(log_magic.begin(), log_magic.end(), found.begin()))
       throw input_error(
-          "the log has a format version that this program cannot read", _path.string(),
+          "the log has a format version that this program cannot read", path.string(),
           "finish the database with the phynness with which it was begun, or delete this log to solve its "
           "rays again");
-    throw input_error("the log belongs to another scene or mesh than the database", _path.string(),
+    throw input_error("the log belongs to another scene or mesh than the database", path.string(),
                       "use the scene with which it was begun, or delete this log to solve its rays again");
   }
 
   /// Adds the record at an offset. @return its defect, or nullptr
   const char* take(std::int64_t at) {
-    if (read_at(_file, _path, at, _record.data(), _record.size()) < _record.size()) return "torn record";
-    const std::size_t checked = _record.size() - checksum_bytes;
-    if (!std::equal(record_magic.begin(), record_magic.end(), _record.begin()) ||
-        value_at<std::uint32_t>(_record.data() + record_magic.size()) != _layout.payload_bytes ||
-        value_at<std::uint64_t>(_record.data() + checked) != record_checksum(_opening, _record.data(), checked))
+    if (read_at(file, path, at, record.data(), record.size()) < record.size()) return "torn record";
+    const std::size_t checked = record.size() - checksum_bytes;
+    if (!std::equal(record_magic.begin(), record_magic.end(), record.begin()) ||
+        value_at<std::uint32_t>(record.data() + record_magic.size()) != layout.payload_bytes ||
+        value_at<std::uint64_t>(record.data() + checked) != record_checksum(opening, record.data(), checked))
       return "corrupted record";
-    const auto active = value_at<std::int32_t>(_record.data() + prefix_bytes);
-    const auto direction = value_at<std::int32_t>(_record.data() + prefix_bytes + sizeof(std::int32_t));
-    if (active < 0 || active >= _layout.n_active || direction < 0 || direction >= _layout.n_directions)
+    const auto active = value_at<std::int32_t>(record.data() + prefix_bytes);
+    const auto direction = value_at<std::int32_t>(record.data() + prefix_bytes + sizeof(std::int32_t));
+    if (active < 0 || active >= layout.n_active || direction < 0 || direction >= layout.n_directions)
       return "record of a ray that is not in the database";
-    if (!ray_defect(decode(_record.data() + prefix_bytes, _layout), _layout.columns, _farthest_m).empty())
+    if (!ray_defect(decode(record.data() + prefix_bytes, layout), layout.columns, farthest_m).empty())
       return "record with impossible numbers";
-    _index.entries.push_back({active, direction, _number, at + static_cast<std::int64_t>(prefix_bytes)});
+    index.entries.push_back({active, direction, number, at + static_cast<std::int64_t>(prefix_bytes)});
     return nullptr;
   }
 
   bool is_whole(std::int64_t at) {
-    const auto before = _index.entries.size();
+    const auto before = index.entries.size();
     const bool whole = take(at) == nullptr;
-    _index.entries.resize(before);
+    index.entries.resize(before);
     return whole;
   }
 
   /// Offset of the next complete record; the size of the log if there is none.
   std::int64_t next_whole_record(std::int64_t from) {
     std::vector<unsigned char> block(1 << 16);
-    while (from + static_cast<std::int64_t>(_record.size()) <= _size) {
-      const auto got = read_at(_file, _path, from, block.data(), block.size());
+    while (from + static_cast<std::int64_t>(record.size()) <= size) {
+      const auto got = read_at(file, path, from, block.data(), block.size());
       const auto end = block.begin() + static_cast<std::ptrdiff_t>(got);
       for (auto found = block.begin();; ++found) {
         found = std::search(found, end, record_magic.begin(), record_magic.end());
@@ -116,18 +103,8 @@ class LogScan {
       if (got < block.size()) break;
       from += static_cast<std::int64_t>(got - (record_magic.size() - 1));  // a magic may extend across two blocks
     }
-    return _size;
+    return size;
   }
-
-  std::filesystem::path _path;
-  std::int32_t _number;
-  const std::vector<unsigned char>& _opening;
-  const Layout& _layout;
-  double _farthest_m;
-  Index& _index;
-  Descriptor _file;
-  std::int64_t _size;
-  std::vector<unsigned char> _record;
 };
 
 /// rank-0012, or rank-0012-3 where a rank began another log.
@@ -156,7 +133,7 @@ void scan(const std::filesystem::path& file, const DatabaseHeader& header, Index
   for (const auto& log : logs_of(file)) {
     const auto number = static_cast<std::int32_t>(index.logs.size());
     index.logs.push_back(log);
-    LogScan(log, number, opening, layout, farthest_m, index).run();
+    LogScan{log, number, opening, layout, farthest_m, index}.run();
   }
 }
 

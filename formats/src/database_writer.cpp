@@ -5,10 +5,8 @@
 #include <phynness/formats/mirrored_rays.hpp>
 
 #include "database_checks.hpp"
-#include "database_folder.hpp"
 #include "database_layout.hpp"
 #include "database_pack.hpp"
-#include "database_resume.hpp"
 #include "database_scan.hpp"
 
 namespace phynness {

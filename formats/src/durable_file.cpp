@@ -6,7 +6,6 @@
 #include <cerrno>
 #include <phynness/formats/error.hpp>
 #include <system_error>
-#include <utility>
 
 namespace phynness {
 namespace {
@@ -29,14 +28,8 @@ void sync_path(const std::filesystem::path& path, int flags) {
 
 }  // namespace
 
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  if (this != &other) reset(), _fd = other.release();
-  return *this;
-}
-int Descriptor::release() { return std::exchange(_fd, -1); }
-void Descriptor::reset() {
+Descriptor::~Descriptor() {
   if (_fd >= 0) ::close(_fd);
-  _fd = -1;
 }
 
 AppendFile AppendFile::create(const std::filesystem::path& path) {

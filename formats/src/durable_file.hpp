@@ -1,26 +1,30 @@
 // Files that survive a killed process, a full disk or a power failure: checked writes, fsync, rename.
 #pragma once
 
+#include <bit>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 namespace phynness {
 
 /// A file descriptor that its destructor closes.
 class Descriptor {
  public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) : _fd(fd) {}
-  ~Descriptor() { reset(); }
+  explicit Descriptor(int fd = -1) : _fd(fd) {}
+  ~Descriptor();
   Descriptor(Descriptor&& other) noexcept : _fd(other.release()) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(_fd, other._fd);
+    return *this;
+  }
   int get() const { return _fd; }
   bool is_open() const { return _fd >= 0; }
-  int release();
-  void reset();
+  int release() { return std::exchange(_fd, -1); }
 
  private:
   int _fd = -1;
@@ -45,6 +49,16 @@ class AppendFile {
   std::int64_t _end = 0;
   std::chrono::steady_clock::time_point _synced = std::chrono::steady_clock::now();
 };
+
+/// A number from the bytes of a file.
+template <class T>
+T value_at(const unsigned char* bytes) {
+  static_assert(std::endian::native == std::endian::little,
+                "databases and logs are little-endian; byte swaps for this host are not implemented");
+  T value;
+  std::memcpy(&value, bytes, sizeof(T));
+  return value;
+}
 
 /// Reads `size` bytes at `offset`, or fewer at the end of the file. @throws Error (failure)
 std::size_t read_at(const Descriptor& file, const std::filesystem::path& path, std::int64_t offset, void* bytes,

@@ -5,8 +5,6 @@
 #include <phynness/formats/error.hpp>
 #include <system_error>
 
-#include "hdf5_steady_driver.hpp"
-
 namespace phynness::hdf5 {
 namespace {
 
@@ -31,12 +29,6 @@ Handle scalar_space() { return {H5Screate(H5S_SCALAR), H5Sclose}; }
 
 }  // namespace
 
-Quiet::Quiet() {
-  H5Eget_auto2(H5E_DEFAULT, &_function, &_data);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
-Quiet::~Quiet() { H5Eset_auto2(H5E_DEFAULT, _function, _data); }
-
 std::string last_message() {
   std::string message;
   const auto visit = [](unsigned, const H5E_error2_t* frame, void* data) -> herr_t {
@@ -57,7 +49,7 @@ void File::fail(const std::string& what) const {
 }
 
 File File::create(const std::filesystem::path& path) {
-  const Quiet quiet;
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   File file({}, path, true);
   forget_write_error();
   // Unlike older formats, the 1.10 format has checksums of all metadata; fletcher32 protects the data.
@@ -76,13 +68,11 @@ File File::create(const std::filesystem::path& path) {
 }
 
 File::~File() {
-  const Quiet quiet;
   _datasets.clear();
-  _file.reset();
+  _file.close();
 }
 
 void File::close() {
-  const Quiet quiet;
   if (_file.id() < 0) return;
   _datasets.clear();
   if (_writing) check(H5Fflush(_file.id(), H5F_SCOPE_GLOBAL), "flushing the file");
@@ -90,7 +80,6 @@ void File::close() {
 }
 
 void File::create_group(const std::string& name) {
-  const Quiet quiet;
   const Handle properties = without_times(H5P_GROUP_CREATE);
   Handle group(H5Gcreate2(_file.id(), name.c_str(), H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Gclose);
   check(group.id(), name);
@@ -98,7 +87,6 @@ void File::create_group(const std::string& name) {
 
 void File::create_dataset(const std::string& name, hid_t stored_type, const Shape& shape, const Shape& chunk,
                           const std::string& unit, const std::string& description) {
-  const Quiet quiet;
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
   check(space.id(), name);
   const Handle properties = without_times(H5P_DATASET_CREATE);
@@ -119,16 +107,7 @@ void File::create_dataset(const std::string& name, hid_t stored_type, const Shap
   write_attribute(name, "description", description);
 }
 
-void File::write_raw(const std::string& name, hid_t type, const void* values) {
-  const Quiet quiet;
-  Handle dataset(H5Dopen2(_file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
-  check(dataset.id(), name);
-  check(H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), name);
-  check(dataset.close(), name);
-}
-
 void File::write_slab_raw(const std::string& name, hsize_t first, hsize_t count, hid_t type, const void* values) {
-  const Quiet quiet;
   Handle dataset(H5Dopen2(_file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
   check(dataset.id(), name);
   const Handle space(H5Dget_space(dataset.id()), H5Sclose);
@@ -154,26 +133,22 @@ void File::write_attribute_raw(const std::string& object, const std::string& nam
 }
 
 void File::write_attribute(const std::string& object, const std::string& name, const std::string& text) {
-  const Quiet quiet;
   const Handle type = text_type();
   const char* value = text.c_str();
   write_attribute_raw(object, name, type.id(), type.id(), scalar_space(), &value);
 }
 
 void File::write_attribute(const std::string& object, const std::string& name, const std::vector<std::int8_t>& values) {
-  const Quiet quiet;
   const hsize_t size = values.size();
   const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose);
   write_attribute_raw(object, name, H5T_STD_I8LE, H5T_NATIVE_INT8, space, values.data());
 }
 
 void File::write_attribute(const std::string& object, const std::string& name, std::int32_t value) {
-  const Quiet quiet;
   write_attribute_raw(object, name, H5T_STD_I32LE, H5T_NATIVE_INT32, scalar_space(), &value);
 }
 
 void File::write_text(const std::string& name, const std::string& text, const std::string& description) {
-  const Quiet quiet;
   const Handle type = text_type(), space = scalar_space(), properties = without_times(H5P_DATASET_CREATE);
   Handle dataset(H5Dcreate2(_file.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
                  H5Dclose);

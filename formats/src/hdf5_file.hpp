@@ -13,23 +13,16 @@
 #include <vector>
 
 #include "durable_file.hpp"
-#include "hdf5_steady_driver.hpp"
 
 namespace phynness::hdf5 {
 
-/// During the lifetime of an object HDF5 does not print its messages, which become part of our errors instead. The
-/// setting belongs to the whole process and is therefore restored after every call.
-class Quiet {
- public:
-  Quiet();
-  ~Quiet();
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
-
- private:
-  H5E_auto2_t _function = nullptr;
-  void* _data = nullptr;
-};
+/// Sets the driver of hdf5_steady_driver.cpp, for writing, in a file access property list.
+/// @param path  of a writable file
+/// @return negative on failure
+herr_t use_steady_driver(hid_t access, const char* path);
+/// errno of the first failed write since forget_write_error(); 0: none. Only one file may be written at a time.
+int write_error();
+void forget_write_error();
 
 /// HDF5's message about the last failure, from the innermost frame that has one.
 std::string last_message();
@@ -39,17 +32,13 @@ class Handle {
   using Close = herr_t (*)(hid_t);
   Handle() = default;
   Handle(hid_t id, Close close) : _id(id), _close(close) {}
-  ~Handle() { reset(); }
+  ~Handle() { close(); }
   Handle(Handle&& other) noexcept : _id(std::exchange(other._id, -1)), _close(other._close) {}
   Handle& operator=(Handle&& other) noexcept {
-    if (this != &other) reset(), _id = std::exchange(other._id, -1), _close = other._close;
+    if (this != &other) close(), _id = std::exchange(other._id, -1), _close = other._close;
     return *this;
   }
   hid_t id() const { return _id; }
-  void reset() {
-    if (_id >= 0) _close(_id);
-    _id = -1;
-  }
   /// Closes and returns the code, because data may be written only when an object is closed.
   herr_t close() { return _id < 0 ? 0 : _close(std::exchange(_id, -1)); }
 
@@ -81,6 +70,7 @@ inline constexpr const char* damaged = "the file is damaged: restore it from a c
 /// An HDF5 file that is written or read. Failures throw Error: kind `input` for a file that cannot be read, `failure`
 /// for a file that cannot be written. Both contain the file, the object and HDF5's message. A file that is read may
 /// be damaged: every read checks that the object has the expected type and shape, and that it was written completely.
+/// From the first file on HDF5 does not print its messages, which become part of our errors instead.
 class File {
  public:
   static File create(const std::filesystem::path& path);
@@ -95,6 +85,9 @@ class File {
   void close();
   const std::filesystem::path& path() const { return _path; }
 
+  /// Throws an Error (input) for an object that is not as a database has it.
+  [[noreturn]] void refuse(const std::string& what, const std::string& value) const;
+
   void create_group(const std::string& name);
   bool exists(const std::string& name) const;
 
@@ -102,10 +95,6 @@ class File {
   /// empty.
   void create_dataset(const std::string& name, hid_t stored_type, const Shape& shape, const Shape& chunk,
                       const std::string& unit, const std::string& description);
-  template <class T>
-  void write(const std::string& name, const T* values) {
-    write_raw(name, type_of(T{}).memory, values);
-  }
   /// Writes `count` entries of the leading dimension, starting at `first`, with all entries of the other dimensions.
   template <class T>
   void write_slab(const std::string& name, hsize_t first, hsize_t count, const T* values) {
@@ -113,14 +102,15 @@ class File {
   }
 
   /// The shape of a dataset, after a check that its values are stored.
-  Shape shape(const std::string& name) const;
+  const Shape& shape(const std::string& name) const { return dataset(name).shape; }
+  /// @return the number of values
   /// @throws Error (input) unless the dataset has exactly this shape
-  void require_shape(const std::string& name, const Shape& expected) const { check_shape(name, expected); }
+  std::size_t check_shape(const std::string& name, const Shape& expected) const;
   /// @throws Error (input) unless the dataset has exactly this shape and the type of T
   template <class T>
   std::vector<T> read(const std::string& name, const Shape& expected) const {
     std::vector<T> values(check_shape(name, expected));
-    read_raw(name, type_of(T{}), values.data());
+    read_slab(name, 0, expected[0], values.data());
     return values;
   }
   /// Reads `count` entries of the leading dimension, starting at `first`, with all entries of the other dimensions.
@@ -142,7 +132,8 @@ class File {
   std::string read_text(const std::string& name) const;
 
  private:
-  struct Dataset {
+  /// A dataset or an attribute.
+  struct Object {
     Handle id, type;
     Shape shape;
   };
@@ -150,26 +141,21 @@ class File {
   File(Handle file, std::filesystem::path path, bool writing)
       : _path(std::move(path)), _writing(writing), _file(std::move(file)) {}
   [[noreturn]] void fail(const std::string& what) const;
-  /// Throws an Error (input) for an object that is not as a database has it.
-  [[noreturn]] void refuse(const std::string& what, const std::string& value) const;
   template <class Code>
   Code check(Code code, const std::string& what) const {
     if (code < 0 || (_writing && write_error() != 0)) fail(what);
     return code;
   }
-  void write_raw(const std::string& name, hid_t type, const void* values);
   void write_slab_raw(const std::string& name, hsize_t first, hsize_t count, hid_t type, const void* values);
 
-  const Dataset& dataset(const std::string& name) const;
-  const Dataset& dataset(const std::string& name, const Type& type) const;
-  std::size_t check_shape(const std::string& name, const Shape& expected) const;
-  void read_raw(const std::string& name, const Type& type, void* values) const;
+  Object checked(Handle id, const Handle& space, Handle type, const std::string& what) const;
+  const Object& dataset(const std::string& name) const;
+  Object attribute(const std::string& object, const std::string& name) const;
   void read_slab_raw(const std::string& name, hsize_t first, hsize_t count, const Type& type, void* values) const;
-  Handle open_attribute(const std::string& object, const std::string& name) const;
   void write_attribute_raw(const std::string& object, const std::string& name, hid_t stored, hid_t memory,
                            const Handle& space, const void* values);
   template <class Read>
-  std::string text_of(const std::string& what, hid_t type, const Shape& shape, const Read& read) const;
+  std::string text_of(const std::string& what, const Object& object, const Read& read) const;
 
   std::filesystem::path _path;
   bool _writing = false;
@@ -177,7 +163,7 @@ class File {
   std::uint64_t _size = 0;
   Handle _file;
   // Datasets read so far. They are checked once, and remain open because an open dataset keeps its last unpacked chunk.
-  mutable std::map<std::string, Dataset> _datasets;
+  mutable std::map<std::string, Object> _datasets;
 };
 
 }  // namespace phynness::hdf5

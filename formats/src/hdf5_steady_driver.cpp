@@ -1,6 +1,9 @@
-#include "hdf5_steady_driver.hpp"
-
+// A driver for writing HDF5 files to a disk that may become full. After a failed write HDF5 (1.10 to 1.14) cannot close
+// the file and crashes at exit or in MPI_Finalize. Therefore this driver wraps the one for plain files: it stores the
+// first error and reports success to HDF5; the caller checks write_error() and deletes the file.
 #include <cerrno>
+
+#include "hdf5_file.hpp"
 #if H5_VERSION_GE(1, 13, 0)
 #include <H5FDdevelop.h>
 #endif

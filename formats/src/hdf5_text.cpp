@@ -1,27 +1,16 @@
 #include "hdf5_text.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <vector>
 
 namespace phynness::hdf5 {
 namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "HDF5 files are little-endian; byte swaps for this host are not implemented");
-
 constexpr char heap_signature[] = {'G', 'C', 'O', 'L'};
 constexpr std::uint64_t heap_header_bytes = 16;    // signature, version, 3 reserved bytes, size
 constexpr std::uint64_t object_header_bytes = 16;  // index, reference count, 4 reserved bytes, size
 constexpr unsigned char heap_version = 1;
-
-template <class T>
-T value_at(const unsigned char* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof(T));
-  return value;
-}
 
 /// A conversion that keeps the bytes unchanged.
 herr_t keep_bytes(hid_t from, hid_t to, H5T_cdata_t* conversion, std::size_t, std::size_t, std::size_t, void*, void*,

@@ -1,3 +1,4 @@
+// The scene and the model of a database's header.
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/model.hpp>
 
@@ -43,6 +44,22 @@ Model model_of_database(const DatabaseHeader& header, Family family, const std::
   model.output_points = rows_of(header.mesh.nodes, model.output);
   model.surface = known_triangles(header.mesh, model);
   return model;
+}
+
+Scene stored_scene(const DatabaseHeader& header) {
+  const auto parsed = [&](Element solid_element) {
+    return parse_scene(header.scene_text, header.scene_name, header.scene_folder, MeshFile::may_be_absent,
+                       solid_element);
+  };
+  // P1 was the default before p1-p1, and a patch was rigid before it was a mean.
+  for (const auto element : {element_named("P1"), SolverSpec{}.element}) {
+    Scene earlier = parsed(element);
+    const bool patch = earlier.probe.kind == ProbeKind::patch;
+    if (!earlier.solver.element_given && physics_hash(earlier) == header.physics_hash) return earlier;
+    if (patch) earlier.probe.kind = ProbeKind::rigid_patch;
+    if (patch && physics_hash(earlier) == header.physics_hash) return earlier;
+  }
+  return parsed(SolverSpec{}.element);
 }
 
 }  // namespace phynness

@@ -62,7 +62,6 @@ class ModelReader : public ModelStores {
   void require(bool condition, const char* what) {
     if (!condition) refuse(what, token());
   }
-  static constexpr bool good() { return true; }
 
   template <class Store>
   void shape(const char*, Store& store, std::int64_t n_rows, std::int64_t n_cols) {
@@ -81,13 +80,11 @@ class ModelReader : public ModelStores {
   void set(Eigen::Matrix3d& symmetric, std::int64_t i, std::int64_t k, double value) {
     symmetric(i, k) = symmetric(k, i) = value;
   }
-  template <class T>
-  void done(const T&) {}
+  using ModelStores::done;
   void done(RbfNetwork& network) {
     fill_centers(_model, network);
     if (!network.centers.allFinite()) refuse("a scaled center is not finite", "");
   }
-  static bool has_place(const Model& model, std::int32_t node);
   void require_end() {
     if (!_in.at_end()) refuse("unexpected text after the last active node", "");
   }

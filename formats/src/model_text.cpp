@@ -39,11 +39,6 @@ std::string_view checked_body(std::string_view text, const std::string& source) 
   return {};
 }
 
-bool place_of(const Model& model, std::int32_t node) {
-  return std::binary_search(model.output.begin(), model.output.end(), node) ||
-         std::binary_search(model.fixed.begin(), model.fixed.end(), node);
-}
-
 /// Checks that data of a model that the text does not contain follow from its numbers.
 void require_consistent(const Model& model) {
   const auto require = [](bool condition, const char* what) {
@@ -71,9 +66,6 @@ void require_consistent(const Model& model) {
 }
 
 }  // namespace
-
-bool ModelWriter::has_place(const Model& model, std::int32_t node) { return place_of(model, node); }
-bool ModelReader::has_place(const Model& model, std::int32_t node) { return place_of(model, node); }
 
 void ModelReader::family(Family& family) {
   const auto found = _in.rest_of_line();

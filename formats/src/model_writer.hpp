@@ -48,12 +48,9 @@ class ModelWriter : public ModelStores {
     put(std::to_string(value));
   }
   void count(const char* what, std::int32_t n, std::int32_t low) { integer(what, n, low, schema::largest_integer); }
-  void room(const char*, std::uint64_t) {}
-  bool optional(const char*, bool present) { return present; }
   void require(bool condition, const char* what) {
     if (!condition) refuse(what);
   }
-  static constexpr bool good() { return true; }
 
   template <class Store>
   void shape(const char* what, const Store& store, std::int64_t n_rows, std::int64_t n_cols) {
@@ -61,15 +58,6 @@ class ModelWriter : public ModelStores {
       refuse("number of " + std::string(what) + ": " + std::to_string(rows(store)) + " x " +
              std::to_string(cols(store)) + " instead of " + std::to_string(n_rows) + " x " + std::to_string(n_cols));
   }
-  template <class Store>
-  auto get(const Store& store, std::int64_t i, std::int64_t k) const {
-    return cell(store, i, k);
-  }
-  template <class Store, class T>
-  void set(const Store&, std::int64_t, std::int64_t, T) {}
-  template <class T>
-  void done(const T&) {}
-  static bool has_place(const Model& model, std::int32_t node);
 
   [[noreturn]] static void refuse(const std::string& what) {
     throw failure("the model cannot be written: " + what, "", "this is a defect of the program; please report it");

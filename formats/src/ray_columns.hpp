@@ -25,6 +25,9 @@ std::vector<StoredColumn> columns_of(const DatabaseHeader& header, ColumnOf of, 
 /// A column of Ray::fields.
 RayColumn field_column(Field field, std::size_t index);
 
+/// The names of fields, with `joint` between them.
+std::string names(const std::vector<Field>& fields, const char* joint);
+
 /// The values of a column in one ray: a span of Status, EndReason, std::int32_t or double.
 template <class AnyRay, class T>
 auto values_of(AnyRay& ray, std::vector<T> Ray::*member) {
@@ -44,5 +47,12 @@ using ValueOf = typename decltype(values_of(std::declval<Ray&>(), Member{}))::va
 
 /// Makes room for `count` values of a column, all zero.
 void clear_values(Ray& ray, const RayColumn& column, std::size_t count);
+
+/// The first impossible number of some columns (ColumnKind), for example "/responses/seconds, increment 17, is nan";
+/// empty if all are possible.
+/// @param ray         also all increments of a database as one ray
+/// @param farthest_m  bound of displacements (database_checks.hpp)
+/// @pre the columns have values; that of the outcomes comes first, or all have one value per ray
+std::string ray_defect(const Ray& ray, const std::vector<StoredColumn>& columns, double farthest_m);
 
 }  // namespace phynness

@@ -41,22 +41,11 @@ void require_few_dots(std::string_view text, const std::string& source_name) {
 }
 
 const char* type_name(const toml::node& node) {
-  switch (node.type()) {
-    case toml::node_type::table:
-      return "a table";
-    case toml::node_type::array:
-      return "an array";
-    case toml::node_type::string:
-      return "text";
-    case toml::node_type::integer:
-      return "an integer";
-    case toml::node_type::floating_point:
-      return "a number with a decimal point";
-    case toml::node_type::boolean:
-      return "true or false";
-    default:
-      return "a date or time";
-  }
+  // In the order of toml::node_type.
+  constexpr const char* names[] = {
+      "nothing", "a table", "an array", "text", "an integer", "a number with a decimal point", "true or false"};
+  const auto type = static_cast<std::size_t>(node.type());
+  return type < std::size(names) ? names[type] : "a date or time";
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "ray_columns.hpp"
 #include "scene_keys.hpp"
 #include "scene_sections.hpp"
 #include "selectors.hpp"
@@ -128,11 +129,7 @@ struct Nodes : AnyValue {
 struct FieldNames : AnyValue {
   static constexpr const char* type = "array of text";
   std::vector<Field> read(const SceneTable& table, std::string_view) const { return parse_fields(table); }
-  std::string text(const std::vector<Field>& fields) const {
-    std::string names;
-    for (const auto field : fields) names += (names.empty() ? "" : ", ") + std::string(phynness::name(field));
-    return names;
-  }
+  std::string text(const std::vector<Field>& fields) const { return names(fields, ", "); }
 };
 
 // A member may be optional, or of a narrower type than the value that is read: the kind has checked the range.

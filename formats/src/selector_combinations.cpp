@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <phynness/formats/mesh.hpp>
 
-#include "near_nodes.hpp"
 #include "scene_sections.hpp"
 #include "selectors.hpp"
 
 namespace phynness::scene_detail {
 namespace {
-
-using CombinedKeys = std::vector<std::string_view>;
 
 bool any_needs_fixed(const Selection& selection) {
   return std::any_of(selection.begin(), selection.end(), [](const Selector& s) { return s.choice->needs_fixed(); });
@@ -20,83 +17,69 @@ std::string counted_nodes(const Selection& selection, std::size_t n) {
   return selection_description(selection) + " (" + std::to_string(n) + (n == 1 ? " node)" : " nodes)");
 }
 
-/// A selector whose value is an array of selections.
-struct OfSeveral : NodeChoice {
-  static constexpr SelectorForm form = SelectorForm::value;
-  static CombinedKeys keys() { return {}; }
-  std::vector<Selection> parts;
-  std::string_view own_name;
+/// A combination of two ascending lists of nodes; several are combined from the first on.
+struct Combination {
+  const char* name;
+  void (*combine)(const NodeList& a, const NodeList& b, NodeList& out);
+  const char *nothing, *remedy;  ///< around the list of the selections, if no node is left
+};
+constexpr Combination combinations[] = {
+    {"intersection",
+     [](const NodeList& a, const NodeList& b, NodeList& out) {
+       std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(out));
+     },
+     "no node is in all of ", ": move or widen them until they overlap"},
+    {"difference",
+     [](const NodeList& a, const NodeList& b, NodeList& out) {
+       std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(out));
+     },
+     "nothing is left of the first of ", ": widen the first or narrow the others"}};
 
-  OfSeveral(const SceneTable& table, std::string_view name) : own_name(name) {
+/// A selector whose value is an array of selections.
+struct OfSeveral final : NodeChoice {
+  const Combination& kind;
+  std::vector<Selection> parts;
+
+  OfSeveral(const SceneTable& table, const Combination& of) : kind(of) {
+    const std::string name = of.name;
     const auto* list = table.find(name)->as_array();
     if (!list || list->size() < 2)
       table.reject(name, "must be an array of at least two selections",
-                   "write for example " + std::string(name) + " = [{ sphere = { ... } }, \"free-surface\"]");
+                   "write for example " + name + " = [{ sphere = { ... } }, \"free-surface\"]");
     for (const auto& item : *list) parts.push_back(parse_selection(item, table, name));
   }
-  std::string text() const final { return joined(selection_text, " { ", ", ", " }"); }
-  std::string description() const final { return joined(selection_description, " of [", "] and [", "]"); }
-  bool needs_fixed() const final { return std::any_of(parts.begin(), parts.end(), any_needs_fixed); }
-
- protected:
-  std::string joined(std::string (*of)(const Selection&), const char* begin, const char* between,
-                     const char* end) const {
-    std::string all;
-    for (const auto& part : parts) all.append(all.empty() ? begin : between).append(of(part));
-    return std::string(own_name) + all + end;
-  }
-  /// Each part with its number of nodes, for messages.
-  std::string with_counts(const SelectableBody& body, const PickRequest& request) const {
-    std::string all;
-    for (const auto& part : parts)
-      all.append(all.empty() ? "" : ", ").append(counted_nodes(part, union_of(part, body, request).size()));
-    return all;
-  }
-};
-
-struct Intersection final : OfSeveral {
-  static constexpr std::string_view name = "intersection";
-  explicit Intersection(const SceneTable& table) : OfSeveral(table, name) {}
+  std::string text() const override { return joined(selection_text, " { ", ", ", " }"); }
+  std::string description() const override { return joined(selection_description, " of [", "] and [", "]"); }
+  bool needs_fixed() const override { return std::any_of(parts.begin(), parts.end(), any_needs_fixed); }
   NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
     NodeList nodes = union_of(parts.front(), body, request);
     for (std::size_t i = 1; i < parts.size(); ++i) {
-      const NodeList other = union_of(parts[i], body, request);
-      NodeList both;
-      std::set_intersection(nodes.begin(), nodes.end(), other.begin(), other.end(), std::back_inserter(both));
-      nodes = std::move(both);
-    }
-    return nodes;
-  }
-  std::string remedy_if_empty(const SelectableBody& body, const PickRequest& request) const override {
-    return "no node is in all of " + with_counts(body, request) + ": move or widen them until they overlap";
-  }
-};
-
-struct Difference final : OfSeveral {
-  static constexpr std::string_view name = "difference";
-  explicit Difference(const SceneTable& table) : OfSeveral(table, name) {}
-  NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
-    NodeList nodes = union_of(parts.front(), body, request);
-    for (std::size_t i = 1; i < parts.size(); ++i) {
-      const NodeList other = union_of(parts[i], body, request);
       NodeList rest;
-      std::set_difference(nodes.begin(), nodes.end(), other.begin(), other.end(), std::back_inserter(rest));
+      kind.combine(nodes, union_of(parts[i], body, request), rest);
       nodes = std::move(rest);
     }
     return nodes;
   }
   std::string remedy_if_empty(const SelectableBody& body, const PickRequest& request) const override {
-    return "nothing is left of the first of " + with_counts(body, request) + ": widen the first or narrow the others";
+    std::string all;
+    for (const auto& part : parts)
+      all.append(all.empty() ? "" : ", ").append(counted_nodes(part, union_of(part, body, request).size()));
+    return kind.nothing + all + kind.remedy;
+  }
+
+ private:
+  std::string joined(std::string (*of)(const Selection&), const char* begin, const char* between,
+                     const char* end) const {
+    std::string all;
+    for (const auto& part : parts) all.append(all.empty() ? begin : between).append(of(part));
+    return kind.name + all + end;
   }
 };
 
 struct Not final : NodeChoice {
-  static constexpr std::string_view name = "not";
-  static constexpr SelectorForm form = SelectorForm::value;
-  static CombinedKeys keys() { return {}; }
   Selection selection;
 
-  explicit Not(const SceneTable& table) : selection(parse_selection(*table.find(name), table, name)) {}
+  explicit Not(const SceneTable& table) : selection(parse_selection(*table.find("not"), table, "not")) {}
   std::string text() const override { return "not { " + selection_text(selection) + " }"; }
   std::string description() const override { return "not [" + selection_description(selection) + "]"; }
   bool needs_fixed() const override { return any_needs_fixed(selection); }
@@ -112,10 +95,23 @@ struct Not final : NodeChoice {
   }
 };
 
+/// The `candidates`, in their order, within `distance` of one of `targets`.
+NodeList near_nodes(const Points& nodes, const NodeList& candidates, NodeList targets, double distance) {
+  std::sort(targets.begin(), targets.end(), [&](auto a, auto b) { return nodes(a, 0) < nodes(b, 0); });
+  NodeList near;
+  for (const std::int32_t i : candidates) {
+    // Only targets with an x within the distance can be near.
+    auto t = std::lower_bound(targets.begin(), targets.end(), nodes(i, 0),
+                              [&](std::int32_t target, double x) { return x - nodes(target, 0) > distance; });
+    while (t != targets.end() && nodes(*t, 0) - nodes(i, 0) <= distance &&
+           (nodes.row(*t) - nodes.row(i)).norm() > distance)
+      ++t;
+    if (t != targets.end() && nodes(*t, 0) - nodes(i, 0) <= distance) near.push_back(i);
+  }
+  return near;
+}
+
 struct Near final : NodeChoice {
-  static constexpr std::string_view name = "near";
-  static constexpr SelectorForm form = SelectorForm::table;
-  static CombinedKeys keys() { return {"to", "distance_m"}; }
   Selection selection;
   double distance_m = 0;
 
@@ -142,7 +138,14 @@ struct Near final : NodeChoice {
 }  // namespace
 
 std::vector<SelectorKind> selector_combinations() {
-  return {row<Intersection>(), row<Difference>(), row<Not>(), row<Near>()};
+  std::vector<SelectorKind> kinds;
+  for (const auto& kind : combinations)
+    kinds.push_back({kind.name, SelectorForm::value, {}, [&kind](const SceneTable& table) {
+                       return std::make_shared<const OfSeveral>(table, kind);
+                     }});
+  kinds.push_back(row<Not>("not"));
+  kinds.push_back(row<Near>("near", {"to", "distance_m"}));
+  return kinds;
 }
 
 }  // namespace phynness::scene_detail

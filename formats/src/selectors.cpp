@@ -16,7 +16,6 @@ namespace phynness::scene_detail {
 namespace {
 
 using Vector = Eigen::RowVector3d;
-using Keys = std::vector<std::string_view>;
 
 Vector to_row(const Vec3& v) { return to_eigen(v).transpose(); }
 
@@ -84,9 +83,6 @@ struct Region : NodeChoice {
 };
 
 struct Box final : Region {
-  static constexpr std::string_view name = "box";
-  static constexpr SelectorForm form = SelectorForm::table;
-  static Keys keys() { return {"min_m", "max_m", "min_fraction", "max_fraction"}; }
   Place low, high;
 
   explicit Box(const SceneTable& table) {
@@ -118,9 +114,6 @@ struct Box final : Region {
 };
 
 struct Sphere final : Region {
-  static constexpr std::string_view name = "sphere";
-  static constexpr SelectorForm form = SelectorForm::table;
-  static Keys keys() { return {"center_m", "center_fraction", "radius_m"}; }
   Place center;
   double radius_m = 0;
 
@@ -142,9 +135,6 @@ struct Sphere final : Region {
 };
 
 struct Plane final : Region {
-  static constexpr std::string_view name = "plane";
-  static constexpr SelectorForm form = SelectorForm::table;
-  static Keys keys() { return {"point_m", "point_fraction", "normal", "tolerance_m"}; }
   Place point;
   Vec3 normal;
   double tolerance_m;
@@ -170,9 +160,6 @@ struct Plane final : Region {
 };
 
 struct HalfSpace final : Region {
-  static constexpr std::string_view name = "half_space";
-  static constexpr SelectorForm form = SelectorForm::table;
-  static Keys keys() { return {"point_m", "point_fraction", "normal"}; }
   Place point;
   Vec3 normal;
 
@@ -192,13 +179,10 @@ struct HalfSpace final : Region {
 };
 
 struct Group final : NodeChoice {
-  static constexpr std::string_view name = "group";
-  static constexpr SelectorForm form = SelectorForm::value;
-  static Keys keys() { return {}; }
   std::string group;
 
-  explicit Group(const SceneTable& table) : group(*table.text(name)) {
-    if (group.empty()) table.reject(name, "is empty", "give the name of a physical group of the mesh file");
+  explicit Group(const SceneTable& table) : group(*table.text("group")) {
+    if (group.empty()) table.reject("group", "is empty", "give the name of a physical group of the mesh file");
   }
   std::string text() const override { return "group \"" + group + "\""; }
   std::string description() const override { return "group '" + group + "'"; }
@@ -214,19 +198,16 @@ struct Group final : NodeChoice {
 };
 
 struct Numbers final : NodeChoice {
-  static constexpr std::string_view name = "nodes";
-  static constexpr SelectorForm form = SelectorForm::value;
-  static Keys keys() { return {}; }
   NodeList nodes;
 
   explicit Numbers(const SceneTable& table) {
-    const auto* list = table.find(name)->as_array();
-    if (!list) table.reject(name, "must be an array of node numbers", "write nodes = [0, 5, 7]");
-    if (list->empty()) table.reject(name, "is an empty list", "give at least one node, or remove the selector");
+    const auto* list = table.find("nodes")->as_array();
+    if (!list) table.reject("nodes", "must be an array of node numbers", "write nodes = [0, 5, 7]");
+    if (list->empty()) table.reject("nodes", "is an empty list", "give at least one node, or remove the selector");
     for (const auto& item : *list) {
       const auto* number = item.as_integer();
       if (!number || number->get() < 0 || number->get() > std::numeric_limits<std::int32_t>::max())
-        refuse(table.where(item), table.label(name) + " must contain integers of at least 0", shown(item),
+        refuse(table.where(item), table.label("nodes") + " must contain integers of at least 0", shown(item),
                "give node numbers, which start with 0, in the order of the mesh file");
       nodes.push_back(static_cast<std::int32_t>(number->get()));
     }
@@ -247,9 +228,6 @@ struct Numbers final : NodeChoice {
 };
 
 struct Nearest final : NodeChoice {
-  static constexpr std::string_view name = "nearest";
-  static constexpr SelectorForm form = SelectorForm::table;
-  static Keys keys() { return {"point_m", "point_fraction"}; }
   Place point;
 
   explicit Nearest(const SceneTable& table) : point(parse_place(table, "point")) {}
@@ -266,67 +244,50 @@ struct Nearest final : NodeChoice {
 };
 
 /// A selector without keys.
-struct Word : NodeChoice {
-  static constexpr SelectorForm form = SelectorForm::word;
-  static Keys keys() { return {}; }
+struct WordRow {
+  const char* name;
+  NodeList (*pick)(const SelectableBody& body, const PickRequest& request);
+  bool needs_fixed = false, selects_all = false;
 };
+constexpr WordRow free_surface_row{
+    "free-surface", [](const SelectableBody& body, const PickRequest&) { return without_fixed(body, body.surface); },
+    true};
+constexpr WordRow words[] = {
+    {"surface", [](const SelectableBody& body, const PickRequest&) { return body.surface; }},
+    free_surface_row,
+    {"free",
+     [](const SelectableBody& body, const PickRequest& request) { return without_fixed(body, request.candidates); },
+     true},
+    {"fixed", [](const SelectableBody& body, const PickRequest&) { return body.fixed; }, true},
+    {"all", [](const SelectableBody&, const PickRequest& request) { return request.candidates; }, false, true}};
 
-struct Surface final : Word {
-  static constexpr std::string_view name = "surface";
-  explicit Surface(const SceneTable&) {}
-  std::string text() const override { return std::string(name); }
-  std::string description() const override { return '"' + text() + '"'; }
-  NodeList pick(const SelectableBody& body, const PickRequest&) const override { return body.surface; }
-};
-
-struct FreeSurface final : Word {
-  static constexpr std::string_view name = "free-surface";
-  FreeSurface() = default;
-  explicit FreeSurface(const SceneTable&) {}
-  std::string text() const override { return std::string(name); }
-  std::string description() const override { return '"' + text() + '"'; }
-  NodeList pick(const SelectableBody& body, const PickRequest&) const override {
-    return without_fixed(body, body.surface);
-  }
-  bool needs_fixed() const override { return true; }
-};
-
-struct Free final : Word {
-  static constexpr std::string_view name = "free";
-  explicit Free(const SceneTable&) {}
-  std::string text() const override { return std::string(name); }
+struct Word final : NodeChoice {
+  const WordRow& row;
+  explicit Word(const WordRow& of) : row(of) {}
+  std::string text() const override { return row.name; }
   std::string description() const override { return '"' + text() + '"'; }
   NodeList pick(const SelectableBody& body, const PickRequest& request) const override {
-    return without_fixed(body, request.candidates);
+    return row.pick(body, request);
   }
-  bool needs_fixed() const override { return true; }
-};
-
-struct Fixed final : Word {
-  static constexpr std::string_view name = "fixed";
-  explicit Fixed(const SceneTable&) {}
-  std::string text() const override { return std::string(name); }
-  std::string description() const override { return '"' + text() + '"'; }
-  NodeList pick(const SelectableBody& body, const PickRequest&) const override { return body.fixed; }
-  bool needs_fixed() const override { return true; }
-};
-
-struct All final : Word {
-  static constexpr std::string_view name = "all";
-  explicit All(const SceneTable&) {}
-  std::string text() const override { return std::string(name); }
-  std::string description() const override { return '"' + text() + '"'; }
-  NodeList pick(const SelectableBody&, const PickRequest& request) const override { return request.candidates; }
-  bool selects_all() const override { return true; }
+  bool needs_fixed() const override { return row.needs_fixed; }
+  bool selects_all() const override { return row.selects_all; }
 };
 
 }  // namespace
 
 const std::vector<SelectorKind>& selector_kinds() {
   static const std::vector<SelectorKind> kinds = [] {
-    std::vector<SelectorKind> all = {row<Box>(),         row<Sphere>(),  row<Plane>(),   row<HalfSpace>(),
-                                     row<Group>(),       row<Numbers>(), row<Nearest>(), row<Surface>(),
-                                     row<FreeSurface>(), row<Free>(),    row<Fixed>(),   row<All>()};
+    std::vector<SelectorKind> all = {row<Box>("box", {"min_m", "max_m", "min_fraction", "max_fraction"}),
+                                     row<Sphere>("sphere", {"center_m", "center_fraction", "radius_m"}),
+                                     row<Plane>("plane", {"point_m", "point_fraction", "normal", "tolerance_m"}),
+                                     row<HalfSpace>("half_space", {"point_m", "point_fraction", "normal"}),
+                                     row<Group>("group"),
+                                     row<Numbers>("nodes"),
+                                     row<Nearest>("nearest", {"point_m", "point_fraction"})};
+    for (const auto& word : words)
+      all.push_back({word.name, SelectorForm::word, {}, [&word](const SceneTable&) {
+                       return std::make_shared<const Word>(word);
+                     }});
     const auto more = selector_combinations();
     all.insert(all.end(), more.begin(), more.end());
     return all;
@@ -338,6 +299,8 @@ const std::vector<SelectorKind>& selector_kinds() {
 
 namespace phynness {
 
-Selection free_surface() { return {{std::make_shared<const scene_detail::FreeSurface>(), false, {}}}; }
+Selection free_surface() {
+  return {{std::make_shared<const scene_detail::Word>(scene_detail::free_surface_row), false, {}}};
+}
 
 }  // namespace phynness

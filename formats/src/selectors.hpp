@@ -1,6 +1,8 @@
 // The selectors of a scene. Each is a struct and a row of a table.
 #pragma once
 
+#include <functional>
+
 #include "scene_table.hpp"
 
 namespace phynness::scene_detail {
@@ -19,14 +21,14 @@ struct SelectorKind {
   std::vector<std::string_view> keys;  ///< of its table, for SelectorForm::table
   /// @param table  the table of the selector; for SelectorForm::value the table that contains the selector
   /// @throws Error (input) with file and line
-  std::shared_ptr<const NodeChoice> (*parse)(const SceneTable& table);
+  std::function<std::shared_ptr<const NodeChoice>(const SceneTable& table)> parse;
 };
 
+/// A selector that is a table if it has `keys`, otherwise a value.
 template <class Choice>
-SelectorKind row() {
-  return {Choice::name, Choice::form, Choice::keys(), [](const SceneTable& table) -> std::shared_ptr<const NodeChoice> {
-            return std::make_shared<const Choice>(table);
-          }};
+SelectorKind row(std::string_view name, std::vector<std::string_view> keys = {}) {
+  const auto form = keys.empty() ? SelectorForm::value : SelectorForm::table;
+  return {name, form, std::move(keys), [](const SceneTable& table) { return std::make_shared<const Choice>(table); }};
 }
 
 /// Selectors that are made of other selections.

@@ -1,7 +1,7 @@
 // Specification: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html.
+#include <bit>
 #include <cassert>
 #include <charconv>
-#include <cstring>
 #include <phynness/formats/vtk.hpp>
 
 namespace phynness {
@@ -52,18 +52,11 @@ std::string base64(const std::string& data) {
   return text;
 }
 
-void append_little_endian(std::string& bytes, std::uint64_t bits, int n_bytes) {
-  for (int i = 0; i < n_bytes; ++i) bytes += static_cast<char>(bits >> (8 * i) & 255);
+template <class Number>
+void append_bytes(std::string& bytes, Number value) {
+  static_assert(std::endian::native == std::endian::little, "byte swaps for this host are not implemented");
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
-void append_bytes(std::string& bytes, double value) {
-  std::uint64_t bits;
-  std::memcpy(&bits, &value, sizeof bits);
-  append_little_endian(bytes, bits, 8);
-}
-void append_bytes(std::string& bytes, std::int32_t value) {
-  append_little_endian(bytes, static_cast<std::uint32_t>(value), 4);
-}
-void append_bytes(std::string& bytes, std::uint8_t value) { append_little_endian(bytes, value, 1); }
 
 /// A DataArray of VTU: length in bytes (UInt64) and data, encoded together.
 template <class Matrix>
@@ -72,37 +65,25 @@ std::string data_array(const std::string& name, const char* type, const Matrix& 
   for (Eigen::Index i = 0; i < values.rows(); ++i)
     for (Eigen::Index k = 0; k < values.cols(); ++k) append_bytes(data, values(i, k));
   std::string bytes;
-  append_little_endian(bytes, data.size(), 8);
+  append_bytes(bytes, std::uint64_t{data.size()});
   return "        <DataArray type=\"" + std::string(type) + "\" Name=\"" + name + "\"" +
          (components ? attribute("NumberOfComponents", values.cols()) : "") + " format=\"binary\">" +
          base64(bytes + data) + "</DataArray>\n";
 }
 
-std::uint8_t vtk_cell_type(const VtkGrid& grid) {
-  switch (grid.cells.cols()) {
-    case 4:
-      return 10;
-    case 3:
-      return 5;
-    default:
-      return 1;
-  }
-}
-
 using Column = Eigen::Matrix<std::int32_t, Eigen::Dynamic, 1>;
-Column node_column(const VtkGrid& grid) {
-  assert(static_cast<Eigen::Index>(grid.node_numbers.size()) == grid.points.rows());
-  return Eigen::Map<const Column>(grid.node_numbers.data(), grid.points.rows());
-}
 
 }  // namespace
 
 std::string vtu_text(const VtkGrid& grid, const VtkState& state) {
   const Eigen::Index n_cells = grid.cells.rows(), width = grid.cells.cols();
+  assert(static_cast<Eigen::Index>(grid.node_numbers.size()) == grid.points.rows());
+  const Eigen::Map<const Column> numbers(grid.node_numbers.data(), grid.points.rows());
+  const std::uint8_t cell_type = width == 4 ? 10 : width == 3 ? 5 : 1;
   Column offsets(n_cells);
   for (Eigen::Index i = 0; i < n_cells; ++i) offsets[i] = static_cast<std::int32_t>((i + 1) * width);
   const Eigen::Matrix<std::uint8_t, Eigen::Dynamic, 1> types =
-      Eigen::Matrix<std::uint8_t, Eigen::Dynamic, 1>::Constant(n_cells, vtk_cell_type(grid));
+      Eigen::Matrix<std::uint8_t, Eigen::Dynamic, 1>::Constant(n_cells, cell_type);
   const Eigen::Matrix<double, 1, 1> time{state.time};
 
   std::string text =
@@ -116,7 +97,7 @@ std::string vtu_text(const VtkGrid& grid, const VtkState& state) {
   text += "      <Points>\n" + data_array("Points", "Float64", grid.points, true) + "      </Points>\n";
   text += "      <Cells>\n" + data_array("connectivity", "Int32", grid.cells, false) +
           data_array("offsets", "Int32", offsets, false) + data_array("types", "UInt8", types, false) +
-          "      </Cells>\n      <PointData>\n" + data_array("node", "Int32", node_column(grid), false);
+          "      </Cells>\n      <PointData>\n" + data_array("node", "Int32", numbers, false);
   for (const auto& field : state.fields) text += data_array(field.name, "Float64", field.values, true);
   return text + "      </PointData>\n    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
 }

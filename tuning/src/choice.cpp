@@ -14,29 +14,15 @@ Costs costs(const MeasuredModel& m, ErrorStatistic statistic) {
   return {m.error(statistic), m.speed.deformation_us, m.memory_bytes};
 }
 
-double value_of(const ErrorStatistics& errors, ErrorStatistic statistic) {
-  switch (statistic) {
-    case ErrorStatistic::mean:
-      return errors.mean;
-    case ErrorStatistic::median:
-      return errors.median;
-    case ErrorStatistic::p95:
-      return errors.p95;
-  }
-  return errors.mean;
-}
-
-const char* name_of_error(ErrorStatistic statistic) {
-  switch (statistic) {
-    case ErrorStatistic::mean:
-      return "mean error";
-    case ErrorStatistic::median:
-      return "median error";
-    case ErrorStatistic::p95:
-      return "95 % quantile of the error";
-  }
-  return "error";
-}
+struct StatisticRow {
+  double ErrorStatistics::*value;
+  const char* name;
+};
+/// In the order of the enum.
+constexpr StatisticRow statistics[] = {{&ErrorStatistics::mean, "mean error"},
+                                       {&ErrorStatistics::median, "median error"},
+                                       {&ErrorStatistics::p95, "95 % quantile of the error"}};
+const StatisticRow& row_of(ErrorStatistic statistic) { return statistics[static_cast<std::size_t>(statistic)]; }
 
 std::string text(int what, double value) {
   char buffer[64];
@@ -50,7 +36,7 @@ std::string text(int what, double value) {
 }
 
 std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs& limit, ErrorStatistic statistic) {
-  const std::array<const char*, 3> what_of{name_of_error(statistic), "time of a deformation", "memory"};
+  const std::array<const char*, 3> what_of{row_of(statistic).name, "time of a deformation", "memory"};
   const auto costs_of = [&](const MeasuredModel& m) { return costs(m, statistic); };
   if (std::none_of(models.begin(), models.end(), [&](const auto& m) { return std::isfinite(m.error(statistic)); }))
     return "no probe inside the trained range was solved, so that the errors are unknown";
@@ -93,7 +79,8 @@ std::string describe_miss(const std::vector<MeasuredModel>& models, const Costs&
 
 double MeasuredModel::error(ErrorStatistic statistic) const {
   if (errors.inside.force.n == 0) return std::numeric_limits<double>::infinity();
-  return std::max(value_of(errors.inside.force, statistic), value_of(errors.inside.displacement, statistic));
+  const auto value = row_of(statistic).value;
+  return std::max(errors.inside.force.*value, errors.inside.displacement.*value);
 }
 
 void mark_front(std::vector<MeasuredModel>& models, ErrorStatistic statistic) {

@@ -13,17 +13,7 @@
 
 namespace phynness {
 
-const char* name(Variant v) {
-  switch (v) {
-    case Variant::scene:
-      return "scene";
-    case Variant::taylor_hood:
-      return "taylor-hood";
-    case Variant::half_size:
-      break;
-  }
-  return "half-size";
-}
+const char* name(Variant v) { return std::array{"scene", "taylor-hood", "half-size"}[static_cast<std::size_t>(v)]; }
 
 std::optional<double> CheckedProbe::ratio(Variant other, std::size_t depth) const {
   const auto &own = of(Variant::scene), &reference = of(other);

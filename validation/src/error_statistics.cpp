@@ -10,17 +10,7 @@
 
 namespace phynness {
 
-const char* name(Predictor p) {
-  switch (p) {
-    case Predictor::model:
-      return "model";
-    case Predictor::linear:
-      return "linear";
-    case Predictor::zero:
-      break;
-  }
-  return "zero";
-}
+const char* name(Predictor p) { return std::array{"model", "linear", "zero"}[static_cast<std::size_t>(p)]; }
 
 ErrorStatistics ErrorStatistics::of(std::vector<double> samples) {
   ErrorStatistics s;

@@ -4,6 +4,7 @@
 #include <phynness/precompute/precompute.hpp>
 
 #include "packed.hpp"
+#include "range_records.hpp"
 
 namespace phynness {
 ProbeRecords::ProbeRecords(const LoadedModel& model)
@@ -15,28 +16,25 @@ void ProbeRecords::add(const NodeProbes& probes) {
 }
 
 void ProbeRecords::add_group(const NodeProbes& probes, std::size_t group) {
-  double largest_force = 0, largest_u = 0;
-  for (const auto& state : probes.states[group]) {
-    largest_force = std::max(largest_force, to_eigen(state.force_FE).norm());
-    for (Eigen::Index i = 0; i < state.u_FE.rows(); ++i)
-      if (probes.counts[static_cast<std::size_t>(i)]) largest_u = std::max(largest_u, state.u_FE.row(i).norm());
-  }
+  LargestResponse largest;
+  for (const auto& state : probes.states[group]) largest.take(state.force_FE, state.u_FE, probes.counts);
   for (const auto& state : probes.states[group]) {
     const auto said = _model.respond({probes.node}, {state.d});
     const Vec3 force = *said.force_N[0];
     double error = 0, error_linear = 0, n = 0;
-    for (Eigen::Index i = 0; i < state.u_FE.rows() && largest_u > 0 && said.displacement_m.rows() > 0; ++i) {
+    for (Eigen::Index i = 0; i < state.u_FE.rows() && largest.displacement_m > 0 && said.displacement_m.rows() > 0;
+         ++i) {
       const auto o = static_cast<std::size_t>(i);
       if (!probes.counts[o]) continue;
-      const double here = (said.displacement_m.row(i) - state.u_FE.row(i)).norm() / largest_u;
+      const double here = (said.displacement_m.row(i) - state.u_FE.row(i)).norm() / largest.displacement_m;
       error += here;
-      error_linear += (state.u_linear.row(i) - state.u_FE.row(i)).norm() / largest_u;
+      error_linear += (state.u_linear.row(i) - state.u_FE.row(i)).norm() / largest.displacement_m;
       n += 1;
       if (group > 0) continue;
       _error_sum[o] += here;
       _error_count[o] += 1;
     }
-    const double scale = largest_force > 0 ? 1 / largest_force : 0;
+    const double scale = largest.force_N > 0 ? 1 / largest.force_N : 0;
     const auto off = [&](const Vec3& f) { return scale * (to_eigen(f) - to_eigen(state.force_FE)).norm(); };
     pack(_rows, ProbeRecord{probes.node, group > 0, state.d, state.force_FE, force, off(force), off(state.force_linear),
                             n > 0 ? error / n : 0, n > 0 ? error_linear / n : 0});

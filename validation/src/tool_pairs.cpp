@@ -15,17 +15,7 @@
 namespace phynness {
 
 const char* name(PairPredictor p) {
-  switch (p) {
-    case PairPredictor::coupled:
-      return "coupled";
-    case PairPredictor::alone:
-      return "alone";
-    case PairPredictor::paper:
-      return "paper";
-    case PairPredictor::linear:
-      break;
-  }
-  return "linear";
+  return std::array{"coupled", "alone", "paper", "linear"}[static_cast<std::size_t>(p)];
 }
 
 namespace {

@@ -67,21 +67,18 @@ struct Compared {
 
 using PointSamples = PointMeasures<std::vector<double>>;
 
-/// @param without  position of the output node that does not count; -1: all count
-void collect(const std::vector<Compared>& compared, Eigen::Index without, PointSamples& samples) {
-  double largest_force = 0, largest_u = 0;
+/// @param counts  per output node: 0 if it does not count; empty: all count
+void collect(const std::vector<Compared>& compared, const std::vector<char>& counts, PointSamples& samples) {
+  LargestResponse largest;
+  for (const auto& c : compared) largest.take(c.force_FE, c.u_FE, counts);
   for (const auto& c : compared) {
-    largest_force = std::max(largest_force, to_eigen(c.force_FE).norm());
-    for (Eigen::Index o = 0; o < c.u_FE.rows(); ++o)
-      if (o != without) largest_u = std::max(largest_u, c.u_FE.row(o).norm());
-  }
-  for (const auto& c : compared) {
-    if (largest_force > 0) samples.force.push_back((to_eigen(c.force) - to_eigen(c.force_FE)).norm() / largest_force);
+    if (largest.force_N > 0)
+      samples.force.push_back((to_eigen(c.force) - to_eigen(c.force_FE)).norm() / largest.force_N);
     double error2 = 0, norm2 = 0;
     for (Eigen::Index o = 0; o < c.u_FE.rows(); ++o) {
-      if (o == without) continue;
+      if (!counts.empty() && !counts[static_cast<std::size_t>(o)]) continue;
       const double error = (c.u.row(o) - c.u_FE.row(o)).norm();
-      if (largest_u > 0) samples.displacement.push_back(error / largest_u);
+      if (largest.displacement_m > 0) samples.displacement.push_back(error / largest.displacement_m);
       error2 += error * error;
       norm2 += c.u_FE.row(o).squaredNorm();
     }
@@ -182,10 +179,12 @@ class PointComparison {
                          rows_of(truth.displacement_m, _model.model().output)});
     }
     judge(point, probes, coupled, linear);
-    collect(coupled, -1, _coupled);
-    collect(linear, -1, _linear);
+    collect(coupled, {}, _coupled);
+    collect(linear, {}, _linear);
     const auto& output = _model.model().output;
-    collect(at_node, std::lower_bound(output.begin(), output.end(), corner) - output.begin(), _at_nodes);
+    std::vector<char> counts(output.size() + 1, 1);
+    counts[static_cast<std::size_t>(std::lower_bound(output.begin(), output.end(), corner) - output.begin())] = 0;
+    collect(at_node, counts, _at_nodes);
   }
 
   /// @param coupled, linear  of the solved probes

@@ -99,22 +99,22 @@ std::vector<std::pair<std::string, int>> sizes(const TrainingSpec& spec) {
   return {{"deformation_neurons", spec.deformation_neurons}, {"force_neurons", spec.force_neurons}};
 }
 
+/// Largest numbers of neurons of all nodes: for deformation and for force.
+std::pair<Eigen::Index, Eigen::Index> most_neurons(const Model& model) {
+  std::pair<Eigen::Index, Eigen::Index> most{0, 0};
+  for (const auto& node : model.nodes)
+    most = {std::max(most.first, node.deformation.weights.rows()), std::max(most.second, node.force.weights.rows())};
+  return most;
+}
+
 std::string describe_rbfn(const Model& model) {
-  std::int64_t neurons = 0, force_neurons = 0;
-  for (const auto& node : model.nodes) {
-    neurons = std::max<std::int64_t>(neurons, node.deformation.weights.rows());
-    force_neurons = std::max<std::int64_t>(force_neurons, node.force.weights.rows());
-  }
+  const auto [neurons, force_neurons] = most_neurons(model);
   return fmt::format("networks  {} neurons for deformation, {} for force; trained to {:.4g} m", neurons, force_neurons,
                      model.max_displacement_m);
 }
 
 std::vector<std::string> summarize_rbfn(const Model& model, const TrainingReport& report) {
-  std::int64_t neurons = 0, force_neurons = 0;
-  for (const auto& node : model.nodes) {
-    neurons = std::max<std::int64_t>(neurons, node.deformation.weights.rows());
-    force_neurons = std::max<std::int64_t>(force_neurons, node.force.weights.rows());
-  }
+  const auto [neurons, force_neurons] = most_neurons(model);
   return {fmt::format("up to {} deformation and {} force neurons each, spread {:.3g} and {:.3g}", neurons,
                       force_neurons, report.deformation_spread, report.force_spread)};
 }

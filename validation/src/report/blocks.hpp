@@ -1,4 +1,4 @@
-// Blocks of a report's sections (phynness/pages/report.hpp), and its section of errors.
+// Blocks of a report's sections (phynness/pages/report.hpp), and parts of it.
 #pragma once
 
 #include <fmt/core.h>
@@ -24,6 +24,21 @@ inline std::string percent(double fraction) {
   const double value = 100 * fraction;
   return value > 0 && value < 0.005 ? fmt::format("{:.0e}", value) : fmt::format("{:.2f}", value);
 }
+
+/// What the script of a report needs to draw the body: BodyData of web/report/src/data.ts; null if the model has no
+/// surface or no displacements.
+Json body_data(const Validated& validated);
+
+/// Work along closed paths, integrated from forces.
+struct Conservation {
+  int paths = 0;
+  double median = 0, largest = 0;  ///< |work| over the largest energy at a corner of the path
+  bool has_energy = false;         ///< false: over the largest |force . d| / 2
+};
+
+/// Closed quadrilaterals of displacements inside the trained range at random nodes, with Gauss-Legendre quadrature
+/// along each side.
+Conservation closed_paths(const LoadedModel& model, int n_paths, std::uint64_t seed);
 
 }  // namespace report
 

@@ -1,4 +1,4 @@
-#include "body_data.hpp"
+#include "blocks.hpp"
 
 #include <fmt/core.h>
 

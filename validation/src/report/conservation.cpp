@@ -1,4 +1,4 @@
-#include "conservation.hpp"
+#include "blocks.hpp"
 
 #include <algorithm>
 #include <array>

@@ -11,8 +11,6 @@
 #include <phynness/validation/trained_share.hpp>
 
 #include "blocks.hpp"
-#include "body_data.hpp"
-#include "conservation.hpp"
 
 namespace phynness {
 

@@ -2,6 +2,7 @@
 // matrices by row and column.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <phynness/formats/model.hpp>
 #include <string>
@@ -9,8 +10,25 @@
 
 namespace phynness {
 
+/// A base of the `io` of the grammar. The text functions are those of a writer.
 class ModelStores {
  public:
+  void room(const char*, std::uint64_t) {}
+  bool optional(const char*, bool present) { return present; }
+  static constexpr bool good() { return true; }
+  template <class T>
+  void done(const T&) {}
+  static bool has_place(const Model& model, std::int32_t node) {
+    const auto is_in = [node](const auto& nodes) { return std::binary_search(nodes.begin(), nodes.end(), node); };
+    return is_in(model.output) || is_in(model.fixed);
+  }
+  template <class Store>
+  auto get(const Store& store, std::int64_t i, std::int64_t k) const {
+    return cell(store, i, k);
+  }
+  template <class Store, class T>
+  void set(const Store&, std::int64_t, std::int64_t, T) {}
+
   template <class T>
   static std::int64_t rows(const std::vector<T>& list) {
     return static_cast<std::int64_t>(list.size());

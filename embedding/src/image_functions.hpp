@@ -1,0 +1,25 @@
+// The functions of phynness_image.h for each type of numbers.
+#pragma once
+
+#include <phynness/phynness_image.h>
+
+namespace phynness {
+
+struct DoubleImage {
+  using Real = double;
+  using Image = phn_image;
+  static constexpr auto open = phn_image_open;
+  static constexpr auto force = phn_image_force;
+  static constexpr auto energy = phn_image_energy;
+  static constexpr auto deform = phn_image_deform;
+};
+struct FloatImage {
+  using Real = float;
+  using Image = phn_imagef;
+  static constexpr auto open = phn_imagef_open;
+  static constexpr auto force = phn_imagef_force;
+  static constexpr auto energy = phn_imagef_energy;
+  static constexpr auto deform = phn_imagef_deform;
+};
+
+}  // namespace phynness
