@@ -2,7 +2,7 @@
 
 #include <phynness/formats/error.hpp>
 #include <phynness/validation/calibrate.hpp>
-#include <phynness/validation/figures.hpp>
+#include <phynness/formats/figures.hpp>
 #include <phynness/validation/force_unit.hpp>
 
 #include "command_files.hpp"

@@ -6,7 +6,7 @@
 #include <phynness/formats/locking.hpp>
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/validation/discretization.hpp>
-#include <phynness/validation/figures.hpp>
+#include <phynness/formats/figures.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"

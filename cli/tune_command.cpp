@@ -11,7 +11,7 @@
 #include <phynness/precompute/probe_solver.hpp>
 #include <phynness/training/families.hpp>
 #include <phynness/tuning/tuning.hpp>
-#include <phynness/validation/figures.hpp>
+#include <phynness/formats/figures.hpp>
 
 #include "command_files.hpp"
 #include "commands.hpp"

@@ -3,7 +3,7 @@
 
 #include <functional>
 #include <phynness/precompute/probe_solver.hpp>
-#include <phynness/validation/described.hpp>
+#include <phynness/formats/described.hpp>
 #include <phynness/validation/error_bounds.hpp>
 
 namespace phynness {

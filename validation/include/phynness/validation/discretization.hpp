@@ -10,7 +10,7 @@
 #include <phynness/formats/database.hpp>
 #include <phynness/formats/mesh.hpp>
 #include <phynness/formats/scene.hpp>
-#include <phynness/validation/described.hpp>
+#include <phynness/formats/described.hpp>
 #include <string>
 #include <vector>
 
