@@ -15,7 +15,7 @@ int run(int argc, char** argv) {
   app.name("phynness_paper_study");
   add_paper_study(app);
   // Called after the whole command line was parsed and before the study starts.
-  app.parse_complete_callback([&app] { check_files(app); });
+  app.parse_complete_callback([&app] { check_files(); });
   try {
     app.parse(argc, argv);
     return 0;

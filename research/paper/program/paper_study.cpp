@@ -77,7 +77,7 @@ std::vector<PaperCase> chosen_cases(const std::string& words) {
 void declare_files(const StudyRun& run) {
   for (const auto& one : paper_cases()) {
     declare_input("--scenes", run.scenes / one.scene);
-    declare_output("--output", case_folder(run, one), OutputKind::tree);
+    declare_output("--output", case_folder(run, one), PathKind::folder);
   }
   for (const char* name : {"paper.json", "paper.html"}) declare_output("--output", run.output / name);
 }
@@ -152,18 +152,18 @@ void run_study(Options options) {
 void add_paper_study(CLI::App& app) {
   auto options = std::make_shared<Options>();
   app.add_flag("--quick", options->run.quick, "coarser meshes and fewer points, for some minutes instead of an hour");
-  add_path(app, "-o,--output", options->run.output, OutputKind::folder,
+  add_path(app, "-o,--output", options->run.output, PathKind::folder,
            "folder, in which an interrupted study is resumed (default: out/paper or out/paper-quick)");
   app.add_option("--cases", options->cases, "some of 1,2,3,3-p1-p1,4 (default: all whose scene exists)");
-  add_path(app, "--scenes", options->run.scenes, InputKind::folder, "folder with the scenes of the cases");
+  app.add_option("--scenes", options->run.scenes, "folder with the scenes of the cases");
   app.add_option("--ranks", options->run.ranks, "number of processes of the finite element stages (mpirun)")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  add_path(app, "--sizes", options->sizes_file, InputKind::whole, "JSON file with other numbers of measurements")
+  add_path(app, "--sizes", options->sizes_file, PathKind::input, "JSON file with other numbers of measurements")
       ->group("");
   auto folder = std::make_shared<std::filesystem::path>();
   auto* measure = app.add_subcommand("measure", "Measures one case; started by the study")->group("");
-  add_path(*measure, "FOLDER", *folder, OutputKind::tree, "folder of the case")->required();
+  add_path(*measure, "FOLDER", *folder, PathKind::folder, "folder of the case")->required();
   app.callback([options, folder, measure] {
     if (measure->parsed())
       measure_folder(*folder);
